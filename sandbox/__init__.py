@@ -1,0 +1,1 @@
+"""Runs a program nobody trusts. Standard library only."""

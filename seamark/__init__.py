@@ -1,0 +1,1 @@
+"""Command line and Python client: what a participant touches."""

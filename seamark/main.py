@@ -1,0 +1,5 @@
+"""The `seamark` command."""
+
+
+def main() -> None:
+    """Run the command line."""

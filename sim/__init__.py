@@ -1,0 +1,1 @@
+"""The simulator: vehicle, water, camera, trackers, controllers, benchmarks. Runs alone."""

@@ -1,0 +1,1 @@
+"""The queue process: claims runs, wires simulator and sandbox, stores results."""
