@@ -1,0 +1,17 @@
+"""The languages that a program may be written in: one small file each, one line here."""
+
+from pathlib import PurePosixPath
+
+from sandbox.languages.language import Language
+from sandbox.languages.python import PYTHON
+
+LANGUAGES: dict[str, Language] = {language.name: language for language in (PYTHON,)}
+
+
+def language_of(filename: str) -> str | None:
+    """Return the name of the language of a file by its suffix; None if there is none for it."""
+    suffix = PurePosixPath(filename).suffix.lower()
+    for language in LANGUAGES.values():
+        if suffix in language.suffixes:
+            return language.name
+    return None

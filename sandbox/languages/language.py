@@ -1,0 +1,33 @@
+"""What a box has to know about a programming language."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+
+@dataclass(frozen=True, slots=True)
+class Bind:
+    """A file or folder of the host that the box sees read-only under another name."""
+
+    source: Path
+    target: str
+
+
+@dataclass(frozen=True, slots=True)
+class Runtime:
+    """What one language needs inside a box: command, environment and read-only files."""
+
+    command: tuple[str, ...]  # the number of the protocol's descriptor is appended
+    environment: dict[str, str]
+    binds: tuple[Bind, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Language:
+    """One language: its name, its label, the suffixes of its files, how it runs in a box."""
+
+    name: str
+    label: str
+    suffixes: tuple[str, ...]
+    runtime: Callable[[], Runtime]  # found on the host when first asked; SandboxBroken if missing
+    self_test: str  # a program that must get the verdict ok

@@ -1,0 +1,57 @@
+"""Every limit of a box, in one place. Units are in the names."""
+
+import math
+from dataclasses import asdict, dataclass
+
+MOST_STEP_WALL_S = 600.0  # [s] above this a lost program would hold a core for too long
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Limits:
+    """What all processes of one box may use together.
+
+    CPU time is the fair limit: it does not grow when the machine is busy. The wall times are
+    backstops for programs that sleep or hang.
+    """
+
+    cpu_s: float = 60.0  # [s] all processes of the box, from interpreter start to the last answer
+    wall_s: float = 180.0  # [s] the whole run
+    start_wall_s: float = 10.0  # [s] interpreter start; then import and __init__; then each reset
+    step_wall_s: float = 1.0  # [s] one answer
+    memory_mib: int = 512  # [MiB] all processes, shared memory and files under /tmp
+    processes: int = 32  # processes and threads
+    output_kib: int = 64  # [KiB] printed text that is kept: half from the head, half from the tail
+    output_max_mib: int = 4  # [MiB] printed text after which the run is ended
+    tmp_mib: int = 16  # [MiB] files under /tmp
+    shared_mib: int = 16  # [MiB] files under /dev/shm
+    file_mib: int = 16  # [MiB] one file
+    open_files: int = 64  # descriptors of one process
+    source_kib: int = 2048  # [KiB] text of the program
+
+    def __post_init__(self) -> None:
+        for name, value in asdict(self).items():
+            if not math.isfinite(value) or value <= 0:
+                raise ValueError(f"{name} must be positive and finite, not {value}")
+        if self.wall_s < self.cpu_s:
+            raise ValueError(f"wall_s ({self.wall_s}) is shorter than cpu_s ({self.cpu_s})")
+        if self.step_wall_s > MOST_STEP_WALL_S:
+            raise ValueError(f"step_wall_s ({self.step_wall_s}) is over {MOST_STEP_WALL_S}")
+        if self.output_max_mib * 1024 < self.output_kib:
+            raise ValueError("output_max_mib is less than the output_kib that are kept")
+
+
+MEANING = {  # limit -> what the program sees when it meets it; shown on the form and in the docs
+    "cpu_s": "the run ends: time limit",
+    "wall_s": "the run ends: time limit",
+    "start_wall_s": "the run ends: time limit",
+    "step_wall_s": "the run ends: time limit",
+    "memory_mib": "the kernel ends the program, or Python raises MemoryError: memory limit",
+    "processes": "starting another fails with BlockingIOError: process limit if it ends the program",
+    "output_kib": "the middle of the log is dropped and the dropped bytes are counted",
+    "output_max_mib": "the run ends: output limit",
+    "tmp_mib": "writing fails with OSError: no space left on device",
+    "shared_mib": "writing fails with OSError: no space left on device",
+    "file_mib": "writing fails with OSError: file too large",
+    "open_files": "opening fails with OSError: too many open files",
+    "source_kib": "the program is refused before it starts",
+}
