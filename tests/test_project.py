@@ -1,0 +1,93 @@
+"""Rules of the whole tree that no linter checks."""
+
+import re
+import subprocess
+from importlib.metadata import packages_distributions
+from pathlib import Path
+
+import grimp
+import pytest
+
+ROOT = Path(__file__).parent.parent
+PACKAGES = (
+    "sandbox",
+    "sim",
+    "server",
+    "worker",
+    "seamark",
+    "templates",
+    "migrations",
+    "performance",
+)
+
+
+def tracked(*patterns: str) -> list[Path]:
+    """Return the files git knows, or all files where the tree is not a checkout."""
+    listing = subprocess.run(
+        ["git", "ls-files", "--", *patterns], cwd=ROOT, capture_output=True, text=True, check=False
+    )
+    names = listing.stdout.split("\n") if listing.returncode == 0 else []
+    files = [ROOT / name for name in names if name]
+    return files or [path for pattern in patterns for path in ROOT.rglob(Path(pattern).name)]
+
+
+@pytest.mark.parametrize("name", PACKAGES)
+def test_a_top_level_name_belongs_to_our_distribution_alone(name: str) -> None:
+    owners = packages_distributions().get(name, [])
+
+    assert set(owners) <= {"seamark"}
+    assert (ROOT / name / "__init__.py").is_file()
+
+
+def test_no_source_file_is_longer_than_400_lines() -> None:
+    sources = [
+        path
+        for path in tracked("*.py", "*.js", "*.css", "run")
+        if "vendor" not in path.parts and "versions" not in path.parts and path.is_file()
+    ]
+    too_long = {
+        str(path.relative_to(ROOT)): lines
+        for path in sources
+        if (lines := path.read_text(encoding="utf-8").count("\n")) > 400
+    }
+
+    assert sources
+    assert too_long == {}
+
+
+def test_no_two_modules_import_each_other() -> None:
+    graph = grimp.build_graph(*PACKAGES, cache_dir=None)
+    mutual = {
+        tuple(sorted((module, other)))
+        for module in graph.modules
+        for other in graph.find_modules_directly_imported_by(module)
+        if module in graph.find_modules_directly_imported_by(other)
+    }
+
+    assert mutual == set()
+
+
+def test_no_file_has_a_name_that_says_nothing() -> None:
+    empty_names = {"utils", "helpers", "common", "manager"}
+
+    assert [path for path in tracked("*.py") if path.stem in empty_names] == []
+
+
+def test_every_runner_command_in_the_documents_exists() -> None:
+    known = set(re.findall(r"^\./run ?([a-z]*)", subprocess_help(), re.MULTILINE))
+    documents = [path for path in tracked("*.md") if path.is_file()]
+    named = {
+        command
+        for path in documents
+        for command in re.findall(r"^\s*\./run(?: ([a-z]+))?", path.read_text("utf-8"), re.M)
+    }
+
+    assert {"test", "doctor"} <= known
+    assert named <= known
+
+
+def subprocess_help() -> str:
+    """Return what `./run help` prints."""
+    return subprocess.run(
+        [str(ROOT / "run"), "help"], capture_output=True, text=True, check=True
+    ).stdout
