@@ -1,0 +1,155 @@
+"""Accounts, passwords and tokens."""
+
+import hashlib
+import hmac
+import re
+import secrets
+import time
+from collections.abc import Iterable
+
+from argon2 import PasswordHasher
+from argon2.exceptions import InvalidHashError, VerificationError
+from sqlalchemy import delete, select, update
+from sqlalchemy.orm import Session
+
+from server.access import SCOPES, Viewer
+from server.settings import Settings
+from server.tables import Token, User
+
+NAME_RULE = "2 to 40 letters, digits, dots, dashes or underscores, starting with a letter"
+PASSWORD_MIN, PASSWORD_MAX = 10, 200
+TOKEN_PREFIX = "smk_"  # noqa: S105 - lets secret scanners recognise our tokens
+TOKEN_DAYS = 90
+_NAME = re.compile(r"[A-Za-z][A-Za-z0-9._-]{1,39}")
+_DAY_S = 86_400.0
+_USED_STEP_S = 60.0  # `last_used_at` is written at most this often
+_hasher = PasswordHasher()
+# Checked when the name is unknown, so that the time of the answer does not tell which names exist.
+_NOBODY = _hasher.hash(secrets.token_hex(16))
+
+
+class AccountRejected(Exception):
+    """An account cannot be made or changed so. The text is for the form."""
+
+
+def sign_up(session: Session, name: str, password: str | None, *, is_admin: bool = False) -> User:
+    """Make an account; raises AccountRejected. Without a password nobody can log in to it."""
+    if not _NAME.fullmatch(name):
+        raise AccountRejected(f"A name has {NAME_RULE}.")
+    if password is not None:
+        _check_password(password)
+    if session.scalar(select(User.id).where(User.name_key == name.casefold())) is not None:
+        raise AccountRejected(f"The name {name} is taken.")
+    user = User(
+        name=name,
+        name_key=name.casefold(),
+        password_hash=None if password is None else _hasher.hash(password),
+        is_admin=is_admin,
+        created_at=time.time(),
+    )
+    session.add(user)
+    session.flush()
+    return user
+
+
+def authenticate(session: Session, name: str, password: str) -> User | None:
+    """Return the user if the password is right; takes as long for an unknown name."""
+    user = session.scalar(select(User).where(User.name_key == name.casefold()))
+    known = user.password_hash if user is not None and user.password_hash else _NOBODY
+    try:
+        _hasher.verify(known, password[: PASSWORD_MAX + 1])
+    except (VerificationError, InvalidHashError):
+        return None
+    return None if known is _NOBODY else user
+
+
+def change_password(session: Session, user_id: int, password: str) -> None:
+    """Set a new password; raises AccountRejected."""
+    _check_password(password)
+    change = update(User).where(User.id == user_id).values(password_hash=_hasher.hash(password))
+    session.execute(change)
+
+
+def viewer_of_user(session: Session, user_id: int) -> Viewer | None:
+    """Return the viewer of a logged-in user, or None if the account is gone."""
+    user = session.get(User, user_id)
+    return None if user is None else _viewer(user, SCOPES)
+
+
+def guest_hash(settings: Settings, cookie: str) -> str:
+    """Return what the database keeps of a guest's cookie; the cookie cannot be found from it."""
+    return hmac.new(settings.secret_key.encode(), f"guest {cookie}".encode(), "sha256").hexdigest()
+
+
+def new_token(
+    session: Session, user_id: int, name: str, scopes: Iterable[str], *, days: float = TOKEN_DAYS
+) -> str:
+    """Make a token and return its text, which is not kept and cannot be shown again."""
+    wanted = sorted(set(scopes))
+    if unknown := set(wanted) - set(SCOPES):
+        raise AccountRejected(f"There is no scope {', '.join(sorted(unknown))}.")
+    if not wanted:
+        raise AccountRejected("A token needs at least one scope.")
+    text = TOKEN_PREFIX + secrets.token_urlsafe(32)
+    now = time.time()
+    token = Token(
+        user_id=user_id,
+        name=name.strip()[:80] or "token",
+        hash=_token_hash(text),
+        scopes=wanted,
+        created_at=now,
+        expires_at=now + days * _DAY_S,
+    )
+    session.add(token)
+    session.flush()
+    return text
+
+
+def tokens(session: Session, user_id: int) -> list[Token]:
+    """Return a user's tokens, newest first."""
+    query = select(Token).where(Token.user_id == user_id).order_by(Token.id.desc())
+    return list(session.scalars(query))
+
+
+def revoke_token(session: Session, user_id: int, token_id: int) -> bool:
+    """Delete one of the user's tokens; False if there is no such token."""
+    gone = delete(Token).where(Token.id == token_id, Token.user_id == user_id)
+    return session.scalar(gone.returning(Token.id)) is not None
+
+
+def viewer_of_token(session: Session, text: str) -> Viewer | None:
+    """Return whom a token speaks for, or None if it is unknown or has expired.
+
+    Only reads; `note_use` records that the token was used.
+    """
+    query = select(Token, User).join(User, User.id == Token.user_id)
+    row = session.execute(query.where(Token.hash == _token_hash(text))).one_or_none()
+    if row is None:
+        return None
+    token, user = row.tuple()
+    if token.expires_at is not None and token.expires_at <= time.time():
+        return None
+    return _viewer(user, token.scopes)
+
+
+def note_use(session: Session, text: str) -> None:
+    """Record that a token was used, at most once a minute."""
+    now = time.time()
+    stale = (Token.last_used_at.is_(None)) | (Token.last_used_at < now - _USED_STEP_S)
+    session.execute(
+        update(Token).where(Token.hash == _token_hash(text), stale).values(last_used_at=now)
+    )
+
+
+def _viewer(user: User, scopes: Iterable[str]) -> Viewer:
+    return Viewer(user_id=user.id, name=user.name, is_admin=user.is_admin, scopes=frozenset(scopes))
+
+
+def _token_hash(text: str) -> str:
+    # Not argon2: a token has 256 random bits, nobody can try them all.
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+def _check_password(password: str) -> None:
+    if not PASSWORD_MIN <= len(password) <= PASSWORD_MAX:
+        raise AccountRejected(f"A password has {PASSWORD_MIN} to {PASSWORD_MAX} characters.")

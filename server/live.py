@@ -1,0 +1,212 @@
+"""Live events: a Redis stream per run, and one reader thread per web process.
+
+Streams and not pub/sub: the id of an entry is the browser's Last-Event-ID, so a page that lost its
+connection goes on where it stopped.
+"""
+
+import json
+import queue
+import threading
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import structlog
+from redis import Redis
+from redis.exceptions import RedisError
+
+KEEP = 2000  # entries kept of a stream
+EXPIRE_S = 3600  # after the end
+BACKLOG = 500  # events that may wait for one slow client; the oldest are dropped
+HEARTBEAT_S = 10.0  # a proxy closes silent connections; a thread notices a gone client by writing
+_BLOCK_MS = 200  # a new run is listened to after this time at the latest
+_RETRY_S = 1.0
+STATE, TELEMETRY, LOG, END, HEARTBEAT = "state", "telemetry", "log", "end", "heartbeat"
+_log = structlog.get_logger()
+
+
+class TooManyStreams(Exception):
+    """This process serves as many live pages as it may: answer 503 with Retry-After."""
+
+
+@dataclass(frozen=True, slots=True)
+class Event:
+    """One event of a run; a heartbeat has no id and no data."""
+
+    id: str
+    kind: str
+    data: dict[str, Any]
+
+    def sse(self) -> str:
+        """Return the event as text/event-stream has it."""
+        if self.kind == HEARTBEAT:
+            return ": still here\n\n"
+        return f"id: {self.id}\nevent: {self.kind}\ndata: {json.dumps(self.data)}\n\n"
+
+
+def key(run_id: int) -> str:
+    """Return the name of a run's stream."""
+    return f"run:{run_id}"
+
+
+def append(redis: "Redis", run_id: int, kind: str, data: dict[str, Any]) -> None:
+    """Add an event; after "end" the stream is forgotten in an hour. Raises RedisError."""
+    fields: Any = {"kind": kind, "data": json.dumps(data, allow_nan=False)}
+    redis.xadd(key(run_id), fields, maxlen=KEEP, approximate=True)
+    if kind == END:
+        redis.expire(key(run_id), EXPIRE_S)
+
+
+class Fanout:
+    """Gives the events of runs to any number of clients, with one connection to the broker."""
+
+    def __init__(self, redis: "Redis", *, streams_max: int = 200) -> None:
+        self._redis = redis
+        self._streams_max = streams_max
+        self._clients: dict[int, list[queue.Queue[Event]]] = {}
+        self._positions: dict[int, str] = {}
+        self._changed = threading.Condition()
+        self._thread: threading.Thread | None = None
+        self._closed = False
+
+    @property
+    def open_streams(self) -> int:
+        """How many clients listen now."""
+        with self._changed:
+            return sum(len(clients) for clients in self._clients.values())
+
+    def subscribe(self, run_id: int, last_id: str | None = None) -> Iterator[Event]:
+        """Return the events after `last_id` (all that are kept, if None), then new ones.
+
+        Ends after "end". Gives a heartbeat when nothing happens. Raises TooManyStreams at once,
+        not when it is first iterated.
+        """
+        inbox: queue.Queue[Event] = queue.Queue(BACKLOG)
+        self._enter(run_id, inbox)
+        return self._events(run_id, inbox, last_id or "0-0")
+
+    def close(self) -> None:
+        """Stop the reader and end all streams."""
+        with self._changed:
+            self._closed = True
+            self._changed.notify_all()
+        if self._thread is not None:
+            self._thread.join()
+
+    def _events(self, run_id: int, inbox: "queue.Queue[Event]", last_id: str) -> Iterator[Event]:
+        try:
+            # The client is registered already, so nothing falls between history and news.
+            for event in self._history(run_id, last_id):
+                last_id = event.id
+                yield event
+                if event.kind == END:
+                    return
+            while not self._closed:
+                event = _next(inbox)
+                if event.kind != HEARTBEAT and not _later(event.id, last_id):
+                    continue
+                last_id = event.id or last_id
+                yield event
+                if event.kind == END:
+                    return
+        finally:
+            self._leave(run_id, inbox)
+
+    def _history(self, run_id: int, last_id: str) -> list[Event]:
+        try:
+            entries: Any = self._redis.xrange(key(run_id), min=f"({_valid(last_id)}")
+        except RedisError as error:
+            _log.warning("history_failed", run=run_id, error=str(error))
+            return []
+        return [_event(entry_id, fields) for entry_id, fields in entries]
+
+    def _enter(self, run_id: int, inbox: "queue.Queue[Event]") -> None:
+        with self._changed:
+            if sum(len(clients) for clients in self._clients.values()) >= self._streams_max:
+                raise TooManyStreams
+            if run_id not in self._clients:
+                self._clients[run_id] = []
+                self._positions[run_id] = f"{int(time.time() * 1000) - 5000}-0"
+            self._clients[run_id].append(inbox)
+            if self._thread is None:  # not earlier: threads do not survive gunicorn's fork
+                self._thread = threading.Thread(target=self._read, name="fanout", daemon=True)
+                self._thread.start()
+            self._changed.notify_all()
+
+    def _leave(self, run_id: int, inbox: "queue.Queue[Event]") -> None:
+        with self._changed:
+            clients = self._clients.get(run_id, [])
+            if inbox in clients:
+                clients.remove(inbox)
+            if not clients:
+                self._clients.pop(run_id, None)
+                self._positions.pop(run_id, None)
+
+    def _read(self) -> None:
+        while not self._closed:
+            with self._changed:
+                while not self._positions and not self._closed:
+                    self._changed.wait()
+                wanted: Any = {key(run_id): last for run_id, last in self._positions.items()}
+            if not wanted:
+                continue
+            try:
+                found: Any = self._redis.xread(wanted, count=200, block=_BLOCK_MS)
+            except RedisError as error:
+                _log.warning("fanout_read_failed", error=str(error))
+                time.sleep(_RETRY_S)
+                continue
+            self._distribute(found)
+
+    def _distribute(self, found: Any) -> None:
+        pairs = found.items() if isinstance(found, dict) else found or []
+        for name, entries in pairs:
+            run_id = int(name.decode().removeprefix("run:"))
+            for entry_id, fields in entries:
+                event = _event(entry_id, fields)
+                with self._changed:
+                    if run_id in self._positions:
+                        self._positions[run_id] = event.id
+                    for inbox in self._clients.get(run_id, []):
+                        _put(inbox, event)
+
+
+def _event(entry_id: bytes, fields: dict[bytes, bytes]) -> Event:
+    return Event(entry_id.decode(), fields[b"kind"].decode(), json.loads(fields[b"data"]))
+
+
+def _next(inbox: "queue.Queue[Event]") -> Event:
+    try:
+        return inbox.get(timeout=HEARTBEAT_S)
+    except queue.Empty:
+        return Event("", HEARTBEAT, {})
+
+
+def _put(inbox: "queue.Queue[Event]", event: Event) -> None:
+    """Put an event; a client that does not keep up loses the oldest, not the newest."""
+    while True:
+        try:
+            inbox.put_nowait(event)
+            return
+        except queue.Full:
+            try:
+                inbox.get_nowait()
+            except queue.Empty:
+                continue
+
+
+def _valid(last_id: str) -> str:
+    """Return the id if it is one, else the start: it comes from a header."""
+    parts = last_id.split("-")
+    well = len(parts) == 2 and all(part.isdecimal() and len(part) < 20 for part in parts)
+    return last_id if well else "0-0"
+
+
+def _later(one: str, other: str) -> bool:
+    return _number(one) > _number(other)
+
+
+def _number(entry_id: str) -> tuple[int, int]:
+    milliseconds, _, sequence = _valid(entry_id).partition("-")
+    return int(milliseconds), int(sequence)

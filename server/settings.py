@@ -1,0 +1,133 @@
+"""Every setting of a service, in one place, read once from the environment."""
+
+import os
+import secrets
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Literal, Self
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+
+PREFIX = "SEAMARK_"
+LevelName = Literal["none", "weak", "medium", "strong"]
+
+
+class SettingsInvalid(Exception):
+    """A setting is unknown or has a wrong value. The text says which and what is allowed."""
+
+
+class Settings(BaseModel):
+    """What an operator can choose. Each field is the variable `SEAMARK_<NAME>` or `..._FILE`."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    data: Path = Field(Path("data"), description="Folder for the database, uploads and results")
+    database_url: str = Field("", description="Database; empty: SQLite in the data folder")
+    broker_url: str = Field(
+        "", description="redis:// or unix:// URL; empty: `seamark up` brings it"
+    )
+    secret_key: str = Field("", repr=False, description="Signs cookies; empty: kept in the data")
+    public: bool = Field(False, description="The service is open to strangers")
+    sandbox_min_level: LevelName = Field("medium", description="Uploads are refused below it")
+    host: str = Field("127.0.0.1", description="Address the web server listens on")
+    port: int = Field(8000, ge=0, le=65535, description="Port the web server listens on; 0: any")
+    workers: int = Field(
+        default_factory=lambda: len(os.sched_getaffinity(0)), ge=1, le=512, description="Cores"
+    )
+    ranked_trials: int = Field(10, ge=1, le=100, description="Hidden seeds of a ranked run")
+    practice_trials_max: int = Field(10, ge=1, le=100, description="Trials of a practice run")
+    upload_max_bytes: int = Field(2 * 2**20, ge=1024, le=2**30, description="Size of an upload")
+    quota_live: int = Field(5, ge=1, description="Runs a user may have queued or running")
+    quota_day: int = Field(200, ge=1, description="Runs a user may complete in 24 h")
+    guest_quota_day: int = Field(50, ge=0, description="Runs a guest may complete in 24 h")
+    running_max: int = Field(4, ge=1, description="Runs of one user that run at the same time")
+    lease_s: float = Field(30.0, gt=0, description="A silent worker loses its run after this time")
+    heartbeat_s: float = Field(5.0, gt=0, description="How often a worker says that it lives")
+    sweep_s: float = Field(10.0, gt=0, description="How often runs of dead workers are looked for")
+    attempts_max: int = Field(3, ge=1, description="Failures of ours before a run is given up")
+    streams_max: int = Field(200, ge=1, description="Live streams one web process keeps open")
+    sign_up_open: bool = Field(True, description="Strangers may make an account")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _fill(cls, values: dict[str, object]) -> dict[str, object]:
+        """Fill the defaults that follow from other fields."""
+        filled = {key: value for key, value in values.items() if value != ""}
+        data = Path(str(filled.get("data", "data"))).absolute()
+        filled["data"] = data
+        filled.setdefault("database_url", f"sqlite:///{data / 'seamark.db'}")
+        if str(filled.get("public", "")).lower() in {"1", "true", "yes", "on", "t", "y"}:
+            filled.setdefault("sandbox_min_level", "strong")
+        return filled
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        """Refuse combinations that cannot work."""
+        if self.lease_s <= 2 * self.heartbeat_s:
+            raise ValueError("lease_s must be more than twice heartbeat_s, or live runs are lost")
+        return self
+
+    def model_post_init(self, context: object, /) -> None:
+        """Make the folder and the secret that every process of the service shares."""
+        self.data.mkdir(parents=True, exist_ok=True, mode=0o700)
+        if not self.secret_key:
+            object.__setattr__(self, "secret_key", _kept_secret(self.data / "secret"))
+
+    @classmethod
+    def load(cls, environ: Mapping[str, str] | None = None) -> Self:
+        """Return the settings of the environment; raises SettingsInvalid with a sentence each."""
+        values = _values(os.environ if environ is None else environ)
+        try:
+            return cls.model_validate(values)
+        except ValidationError as wrong:
+            raise SettingsInvalid("; ".join(_sentences(wrong))) from None
+
+    def environment(self) -> dict[str, str]:
+        """Return the variables from which a child process loads these same settings."""
+        values = self.model_dump(mode="json")
+        return {PREFIX + name.upper(): str(value) for name, value in values.items() if value != ""}
+
+
+def _values(environ: Mapping[str, str]) -> dict[str, object]:
+    values: dict[str, object] = {}
+    for variable, text in sorted(environ.items()):
+        if not variable.startswith(PREFIX):
+            continue
+        name, value = variable.removeprefix(PREFIX).lower(), text
+        if name not in Settings.model_fields and name.endswith("_file"):
+            name, value = name.removesuffix("_file"), _content(variable, text)
+        if name not in Settings.model_fields:
+            raise SettingsInvalid(f"{variable} is not a setting of Seamark")
+        if name in values:
+            raise SettingsInvalid(f"{PREFIX}{name.upper()} is given twice, directly and as a file")
+        values[name] = value
+    return values
+
+
+def _content(variable: str, path: str) -> str:
+    try:
+        return Path(path).read_text(encoding="utf-8").strip()
+    except OSError as error:
+        raise SettingsInvalid(f"{variable}: {path} cannot be read: {error.strerror}") from None
+
+
+def _sentences(wrong: ValidationError) -> list[str]:
+    return [
+        f"{PREFIX}{'_'.join(str(part) for part in error['loc']).upper() or '*'}: {error['msg']}"
+        for error in wrong.errors()
+    ]
+
+
+def _kept_secret(path: Path) -> str:
+    """Return the secret in `path`, made at the first call; safe when processes race."""
+    if not path.exists():
+        draft = path.with_name(f"secret.{secrets.token_hex(8)}")
+        with open(os.open(draft, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "w") as file:
+            file.write(secrets.token_urlsafe(48))
+        try:
+            os.link(draft, path)  # fails if another process was faster: then its secret counts
+        except FileExistsError:
+            pass
+        finally:
+            draft.unlink()
+    return path.read_text(encoding="utf-8").strip()
