@@ -1,0 +1,85 @@
+"""What a benchmark is; one file per benchmark beside this one."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from sim.configuration import (
+    Configuration,
+    ConfigurationInvalid,
+    extra_of,
+    schema_of,
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Chart:
+    """A chart that the run page offers: title, unit and the telemetry's columns in it."""
+
+    title: str
+    unit: str
+    columns: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Metric:
+    """A number that a run ends with; `better` is "lower" or "higher"."""
+
+    name: str
+    label: str
+    unit: str
+    better: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Benchmark:
+    """A benchmark version. Its numbers never change after release; a change is a new version."""
+
+    name: str
+    title: str
+    summary: str
+    compares: str
+    headline: Metric
+    charts: tuple[Chart, ...]
+    configuration: type[Configuration]
+    presets: Mapping[str, Mapping[str, object]] = field(default_factory=dict)  # vehicle -> values
+    ranked_trials: int = 10
+
+    def read(self, values: Mapping[str, object]) -> Configuration:
+        """Return the checked configuration; what is left out comes from the vehicle's preset.
+
+        Raises
+        ------
+        ConfigurationInvalid
+            One sentence per wrong setting, all at once.
+        """
+        preset = self.presets.get(str(values.get("vehicle")), {})
+        return self.configuration.read({**preset, **values})
+
+    def schema(self) -> dict[str, Any]:
+        """Return the JSON Schema (2020-12) that the form is generated from."""
+        presets = {name: dict(values) for name, values in self.presets.items()}
+        return schema_of(self.configuration, title=self.title) | {"x-presets": {"vehicle": presets}}
+
+    def ranked(self, config: Configuration) -> Configuration:
+        """Return what a ranked run uses: the benchmark's scenario, the user's solution.
+
+        Raises
+        ------
+        ConfigurationInvalid
+            If a solution's setting may not rank, such as ground truth in the tracker's place.
+        """
+        fields = self.configuration.model_fields
+        solution = {
+            name: value
+            for name, value in config.model_dump().items()
+            if extra_of(fields[name])["x-role"] == "solution"
+        }
+        errors = config.why_not_ranked()
+        if errors:
+            raise ConfigurationInvalid(errors)
+        return self.configuration.read(solution)
+
+    def trial_duration_s(self, config: Configuration) -> float:
+        """Return the simulated length of one trial."""
+        return config.trial_duration_s()

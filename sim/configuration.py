@@ -1,0 +1,242 @@
+"""Configurations: flat, frozen, and every refusal a sentence that names the allowed range.
+
+A benchmark declares its settings with `knob`. The same declaration gives the check of a value, the
+JSON Schema that the form is generated from, and the text of the refusal, so they cannot disagree.
+"""
+
+import difflib
+import math
+from collections.abc import Callable, Mapping
+from typing import Any, Literal, Self
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic.fields import FieldInfo
+from pydantic_core import ErrorDetails
+
+Role = Literal["scenario", "solution"]
+
+
+class ConfigurationInvalid(Exception):
+    """Values that break the rules of a benchmark. The sentences are written for the user.
+
+    Attributes
+    ----------
+    errors : dict of setting -> sentence
+    """
+
+    def __init__(self, errors: Mapping[str, str]) -> None:
+        super().__init__(" ".join(errors.values()))
+        self.errors = dict(errors)
+
+
+class Configuration(BaseModel):
+    """What all configurations have in common: nothing unknown, nothing infinite, nothing changed."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    def broken_rules(self) -> dict[str, str]:
+        """Return setting -> sentence for rules between several settings; none here."""
+        return {}
+
+    def why_not_ranked(self) -> dict[str, str]:
+        """Return setting -> sentence for what keeps this out of a ranked run; nothing here."""
+        return {}
+
+    def trial_duration_s(self) -> float:
+        """Return the simulated length of a trial."""
+        raise NotImplementedError(type(self).__name__)
+
+    @classmethod
+    def read(cls, values: Mapping[str, object]) -> Self:
+        """Return the checked configuration.
+
+        Raises
+        ------
+        ConfigurationInvalid
+            With one sentence per wrong setting, all of them at once.
+        """
+        try:
+            configuration = cls(**{str(key): _plain(value) for key, value in values.items()})
+        except ValidationError as refusal:
+            raise ConfigurationInvalid(_sentences(cls, refusal)) from None
+        errors = configuration.broken_rules()
+        if errors:
+            raise ConfigurationInvalid(errors)
+        return configuration
+
+
+def knob(  # noqa: PLR0913  # one keyword per word of the schema
+    default: object,
+    *,
+    title: str,
+    says: str,
+    group: str,
+    role: Role,
+    unit: str = "",
+    low: float | None = None,
+    above: float | None = None,
+    high: float | None = None,
+    choices: Mapping[str, str] | None = None,
+    tag: str = "",
+    advanced: bool = False,
+    length: tuple[int, int] | None = None,
+) -> Any:  # noqa: ANN401  # pydantic's own Field says Any, so that it fits every annotation
+    """Return one setting.
+
+    Parameters
+    ----------
+    default
+        The benchmark's value; a ranked run uses it for every scenario setting.
+    title, says, group, unit
+        What the form shows. `says` is one line.
+    role
+        "scenario" is what everybody has to share in a ranked run, "solution" is what competes.
+    low, above, high
+        Allowed range, `above` exclusive; of the items if the setting is a list.
+    choices : mapping of value -> label
+    tag
+        Where the default comes from: S sourced, D derived, E estimated.
+    length : (least, most) items of a list
+    """
+    extra: dict[str, Any] = {"x-group": group, "x-role": role, "x-advanced": advanced}
+    if unit:
+        extra["x-unit"] = unit
+    if tag:
+        extra["x-tag"] = tag
+    if choices is not None:
+        extra |= {"enum": list(choices), "x-labels": dict(choices)}
+    bounds: dict[str, Any] = {}
+    if length is None:
+        bounds = {"ge": low, "gt": above, "le": high}
+    else:
+        items = {"minimum": low, "exclusiveMinimum": above, "maximum": high}
+        extra["x-items"] = {name: value for name, value in items.items() if value is not None}
+        bounds = {"min_length": length[0], "max_length": length[1]}
+    return Field(
+        default,
+        title=title,
+        description=says,
+        json_schema_extra=extra,
+        validate_default=True,
+        **bounds,
+    )
+
+
+def extra_of(field: FieldInfo) -> dict[str, Any]:
+    """Return the x- words of a setting."""
+    extra = field.json_schema_extra
+    return dict(extra) if isinstance(extra, Mapping) else {}
+
+
+def allowed(field: FieldInfo) -> str:
+    """Return the allowed values of a setting in words, such as "from 0 to 10 1/s"."""
+    extra = extra_of(field)
+    if "enum" in extra:
+        return "one of " + ", ".join(extra["enum"])
+    if field.annotation is bool:
+        return "true or false"
+    unit = f" {extra['x-unit']}" if "x-unit" in extra else ""
+    limits = {type(entry).__name__: entry for entry in field.metadata}
+    items = extra.get("x-items")
+    if items is not None:
+        least, most = limits["MinLen"].min_length, limits["MaxLen"].max_length
+        count = f"{least}" if least == most else f"{least} to {most}"
+        return f"a list of {count} numbers {_range(items, unit)}"
+    found = {
+        "minimum": getattr(limits.get("Ge"), "ge", None),
+        "exclusiveMinimum": getattr(limits.get("Gt"), "gt", None),
+        "maximum": getattr(limits.get("Le"), "le", None),
+    }
+    kind = "a whole number" if field.annotation is int else "a number"
+    return f"{kind} {_range(found, unit)}".strip()
+
+
+def _range(limits: Mapping[str, float | None], unit: str) -> str:
+    low, above, high = (limits.get(k) for k in ("minimum", "exclusiveMinimum", "maximum"))
+    start = f"above {above:g}" if above is not None else f"from {low:g}" if low is not None else ""
+    if high is None:
+        return f"{start}{unit}"
+    return f"{start} to {high:g}{unit}" if low is not None else f"{start} up to {high:g}{unit}"
+
+
+def refuse_outside(value: object, field: FieldInfo) -> str | None:
+    """Return what is wrong with a choice or with the items of a list, or None."""
+    extra = extra_of(field)
+    if "enum" in extra and value not in extra["enum"]:
+        return f"must be {allowed(field)}, not {value!r}"
+    if "x-items" in extra and isinstance(value, tuple):
+        limits = extra["x-items"]
+        wrong = [item for item in value if not _inside(item, limits)]
+        if wrong:
+            return f"must be {allowed(field)}, not {wrong[0]:g}"
+    return None
+
+
+def _inside(item: float, limits: Mapping[str, float]) -> bool:
+    return (
+        math.isfinite(item)
+        and item >= limits.get("minimum", -math.inf)
+        and item > limits.get("exclusiveMinimum", -math.inf)
+        and item <= limits.get("maximum", math.inf)
+    )
+
+
+def _plain(value: object) -> object:
+    """Return text such as "0, 0.2" as a list, and everything else as it is."""
+    if isinstance(value, str) and "," in value:
+        return [part.strip() for part in value.strip("[]() ").split(",") if part.strip()]
+    return value
+
+
+def _sentences(cls: type[Configuration], refusal: ValidationError) -> dict[str, str]:
+    sentences: dict[str, str] = {}
+    for error in refusal.errors(include_url=False):
+        name = str(error["loc"][0]) if error["loc"] else "configuration"
+        sentences.setdefault(name, _sentence(cls, name, error))
+    return sentences
+
+
+def _sentence(cls: type[Configuration], name: str, error: ErrorDetails) -> str:
+    field = cls.model_fields.get(name)
+    if field is None:
+        near = difflib.get_close_matches(name, cls.model_fields, n=1)
+        hint = (
+            f"did you mean {near[0]}?" if near else "it knows: " + ", ".join(cls.model_fields) + "."
+        )
+        return f"{name} is not a setting of this benchmark; {hint}"
+    got = error["input"]
+    shown = f"{got:g}" if isinstance(got, float) else repr(got)
+    return f"{name} ({field.title}) must be {allowed(field)}, not {shown}."
+
+
+def schema_of(cls: type[Configuration], *, title: str) -> dict[str, Any]:
+    """Return the JSON Schema (2020-12) of a configuration, one flat object."""
+    properties = {name: _property(name, field) for name, field in cls.model_fields.items()}
+    return {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": title,
+        "type": "object",
+        "additionalProperties": False,
+        "properties": properties,
+    }
+
+
+def _property(name: str, field: FieldInfo) -> dict[str, Any]:
+    extra = extra_of(field)
+    default = field.default
+    entry: dict[str, Any] = {"title": field.title or name, "description": field.description or ""}
+    entry["default"] = list(default) if isinstance(default, tuple) else default
+    limits = {type(item).__name__: item for item in field.metadata}
+    items = extra.pop("x-items", None)
+    if items is not None:
+        entry |= {"type": "array", "items": {"type": "number"} | items}
+        entry["minItems"] = limits["MinLen"].min_length
+        entry["maxItems"] = limits["MaxLen"].max_length
+    else:
+        kind: Callable[..., object] | type | None = field.annotation
+        entry["type"] = {bool: "boolean", int: "integer", float: "number"}.get(kind, "string")  # type: ignore[call-overload]
+        names = (("Ge", "ge", "minimum"), ("Gt", "gt", "exclusiveMinimum"), ("Le", "le", "maximum"))
+        for kind_name, attribute, word in names:
+            if kind_name in limits:
+                entry[word] = getattr(limits[kind_name], attribute)
+    return entry | extra

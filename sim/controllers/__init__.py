@@ -1,0 +1,1 @@
+"""Built-in position controllers, one file each, written with the public interface."""

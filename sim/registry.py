@@ -1,0 +1,97 @@
+"""Names of everything a form offers, with labels and where the code lives.
+
+Light on purpose: importing it loads neither Numba nor OpenCV. Adding a thing is one file and one
+line here; an entry that does not load stops the start (`load_all`), it does not warn.
+"""
+
+import importlib
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from sim.benchmarks import Benchmark
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """A label for people and a dotted path, module:attribute, for the computer."""
+
+    label: str
+    path: str
+
+    def load(self) -> Any:  # noqa: ANN401  # a class, a function or a data object
+        """Return what the path names.
+
+        Raises
+        ------
+        ImportError, AttributeError
+            If the path names nothing: the registry is wrong.
+        """
+        module, _, attribute = self.path.partition(":")
+        return getattr(importlib.import_module(module), attribute)
+
+
+BENCHMARKS = {
+    "currents-v1": Entry(
+        "Position controllers in changing currents", "sim.benchmarks.currents_v1:BENCHMARK"
+    ),
+}
+VEHICLES = {
+    "girona500": Entry("Girona 500", "sim.vehicles.girona500:VEHICLE"),
+    "girona500-uwsim": Entry(
+        "Girona 500 as in UWSim (the paper's plant)", "sim.vehicles.girona500_uwsim:VEHICLE"
+    ),
+}
+CONTROLLERS = {
+    "pi": Entry("PI", "sim.controllers.pi:Controller"),
+    "p": Entry("P", "sim.controllers.p:Controller"),
+}
+TRACKERS = {
+    "esm": Entry("Template tracker (ESM family)", "sim.trackers:make"),
+    "ecc": Entry("OpenCV ECC", "sim.trackers:make"),
+    "klt": Entry("OpenCV KLT + RANSAC", "sim.trackers:make"),
+}
+TRUTH = "truth"  # not a tracker: the true corners, to look at a controller alone; never ranks
+
+WARPS = {
+    "translation": "Translation",
+    "rt": "Rotation + translation",
+    "srt": "Scale + rotation + translation",
+    "affine": "Affine",
+    "homography": "Homography",
+}
+CRITERIA = {
+    "ssd": "SSD (sum of squared differences)",
+    "zncc": "ZNCC (zero-mean normalised cross-correlation)",
+    "mi": "Mutual information",
+}
+METHODS = {
+    "esm": "Efficient second-order minimisation",
+    "inverse-compositional": "Inverse compositional",
+    "forward-additional": "Forward additional",
+    "forward-compositional": "Forward compositional",
+}
+
+
+def labels(entries: dict[str, Entry]) -> dict[str, str]:
+    """Return name -> label, as the form shows them."""
+    return {name: entry.label for name, entry in entries.items()}
+
+
+def benchmark(name: str) -> "Benchmark":
+    """Return a benchmark by its name.
+
+    Raises
+    ------
+    KeyError
+        If there is none of that name.
+    """
+    loaded: Benchmark = BENCHMARKS[name].load()
+    return loaded
+
+
+def load_all() -> None:
+    """Load every entry, so that a broken one stops the start and not somebody's run."""
+    for entries in (BENCHMARKS, VEHICLES, CONTROLLERS, TRACKERS):
+        for entry in entries.values():
+            entry.load()
