@@ -6,14 +6,15 @@ JSON Schema that the form is generated from, and the text of the refusal, so the
 
 import difflib
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, ValidationInfo, field_validator
 from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
 Role = Literal["scenario", "solution"]
+JSON_TYPES: dict[object, str] = {bool: "boolean", int: "integer", float: "number", str: "string"}
 
 
 class ConfigurationInvalid(Exception):
@@ -30,9 +31,23 @@ class ConfigurationInvalid(Exception):
 
 
 class Configuration(BaseModel):
-    """What all configurations have in common: nothing unknown, nothing infinite, nothing changed."""
+    """What all configurations have in common: nothing unknown, nothing infinite."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    @field_validator("*", mode="before")
+    @classmethod
+    def _no_truth_for_numbers(cls, value: object, info: ValidationInfo) -> object:
+        if isinstance(value, bool) and cls.model_fields[_name(info)].annotation is not bool:
+            raise ValueError("true and false are no numbers")
+        return value
+
+    @field_validator("*", mode="after")
+    @classmethod
+    def _within_choices_and_items(cls, value: object, info: ValidationInfo) -> object:
+        if outside(value, cls.model_fields[_name(info)]):
+            raise ValueError("outside the allowed values")
+        return value
 
     def broken_rules(self) -> dict[str, str]:
         """Return setting -> sentence for rules between several settings; none here."""
@@ -80,7 +95,7 @@ def knob(  # noqa: PLR0913  # one keyword per word of the schema
     tag: str = "",
     advanced: bool = False,
     length: tuple[int, int] | None = None,
-) -> Any:  # noqa: ANN401  # pydantic's own Field says Any, so that it fits every annotation
+) -> Any:  # pydantic's own Field says Any, so that it fits every annotation
     """Return one setting.
 
     Parameters
@@ -128,6 +143,11 @@ def extra_of(field: FieldInfo) -> dict[str, Any]:
     return dict(extra) if isinstance(extra, Mapping) else {}
 
 
+def group_of(field: FieldInfo) -> str:
+    """Return the group of a setting."""
+    return str(extra_of(field)["x-group"])
+
+
 def allowed(field: FieldInfo) -> str:
     """Return the allowed values of a setting in words, such as "from 0 to 10 1/s"."""
     extra = extra_of(field)
@@ -159,17 +179,20 @@ def _range(limits: Mapping[str, float | None], unit: str) -> str:
     return f"{start} to {high:g}{unit}" if low is not None else f"{start} up to {high:g}{unit}"
 
 
-def refuse_outside(value: object, field: FieldInfo) -> str | None:
-    """Return what is wrong with a choice or with the items of a list, or None."""
+def outside(value: object, field: FieldInfo) -> bool:
+    """Return whether a choice or an item of a list is none of the allowed ones."""
     extra = extra_of(field)
-    if "enum" in extra and value not in extra["enum"]:
-        return f"must be {allowed(field)}, not {value!r}"
+    if "enum" in extra:
+        return value not in extra["enum"]
     if "x-items" in extra and isinstance(value, tuple):
-        limits = extra["x-items"]
-        wrong = [item for item in value if not _inside(item, limits)]
-        if wrong:
-            return f"must be {allowed(field)}, not {wrong[0]:g}"
-    return None
+        return not all(_inside(item, extra["x-items"]) for item in value)
+    return False
+
+
+def _name(info: ValidationInfo) -> str:
+    if info.field_name is None:
+        raise RuntimeError("a validator of settings was called outside a setting")
+    return info.field_name
 
 
 def _inside(item: float, limits: Mapping[str, float]) -> bool:
@@ -209,9 +232,10 @@ def _sentence(cls: type[Configuration], name: str, error: ErrorDetails) -> str:
     return f"{name} ({field.title}) must be {allowed(field)}, not {shown}."
 
 
-def schema_of(cls: type[Configuration], *, title: str) -> dict[str, Any]:
-    """Return the JSON Schema (2020-12) of a configuration, one flat object."""
-    properties = {name: _property(name, field) for name, field in cls.model_fields.items()}
+def schema_of(cls: type[Configuration], *, title: str, groups: Sequence[str]) -> dict[str, Any]:
+    """Return the JSON Schema (2020-12) of a configuration, one flat object, group by group."""
+    order = sorted(cls.model_fields.items(), key=lambda item: groups.index(group_of(item[1])))
+    properties = {name: _property(name, field) for name, field in order}
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": title,
@@ -233,8 +257,7 @@ def _property(name: str, field: FieldInfo) -> dict[str, Any]:
         entry["minItems"] = limits["MinLen"].min_length
         entry["maxItems"] = limits["MaxLen"].max_length
     else:
-        kind: Callable[..., object] | type | None = field.annotation
-        entry["type"] = {bool: "boolean", int: "integer", float: "number"}.get(kind, "string")  # type: ignore[call-overload]
+        entry["type"] = JSON_TYPES[field.annotation]
         names = (("Ge", "ge", "minimum"), ("Gt", "gt", "exclusiveMinimum"), ("Le", "le", "maximum"))
         for kind_name, attribute, word in names:
             if kind_name in limits:

@@ -1,7 +1,7 @@
 """What the user's program sees at each control tick, and the order in which it travels.
 
-The layout is data: the simulator packs by it, the box unpacks by it, in every language. Ground truth
-is never part of it.
+The layout is data: the simulator packs by it, the box unpacks by it, in every language.
+Ground truth is never part of it.
 """
 
 from collections.abc import Iterator, Mapping
@@ -62,7 +62,7 @@ def empty() -> NDArray[np.float64]:
 class Observation(Mapping[str, Any]):
     """One observation by name: `observation.error` and `observation["error"]` are the same.
 
-    Numbers are floats, vectors are tuples of floats, `target_visible` and `velocity_valid` are bool.
+    Numbers are floats, vectors are tuples of floats, the two of BOOLEANS are bool.
     """
 
     __slots__ = ("_values",)
@@ -77,17 +77,21 @@ class Observation(Mapping[str, Any]):
             named[name] = named[name] != 0.0
         self._values = named
 
-    def __getitem__(self, name: str) -> Any:  # noqa: ANN401  # float, bool or tuple, by the layout
+    def __getitem__(self, name: str) -> Any:  # float, bool or tuple, by the layout
+        """Return a field by its name."""
         return self._values[name]
 
-    def __getattr__(self, name: str) -> Any:  # noqa: ANN401
+    def __getattr__(self, name: str) -> Any:
+        """Return a field by its name."""
         try:
             return self._values[name]
         except KeyError:
             raise AttributeError(f"an observation has no {name}") from None
 
     def __iter__(self) -> Iterator[str]:
+        """Return the names in the layout's order."""
         return iter(self._values)
 
     def __len__(self) -> int:
+        """Return the number of fields."""
         return len(self._values)

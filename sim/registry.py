@@ -19,7 +19,7 @@ class Entry:
     label: str
     path: str
 
-    def load(self) -> Any:  # noqa: ANN401  # a class, a function or a data object
+    def load(self) -> Any:  # a class, a function or a data object
         """Return what the path names.
 
         Raises

@@ -1,7 +1,8 @@
 """The telemetry: one row of float64 per control tick, the same columns everywhere.
 
-A row holds the state at the tick, the picture of that state, what the tracker and the program made of
-it, and the thrust that acted. Positions are in the world frame (NED), velocities in the body frame.
+A row holds the state at the tick, the picture of that state, what the tracker and the program made
+of it, and the thrust that acted. Positions are in the world frame (NED), velocities in the
+body frame.
 """
 
 import hashlib
@@ -77,7 +78,8 @@ class Recorder:
 
     def next_row(self) -> NDArray[np.float64]:
         """Return the row to be written, (WIDTH,); it counts only after `keep`."""
-        return self._buffer[self._filled]
+        row: NDArray[np.float64] = self._buffer[self._filled]
+        return row
 
     def keep(self) -> bool:
         """Count the row; True when the buffer is full."""
@@ -157,6 +159,6 @@ def from_csv(text: str) -> Rows:
 
 
 def from_bytes(data: bytes) -> Rows:
-    """Return the whole rows in little-endian float64 bytes; a row cut off at the end is left out."""
+    """Return the whole rows in little-endian float64 bytes; a row cut off is left out."""
     whole = len(data) // (8 * WIDTH) * (8 * WIDTH)
     return np.frombuffer(data[:whole], dtype="<f8").reshape(-1, WIDTH).astype(np.float64)

@@ -42,6 +42,7 @@ class Benchmark:
     headline: Metric
     charts: tuple[Chart, ...]
     configuration: type[Configuration]
+    groups: tuple[str, ...]  # of settings, in the form's order
     presets: Mapping[str, Mapping[str, object]] = field(default_factory=dict)  # vehicle -> values
     ranked_trials: int = 10
 
@@ -59,7 +60,8 @@ class Benchmark:
     def schema(self) -> dict[str, Any]:
         """Return the JSON Schema (2020-12) that the form is generated from."""
         presets = {name: dict(values) for name, values in self.presets.items()}
-        return schema_of(self.configuration, title=self.title) | {"x-presets": {"vehicle": presets}}
+        schema = schema_of(self.configuration, title=self.title, groups=self.groups)
+        return schema | {"x-presets": {"vehicle": presets}}
 
     def ranked(self, config: Configuration) -> Configuration:
         """Return what a ranked run uses: the benchmark's scenario, the user's solution.

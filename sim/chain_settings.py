@@ -1,0 +1,122 @@
+"""Settings of the chain: tracker, position controller, velocity controller.
+
+Tags of the defaults: S sourced, D derived from sourced, E our estimate.
+"""
+
+from functools import partial
+
+from sim.configuration import Configuration, knob
+from sim.registry import CRITERIA, METHODS, TRACKERS, TRUTH, WARPS, labels
+
+velocity = partial(knob, group="Velocity controller", role="scenario")
+tracking = partial(knob, group="Tracker", role="solution")
+position = partial(knob, group="Position controller", role="solution")
+
+
+class ChainSettings(Configuration):
+    """Tracker, position controller and velocity controller."""
+
+    tracker: str = tracking(
+        "esm",
+        title="Tracker",
+        says="Finds the target in the camera's picture.",
+        choices=labels(TRACKERS) | {TRUTH: "Ground truth (no tracker; cannot rank)"},
+    )
+    warp: str = tracking(
+        "homography",
+        title="Warp",
+        says="What movement of the target in the picture the tracker can follow.",
+        choices=WARPS,
+    )
+    criterion: str = tracking(
+        "zncc",
+        title="Similarity",
+        says="What the tracker compares pictures by.",
+        choices=CRITERIA,
+    )
+    method: str = tracking("esm", title="Method", says="How the tracker searches.", choices=METHODS)
+
+    kp: float = position(
+        0.5,
+        title="Proportional gain Kp",
+        says="Velocity reference per metre of error.",
+        unit="1/s",
+        low=0,
+        high=5,
+        tag="S",
+    )
+    ki: float = position(
+        0.02,
+        title="Integral gain Ki",
+        says="Velocity reference per metre of error and second; PI only.",
+        unit="1/s^2",
+        low=0,
+        high=2,
+        tag="S",
+    )
+    control_heave: bool = position(
+        False,
+        title="Control the height too",
+        says="Whether P and PI act on z; if not, the depth is held.",
+        advanced=True,
+    )
+
+    velocity_law: str = velocity(
+        "model",
+        title="Velocity controller",
+        says="How a velocity reference becomes thrust.",
+        choices={
+            "model": "DVL feedback + vehicle model, depth and heading held",
+            "paper": "Proportional effort (the paper)",
+        },
+    )
+    reference_limit_m_s: float = velocity(
+        1.0,
+        title="Largest reference",
+        says="Velocity references are cut to this size on each axis.",
+        unit="m/s",
+        above=0,
+        high=5,
+        tag="E",
+        advanced=True,
+    )
+    velocity_bandwidth_1_s: float = velocity(
+        1.0,
+        title="Bandwidth of the feedback",
+        says="Model law: proportional gain over the vehicle's mass.",
+        unit="1/s",
+        low=0,
+        high=5,
+        tag="E",
+        advanced=True,
+    )
+    velocity_integral_1_s2: float = velocity(
+        0.2,
+        title="Integral of the feedback",
+        says="Model law: integral gain over the vehicle's mass.",
+        unit="1/s^2",
+        low=0,
+        high=5,
+        tag="E",
+        advanced=True,
+    )
+    paper_gain_surge: float = velocity(
+        5.0,
+        title="Effort per m/s in surge and heave",
+        says="Paper's law: effort per m/s of error.",
+        unit="s/m",
+        low=0,
+        high=50,
+        tag="S",
+        advanced=True,
+    )
+    paper_gain_sway: float = velocity(
+        6.0,
+        title="Effort per m/s in sway",
+        says="Paper's law: effort per m/s of error.",
+        unit="s/m",
+        low=0,
+        high=50,
+        tag="S",
+        advanced=True,
+    )
