@@ -126,7 +126,7 @@ def viewer_of_token(session: Session, text: str) -> Viewer | None:
     row = session.execute(query.where(Token.hash == _token_hash(text))).one_or_none()
     if row is None:
         return None
-    token, user = row.tuple()
+    token, user = row
     if token.expires_at is not None and token.expires_at <= time.time():
         return None
     return _viewer(user, token.scopes)

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from enum import StrEnum
+from typing import Any
 
 
 class Cause(StrEnum):
@@ -75,3 +76,13 @@ WORDS: dict[Cause, Words] = {
     ),
 }
 UNCHARGED = (Cause.BENCHMARK_ERROR, Cause.PLATFORM_ERROR)  # not the owner's doing: no quota
+
+
+def words(cause: Cause, *, sentence: str = "") -> dict[str, Any]:
+    """Return title, sentence and remedy for a run's `detail`; a better sentence replaces ours."""
+    found = WORDS[cause]
+    return {
+        "title": found.title,
+        "sentence": sentence or found.sentence,
+        "remedy": found.remedy,
+    }

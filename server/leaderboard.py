@@ -66,7 +66,7 @@ def page(
         rank = size(session, benchmark, at_or_above=after) + 1
         above_low = _low(session, benchmark, after.user_id)
     ranks: list[Rank] = []
-    for best, run, user in session.execute(query).tuples():
+    for best, run, user in session.execute(query):
         tied = above_low is not None and best.score_high >= above_low
         ranks.append(_rank(best, run, user, rank=rank + len(ranks), tied=tied))
         above_low = best.score_low
@@ -75,7 +75,7 @@ def page(
 
 def place_of(session: Session, benchmark: str, user_id: int) -> Rank | None:
     """Return a user's own rank, or None without one."""
-    found = session.execute(_rows(benchmark).where(Best.user_id == user_id)).tuples().one_or_none()
+    found = session.execute(_rows(benchmark).where(Best.user_id == user_id)).one_or_none()
     if found is None:
         return None
     best, run, user = found
@@ -96,7 +96,7 @@ def refresh(session: Session, benchmark: str, user_id: int) -> None:
     """Make the `best` row of one user right again, in the transaction that changed a run."""
     session.execute(delete(Best).where(Best.benchmark == benchmark, Best.user_id == user_id))
     candidates = _candidates().where(Run.benchmark == benchmark, Run.user_id == user_id)
-    found = session.execute(candidates.limit(1)).tuples().one_or_none()
+    found = session.execute(candidates.limit(1)).one_or_none()
     if found is not None:
         session.add(_best(*found))
     session.flush()
@@ -106,7 +106,7 @@ def rebuild(session: Session) -> int:
     """Make all `best` rows anew and return their number; the same rows as kept step by step."""
     session.execute(delete(Best))
     seen: set[tuple[str, int | None]] = set()
-    for run, result in session.execute(_candidates()).tuples():
+    for run, result in session.execute(_candidates()):
         if (run.benchmark, run.user_id) not in seen:
             seen.add((run.benchmark, run.user_id))
             session.add(_best(run, result))
@@ -114,7 +114,7 @@ def rebuild(session: Session) -> int:
     return len(seen)
 
 
-def _candidates() -> Select[tuple[Run, Result]]:
+def _candidates() -> Select[Run, Result]:
     """Select what may be ranked, the better first; of equal scores the earlier."""
     return (
         select(Run, Result)
@@ -139,7 +139,7 @@ def _best(run: Run, result: Result) -> Best:
     )
 
 
-def _rows(benchmark: str) -> Select[tuple[Best, Run, User]]:
+def _rows(benchmark: str) -> Select[Best, Run, User]:
     return (
         select(Best, Run, User)
         .join(Run, Run.id == Best.run_id)

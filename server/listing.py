@@ -77,7 +77,7 @@ class Page:
 
 def show(session: Session, run_id: int, settings: Settings | None = None) -> RunView | None:
     """Return one run with everything, or None. With settings also its place in the line."""
-    found = session.execute(_select().where(Run.id == run_id)).tuples().one_or_none()
+    found = session.execute(_select().where(Run.id == run_id)).one_or_none()
     if found is None:
         return None
     run, result, user = found
@@ -116,12 +116,12 @@ def listing(
     if after is not None:
         query = query.where(Run.id < after)
     limit = max(1, min(limit, LIMIT_MAX))
-    found = session.execute(query.order_by(Run.id.desc()).limit(limit + 1)).tuples().all()
+    found = session.execute(query.order_by(Run.id.desc()).limit(limit + 1)).all()
     views = [_view(*row) for row in found[:limit]]
     return Page(views, views[-1].id if len(found) > limit else None)
 
 
-def _select() -> Select[tuple[Run, Result | None, User | None]]:
+def _select() -> Select[Run, Result | None, User | None]:
     return (
         select(Run, Result, User)
         .outerjoin(Result, Result.run_id == Run.id)
@@ -139,9 +139,11 @@ _OF_RESULT = ("score", "score_low", "score_high", "level_held", "digest")
 
 
 def _view(run: Run, result: Result | None, user: User | None) -> RunView:
+    same: dict[str, Any] = {name: getattr(run, name) for name in _SAME}
+    of_result: dict[str, Any] = {name: getattr(result, name, None) for name in _OF_RESULT}
     return RunView(
-        **{name: getattr(run, name) for name in _SAME},
-        **{name: getattr(result, name, None) for name in _OF_RESULT},
+        **same,
+        **of_result,
         state=RunState(run.state),
         user=user.name if user is not None else "guest",
         is_baseline=user is not None and user.is_baseline,

@@ -115,7 +115,7 @@ def quota(session: Session, viewer: Viewer, settings: Settings) -> Quota:
     )
     recent = done & (Run.finished_at > time.time() - _DAY_S)
     query = select(live, func.count().filter(or_(Run.state.in_(LIVE), recent))).where(mine)
-    live_now, day = session.execute(query).one().tuple()
+    live_now, day = session.execute(query).one()
     day_max = settings.quota_day if viewer.user_id is not None else settings.guest_quota_day
     return Quota(live=live_now, live_max=settings.quota_live, day=day, day_max=day_max)
 

@@ -15,7 +15,7 @@ from sqlalchemy import Select, delete, func, or_, select, update
 from sqlalchemy.dialects import postgresql, sqlite
 from sqlalchemy.orm import Session
 
-from server.causes import WORDS, Cause
+from server.causes import Cause, words
 from server.db import exclusive
 from server.settings import Settings
 from server.states import RunState, move
@@ -83,8 +83,12 @@ def claim(
         return None
     now = time.time()
     run = session.get_one(Run, run_id)
-    lease = {"worker": worker, "started_at": now, "lease_until": now + settings.lease_s}
-    fresh = {"attempt": Run.attempt + 1, "progress": 0.0, "t_simulated": 0.0}
+    lease: dict[str, Any] = {
+        "worker": worker,
+        "started_at": now,
+        "lease_until": now + settings.lease_s,
+    }
+    fresh: dict[str, Any] = {"attempt": Run.attempt + 1, "progress": 0.0, "t_simulated": 0.0}
     if not move(session, run_id, RunState.QUEUED, RunState.RUNNING, **lease, **fresh):
         return None  # cancelled, on PostgreSQL, between the two statements
     _serve(session, run.owner, now)
@@ -159,21 +163,21 @@ def _release(
     session: Session, run: Run, why: str, *, counts: bool, settings: Settings
 ) -> RunState | None:
     failures = run.failures + int(counts)
+    new = RunState.QUEUED
+    values: dict[str, Any] = {"failures": failures, "worker": None, "lease_until": None}
     if failures < settings.attempts_max:
-        new, values = RunState.QUEUED, {"progress": 0.0, "t_simulated": 0.0}
+        values |= {"progress": 0.0, "t_simulated": 0.0}
     else:
-        words = WORDS[Cause.PLATFORM_ERROR]
-        detail = {"title": words.title, "sentence": words.sentence, "remedy": words.remedy}
-        detail["t_reached"] = run.t_simulated
-        new, values = RunState.FAILED, {"cause": Cause.PLATFORM_ERROR, "detail": detail}
-    values |= {"failures": failures, "worker": None, "lease_until": None}
+        new = RunState.FAILED
+        detail = words(Cause.PLATFORM_ERROR) | {"t_reached": run.t_simulated}
+        values |= {"cause": Cause.PLATFORM_ERROR, "detail": detail}
     if not move(session, run.id, RunState.RUNNING, new, attempt=run.attempt, **values):
         return None
     _log.warning("released", run=run.id, attempt=run.attempt, failures=failures, why=why, state=new)
     return new
 
 
-def _fairest(languages: Collection[str], running_max: int) -> Select[tuple[int]]:
+def _fairest(languages: Collection[str], running_max: int) -> Select[int]:
     running = (
         select(Run.owner, func.count().label("n"))
         .where(Run.state == RunState.RUNNING)
