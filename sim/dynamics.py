@@ -1,0 +1,332 @@
+"""The vehicle's equations of motion and their integration: RK4, 6 degrees of freedom.
+
+    (M_RB + M_A) v_r' + C(v_r) v_r + D(v_r) v_r + g = thrust,   position' = R (v_r + R^T current)
+
+All in the velocity v_r relative to the water, which holds because Newton's laws are the same in a
+frame that moves with the water; where the water accelerates, that frame's inertia force and the
+pressure gradient are gravity with another direction, and restoring forces take it so. Motion is never
+left to a contact engine: an explicit added-mass force diverges within 0.1 s.
+"""
+
+import math
+from typing import NamedTuple, Protocol
+
+import numpy as np
+from numba import njit
+
+from sim.current import Current, Water, flow, segment_at
+from sim.elementary import asin, atan2, sincos
+from sim.hydrodynamics import add_coriolis, add_drag, add_restoring, inverse, write_rotation
+from sim.thrusters import packed, steady_thrust
+from sim.vehicles import STANDARD_GRAVITY, Array, Vehicle
+
+STEP_S = 0.01  # RK4 at 100 Hz is within 1e-6 mm of the limit after 600 s
+_RIGID = 13  # position 3, quaternion 4, velocity 6; thrusts follow
+
+
+class Contact(Protocol):
+    """What may push on the vehicle besides water."""
+
+    gate_depth: float  # [m] origin's depth below which something may be touched
+
+    @property
+    def awake(self) -> bool:
+        """Whether something moves that a step has to be made for."""
+
+    def impulse(self, before: Array, after: Array, step_s: float) -> Array:
+        """Return the impulse (6,) [N s, N m s] about the origin, body frame, for one step."""
+
+
+class Body(NamedTuple):
+    """A vehicle as the compiled code reads it."""
+
+    mass: Array
+    inverse_mass: Array
+    linear: Array
+    quadratic: Array
+    allocation: Array
+    net_weight: float
+    moment: Array
+    lag_rate: float
+
+
+def body_of(vehicle: Vehicle) -> Body:
+    """Return the vehicle's matrices; everything that is constant over a run is computed here."""
+    mass = vehicle.mass_rigid() + vehicle.mass_added()
+    weight, buoyancy = vehicle.weight.scalar, vehicle.buoyancy.scalar
+    centres = zip(vehicle.centre_of_gravity.value, vehicle.centre_of_buoyancy.value, strict=True)
+    return Body(
+        mass=mass,
+        inverse_mass=inverse(mass),
+        linear=vehicle.linear_drag(),
+        quadratic=vehicle.quadratic_drag(),
+        allocation=vehicle.allocation(),
+        net_weight=weight - buoyancy,
+        moment=np.array([weight * g - buoyancy * b for g, b in centres]),
+        lag_rate=1.0 / vehicle.lag.scalar,
+    )
+
+
+class Plant:
+    """A vehicle in its current.
+
+    `state` is (13 + n,): position NED of the body's origin [m], quaternion w x y z (body to world),
+    velocity over ground in the body frame [m/s, rad/s], thrust of each thruster [N].
+    """
+
+    def __init__(
+        self,
+        vehicle: Vehicle,
+        current: Current,
+        *,
+        step_s: float = STEP_S,
+        contact: Contact | None = None,
+    ) -> None:
+        self.vehicle = vehicle
+        self.current = current
+        self.step_s = step_s
+        self.contact = contact
+        self._body = body_of(vehicle)
+        self._curve = packed(vehicle.curve)
+        self._target = np.zeros(len(vehicle.thrusters))
+        self._tick = 0
+        self.state = np.zeros(_RIGID + len(vehicle.thrusters))
+        self.state[3] = 1.0
+
+    def place(self, pose: Array) -> None:
+        """Put the vehicle at rest at (x, y, z, roll, pitch, yaw), (6,) [m, rad]; thrusters stop."""
+        self._tick = 0
+        self._target[:] = 0.0
+        self.state[:] = 0.0
+        write_pose(np.asarray(pose, dtype=np.float64), self.state)
+
+    def advance(self, tick: int, command: Array, steps: int) -> None:
+        """Move the plant by `steps` steps.
+
+        Parameters
+        ----------
+        tick : int
+            Steps since the level began; the time is `tick * step_s`.
+        command : (n,) in [-1, 1]
+            Held over all steps.
+
+        Raises
+        ------
+        ValueError
+            When a command is not a number.
+        """
+        if not steady_thrust(command, self._curve, self._target):
+            raise ValueError(f"thruster commands must be numbers: {list(command)}")
+        self._tick = tick + steps
+        while tick < self._tick:
+            tick += self._advance_freely(tick, self._tick - tick)
+            if tick < self._tick:
+                self._advance_in_contact(tick)
+                tick += 1
+
+    def _advance_freely(self, tick: int, steps: int, *, gate: float | None = None) -> int:
+        if gate is None:
+            gate = math.inf
+            if self.contact is not None:
+                gate = -math.inf if self.contact.awake else self.contact.gate_depth
+        made: int = integrate(
+            self.state, self._target, tick, steps, self.step_s, self._body, self.current.water, gate
+        )
+        return made
+
+    def _advance_in_contact(self, tick: int) -> None:
+        if self.contact is None:
+            raise RuntimeError("a plant without contact was stopped at the gate")
+        before = self.state.copy()
+        self._advance_freely(tick, 1, gate=math.inf)
+        push = self.contact.impulse(before, self.state, self.step_s)
+        add_impulse(self.state, self._body.inverse_mass, push)
+
+    def pose(self) -> Array:
+        """Return (x, y, z, roll, pitch, yaw), (6,) [m, rad]."""
+        out = np.empty(6)
+        read_pose(self.state, out)
+        return out
+
+    def velocity(self) -> Array:
+        """Return the velocity over ground in the body frame, (6,) [m/s, rad/s]."""
+        return self.state[7:13].copy()
+
+    def thrust(self) -> Array:
+        """Return the present thrust of each thruster, (n,) [N]."""
+        return self.state[13:].copy()
+
+    def current_world(self) -> Array:
+        """Return the water's velocity now, (3,) NED [m/s].
+
+        Under the force law, where the water rests, it is the current that the force stands for:
+        to starboard its level, forward its lateral part.
+        """
+        out = np.empty(3)
+        write_current(self._tick * self.step_s, self.current.water, self.state, out)
+        return out
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def _derivative(
+    x: Array,
+    target: Array,
+    water: tuple[float, float, float, float, float, float],
+    body: Body,
+    room: tuple[Array, Array, Array, Array],
+    out: Array,
+) -> None:
+    """Write the state's rate of change (13 + n,) to `out`; `water` is what `flow` returns."""
+    rotation, relative, momentum, wrench = room
+    stream_x, stream_y, rise_x, rise_y, surge, sway = water
+    write_rotation(x[3], x[4], x[5], x[6], rotation)
+    p, q, r = x[10], x[11], x[12]
+    c0 = rotation[0, 0] * stream_x + rotation[1, 0] * stream_y
+    c1 = rotation[0, 1] * stream_x + rotation[1, 1] * stream_y
+    c2 = rotation[0, 2] * stream_x + rotation[1, 2] * stream_y
+    a0 = rotation[0, 0] * rise_x + rotation[1, 0] * rise_y
+    a1 = rotation[0, 1] * rise_x + rotation[1, 1] * rise_y
+    a2 = rotation[0, 2] * rise_x + rotation[1, 2] * rise_y
+    relative[0], relative[1], relative[2] = x[7] - c0, x[8] - c1, x[9] - c2
+    relative[3], relative[4], relative[5] = p, q, r
+    for i in range(6):
+        push = 0.0
+        for j in range(target.size):
+            push += body.allocation[i, j] * x[_RIGID + j]
+        wrench[i] = push
+    wrench[0] += surge
+    wrench[1] += sway
+    add_coriolis(body.mass, relative, momentum, wrench)
+    add_drag(body.linear, body.quadratic, relative, wrench)
+    g = STANDARD_GRAVITY
+    down = (rotation[2, 0] - a0 / g, rotation[2, 1] - a1 / g, rotation[2, 2] - a2 / g)
+    add_restoring(body.net_weight, body.moment, down, wrench)
+    for i in range(3):
+        out[i] = rotation[i, 0] * x[7] + rotation[i, 1] * x[8] + rotation[i, 2] * x[9]
+    out[3] = 0.5 * (-x[4] * p - x[5] * q - x[6] * r)
+    out[4] = 0.5 * (x[3] * p + x[5] * r - x[6] * q)
+    out[5] = 0.5 * (x[3] * q + x[6] * p - x[4] * r)
+    out[6] = 0.5 * (x[3] * r + x[4] * q - x[5] * p)
+    for i in range(6):
+        rate = 0.0
+        for j in range(6):
+            rate += body.inverse_mass[i, j] * wrench[j]
+        out[7 + i] = rate
+    # The water's own acceleration, seen from the turning body.
+    out[7] += a0 - (q * c2 - r * c1)
+    out[8] += a1 - (r * c0 - p * c2)
+    out[9] += a2 - (p * c1 - q * c0)
+    for j in range(target.size):
+        out[_RIGID + j] = (target[j] - x[_RIGID + j]) * body.lag_rate
+
+
+@njit(cache=True, error_model="numpy")
+def integrate(
+    state: Array,
+    target: Array,
+    tick: int,
+    steps: int,
+    step: float,
+    body: Body,
+    water: Water,
+    gate: float,
+) -> int:
+    """Advance `state` in place by up to `steps` RK4 steps and return how many were made.
+
+    It stops before a step that would begin deeper than `gate` [m].
+    """
+    size = state.size
+    k1, k2, k3, k4 = np.empty(size), np.empty(size), np.empty(size), np.empty(size)
+    y = np.empty(size)
+    room = (np.empty((3, 3)), np.empty(6), np.empty(6), np.empty(6))
+    for made in range(steps):
+        if state[2] > gate:
+            return made
+        t = (tick + made) * step
+        middle = t + 0.5 * step
+        segment = segment_at(middle, water)
+        halfway = flow(middle, water, segment)
+        _derivative(state, target, flow(t, water, segment), body, room, k1)
+        for i in range(size):
+            y[i] = state[i] + 0.5 * step * k1[i]
+        _derivative(y, target, halfway, body, room, k2)
+        for i in range(size):
+            y[i] = state[i] + 0.5 * step * k2[i]
+        _derivative(y, target, halfway, body, room, k3)
+        for i in range(size):
+            y[i] = state[i] + step * k3[i]
+        _derivative(y, target, flow(t + step, water, segment), body, room, k4)
+        for i in range(size):
+            state[i] += step / 6.0 * (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i])
+        _normalise(state)
+    return steps
+
+
+@njit(cache=True, error_model="numpy")
+def _normalise(state: Array) -> None:
+    length = math.sqrt(state[3] ** 2 + state[4] ** 2 + state[5] ** 2 + state[6] ** 2)
+    for i in range(3, 7):
+        state[i] /= length
+
+
+@njit(cache=True, error_model="numpy")
+def add_impulse(state: Array, inverse_mass: Array, impulse: Array) -> None:
+    """Change the velocity of `state` in place by an impulse, (6,) body frame about the origin."""
+    for i in range(6):
+        for j in range(6):
+            state[7 + i] += inverse_mass[i, j] * impulse[j]
+
+
+@njit(cache=True, error_model="numpy")
+def write_pose(pose: Array, state: Array) -> None:
+    """Write (x, y, z, roll, pitch, yaw) as position and quaternion to `state`."""
+    state[0], state[1], state[2] = pose[0], pose[1], pose[2]
+    sr, cr = sincos(0.5 * pose[3])
+    sp, cp = sincos(0.5 * pose[4])
+    sy, cy = sincos(0.5 * pose[5])
+    state[3] = cr * cp * cy + sr * sp * sy
+    state[4] = sr * cp * cy - cr * sp * sy
+    state[5] = cr * sp * cy + sr * cp * sy
+    state[6] = cr * cp * sy - sr * sp * cy
+
+
+@njit(cache=True, error_model="numpy")
+def read_pose(state: Array, out: Array) -> None:
+    """Write (x, y, z, roll, pitch, yaw) of `state` to `out`; pitch is within ±pi/2."""
+    w, x, y, z = state[3], state[4], state[5], state[6]
+    out[0], out[1], out[2] = state[0], state[1], state[2]
+    out[3] = atan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y))
+    out[4] = asin(min(max(2.0 * (w * y - z * x), -1.0), 1.0))
+    out[5] = atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
+
+
+@njit(cache=True, error_model="numpy")
+def write_current(t: float, water: Water, state: Array, out: Array) -> None:
+    """Write the water's velocity at time t [s] to `out`, (3,) NED; see `Plant.current_world`."""
+    stream_x, stream_y, _rise_x, _rise_y, surge, sway = flow(t, water, segment_at(t, water))
+    out[0], out[1], out[2] = stream_x, stream_y, 0.0
+    if surge > 0.0 or sway > 0.0:
+        forward = math.sqrt(surge / water.force)
+        starboard = math.sqrt(sway / water.force)
+        rotation = np.empty((3, 3))
+        write_rotation(state[3], state[4], state[5], state[6], rotation)
+        for i in range(3):
+            out[i] = rotation[i, 0] * forward + rotation[i, 1] * starboard
+
+
+def warm_up() -> None:
+    """Load or compile every function of the physics, so that a fork of this process need not."""
+    from sim.thrusters import command_of, commands_for, force_of  # noqa: PLC0415
+    from sim.vehicles import load  # noqa: PLC0415
+
+    vehicle = load("girona500")
+    plant = Plant(vehicle, Current(0.1, rng=np.random.Generator(np.random.PCG64(0))))
+    plant.place(np.zeros(6))
+    count = len(vehicle.thrusters)
+    plant.advance(0, np.zeros(count), 1)
+    plant.pose()
+    plant.current_world()
+    add_impulse(plant.state, plant._body.inverse_mass, np.zeros(6))
+    commands_for(np.zeros(count), plant._curve, np.zeros(count))
+    command_of(1.0, plant._curve)
+    force_of(0.5, plant._curve)
