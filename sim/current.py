@@ -8,10 +8,11 @@ relative
     a = azimuth + 0.7 sin(2 pi t / 30); the vehicle feels its velocity relative to it.
 force
     What the published experiment's simulator does: the water rests, and a force in the body frame
-    pushes: 410 k V² on sway, 410 k (V sin(a - azimuth))² on surge. It never changes sign.
+    pushes: 410 k V² on sway, 410 k (V sin(a - azimuth))² on surge. It never changes sign, and the
+    azimuth itself plays no part.
 
-A level of zero has no gust (its size is a share of the level), but keeps the published speed
-sinusoid of 5 mm/s.
+A level of zero is still water: no gust, whose size is a share of the level, and no sinusoid either
+(the published law would leave 5 mm/s, or 0.001 N), so that the first level shows the chain alone.
 """
 
 from dataclasses import dataclass
@@ -101,7 +102,7 @@ class Current:
             azimuth=float(law.azimuth_rad),
             azimuth_swing=float(law.azimuth_swing_rad),
             azimuth_rate=2.0 * PI / law.azimuth_period_s,
-            speed_swing=float(law.speed_swing),
+            speed_swing=float(law.speed_swing) if level > 0.0 else 0.0,
             speed_rate=2.0 * PI / law.speed_period_s,
             force=FORCE_PER_SPEED_SQUARED * law.force_share,
             gust=np.zeros(2) if rng is None else _gust(rng, sigma, law.gust_time_s, duration_s),

@@ -4,8 +4,8 @@
 
 All in the velocity v_r relative to the water, which holds because Newton's laws are the same in a
 frame that moves with the water; where the water accelerates, that frame's inertia force and the
-pressure gradient are gravity with another direction, and restoring forces take it so. Motion is never
-left to a contact engine: an explicit added-mass force diverges within 0.1 s.
+pressure gradient are gravity with another direction, and restoring forces take it so. Motion is
+never left to a contact engine: an explicit added-mass force diverges within 0.1 s.
 """
 
 import math

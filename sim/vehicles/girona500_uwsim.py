@@ -79,10 +79,10 @@ VEHICLE = replace(
     defaults={
         # UWSim adds 410 v² as a force in the body frame and drops all but a share k of it.
         "current_law": "force",
-        "current_force_share": 0.134,  # k fitted to 18 px at 0.4 m/s, the one number published
+        "current_azimuth_rad": 1.5707963267948966,
+        "current_wave_m_s": 0.0,
         "current_gust": 0.0,
-        "velocity_law": "paper",  # u = 5 (v_ref - v) surge and heave, 6 (...) sway
-        "heading_hold": False,
-        "depth_hold": False,
+        "velocity_law": "paper",  # u = 5 (v_ref - v) in surge and heave, 6 (...) in sway
+        "reference_limit_m_s": 5.0,
     },
 )

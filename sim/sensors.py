@@ -1,0 +1,173 @@
+"""Sensors: what the vehicle knows of its own motion.
+
+Each sensor measures on its own grid of integer physics ticks, holds the value in between, and draws
+from its own stream. How often it draws does not depend on its settings, so that noise switched off,
+or a drop-out more, leaves all later draws where they are.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from sim.elementary import PI
+from sim.vehicles import Array
+
+DVL_RANGE_M = (0.5, 81.0)  # S: Stonefish girona500auv_full.scn
+# E: with four beams at 30 degrees one of them looks past the bottom long before this
+DVL_MOST_TILT_RAD = 0.5
+
+
+@dataclass(frozen=True, slots=True)
+class Truth:
+    """What is really so at one tick."""
+
+    pose: Array  # (6,) x y z roll pitch yaw [m, rad], NED
+    velocity: Array  # (6,) over ground, body frame [m/s, rad/s]
+    altitude: float  # [m] of the body's origin above the bottom
+
+
+class Sensor:
+    """The part that all sensors share: the grid of ticks, the held value and its age."""
+
+    def __init__(self, size: int, *, rng: np.random.Generator, period_ticks: int) -> None:
+        if period_ticks < 1:
+            raise ValueError(f"a sensor's period must be at least one tick, not {period_ticks}")
+        self._rng = rng
+        self._period = period_ticks
+        self._slot = -1
+        self._measured_at = 0
+        self._values = np.zeros(size)
+        self._valid = False
+
+    def measure(self, tick: int, truth: Truth) -> tuple[Array, bool]:
+        """Return the latest values and whether the last measurement succeeded.
+
+        A new measurement is made when `tick` has reached the next multiple of the period. After a
+        failed one the last good values stay. Nothing is valid before the first good one.
+        """
+        slot = tick // self._period
+        if slot != self._slot:
+            self._slot = slot
+            reading, self._valid = self._read(truth)
+            if self._valid:
+                self._values = reading
+                self._measured_at = tick
+        return self._values.copy(), self._valid
+
+    def age(self, tick: int) -> int:
+        """Return how many ticks ago the values were measured."""
+        return tick - self._measured_at
+
+    def _read(self, truth: Truth) -> tuple[Array, bool]:
+        raise NotImplementedError
+
+
+class Dvl(Sensor):
+    """Velocity over ground in the body frame, (3,) [m/s]; also tells whether it sees the bottom.
+
+    The lever arm of its mounting is taken as compensated.
+    """
+
+    def __init__(
+        self,
+        rng: np.random.Generator,
+        *,
+        period_ticks: int = 20,
+        sigma: float = 0.0015,
+        bias: float = 0.0,
+        scale_error: float = 0.0,
+        dropout: float = 0.0,
+    ) -> None:
+        """Set up a DVL.
+
+        Parameters
+        ----------
+        period_ticks : int
+            20 is 5 Hz at 100 steps a second. S: UWSim, COLA2.
+        sigma : float [m/s]
+            Standard deviation per axis. S: UWSim, COLA2, Stonefish.
+        bias : float [m/s]
+            Added to each axis.
+        scale_error : float
+            Relative error of all axes.
+        dropout : float
+            Probability that a measurement is missing.
+        """
+        super().__init__(3, rng=rng, period_ticks=period_ticks)
+        self._sigma, self._bias = sigma, bias
+        self._scale = 1.0 + scale_error
+        self._dropout = dropout
+
+    def _read(self, truth: Truth) -> tuple[Array, bool]:
+        noise = self._rng.standard_normal(3)
+        lost = self._rng.random() < self._dropout
+        reading = truth.velocity[:3] * self._scale + self._bias + self._sigma * noise
+        return reading, sees_bottom(truth) and not lost
+
+
+def sees_bottom(truth: Truth) -> bool:
+    """Return whether a DVL has bottom lock: within its range and not tilted too far."""
+    low, high = DVL_RANGE_M
+    tilt = max(abs(float(truth.pose[3])), abs(float(truth.pose[4])))
+    return low <= truth.altitude <= high and tilt <= DVL_MOST_TILT_RAD
+
+
+class Altimeter(Sensor):
+    """Height above the bottom from the DVL's beams, (1,) [m]."""
+
+    def __init__(
+        self, rng: np.random.Generator, *, period_ticks: int = 20, sigma: float = 0.001
+    ) -> None:
+        """Set up an altimeter; sigma [m] S: Stonefish girona500auv_full.scn."""
+        super().__init__(1, rng=rng, period_ticks=period_ticks)
+        self._sigma = sigma
+
+    def _read(self, truth: Truth) -> tuple[Array, bool]:
+        return truth.altitude + self._sigma * self._rng.standard_normal(1), sees_bottom(truth)
+
+
+class DepthGauge(Sensor):
+    """Depth of the body's origin, (1,) [m]."""
+
+    def __init__(
+        self, rng: np.random.Generator, *, period_ticks: int = 20, sigma: float = 0.01
+    ) -> None:
+        """Set up a depth gauge; sigma [m] and 5 Hz S: COLA2 sim_auv_nav_sensors.yaml."""
+        super().__init__(1, rng=rng, period_ticks=period_ticks)
+        self._sigma = sigma
+
+    def _read(self, truth: Truth) -> tuple[Array, bool]:
+        return truth.pose[2] + self._sigma * self._rng.standard_normal(1), True
+
+
+class Ahrs(Sensor):
+    """Attitude and rates, (6,): roll, pitch, yaw in (-pi, pi] [rad], p, q, r [rad/s]."""
+
+    def __init__(
+        self,
+        rng: np.random.Generator,
+        *,
+        period_ticks: int = 5,
+        sigma: float = 1e-4,
+        rate_sigma: float = 1.7e-5,
+    ) -> None:
+        """Set up an AHRS.
+
+        sigma [rad] and 20 Hz S: COLA2 sim_auv_nav_sensors.yaml; rate_sigma [rad/s] S: Stonefish.
+        """
+        super().__init__(6, rng=rng, period_ticks=period_ticks)
+        self._sigma = np.array([sigma] * 3 + [rate_sigma] * 3)
+
+    def _read(self, truth: Truth) -> tuple[Array, bool]:
+        reading = np.concatenate((truth.pose[3:], truth.velocity[3:]))
+        reading += self._sigma * self._rng.standard_normal(6)
+        for i in (0, 2):
+            reading[i] = wrapped(float(reading[i]))
+        return reading, True
+
+
+def wrapped(angle: float) -> float:
+    """Return an angle within a turn of (-pi, pi] in that interval [rad]."""
+    if angle > PI:
+        return angle - 2.0 * PI
+    return angle + 2.0 * PI if angle <= -PI else angle
