@@ -17,6 +17,7 @@ from server.settings import Settings
 from server.tables import Token, User
 
 NAME_RULE = "2 to 40 letters, digits, dots, dashes or underscores, starting with a letter"
+RESERVED = frozenset({"seamark", "guest"})  # the baselines' owner, and who has no account
 PASSWORD_MIN, PASSWORD_MAX = 10, 200
 TOKEN_PREFIX = "smk_"  # noqa: S105 - lets secret scanners recognise our tokens
 TOKEN_DAYS = 90
@@ -36,6 +37,8 @@ def sign_up(session: Session, name: str, password: str | None, *, is_admin: bool
     """Make an account; raises AccountRejected. Without a password nobody can log in to it."""
     if not _NAME.fullmatch(name):
         raise AccountRejected(f"A name has {NAME_RULE}.")
+    if name.casefold() in RESERVED:
+        raise AccountRejected(f"The name {name} is taken.")
     if password is not None:
         _check_password(password)
     if session.scalar(select(User.id).where(User.name_key == name.casefold())) is not None:

@@ -11,7 +11,7 @@ from enum import Enum, auto
 from typing import Any
 
 import structlog
-from sqlalchemy import Select, delete, func, or_, select, update
+from sqlalchemy import Select, String, cast, delete, func, literal, or_, select, update
 from sqlalchemy.dialects import postgresql, sqlite
 from sqlalchemy.orm import Session
 
@@ -171,7 +171,7 @@ def _release(
         new = RunState.FAILED
         detail = words(Cause.PLATFORM_ERROR) | {"t_reached": run.t_simulated}
         values |= {"cause": Cause.PLATFORM_ERROR, "detail": detail}
-    if not move(session, run.id, RunState.RUNNING, new, attempt=run.attempt, **values):
+    if not move(session, run.id, RunState.RUNNING, new, fence=run.attempt, **values):
         return None
     _log.warning("released", run=run.id, attempt=run.attempt, failures=failures, why=why, state=new)
     return new
@@ -192,7 +192,7 @@ def _fairest(languages: Collection[str], running_max: int) -> Select[int]:
         .cte("first")
     )
     n = func.coalesce(running.c.n, 0)
-    baseline = select(func.concat("user:", User.id)).where(User.is_baseline).scalar_subquery()
+    baseline = select(literal("user:") + cast(User.id, String)).where(User.is_baseline).scalar_subquery()
     last = first.c.owner.in_(baseline)
     return (
         select(first.c.id)

@@ -43,7 +43,7 @@ def finish(session: Session, claim: Claim, report: Report) -> bool:
         claim.run_id,
         RunState.RUNNING,
         report.state,
-        attempt=claim.attempt,
+        fence=claim.attempt,
         cause=report.cause,
         detail=report.detail,
         progress=report.progress,

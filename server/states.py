@@ -52,12 +52,12 @@ def move(
     old: RunState,
     new: RunState,
     *,
-    attempt: int | None = None,
+    fence: int | None = None,
     **values: Any,
 ) -> bool:
     """Move a run to its next state; False if another process was faster.
 
-    With `attempt` only the holder of that attempt can move it: the fencing token. `values` are
+    With `fence` only the holder of that attempt can move it. `values` are
     columns written in the same statement.
     """
     if new not in NEXT_STATES.get(old, frozenset()):
@@ -66,6 +66,6 @@ def move(
         values |= {"finished_at": time.time(), "lease_until": None}
     # One conditional statement, so that two processes can never both make the move.
     change = update(Run).where(Run.id == run_id, Run.state == old).values(state=new, **values)
-    if attempt is not None:
-        change = change.where(Run.attempt == attempt)
+    if fence is not None:
+        change = change.where(Run.attempt == fence)
     return session.scalar(change.returning(Run.id)) is not None

@@ -19,6 +19,7 @@ from sqlalchemy.orm import DeclarativeBase, Mapped, mapped_column
 
 # SQLite only counts rows up by itself in a column of exactly this type.
 _Id = BigInteger().with_variant(Integer(), "sqlite")
+_Json = JSON(none_as_null=True)
 # PostgreSQL stores NaN and sorts it above every number: a bound keeps it (and infinity) out.
 _FINITE = "{0} > -1e300 AND {0} < 1e300"
 
@@ -60,7 +61,7 @@ class Token(Base):
     user_id: Mapped[int] = mapped_column(ForeignKey("users.id", ondelete="CASCADE"), index=True)
     name: Mapped[str] = mapped_column(String(80))
     hash: Mapped[str] = mapped_column(String(64), unique=True)
-    scopes: Mapped[list[str]] = mapped_column(JSON)
+    scopes: Mapped[list[str]] = mapped_column(_Json)
     created_at: Mapped[float]
     expires_at: Mapped[float | None]
     last_used_at: Mapped[float | None]
@@ -77,7 +78,7 @@ class Run(Base):
     guest: Mapped[str | None] = mapped_column(String(64))
     benchmark: Mapped[str] = mapped_column(String(80))
     kind: Mapped[str] = mapped_column(String(10))
-    config: Mapped[dict[str, Any]] = mapped_column(JSON)
+    config: Mapped[dict[str, Any]] = mapped_column(_Json)
     seed: Mapped[int | None] = mapped_column(BigInteger)  # empty: ranked, on hidden seeds
     trials: Mapped[int]
     controller: Mapped[str] = mapped_column(String(80))
@@ -90,7 +91,7 @@ class Run(Base):
 
     state: Mapped[str] = mapped_column(String(10))
     cause: Mapped[str | None] = mapped_column(String(20))
-    detail: Mapped[dict[str, Any]] = mapped_column(JSON, default=dict)
+    detail: Mapped[dict[str, Any]] = mapped_column(_Json, default=dict)
     queued_at: Mapped[float]
     started_at: Mapped[float | None]
     finished_at: Mapped[float | None]
@@ -153,8 +154,8 @@ class Result(Base):
     score_low: Mapped[float | None]
     score_high: Mapped[float | None]
     level_held: Mapped[float | None]
-    metrics: Mapped[dict[str, Any] | None] = mapped_column(JSON)
-    manifest: Mapped[dict[str, Any] | None] = mapped_column(JSON)
+    metrics: Mapped[dict[str, Any] | None] = mapped_column(_Json)
+    manifest: Mapped[dict[str, Any] | None] = mapped_column(_Json)
     created_at: Mapped[float]
 
     __table_args__ = (
@@ -193,7 +194,7 @@ class Worker(Base):
     name: Mapped[str] = mapped_column(String(255), primary_key=True)
     slots: Mapped[int]
     level: Mapped[str] = mapped_column(String(10))
-    languages: Mapped[list[str]] = mapped_column(JSON)
-    findings: Mapped[list[dict[str, Any]]] = mapped_column(JSON)
+    languages: Mapped[list[str]] = mapped_column(_Json)
+    findings: Mapped[list[dict[str, Any]]] = mapped_column(_Json)
     started_at: Mapped[float]
     seen_at: Mapped[float]

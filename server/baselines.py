@@ -1,0 +1,72 @@
+"""The built-in entries of the leaderboard: ordinary ranked runs of the user `seamark`."""
+
+import time
+
+import structlog
+from sqlalchemy import select
+from sqlalchemy.orm import Session
+
+from server.access import Viewer
+from server.db import exclusive
+from server.orders import Order, enqueue
+from server.settings import Settings
+from server.states import Kind, RunState
+from server.tables import Run, User
+from sim import registry
+
+NAME = "seamark"
+CONTROLLERS = ("p", "pi")
+_LOCK = 0x5EA_0003
+_log = structlog.get_logger()
+
+
+def ensure(session: Session, settings: Settings) -> list[int]:
+    """Queue the baselines that are neither there nor on their way; return the new runs' ids.
+
+    The worker computes them like everybody's runs; they become public when they succeed. A baseline
+    that failed or was withdrawn is not queued again by itself: somebody should look at it.
+    """
+    exclusive(session, _LOCK)
+    user = _user(session)
+    viewer = Viewer(user_id=user.id, name=user.name)
+    made: list[int] = []
+    for benchmark in registry.BENCHMARKS:
+        for controller in CONTROLLERS:
+            if not _there(session, user.id, benchmark, controller):
+                title = registry.CONTROLLERS[controller].label
+                made.append(
+                    enqueue(
+                        session,
+                        Order(
+                            viewer=viewer,
+                            benchmark=benchmark,
+                            config={},
+                            kind=Kind.RANKED,
+                            controller=controller,
+                            title=f"{title}, as it comes",
+                        ),
+                        settings,
+                    )
+                )
+    if made:
+        _log.info("baselines_queued", runs=made)
+    return made
+
+
+def _user(session: Session) -> User:
+    user = session.scalar(select(User).where(User.name_key == NAME))
+    if user is None:
+        user = User(name=NAME, name_key=NAME, is_baseline=True, created_at=time.time())
+        session.add(user)
+        session.flush()
+    return user
+
+
+def _there(session: Session, user_id: int, benchmark: str, controller: str) -> bool:
+    query = select(Run.id).where(
+        Run.user_id == user_id,
+        Run.benchmark == benchmark,
+        Run.controller == controller,
+        Run.state != RunState.CANCELLED,
+    )
+    return session.scalar(query.limit(1)) is not None

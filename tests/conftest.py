@@ -1,0 +1,76 @@
+"""Services that several packages are tested with: real databases and a real broker."""
+
+import uuid
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from redis import Redis
+
+from server.db import Database
+from server.migrate import upgrade
+from server.settings import Settings
+from tests.services import postgres, valkey
+
+
+@pytest.fixture(scope="session")
+def _valkey() -> Iterator[str]:
+    with valkey.on_socket() as url:
+        yield url
+
+
+@pytest.fixture
+def redis_url(_valkey: str) -> Iterator[str]:
+    """The unix:// URL of an empty broker."""
+    yield _valkey
+    with Redis.from_url(_valkey) as client:
+        client.flushall()
+
+
+@pytest.fixture(scope="session")
+def redis_tcp_url() -> Iterator[str]:
+    """The redis:// URL of a broker on the loopback interface."""
+    with valkey.on_port() as url:
+        yield url
+
+
+@pytest.fixture
+def database_url(tmp_path: Path) -> str:
+    """The URL of an SQLite database without tables."""
+    return f"sqlite:///{tmp_path / 'seamark.db'}"
+
+
+@pytest.fixture(scope="session")
+def _postgres() -> Iterator[str]:
+    if reason := postgres.why_not():
+        pytest.skip(reason)
+    with postgres.server() as folder:
+        yield folder
+
+
+@pytest.fixture
+def postgres_url(_postgres: str) -> Iterator[str]:
+    """The URL of a PostgreSQL database without tables."""
+    with postgres.database(_postgres, f"t{uuid.uuid4().hex}") as url:
+        yield url
+
+
+@pytest.fixture
+def settings(tmp_path: Path, database_url: str, redis_url: str) -> Settings:
+    """Settings of a service of its own, with the isolation that this test host can give."""
+    return Settings(
+        data=tmp_path / "data",
+        database_url=database_url,
+        broker_url=redis_url,
+        secret_key="only-for-tests",
+        workers=1,
+    )
+
+
+@pytest.fixture
+def database(settings: Settings) -> Iterator[Database]:
+    """The SQLite database of `settings`, with tables."""
+    upgrade(settings)
+    opened = Database(settings.database_url)
+    yield opened
+    opened.close()
