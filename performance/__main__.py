@@ -1,0 +1,25 @@
+"""`./run performance [NAME ...]`: measure and print the tables, or only the named ones."""
+
+import importlib
+import sys
+
+from performance.table import text
+
+TABLES = ("physics", "camera", "exchange", "full_run")
+
+
+def main(names: list[str]) -> int:
+    """Print the tables; 2 if a name is unknown."""
+    unknown = [name for name in names if name not in TABLES]
+    if unknown:
+        print(f"There is no table {', '.join(unknown)}; there are {', '.join(TABLES)}.")
+        return 2
+    for name in names or TABLES:
+        print(
+            f"\n{name}\n{text(importlib.import_module(f'performance.{name}').rows())}", flush=True
+        )
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

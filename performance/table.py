@@ -1,0 +1,59 @@
+"""Rows of a comparison, and how they are measured and printed.
+
+These machines are noisy: every figure is a median of repeated measurements of CPU time, and what
+counts is the ratio to a peer that was measured in the same run.
+"""
+
+import statistics
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Row:
+    """One figure beside its peer; `ratio` above 1 means that the peer needs more."""
+
+    what: str
+    value: float
+    unit: str
+    peer: str = ""
+    peer_value: float | None = None
+
+    @property
+    def ratio(self) -> float | None:
+        """Return how many times the peer's figure is ours."""
+        return None if self.peer_value is None else self.peer_value / self.value
+
+
+def cpu_us(call: Callable[[], object], *, inner: int = 1, repeats: int = 9) -> float:
+    """Return the median CPU time [us] of one call; each measurement makes `inner` of them."""
+    call()
+    measured = []
+    for _ in range(repeats):
+        start = time.process_time_ns()
+        for _ in range(inner):
+            call()
+        measured.append((time.process_time_ns() - start) / inner / 1e3)
+    return statistics.median(measured)
+
+
+def text(rows: Sequence[Row]) -> str:
+    """Return the rows as an aligned table."""
+    head = ("what", "ours", "unit", "peer", "peer's", "ratio")
+    cells = [
+        (
+            row.what,
+            f"{row.value:.3g}",
+            row.unit,
+            row.peer,
+            "" if row.peer_value is None else f"{row.peer_value:.3g}",
+            "" if row.ratio is None else f"{row.ratio:.1f}",
+        )
+        for row in rows
+    ]
+    widths = [max(len(line[i]) for line in (head, *cells)) for i in range(len(head))]
+    lines = [
+        "  ".join(c.ljust(w) for c, w in zip(line, widths, strict=True)) for line in (head, *cells)
+    ]
+    return "\n".join(line.rstrip() for line in lines)
