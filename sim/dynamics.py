@@ -24,7 +24,7 @@ STEP_S = 0.01  # RK4 at 100 Hz is within 1e-6 mm of the limit after 600 s
 _RIGID = 13  # position 3, quaternion 4, velocity 6; thrusts follow
 
 
-class Contact(Protocol):
+class Touch(Protocol):
     """What may push on the vehicle besides water."""
 
     gate_depth: float  # [m] origin's depth below which something may be touched
@@ -80,7 +80,7 @@ class Plant:
         current: Current,
         *,
         step_s: float = STEP_S,
-        contact: Contact | None = None,
+        contact: Touch | None = None,
     ) -> None:
         self.vehicle = vehicle
         self.current = current

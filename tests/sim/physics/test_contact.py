@@ -1,0 +1,166 @@
+"""Contacts: what is pressed is felt, what is hit takes momentum, what is far costs nothing."""
+
+import subprocess
+import sys
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from sim.contact import Contact, LooseBox
+from sim.current import Current
+from sim.dynamics import Plant
+from sim.hydrodynamics import write_rotation
+from sim.vehicles import Array, Quantity, Vehicle, load
+
+SEABED_Z = 4.785
+BOX = LooseBox(centre=(0.0, 0.0, SEABED_Z - 0.065))
+
+
+def quantity(*value: float) -> Quantity:
+    return Quantity(meaning="test", value=value, unit="", tag="E", source="test")
+
+
+def frictionless(vehicle: Vehicle) -> Vehicle:
+    """A vehicle without drag and without net weight: nothing but contacts change its momentum."""
+    none = (quantity(0.0, 0.0, 0.0, 0.0, 0.0, 0.0),)
+    return replace(vehicle, drag_linear=none, drag_quadratic=none, buoyancy=vehicle.weight)
+
+
+def momentum(plant: Plant) -> Array:
+    """The momentum of vehicle and moved water, (3,) NED."""
+    mass = plant.vehicle.mass_rigid() + plant.vehicle.mass_added()
+    rotation = np.empty((3, 3))
+    write_rotation(*plant.state[3:7], rotation)
+    return rotation @ (mass @ plant.state[7:13])[:3]
+
+
+class Listening(Contact):
+    """A contact that remembers what it gave."""
+
+    def __init__(self, vehicle: Vehicle, *, seabed_z: float, box: LooseBox | None = None) -> None:
+        super().__init__(vehicle, seabed_z=seabed_z, box=box)
+        self.pushes: list[Array] = []
+
+    def impulse(self, before: Array, after: Array, step_s: float) -> Array:
+        push = super().impulse(before, after, step_s)
+        self.pushes.append(push)
+        return push
+
+
+@pytest.fixture
+def heavy() -> Vehicle:
+    """A vehicle that presses on the bottom with 50 N."""
+    vehicle = load("girona500")
+    return replace(vehicle, buoyancy=quantity(vehicle.weight.scalar - 50.0))
+
+
+@pytest.fixture
+def bottom(heavy: Vehicle) -> Iterator[Listening]:
+    contact = Listening(heavy, seabed_z=SEABED_Z)
+    yield contact
+    contact.close()
+
+
+def test_a_press_of_fifty_newtons_reads_fifty_newtons(heavy: Vehicle, bottom: Listening) -> None:
+    plant = Plant(heavy, Current(0.0), contact=bottom)
+    plant.place(np.array([0.0, 0.0, SEABED_Z - 0.53, 0.0, 0.0, 0.0]))
+
+    plant.advance(0, np.zeros(5), 2000)
+
+    reading = -np.mean([push[2] for push in bottom.pushes[-500:]]) / plant.step_s
+    assert reading == pytest.approx(50.0, rel=0.01)
+    assert plant.pose()[2] == pytest.approx(SEABED_Z - 0.514, abs=0.01)
+
+
+def test_a_hit_passes_the_momentum_on() -> None:
+    vehicle = frictionless(load("girona500"))
+    size = (0.42, 0.13, 0.13)
+    floating = LooseBox(centre=(1.5, 0.0, 2.0), size=size, mass=1000.0 * size[0] * size[1] ** 2)
+    contact = Contact(vehicle, seabed_z=100.0, box=floating)
+    plant = Plant(vehicle, Current(0.0), contact=contact)
+    plant.place(np.array([0.0, 0.0, 2.0 - 0.361, 0.0, 0.0, 0.0]))
+    plant.state[7] = 0.4
+    before = momentum(plant)
+
+    plant.advance(0, np.zeros(5), 300)
+    first, _turn = contact.box_pose()
+    plant.advance(300, np.zeros(5), 1)
+    second, _turn = contact.box_pose()
+    contact.close()
+
+    given = floating.mass * (second - first) / plant.step_s
+    assert given[0] > 1.0
+    assert momentum(plant) + given == pytest.approx(before, abs=0.01 * before[0])
+
+
+def test_a_pushed_box_comes_to_rest_on_the_bottom() -> None:
+    vehicle = load("girona500")
+    contact = Contact(vehicle, seabed_z=SEABED_Z, box=BOX)
+    plant = Plant(vehicle, Current(0.0), contact=contact)
+    plant.place(np.array([-1.1, 0.0, SEABED_Z - 0.55, 0.0, 0.0, 0.0]))
+    plant.state[7] = 0.5
+
+    plant.advance(0, np.array([0.0, 0.0, 0.1, 0.1, 0.0]), 1000)
+    place, _turn = contact.box_pose()
+    asleep = not contact.awake
+    contact.close()
+
+    assert place[0] > 0.02
+    assert place[2] == pytest.approx(BOX.centre[2], abs=0.01)
+    assert asleep
+
+
+def test_contact_runs_repeat_to_the_last_bit(heavy: Vehicle) -> None:
+    states = []
+    for _ in range(2):
+        contact = Contact(heavy, seabed_z=SEABED_Z, box=BOX)
+        plant = Plant(heavy, Current(0.2), contact=contact)
+        plant.place(np.array([0.1, 0.05, SEABED_Z - 0.9, 0.0, 0.0, 0.3]))
+        plant.advance(0, np.zeros(5), 600)
+        states.append(plant.state.tobytes())
+        contact.close()
+
+    assert states[0] == states[1]
+
+
+def test_a_free_run_with_contacts_is_the_run_without() -> None:
+    vehicle = load("girona500")
+    runs = []
+    for contact in (None, Contact(vehicle, seabed_z=SEABED_Z, box=BOX)):
+        plant = Plant(vehicle, Current(0.3), contact=contact)
+        plant.place(np.array([0.0, 0.0, 1.5, 0.0, 0.0, 0.0]))
+        plant.advance(0, np.full(5, 0.2), 200)
+        runs.append(plant.state.tobytes())
+
+    assert runs[0] == runs[1]
+
+
+FREE_RUN = """
+import sys
+import numpy as np
+from sim.contact import Contact, LooseBox
+from sim.current import Current
+from sim.dynamics import Plant
+from sim.vehicles import load
+
+vehicle = load("girona500")
+contact = Contact(vehicle, seabed_z=4.785, box=LooseBox(centre=(0.0, 0.0, 4.72)))
+plant = Plant(vehicle, Current(0.3), contact=contact)
+plant.place(np.array([0.0, 0.0, 1.5, 0.0, 0.0, 0.0]))
+plant.advance(0, np.zeros(5), 500)
+free = "pybullet" in sys.modules
+plant.place(np.array([0.0, 0.0, 4.2, 0.0, 0.0, 0.0]))
+plant.advance(0, np.zeros(5), 10)
+contact.close()
+print(free, "pybullet" in sys.modules)
+"""
+
+
+def test_bullet_is_loaded_only_where_something_can_touch_and_prints_nothing() -> None:
+    done = subprocess.run(
+        [sys.executable, "-c", FREE_RUN], capture_output=True, text=True, check=True, timeout=120
+    )
+
+    assert done.stdout.split() == ["False", "True"]
