@@ -222,6 +222,8 @@ def of_http(error: HTTPException) -> Problem:
     """Return the problem that says the same as an exception of werkzeug, with Allow kept."""
     status = error.code or 500
     slug = _BY_STATUS.get(status, "bad-request" if status < 500 else "internal-error")
+    if status == 401 and request.headers.get("Authorization", "").startswith("Bearer "):
+        slug = "token-invalid"
     kept = {
         name: value
         for name, value in error.get_headers(request.environ)

@@ -1,0 +1,40 @@
+"""The HTTP interface under /api/v1: one file per resource."""
+
+from __future__ import annotations
+
+from flask import Flask
+
+from server.api import (
+    account,
+    actions,
+    benchmarks,
+    document,
+    events,
+    files,
+    health,
+    leaderboards,
+    runs,
+    series,
+)
+from server.problems import Problem
+
+RESOURCES = (
+    benchmarks.api,
+    runs.api,
+    actions.api,
+    events.api,
+    files.api,
+    series.api,
+    leaderboards.api,
+    account.api,
+)
+
+
+def register(app: Flask) -> None:
+    """Add the interface, its documentation, and the addresses for operators."""
+    app.register_error_handler(Problem, Problem.response)
+    for resource in RESOURCES:
+        app.register_blueprint(resource)
+    app.register_blueprint(document.page)
+    app.register_blueprint(health.page)
+    document.keep(app, RESOURCES)

@@ -1,0 +1,77 @@
+"""What changes a run: cancel, publish, withdraw. Never by GET."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import structlog
+from flask_openapi3.blueprint import APIBlueprint
+from flask_openapi3.models import Tag
+from redis.exceptions import RedisError
+from sqlalchemy.orm import Session
+
+from server import live, runs
+from server.access import Action
+from server.api import gate
+from server.api.schemas import RunAnswer, RunPath, run_answer
+from server.listing import RunView
+from server.problems import Problem
+from server.services import services
+from server.states import RunState
+
+api = APIBlueprint(
+    "api_actions",
+    __name__,
+    url_prefix="/api/v1",
+    abp_tags=[Tag(name="Runs", description="Order runs and follow them.")],
+)
+_log = structlog.get_logger()
+
+
+@api.post("/runs/<int:run_id>/cancel", responses={200: RunAnswer})
+def cancel(path: RunPath) -> dict[str, Any]:
+    """Cancel a run that waits or runs. What it recorded so far stays."""
+    before = gate.run_for(path.run_id, Action.CANCEL)
+    after = _change(path.run_id, runs.request_cancel, f"It is {before.state.value} already.")
+    if before.state is RunState.QUEUED:
+        _tell_listeners(path.run_id)
+    return run_answer(after)
+
+
+@api.post("/runs/<int:run_id>/publish", responses={200: RunAnswer})
+def publish(path: RunPath) -> dict[str, Any]:
+    """Make a run that has ended public; a ranked one enters the leaderboard."""
+    before = gate.run_for(path.run_id, Action.PUBLISH)
+    why = (
+        "It is public already." if before.public else "Only a run that has ended can be published."
+    )
+    return run_answer(_change(path.run_id, runs.publish, why))
+
+
+@api.post("/runs/<int:run_id>/withdraw", responses={200: RunAnswer})
+def withdraw(path: RunPath) -> dict[str, Any]:
+    """Make a public run private again and take it off the leaderboard."""
+    gate.run_for(path.run_id, Action.WITHDRAW)
+    return run_answer(_change(path.run_id, runs.withdraw, "It is not public."))
+
+
+def _change(run_id: int, change: Callable[[Session, int], bool], why_not: str) -> RunView:
+    with services().database.writing() as database:
+        if not change(database, run_id):
+            raise Problem("conflict", why_not)
+    with services().database.reading() as database:
+        view = runs.show(database, run_id, services().settings)
+    if view is None:
+        raise Problem("not-found")
+    return view
+
+
+def _tell_listeners(run_id: int) -> None:
+    """End the live streams of a run that no worker has taken, so that nobody else will."""
+    state = {"state": RunState.CANCELLED.value, "position": None, "progress": 0, "t_simulated": 0}
+    try:
+        live.append(services().redis, run_id, live.STATE, state)
+        live.append(services().redis, run_id, live.END, {})
+    except RedisError as error:  # streams look at the database too, only later
+        _log.warning("tell_failed", run=run_id, error=str(error))

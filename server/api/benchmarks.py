@@ -1,0 +1,62 @@
+"""Benchmarks: what can be run, and the JSON Schema of each configuration."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from flask_openapi3.blueprint import APIBlueprint
+from flask_openapi3.models import Tag
+
+from server.api.schemas import BenchmarkAnswer, BenchmarkPath, BenchmarksAnswer
+from server.problems import Problem
+from sim import registry
+
+api = APIBlueprint(
+    "api_benchmarks",
+    __name__,
+    url_prefix="/api/v1",
+    abp_tags=[Tag(name="Benchmarks", description="What can be run.")],
+)
+
+
+@api.get("/benchmarks", responses={200: BenchmarksAnswer})
+def list_all() -> dict[str, Any]:
+    """List the benchmarks."""
+    return {"benchmarks": [_short(name) for name in registry.BENCHMARKS]}
+
+
+@api.get("/benchmarks/<string:benchmark>", responses={200: BenchmarkAnswer})
+def show(path: BenchmarkPath) -> dict[str, Any]:
+    """Show one benchmark with the JSON Schema of its configuration."""
+    check(path.benchmark)
+    found = registry.benchmark(path.benchmark)
+    metric = found.headline
+    return _short(path.benchmark) | {
+        "compares": found.compares,
+        "headline": {
+            "name": metric.name,
+            "label": metric.label,
+            "unit": metric.unit,
+            "better": metric.better,
+        },
+        "charts": [
+            {"title": chart.title, "unit": chart.unit, "columns": list(chart.columns)}
+            for chart in found.charts
+        ],
+        "controllers": registry.labels(registry.CONTROLLERS),
+        "ranked_trials": found.ranked_trials,
+        "schema": found.schema(),
+    }
+
+
+def check(name: str) -> None:
+    """Raise Problem if there is no such benchmark."""
+    if name not in registry.BENCHMARKS:
+        known = ", ".join(registry.BENCHMARKS)
+        raise Problem("not-found", f"There is no benchmark of that name. There are: {known}.")
+
+
+def _short(name: str) -> dict[str, Any]:
+    found = registry.benchmark(name)
+    links = {"self": f"/api/v1/benchmarks/{name}", "leaderboard": f"/api/v1/leaderboards/{name}"}
+    return {"name": name, "title": found.title, "summary": found.summary, "links": links}

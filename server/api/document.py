@@ -1,0 +1,151 @@
+"""The OpenAPI 3.1 document, the page that shows it, and a page for every kind of problem."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from importlib.metadata import version
+from typing import Any
+
+from flask import Blueprint, Response, abort, current_app, jsonify, render_template
+from flask_openapi3.blueprint import APIBlueprint
+
+from server.api.schemas import RunOrder, TokenOrder
+from server.problems import KINDS, MEDIA_TYPE
+
+page = Blueprint("api_document", __name__)
+_KEY = "seamark-openapi"
+_REF = "#/components/schemas/{model}"
+_ANYBODY: list[dict[str, list[str]]] = [{}, {"token": []}, {"cookie": []}]
+PROBLEM_SCHEMA: dict[str, Any] = {
+    "type": "object",
+    "description": "RFC 9457",
+    "required": ["type", "title", "status", "detail"],
+    "properties": {
+        "type": {"type": "string", "description": "/problems/<kind>; stable, with a page"},
+        "title": {"type": "string"},
+        "status": {"type": "integer"},
+        "detail": {"type": "string", "description": "What is wrong with this request"},
+        "errors": {
+            "type": "array",
+            "items": {
+                "type": "object",
+                "required": ["field", "detail"],
+                "properties": {"field": {"type": "string"}, "detail": {"type": "string"}},
+            },
+        },
+    },
+}
+_ABOUT = """Everything that the pages do can be done by programs.
+
+Authorise with `Authorization: Bearer <token>` (account page, `POST /api/v1/tokens` or
+`seamark token new`). Errors are `application/problem+json` with a stable `type`.
+Times are seconds since 1970 (UTC). Lists are paged by `after` = `next`.
+"""
+
+
+def build(blueprints: Iterable[APIBlueprint]) -> dict[str, Any]:
+    """Return the document of all operations of the blueprints."""
+    paths: dict[str, Any] = {}
+    schemas: dict[str, Any] = {"Problem": PROBLEM_SCHEMA}
+    tags: dict[str, dict[str, Any]] = {}
+    for blueprint in blueprints:
+        for uri, item in blueprint.paths.items():
+            paths.setdefault(uri, {}).update(_plain(item))
+        for name, schema in blueprint.components_schemas.items():
+            schemas[name] = _plain(schema)
+        for tag in blueprint.tags:
+            tags.setdefault(tag.name, _plain(tag))
+    _add_bodies(paths, schemas)
+    for operations in paths.values():
+        for operation in operations.values():
+            _complete(operation)
+    return {
+        "openapi": "3.1.0",
+        "jsonSchemaDialect": "https://json-schema.org/draft/2020-12/schema",
+        "info": {"title": "Seamark", "version": version("seamark"), "description": _ABOUT},
+        "servers": [{"url": "/"}],
+        "tags": list(tags.values()),
+        "paths": dict(sorted(paths.items())),
+        "components": {
+            "schemas": schemas,
+            "securitySchemes": {
+                "token": {"type": "http", "scheme": "bearer"},
+                "cookie": {"type": "apiKey", "in": "cookie", "name": "seamark"},
+            },
+        },
+    }
+
+
+def _plain(model: Any) -> dict[str, Any]:
+    dumped: dict[str, Any] = model.model_dump(
+        mode="json", by_alias=True, exclude_unset=True, warnings=False
+    )
+    return dumped
+
+
+def _add_bodies(paths: dict[str, Any], schemas: dict[str, Any]) -> None:
+    """Describe the bodies that are read by hand: flask-openapi3 knows one media type only."""
+    for model in (RunOrder, TokenOrder):
+        schemas[model.__name__] = model.model_json_schema(ref_template=_REF)
+    as_json = {"application/json": {"schema": {"$ref": _REF.format(model="TokenOrder")}}}
+    paths["/api/v1/tokens"]["post"]["requestBody"] = {"required": True, "content": as_json}
+    order = {"$ref": _REF.format(model="RunOrder")}
+    form = {
+        "type": "object",
+        "required": ["run"],
+        "properties": {
+            "run": order,
+            "program": {"type": "string", "format": "binary", "description": "The controller"},
+        },
+    }
+    paths["/api/v1/runs"]["post"]["requestBody"] = {
+        "required": True,
+        "content": {
+            "application/json": {"schema": order},
+            "multipart/form-data": {
+                "schema": form,
+                "encoding": {"run": {"contentType": "application/json"}},
+            },
+        },
+    }
+
+
+def _complete(operation: dict[str, Any]) -> None:
+    problem = {"schema": {"$ref": _REF.format(model="Problem")}}
+    operation["responses"]["default"] = {
+        "description": "A problem document; `type` names the kind.",
+        "content": {MEDIA_TYPE: problem},
+    }
+    operation["security"] = _ANYBODY
+
+
+def keep(app: Any, blueprints: Iterable[APIBlueprint]) -> None:
+    """Make the document once, at the start."""
+    app.extensions[_KEY] = build(blueprints)
+
+
+@page.get("/api/v1/openapi.json")
+def openapi() -> Response:
+    """Show the OpenAPI document."""
+    return jsonify(current_app.extensions[_KEY])
+
+
+@page.get("/api/docs")
+def docs() -> str:
+    """Show the OpenAPI document to people."""
+    return render_template("api/docs.html", api=current_app.extensions[_KEY])
+
+
+@page.get("/problems/<slug>")
+def problem(slug: str) -> str:
+    """Explain one kind of problem."""
+    kind = KINDS.get(slug)
+    if kind is None:
+        abort(404)
+    return render_template("api/problem.html", kind=kind)
+
+
+@page.get("/problems")
+def problems() -> str:
+    """List the kinds of problems."""
+    return render_template("api/problems.html", kinds=KINDS.values())

@@ -1,0 +1,181 @@
+"""A run's data as files: at any time, also while it runs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from flask import Response, jsonify, request
+from flask_openapi3.blueprint import APIBlueprint
+from flask_openapi3.models import Tag
+
+from server import programs
+from server.access import Action
+from server.api import gate
+from server.api.schemas import CameraQuery, LogQuery, RunPath, TelemetryQuery
+from server.listing import RunView
+from server.problems import Problem
+from server.run_files import RunFiles
+from server.services import services
+from server.states import Kind
+from sim import telemetry
+
+CHUNK_ROWS = 500
+HIDDEN = "hidden"
+_SECRET_KEYS = frozenset({"seed", "seeds", "hidden_seed", "trial_seed", "trial_seeds"})
+
+api = APIBlueprint(
+    "api_files",
+    __name__,
+    url_prefix="/api/v1",
+    abp_tags=[Tag(name="Data", description="A run's data, at any time.")],
+)
+
+
+def _content(media_type: str, kind: str = "string") -> dict[Any, Any]:
+    return {200: {"content": {media_type: {"schema": {"type": kind}}}}}
+
+
+def files_of(view: RunView) -> RunFiles:
+    """Return the files of the latest attempt."""
+    return RunFiles(services().settings.data, view.id)
+
+
+@api.get("/runs/<int:run_id>/telemetry.csv", responses=_content("text/csv"))
+def telemetry_csv(path: RunPath, query: TelemetryQuery) -> Response:
+    """Download all rows so far: comment lines with #, the header row, one row per 0.05 s."""
+    view = gate.run_for(path.run_id)
+    files = files_of(view)
+    stop = files.row_count()
+    answer = Response(
+        _csv(files, _comments(view, stop), query.start, stop),
+        content_type="text/csv; charset=utf-8",
+    )
+    _name(answer, view, "telemetry.csv")
+    answer.headers["X-Next-Row"] = str(max(stop, query.start))
+    return answer
+
+
+def _csv(files: RunFiles, comments: list[str], start: int, stop: int) -> Iterator[str]:
+    yield telemetry.header(comments)
+    for at in range(start, stop, CHUNK_ROWS):
+        yield telemetry.csv_lines(files.rows(at, min(at + CHUNK_ROWS, stop)))
+
+
+def _comments(view: RunView, rows: int) -> list[str]:
+    units = ", ".join(f"{c.name} [{c.unit}]" if c.unit else c.name for c in telemetry.COLUMNS)
+    return [
+        f"Seamark run {view.id}: {view.benchmark}, controller {view.program_name or view.controller}",
+        f"kind {view.kind}, seed {HIDDEN if view.seed is None else view.seed}, trials {view.trials}",
+        f"state {view.state.value} at the time of the download, {rows} rows",
+        f"columns: {units}",
+    ]
+
+
+@api.get("/runs/<int:run_id>/telemetry.f64", responses=_content("application/octet-stream"))
+def telemetry_f64(path: RunPath, query: TelemetryQuery) -> Response:
+    """Download all rows so far as little-endian float64; X-Columns names the columns."""
+    view = gate.run_for(path.run_id)
+    files = files_of(view)
+    stop = files.row_count()
+    pieces = (
+        files.rows(at, min(at + CHUNK_ROWS, stop)).astype("<f8").tobytes()
+        for at in range(query.start, stop, CHUNK_ROWS)
+    )
+    answer = Response(pieces, content_type="application/octet-stream")
+    answer.headers["X-Columns"] = ",".join(telemetry.NAMES)
+    answer.headers["X-Next-Row"] = str(max(stop, query.start))
+    _name(answer, view, "telemetry.f64")
+    return answer
+
+
+@api.get("/runs/<int:run_id>/metrics.json", responses=_content("application/json", "object"))
+def metrics(path: RunPath) -> Response:
+    """Show the metrics; 404 until there are some."""
+    view = gate.run_for(path.run_id)
+    found = view.metrics or files_of(view).metrics()
+    if found is None:
+        raise Problem("not-found", f"Run {view.id} has no metrics (yet): it is {view.state.value}.")
+    return jsonify(_masked(found, view))
+
+
+@api.get("/runs/<int:run_id>/manifest.json", responses=_content("application/json", "object"))
+def manifest(path: RunPath) -> Response:
+    """Show the manifest: versions, configuration, seed and digest; 404 until there is one."""
+    view = gate.run_for(path.run_id)
+    found = view.manifest or files_of(view).manifest()
+    if found is None:
+        raise Problem(
+            "not-found", f"Run {view.id} has no manifest (yet): it is {view.state.value}."
+        )
+    return jsonify(_masked(found, view))
+
+
+def _masked(value: Any, view: RunView) -> Any:
+    """Return the document without the hidden seeds of a ranked run."""
+    return _without_secrets(value) if view.kind == Kind.RANKED else value
+
+
+def _without_secrets(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {
+            key: None if key in _SECRET_KEYS else _without_secrets(item)
+            for key, item in value.items()
+        }
+    return [_without_secrets(item) for item in value] if isinstance(value, list) else value
+
+
+@api.get("/runs/<int:run_id>/config.json", responses=_content("application/json", "object"))
+def config(path: RunPath) -> Response:
+    """Download the configuration; `seamark run --config` reads it."""
+    view = gate.run_for(path.run_id)
+    answer = jsonify(view.config)
+    _name(answer, view, "config.json")
+    return answer
+
+
+@api.get("/runs/<int:run_id>/log", responses=_content("text/plain"))
+def log(path: RunPath, query: LogQuery) -> Response:
+    """Show what the program printed from byte `after` on; X-Next-Offset is the next `after`."""
+    view = gate.run_for(path.run_id, Action.VIEW_LOG)
+    part = files_of(view).log(query.after)
+    answer = Response(part.text, content_type="text/plain; charset=utf-8")
+    answer.headers["X-Next-Offset"] = str(max(part.next, query.after))
+    answer.headers["X-Dropped-Bytes"] = str(part.dropped)
+    return answer
+
+
+@api.get("/runs/<int:run_id>/program", responses=_content("text/plain"))
+def program(path: RunPath) -> Response:
+    """Download the uploaded program: one's own, or that of a public run."""
+    view = gate.run_for(path.run_id, Action.VIEW_PROGRAM)
+    if view.program_sha256 is None:
+        raise Problem("not-found", f"Run {view.id} used the built-in controller {view.controller}.")
+    try:
+        source = programs.read(services().settings.data, view.program_sha256)
+    except FileNotFoundError:
+        raise Problem("not-found", "The program is no longer kept.") from None
+    answer = Response(source, content_type="text/plain; charset=utf-8")
+    _name(answer, view, view.program_name or "program")
+    answer.set_etag(view.program_sha256)
+    return answer.make_conditional(request)
+
+
+@api.get("/runs/<int:run_id>/camera.jpg", responses=_content("image/jpeg"))
+def camera(path: RunPath, query: CameraQuery) -> Response:
+    """Show the vehicle's view at a simulated time, with the tracker's box and the truth."""
+    from server import frames  # noqa: PLC0415 (it loads OpenCV)
+
+    view = gate.run_for(path.run_id)
+    picture = frames.picture(services().settings, view, trial=query.trial, t=query.t)
+    if picture is None:
+        raise Problem("not-found", "There is no telemetry of that trial (yet).")
+    answer = Response(picture, content_type="image/jpeg")
+    answer.add_etag()
+    return answer.make_conditional(request)
+
+
+def _name(answer: Response, view: RunView, name: str) -> None:
+    answer.headers.set(
+        "Content-Disposition", "attachment", filename=f"seamark-run-{view.id}-{name}"
+    )

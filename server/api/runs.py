@@ -1,0 +1,168 @@
+"""Runs: order one, list them, look at one."""
+
+from __future__ import annotations
+
+import hashlib
+from typing import Any
+
+from flask import Response, jsonify, request
+from flask_openapi3.blueprint import APIBlueprint
+from flask_openapi3.models import Tag
+from werkzeug.datastructures import FileStorage
+
+from server import identity, programs, rate_limits, runs
+from server.access import READ, SUBMIT, Action, can
+from server.api import gate, reading
+from server.api.schemas import RunAnswer, RunOrder, RunPath, RunsAnswer, RunsQuery, run_answer
+from server.listing import RunView
+from server.problems import Problem
+from server.programs import StoredProgram, UploadRejected
+from server.services import services
+from server.states import Kind, RunState
+from sim.configuration import ConfigurationInvalid
+
+RUNNING_RETRY_S, QUEUED_RETRY_S = 1, 2  # how soon it is worth to look again
+
+api = APIBlueprint(
+    "api_runs",
+    __name__,
+    url_prefix="/api/v1",
+    abp_tags=[Tag(name="Runs", description="Order runs and follow them.")],
+)
+
+
+@api.post("/runs", responses={202: RunAnswer})
+@rate_limits.limiter.limit(rate_limits.ORDER, key_func=gate.who)
+def create() -> Response:
+    """Order a run of a built-in controller (JSON) or of a program (multipart).
+
+    Guests may try built-in controllers; programs and ranked runs need an account.
+    """
+    limit = services().settings.upload_max_bytes
+    order, file = reading.body_or_form(
+        RunOrder, json_part="run", file_part="program", file_max_bytes=limit
+    )
+    gate.need_scope(SUBMIT)
+    viewer = identity.become_guest()
+    if viewer.owner is None:
+        raise Problem("unauthenticated")
+    if file is not None and not can(viewer, Action.UPLOAD):
+        raise Problem("account-needed", "Uploading a program needs an account.")
+    if order.kind == "ranked" and not can(viewer, Action.SUBMIT_RANKED):
+        raise Problem("account-needed", "A ranked run needs an account: it shows your name.")
+    program = None if file is None else _store(file)
+    return _accepted(_enqueue(order, program))
+
+
+def _store(file: FileStorage) -> StoredProgram:
+    settings = services().settings
+    try:
+        return programs.store(
+            file.stream,
+            file.filename or "",
+            limit=settings.upload_max_bytes,
+            data=settings.data,
+        )
+    except UploadRejected as reason:
+        raise Problem("upload-rejected", str(reason), errors={"program": str(reason)}) from None
+
+
+def _enqueue(order: RunOrder, program: StoredProgram | None) -> int:
+    built_in = order.controller if program is None else None
+    if program is None and built_in is None:
+        needed = "Name a built-in controller, or send a program."
+        raise Problem("invalid-request", needed, errors={"controller": needed})
+    if program is not None and order.controller not in (None, runs.UPLOAD):
+        both = "Choose either a built-in controller or a program of your own."
+        raise Problem("invalid-request", both, errors={"controller": both})
+    return refused_in_words(
+        runs.Order(
+            viewer=gate.viewer(),
+            benchmark=order.benchmark,
+            config=order.config,
+            kind=Kind(order.kind),
+            controller=built_in or runs.UPLOAD,
+            program=program,
+            seed=order.seed,
+            trials=order.trials,
+            title=order.title,
+            notes=order.notes,
+        )
+    )
+
+
+def refused_in_words(order: runs.Order | int) -> int:
+    """Insert an order (or, given a run's id, the same order again) and return the new id.
+
+    Raises
+    ------
+    Problem
+        invalid-configuration, invalid-request or quota-exceeded.
+    """
+    settings = services().settings
+    try:
+        with services().database.writing() as database:
+            if isinstance(order, int):
+                run_id = runs.rerun(database, order, gate.viewer(), settings)
+            else:
+                run_id = runs.enqueue(database, order, settings)
+    except ConfigurationInvalid as wrong:
+        raise Problem("invalid-configuration", str(wrong), errors=wrong.errors) from None
+    except runs.OrderRejected as reason:
+        raise Problem("invalid-request", str(reason)) from None
+    except runs.QuotaExceeded as reason:
+        wait = {"Retry-After": str(reason.retry_after_s)}
+        raise Problem("quota-exceeded", str(reason), headers=wait) from None
+    services().ring()  # only after the commit: the worker must find the row
+    return run_id
+
+
+def _accepted(run_id: int) -> Response:
+    answer = jsonify(run_answer(gate.run_for(run_id)))
+    answer.status_code = 202
+    answer.headers["Location"] = f"/api/v1/runs/{run_id}"
+    answer.headers["Retry-After"] = str(QUEUED_RETRY_S)
+    return answer
+
+
+@api.post("/runs/<int:run_id>/rerun", responses={202: RunAnswer})
+def rerun(path: RunPath) -> Response:
+    """Order the same run again; it is a new run with a number of its own."""
+    gate.run_for(path.run_id, Action.RERUN)
+    return _accepted(refused_in_words(path.run_id))
+
+
+@api.get("/runs", responses={200: RunsAnswer})
+def list_some(query: RunsQuery) -> dict[str, Any]:
+    """List runs, newest first; pages are followed by `after` = `next`."""
+    gate.need_scope(READ)
+    if query.which == "all" and not gate.is_operator():
+        raise Problem("forbidden", "Only admins may list the runs of all users.")
+    with services().database.reading() as database:
+        page = runs.listing(
+            database,
+            gate.viewer(),
+            which=query.which,
+            states=[RunState(state) for state in query.state],
+            benchmark=query.benchmark,
+            kind=query.kind,
+            after=query.after,
+            limit=query.limit,
+        )
+    return {"runs": [run_answer(view, whole=False) for view in page.runs], "next": page.next}
+
+
+@api.get("/runs/<int:run_id>", responses={200: RunAnswer, 304: None})
+def show(path: RunPath) -> Response:
+    """Show a run: state, place in the line, progress, result, links. Has an ETag."""
+    view = gate.run_for(path.run_id)
+    answer = jsonify(run_answer(view))
+    answer.set_etag(hashlib.sha256(f"{view.id}-{view.version}".encode()).hexdigest()[:24])
+    answer.headers["Vary"] = "Authorization, Cookie"
+    if not view.state.final:
+        answer.headers["Retry-After"] = str(_retry_s(view))
+    return answer.make_conditional(request)
+
+
+def _retry_s(view: RunView) -> int:
+    return RUNNING_RETRY_S if view.state is RunState.RUNNING else QUEUED_RETRY_S

@@ -1,0 +1,109 @@
+"""Columns of the telemetry, thinned for charts without losing their peaks."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from flask_openapi3.blueprint import APIBlueprint
+from flask_openapi3.models import Tag
+from numpy.typing import NDArray
+
+from server.api import gate
+from server.api.files import files_of
+from server.api.schemas import RunPath, SeriesAnswer, SeriesQuery
+from server.problems import Problem
+from server.run_files import RunFiles
+from sim.telemetry import INDEX
+
+COLUMNS_MAX = 16
+Rows = NDArray[np.float64]
+
+api = APIBlueprint(
+    "api_series",
+    __name__,
+    url_prefix="/api/v1",
+    abp_tags=[Tag(name="Data", description="A run's data, at any time.")],
+)
+
+
+@api.get("/runs/<int:run_id>/series.json", responses={200: SeriesAnswer})
+def series(path: RunPath, query: SeriesQuery) -> dict[str, Any]:
+    """Show columns of one trial on one time axis; each stretch keeps its least and largest value."""
+    names = _names(query.columns)
+    view = gate.run_for(path.run_id)
+    rows = _trial(files_of(view), query.trial)
+    t, columns = thin(rows[:, INDEX["t"]], rows[:, [INDEX[n] for n in names]], query.max_points)
+    return {
+        "t": t.tolist(),
+        "columns": {
+            name: [None if np.isnan(v) else v for v in columns[:, at].tolist()]
+            for at, name in enumerate(names)
+        },
+        "rows": len(rows),
+        "trial": query.trial,
+        "final": view.state.final,
+    }
+
+
+def _names(text: str) -> list[str]:
+    names = [name.strip() for name in text.split(",") if name.strip()]
+    unknown = [name for name in names if name not in INDEX]
+    if unknown or not names or len(names) > COLUMNS_MAX:
+        detail = f"1 to {COLUMNS_MAX} of: {', '.join(INDEX)}."
+        raise Problem("invalid-request", "No such columns.", errors={"columns": detail})
+    return list(dict.fromkeys(names))
+
+
+def _trial(files: RunFiles, trial: int) -> Rows:
+    """Return the rows of one trial; trials follow each other in the file."""
+    total = files.row_count()
+    first, last = _bound(files, total, trial), _bound(files, total, trial + 1)
+    return files.rows(first, last)
+
+
+def _bound(files: RunFiles, total: int, trial: int) -> int:
+    """Return the first row of a trial or of a later one, by halving."""
+    low, high = 0, total
+    while low < high:
+        middle = (low + high) // 2
+        if files.rows(middle, middle + 1)[0, INDEX["trial"]] < trial:
+            low = middle + 1
+        else:
+            high = middle
+    return low
+
+
+def thin(t: Rows, columns: Rows, max_points: int) -> tuple[Rows, Rows]:
+    """Return at most `max_points` points; each stretch gives two, with its extremes in order.
+
+    Parameters
+    ----------
+    t : (n,) [s]
+    columns : (n, k)
+    max_points
+        At least 2.
+
+    Returns
+    -------
+    t : (m,) [s], columns : (m, k)
+        The very rows if there are no more than `max_points`.
+    """
+    if len(t) <= max_points:
+        return t, columns
+    edges = np.linspace(0, len(t), max_points // 2 + 1).astype(int)
+    times, values = [], []
+    for start, stop in zip(edges[:-1], edges[1:], strict=True):
+        stretch = columns[start:stop]
+        times += [t[start], t[stop - 1]]
+        values += _extremes(stretch)
+    return np.array(times), np.array(values)
+
+
+def _extremes(stretch: Rows) -> tuple[Rows, Rows]:
+    """Return two rows: per column its least and largest value, whichever came first in the first."""
+    # NaN would win every comparison; it stays only where there is nothing else.
+    low = np.where(np.isnan(stretch), np.inf, stretch).argmin(axis=0)
+    high = np.where(np.isnan(stretch), -np.inf, stretch).argmax(axis=0)
+    every = np.arange(stretch.shape[1])
+    return stretch[np.minimum(low, high), every], stretch[np.maximum(low, high), every]
