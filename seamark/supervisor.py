@@ -81,12 +81,14 @@ class Supervisor:
         self._say = say
 
     def __enter__(self) -> Supervisor:
+        """Take over the signals and the orphans of the children."""
         self._old_mask = signal.pthread_sigmask(signal.SIG_BLOCK, WATCHED)
         # Orphans of a killed child become ours instead of init's, so that they can be ended too.
         _libc.prctl(PR_SET_CHILD_SUBREAPER, 1)
         return self
 
     def __exit__(self, *_: object) -> None:
+        """End everything and give the signals back."""
         self.stop()
         _libc.prctl(PR_SET_CHILD_SUBREAPER, 0)
         signal.pthread_sigmask(signal.SIG_SETMASK, self._old_mask)

@@ -7,7 +7,7 @@ from typing import Any
 
 from flask import Response, jsonify, session
 from flask_openapi3.blueprint import APIBlueprint
-from flask_openapi3.models import Tag
+from flask_openapi3.models.tag import Tag
 from flask_wtf.csrf import generate_csrf
 
 from server import accounts, runs

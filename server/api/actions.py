@@ -7,7 +7,7 @@ from typing import Any
 
 import structlog
 from flask_openapi3.blueprint import APIBlueprint
-from flask_openapi3.models import Tag
+from flask_openapi3.models.tag import Tag
 from redis.exceptions import RedisError
 from sqlalchemy.orm import Session
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from flask_openapi3.blueprint import APIBlueprint
-from flask_openapi3.models import Tag
+from flask_openapi3.models.tag import Tag
 
 from server.api.schemas import BenchmarkAnswer, BenchmarkPath, BenchmarksAnswer
 from server.problems import Problem

@@ -9,7 +9,7 @@ from typing import Any
 
 from flask import Response, request
 from flask_openapi3.blueprint import APIBlueprint
-from flask_openapi3.models import Tag
+from flask_openapi3.models.tag import Tag
 from redis.exceptions import RedisError
 
 from server import live, runs
@@ -34,7 +34,7 @@ api = APIBlueprint(
     url_prefix="/api/v1",
     abp_tags=[Tag(name="Runs", description="Order runs and follow them.")],
 )
-_STREAM = {200: {"content": {"text/event-stream": {"schema": {"type": "string"}}}}}
+_STREAM: Any = {200: {"content": {"text/event-stream": {"schema": {"type": "string"}}}}}
 
 
 @api.get("/runs/<int:run_id>/events", responses=_STREAM)

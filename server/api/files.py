@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from flask import Response, jsonify, request
+from flask import Response, jsonify
 from flask_openapi3.blueprint import APIBlueprint
-from flask_openapi3.models import Tag
+from flask_openapi3.models.tag import Tag
 
 from server import programs
 from server.access import Action
@@ -32,7 +32,7 @@ api = APIBlueprint(
 )
 
 
-def _content(media_type: str, kind: str = "string") -> dict[Any, Any]:
+def _content(media_type: str, kind: str = "string") -> Any:
     return {200: {"content": {media_type: {"schema": {"type": kind}}}}}
 
 
@@ -64,9 +64,11 @@ def _csv(files: RunFiles, comments: list[str], start: int, stop: int) -> Iterato
 
 def _comments(view: RunView, rows: int) -> list[str]:
     units = ", ".join(f"{c.name} [{c.unit}]" if c.unit else c.name for c in telemetry.COLUMNS)
+    controller = view.program_name or view.controller
+    seed = HIDDEN if view.seed is None else view.seed
     return [
-        f"Seamark run {view.id}: {view.benchmark}, controller {view.program_name or view.controller}",
-        f"kind {view.kind}, seed {HIDDEN if view.seed is None else view.seed}, trials {view.trials}",
+        f"Seamark run {view.id}: {view.benchmark}, controller {controller}",
+        f"kind {view.kind}, seed {seed}, trials {view.trials}",
         f"state {view.state.value} at the time of the download, {rows} rows",
         f"columns: {units}",
     ]
@@ -158,7 +160,7 @@ def program(path: RunPath) -> Response:
     answer = Response(source, content_type="text/plain; charset=utf-8")
     _name(answer, view, view.program_name or "program")
     answer.set_etag(view.program_sha256)
-    return answer.make_conditional(request)
+    return gate.conditional(answer)
 
 
 @api.get("/runs/<int:run_id>/camera.jpg", responses=_content("image/jpeg"))
@@ -172,7 +174,7 @@ def camera(path: RunPath, query: CameraQuery) -> Response:
         raise Problem("not-found", "There is no telemetry of that trial (yet).")
     answer = Response(picture, content_type="image/jpeg")
     answer.add_etag()
-    return answer.make_conditional(request)
+    return gate.conditional(answer)
 
 
 def _name(answer: Response, view: RunView, name: str) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from flask import g, request
+from flask import Response, g, request
 
 from server import runs
 from server.access import ADMIN, READ, SUBMIT, Action, Viewer, can
@@ -24,6 +24,13 @@ def viewer() -> Viewer:
 def who() -> str:
     """Return the key under which requests are counted: the account, the guest or the address."""
     return viewer().owner or request.remote_addr or "nobody"
+
+
+def conditional(answer: Response) -> Response:
+    """Return 304 without a body if the client has this very answer already."""
+    answer.headers["Vary"] = "Authorization, Cookie"
+    answer.make_conditional(request)
+    return answer
 
 
 def need_scope(scope: str) -> None:

@@ -9,7 +9,7 @@ from typing import Any
 
 from flask import Response, jsonify, request
 from flask_openapi3.blueprint import APIBlueprint
-from flask_openapi3.models import Tag
+from flask_openapi3.models.tag import Tag
 
 from server import leaderboard
 from server.api.benchmarks import check

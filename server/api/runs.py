@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import hashlib
-from typing import Any
+from typing import Any, BinaryIO, cast
 
-from flask import Response, jsonify, request
+from flask import Response, jsonify
 from flask_openapi3.blueprint import APIBlueprint
-from flask_openapi3.models import Tag
+from flask_openapi3.models.tag import Tag
 from werkzeug.datastructures import FileStorage
 
 from server import identity, programs, rate_limits, runs
@@ -58,7 +58,7 @@ def _store(file: FileStorage) -> StoredProgram:
     settings = services().settings
     try:
         return programs.store(
-            file.stream,
+            cast("BinaryIO", file.stream),
             file.filename or "",
             limit=settings.upload_max_bytes,
             data=settings.data,
@@ -158,10 +158,9 @@ def show(path: RunPath) -> Response:
     view = gate.run_for(path.run_id)
     answer = jsonify(run_answer(view))
     answer.set_etag(hashlib.sha256(f"{view.id}-{view.version}".encode()).hexdigest()[:24])
-    answer.headers["Vary"] = "Authorization, Cookie"
     if not view.state.final:
         answer.headers["Retry-After"] = str(_retry_s(view))
-    return answer.make_conditional(request)
+    return gate.conditional(answer)
 
 
 def _retry_s(view: RunView) -> int:

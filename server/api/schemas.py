@@ -118,15 +118,20 @@ class RankQuery(BaseModel):
     )
 
 
+Scope = Literal["read", "submit", "admin"]
+
+
+def _ordinary_scopes() -> list[Scope]:
+    return ["read", "submit"]
+
+
 class TokenOrder(BaseModel):
     """A token to be made."""
 
     model_config = ConfigDict(extra="forbid")
 
     name: Text = Field("token", max_length=80)
-    scopes: list[Literal["read", "submit", "admin"]] = Field(
-        default_factory=lambda: ["read", "submit"], min_length=1, max_length=3
-    )
+    scopes: list[Scope] = Field(default_factory=_ordinary_scopes, min_length=1, max_length=3)
     days: float = Field(90, gt=0, le=3650)
 
 

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 from flask_openapi3.blueprint import APIBlueprint
-from flask_openapi3.models import Tag
+from flask_openapi3.models.tag import Tag
 from numpy.typing import NDArray
 
 from server.api import gate
@@ -29,7 +30,7 @@ api = APIBlueprint(
 
 @api.get("/runs/<int:run_id>/series.json", responses={200: SeriesAnswer})
 def series(path: RunPath, query: SeriesQuery) -> dict[str, Any]:
-    """Show columns of one trial on one time axis; each stretch keeps its least and largest value."""
+    """Show columns of one trial on one time axis; thinned, with the peaks kept."""
     names = _names(query.columns)
     view = gate.run_for(path.run_id)
     rows = _trial(files_of(view), query.trial)
@@ -92,8 +93,9 @@ def thin(t: Rows, columns: Rows, max_points: int) -> tuple[Rows, Rows]:
     if len(t) <= max_points:
         return t, columns
     edges = np.linspace(0, len(t), max_points // 2 + 1).astype(int)
-    times, values = [], []
-    for start, stop in zip(edges[:-1], edges[1:], strict=True):
+    times: list[float] = []
+    values: list[Rows] = []
+    for start, stop in pairwise(edges):
         stretch = columns[start:stop]
         times += [t[start], t[stop - 1]]
         values += _extremes(stretch)
@@ -101,7 +103,7 @@ def thin(t: Rows, columns: Rows, max_points: int) -> tuple[Rows, Rows]:
 
 
 def _extremes(stretch: Rows) -> tuple[Rows, Rows]:
-    """Return two rows: per column its least and largest value, whichever came first in the first."""
+    """Return two rows: per column its least and largest value, in the order in which they came."""
     # NaN would win every comparison; it stays only where there is nothing else.
     low = np.where(np.isnan(stretch), np.inf, stretch).argmin(axis=0)
     high = np.where(np.isnan(stretch), -np.inf, stretch).argmax(axis=0)
