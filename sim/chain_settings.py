@@ -10,6 +10,7 @@ from sim.registry import CRITERIA, METHODS, TRACKERS, TRUTH, WARPS, labels
 
 velocity = partial(knob, group="Velocity controller", role="scenario")
 tracking = partial(knob, group="Tracker", role="solution")
+keeping = partial(knob, group="Station keeper", role="scenario")
 position = partial(knob, group="Position controller", role="solution")
 
 
@@ -118,5 +119,28 @@ class ChainSettings(Configuration):
         low=0,
         high=50,
         tag="S",
+        advanced=True,
+    )
+    heading_hold: bool = velocity(
+        True, title="Hold the heading", says="Yaw rates turn a held heading.", advanced=True
+    )
+    depth_hold: bool = velocity(
+        True, title="Hold the depth", says="Heave references move a held depth.", advanced=True
+    )
+    range_from: str = keeping(
+        "altitude",
+        title="Distance from",
+        says="What turns pixels into metres.",
+        choices={
+            "altitude": "Measured altitude",
+            "size": "Known size of the target",
+            "start": "Height at the level's start (the paper)",
+        },
+        advanced=True,
+    )
+    level_out_tilt: bool = keeping(
+        True,
+        title="Level out the tilt",
+        says="Whether roll and pitch are taken out of the target's place.",
         advanced=True,
     )

@@ -61,15 +61,13 @@ WARPS = {
     "homography": "Homography",
 }
 CRITERIA = {
-    "ssd": "SSD (sum of squared differences)",
-    "zncc": "ZNCC (zero-mean normalised cross-correlation)",
-    "mi": "Mutual information",
+    "zncc": "Zero-mean normalised cross-correlation",
+    "ssd": "Sum of squared differences",
 }
 METHODS = {
     "esm": "Efficient second-order minimisation",
-    "inverse-compositional": "Inverse compositional",
-    "forward-additional": "Forward additional",
-    "forward-compositional": "Forward compositional",
+    "inverse_compositional": "Inverse compositional",
+    "forward_compositional": "Forward compositional",
 }
 
 

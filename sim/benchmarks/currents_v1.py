@@ -12,6 +12,7 @@ from sim.chain_settings import ChainSettings
 from sim.configuration import knob
 from sim.registry import TRUTH, VEHICLES, labels
 from sim.scene_settings import SceneSettings
+from sim.vehicles import load
 
 experiment = partial(knob, group="Experiment", role="scenario")
 current = partial(knob, group="Current", role="scenario")
@@ -46,7 +47,7 @@ class CurrentsConfiguration(ChainSettings, SceneSettings):
         tag="S",
     )
     settle_s: float = experiment(
-        60.0,
+        30.0,
         title="Settle window",
         says="Time at the start of each level that the settled metrics and the score leave out.",
         unit="s",
@@ -222,6 +223,11 @@ class CurrentsConfiguration(ChainSettings, SceneSettings):
         return round(self.control_period_s / self.physics_step_s)
 
     @property
+    def dvl_period_ticks(self) -> int:
+        """Physics steps between two measurements of the DVL."""
+        return round(1.0 / (self.dvl_rate_hz * self.physics_step_s))
+
+    @property
     def ticks_per_level(self) -> int:
         """Control ticks of one level."""
         return round(self.level_duration_s / self.control_period_s)
@@ -230,6 +236,24 @@ class CurrentsConfiguration(ChainSettings, SceneSettings):
 def _multiple(whole: float, part: float) -> bool:
     count = whole / part
     return round(count) >= 1 and abs(count - round(count)) < 1e-6
+
+
+# What the published experiment has beside its vehicle.
+PAPER_SCENE = {
+    "water_law": "uwsim",
+    "water_type": "grey",
+    "water_attenuation_1_m": 0.1,  # S: UWSim's default fog
+    "range_from": "start",
+    "level_out_tilt": False,
+    "reference_limit_m_s": 5.0,  # S: benchmark_software_launcher
+}
+
+
+def _presets() -> dict[str, dict[str, object]]:
+    """Return vehicle -> values that come with its choice."""
+    own = {name: dict(load(name).defaults) for name in VEHICLES}
+    own["girona500-uwsim"] |= PAPER_SCENE
+    return {name: values for name, values in own.items() if values}
 
 
 BENCHMARK = Benchmark(
@@ -262,17 +286,9 @@ BENCHMARK = Benchmark(
         "Tracker",
         "Current",
         "Water and camera",
+        "Station keeper",
         "Velocity controller",
         "Sensors",
     ),
-    presets={
-        "girona500-uwsim": {
-            "current_law": "force",
-            "current_azimuth_rad": 1.5707963267948966,
-            "current_wave_m_s": 0.0,
-            "current_gust": 0.0,
-            "velocity_law": "paper",
-            "reference_limit_m_s": 5.0,
-        }
-    },
+    presets=_presets(),
 )

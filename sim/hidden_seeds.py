@@ -1,0 +1,23 @@
+"""Seeds of ranked runs: nobody can guess them, and everybody gets the same ones."""
+
+import hashlib
+import hmac
+
+SEED_BITS = 63  # fits a signed 64-bit column
+
+
+def hidden_seed(secret: bytes, benchmark: str, trial: int) -> int:
+    """Return the seed of one ranked trial, by HMAC-SHA256 of benchmark and trial.
+
+    Raises
+    ------
+    ValueError
+        If the secret is empty or the trial negative.
+    """
+    if not secret:
+        raise ValueError("the secret of the hidden seeds is empty")
+    if trial < 0:
+        raise ValueError(f"trial must not be negative, not {trial}")
+    message = f"seamark hidden seed\n{benchmark}\n{trial}".encode()
+    code = hmac.new(secret, message, hashlib.sha256).digest()
+    return int.from_bytes(code[:8], "big") >> (64 - SEED_BITS)

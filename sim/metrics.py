@@ -1,0 +1,184 @@
+"""Metrics of a level: what a run ends with, computed from its telemetry alone.
+
+Every metric exists for the settled part of a level and, with the prefix `whole_`, for all of it.
+"""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sim.benchmarks import Metric
+from sim.statistics import mean, percentile, root_mean_square
+from sim.telemetry import INDEX, Rows
+
+SCORE_LENGTH_M = 0.25  # [m] RMSE at which a level gives half of its points
+HELD_P95_M = (
+    0.5  # [m] a level is held if 95 % of the time stays within, and the target is never lost
+)
+CIRCLES_M = (0.1, 0.25, 0.5)  # [m] watch circles
+SETTLED_M = 0.1  # [m]
+LOST_PX = 15.0  # [px] E: half of the target's shorter side at 2.27 m
+FULL_THRUST = 0.98  # share of the limit from which a thruster counts as saturated; E
+ENERGY_EXPONENT = 1.5  # ideal propeller: power grows with the thrust to the power of 1.5
+VRX_BASE = 0.75  # VRX StationkeepingScoringPlugin
+
+METRICS: tuple[Metric, ...] = (
+    Metric("rmse_m", "RMSE of the distance", "m", "lower"),
+    Metric("mae_m", "Mean distance", "m", "lower"),
+    Metric("p95_m", "Distance, 95th percentile", "m", "lower"),
+    Metric("max_m", "Largest distance", "m", "lower"),
+    Metric("rmse_px", "RMSE of the distance in the picture", "px", "lower"),
+    Metric("mae_px", "Mean distance in the picture", "px", "lower"),
+    Metric("p95_px", "Distance in the picture, 95th percentile", "px", "lower"),
+    Metric("max_px", "Largest distance in the picture", "px", "lower"),
+    Metric("mean_x_px", "Mean X error", "px", "lower"),
+    Metric("mean_y_px", "Mean Y error", "px", "lower"),
+    Metric("in_0_1_m_percent", "Time within 0.1 m", "%", "higher"),
+    Metric("in_0_25_m_percent", "Time within 0.25 m", "%", "higher"),
+    Metric("in_0_5_m_percent", "Time within 0.5 m", "%", "higher"),
+    Metric("iae_m_s", "Integral of the absolute error", "m s", "lower"),
+    Metric("ise_m2_s", "Integral of the squared error", "m² s", "lower"),
+    Metric("itae_m_s2", "Integral of time times absolute error", "m s²", "lower"),
+    Metric("heading_rmse_rad", "RMSE of the heading", "rad", "lower"),
+    Metric("vrx_m", "VRX station-keeping error", "m", "lower"),
+    Metric("thrust_rms_n", "RMS thrust of all thrusters", "N", "lower"),
+    Metric("energy_n15_s", "Energy proxy, integral of thrust^1.5", "N^1.5 s", "lower"),
+    Metric("variation_m_s", "Total variation of the references", "m/s", "lower"),
+    Metric("saturated_s", "Time with a thruster at its limit", "s", "lower"),
+    Metric("lost_percent", "Time with the target lost", "%", "lower"),
+)
+SETTLING = Metric("settling_s", "Settling time to 0.1 m", "s", "lower")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LevelFacts:
+    """What the metrics need beside the rows of one level."""
+
+    level: int
+    speed: float  # [m/s]
+    dt: float  # [s]
+    settle_s: float
+    limits_n: tuple[float, float]  # greatest thrust forward, reverse
+    heading: float = 0.0  # [rad] wanted
+
+
+def level_metrics(rows: Rows, facts: LevelFacts) -> dict[str, Any]:
+    """Return the metrics of one level, name -> float (None where there is none), and its points."""
+    first = min(round(facts.settle_s / facts.dt), len(rows))
+    settled = _window(rows[first:], facts)
+    whole = _window(rows, facts)
+    result: dict[str, Any] = {"level": facts.level, "speed": facts.speed}
+    result |= settled | {f"whole_{name}": value for name, value in whole.items()}
+    result["settling_s"] = settling_time(_column(rows, "distance"), facts.dt)
+    result["points"] = points(settled["rmse_m"], whole["lost_percent"] / 100.0)
+    result["held"] = bool(whole["p95_m"] < HELD_P95_M and whole["lost_percent"] == 0.0)
+    return result
+
+
+def points(rmse_m: float, lost_share: float) -> float:
+    """Return the points of a level, 0 to 100: bounded, so one bad level costs at most its share."""
+    return 100.0 / (1.0 + rmse_m / SCORE_LENGTH_M) * (1.0 - lost_share)
+
+
+def settling_time(distance: Sequence[float], dt: float) -> float | None:
+    """Return the time [s] from which the distance stays within 0.1 m; None if it does not."""
+    last_outside = -1
+    for at, value in enumerate(distance):
+        if not value <= SETTLED_M:
+            last_outside = at
+    return None if last_outside == len(distance) - 1 else (last_outside + 1) * dt
+
+
+def lost(rows: Rows) -> NDArray[np.bool_]:
+    """Return at which rows the target is lost, (k,): by the tracker's word or by ground truth."""
+    by_truth = ~(rows[:, INDEX["tracker_error"]] <= LOST_PX)  # nan counts as lost
+    result: NDArray[np.bool_] = by_truth | (rows[:, INDEX["tracker_ok"]] == 0.0)
+    return result
+
+
+def _window(rows: Rows, facts: LevelFacts) -> dict[str, float]:
+    return (
+        _distances(rows)
+        | _integrals(rows, facts.dt)
+        | _headings(rows, facts)
+        | _efforts(rows, facts)
+        | {"lost_percent": _percent(lost(rows).tolist())}
+    )
+
+
+def _distances(rows: Rows) -> dict[str, float]:
+    result: dict[str, float] = {}
+    for unit, name in (("m", "distance"), ("px", "distance_px")):
+        values = _column(rows, name)
+        result |= {
+            f"rmse_{unit}": root_mean_square(values),
+            f"mae_{unit}": mean(values),
+            f"p95_{unit}": percentile(values, 0.95),
+            f"max_{unit}": max(values, default=math.nan),
+        }
+    for axis in "xy":
+        result[f"mean_{axis}_px"] = mean(_column(rows, f"error_{axis}_px"))
+    distance = _column(rows, "distance")
+    for radius in CIRCLES_M:
+        name = f"in_{radius:g}_m_percent".replace("0.", "0_")
+        result[name] = _percent([value <= radius for value in distance])
+    return result
+
+
+def _integrals(rows: Rows, dt: float) -> dict[str, float]:
+    """Return IAE, ISE and ITAE; time counts from the window's start."""
+    distance = _column(rows, "distance")
+    return {
+        "iae_m_s": math.fsum(distance) * dt,
+        "ise_m2_s": math.fsum(value * value for value in distance) * dt,
+        "itae_m_s2": math.fsum(at * dt * value for at, value in enumerate(distance)) * dt,
+    }
+
+
+def _headings(rows: Rows, facts: LevelFacts) -> dict[str, float]:
+    turn = 2.0 * math.pi
+    off = [abs((yaw - facts.heading + math.pi) % turn - math.pi) for yaw in _column(rows, "yaw")]
+    distance = _column(rows, "distance")
+    vrx = [d + VRX_BASE**d * h for d, h in zip(distance, off, strict=True)]
+    return {"heading_rmse_rad": root_mean_square(off), "vrx_m": mean(vrx)}
+
+
+def _efforts(rows: Rows, facts: LevelFacts) -> dict[str, float]:
+    thrust = rows[:, INDEX["thrust_0"] : INDEX["step_us"]]
+    size = np.abs(thrust)
+    forward, reverse = facts.limits_n
+    full = (thrust >= FULL_THRUST * forward) | (thrust <= -FULL_THRUST * reverse)
+    references = rows[:, INDEX["ref_u"] : INDEX["ref_w"] + 1]
+    squares = (size * size).sum(axis=1).tolist()
+    return {
+        "thrust_rms_n": math.sqrt(mean(squares)) if squares else math.nan,
+        "energy_n15_s": math.fsum((size * np.sqrt(size)).ravel().tolist()) * facts.dt,
+        "variation_m_s": math.fsum(np.abs(np.diff(references, axis=0)).ravel().tolist()),
+        "saturated_s": float(full.any(axis=1).sum()) * facts.dt,
+    }
+
+
+def _column(rows: Rows, name: str) -> list[float]:
+    values: list[float] = rows[:, INDEX[name]].tolist()
+    return values
+
+
+def _percent(flags: Sequence[bool]) -> float:
+    return 100.0 * sum(flags) / len(flags) if flags else math.nan
+
+
+def mean_over_trials(levels: Sequence[dict[str, Any]]) -> dict[str, Any]:
+    """Return the mean of each metric of one level over trials; None where a trial has none."""
+    merge: Callable[[str], float | None] = lambda name: (  # noqa: E731
+        None
+        if any(level[name] is None for level in levels)
+        else mean([float(level[name]) for level in levels])
+    )
+    result: dict[str, Any] = {name: merge(name) for name in levels[0]}
+    result["level"] = levels[0]["level"]
+    result["held"] = all(level["held"] for level in levels)
+    return result

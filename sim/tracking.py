@@ -1,0 +1,82 @@
+"""The tracker in the loop: shows it what part of the picture it asks for, keeps the truth.
+
+"Lost" is decided by the tracker itself (`ok`) and, apart from it, by ground truth (`error_px`).
+"""
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sim.benchmarks.currents_v1 import CurrentsConfiguration
+from sim.camera.camera import Camera
+from sim.streams import Streams
+from sim.trackers import Tracker, make
+
+Pose = NDArray[np.float64]  # (6,)
+
+
+@dataclass(slots=True)
+class Seen:
+    """What came of one picture; all in px."""
+
+    corners: list[float] = field(default_factory=lambda: [0.0] * 8)  # the tracker's last good ones
+    ok: bool = True
+    error_px: float = 0.0  # root mean square distance of the four corners from the true ones
+    target: tuple[float, float] = (0.0, 0.0)  # the true place
+
+
+class Tracking:
+    """One tracker over one level."""
+
+    def __init__(
+        self, camera: Camera, config: CurrentsConfiguration, start_error: NDArray[np.float64]
+    ) -> None:
+        """Set up the tracker; `start_error`, (4, 2) [px], is added to its first corners."""
+        self._camera = camera
+        self._start_error = start_error
+        self._uwsim = config.target_truth == "uwsim"
+        self._pose: Pose = np.zeros(6)
+        self._tracker: Tracker = make(
+            config.tracker,
+            warp=config.warp,
+            criterion=config.criterion,
+            method=config.method,
+            truth=lambda: camera.corners(self._pose),
+        )
+        self._seen = Seen()
+
+    def start(self, pose: Pose, frame: int) -> Seen:
+        """Show the first picture and tell where the target is in it."""
+        self._pose = pose
+        corners = self._camera.corners(pose) + self._start_error
+        self._tracker.start(self._camera.grey(pose, frame), corners)
+        self._seen.corners, self._seen.ok = corners.ravel().tolist(), True
+        return self._judged(pose)
+
+    def update(self, pose: Pose, frame: int) -> Seen:
+        """Show the next picture and return what the tracker makes of it, beside the truth."""
+        self._pose = pose
+        track = self._tracker.update(self._camera.region(pose, frame, self._tracker.window()))
+        self._seen.ok = track.ok
+        if track.ok:
+            self._seen.corners = track.corners.ravel().tolist()
+        return self._judged(pose)
+
+    def _judged(self, pose: Pose) -> Seen:
+        seen = self._seen
+        true = self._camera.corners(pose).ravel().tolist()
+        total = 0.0
+        for a, b in zip(seen.corners, true, strict=True):
+            total += (a - b) * (a - b)
+        seen.error_px = math.sqrt(0.25 * total)
+        place = self._camera.origin(pose) if self._uwsim else self._camera.centroid(pose)
+        seen.target = (float(place[0]), float(place[1]))
+        return seen
+
+
+def tracking_of(config: CurrentsConfiguration, camera: Camera, random: Streams) -> Tracking:
+    """Return the tracker of a configuration, its start perturbed as configured."""
+    noise = random.start.standard_normal((4, 2))
+    return Tracking(camera, config, config.start_error_px * noise)

@@ -1,0 +1,199 @@
+"""From a velocity reference to thruster commands.
+
+`model`: feedback by the DVL, proportional and integral, on top of the vehicle's own drag at the
+reference; each axis scaled by its mass, so one bandwidth fits every vehicle.
+`paper`: effort in proportion to the velocity error, as in the published experiment.
+
+With either law heading and depth can be held: the yaw rate and heave references then move a set
+point, and a PID brings the vehicle there.
+"""
+
+import math
+from typing import NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sim.allocation import HEAVE, SURGE, SWAY, YAW, allocator
+from sim.thrusters import commands_for, packed
+from sim.vehicles import Vehicle
+
+# E: chosen so that both presets settle without overshoot with a thruster lag of 0.2 s.
+DEPTH_HOLD = (0.8, 0.9, 0.05)  # [1/s, 1, 1/s] natural frequency, damping, integral rate
+HEADING_HOLD = (1.0, 0.9, 0.1)
+LARGEST_LEAD_M = 0.5  # [m] how far the depth's set point may run ahead of the vehicle
+LARGEST_LEAD_RAD = 0.5
+SLOWEST_YAW_RAD_S = 0.6  # [rad/s] S: COLA2's open-loop limit of the Girona 500
+
+
+class Settings(Protocol):
+    """What of a configuration the velocity controller reads."""
+
+    velocity_law: str
+    reference_limit_m_s: float
+    velocity_bandwidth_1_s: float
+    velocity_integral_1_s2: float
+    paper_gain_surge: float
+    paper_gain_sway: float
+    heading_hold: bool
+    depth_hold: bool
+
+
+class Sensed(NamedTuple):
+    """What the velocity controller knows at a tick."""
+
+    velocity: tuple[float, float, float]  # [m/s] DVL, body frame
+    depth: float  # [m]
+    yaw: float  # [rad]
+    yaw_rate: float  # [rad/s]
+
+
+class _Hold:
+    """PID on a set point that the references move; returns a force or a moment."""
+
+    def __init__(self, inertia: float, tuning: tuple[float, float, float], lead: float) -> None:
+        frequency, damping, rate = tuning
+        self.stiffness = inertia * frequency * frequency
+        self.friction = inertia * 2.0 * damping * frequency
+        self.rate = self.stiffness * rate
+        self.lead = lead
+        self.target = 0.0
+        self.force = 0.0  # the integral's part
+
+    def reset(self, place: float) -> None:
+        self.target, self.force = place, 0.0
+
+    def step(self, error: float, speed_error: float, dt: float) -> float:
+        """Return the push for an error of the place and of the speed."""
+        self.force += self.rate * error * dt
+        return self.stiffness * error + self.friction * speed_error + self.force
+
+
+class _Axis:
+    """Velocity of one axis: drag at the reference, and PI on the error."""
+
+    def __init__(self, axis: int, vehicle: Vehicle, settings: Settings) -> None:
+        self.linear = float(vehicle.linear_drag()[axis])
+        self.quadratic = float(vehicle.quadratic_drag()[axis])
+        mass = float((vehicle.mass_rigid() + vehicle.mass_added())[axis, axis])
+        self.gain = mass * settings.velocity_bandwidth_1_s
+        self.rate = mass * settings.velocity_integral_1_s2
+        self.force = 0.0  # the integral's part
+
+    def step(self, wanted: float, measured: float, dt: float, *, full: bool) -> float:
+        """Return the force [N]; the integral rests while the axis is `full` (saturated)."""
+        error = wanted - measured
+        if not full or error * self.force < 0.0:
+            self.force += self.rate * error * dt
+        drag = (self.linear + self.quadratic * abs(wanted)) * wanted
+        return drag + self.gain * error + self.force
+
+
+class VelocityController:
+    """Reference and measurements in, thruster commands out; one instance per level."""
+
+    def __init__(self, vehicle: Vehicle, settings: Settings) -> None:
+        self._settings = settings
+        self._curve = packed(vehicle.curve)
+        self._forward, self._reverse = vehicle.curve.limits.value
+        self._allocator = [[float(x) for x in row] for row in allocator(vehicle)]
+        self._axes = [_Axis(axis, vehicle, settings) for axis in (SURGE, SWAY, HEAVE)]
+        inertia = vehicle.mass_rigid() + vehicle.mass_added()
+        self._depth = _Hold(float(inertia[HEAVE, HEAVE]), DEPTH_HOLD, LARGEST_LEAD_M)
+        self._heading = _Hold(float(inertia[YAW, YAW]), HEADING_HOLD, LARGEST_LEAD_RAD)
+        self._efforts = self._paper_efforts(vehicle)
+        self._thrust = np.zeros(len(vehicle.thrusters))
+        self._command = np.zeros(len(vehicle.thrusters))
+        self._full = [False, False, False]
+
+    def reset(self, sensed: Sensed) -> None:
+        """Hold the depth and heading of now."""
+        self._depth.reset(sensed.depth)
+        self._heading.reset(sensed.yaw)
+
+    def step(
+        self, reference: tuple[float, float, float, float], sensed: Sensed, dt: float
+    ) -> NDArray[np.float64]:
+        """Return the commands, (n,) in [-1, 1]; the array is reused at the next call."""
+        limit = self._settings.reference_limit_m_s
+        surge, sway, heave = (min(max(value, -limit), limit) for value in reference[:3])
+        yaw_rate = min(max(reference[3], -SLOWEST_YAW_RAD_S), SLOWEST_YAW_RAD_S)
+        wanted = (surge, sway, heave)
+        moment = self._yaw_moment(yaw_rate, sensed, dt)
+        if self._settings.velocity_law == "paper":
+            down = self._hold_depth(heave, sensed, dt) if self._settings.depth_hold else 0.0
+            self._allocate((0.0, 0.0, down, moment))
+            self._add_paper_efforts(wanted, sensed.velocity)
+        else:
+            self._allocate((*self._forces(wanted, sensed, dt), moment))
+        return self._command
+
+    def _forces(
+        self, wanted: tuple[float, float, float], sensed: Sensed, dt: float
+    ) -> tuple[float, float, float]:
+        forces = [
+            axis.step(want, have, dt, full=full)
+            for axis, want, have, full in zip(
+                self._axes, wanted, sensed.velocity, self._full, strict=True
+            )
+        ]
+        if self._settings.depth_hold:
+            forces[HEAVE] = self._hold_depth(wanted[HEAVE], sensed, dt)
+        return forces[0], forces[1], forces[2]
+
+    def _hold_depth(self, heave: float, sensed: Sensed, dt: float) -> float:
+        hold = self._depth
+        hold.target = _near(hold.target + heave * dt, sensed.depth, hold.lead)
+        return hold.step(hold.target - sensed.depth, heave - sensed.velocity[HEAVE], dt)
+
+    def _yaw_moment(self, rate: float, sensed: Sensed, dt: float) -> float:
+        if not self._settings.heading_hold:
+            return 0.0 if rate == 0.0 else self._heading.friction * (rate - sensed.yaw_rate)
+        hold = self._heading
+        error = _wrapped(hold.target + rate * dt - sensed.yaw)
+        error = min(max(error, -hold.lead), hold.lead)
+        hold.target = sensed.yaw + error
+        return hold.step(error, rate - sensed.yaw_rate, dt)
+
+    def _allocate(self, wrench: tuple[float, float, float, float]) -> None:
+        surge, sway, heave, yaw = wrench
+        for i, row in enumerate(self._allocator):
+            self._thrust[i] = (
+                row[SURGE] * surge + row[SWAY] * sway + row[HEAVE] * heave + row[YAW] * yaw
+            )
+        commands_for(self._thrust, self._curve, self._command)
+        self._note_full_axes()
+
+    def _note_full_axes(self) -> None:
+        self._full = [False, False, False]
+        for thrust, row in zip(self._thrust.tolist(), self._allocator, strict=True):
+            if thrust > self._forward or thrust < -self._reverse:
+                for axis in (SURGE, SWAY, HEAVE):
+                    self._full[axis] = self._full[axis] or row[axis] != 0.0
+
+    def _paper_efforts(self, vehicle: Vehicle) -> list[list[float]]:
+        """Return each thruster's effort per m/s of error on surge, sway and heave."""
+        gains = {
+            SURGE: self._settings.paper_gain_surge,
+            SWAY: self._settings.paper_gain_sway,
+            HEAVE: 0.0 if self._settings.depth_hold else self._settings.paper_gain_surge,
+        }
+        directions = [thruster.direction for thruster in vehicle.thrusters]
+        return [[gains[axis] * float(d[axis]) for axis in gains] for d in directions]
+
+    def _add_paper_efforts(
+        self, wanted: tuple[float, float, float], measured: tuple[float, float, float]
+    ) -> None:
+        errors = [want - have for want, have in zip(wanted, measured, strict=True)]
+        for i, gains in enumerate(self._efforts):
+            effort = gains[0] * errors[0] + gains[1] * errors[1] + gains[2] * errors[2]
+            self._command[i] = min(max(float(self._command[i]) + effort, -1.0), 1.0)
+
+
+def _near(target: float, place: float, lead: float) -> float:
+    return min(max(target, place - lead), place + lead)
+
+
+def _wrapped(angle: float) -> float:
+    """Return the angle within [-pi, pi)."""
+    return angle - 2.0 * math.pi * math.floor((angle + math.pi) / (2.0 * math.pi))

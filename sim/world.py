@@ -1,0 +1,136 @@
+"""One level's world, made from configuration, seed, trial and level: nothing else goes in."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sim.benchmarks.currents_v1 import CurrentsConfiguration
+from sim.camera.camera import Camera
+from sim.camera.optics import Optics
+from sim.camera.target import Target, start_pose
+from sim.camera.water import JERLOV, UWSIM_VEIL, Water
+from sim.current import Current, Pattern
+from sim.dynamics import Plant
+from sim.sensors import Ahrs, Altimeter, DepthGauge, Dvl
+from sim.station_keeper import Geometry, StationKeeper
+from sim.streams import Streams, streams
+from sim.tracking import Tracking, tracking_of
+from sim.vehicles import load
+from sim.velocity_controller import VelocityController
+
+DEPTH_PERIOD_TICKS = 20  # S: 5 Hz at 100 physics steps a second, COLA2
+AHRS_PERIOD_TICKS = 5  # S: 20 Hz, COLA2
+NOMINAL_STEP_S = 0.01  # the step that the periods above are given for
+
+
+@dataclass(slots=True, kw_only=True)
+class Sensors:
+    """The sensors of the vehicle, each with its own stream."""
+
+    dvl: Dvl
+    depth: DepthGauge
+    ahrs: Ahrs
+    altimeter: Altimeter
+
+
+@dataclass(slots=True, kw_only=True)
+class World:
+    """Everything that moves or measures during one level."""
+
+    config: CurrentsConfiguration
+    start: NDArray[np.float64]  # (6,) pose [m, rad]
+    target: Target
+    camera: Camera
+    plant: Plant
+    sensors: Sensors
+    tracking: Tracking
+    keeper: StationKeeper
+    velocity_controller: VelocityController
+
+
+def world_of(config: CurrentsConfiguration, *, seed: int, trial: int, level: int) -> World:
+    """Return the world of one level, with the vehicle at its start."""
+    random = streams(seed, trial, level)
+    optics = Optics(
+        width=config.camera_width_px,
+        height=config.camera_height_px,
+        focal_px=config.camera_focal_px,
+    )
+    target = Target()
+    start = start_pose(optics, target, config.altitude_m)
+    noise_seed = int(random.camera.integers(2**63))
+    camera = Camera(optics, water_of(config), target, noise_seed=noise_seed)
+    vehicle = load(config.vehicle)
+    plant = Plant(vehicle, _current(config, level, random), step_s=config.physics_step_s)
+    plant.place(start)
+    return World(
+        config=config,
+        start=start,
+        target=target,
+        camera=camera,
+        plant=plant,
+        sensors=_sensors(config, random),
+        tracking=tracking_of(config, camera, random),
+        keeper=StationKeeper(
+            Geometry(
+                focal_px=optics.focal_px,
+                centre_px=optics.principal_px,
+                height_m=config.altitude_m,
+                size_m=(target.length_m, target.width_m),
+            ),
+            range_from=config.range_from,
+            level_out_tilt=config.level_out_tilt,
+        ),
+        velocity_controller=VelocityController(vehicle, config),
+    )
+
+
+def water_of(config: CurrentsConfiguration) -> Water:
+    """Return the water of a configuration."""
+    sigma = config.camera_noise_grey
+    if config.water_type == "grey":
+        return Water.grey(config.water_attenuation_1_m, law=config.water_law, read_sigma_grey=sigma)
+    attenuation = JERLOV[config.water_type]
+    if config.water_law == "uwsim":
+        return Water(law="uwsim", attenuation=attenuation, veil=UWSIM_VEIL, read_sigma_grey=sigma)
+    return Water(law="beer", attenuation=attenuation, read_sigma_grey=sigma)
+
+
+def _sensors(config: CurrentsConfiguration, random: Streams) -> Sensors:
+    per_step = NOMINAL_STEP_S / config.physics_step_s
+    slow = max(1, round(DEPTH_PERIOD_TICKS * per_step))
+    return Sensors(
+        dvl=Dvl(
+            random.dvl,
+            period_ticks=config.dvl_period_ticks,
+            sigma=config.dvl_sigma_m_s,
+            bias=config.dvl_bias_m_s,
+            scale_error=config.dvl_scale_error,
+            dropout=config.dvl_dropout,
+        ),
+        depth=DepthGauge(random.depth, period_ticks=slow, sigma=config.depth_sigma_m),
+        ahrs=Ahrs(
+            random.ahrs,
+            period_ticks=max(1, round(AHRS_PERIOD_TICKS * per_step)),
+            sigma=config.ahrs_sigma_rad,
+        ),
+        altimeter=Altimeter(random.altimeter, period_ticks=slow),
+    )
+
+
+def _current(config: CurrentsConfiguration, level: int, random: Streams) -> Current:
+    pattern = Pattern(
+        azimuth_rad=config.current_azimuth_rad,
+        azimuth_swing_rad=config.current_swing_rad,
+        azimuth_period_s=config.current_swing_period_s,
+        speed_swing=config.current_wave_m_s,
+        speed_period_s=config.current_wave_period_s,
+        gust_share=config.current_gust,
+        gust_time_s=config.current_gust_time_s,
+        law="force" if config.current_law == "force" else "relative",
+        force_share=config.current_force_share,
+    )
+    return Current(
+        config.levels[level], pattern=pattern, rng=random.gust, duration_s=config.level_duration_s
+    )
