@@ -2,9 +2,9 @@
 
 The plant moves itself; Bullet only says which impulse contacts give within a step, and is neither
 imported nor called while nothing can touch. Bullet knows a scalar mass alone: it gets the rigid
-mass plus the smallest translational added mass. Less than the true mass in each direction is stable
-(an impulse never overshoots), more is not; the rest converges over the next steps. Only the impulses
-at the contact points are taken over, so momentum passes exactly from one body to the other.
+mass plus the smallest translational added mass. Less than the true mass in each direction is
+stable (an impulse never overshoots), more is not; the rest converges over the next steps. Only the
+impulses at the contact points are taken over, so momentum passes exactly from body to body.
 
 The target has no drag; its weight is that in water.
 """

@@ -1,0 +1,117 @@
+"""The current: the published pattern, a gust with the right statistics, no step in it anywhere."""
+
+import numpy as np
+import pytest
+
+from sim.current import GUST_GRID_S, Current, Pattern, flow, segment_at
+from sim.streams import streams
+from sim.vehicles import Array
+
+STEADY = Pattern(azimuth_swing_rad=0.0, speed_swing=0.0)
+
+
+def speeds(current: Current, times: Array) -> Array:
+    return np.array([np.hypot(*current.velocity(t)[:2]) for t in times])
+
+
+def test_bow_on_water_flows_south_and_beam_water_west() -> None:
+    bow = Current(0.4, pattern=STEADY).velocity(3.0)
+    beam = Current(
+        0.4, pattern=Pattern(azimuth_rad=np.pi / 2, azimuth_swing_rad=0.0, speed_swing=0.0)
+    ).velocity(3.0)
+
+    assert bow == pytest.approx([-0.4, 0.0, 0.0], abs=1e-15)
+    assert beam == pytest.approx([0.0, -0.4, 0.0], abs=1e-15)
+
+
+def test_the_pattern_is_the_published_one() -> None:
+    current = Current(0.3)
+
+    for t in (0.0, 1.0, 7.5, 22.5, 61.3):
+        speed = 0.3 + 0.005 * np.sin(2 * np.pi * t / 4)
+        angle = 0.7 * np.sin(2 * np.pi * t / 30)
+        expected = [-speed * np.cos(angle), -speed * np.sin(angle), 0.0]
+        assert current.velocity(t) == pytest.approx(expected, abs=1e-14)
+
+
+def test_level_zero_is_still_water() -> None:
+    current = Current(0.0, rng=streams(1, 0, 0).gust)
+
+    assert [current.velocity(t).any() for t in (0.0, 1.0, 50.0)] == [False, False, False]
+
+
+@pytest.mark.parametrize("law", ["relative", "force"])
+def test_reported_acceleration_is_the_slope_of_the_velocity(law: str) -> None:
+    pattern = Pattern(law="relative" if law == "relative" else "force")
+    water = Current(0.4, pattern=pattern, rng=streams(1, 0, 0).gust).water
+    t, h = 17.321, 1e-5
+    segment = segment_at(t, water)
+
+    before, after = flow(t - h, water, segment), flow(t + h, water, segment)
+    slope = [(b - a) / (2 * h) for a, b in zip(before[:2], after[:2], strict=True)]
+
+    assert flow(t, water, segment)[2:4] == pytest.approx(slope, abs=1e-9)
+
+
+def test_the_force_law_is_the_published_one() -> None:
+    pattern = Pattern(law="force", speed_swing=0.0)
+    water = Current(0.4, pattern=pattern).water
+
+    *still, surge, sway = flow(7.5, water, segment_at(7.5, water))
+    *_still, surge_later, _sway = flow(22.5, water, segment_at(22.5, water))
+
+    assert still == [0.0, 0.0, 0.0, 0.0]
+    assert sway == pytest.approx(410.0 * 0.134 * 0.4**2)
+    assert surge == pytest.approx(410.0 * 0.134 * (0.4 * np.sin(0.7)) ** 2)
+    assert surge_later == pytest.approx(surge)
+
+
+def test_the_gust_has_its_spread_and_its_correlation_time() -> None:
+    water = Current(1.0, rng=streams(3, 0, 0).gust, duration_s=20_000.0).water
+    gust, lag = water.gust, round(10.0 / GUST_GRID_S)
+
+    correlation = np.mean(gust[lag:] * gust[:-lag]) / np.var(gust)
+
+    assert gust.std() == pytest.approx(0.05, rel=0.1)
+    assert abs(gust.mean()) < 0.008
+    assert correlation == pytest.approx(np.exp(-1.0), abs=0.08)
+
+
+def test_the_gust_begins_with_its_steady_spread() -> None:
+    starts = [Current(1.0, rng=streams(seed, 0, 0).gust).water.gust[0] for seed in range(400)]
+
+    assert np.std(starts) == pytest.approx(0.05, rel=0.12)
+
+
+def test_a_longer_level_begins_with_the_same_gust() -> None:
+    short = Current(0.2, rng=streams(3, 0, 0).gust, duration_s=10.0).water.gust
+    long = Current(0.2, rng=streams(3, 0, 0).gust, duration_s=120.0).water.gust
+
+    assert np.array_equal(short, long[: short.size])
+
+
+def test_the_gust_does_not_jump() -> None:
+    current = Current(0.4, pattern=STEADY, rng=streams(3, 0, 0).gust)
+
+    changes = np.diff(speeds(current, np.arange(0.0, 120.0, 0.001)))
+
+    assert np.abs(changes).max() < 1e-3
+
+
+def test_after_its_end_the_gust_is_not_asked_for_more() -> None:
+    current = Current(0.4, pattern=STEADY, rng=streams(3, 0, 0).gust, duration_s=10.0)
+
+    assert speeds(current, np.array([10.0]))[0] == pytest.approx(0.4, abs=0.15)
+
+
+@pytest.mark.parametrize(
+    "wrong", [{"azimuth_period_s": 0.0}, {"gust_share": -0.1}, {"gust_time_s": float("nan")}]
+)
+def test_patterns_without_a_meaning_are_refused(wrong: dict[str, float]) -> None:
+    with pytest.raises(ValueError, match=next(iter(wrong))):
+        Pattern(**wrong)  # type: ignore[arg-type]
+
+
+def test_a_negative_level_is_refused() -> None:
+    with pytest.raises(ValueError, match="not be negative"):
+        Current(-0.1)
