@@ -1,0 +1,1 @@
+"""The commands of `seamark`, one file per group."""

@@ -1,0 +1,48 @@
+"""`seamark user`: accounts."""
+
+from __future__ import annotations
+
+import secrets
+from pathlib import Path
+
+import click
+
+from seamark.failures import UsageRefused
+from seamark.options import answer, data_option, database_of, json_option, say, settings_of
+
+
+@click.group()
+def user() -> None:
+    """Make accounts."""
+
+
+@user.command()
+@click.argument("name")
+@click.option("--password", metavar="P", help="At least 10 characters; drawn if left out.")
+@click.option("--admin", is_flag=True, help="May see and cancel everything.")
+@data_option
+@json_option
+def add(name: str, password: str | None, admin: bool, data: Path | None, as_json: bool) -> None:
+    """Make the account NAME.
+
+    \b
+    Examples:
+      seamark user add ana --password 'long enough'
+      seamark user add operator --admin
+    """
+    from server import accounts
+
+    drawn = None if password is not None else secrets.token_urlsafe(12)
+    database = database_of(settings_of(data))
+    try:
+        with database.writing() as session:
+            made = accounts.sign_up(session, name, password or drawn, is_admin=admin)
+            user_id = made.id
+    except accounts.AccountRejected as reason:
+        raise UsageRefused(str(reason)) from None
+    if as_json:
+        answer({"id": user_id, "name": name, "admin": admin, "password": drawn})
+        return
+    say(f"The account {name} is there{', with the rights of an admin' if admin else ''}.")
+    if drawn is not None:
+        say(f"Its password, shown only now: {drawn}")
