@@ -1,0 +1,211 @@
+"""The integration: its order, an independent reference, and the same bits everywhere."""
+
+import hashlib
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from sim.current import Current, Pattern
+from sim.dynamics import Plant, integrate
+from sim.streams import streams
+from sim.vehicles import STANDARD_GRAVITY, Array, Vehicle, load
+
+COMMAND = np.array([0.45, 0.30, 0.20, -0.15, 0.35])
+START = np.array([0.0, 0.0, 2.0, 0.15, -0.1, 0.4])
+NAMES = ["girona500", "girona500-uwsim"]
+
+
+def end_state(step_s: float, seconds: float, current: Current) -> Array:
+    plant = Plant(load("girona500"), current, step_s=step_s)
+    plant.place(START)
+    plant.advance(0, COMMAND, round(seconds / step_s))
+    return plant.state
+
+
+@pytest.mark.parametrize("gusty", [False, True])
+def test_halving_the_step_divides_the_error_by_sixteen(gusty: bool) -> None:
+    rng = streams(1, 0, 0).gust if gusty else None
+    current = Current(0.3, pattern=Pattern(azimuth_rad=0.5), rng=rng)
+    exact = end_state(0.0015625, 5.0, current)
+
+    errors = [np.abs(end_state(h, 5.0, current) - exact).max() for h in (0.05, 0.025, 0.0125)]
+
+    assert errors[0] / errors[1] == pytest.approx(16.0, rel=0.35)
+    assert errors[1] / errors[2] == pytest.approx(16.0, rel=0.35)
+
+
+def test_the_working_step_is_exact_to_a_micrometre() -> None:
+    current = Current(0.3, rng=streams(1, 0, 0).gust)
+
+    coarse, fine = end_state(0.01, 60.0, current), end_state(0.001, 60.0, current)
+
+    assert np.abs(coarse - fine)[:3].max() < 1e-6
+
+
+def cross(vector: Array) -> Array:
+    x, y, z = vector
+    return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+
+
+def turn(angles: Array) -> Array:
+    """Rotation from body to world as three elementary rotations, unlike the plant's quaternion."""
+    (cr, cp, cy), (sr, sp, sy) = np.cos(angles), np.sin(angles)
+    about_x = np.array([[1, 0, 0], [0, cr, -sr], [0, sr, cr]])
+    about_y = np.array([[cp, 0, sp], [0, 1, 0], [-sp, 0, cp]])
+    about_z = np.array([[cy, -sy, 0], [sy, cy, 0], [0, 0, 1]])
+    return about_z @ about_y @ about_x
+
+
+def skewed(mass: Array, velocity: Array) -> Array:
+    """Fossen's C(v), (6, 6), from the blocks of the mass matrix."""
+    a = mass[:3, :3] @ velocity[:3] + mass[:3, 3:] @ velocity[3:]
+    b = mass[3:, :3] @ velocity[:3] + mass[3:, 3:] @ velocity[3:]
+    return np.block([[np.zeros((3, 3)), -cross(a)], [-cross(a), -cross(b)]])
+
+
+def euler_rates(angles: Array, rates: Array) -> Array:
+    roll, pitch, _yaw = angles
+    p, q, r = rates
+    lean = q * np.sin(roll) + r * np.cos(roll)
+    return np.array(
+        [
+            p + lean * np.tan(pitch),
+            q * np.cos(roll) - r * np.sin(roll),
+            lean / np.cos(pitch),
+        ]
+    )
+
+
+def stream(t: float, force: bool) -> tuple[Array, Array, Array]:
+    """Water velocity, acceleration (NED) and body force of level 0.4 from azimuth 0.5."""
+    w1, w2 = 2 * np.pi / 4, 2 * np.pi / 30
+    v, dv = 0.4 + 0.005 * np.sin(w1 * t), 0.005 * w1 * np.cos(w1 * t)
+    swing, dswing = 0.7 * np.sin(w2 * t), 0.7 * w2 * np.cos(w2 * t)
+    if force:
+        push = 410.0 * 0.134 * np.array([(v * np.sin(swing)) ** 2, v**2, 0, 0, 0, 0])
+        return np.zeros(3), np.zeros(3), push
+    a = 0.5 + swing
+    direction, across = np.array([np.cos(a), np.sin(a), 0.0]), np.array([-np.sin(a), np.cos(a), 0])
+    return -v * direction, -dv * direction - v * dswing * across, np.zeros(6)
+
+
+def reference(vehicle: Vehicle, seconds: float, target: Array, *, force: bool) -> Array:
+    """Pose, velocity over ground and thrust by SciPy, in Euler angles and Fossen's matrices."""
+    rigid, added = vehicle.mass_rigid(), vehicle.mass_added()
+    solve = np.linalg.inv(rigid + added)
+    weight, buoyancy = vehicle.weight.scalar, vehicle.buoyancy.scalar
+    heavy, light = (
+        np.array(centre.value) for centre in (vehicle.centre_of_gravity, vehicle.centre_of_buoyancy)
+    )
+
+    def rate(t: float, y: Array) -> Array:
+        angles, nu, thrust = y[3:6], y[6:12], y[12:]
+        rotation = turn(angles)
+        water, rise, push = stream(t, force)
+        carried = np.concatenate((rotation.T @ water, np.zeros(3)))
+        relative = nu - carried
+        down = rotation.T @ (np.array([0.0, 0.0, 1.0]) - rise / STANDARD_GRAVITY)
+        restoring = np.concatenate(
+            ((weight - buoyancy) * down, np.cross(weight * heavy - buoyancy * light, down))
+        )
+        drag = vehicle.linear_drag() + vehicle.quadratic_drag() * np.abs(relative)
+        total = vehicle.allocation() @ thrust + push + restoring - drag * relative
+        total -= skewed(rigid, relative) @ relative + skewed(added, relative) @ relative
+        speeding = solve @ total
+        speeding[:3] += rotation.T @ rise - np.cross(nu[3:], carried[:3])
+        return np.concatenate(
+            (
+                rotation @ nu[:3],
+                euler_rates(angles, nu[3:]),
+                speeding,
+                (target - thrust) / vehicle.lag.scalar,
+            )
+        )
+
+    y0 = np.concatenate((START, np.zeros(6 + target.size)))
+    answer = solve_ivp(rate, (0.0, seconds), y0, method="DOP853", rtol=1e-11, atol=1e-12)
+    return np.asarray(answer.y[:, -1])
+
+
+@pytest.mark.parametrize("law", ["relative", "force"])
+@pytest.mark.parametrize("name", NAMES)
+def test_the_plant_agrees_with_an_independent_reference(name: str, law: str) -> None:
+    pattern = Pattern(azimuth_rad=0.5, law="force" if law == "force" else "relative")
+    plant = Plant(load(name), Current(0.4, pattern=pattern))
+    plant.place(START)
+
+    plant.advance(0, COMMAND, 2000)
+    expected = reference(load(name), 20.0, plant._target, force=law == "force")
+
+    assert plant.pose() == pytest.approx(expected[:6], abs=2e-7)
+    assert plant.velocity() == pytest.approx(expected[6:12], abs=2e-7)
+    assert plant.thrust() == pytest.approx(expected[12:], abs=1e-6)
+
+
+def test_many_short_calls_give_the_bits_of_one_long_call() -> None:
+    states = []
+    for chunk in (1, 5, 300):
+        plant = Plant(load("girona500"), Current(0.3, rng=streams(4, 0, 0).gust))
+        plant.place(START)
+        for tick in range(0, 300, chunk):
+            plant.advance(tick, COMMAND, chunk)
+        states.append(plant.state.tobytes())
+
+    assert len(set(states)) == 1
+
+
+RUN = """
+import hashlib
+import numpy as np
+from sim.current import Current
+from sim.dynamics import Plant
+from sim.sensors import Dvl, Truth
+from sim.streams import streams
+from sim.vehicles import load
+
+digest = hashlib.sha256()
+source = streams(11, 2, 3)
+plant = Plant(load("girona500"), Current(0.3, rng=source.gust))
+plant.place(np.array([0.0, 0.0, 2.0, 0.15, -0.1, 0.4]))
+dvl = Dvl(source.dvl)
+for tick in range(0, 3000, 5):
+    truth = Truth(plant.pose(), plant.velocity(), 2.5)
+    values, valid = dvl.measure(tick, truth)
+    command = np.array([-values[0], -values[0], 0.1, 0.12, -3.0 * values[1]])
+    plant.advance(tick, command, 5)
+    digest.update(plant.state.tobytes() + values.tobytes())
+print(digest.hexdigest())
+"""
+
+
+def test_two_processes_give_the_same_bytes() -> None:
+    digests = []
+    for hash_seed in ("1", "2"):
+        done = subprocess.run(
+            [sys.executable, "-c", RUN],
+            capture_output=True,
+            text=True,
+            check=True,
+            timeout=120,
+            env={"PYTHONHASHSEED": hash_seed, "PATH": "", "OMP_NUM_THREADS": hash_seed},
+        )
+        digests.append(done.stdout.strip())
+
+    assert digests[0] == digests[1]
+    assert len(digests[0]) == len(hashlib.sha256().hexdigest())
+
+
+def test_the_machine_code_has_no_fused_operations() -> None:
+    plant = Plant(load("girona500"), Current(0.1))
+    plant.place(START)
+    kernel = type(integrate)(integrate.py_func, targetoptions={"error_model": "numpy"})
+
+    kernel(plant.state, plant._target, 0, 1, 0.01, plant._body, plant.current.water, np.inf)
+    (assembly,) = kernel.inspect_asm().values()
+
+    assert "fmadd" not in assembly
+    assert "fmsub" not in assembly
+    assert "fnmadd" not in assembly
