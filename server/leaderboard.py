@@ -120,7 +120,7 @@ def _candidates() -> Select[Run, Result]:
         select(Run, Result)
         .join(Result, Result.run_id == Run.id)
         .where(Run.state == RunState.SUCCEEDED, Run.kind == Kind.RANKED, Run.public)
-        .where(Run.user_id.is_not(None), Result.score.is_not(None))
+        .where(Run.user_id.is_not(None), Result.rankable)
         .order_by(Result.score.desc(), Run.finished_at, Run.id)
     )
 

@@ -53,6 +53,7 @@ class RunView:
     score_low: float | None
     score_high: float | None
     level_held: float | None
+    rankable: bool | None  # False: the benchmark's rules keep it off the leaderboard
     digest: str | None
     metrics: dict[str, Any] | None = None
     manifest: dict[str, Any] | None = None
@@ -135,7 +136,7 @@ _SAME = (
     *("detail", "queued_at", "started_at", "finished_at", "attempt", "progress", "t_simulated"),
     *("isolation", "public", "published_at"),
 )
-_OF_RESULT = ("score", "score_low", "score_high", "level_held", "digest")
+_OF_RESULT = ("score", "score_low", "score_high", "level_held", "rankable", "digest")
 
 
 def _view(run: Run, result: Result | None, user: User | None) -> RunView:

@@ -62,6 +62,7 @@ def finish(session: Session, claim: Claim, report: Report) -> bool:
             score_low=metrics.get("score_low"),
             score_high=metrics.get("score_high"),
             level_held=metrics.get("level_held"),
+            rankable=bool(metrics.get("rankable", score is not None)),
             metrics=report.metrics,
             manifest=report.manifest,
             created_at=time.time(),

@@ -45,6 +45,11 @@ class RunFiles:
         self._tail = b""
         self._written = 0
 
+    @property
+    def width(self) -> int:
+        """How many columns a row has."""
+        return len(COLUMNS)
+
     def attempts(self) -> list[int]:
         """Return the attempts that left files."""
         if not self.root.is_dir():
@@ -62,6 +67,11 @@ class RunFiles:
         if rows.ndim != 2 or rows.shape[1] != len(COLUMNS):
             raise ValueError(f"rows have shape {rows.shape}, not (k, {len(COLUMNS)})")
         self._append(self.telemetry_path, np.ascontiguousarray(rows, dtype="<f8").tobytes())
+
+    def cut_rows(self, count: int) -> None:
+        """Keep only the first `count` rows: a trial is done again."""
+        if self.row_count() > count:
+            os.truncate(self.telemetry_path, count * _ROW_BYTES)
 
     def append_log(self, text: bytes) -> None:
         """Append what the program printed: the head to its file, the rest to a bounded tail."""

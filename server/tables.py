@@ -154,6 +154,7 @@ class Result(Base):
     score_low: Mapped[float | None]
     score_high: Mapped[float | None]
     level_held: Mapped[float | None]
+    rankable: Mapped[bool] = mapped_column(default=False)  # by the benchmark's own rules
     metrics: Mapped[dict[str, Any] | None] = mapped_column(_Json)
     manifest: Mapped[dict[str, Any] | None] = mapped_column(_Json)
     created_at: Mapped[float]

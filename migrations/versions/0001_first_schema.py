@@ -123,6 +123,7 @@ def upgrade() -> None:
     sa.Column('score_low', sa.Double(), nullable=True),
     sa.Column('score_high', sa.Double(), nullable=True),
     sa.Column('level_held', sa.Double(), nullable=True),
+    sa.Column('rankable', sa.Boolean(), nullable=False),
     sa.Column('metrics', sa.JSON(), nullable=True),
     sa.Column('manifest', sa.JSON(), nullable=True),
     sa.Column('created_at', sa.Double(), nullable=False),

@@ -1,0 +1,91 @@
+"""What the host of a worker can enforce, found out once at the worker's start."""
+
+import subprocess
+import sys
+import time
+from dataclasses import asdict, dataclass
+from typing import Self
+
+import structlog
+from sqlalchemy import delete
+
+from sandbox.languages import LANGUAGES
+from sandbox.level import Finding, Isolation, Level, probe
+from sandbox.outcome import SandboxBroken
+from server.db import Database
+from server.settings import Settings
+from server.tables import Worker
+
+_log = structlog.get_logger()
+
+
+@dataclass(frozen=True, slots=True)
+class Host:
+    """One worker's host. `languages` are those of the uploads that it may run."""
+
+    settings: Settings
+    name: str
+    level: Level
+    findings: tuple[Finding, ...]
+    languages: tuple[str, ...]
+
+    @classmethod
+    def look(cls, settings: Settings, *, name: str) -> Self:
+        """Try what this host can enforce and write it down for the web pages."""
+        isolation = probe()
+        host = cls(
+            settings, name, isolation.level, isolation.findings, _languages(isolation, settings)
+        )
+        host._enlist()
+        _log.info(
+            "worker_starting", worker=name, isolation=host.level.name, languages=host.languages
+        )
+        return host
+
+    @property
+    def box_level(self) -> Level:
+        """The level at which boxes are made; none where uploads are not run."""
+        return self.level if self.languages else Level.NONE
+
+    def supervise(self) -> None:
+        """Start the process that sweeps and says that this worker lives."""
+        command = [sys.executable, "-s", "-P", "-m", "worker.supervise", self.name]
+        subprocess.Popen(command, stdin=subprocess.DEVNULL)
+
+    def leave(self) -> None:
+        """Take this worker off the list."""
+        database = Database(self.settings.database_url)
+        with database.writing() as session:
+            session.execute(delete(Worker).where(Worker.name == self.name))
+        database.close()
+
+    def _enlist(self) -> None:
+        now = time.time()
+        database = Database(self.settings.database_url)
+        with database.writing() as session:
+            session.merge(
+                Worker(
+                    name=self.name,
+                    slots=self.settings.workers,
+                    level=self.level.name.lower(),
+                    languages=list(self.languages),
+                    findings=[asdict(finding) for finding in self.findings],
+                    started_at=now,
+                    seen_at=now,
+                )
+            )
+        database.close()  # before the pool forks: connections must not be shared
+
+
+def _languages(isolation: Isolation, settings: Settings) -> tuple[str, ...]:
+    if isolation.level < Level[settings.sandbox_min_level.upper()]:
+        return ()
+    return tuple(name for name in LANGUAGES if _is_there(name))
+
+
+def _is_there(language: str) -> bool:
+    try:
+        LANGUAGES[language].runtime()
+    except SandboxBroken:
+        return False
+    return True

@@ -1,0 +1,73 @@
+"""One celery child: its connections, its simulator, its core."""
+
+import os
+
+import structlog
+from celery import Celery
+
+from server import broker, runs
+from server.db import Database
+from server.settings import Settings
+from worker.evaluate import StopFlag, Tools, evaluate
+from worker.host import Host
+from worker.job import Place
+from worker.simulation import Simulator
+from worker.sweeping import sweep_once
+
+_log = structlog.get_logger()
+
+
+class Member:
+    """What one process of the pool works with."""
+
+    def __init__(
+        self, app: Celery, settings: Settings, host: Host, *, index: int, stopping: StopFlag
+    ) -> None:
+        self.pid = os.getpid()
+        self._app = app
+        self._settings = settings
+        self._host = host
+        self._database = Database(settings.database_url)
+        self._redis = broker.connect(settings)
+        cores = sorted(os.sched_getaffinity(0))
+        place = Place(host.box_level, cores[index % len(cores)])
+        self._simulator = Simulator(place, settings.data / "compiled")
+        self._simulator.start()
+        self._stopping = stopping
+        self._name = f"{host.name}/{index}"
+
+    def work(self) -> None:
+        """Claim and evaluate one run, then make sure that the next one has a ticket."""
+        if self._stopping.is_set():
+            return
+        with self._database.writing() as session:
+            claim = runs.claim(
+                session, self._name, languages=self._host.languages, settings=self._settings
+            )
+        if claim is None:
+            return
+        evaluate(self._tools(), claim)
+        with self._database.reading() as session:
+            waiting = runs.waiting(session)
+        if waiting and not self._stopping.is_set():
+            broker.ring(self._app)
+
+    def sweep(self) -> None:
+        """Return the runs of dead workers to the line and top up the tickets."""
+        sweep_once(self._app, self._database, self._redis, self._settings)
+
+    def close(self) -> None:
+        """End the simulator and close the connections."""
+        self._simulator.stop()
+        self._redis.close()
+        self._database.close()
+
+    def _tools(self) -> Tools:
+        return Tools(
+            settings=self._settings,
+            database=self._database,
+            redis=self._redis,
+            simulator=self._simulator,
+            level=self._host.level,
+            stopping=self._stopping,
+        )

@@ -1,0 +1,204 @@
+"""The simulator zygote: one warm process per celery child, which forks a child for each run.
+
+    python -s -P -m worker.simulator <descriptor> <level> <core or -> <parent>
+
+It loads the simulator and its compiled code once. A job comes in as one packet on the descriptor,
+with the socket on which the child tells what happens. One child waits beforehand, with a Python box
+started, so that a run begins in milliseconds. Nothing of a run survives in the zygote: the child
+that ran it ends.
+"""
+
+import os
+import select
+import socket
+import sys
+import traceback
+from collections.abc import Mapping
+from dataclasses import asdict
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sandbox.level import Level
+from sandbox.limits import Limits
+from server import run_limits
+from sim import registry
+from worker import frames
+from worker.boxed import BoxLike, real_boxes
+from worker.frames import Kind
+from worker.job import Job, Place
+from worker.process_control import die_with_parent, limit_simulator, pin
+from worker.trials import Ending, Evaluation
+from worker.warm_up import warm_up
+
+JOB_MAX = 128 * 1024  # [byte]
+CPU_LIMIT_S = 4 * 3600  # [s] of one simulator child
+USUAL_BENCHMARK = "currents-v1"  # whose standard configuration the warm box is made for
+
+
+class Telling:
+    """A `worker.trials.Listener` that passes everything on as frames."""
+
+    def __init__(self, channel: socket.socket) -> None:
+        self._channel = channel
+
+    def rows(self, rows: NDArray[np.float64]) -> None:
+        """Send telemetry."""
+        frames.send(self._channel, Kind.ROWS, np.ascontiguousarray(rows, "<f8").tobytes())
+
+    def log(self, text: bytes) -> None:
+        """Send what the program printed."""
+        frames.send(self._channel, Kind.LOG, text)
+
+    def trial_ended(self, trial: int) -> None:
+        """Tell that a trial has ended."""
+        frames.send(self._channel, Kind.TRIAL, {"trial": trial})
+
+    def cut(self, trial: int, why: str) -> None:
+        """Tell that a trial is done again."""
+        frames.send(self._channel, Kind.CUT, {"trial": trial, "why": why})
+
+
+class Zygote:
+    """Keeps one child waiting for the next job."""
+
+    def __init__(self, control: socket.socket, place: Place) -> None:
+        self._control = control
+        self._place = place
+        self._parent = os.getpid()
+        self._spare: Spare | None = None
+        self._children: dict[int, int] = {}  # pidfd -> pid
+
+    def serve(self) -> None:
+        """Take jobs until the celery child ends."""
+        self._prepare()
+        while True:
+            control = self._control.fileno()
+            ready, _, _ = select.select([control, *self._children], [], [])
+            for descriptor in ready:
+                if descriptor != control:
+                    self._reap(descriptor)
+                elif not self._take_job():
+                    return
+
+    def _take_job(self) -> bool:
+        packet, descriptors, _, _ = socket.recv_fds(self._control, JOB_MAX, 1)
+        if not packet:
+            return False
+        if self._spare is None:
+            self._prepare()
+        assert self._spare is not None  # noqa: S101 - _prepare made it
+        spare, self._spare = self._spare, None
+        with spare.channel:
+            socket.send_fds(spare.channel, [packet], descriptors)
+        for descriptor in descriptors:
+            os.close(descriptor)
+        return True
+
+    def _prepare(self) -> None:
+        mine, childs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+        pid = os.fork()
+        if pid == 0:
+            mine.close()
+            self._control.close()
+            _live(childs, self._place, self._parent)
+        childs.close()
+        self._spare = Spare(pid, mine)
+        self._children[os.pidfd_open(pid)] = pid
+
+    def _reap(self, pidfd: int) -> None:
+        """Forget a child that ended, and prepare the next one now that the core is free."""
+        pid = self._children.pop(pidfd)
+        os.close(pidfd)
+        os.waitpid(pid, 0)
+        if self._spare is not None and self._spare.pid == pid:
+            self._spare.channel.close()
+            self._spare = None  # not made anew before it is needed: it may die again
+        elif self._spare is None:
+            self._prepare()
+
+
+class Spare:
+    """A child that waits for a job, and the socket on which it gets it."""
+
+    def __init__(self, pid: int, channel: socket.socket) -> None:
+        self.pid = pid
+        self.channel = channel
+
+
+def _live(channel: socket.socket, place: Place, parent: int) -> None:
+    """Be a simulator child: never returns."""
+    status = 70  # EX_SOFTWARE
+    try:
+        die_with_parent(parent)
+        limit_simulator(CPU_LIMIT_S)
+        pin(place.core)
+        _wait_and_run(channel, place)
+        status = 0
+    finally:  # whatever happened, the zygote's code must not run a second time in here
+        if status:
+            traceback.print_exc()
+        sys.stderr.flush()
+        os._exit(status)
+
+
+def _wait_and_run(channel: socket.socket, place: Place) -> None:
+    warm = _warm_box(place)
+    packet, descriptors, _, _ = socket.recv_fds(channel, JOB_MAX, 1)
+    if not packet:
+        return
+    with socket.socket(fileno=descriptors[0]) as out:
+        frames.send(out, Kind.HELLO, {"pid": os.getpid()})
+        try:
+            ending = evaluate(Job.from_json(packet), out, place, warm)
+        finally:
+            if sys.exc_info()[0] is not None:
+                frames.send(out, Kind.ERROR, traceback.format_exc().encode())
+        frames.send(out, Kind.ENDING, asdict(ending))
+
+
+def evaluate(job: Job, out: socket.socket, place: Place, warm: BoxLike | None) -> Ending:
+    """Evaluate the job, telling everything to `out`."""
+    if warm is not None and not _fits(job):
+        warm.close()
+        warm = None
+    return Evaluation(job, Telling(out), real_boxes(place), warm=warm).run()
+
+
+def _fits(job: Job) -> bool:
+    """Return whether the warm box is what the job needs: the language and the limits."""
+    return (
+        job.program is not None and job.language == "python" and _usual(job.benchmark, job.config)
+    )
+
+
+def _usual(benchmark: str, config: Mapping[str, object]) -> bool:
+    entry = registry.benchmark(benchmark)
+    duration = entry.trial_duration_s(entry.read(config))
+    needed: Limits = run_limits.for_trial(duration)
+    return needed == _usual_limits()
+
+
+def _usual_limits() -> Limits:
+    entry = registry.benchmark(USUAL_BENCHMARK)
+    return run_limits.for_trial(entry.trial_duration_s(entry.read({})))
+
+
+def _warm_box(place: Place) -> BoxLike | None:
+    if place.level is Level.NONE:
+        return None
+    return real_boxes(place)("python", _usual_limits())
+
+
+def main(arguments: list[str]) -> None:
+    """Be the zygote."""
+    descriptor, level, core, parent = arguments
+    die_with_parent(int(parent))
+    place = Place(Level[level], None if core == "-" else int(core))
+    with socket.socket(fileno=int(descriptor)) as control:
+        warm_up()
+        Zygote(control, place).serve()
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

@@ -1,0 +1,114 @@
+"""One evaluation in this process, without server or broker: what `seamark run` does.
+
+The same trials, boxes and digest as on the server, so the same bytes.
+"""
+
+import tempfile
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sandbox.languages import language_of
+from sandbox.level import Level
+from sim import registry
+from worker.boxed import real_boxes
+from worker.job import Job, Place
+from worker.trials import Ending, Evaluation
+
+Rows = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Progress:
+    """How far an evaluation is: 0 to 1, and simulated seconds over all trials."""
+
+    fraction: float
+    t_simulated: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Hearing:
+    """What to call while the trials run."""
+
+    rows: Callable[[Rows], None]
+    log: Callable[[bytes], None]
+    progress: Callable[[Progress], None]
+    cut: Callable[[int], None]  # forget the rows of this trial: it is done again
+
+
+def evaluate_here(
+    benchmark: str,
+    config: Mapping[str, object],
+    *,
+    seed: int,
+    trials: int = 1,
+    controller: str | tuple[bytes, str] = "pi",
+    hearing: Hearing,
+    level: Level = Level.NONE,
+) -> Ending:
+    """Evaluate a controller and return how it ended, with metrics, manifest and digest.
+
+    Parameters
+    ----------
+    controller
+        Name of a built-in one, or (source, file name) of a program, which runs in a box.
+    level
+        Isolation of the box; see `sandbox.level.probe`.
+
+    Raises
+    ------
+    ConfigurationInvalid, SandboxBroken
+        The configuration is wrong; the box failed, not the program.
+    """
+    entry = registry.benchmark(benchmark)
+    duration = entry.trial_duration_s(entry.read(config))
+    listener = _Listener(hearing, duration, trials)
+    with tempfile.TemporaryDirectory(prefix="seamark-") as folder:
+        source, name = controller if isinstance(controller, tuple) else (None, controller)
+        program = None
+        if source is not None:
+            program = Path(folder, "program")
+            program.write_bytes(source)
+        job = Job(
+            benchmark=benchmark,
+            config=dict(config),
+            seeds=(seed,) * trials,
+            shown_seed=seed,
+            controller="upload" if source is not None else name,
+            program=program,
+            filename=name if source is not None else "",
+            language=(language_of(name) or "python") if source is not None else "python",
+        )
+        return Evaluation(job, listener, real_boxes(Place(level, None))).run()
+
+
+class _Listener:
+    """A `worker.trials.Listener` that also knows how far the run is."""
+
+    def __init__(self, hearing: Hearing, trial_s: float, trials: int) -> None:
+        self._hearing = hearing
+        self._trial_s = trial_s
+        self._trials = trials
+
+    def rows(self, rows: Rows) -> None:
+        """Pass the rows on, and the progress that they show."""
+        self._hearing.rows(rows)
+        t = float(rows[-1, 0]) * self._trial_s + float(rows[-1, 2])
+        self._hearing.progress(Progress(min(t / (self._trial_s * self._trials), 1.0), t))
+
+    def log(self, text: bytes) -> None:
+        """Pass the program's output on."""
+        self._hearing.log(text)
+
+    def trial_ended(self, trial: int) -> None:
+        """Show that the trial is complete."""
+        t = (trial + 1) * self._trial_s
+        self._hearing.progress(Progress((trial + 1) / self._trials, t))
+
+    def cut(self, trial: int, why: str) -> None:
+        """Pass on that the trial is done again."""
+        self._hearing.cut(trial)
+        self._hearing.log(f"[Trial {trial + 1} is done again: {why}]\n".encode())
