@@ -14,8 +14,8 @@ class Limits:
     backstops for programs that sleep or hang.
     """
 
-    cpu_s: float = 60.0  # [s] all processes of the box, from interpreter start to the last answer
-    wall_s: float = 180.0  # [s] the whole run
+    cpu_s: float = 60.0  # [s] all processes of the box, from the program's arrival to its end
+    wall_s: float = 180.0  # [s] waiting for the program, all answers together
     start_wall_s: float = 10.0  # [s] interpreter start; then import and __init__; then each reset
     step_wall_s: float = 1.0  # [s] one answer
     memory_mib: int = 512  # [MiB] all processes, shared memory and files under /tmp
@@ -29,6 +29,7 @@ class Limits:
     source_kib: int = 2048  # [KiB] text of the program
 
     def __post_init__(self) -> None:
+        """Refuse values that make no sense."""
         for name, value in asdict(self).items():
             if not math.isfinite(value) or value <= 0:
                 raise ValueError(f"{name} must be positive and finite, not {value}")
@@ -46,7 +47,7 @@ MEANING = {  # limit -> what the program sees when it meets it; shown on the for
     "start_wall_s": "the run ends: time limit",
     "step_wall_s": "the run ends: time limit",
     "memory_mib": "the kernel ends the program, or Python raises MemoryError: memory limit",
-    "processes": "starting another fails with BlockingIOError: process limit if it ends the program",
+    "processes": "starting another fails: process limit, if the program ends by it",
     "output_kib": "the middle of the log is dropped and the dropped bytes are counted",
     "output_max_mib": "the run ends: output limit",
     "tmp_mib": "writing fails with OSError: no space left on device",

@@ -1,0 +1,242 @@
+"""Control groups of a box: memory, processes and CPU time of all its processes together.
+
+Works with version 1, version 2 and both mixed: it looks for the controllers, not for a version.
+Version 2 gives `cgroup.kill` also where it has no controllers.
+"""
+
+import contextlib
+import itertools
+import os
+import time
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+from sandbox.limits import Limits
+from sandbox.outcome import SandboxBroken
+
+PREFIX = "seamark-box-"
+OVERHEAD_PROCESSES = 3  # bwrap outside, bwrap inside, and room for the start
+REMOVE_WITHIN_S = 5.0  # [s] the kernel ends 20 processes in 4 ms; a busy host takes longer
+_serial = itertools.count()
+
+
+@dataclass(frozen=True, slots=True)
+class Places:
+    """Folders in which groups are made. Version 2 groups may hold all controllers or none."""
+
+    memory: Path
+    pids: Path
+    cpu: Path
+    unified: Path | None  # for cgroup.kill
+
+    def folders(self) -> list[Path]:
+        """Return each folder once."""
+        every = {self.memory, self.pids, self.cpu, self.unified}
+        return sorted(folder for folder in every if folder is not None)
+
+    def named(self, name: str) -> "Places":
+        """Return the same places one step further down."""
+        unified = self.unified / name if self.unified else None
+        return Places(self.memory / name, self.pids / name, self.cpu / name, unified)
+
+
+@cache
+def places() -> Places:
+    """Return where groups can be made; SandboxBroken with the reason if nowhere."""
+    mounts = _mounts()
+    own = _own_groups()
+    v1 = {
+        name: _below(mounts[name], own.get(name, "/"))
+        for name in ("memory", "pids", "cpuacct")
+        if name in mounts
+    }
+    unified = _unified(mounts, own)
+    if unified is not None and "memory" in _controllers(unified):
+        found = Places(unified, unified, unified, unified)
+    elif len(v1) == 3:
+        found = Places(v1["memory"], v1["pids"], v1["cpuacct"], unified)
+    else:
+        raise SandboxBroken("no control groups with the memory and pids controllers")
+    for folder in {found.memory, found.pids, found.cpu}:
+        if not os.access(folder, os.W_OK):
+            raise SandboxBroken(f"control groups may not be made in {folder}")
+    return found
+
+
+def _mounts() -> dict[str, tuple[Path, str]]:
+    """Return controller (or "unified") -> mount point and the group that is mounted there."""
+    mounts: dict[str, tuple[Path, str]] = {}
+    for line in Path("/proc/self/mountinfo").read_text().splitlines():
+        left, _, right = line.partition(" - ")
+        root, point = left.split()[3:5]
+        kind, _, options = right.split(" ", 2)
+        if kind == "cgroup2":
+            mounts["unified"] = (Path(point), root)
+        elif kind == "cgroup":
+            mounts |= dict.fromkeys(options.split(","), (Path(point), root))
+    return mounts
+
+
+def _own_groups() -> dict[str, str]:
+    groups: dict[str, str] = {}
+    for line in Path("/proc/self/cgroup").read_text().splitlines():
+        _, controllers, path = line.split(":", 2)
+        groups |= dict.fromkeys(controllers.split(",") if controllers else ["unified"], path)
+    return groups
+
+
+def _below(mount: tuple[Path, str], group: str) -> Path:
+    point, root = mount
+    inside = group if root == "/" else group.removeprefix(root)
+    return point / inside.lstrip("/")
+
+
+def _unified(mounts: dict[str, tuple[Path, str]], own: dict[str, str]) -> Path | None:
+    """Return the folder of version 2 in which boxes can be made, controllers switched on.
+
+    1. the top of the hierarchy, if we may write there; 2. our own group: there the processes of
+    the service move into a leaf first, since a group with processes cannot share controllers.
+    """
+    if "unified" not in mounts:
+        return None
+    top, mine = mounts["unified"][0], _below(mounts["unified"], own.get("unified", "/"))
+    if mine.name == "seamark-service":
+        mine = mine.parent
+    for folder in (top, mine):
+        if os.access(folder / "cgroup.procs", os.W_OK) and _share(folder):
+            return folder
+    return top if os.access(top, os.W_OK) else None
+
+
+def _controllers(folder: Path) -> set[str]:
+    try:
+        return set((folder / "cgroup.subtree_control").read_text().split())
+    except OSError:
+        return set()
+
+
+def _share(folder: Path) -> bool:
+    """Switch the controllers on for the groups below; False if the host does not let us."""
+    with contextlib.suppress(OSError):
+        if not {"memory", "pids"} <= set((folder / "cgroup.controllers").read_text().split()):
+            return False
+        if {"memory", "pids"} <= _controllers(folder):
+            return True
+        if (folder / "cgroup.type").exists():  # not the real top: it may hold no processes
+            leaf = folder / "seamark-service"
+            leaf.mkdir(exist_ok=True)
+            for pid in (folder / "cgroup.procs").read_text().split():
+                (leaf / "cgroup.procs").write_text(pid)
+        (folder / "cgroup.subtree_control").write_text("+memory +pids")
+        return True
+    return False
+
+
+def sweep() -> int:
+    """Remove groups that killed workers left behind; return how many were removed."""
+    removed = 0
+    for folder in places().folders():
+        for group in folder.glob(PREFIX + "*"):
+            owner = group.name.removeprefix(PREFIX).partition("-")[0]
+            if not Path("/proc", owner).exists():
+                with contextlib.suppress(OSError):
+                    group.rmdir()
+                    removed += 1
+    return removed
+
+
+class ControlGroup:
+    """The groups of one box."""
+
+    def __init__(self, limits: Limits) -> None:
+        self.name = f"{PREFIX}{os.getpid()}-{next(_serial)}"
+        self._at = places().named(self.name)
+        self._version = 2 if self._at.memory == self._at.unified else 1
+        self._usage = -1
+        try:
+            for folder in self._at.folders():
+                folder.mkdir()
+            self._set_limits(limits)
+            usage = "cpu.stat" if self._version == 2 else "cpuacct.usage"
+            self._usage = os.open(self._at.cpu / usage, os.O_RDONLY | os.O_CLOEXEC)
+        except OSError as error:
+            self.remove()
+            raise SandboxBroken(f"control group {self.name}: {error}") from error
+
+    def _set_limits(self, limits: Limits) -> None:
+        size = str(limits.memory_mib << 20)
+        (self._at.pids / "pids.max").write_text(str(limits.processes + OVERHEAD_PROCESSES))
+        if self._version == 2:
+            (self._at.memory / "memory.max").write_text(size)
+            swap = (self._at.memory / "memory.swap.max", "0")
+        else:
+            (self._at.memory / "memory.limit_in_bytes").write_text(size)
+            swap = (self._at.memory / "memory.memsw.limit_in_bytes", size)
+        with contextlib.suppress(OSError):  # kernels without swap accounting have no such file
+            swap[0].write_text(swap[1])
+
+    def entries(self) -> list[str]:
+        """Return the files into which the launcher writes itself."""
+        return [f"{folder}/cgroup.procs" for folder in self._at.folders()]
+
+    def cpu_s(self) -> float:
+        """Return the CPU time that all processes used so far [s]."""
+        text = os.pread(self._usage, 64, 0)
+        if self._version == 2:
+            return int(text.split(None, 2)[1]) / 1e6  # first line: usage_usec N
+        return int(text) / 1e9
+
+    def memory_mib(self) -> float:
+        """Return the peak of memory [MiB]; 0 where the kernel does not keep it."""
+        name = "memory.peak" if self._version == 2 else "memory.max_usage_in_bytes"
+        try:
+            return int((self._at.memory / name).read_text()) / (1 << 20)
+        except OSError:
+            return 0.0
+
+    def out_of_memory(self) -> bool:
+        """Tell whether the kernel ended a process of the box for its memory."""
+        name = "memory.events" if self._version == 2 else "memory.oom_control"
+        return _counter(self._at.memory / name, "oom_kill") > 0
+
+    def out_of_processes(self) -> bool:
+        """Tell whether starting a process was refused."""
+        return _counter(self._at.pids / "pids.events", "max") > 0
+
+    def kill(self) -> None:
+        """Kill every process in the group, where version 2 is there to do so."""
+        if self._at.unified is not None:
+            with contextlib.suppress(OSError):
+                (self._at.unified / "cgroup.kill").write_text("1")
+
+    def remove(self) -> None:
+        """Remove the groups, which proves that no process is left; SandboxBroken if one is."""
+        if self._usage >= 0:
+            os.close(self._usage)
+            self._usage = -1
+        deadline = time.monotonic() + REMOVE_WITHIN_S
+        for folder in self._at.folders():
+            while not _removed(folder):
+                if time.monotonic() > deadline:
+                    raise SandboxBroken(f"processes survive in {folder}")
+                self.kill()
+                time.sleep(0.002)  # nothing announces an empty group of version 1
+
+
+def _removed(folder: Path) -> bool:
+    try:
+        folder.rmdir()
+    except FileNotFoundError:
+        return True
+    except OSError:
+        return False
+    return True
+
+
+def _counter(path: Path, name: str) -> int:
+    try:
+        pairs = (line.split() for line in path.read_text().splitlines())
+        return next((int(value) for key, value in pairs if key == name), 0)
+    except OSError:
+        return 0

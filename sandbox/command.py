@@ -1,0 +1,123 @@
+"""How a box is started: the command line of bubblewrap and the orders of the launcher.
+
+Namespaces: all. Root: a new tmpfs with what the language needs, read-only, without /proc. Writable
+are /tmp and /dev/shm, both sized. bubblewrap's own `--dev` would be a writable tmpfs of half the
+memory, therefore five device nodes are bound into a small one.
+"""
+
+import json
+import math
+import os
+import shutil
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from sandbox.languages.language import Runtime
+from sandbox.limits import Limits
+from sandbox.outcome import SandboxBroken
+
+DEVICES = ("null", "zero", "full", "random", "urandom")
+DEV_BYTES = 65536  # [B] room for the mount points of /dev
+LOCKED_BYTES = 65536  # [B] RLIMIT_MEMLOCK
+STACK_BYTES = 8 << 20  # [B] RLIMIT_STACK
+INNER_PROCESSES = 1  # bubblewrap's own, in the same namespace
+CPU_GRACE_S = 2  # [s] RLIMIT_CPU is the backstop of a lost worker, not the limit
+
+NAMESPACES = ("user", "ipc", "pid", "net", "uts", "cgroup")
+
+
+@dataclass(frozen=True, slots=True)
+class Descriptors:
+    """Numbers of what bubblewrap inherits; it closes all but the protocol's before the program."""
+
+    protocol: int  # the only one that the program keeps beside the standard ones
+    information: int  # it writes the pid of its inner init here
+    filter: int | None  # the system call filter
+    binds: tuple[int, ...]  # one O_PATH descriptor for each bind of the runtime
+
+    def inherited(self) -> tuple[int, ...]:
+        """Return all of them."""
+        filters = () if self.filter is None else (self.filter,)
+        return (self.protocol, self.information, *filters, *self.binds)
+
+
+def bubblewrap() -> str:
+    """Return the path of bwrap; SandboxBroken with the remedy if there is none."""
+    found = shutil.which("bwrap", path=os.environ.get("PATH", "/usr/bin:/bin"))
+    if found is None:
+        raise SandboxBroken("bubblewrap is not installed (apt-get install bubblewrap)")
+    return found
+
+
+def bwrap_command(
+    runtime: Runtime, limits: Limits, use: Descriptors, *, limit_inside: bool
+) -> list[str]:
+    """Return bubblewrap's command line.
+
+    `limit_inside` lets the runner limit processes and memory, where no control group does.
+    """
+    command = [bubblewrap(), *(f"--unshare-{name}" for name in NAMESPACES)]
+    command += ["--disable-userns", "--uid", "1000", "--gid", "1000", "--hostname", "sandbox"]
+    command += ["--die-with-parent", "--new-session", "--cap-drop", "ALL", "--clearenv"]
+    command += ["--info-fd", str(use.information)]
+    for name, value in runtime.environment.items():
+        command += ["--setenv", name, value]
+    command += _libraries()
+    for descriptor, bind in zip(use.binds, runtime.binds, strict=True):
+        command += ["--ro-bind-fd", str(descriptor), bind.target]
+    command += _writable(limits)
+    command += ["--remount-ro", "/", "--chdir", "/tmp"]  # noqa: S108  (inside the box)
+    if use.filter is not None:
+        command += ["--seccomp", str(use.filter)]
+    processes = limits.processes + INNER_PROCESSES if limit_inside else 0
+    memory_mib = limits.memory_mib if limit_inside else 0
+    numbers = (use.protocol, processes, memory_mib)
+    return [*command, "--", *runtime.command, *map(str, numbers)]
+
+
+def _libraries() -> Iterator[str]:
+    """Yield the options for the system's libraries: no programs, no /etc, no /home."""
+    multiarch = Path("/usr/lib/x86_64-linux-gnu")
+    for folder in (multiarch, Path("/usr/lib64")):
+        if folder.is_dir():
+            yield from ("--ro-bind", str(folder), str(folder))
+    for link in (Path("/lib"), Path("/lib64")):
+        if link.is_symlink():
+            yield from ("--symlink", os.readlink(link), str(link))
+        elif link.is_dir():
+            yield from ("--ro-bind", str(link), str(link))
+
+
+def _writable(limits: Limits) -> Iterator[str]:
+    yield from ("--perms", "0755", "--size", str(DEV_BYTES), "--tmpfs", "/dev")
+    for name in DEVICES:
+        yield from ("--dev-bind", f"/dev/{name}", f"/dev/{name}")
+    for folder, size in (("/dev/shm", limits.shared_mib), ("/tmp", limits.tmp_mib)):  # noqa: S108
+        yield from ("--perms", "1777", "--size", str(size << 20), "--tmpfs", folder)
+    yield from ("--remount-ro", "/dev")
+
+
+def launcher_command(
+    command: list[str], limits: Limits, *, groups: list[str], uid: int | None, core: int | None
+) -> list[str]:
+    """Return the command line of the launcher that becomes bubblewrap."""
+    cpu_s = math.ceil(limits.cpu_s) + CPU_GRACE_S
+    orders = {
+        "groups": groups,
+        "uid": uid,
+        "core": core,
+        "command": command,
+        "limits": {
+            "RLIMIT_CORE": 0,
+            "RLIMIT_CPU": cpu_s,
+            "RLIMIT_NOFILE": limits.open_files,
+            "RLIMIT_FSIZE": limits.file_mib << 20,
+            "RLIMIT_MEMLOCK": LOCKED_BYTES,
+            "RLIMIT_MSGQUEUE": 0,
+            "RLIMIT_STACK": STACK_BYTES,
+        },
+    }
+    launcher = str(Path(__file__).with_name("launcher.py"))
+    return [sys.executable, "-I", "-S", launcher, json.dumps(orders)]

@@ -1,0 +1,217 @@
+"""The processes of one box: started confined, watched, killed to the last one."""
+
+import contextlib
+import json
+import os
+import select
+import signal
+import socket
+import subprocess
+from dataclasses import dataclass
+from typing import Self
+
+from sandbox import accounting, seccomp
+from sandbox.cgroups import ControlGroup
+from sandbox.command import Descriptors, bwrap_command, launcher_command
+from sandbox.languages.language import Runtime
+from sandbox.level import Level
+from sandbox.limits import Limits
+from sandbox.outcome import SandboxBroken
+from sandbox.slots import Slot
+
+END_WITHIN_S = 5.0  # [s] measured 1-7 ms; a busy host may take longer
+START_WITHIN_S = 2.0  # [s] until bubblewrap tells the pid of its inner init
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Layers:
+    """What is switched on. Only tests and `doctor` choose anything but `of`."""
+
+    groups: bool
+    own_uid: bool
+    seccomp: bool = True
+
+    @classmethod
+    def of(cls, level: Level) -> Self:
+        """Return the layers of a level; SandboxBroken if uploads may not run at it."""
+        if level < Level.MEDIUM:
+            raise SandboxBroken("this host cannot isolate programs: see `seamark doctor`")
+        if not seccomp.supported():
+            raise SandboxBroken(f"the system call filter is for {seccomp.MACHINE} alone")
+        return cls(groups=level is Level.STRONG, own_uid=os.geteuid() == 0)
+
+
+class Confined:
+    """All processes of one box, with the descriptors by which the trusted side meets them."""
+
+    def __init__(
+        self, runtime: Runtime, limits: Limits, layers: Layers, *, core: int | None
+    ) -> None:
+        self.group: ControlGroup | None = None
+        self.pidfd = self._information = self.output = -1
+        self._slot: Slot | None = None
+        self._init_pid = 0
+        self._init_pidfd = -1
+        self._cpu_s = self._memory_mib = 0.0
+        self.socket, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+        self.socket.setblocking(False)
+        try:
+            with theirs, contextlib.ExitStack() as opened:
+                self._start(runtime, limits, layers, core, theirs.fileno(), opened)
+        except (OSError, SandboxBroken) as error:
+            self.release()
+            raise SandboxBroken(f"the box did not start: {error}") from error
+
+    def _start(
+        self,
+        runtime: Runtime,
+        limits: Limits,
+        layers: Layers,
+        core: int | None,
+        protocol: int,
+        opened: contextlib.ExitStack,
+    ) -> None:
+        self.group = ControlGroup(limits) if layers.groups else None
+        self._slot = Slot() if layers.own_uid else None
+        self.output, printing = _pipe(opened)
+        self._information, informing = _pipe(opened)
+        filters = _filter(opened) if layers.seccomp else None
+        binds = tuple(_path_descriptor(str(bind.source), opened) for bind in runtime.binds)
+        use = Descriptors(protocol, informing, filters, binds)
+        command = launcher_command(
+            bwrap_command(runtime, limits, use, limit_inside=self.group is None),
+            limits,
+            groups=self.group.entries() if self.group else [],
+            uid=self._slot.uid if self._slot else None,
+            core=core,
+        )
+        self._process = subprocess.Popen(
+            command,
+            stdin=subprocess.DEVNULL,
+            stdout=printing,
+            stderr=printing,
+            pass_fds=use.inherited(),
+            env={},
+            cwd="/",
+        )
+        self.pidfd = os.pidfd_open(self._process.pid)
+
+    def meet_init(self, within_s: float = 0.0) -> None:
+        """Learn which process is the inner init, if bubblewrap has told it by now."""
+        if self._init_pidfd >= 0 or not _readable(self._information, within_s):
+            return
+        text = os.read(self._information, 4096)
+        if not text:  # it ended before it came so far
+            return
+        pid = int(json.loads(text)["child-pid"])
+        with contextlib.suppress(ProcessLookupError):
+            descriptor = os.pidfd_open(pid)
+            # A number may have been given to somebody else meanwhile: only our own child counts.
+            if accounting.parent_of(pid) == self._process.pid:
+                self._init_pid, self._init_pidfd = pid, descriptor
+            else:
+                os.close(descriptor)
+
+    def processes(self) -> list[int]:
+        """Return the pids of all processes in the box, its init first."""
+        return accounting.tree(self._init_pid) if self._init_pid else []
+
+    def cpu_s(self) -> float:
+        """Return the CPU time of all processes so far [s]."""
+        if self.group is not None:
+            return self.group.cpu_s()
+        now = accounting.cpu_s(self._init_pid) if self._init_pid else 0.0
+        self._cpu_s = max(self._cpu_s, now)  # a tree that ended counts nothing any more
+        return self._cpu_s
+
+    def memory_mib(self) -> float:
+        """Return the peak of memory [MiB], as far as it can be known."""
+        if self.group is not None:
+            return self.group.memory_mib()
+        now = accounting.memory_mib(self._init_pid) if self._init_pid else 0.0
+        self._memory_mib = max(self._memory_mib, now)
+        return self._memory_mib
+
+    @property
+    def cpu_every_s(self) -> float:
+        """Return how often the CPU time should be read at most: without groups it is slow [s]."""
+        return 0.02 if self.group is not None else 0.2
+
+    def out_of_memory(self) -> bool:
+        """Tell whether the kernel ended a process for the memory of the box."""
+        return self.group is not None and self.group.out_of_memory()
+
+    def out_of_processes(self) -> bool:
+        """Tell whether the kernel refused a process."""
+        return self.group is not None and self.group.out_of_processes()
+
+    def exit_code(self, within_s: float) -> int | None:
+        """Return how the program ended (128 + signal if by one); None if it still lives."""
+        if not _readable(self.pidfd, within_s):
+            return None
+        return self._process.wait()
+
+    def kill(self) -> None:
+        """Kill every process and wait until the kernel is done; SandboxBroken if it is not.
+
+        The inner init goes first: with it the kernel ends the whole pid namespace, and bubblewrap
+        outside reaps it. Killing the outer one leaves the others running for some milliseconds.
+        """
+        if self.exit_code(0) is None:
+            self.meet_init(START_WITHIN_S)
+            if self._init_pidfd >= 0:
+                with contextlib.suppress(ProcessLookupError):
+                    signal.pidfd_send_signal(self._init_pidfd, signal.SIGKILL)
+            else:
+                self._process.kill()
+        if self.group is not None:
+            self.group.kill()
+        if self.exit_code(END_WITHIN_S) is None:
+            self._process.kill()
+            if self.exit_code(END_WITHIN_S) is None:
+                raise SandboxBroken("the box cannot be killed")
+
+    def release(self) -> None:
+        """Close what is open and remove the groups, which proves that nothing survives."""
+        self.socket.close()
+        for name in ("pidfd", "_information", "output", "_init_pidfd"):
+            if getattr(self, name) >= 0:
+                os.close(getattr(self, name))
+                setattr(self, name, -1)
+        try:
+            if self.group is not None:
+                self.group.remove()
+                self.group = None
+        finally:
+            if self._slot is not None:
+                self._slot.release()
+
+
+def _pipe(opened: contextlib.ExitStack) -> tuple[int, int]:
+    """Return a pipe; its writing end is closed here as soon as the box has it."""
+    reading, writing = os.pipe2(os.O_CLOEXEC)
+    opened.callback(os.close, writing)
+    os.set_blocking(reading, False)
+    return reading, writing
+
+
+def _filter(opened: contextlib.ExitStack) -> int:
+    """Return a descriptor from which bubblewrap reads the system call filter."""
+    descriptor = os.memfd_create("filter", os.MFD_CLOEXEC)
+    opened.callback(os.close, descriptor)
+    os.write(descriptor, seccomp.build())
+    os.lseek(descriptor, 0, os.SEEK_SET)
+    return descriptor
+
+
+def _path_descriptor(path: str, opened: contextlib.ExitStack) -> int:
+    """Return a descriptor that names a file or folder, opened with our own rights."""
+    descriptor = os.open(path, os.O_PATH | os.O_CLOEXEC)
+    opened.callback(os.close, descriptor)
+    return descriptor
+
+
+def _readable(descriptor: int, within_s: float) -> bool:
+    poll = select.poll()
+    poll.register(descriptor, select.POLLIN)
+    return bool(poll.poll(within_s * 1000))

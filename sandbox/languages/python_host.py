@@ -1,0 +1,85 @@
+"""What the host has for Python programs: interpreter, standard library, NumPy and SciPy.
+
+Bound one by one and by descriptor, never a whole tree: a box sees no other package, no program
+and no setting of the host, and it works where the folder above may not be entered by other users.
+"""
+
+import compileall
+import importlib.util
+import os
+import re
+import sys
+import sysconfig
+from functools import cache
+from pathlib import Path
+
+from sandbox.languages.language import Bind, Runtime
+from sandbox.outcome import SandboxBroken
+
+PACKAGES = ("numpy", "scipy")
+INSIDE = "/box"
+TESTS = re.compile(r"[/\\]tests[/\\]")  # the packages' own tests: half of their files
+
+ENVIRONMENT = {
+    "PATH": "/usr/bin:/bin",
+    "HOME": "/tmp",  # noqa: S108  (inside the box)
+    "LANG": "C.UTF-8",
+    "PYTHONHASHSEED": "0",  # `-I` would ignore it: the order of sets would change between runs
+    "PYTHONPATH": f"{INSIDE}/packages",
+    "OPENBLAS_NUM_THREADS": "1",  # other numbers of threads give other last bits
+    "OPENBLAS_CORETYPE": "Haswell",  # and so do other kernels
+    "OMP_NUM_THREADS": "1",
+    "MALLOC_ARENA_MAX": "2",
+}
+
+
+@cache
+def python_runtime() -> Runtime:
+    """Return command, environment and files; SandboxBroken if NumPy or SciPy is missing."""
+    interpreter = Path(os.path.realpath(sys.executable))
+    binds = [Bind(interpreter, str(interpreter)), *_standard_library(), *_packages()]
+    binds.append(Bind(Path(__file__).with_name("python_runner.py"), f"{INSIDE}/runner.py"))
+    options = ("-s", "-P", "-B", "-S", "-X", "utf8")
+    command = (str(interpreter), *options, f"{INSIDE}/runner.py")
+    return Runtime(command, ENVIRONMENT, tuple(binds))
+
+
+def _standard_library() -> list[Bind]:
+    folders = {sysconfig.get_path("stdlib"), sysconfig.get_path("platstdlib")}
+    binds = [Bind(Path(folder), folder) for folder in sorted(folders)]
+    if sys.base_prefix != "/usr":  # an interpreter of its own brings its library along
+        shared = sorted(Path(sys.base_prefix, "lib").glob("libpython*.so*"))
+        binds += [Bind(Path(os.path.realpath(path)), str(path)) for path in shared]
+    return binds
+
+
+def _packages() -> list[Bind]:
+    binds = []
+    for name in PACKAGES:
+        folder = package_folder(name)
+        for source in (folder, folder.with_name(f"{name}.libs")):
+            if source.is_dir():
+                binds.append(Bind(source, f"{INSIDE}/packages/{source.name}"))
+    return binds
+
+
+def package_folder(name: str) -> Path:
+    """Return the folder of a package without importing it."""
+    found = importlib.util.find_spec(name)
+    if found is None or found.origin is None:
+        raise SandboxBroken(f"{name} is not installed beside this service")
+    return Path(found.origin).parent
+
+
+def compile_packages() -> bool:
+    """Compile NumPy and SciPy to bytecode once; False if they are not and we may not.
+
+    Without it each start takes 100 ms longer: a box can keep no compiled file.
+    """
+    for folder in map(package_folder, PACKAGES):
+        if all(source.with_name("__pycache__").is_dir() for source in folder.glob("*/__init__.py")):
+            continue
+        if not os.access(folder, os.W_OK):
+            return False
+        compileall.compile_dir(folder, quiet=2, rx=TESTS, workers=1)
+    return True

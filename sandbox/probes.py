@@ -1,0 +1,156 @@
+"""Finds the level of this host by running mini attacks in real boxes (about a second)."""
+
+import os
+import tempfile
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from pathlib import Path
+
+from sandbox import accounting, cgroups, seccomp
+from sandbox.box import Box
+from sandbox.command import bubblewrap
+from sandbox.confined import Layers
+from sandbox.languages.python import SELF_TEST
+from sandbox.languages.python_host import compile_packages
+from sandbox.level import Finding, Isolation, Level
+from sandbox.limits import Limits
+from sandbox.outcome import Outcome, ProgramEnded, SandboxBroken, Verdict
+
+LIMITS = Limits(cpu_s=10.0, wall_s=20.0, memory_mib=192, processes=12)
+LAYOUT = {
+    "observation": [["t", 0], ["error", 3]],
+    "command": ["surge", "sway", "heave", "yaw_rate"],
+}
+OBSERVATION = (0.0, 0.1, 0.2, 0.3)
+
+MEMORY = "class Controller:\n    def __init__(self, config):\n        x = bytearray(400 << 20)\n"
+PROCESSES = """\
+import os, time
+class Controller:
+    def __init__(self, config):
+        for _ in range(40):
+            if os.fork() == 0:
+                time.sleep(30)
+    def step(self, observation): ...
+"""
+SURVIVOR = """\
+import os, time
+class Controller:
+    def __init__(self, config):
+        if os.fork() == 0:
+            os.setsid()
+            if os.fork():
+                os._exit(0)
+            time.sleep(600)
+    def step(self, observation): ...
+"""
+
+REMEDY = {
+    "bubblewrap": "apt-get install bubblewrap",
+    "system calls": "run the worker on an x86_64 machine",
+    "box": "allow user namespaces: sysctl -w kernel.unprivileged_userns_clone=1 (Debian), "
+    "sysctl -w kernel.apparmor_restrict_unprivileged_userns=0 (Ubuntu); in a container, a "
+    "seccomp profile that permits them",
+    "control groups": "run the worker as root, or as a systemd service with Delegate=yes",
+    "own uid": "run the worker as root, so that each box gets a uid of its own, or give a "
+    "delegated control group",
+    "compiled packages": "python -m compileall -q on the folders of numpy and scipy",
+}
+
+
+def isolation() -> Isolation:
+    """Return the level that held and every finding."""
+    findings = [*_requirements()]
+    if not all(finding.ok for finding in findings):
+        return Isolation(Level.NONE, tuple(findings))
+    groups = _try("control groups", cgroups.places)
+    if groups.ok:
+        cgroups.sweep()
+    wanted = Level.STRONG if groups.ok else Level.MEDIUM
+    attacks = [*_attacks(wanted)]
+    if wanted is Level.STRONG and not all(finding.ok for finding in attacks):
+        wanted, attacks = Level.MEDIUM, [*attacks, *_attacks(Level.MEDIUM)]
+        held = all(finding.ok for finding in attacks[len(attacks) // 2 :])
+    else:
+        held = all(finding.ok for finding in attacks)
+    compiled = Finding("compiled packages", compile_packages())
+    findings += [groups, *attacks, _explained(compiled, "each box starts 100 ms later")]
+    return Isolation(wanted if held else Level.NONE, tuple(findings))
+
+
+def _requirements() -> Iterator[Finding]:
+    """Yield what must be there before a box can be tried."""
+    yield _try("bubblewrap", bubblewrap)
+    machine = Finding("system calls", seccomp.supported())
+    yield _explained(machine, f"the filter is for {seccomp.MACHINE} alone")
+
+
+def _attacks(level: Level) -> Iterator[Finding]:
+    """Yield one finding for each mini attack at a level; ends early if no box starts."""
+    box = _try("box", lambda: _outcome(SELF_TEST, level))
+    yield box
+    if not box.ok:
+        return
+    yield from _from_inside(level)
+    yield _ends("memory", MEMORY, level, Verdict.MEMORY_LIMIT)
+    yield _ends("processes", PROCESSES, level, Verdict.PROCESS_LIMIT)
+    yield _try("survivors", lambda: _outcome(SURVIVOR, level))
+    yield _uid(level)
+
+
+def _try(name: str, action: Callable[[], object]) -> Finding:
+    try:
+        action()
+    except SandboxBroken as error:
+        return _explained(Finding(name, ok=False), str(error))
+    return Finding(name, ok=True)
+
+
+def _explained(finding: Finding, why: str) -> Finding:
+    """Return a finding with its reason and remedy, if it is a bad one."""
+    if finding.ok:
+        return finding
+    return replace(finding, why=why, remedy=REMEDY.get(finding.name, "see docs: sandbox"))
+
+
+def _outcome(source: str, level: Level, config: dict[str, object] | None = None) -> Outcome:
+    """Run a program for one step and return how it ended."""
+    with Box(limits=LIMITS, level=level) as box:
+        try:
+            box.load(source.encode(), "probe.py", config or {}, LAYOUT)
+            box.step(OBSERVATION)
+            return box.finish()
+        except ProgramEnded as end:
+            return end.outcome
+
+
+def _ends(name: str, source: str, level: Level, expected: Verdict) -> Finding:
+    outcome = _outcome(source, level)
+    why = f"expected {expected}, got {outcome.verdict}: {outcome.sentence}"
+    return _explained(Finding(name, outcome.verdict is expected), why)
+
+
+def _from_inside(level: Level) -> Iterator[Finding]:
+    """Yield what the attacks in probe_program.py got."""
+    source = Path(__file__).with_name("probe_program.py").read_text(encoding="utf-8")
+    with tempfile.NamedTemporaryFile() as canary:
+        os.fchmod(canary.fileno(), 0o644)
+        outcome = _outcome(source, level, {"canary": canary.name})
+    if outcome.verdict is not Verdict.OK:
+        yield _explained(Finding("attacks", ok=False), outcome.sentence)
+    for line in outcome.output.decode().splitlines():
+        name, _, got = line.partition("\t")
+        yield _explained(Finding(name.replace("_", " "), not got), f"a program gets {got}")
+
+
+def _uid(level: Level) -> Finding:
+    """Return whether a program runs under a uid that owns nothing else of this host.
+
+    As a plain user the uid is the worker's own: enough only with a control group around it.
+    """
+    with Box(limits=LIMITS, level=level) as box:
+        box.wait_ready()
+        uids = {accounting.uid_of(pid) for pid in box.processes()}
+    ok = 0 not in uids and (os.geteuid() not in uids or level is Level.STRONG)
+    own = Finding("own uid", ok or not Layers.of(level).own_uid)
+    return _explained(own, f"programs run as uid {sorted(uids)}")
