@@ -1,0 +1,95 @@
+"""What the command line says about a controller and its configuration, read and checked."""
+
+from __future__ import annotations
+
+import difflib
+import json
+import tomllib
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from seamark.failures import UsageRefused
+
+ORDER_KEYS = frozenset({"benchmark", "config", "controller", "seed", "trials", "kind", "title"})
+
+
+def choose(controller: str, built_in: Sequence[str]) -> Path | None:
+    """Return the file that `controller` names, or None for a built-in one.
+
+    Raises
+    ------
+    UsageRefused
+        It is neither.
+    """
+    if controller in built_in:
+        return None
+    path = Path(controller)
+    if path.is_file():
+        return path
+    near = difflib.get_close_matches(controller, built_in, n=1)
+    hint = f" Did you mean {near[0]}?" if near else ""
+    raise UsageRefused(
+        f"{controller} is neither a file nor a built-in controller ({', '.join(built_in)}).{hint}"
+    )
+
+
+def read_settings(file: Path | None, pairs: Sequence[str]) -> dict[str, Any]:
+    """Return the configuration of a TOML or JSON file with `key=value` pairs on top."""
+    values = {} if file is None else _file(file)
+    for pair in pairs:
+        key, equals, text = pair.partition("=")
+        if not equals or not key.strip():
+            raise UsageRefused(f"--set {pair}: write it as key=value, for example --set kp=0.5.")
+        values[key.strip()] = text.strip()
+    return values
+
+
+def _file(path: Path) -> dict[str, Any]:
+    try:
+        text = path.read_text(encoding="utf-8")
+        value = tomllib.loads(text) if path.suffix.lower() == ".toml" else json.loads(text)
+    except OSError as error:
+        raise UsageRefused(f"{path} cannot be read: {error.strerror}.") from None
+    except (ValueError, RecursionError) as error:
+        raise UsageRefused(f"{path} is neither TOML (name it .toml) nor JSON: {error}.") from None
+    if not isinstance(value, dict):
+        raise UsageRefused(f"{path} must hold keys and values, not a {type(value).__name__}.")
+    inner = value.get("config")
+    if isinstance(inner, dict) and set(value) <= ORDER_KEYS:  # an order as POST /runs takes it
+        return dict(inner)
+    return value
+
+
+def typed(values: Mapping[str, Any], schema: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the values with texts of the command line as the numbers and lists they mean.
+
+    What cannot be converted stays a text: the benchmark's own check has the better sentence.
+    """
+    properties = schema["properties"]
+    return {key: _convert(value, properties.get(key, {})) for key, value in values.items()}
+
+
+def _convert(value: Any, field: Mapping[str, Any]) -> Any:
+    if not isinstance(value, str):
+        return value
+    kind = field.get("type")
+    if kind == "array":
+        parts = [part.strip() for part in value.strip("[]() ").split(",") if part.strip()]
+        return [_number(part) for part in parts]
+    if kind in ("number", "integer"):
+        return _number(value)
+    if kind == "boolean":
+        return {"true": True, "yes": True, "1": True, "false": False, "no": False, "0": False}.get(
+            value.lower(), value
+        )
+    return value
+
+
+def _number(text: str) -> float | int | str:
+    for convert in (int, float):
+        try:
+            return convert(text)
+        except ValueError:
+            continue
+    return text

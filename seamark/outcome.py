@@ -1,0 +1,57 @@
+"""How a run ended, in a few lines for a person."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+
+def explain(run: Mapping[str, Any]) -> str:
+    """Return the lines for a run as the HTTP interface shows it."""
+    if run["state"] == "succeeded":
+        return "\n".join(_success(run["result"] or {}, run.get("metrics") or {}))
+    if run["state"] == "failed":
+        return "\n".join(_failure(run["failure"] or {}))
+    return "The run was cancelled."
+
+
+def _success(result: Mapping[str, Any], metrics: Mapping[str, Any]) -> list[str]:
+    lines = [f"Score {_figure(result.get('score'))}{_interval(result)}"]
+    lines += table(metrics)
+    if result.get("digest"):
+        lines.append(f"Digest {result['digest']}")
+    return lines
+
+
+def _interval(result: Mapping[str, Any]) -> str:
+    low, high = result.get("score_low"), result.get("score_high")
+    if low is None or high is None or low == high:
+        return ""
+    return f" (95 % interval {_figure(low)} to {_figure(high)})"
+
+
+def table(metrics: Mapping[str, Any]) -> list[str]:
+    """Return the numbers per level, one line each."""
+    levels = metrics.get("levels") or []
+    if not levels:
+        return []
+    names = [n for n, v in levels[0].items() if isinstance(v, int | float) or v is None]
+    rows = [names, *([_figure(level.get(name)) for name in names] for level in levels)]
+    widths = [max(len(row[at]) for row in rows) for at in range(len(names))]
+    return ["  ".join(cell.rjust(w) for cell, w in zip(row, widths, strict=True)) for row in rows]
+
+
+def _figure(value: object) -> str:
+    return f"{value:.4g}" if isinstance(value, int | float) else "-"
+
+
+def _failure(failure: Mapping[str, Any]) -> list[str]:
+    lines = [f"Failed: {failure.get('title') or failure.get('cause')}"]
+    for name in ("sentence", "remedy"):
+        if failure.get(name):
+            lines.append(str(failure[name]))
+    if failure.get("traceback"):
+        lines += ["", str(failure["traceback"]).rstrip()]
+    if failure.get("log_tail"):
+        lines += ["", "The end of its output:", str(failure["log_tail"]).rstrip()]
+    return lines
