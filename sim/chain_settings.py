@@ -82,20 +82,20 @@ class ChainSettings(Configuration):
         advanced=True,
     )
     velocity_bandwidth_1_s: float = velocity(
-        1.0,
+        2.0,
         title="Bandwidth of the feedback",
-        says="Model law: proportional gain over the vehicle's mass.",
+        says="Model law: gain over the vehicle's mass.",
         unit="1/s",
         low=0,
         high=5,
         tag="E",
         advanced=True,
     )
-    velocity_integral_1_s2: float = velocity(
-        0.2,
-        title="Integral of the feedback",
-        says="Model law: integral gain over the vehicle's mass.",
-        unit="1/s^2",
+    velocity_observer_1_s: float = velocity(
+        1.5,
+        title="Speed of the observer",
+        says="Model law: how fast the disturbance by the current is learnt.",
+        unit="1/s",
         low=0,
         high=5,
         tag="E",

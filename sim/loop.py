@@ -99,7 +99,9 @@ class LevelLoop:
         roll, pitch, yaw, _p, _q, yaw_rate = attitude.tolist()
         self._tilt = (roll, pitch)
         surge, sway, heave = speed.tolist()
-        return Sensed((surge, sway, heave), float(depth[0]), yaw, yaw_rate), float(altitude[0])
+        fresh = valid and sensors.dvl.age(physics_tick) == 0
+        sensed = Sensed((surge, sway, heave), float(depth[0]), yaw, yaw_rate, fresh)
+        return sensed, float(altitude[0])
 
     def _tell(self, tick: int, aim: Aim) -> None:
         """Complete the observation."""

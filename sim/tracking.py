@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from sim.benchmarks.currents_v1 import CurrentsConfiguration
 from sim.camera.camera import Camera
 from sim.streams import Streams
-from sim.trackers import Tracker, make
+from sim.trackers import TRACKERS, Tracker, make
 
 Pose = NDArray[np.float64]  # (6,)
 
@@ -38,12 +38,14 @@ class Tracking:
         self._start_error = start_error
         self._uwsim = config.target_truth == "uwsim"
         self._pose: Pose = np.zeros(6)
+        wanted = {"warp": config.warp, "criterion": config.criterion, "method": config.method}
+        options = {
+            name: value
+            for name, value in wanted.items()
+            if name in TRACKERS[config.tracker].options
+        }
         self._tracker: Tracker = make(
-            config.tracker,
-            warp=config.warp,
-            criterion=config.criterion,
-            method=config.method,
-            truth=lambda: camera.corners(self._pose),
+            config.tracker, truth=lambda: camera.corners(self._pose), **options
         )
         self._seen = Seen()
 

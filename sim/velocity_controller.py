@@ -1,7 +1,7 @@
 """From a velocity reference to thruster commands.
 
-`model`: feedback by the DVL, proportional and integral, on top of the vehicle's own drag at the
-reference; each axis scaled by its mass, so one bandwidth fits every vehicle.
+`model`: feedback by the DVL on top of the vehicle's own drag at the reference, with an observer of
+the disturbance as the integral part; scaled by each axis's mass, so one tuning fits every vehicle.
 `paper`: effort in proportion to the velocity error, as in the published experiment.
 
 With either law heading and depth can be held: the yaw rate and heave references then move a set
@@ -15,12 +15,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sim.allocation import HEAVE, SURGE, SWAY, YAW, allocator
+from sim.elementary import exp
 from sim.thrusters import commands_for, packed
 from sim.vehicles import Vehicle
 
 # E: chosen so that both presets settle without overshoot with a thruster lag of 0.2 s.
 DEPTH_HOLD = (0.8, 0.9, 0.05)  # [1/s, 1, 1/s] natural frequency, damping, integral rate
-HEADING_HOLD = (1.0, 0.9, 0.1)
+HEADING_HOLD = (2.0, 0.9, 0.3)
 LARGEST_LEAD_M = 0.5  # [m] how far the depth's set point may run ahead of the vehicle
 LARGEST_LEAD_RAD = 0.5
 SLOWEST_YAW_RAD_S = 0.6  # [rad/s] S: COLA2's open-loop limit of the Girona 500
@@ -32,7 +33,8 @@ class Settings(Protocol):
     velocity_law: str
     reference_limit_m_s: float
     velocity_bandwidth_1_s: float
-    velocity_integral_1_s2: float
+    velocity_observer_1_s: float
+    dvl_rate_hz: float
     paper_gain_surge: float
     paper_gain_sway: float
     heading_hold: bool
@@ -46,6 +48,7 @@ class Sensed(NamedTuple):
     depth: float  # [m]
     yaw: float  # [rad]
     yaw_rate: float  # [rad/s]
+    fresh: bool  # whether the DVL has just measured, with success
 
 
 class _Hold:
@@ -70,23 +73,43 @@ class _Hold:
 
 
 class _Axis:
-    """Velocity of one axis: drag at the reference, and PI on the error."""
+    """Velocity of one axis: drag at the reference, feedback, and a disturbance that is learnt.
+
+    The observer predicts the velocity from the thrust that is under way, so the thruster's lag and
+    the DVL's slow rate cost no phase; what the prediction misses is the disturbance (the current).
+    It is an integral that cannot wind up: it knows which thrust was cut.
+    """
 
     def __init__(self, axis: int, vehicle: Vehicle, settings: Settings) -> None:
         self.linear = float(vehicle.linear_drag()[axis])
         self.quadratic = float(vehicle.quadratic_drag()[axis])
-        mass = float((vehicle.mass_rigid() + vehicle.mass_added())[axis, axis])
-        self.gain = mass * settings.velocity_bandwidth_1_s
-        self.rate = mass * settings.velocity_integral_1_s2
-        self.force = 0.0  # the integral's part
+        self.mass = float((vehicle.mass_rigid() + vehicle.mass_added())[axis, axis])
+        self.lag = vehicle.lag.scalar
+        self.gain = self.mass * settings.velocity_bandwidth_1_s
+        pole = exp(-settings.velocity_observer_1_s / settings.dvl_rate_hz)
+        self.correct_velocity = 1.0 - pole * pole
+        self.correct_force = self.mass * (1.0 - pole) * (1.0 - pole) * settings.dvl_rate_hz
+        self.velocity = 0.0  # [m/s] estimated
+        self.disturbance = 0.0  # [N] estimated
+        self.thrust = 0.0  # [N] estimated
 
-    def step(self, wanted: float, measured: float, dt: float, *, full: bool) -> float:
-        """Return the force [N]; the integral rests while the axis is `full` (saturated)."""
-        error = wanted - measured
-        if not full or error * self.force < 0.0:
-            self.force += self.rate * error * dt
-        drag = (self.linear + self.quadratic * abs(wanted)) * wanted
-        return drag + self.gain * error + self.force
+    def force(self, wanted: float, measured: float, *, fresh: bool) -> float:
+        """Return the force [N] to ask for; `fresh` says that the measurement is new and good."""
+        if fresh:
+            missed = measured - self.velocity
+            self.velocity += self.correct_velocity * missed
+            self.disturbance += self.correct_force * missed
+        return self.drag(wanted) + self.gain * (wanted - self.velocity) - self.disturbance
+
+    def predict(self, force: float, dt: float) -> None:
+        """Move the estimate on; `force` [N] is what the thrusters were really told to give."""
+        self.thrust += (force - self.thrust) * (dt / (self.lag + dt))
+        push = self.thrust + self.disturbance - self.drag(self.velocity)
+        self.velocity += push * (dt / self.mass)
+
+    def drag(self, velocity: float) -> float:
+        """Return the vehicle's drag [N] at a velocity through the water."""
+        return (self.linear + self.quadratic * abs(velocity)) * velocity
 
 
 class VelocityController:
@@ -101,10 +124,10 @@ class VelocityController:
         inertia = vehicle.mass_rigid() + vehicle.mass_added()
         self._depth = _Hold(float(inertia[HEAVE, HEAVE]), DEPTH_HOLD, LARGEST_LEAD_M)
         self._heading = _Hold(float(inertia[YAW, YAW]), HEADING_HOLD, LARGEST_LEAD_RAD)
-        self._efforts = self._paper_efforts(vehicle)
+        self._directions = [tuple(map(float, t.direction)) for t in vehicle.thrusters]
+        self._efforts = self._paper_efforts()
         self._thrust = np.zeros(len(vehicle.thrusters))
         self._command = np.zeros(len(vehicle.thrusters))
-        self._full = [False, False, False]
 
     def reset(self, sensed: Sensed) -> None:
         """Hold the depth and heading of now."""
@@ -126,20 +149,29 @@ class VelocityController:
             self._add_paper_efforts(wanted, sensed.velocity)
         else:
             self._allocate((*self._forces(wanted, sensed, dt), moment))
+            self._predict(dt)
         return self._command
 
     def _forces(
         self, wanted: tuple[float, float, float], sensed: Sensed, dt: float
     ) -> tuple[float, float, float]:
-        forces = [
-            axis.step(want, have, dt, full=full)
-            for axis, want, have, full in zip(
-                self._axes, wanted, sensed.velocity, self._full, strict=True
-            )
-        ]
+        surge, sway, heave = (
+            axis.force(want, have, fresh=sensed.fresh)
+            for axis, want, have in zip(self._axes, wanted, sensed.velocity, strict=True)
+        )
         if self._settings.depth_hold:
-            forces[HEAVE] = self._hold_depth(wanted[HEAVE], sensed, dt)
-        return forces[0], forces[1], forces[2]
+            heave = self._hold_depth(wanted[HEAVE], sensed, dt)
+        return surge, sway, heave
+
+    def _predict(self, dt: float) -> None:
+        """Tell the observers what the thrusters can really give."""
+        forces = [0.0, 0.0, 0.0]
+        for thrust, direction in zip(self._thrust.tolist(), self._directions, strict=True):
+            given = min(max(thrust, -self._reverse), self._forward)
+            for axis in (SURGE, SWAY, HEAVE):
+                forces[axis] += direction[axis] * given
+        for axis, force in zip(self._axes, forces, strict=True):
+            axis.predict(force, dt)
 
     def _hold_depth(self, heave: float, sensed: Sensed, dt: float) -> float:
         hold = self._depth
@@ -162,24 +194,15 @@ class VelocityController:
                 row[SURGE] * surge + row[SWAY] * sway + row[HEAVE] * heave + row[YAW] * yaw
             )
         commands_for(self._thrust, self._curve, self._command)
-        self._note_full_axes()
 
-    def _note_full_axes(self) -> None:
-        self._full = [False, False, False]
-        for thrust, row in zip(self._thrust.tolist(), self._allocator, strict=True):
-            if thrust > self._forward or thrust < -self._reverse:
-                for axis in (SURGE, SWAY, HEAVE):
-                    self._full[axis] = self._full[axis] or row[axis] != 0.0
-
-    def _paper_efforts(self, vehicle: Vehicle) -> list[list[float]]:
+    def _paper_efforts(self) -> list[list[float]]:
         """Return each thruster's effort per m/s of error on surge, sway and heave."""
         gains = {
             SURGE: self._settings.paper_gain_surge,
             SWAY: self._settings.paper_gain_sway,
             HEAVE: 0.0 if self._settings.depth_hold else self._settings.paper_gain_surge,
         }
-        directions = [thruster.direction for thruster in vehicle.thrusters]
-        return [[gains[axis] * float(d[axis]) for axis in gains] for d in directions]
+        return [[gains[axis] * direction[axis] for axis in gains] for direction in self._directions]
 
     def _add_paper_efforts(
         self, wanted: tuple[float, float, float], measured: tuple[float, float, float]
