@@ -198,6 +198,7 @@ def test_two_processes_give_the_same_bytes() -> None:
     assert len(digests[0]) == len(hashlib.sha256().hexdigest())
 
 
+@pytest.mark.slow
 def test_the_machine_code_has_no_fused_operations() -> None:
     plant = Plant(load("girona500"), Current(0.1))
     plant.place(START)

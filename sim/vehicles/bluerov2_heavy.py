@@ -1,0 +1,91 @@
+"""BlueROV2 Heavy: small, eight thrusters, actuated on all six axes.
+
+Masses and drag are those identified in a towing tank, as for no other vehicle here; the thruster
+places are those of the simulation model that ArduSub is tested with. The origin is the centre of
+gravity.
+"""
+
+from sim.vehicles import HullBox, Quantity, Tag, ThrustCurve, Thruster, Vehicle
+
+_TANK = "von Benzon et al. 2022, J. Mar. Sci. Eng. 10(12) 1898"
+_PLACES = "clydemcqueen/bluerov2_gz bb03343, models/bluerov2_heavy/model.sdf"
+_MAKER = "Blue Robotics, T200 at 16 V: 5.25 kgf forward, 4.10 kgf reverse"
+_GRAVITY = 9.82  # [m/s²] as in the source
+_DIAGONAL = 0.7071067811865476
+_FORWARD, _REVERSE = 51.5, 40.2
+
+
+def _quantity(
+    meaning: str, value: tuple[float, ...], unit: str, source: str = _TANK, tag: Tag = "S"
+) -> Quantity:
+    return Quantity(meaning=meaning, value=value, unit=unit, tag=tag, source=source)
+
+
+def _flat(name: str, x: float, y: float, sideways: float) -> Thruster:
+    """A horizontal thruster at 45 degrees; `sideways` is +1 if it pushes to starboard too."""
+    place = _quantity("place of the thruster", (x, y, 0.0), "m", _PLACES)
+    return Thruster(name=name, position=place, direction=(_DIAGONAL, sideways * _DIAGONAL, 0.0))
+
+
+def _upright(name: str, x: float, y: float) -> Thruster:
+    place = _quantity("place of the thruster", (x, y, -0.064), "m", _PLACES)
+    return Thruster(name=name, position=place, direction=(0.0, 0.0, 1.0))
+
+
+VEHICLE = Vehicle(
+    name="bluerov2-heavy",
+    title="BlueROV2 Heavy",
+    summary="Small and fully actuated: eight thrusters, as strong sideways as ahead.",
+    mass=_quantity("mass", (13.5,), "kg"),
+    inertia=_quantity("inertia about the centre of gravity", (0.26, 0.23, 0.37), "kg m²"),
+    inertia_point="gravity",
+    added_mass=(
+        _quantity("added mass", (6.3567, 7.1206, 18.6863), "kg"),
+        _quantity("added inertia", (0.1858, 0.1348, 0.2215), "kg m²"),
+    ),
+    drag_linear=(
+        _quantity("linear drag x, y, z", (13.7, 0.0, 33.0), "N s/m"),
+        _quantity("linear drag roll, pitch, yaw", (0.0, 0.8, 0.0), "N m s"),
+    ),
+    drag_quadratic=(
+        _quantity("quadratic drag x, y, z", (141.0, 217.0, 190.0), "N s²/m²"),
+        _quantity("quadratic drag roll, pitch, yaw", (1.192, 0.470, 1.500), "N m s²"),
+    ),
+    weight=_quantity("weight in air", (13.5 * _GRAVITY,), "N"),
+    buoyancy=_quantity(
+        "weight of the displaced fresh water, 13.4 l", (13.4 * _GRAVITY,), "N", tag="D"
+    ),
+    centre_of_gravity=_quantity("centre of gravity", (0.0, 0.0, 0.0), "m"),
+    centre_of_buoyancy=_quantity("centre of buoyancy", (0.0, 0.0, -0.01), "m"),
+    thrusters=(
+        _flat("front starboard", 0.14, 0.092, -1.0),
+        _flat("front port", 0.14, -0.092, 1.0),
+        _flat("rear starboard", -0.15, 0.092, 1.0),
+        _flat("rear port", -0.15, -0.092, -1.0),
+        _upright("heave front starboard", 0.118, 0.215),
+        _upright("heave front port", 0.118, -0.215),
+        _upright("heave rear starboard", -0.118, 0.215),
+        _upright("heave rear port", -0.118, -0.215),
+    ),
+    curve=ThrustCurve(
+        kind="quadratic",
+        forward=_quantity("thrust at full command", (_FORWARD,), "N", _MAKER, "D"),
+        reverse=_quantity("thrust at full reverse command", (_REVERSE,), "N", _MAKER, "D"),
+        dead_band=_quantity(
+            "commands up to this give no thrust", (0.0625,), "1", "25 of 400 µs of pulse", "E"
+        ),
+        limits=_quantity(
+            "greatest thrust forward, reverse", (_FORWARD, _REVERSE), "N", _MAKER, "D"
+        ),
+    ),
+    lag=_quantity("time constant of the thrust", (0.1,), "s", "half of the Girona 500's", "E"),
+    hull=(
+        HullBox(
+            name="frame",
+            centre=_quantity("centre of the frame", (0.0, 0.0, 0.0), "m", _MAKER, "E"),
+            size=_quantity(
+                "box around the frame", (0.4571, 0.575, 0.2539), "m", "Blue Robotics, drawing"
+            ),
+        ),
+    ),
+)
