@@ -1,0 +1,30 @@
+"""The vehicle's camera over a sea floor with a box: pictures, water and true image positions."""
+
+import numpy as np
+
+from sim.camera.camera import Camera
+from sim.camera.optics import CURRENTS, VISIBILITY, Optics
+from sim.camera.target import Target, start_pose
+from sim.camera.water import JERLOV, LAWS, Water
+
+__all__ = [
+    "CURRENTS",
+    "JERLOV",
+    "LAWS",
+    "VISIBILITY",
+    "Camera",
+    "Optics",
+    "Target",
+    "Water",
+    "start_pose",
+    "warm_up",
+]
+
+
+def warm_up() -> None:
+    """Load all compiled code and the grey textures, so that forked simulators start at once."""
+    camera = Camera(VISIBILITY, Water(), Target(), noise_seed=0)
+    pose = start_pose(VISIBILITY, Target(), 1.27)
+    camera.region(pose, 0, (0, 0, 32, 32))
+    camera.grey(pose, 0)
+    camera.corners(np.asarray(pose))

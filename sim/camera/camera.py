@@ -1,0 +1,139 @@
+"""The camera: pictures as a pure function of pose, water, noise seed and frame number."""
+
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sim.camera import raycast
+from sim.camera.geometry import look, project
+from sim.camera.optics import Optics
+from sim.camera.rows import NODE
+from sim.camera.seabed import seabed
+from sim.camera.target import Target, skin
+from sim.camera.water import LAWS, Water
+
+Window = raycast.Window
+Texels = raycast.Texels
+Prepared = tuple[tuple[Texels, float, NDArray[np.float64], Texels, Texels], raycast.Law]
+GREEN = 1
+SEABED_SEED = 7  # the same sea floor in all runs: a trial's luck is not in its pebbles
+
+
+@lru_cache(maxsize=4)
+def _noise_bank(seed: int, width: int) -> NDArray[np.float32]:
+    """Return standard normal samples; the first `width` follow again at the end for long rows."""
+    generator = np.random.Generator(np.random.PCG64(seed))
+    bank = generator.standard_normal(raycast.NOISE_LENGTH, dtype=np.float32)
+    return np.concatenate([bank, bank[:width]])
+
+
+class Camera:
+    """Draws what the vehicle's camera sees, and knows where the target truly is in the picture.
+
+    The grey picture is the green channel of the coloured one, noise included.
+    """
+
+    def __init__(self, optics: Optics, water: Water, target: Target, *, noise_seed: int) -> None:
+        self.optics, self.water, self.target = optics, water, target
+        self._noise_seed = noise_seed & 0xFFFFFFFFFFFFFFFF
+        self._noise = _noise_bank(self._noise_seed, optics.width)
+        self._lens = (optics.intrinsics(), np.array(optics.mount_m))
+        self._faces = target.faces()
+        self._corners = target.top_corners()
+        self._centre = target.top_centre()[None]
+        self._origin = target.origin()[None]
+        rows, columns = optics.height // NODE + 2, optics.width // NODE + 2
+        self._work = (
+            np.zeros((7, optics.width), np.float32),
+            np.zeros(optics.width, np.int32),
+            np.zeros((rows, columns), np.float32),
+        )
+        self._canvas = np.zeros((optics.height, optics.width), np.uint8)
+        self._rotation, self._place = np.empty((3, 3)), np.empty(3)
+        self._prepared = {GREEN: self._prepare(GREEN)}
+
+    def region(self, pose: NDArray[np.float64], frame: int, window: Window) -> NDArray[np.uint8]:
+        """Return the camera's own canvas (H, W), drawn inside the window x0, y0, x1, y1 alone.
+
+        Its pixels are those of `grey`, byte for byte. The canvas is valid until the next call.
+        """
+        x0, y0, x1, y1 = window
+        inside = (max(0, x0), max(0, y0), min(self.optics.width, x1), min(self.optics.height, y1))
+        if inside[2] > inside[0] and inside[3] > inside[1]:
+            self._draw(pose, frame, inside, GREEN, self._canvas)
+        return self._canvas
+
+    def grey(self, pose: NDArray[np.float64], frame: int) -> NDArray[np.uint8]:
+        """Return a new picture (H, W): the one the trackers work on."""
+        picture = np.empty_like(self._canvas)
+        self._draw(pose, frame, (0, 0, self.optics.width, self.optics.height), GREEN, picture)
+        return picture
+
+    def colour(self, pose: NDArray[np.float64], frame: int) -> NDArray[np.uint8]:
+        """Return a new picture (H, W, 3) in blue, green, red, for people."""
+        picture = np.empty((*self._canvas.shape, 3), np.uint8)
+        plane = np.empty_like(self._canvas)
+        for channel in range(3):
+            self._draw(pose, frame, (0, 0, self.optics.width, self.optics.height), channel, plane)
+            picture[:, :, 2 - channel] = plane
+        return picture
+
+    def corners(self, pose: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the image (4, 2) [px] of the top face's corners; NaN if behind the camera.
+
+        In reading order of the letters: upper left, upper right, lower right, lower left.
+        """
+        return self._project(pose, self._corners)
+
+    def centroid(self, pose: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the image (2,) [px] of the top face's centre: where the diagonals cross."""
+        centre: NDArray[np.float64] = self._project(pose, self._centre)[0]
+        return centre
+
+    def origin(self, pose: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the image (2,) [px] of the box's middle: UWSim's convention for the truth.
+
+        Seen obliquely it is not the centre of the visible face; that parallax is a bias of some
+        pixels for a perfect tracker.
+        """
+        origin: NDArray[np.float64] = self._project(pose, self._origin)[0]
+        return origin
+
+    def _project(
+        self, pose: NDArray[np.float64], points: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        out = np.empty((len(points), 2))
+        look(pose, self._lens[1], self._rotation, self._place)
+        project(points, self._rotation, self._place, self._lens[0], out)
+        return out
+
+    def _prepare(self, channel: int) -> Prepared:
+        """Return what the ray-caster needs for one channel besides pose, noise and window."""
+        water, target = self.water, self.target
+        surface = skin(target.length_m, target.width_m, target.height_m, channel)
+        tile = seabed(SEABED_SEED, channel)
+        scene = (tile, target.seabed_m, self._faces, surface.quads, surface.layout)
+        law = (
+            list(LAWS).index(water.law),
+            float(water.attenuation[channel]),
+            255.0 * water.veil[channel],
+            float(water.read_sigma_grey) ** 2,
+            float(water.shot_gain),
+        )
+        return scene, law
+
+    def _draw(
+        self,
+        pose: NDArray[np.float64],
+        frame: int,
+        window: Window,
+        channel: int,
+        out: NDArray[np.uint8],
+    ) -> None:
+        prepared = self._prepared.get(channel)
+        if prepared is None:
+            prepared = self._prepared[channel] = self._prepare(channel)
+        scene, law = prepared
+        grain = (self._noise, self._noise_seed, frame, channel)
+        raycast.draw(pose, self._lens, scene, law, grain, window, self._work, out)

@@ -1,0 +1,113 @@
+"""The target: a black box with letters on a flat seabed, in world NED coordinates."""
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sim.camera import lettering
+from sim.camera.optics import Optics
+from sim.camera.seabed import packed, quantise
+from sim.elementary import cos, sin
+
+Vector = NDArray[np.float64]
+
+TEXEL_M = 0.0021  # on the box: half a pixel, prefiltered to a pixel
+FACES = 5  # top, aft side, forward side, left end, right end as one reads the letters
+# E: the light comes from the upper left, so the sides differ; the top counts as 1.
+SHADES = (1.0, 0.55, 0.80, 0.75, 0.50)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Target:
+    """Where the box lies and how big it is.
+
+    With `heading_rad` equal to the vehicle's heading, the letters read upright in the picture: the
+    box's length lies along the image's u axis, its width along v.
+    """
+
+    length_m: float = 0.42  # S: template of 85x27 px in the paper's visibility scene
+    width_m: float = 0.13
+    height_m: float = 0.13  # E
+    north_m: float = 0.0
+    east_m: float = 0.0
+    seabed_m: float = 5.0  # [m] depth of the seabed, E: the CIRS pool
+    heading_rad: float = 0.0
+
+    def __post_init__(self) -> None:
+        """Refuse a box without volume."""
+        if min(self.length_m, self.width_m, self.height_m) <= 0:
+            raise ValueError("the target's length, width and height must be positive")
+
+    def axes(self) -> tuple[Vector, Vector]:
+        """Return two unit vectors (3,): to the right and downwards as one reads the letters."""
+        c, s = cos(self.heading_rad), sin(self.heading_rad)
+        return np.array([-s, c, 0.0]), np.array([-c, -s, 0.0])
+
+    def top_centre(self) -> Vector:
+        """Return the centre (3,) [m] of the top face."""
+        return np.array([self.north_m, self.east_m, self.seabed_m - self.height_m])
+
+    def origin(self) -> Vector:
+        """Return the box's middle (3,) [m], which UWSim takes for the object's place."""
+        return np.array([self.north_m, self.east_m, self.seabed_m - 0.5 * self.height_m])
+
+    def top_corners(self) -> Vector:
+        """Return the top face's corners (4, 3) [m]: upper left, upper right, lower right, left."""
+        right, down = self.axes()
+        a, b = 0.5 * self.length_m * right, 0.5 * self.width_m * down
+        centre = self.top_centre()
+        return np.array([centre - a - b, centre + a - b, centre + a + b, centre - a + b])
+
+    def faces(self) -> Vector:
+        """Return (FACES, 12) [m]: first corner, first edge, second edge, outward normal."""
+        right, down = self.axes()
+        drop = np.array([0.0, 0.0, self.height_m])
+        long, short = self.length_m * right, self.width_m * down
+        upper_left, upper_right, lower_right, lower_left = self.top_corners()
+        return np.array(
+            [
+                np.concatenate([upper_left, long, short, [0.0, 0.0, -1.0]]),
+                np.concatenate([lower_left, long, drop, down]),
+                np.concatenate([upper_right, -long, drop, -down]),
+                np.concatenate([upper_left, short, drop, -right]),
+                np.concatenate([lower_right, -short, drop, right]),
+            ]
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Skin:
+    """Packed textures of all faces for one channel."""
+
+    quads: NDArray[np.int32]  # all faces, one behind the other
+    layout: NDArray[np.int32]  # (FACES, 3): offset, columns, rows
+
+
+@lru_cache(maxsize=12)
+def skin(length_m: float, width_m: float, height_m: float, channel: int) -> Skin:
+    """Return the textures of a box of that size; the sides are the darker for their shade."""
+    sizes = [(length_m, width_m)] + [(length_m, height_m)] * 2 + [(width_m, height_m)] * 2
+    parts, layout, offset = [], [], 0
+    for (length, width), shade in zip(sizes, SHADES, strict=True):
+        texels = quantise(lettering.face(length, width, TEXEL_M, channel) * shade)
+        parts.append(packed(texels, wrap=False))
+        layout.append((offset, texels.shape[1], texels.shape[0]))
+        offset += texels.size
+    return Skin(np.concatenate(parts), np.array(layout, dtype=np.int32))
+
+
+def start_pose(optics: Optics, target: Target, height: float) -> Vector:
+    """Return the level body pose (6,) from which the camera looks at the target's middle.
+
+    Parameters
+    ----------
+    height : float [m]
+        Distance of the camera from the target's top face, e.g. 2.27 (currents), 1.27 (visibility).
+    """
+    c, s = cos(target.heading_rad), sin(target.heading_rad)
+    x, y, z = optics.mount_m
+    centre = target.top_centre()
+    place = centre - np.array([c * x - s * y, s * x + c * y, z + height])
+    return np.array([*place, 0.0, 0.0, target.heading_rad])
