@@ -1,0 +1,88 @@
+"""The web application: made once per process from the settings."""
+
+import atexit
+from datetime import timedelta
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+from flask import g, request, session
+from flask_openapi3.models.info import Info
+from flask_openapi3.openapi import OpenAPI
+from flask_wtf.csrf import CSRFProtect
+
+import templates
+from server import api, frames, identity, pages, problems, rate_limits, security_headers
+from server.services import Services, services
+from server.settings import Settings
+
+FORM_ROOM = 64 * 1024  # [byte] for the other fields of a form beside the upload
+SESSION_DAYS = 30
+_READING = frozenset({"GET", "HEAD", "OPTIONS", "TRACE"})
+_FOLDER = Path(templates.__file__).parent
+
+
+def create_app(settings: Settings) -> OpenAPI:
+    """Return the application with all pages and the API; its services hang on `extensions`."""
+    app = OpenAPI(
+        "seamark",
+        info=Info(title="Seamark", version=version("seamark")),
+        template_folder=str(_FOLDER),
+        static_folder=str(_FOLDER / "static"),
+        static_url_path="/static",
+        doc_ui=False,  # /api/docs is the API's own page
+        validation_error_callback=lambda error: problems.of_validation(error).response(),
+    )
+    _configure(app, settings)
+    held = Services.start(settings)
+    app.extensions["seamark"] = held
+    atexit.register(held.close)
+    identity.register(app)
+    _protect(app)
+    rate_limits.register(app, settings)
+    security_headers.register(app, public=settings.public)
+    pages.register(app)
+    api.register(app)
+    app.context_processor(_common)
+    frames.warm_up()
+    return app
+
+
+def _configure(app: OpenAPI, settings: Settings) -> None:
+    app.config.update(
+        SECRET_KEY=settings.secret_key,
+        MAX_CONTENT_LENGTH=settings.upload_max_bytes + FORM_ROOM,
+        # The editor posts the program as a field; it may be as long as an upload.
+        MAX_FORM_MEMORY_SIZE=settings.upload_max_bytes + FORM_ROOM,
+        SESSION_COOKIE_NAME="seamark",
+        SESSION_COOKIE_HTTPONLY=True,
+        SESSION_COOKIE_SAMESITE="Lax",
+        SESSION_COOKIE_SECURE=settings.public,
+        PERMANENT_SESSION_LIFETIME=timedelta(days=SESSION_DAYS),
+        WTF_CSRF_CHECK_DEFAULT=False,  # `_protect` decides: a token in a header needs no secret
+        WTF_CSRF_TIME_LIMIT=None,  # a form that was filled in for hours must still work
+        WTF_CSRF_SSL_STRICT=False,  # the secret alone decides; proxies change the Referer
+    )
+
+
+def _protect(app: OpenAPI) -> None:
+    """Ask for the CSRF secret wherever a cookie could change something."""
+    csrf = CSRFProtect(app)
+
+    @app.before_request
+    def check_secret() -> None:
+        if request.method in _READING or identity.by_token():
+            return
+        # A program without cookie and token speaks for nobody, so nobody can be tricked.
+        if request.path.startswith("/api/") and not session:
+            return
+        csrf.protect()
+
+
+def _common() -> dict[str, Any]:
+    """Return what every template may use."""
+    return {
+        "viewer": g.viewer,
+        "version": version("seamark"),
+        "sign_up_open": services().settings.sign_up_open,
+    }

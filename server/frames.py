@@ -1,0 +1,146 @@
+"""Pictures of the vehicle's camera, made again from the telemetry: no video is ever stored.
+
+The only part of the server that loads the simulator's camera (OpenCV, compiled code), and only when
+the first picture is asked for or the background thread of `warm_up` is done.
+"""
+
+import json
+import threading
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import structlog
+from numpy.typing import NDArray
+
+from server.listing import RunView
+from server.run_files import RunFiles
+from server.settings import Settings
+from sim import registry
+from sim.hidden_seeds import hidden_seed
+from sim.telemetry import INDEX
+
+if TYPE_CHECKING:
+    from sim.camera.camera import Camera
+
+JPEG_QUALITY = 88
+GREEN, AMBER, WHITE = (75, 230, 70), (0, 176, 255), (235, 240, 240)  # blue, green, red
+_CROSS_PX = 9  # half of the centre cross
+_SUBPIXEL_BITS = 4  # OpenCV draws at sixteenths of a pixel
+_POSE = slice(INDEX["x"], INDEX["yaw"] + 1)
+_CORNERS = slice(INDEX["corner_0"], INDEX["corner_7"] + 1)
+# A camera has one work area, so one picture is drawn at a time; a picture takes milliseconds.
+_lock = threading.Lock()
+_log = structlog.get_logger()
+Picture = NDArray[np.uint8]
+Row = NDArray[np.float64]
+
+
+def picture(settings: Settings, run: RunView, *, trial: int, t: float) -> bytes | None:
+    """Return the JPEG of the view nearest to simulated time `t`, or None without telemetry.
+
+    The tracker's box is drawn green, the true outline thin and amber, the image centre as a cross.
+    """
+    row = _row_at(RunFiles(settings.data, run.id), trial, t)
+    if row is None:
+        return None
+    level = int(row[INDEX["level"]])
+    config = json.dumps(run.config, sort_keys=True)
+    with _lock:
+        camera, ticks = _camera(run.benchmark, config, _seed(settings, run, trial), trial, level)
+        frame = level * ticks + _tick_in_level(run, row, level)
+        pose = np.ascontiguousarray(row[_POSE])
+        image = camera.colour(pose, frame)
+        truth = camera.corners(pose)
+    return _jpeg(_marked(image, row, truth))
+
+
+def warm_up() -> threading.Thread:
+    """Load and compile in the background, so that the first visitor does not wait for it."""
+    thread = threading.Thread(target=_warm_up, name="warm-camera", daemon=True)
+    thread.start()
+    return thread
+
+
+def _warm_up() -> None:
+    from sim.camera import warm_up as warm_camera  # noqa: PLC0415 - loads OpenCV and Numba
+
+    with _lock:
+        warm_camera()
+    _log.info("camera_warm")
+
+
+def _seed(settings: Settings, run: RunView, trial: int) -> int:
+    if run.seed is not None:
+        return run.seed
+    return hidden_seed(settings.secret_key.encode(), run.benchmark, trial)
+
+
+@lru_cache(maxsize=12)
+def _camera(benchmark: str, config: str, seed: int, trial: int, level: int) -> "tuple[Camera, int]":
+    """Return the camera of one level with its noise, and the frames of a level."""
+    from sim.world import world_of  # noqa: PLC0415 - as above
+
+    settings: Any = registry.benchmark(benchmark).read(json.loads(config))
+    world = world_of(settings, seed=seed, trial=trial, level=level)
+    return world.camera, settings.ticks_per_level
+
+
+def _tick_in_level(run: RunView, row: Row, level: int) -> int:
+    """Return which picture of its level a row has."""
+    into_level = row[INDEX["t"]] - level * run.config["level_duration_s"]
+    return round(float(into_level) / run.config["control_period_s"])
+
+
+def _row_at(files: RunFiles, trial: int, t: float) -> Row | None:
+    """Return the last row of a trial that is not later than `t`, by halving; else its first."""
+    low, high = 0, files.row_count()
+    while low < high:
+        middle = (low + high) // 2
+        if _place(files.rows(middle, middle + 1)[0]) <= (trial, t + 1e-6):
+            low = middle + 1
+        else:
+            high = middle
+    for at in (low - 1, low):  # before the first row of a trial: that one
+        found = files.rows(at, at + 1) if at >= 0 else np.empty((0, 0))
+        if len(found) and int(found[0, INDEX["trial"]]) == trial:
+            row: Row = found[0]
+            return row
+    return None
+
+
+def _place(row: Row) -> tuple[int, float]:
+    return int(row[INDEX["trial"]]), float(row[INDEX["t"]])
+
+
+def _marked(image: Picture, row: Row, truth: Row) -> Picture:
+    """Draw the truth, the centre and, on top, where the tracker believes the target is."""
+    import cv2  # noqa: PLC0415 - as above
+
+    height, width = image.shape[:2]
+    middle = (width // 2, height // 2)
+    cv2.drawMarker(image, middle, WHITE, cv2.MARKER_CROSS, 2 * _CROSS_PX, 1, cv2.LINE_AA)
+    _outline(image, truth, AMBER, 1)
+    if row[INDEX["tracker_ok"]] == 1.0:
+        _outline(image, row[_CORNERS].reshape(4, 2), GREEN, 2)
+    return image
+
+
+def _outline(image: Picture, corners: Row, colour: tuple[int, int, int], thickness: int) -> None:
+    import cv2  # noqa: PLC0415 - as above
+
+    # A lost target can be anywhere; OpenCV's integers cannot.
+    if not np.isfinite(corners).all() or np.abs(corners).max() > 1e5:
+        return
+    points = np.round(corners * (1 << _SUBPIXEL_BITS)).astype(np.int32)
+    cv2.polylines(image, [points], True, colour, thickness, cv2.LINE_AA, _SUBPIXEL_BITS)
+
+
+def _jpeg(image: Picture) -> bytes:
+    import cv2  # noqa: PLC0415 - as above
+
+    done, encoded = cv2.imencode(".jpg", image, [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY])
+    if not done:
+        raise RuntimeError("OpenCV could not encode a picture")
+    data: bytes = encoded.tobytes()
+    return data

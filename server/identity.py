@@ -1,0 +1,72 @@
+"""Who asks: from the bearer token, or from the signed cookie of the browser."""
+
+import secrets
+
+from flask import Flask, g, request, session
+from werkzeug.exceptions import Unauthorized
+
+from server import accounts
+from server.access import Viewer
+from server.services import services
+
+BEARER = "Bearer "
+_USER, _GUEST = "user", "guest"
+
+
+def register(app: Flask) -> None:
+    """Set `g.viewer` before each request."""
+
+    @app.before_request
+    def find_viewer() -> None:
+        g.viewer = Viewer()  # also for the pages of errors, should the lines below fail
+        if request.endpoint != "static":
+            g.viewer = _viewer()
+
+
+def by_token() -> bool:
+    """Return whether the request carries a token; such a request needs no CSRF secret."""
+    return request.headers.get("Authorization", "").startswith(BEARER)
+
+
+def sign_in(user_id: int) -> None:
+    """Let the browser speak for a user from the next request on."""
+    session.clear()  # nothing that was planted before the sign-in survives it
+    session.permanent = True
+    session[_USER] = user_id
+
+
+def sign_out() -> None:
+    """Forget who the browser speaks for."""
+    session.clear()
+
+
+def become_guest() -> Viewer:
+    """Return the present viewer, made a guest with a cookie of its own if nobody in particular."""
+    viewer: Viewer = g.viewer
+    if viewer.owner is None and not by_token():
+        session.permanent = True
+        session[_GUEST] = secrets.token_urlsafe(24)
+        g.viewer = viewer = _guest(session[_GUEST])
+    return viewer
+
+
+def _viewer() -> Viewer:
+    """Return who asks; a wrong token is refused rather than treated as nobody."""
+    if by_token():
+        text = request.headers["Authorization"].removeprefix(BEARER).strip()
+        with services().database.reading() as database:
+            viewer = accounts.viewer_of_token(database, text)
+        if viewer is None:
+            raise Unauthorized("The token is unknown, withdrawn or expired.")
+        return viewer
+    user_id, guest = session.get(_USER), session.get(_GUEST)
+    if user_id is not None:
+        with services().database.reading() as database:
+            viewer = accounts.viewer_of_user(database, user_id)
+        if viewer is not None:
+            return viewer
+    return Viewer() if guest is None else _guest(guest)
+
+
+def _guest(cookie: str) -> Viewer:
+    return Viewer(guest=accounts.guest_hash(services().settings, cookie))

@@ -1,0 +1,35 @@
+"""The pages: one blueprint per page. Adding a page is one file here and one line in `PAGES`."""
+
+from flask import Flask
+
+from server.pages import (
+    account,
+    docs,
+    errors,
+    formats,
+    home,
+    leaderboard,
+    run,
+    runs,
+    status,
+    submit,
+)
+
+PAGES = (
+    home.page,
+    submit.page,
+    run.page,
+    runs.page,
+    leaderboard.page,
+    account.page,
+    docs.page,
+    status.page,
+)
+
+
+def register(app: Flask) -> None:
+    """Add all pages, the filters of their templates and the pages of errors."""
+    for page in PAGES:
+        app.register_blueprint(page)
+    formats.register(app)
+    errors.register(app)

@@ -1,0 +1,106 @@
+"""The documentation: texts in templates, tables from the same objects that the code works with."""
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import asdict, dataclass, fields as fields_of
+from typing import Any
+
+from flask import Blueprint, abort, redirect, render_template, url_for
+from flask.typing import ResponseReturnValue
+
+from sandbox.limits import MEANING, Limits
+from server.causes import WORDS
+from server.pages import benchmarks, measures, templates_for_programs
+from server.pages import fields as form_fields
+from server.services import services
+from sim import metrics, observation, registry, telemetry, vehicles
+
+page = Blueprint("docs", __name__, url_prefix="/docs")
+_UNITS = {"_s": "s", "_mib": "MiB", "_kib": "KiB"}
+
+
+@dataclass(frozen=True, slots=True)
+class Limit:
+    """One limit of the sandbox."""
+
+    name: str
+    value: float
+    unit: str
+    meaning: str
+
+
+def _start() -> dict[str, Any]:
+    return {}
+
+
+def _controller() -> dict[str, Any]:
+    return {
+        "observation": observation.FIELDS,
+        "booleans": observation.BOOLEANS,
+        "command": observation.COMMAND,
+        "example": templates_for_programs.python(),
+        "limits": list(_limits(Limits())),
+        "upload_max": services().settings.upload_max_bytes,
+    }
+
+
+def _limits(limits: Limits) -> Iterator[Limit]:
+    values = asdict(limits)
+    for field in fields_of(limits):
+        end = next((end for end in _UNITS if field.name.endswith(end)), "")
+        label = field.name.removesuffix(end).replace("_", " ")
+        meaning = MEANING.get(field.name, "")
+        yield Limit(label, values[field.name], _UNITS.get(end, ""), meaning)
+
+
+def _runs() -> dict[str, Any]:
+    return {"causes": WORDS, "settings": services().settings}
+
+
+def _physics() -> dict[str, Any]:
+    benchmark = benchmarks.first()
+    return {
+        "vehicles": [vehicles.load(name) for name in registry.VEHICLES],
+        "tags": vehicles.TAGS,
+        "benchmark": benchmark,
+        "groups": form_fields.groups(benchmark.schema(), {}, {}),
+    }
+
+
+def _metrics() -> dict[str, Any]:
+    return {
+        "metrics": (*measures.HEAD, *metrics.METRICS),
+        "meanings": measures.MEANINGS,
+        "held_m": metrics.HELD_P95_M,
+        "score_m": metrics.SCORE_LENGTH_M,
+    }
+
+
+def _telemetry() -> dict[str, Any]:
+    return {"columns": telemetry.COLUMNS}
+
+
+# name -> title, what its template shows
+PAGES: Mapping[str, tuple[str, Callable[[], dict[str, Any]]]] = {
+    "start": ("Start here", _start),
+    "controller": ("Write a controller", _controller),
+    "runs": ("Runs, limits and causes", _runs),
+    "metrics": ("Metrics and score", _metrics),
+    "telemetry": ("Telemetry", _telemetry),
+    "physics": ("Physics and numbers", _physics),
+}
+
+
+@page.get("/")
+def index() -> ResponseReturnValue:
+    """Go to the first page."""
+    return redirect(url_for("docs.show", name="start"))
+
+
+@page.get("/<name>")
+def show(name: str) -> ResponseReturnValue:
+    """Show one page of the documentation."""
+    if name not in PAGES:
+        abort(404)
+    title, values = PAGES[name]
+    titles = {key: entry[0] for key, entry in PAGES.items()}
+    return render_template(f"docs/{name}.html", title=title, titles=titles, here=name, **values())

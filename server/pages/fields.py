@@ -1,0 +1,172 @@
+"""Form fields generated from a benchmark's JSON Schema, and their texts read back as values."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+Schema = Mapping[str, Any]
+
+
+@dataclass(frozen=True, slots=True)
+class Field:
+    """One field of the form; everything the template needs and no rule of its own."""
+
+    name: str
+    title: str
+    help: str
+    unit: str
+    kind: str  # "choice", "check", "number" or "text"
+    value: str
+    default: str
+    options: tuple[tuple[str, str], ...]  # value, label
+    low: float | None
+    high: float | None
+    step: str
+    range: str
+    tag: str
+    advanced: bool
+    error: str
+
+
+@dataclass(frozen=True, slots=True)
+class Group:
+    """Fields that belong together; `scenario` says that a ranked run fixes them."""
+
+    title: str
+    scenario: bool
+    shown: tuple[Field, ...]
+    folded: tuple[Field, ...]
+
+    @property
+    def folded_error(self) -> bool:
+        """Whether a field that is folded away has an error; then it is unfolded."""
+        return any(field.error for field in self.folded)
+
+
+def groups(
+    schema: Schema, values: Mapping[str, object], errors: Mapping[str, str]
+) -> tuple[Group, ...]:
+    """Return the form, solution first, in the schema's order.
+
+    Parameters
+    ----------
+    values
+        Setting -> value or text to show; what is missing shows the default.
+    errors
+        Setting -> sentence, shown at the field.
+    """
+    preset = preset_of(schema, str(values.get("vehicle", "")))
+    found: dict[tuple[bool, str], list[Field]] = {}
+    for name, entry in schema["properties"].items():
+        default = preset.get(name, entry.get("default"))
+        shown = values.get(name, default)
+        key = (entry.get("x-role") == "scenario", entry.get("x-group", ""))
+        field = _field(name, entry, shown=shown, default=default, error=errors.get(name, ""))
+        found.setdefault(key, []).append(field)
+    ordered = sorted(found.items(), key=lambda item: item[0][0])  # stable: keeps the schema's order
+    return tuple(
+        Group(
+            title=title,
+            scenario=scenario,
+            shown=tuple(field for field in fields if not field.advanced),
+            folded=tuple(field for field in fields if field.advanced),
+        )
+        for (scenario, title), fields in ordered
+    )
+
+
+def read(schema: Schema, form: Mapping[str, str]) -> dict[str, object]:
+    """Return the values of a posted form; what is no number stays text, for the sentence about it.
+
+    A checkbox that is not ticked is not posted: `<name>.there` says that the form had it.
+    """
+    values: dict[str, object] = {}
+    for name, entry in schema["properties"].items():
+        if entry["type"] == "boolean":
+            if f"{name}.there" in form or name in form:
+                values[name] = form.get(name) in {"on", "true", "1"}
+        elif name in form:
+            values[name] = _value(entry, form[name].strip())
+    return values
+
+
+def preset_of(schema: Schema, vehicle: str) -> Mapping[str, object]:
+    """Return the values that come with the choice of a vehicle."""
+    presets: Mapping[str, Any] = schema.get("x-presets", {}).get("vehicle", {})
+    preset: Mapping[str, object] = presets.get(vehicle, {})
+    return preset
+
+
+def text_of(value: object) -> str:
+    """Return a value as a field shows it."""
+    if value is None:
+        return ""
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, list | tuple):
+        return ", ".join(text_of(item) for item in value)
+    if isinstance(value, float) and value == int(value) and abs(value) < 1e15:
+        return str(int(value))
+    return str(value)
+
+
+def _value(entry: Schema, text: str) -> object:
+    kind = entry["type"]
+    if kind == "array":
+        parts = text.replace(";", ",").replace(",", " ").split()
+        return [_number(part) for part in parts]
+    if kind == "integer":
+        return int(text) if text.lstrip("+-").isdecimal() else text
+    return _number(text) if kind == "number" else text
+
+
+def _number(text: str) -> object:
+    try:
+        value = float(text)
+    except ValueError:
+        return text
+    return value if math.isfinite(value) else text
+
+
+def _field(name: str, entry: Schema, *, shown: object, default: object, error: str) -> Field:
+    numeric = entry["type"] in {"number", "integer"}
+    labels = entry.get("x-labels", {})
+    return Field(
+        name=name,
+        title=entry.get("title", name),
+        help=entry.get("description", ""),
+        unit=entry.get("x-unit", ""),
+        kind=_kind(entry),
+        value=text_of(shown),
+        default=text_of(default),
+        options=tuple((text_of(v), labels.get(v, text_of(v))) for v in entry.get("enum", ())),
+        low=entry.get("minimum", entry.get("exclusiveMinimum")) if numeric else None,
+        high=entry.get("maximum") if numeric else None,
+        step="1" if entry["type"] == "integer" else "any",
+        range=_range(entry),
+        tag=entry.get("x-tag", ""),
+        advanced=bool(entry.get("x-advanced")),
+        error=error,
+    )
+
+
+def _kind(entry: Schema) -> str:
+    if "enum" in entry:
+        return "choice"
+    kinds = {"boolean": "check", "number": "number", "integer": "number"}
+    return kinds.get(entry["type"], "text")
+
+
+def _range(entry: Schema) -> str:
+    """Return the allowed range in words, empty if any value goes."""
+    if entry["type"] == "array":
+        count = f"{entry.get('minItems', 1)} to {entry.get('maxItems', '∞')} numbers"
+        inner = _range({"type": "number", **entry.get("items", {})})
+        return f"{count}, {inner}" if inner else count
+    low, above, high = (entry.get(k) for k in ("minimum", "exclusiveMinimum", "maximum"))
+    start = f"above {text_of(above)}" if above is not None else text_of(low)
+    if high is None:
+        return f"from {start}" if low is not None else start
+    join = " up to " if above is not None else " to "
+    return f"{start}{join}{text_of(high)}" if start else f"up to {text_of(high)}"

@@ -1,0 +1,79 @@
+"""How pages write numbers, times and sizes."""
+
+import time
+from datetime import UTC, datetime
+
+from flask import Flask
+
+_STEPS = ((86_400, "day"), (3600, "hour"), (60, "minute"))
+
+
+def register(app: Flask) -> None:
+    """Make the functions below filters of the templates."""
+    for function in (number, utc, iso, ago, duration, size, words):
+        app.add_template_filter(function)
+
+
+def number(value: object, digits: int = 3) -> str:
+    """Return a number with as many significant digits; other values as people write them."""
+    if value is None:
+        return "–"
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, list | tuple):
+        return ", ".join(number(item, digits) for item in value)
+    if not isinstance(value, int | float):
+        return str(value)
+    if isinstance(value, int) or value == int(value):
+        return f"{value:,.0f}".replace(",", " ").replace("-", "−")
+    return f"{value:.{digits}g}".replace("-", "−")
+
+
+def utc(epoch_s: float) -> str:
+    """Return a moment as people read it."""
+    return datetime.fromtimestamp(epoch_s, UTC).strftime("%d %b %Y, %H:%M UTC")
+
+
+def iso(epoch_s: float) -> str:
+    """Return a moment as programs read it."""
+    return datetime.fromtimestamp(epoch_s, UTC).isoformat(timespec="seconds")
+
+
+def ago(epoch_s: float) -> str:
+    """Return how long ago a moment was; the date if it was more than a week."""
+    passed = time.time() - epoch_s
+    if passed > 7 * 86_400:
+        return datetime.fromtimestamp(epoch_s, UTC).strftime("%d %b %Y")
+    for length, name in _STEPS:
+        count = int(passed // length)
+        if count:
+            return f"{count} {name}{'s' if count > 1 else ''} ago"
+    return "just now"
+
+
+def duration(seconds: float | None) -> str:
+    """Return a length of time in one or two units."""
+    if seconds is None:
+        return "–"
+    if seconds < 10:
+        return f"{seconds:.1f} s"
+    if seconds < 60:
+        return f"{seconds:.0f} s"
+    minutes, rest = divmod(round(seconds), 60)
+    if minutes < 60:
+        return f"{minutes} min {rest} s" if rest else f"{minutes} min"
+    return f"{minutes // 60} h {minutes % 60} min"
+
+
+def size(count: int) -> str:
+    """Return a number of bytes in the unit that suits it."""
+    if count < 1024:
+        return f"{count} bytes"
+    if count < 2**20:
+        return f"{count / 2**10:.3g} KiB"
+    return f"{count / 2**20:.3g} MiB"
+
+
+def words(name: str) -> str:
+    """Return a technical name as words: "rmse_m" gives "rmse m"."""
+    return name.replace("_", " ").replace("-", " ").strip()

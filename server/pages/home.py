@@ -1,0 +1,42 @@
+"""The start page: what this is, how to begin, what happens now."""
+
+import time
+
+from flask import Blueprint, g, render_template
+from flask.typing import ResponseReturnValue
+from sqlalchemy import func, select
+
+from server import leaderboard, runs
+from server.orders import ALIVE_S
+from server.pages import benchmarks
+from server.services import services
+from server.tables import Run, Worker
+
+NEWEST = 8
+BEST = 5
+page = Blueprint("home", __name__)
+
+
+@page.get("/")
+def show() -> ResponseReturnValue:
+    """Show the start page."""
+    first = benchmarks.first()
+    with services().database.reading() as session:
+        public = runs.listing(session, g.viewer, which="public", limit=NEWEST)
+        best = leaderboard.page(session, first.name, limit=BEST)
+        ended = func.count().filter(Run.state == runs.RunState.SUCCEEDED)
+        live = func.count().filter(Run.state.in_(runs.LIVE))
+        simulated = func.coalesce(func.sum(Run.t_simulated), 0.0)
+        done, waiting, simulated_s = session.execute(select(ended, live, simulated)).one().tuple()
+        alive = Worker.seen_at > time.time() - ALIVE_S
+        workers = session.scalar(select(func.count()).where(alive)) or 0
+    return render_template(
+        "home/index.html",
+        benchmark=first,
+        public=public.runs,
+        best=best,
+        done=done,
+        live=waiting,
+        simulated_h=simulated_s / 3600,
+        workers=workers,
+    )

@@ -1,0 +1,54 @@
+"""The leaderboard of a benchmark."""
+
+from flask import Blueprint, abort, g, redirect, render_template, request, url_for
+from flask.typing import ResponseReturnValue
+
+from server import leaderboard
+from server.pages import benchmarks
+from server.services import services
+
+SIZE = 50
+page = Blueprint("leaderboard", __name__, url_prefix="/leaderboards")
+
+
+@page.get("/")
+def first() -> ResponseReturnValue:
+    """Go to the leaderboard of the first benchmark."""
+    return redirect(url_for("leaderboard.show", name=benchmarks.first().name))
+
+
+@page.get("/<name>")
+def show(name: str) -> ResponseReturnValue:
+    """Show the ranks of a benchmark from a cursor on."""
+    benchmark = benchmarks.by_name(name)
+    after = None
+    if text := request.args.get("after"):
+        try:
+            after = leaderboard.Cursor.parse(text)
+        except (ValueError, OverflowError):
+            abort(404)
+    with services().database.reading() as session:
+        ranks = leaderboard.page(session, name, after=after, limit=SIZE + 1)
+        count = leaderboard.size(session, name)
+        mine = None
+        if g.viewer.user_id is not None:
+            mine = leaderboard.place_of(session, name, g.viewer.user_id)
+    shown = ranks[:SIZE]
+    return render_template(
+        "leaderboard/show.html",
+        benchmark=benchmark,
+        benchmarks=benchmarks.labels(),
+        rows=list(zip(shown, _shared(shown), strict=True)),
+        next=shown[-1].cursor.text() if len(ranks) > SIZE else None,
+        first=after is None,
+        count=count,
+        mine=mine,
+    )
+
+
+def _shared(ranks: list[leaderboard.Rank]) -> list[int]:
+    """Return the rank that each row shows: the first of its group of ties."""
+    shown: list[int] = []
+    for rank in ranks:
+        shown.append(shown[-1] if rank.tied and shown else rank.rank)
+    return shown

@@ -1,0 +1,130 @@
+"""One run: its state, its data as it comes in, and what its owner may do with it."""
+
+from collections.abc import Callable
+
+import structlog
+from flask import Blueprint, abort, flash, g, redirect, render_template, url_for
+from flask.typing import ResponseReturnValue
+from redis.exceptions import RedisError
+from sqlalchemy.orm import Session
+
+from server import identity, live, runs
+from server.access import Action, can
+from server.pages import benchmarks, measures
+from server.rate_limits import ORDER, limiter
+from server.run_files import RunFiles
+from server.services import services
+
+LOG_SHOWN = 64 * 1024  # [character] of the log on the page; the whole of it can be downloaded
+SECONDS_BETWEEN_PICTURES = 0.05
+page = Blueprint("run", __name__, url_prefix="/runs")
+_log = structlog.get_logger()
+
+
+@page.get("/<int:run_id>")
+def show(run_id: int) -> ResponseReturnValue:
+    """Show a run."""
+    run = _run_for(run_id)
+    benchmark = benchmarks.by_name(run.benchmark)
+    config = benchmark.read(run.config)
+    files = RunFiles(services().settings.data, run_id)
+    may = {action.value for action in Action if can(g.viewer, action, run)}
+    log = files.log_text()[-LOG_SHOWN:] if Action.VIEW_LOG in may else ""
+    return render_template(
+        "run/show.html",
+        run=run,
+        benchmark=benchmark,
+        may=may,
+        log=log,
+        has_rows=files.row_count() > 0,
+        tables=measures.tables(run.metrics or {}, run.config.get("settle_s", 0.0)),
+        trials=measures.trials(run.metrics or {}),
+        options=measures.options(benchmark.schema(), run.config),
+        page_data={
+            "id": run.id,
+            "live": not run.state.final,
+            "trials": run.trials,
+            "trial_s": benchmark.trial_duration_s(config),
+            "level_s": run.config.get("level_duration_s"),
+            "levels": run.config.get("levels", []),
+            "tick_s": run.config.get("control_period_s", SECONDS_BETWEEN_PICTURES),
+            "charts": [
+                {"title": chart.title, "unit": chart.unit, "columns": chart.columns}
+                for chart in benchmark.charts
+            ],
+            "api": f"/api/v1/runs/{run.id}",
+        },
+    )
+
+
+@page.post("/<int:run_id>/cancel")
+def cancel(run_id: int) -> ResponseReturnValue:
+    """Cancel a live run; the data so far is kept."""
+    before = _run_for(run_id, Action.CANCEL)
+    done = "The run is cancelled. What it recorded so far is kept."
+    answer = _change(run_id, runs.request_cancel, done, "The run had ended already.")
+    if before.state is runs.RunState.QUEUED:
+        _end_stream(run_id)  # no worker has it, so nobody else tells the open pages
+    return answer
+
+
+@page.post("/<int:run_id>/publish")
+def publish(run_id: int) -> ResponseReturnValue:
+    """Make a run public."""
+    _run_for(run_id, Action.PUBLISH)
+    done = "The run is public now, with its program and its data."
+    return _change(run_id, runs.publish, done, "Only a run that has ended can be published.")
+
+
+@page.post("/<int:run_id>/withdraw")
+def withdraw(run_id: int) -> ResponseReturnValue:
+    """Make a run private again."""
+    _run_for(run_id, Action.WITHDRAW)
+    done = "The run is private again and off the leaderboard."
+    return _change(run_id, runs.withdraw, done, "The run was not public.")
+
+
+@page.post("/<int:run_id>/rerun")
+@limiter.limit(ORDER)
+def rerun(run_id: int) -> ResponseReturnValue:
+    """Queue the same order again."""
+    _run_for(run_id, Action.VIEW)
+    viewer = identity.become_guest()
+    run = _run_for(run_id, Action.RERUN)
+    try:
+        with services().database.writing() as session:
+            new_id = runs.rerun(session, run.id, viewer, services().settings)
+    except (runs.OrderRejected, runs.QuotaExceeded) as refusal:
+        flash(str(refusal), "bad")
+        return redirect(url_for("run.show", run_id=run_id), code=303)
+    services().ring()
+    return redirect(url_for("run.show", run_id=new_id), code=303)
+
+
+def _run_for(run_id: int, action: Action = Action.VIEW) -> runs.RunView:
+    """Return the run, or end with 404 so that a private run cannot be told from none."""
+    with services().database.reading() as session:
+        run = runs.show(session, run_id, services().settings)
+    if run is None or not can(g.viewer, Action.VIEW, run):
+        abort(404)
+    if not can(g.viewer, action, run):
+        abort(403)
+    return run
+
+
+def _change(
+    run_id: int, change: Callable[[Session, int], bool], done: str, too_late: str
+) -> ResponseReturnValue:
+    with services().database.writing() as session:
+        changed = change(session, run_id)
+    flash(done if changed else too_late, "good" if changed else "warn")
+    return redirect(url_for("run.show", run_id=run_id), code=303)
+
+
+def _end_stream(run_id: int) -> None:
+    state = {"state": runs.RunState.CANCELLED.value, "position": None, "progress": 0}
+    try:
+        live.append(services().redis, run_id, live.STATE, state)
+        live.append(services().redis, run_id, live.END, {})
+    except RedisError as error:  # open pages then learn it from their next heartbeat
+        _log.warning("tell_failed", run=run_id, error=str(error))

@@ -1,0 +1,39 @@
+"""The state of the service: workers, what their hosts can enforce, the queue."""
+
+import time
+from collections import Counter
+
+from flask import Blueprint, render_template
+from flask.typing import ResponseReturnValue
+from sqlalchemy import func, select
+
+from server import runs
+from server.orders import ALIVE_S, upload_refusal
+from server.services import services
+from server.tables import Run, Worker
+
+GONE_S = 86_400.0  # workers that were last seen before this are not shown
+page = Blueprint("status", __name__)
+
+
+@page.get("/status")
+def show() -> ResponseReturnValue:
+    """Show the workers, the length of the queue and whether uploads are accepted."""
+    held, now = services(), time.time()
+    with held.database.reading() as session:
+        recent = select(Worker).where(Worker.seen_at > now - GONE_S).order_by(Worker.name)
+        workers = list(session.scalars(recent))
+        by_state = select(Run.state, func.count()).group_by(Run.state)
+        counts = Counter(dict(session.execute(by_state).tuples().all()))
+        oldest = session.scalar(select(func.min(Run.queued_at)).where(Run.state == "queued"))
+        refusal = upload_refusal(session, "python", held.settings)
+    return render_template(
+        "status/show.html",
+        workers=[(worker, worker.seen_at > now - ALIVE_S) for worker in workers],
+        counts={state.value: counts[state.value] for state in runs.RunState},
+        oldest=oldest,
+        refusal=refusal,
+        needed=held.settings.sandbox_min_level,
+        streams=held.fanout.open_streams,
+        streams_max=held.settings.streams_max,
+    )

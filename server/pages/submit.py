@@ -1,0 +1,154 @@
+"""Order a run: the form of a benchmark, and what comes back from it."""
+
+import io
+from typing import Any
+
+from flask import Blueprint, g, redirect, render_template, request, url_for
+from flask.typing import ResponseReturnValue
+
+from sandbox.limits import Limits
+from server import identity, programs, runs
+from server.access import Action, can
+from server.orders import upload_refusal
+from server.pages import benchmarks, fields, templates_for_programs
+from server.programs import StoredProgram, UploadRejected
+from server.rate_limits import ORDER, limiter
+from server.services import services
+from sim import registry
+from sim.benchmarks import Benchmark
+from sim.configuration import ConfigurationInvalid
+
+EDITOR_NAME = "controller.py"  # the name of a program written in the page
+page = Blueprint("submit", __name__, url_prefix="/submit")
+
+
+@page.get("/")
+def first() -> ResponseReturnValue:
+    """Go to the form of the first benchmark."""
+    return redirect(url_for("submit.form", name=benchmarks.first().name))
+
+
+@page.get("/<name>")
+def form(name: str) -> ResponseReturnValue:
+    """Show the form with the defaults, those of a vehicle, or those of an earlier run."""
+    benchmark = benchmarks.by_name(name)
+    return _show(benchmark, _start_values(benchmark), answers={}, errors={})
+
+
+@page.post("/<name>")
+@limiter.limit(ORDER)
+def create(name: str) -> ResponseReturnValue:
+    """Queue a run, or show the form again with the reason why not."""
+    benchmark = benchmarks.by_name(name)
+    answers = request.form.to_dict()
+    values = fields.read(benchmark.schema(), answers)
+    try:
+        order = _order(benchmark, values, answers)
+        with services().database.writing() as session:
+            run_id = runs.enqueue(session, order, services().settings)
+    except ConfigurationInvalid as refusal:
+        return _show(benchmark, values, answers=answers, errors=refusal.errors), 422
+    except UploadRejected as refusal:
+        return _show(benchmark, values, answers=answers, errors={"program": str(refusal)}), 422
+    except (runs.OrderRejected, runs.QuotaExceeded) as refusal:
+        status = 429 if isinstance(refusal, runs.QuotaExceeded) else 422
+        return _show(benchmark, values, answers=answers, errors={"": str(refusal)}), status
+    services().ring()  # only after the commit: the worker must find the row
+    return redirect(url_for("run.show", run_id=run_id), code=303)
+
+
+def _order(benchmark: Benchmark, values: dict[str, object], answers: dict[str, str]) -> runs.Order:
+    """Return the order in a posted form; the configuration is checked before the program."""
+    kind = runs.Kind.RANKED if answers.get("kind") == runs.Kind.RANKED else runs.Kind.PRACTICE
+    config = benchmark.read(values)
+    controller = answers.get("controller", "")
+    return runs.Order(
+        viewer=identity.become_guest(),
+        benchmark=benchmark.name,
+        config=config.model_dump(mode="json"),
+        kind=kind,
+        controller=controller,
+        program=_program(answers) if controller == runs.UPLOAD else None,
+        seed=None if kind is runs.Kind.RANKED else _whole(answers, "seed", "A seed"),
+        trials=_whole(answers, "trials", "The number of trials") or 1,
+        title=answers.get("title", ""),
+    )
+
+
+def _program(answers: dict[str, str]) -> StoredProgram | None:
+    """Return the stored upload: the file if one was chosen, else the text of the editor."""
+    if not can(g.viewer, Action.UPLOAD):
+        raise runs.OrderRejected("Running a program of your own needs an account.")
+    settings = services().settings
+    file = request.files.get("program")
+    if answers.get("source") != "editor":
+        if file is None or not file.filename:
+            raise UploadRejected("Choose a file, or write the program in the editor.")
+        return programs.store(
+            file.stream, file.filename, limit=settings.upload_max_bytes, data=settings.data
+        )
+    # A browser sends line ends as CR LF; the program keeps those that its author typed.
+    text = answers.get("program_text", "").replace("\r\n", "\n").encode()
+    return programs.store(
+        io.BytesIO(text), EDITOR_NAME, limit=settings.upload_max_bytes, data=settings.data
+    )
+
+
+def _whole(answers: dict[str, str], name: str, what: str) -> int | None:
+    text = answers.get(name, "").strip()
+    if not text:
+        return None
+    if not text.isdecimal() or len(text) > 12:
+        raise ConfigurationInvalid({name: f"{what} is a whole number, 0 or more, not {text[:20]}."})
+    return int(text)
+
+
+def _start_values(benchmark: Benchmark) -> dict[str, object]:
+    """Return what an empty form begins with."""
+    earlier = request.args.get("from", type=int)
+    if earlier is not None:
+        with services().database.reading() as session:
+            run = runs.show(session, earlier)
+        if run is not None and run.benchmark == benchmark.name and can(g.viewer, Action.VIEW, run):
+            return dict(run.config)
+    vehicle = request.args.get("vehicle", "")
+    return {"vehicle": vehicle} if vehicle in registry.VEHICLES else {}
+
+
+def _show(
+    benchmark: Benchmark,
+    values: dict[str, object],
+    *,
+    answers: dict[str, str],
+    errors: dict[str, str],
+) -> str:
+    held = services()
+    schema = benchmark.schema()
+    unknown = {key: text for key, text in errors.items() if key not in _places(schema)}
+    with held.database.reading() as session:
+        refusal = upload_refusal(session, "python", held.settings)
+        quota = None if g.viewer.owner is None else runs.quota(session, g.viewer, held.settings)
+    return render_template(
+        "submit/form.html",
+        benchmark=benchmark,
+        benchmarks=benchmarks.labels(),
+        groups=fields.groups(schema, values, errors),
+        presets=schema.get("x-presets", {}),
+        defaults={name: entry["default"] for name, entry in schema["properties"].items()},
+        answers=answers or {"controller": request.args.get("controller", "pi")},
+        errors=errors,
+        general=" ".join(unknown.values()),
+        controllers=registry.labels(registry.CONTROLLERS),
+        example=templates_for_programs.python(),
+        uploads=can(g.viewer, Action.UPLOAD),
+        ranked=can(g.viewer, Action.SUBMIT_RANKED),
+        upload_refusal=refusal,
+        quota=quota,
+        settings=held.settings,
+        limits=Limits(),
+    )
+
+
+def _places(schema: dict[str, Any]) -> set[str]:
+    """Return where an error has a place of its own on the form."""
+    return {*schema["properties"], "program", "seed", "trials"}

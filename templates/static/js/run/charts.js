@@ -1,0 +1,241 @@
+// Line charts over simulated time with uPlot: which ones, in which unit, with the levels marked.
+
+const COLOURS = ["--chart-1", "--chart-2", "--chart-3", "--good", "--bad"];
+const HEIGHT = 190;
+const FIRST = 3; // charts that are shown at first
+const POINTS = 6000; // while live, older points are thinned beyond this
+const uPlot = window.uPlot;
+
+// A custom property may hold light-dark(...); only an element's colour is resolved.
+function colour(name) {
+  const probe = document.createElement("i");
+  probe.style.color = `var(${name})`;
+  document.body.append(probe);
+  const value = getComputedStyle(probe).color;
+  probe.remove();
+  return value;
+}
+
+function short(value) {
+  if (value === null || value === undefined) return "–";
+  const text = Math.abs(value) >= 100 ? value.toFixed(0) : value.toPrecision(3);
+  return text.replace("-", "−");
+}
+
+function levelPlugin(data, owner) {
+  return {
+    hooks: {
+      drawAxes: (plot) => {
+        const { ctx, bbox } = plot;
+        ctx.save();
+        ctx.strokeStyle = colour("--chart-level");
+        ctx.fillStyle = colour("--text-2");
+        ctx.font = `${11 * devicePixelRatio}px system-ui, sans-serif`;
+        ctx.setLineDash([4 * devicePixelRatio, 4 * devicePixelRatio]);
+        data.levels.forEach((speed, index) => {
+          const x = Math.round(plot.valToPos(index * data.level_s, "x", true));
+          if (x < bbox.left || x > bbox.left + bbox.width) return;
+          ctx.beginPath();
+          ctx.moveTo(x, bbox.top);
+          ctx.lineTo(x, bbox.top + bbox.height);
+          if (index) ctx.stroke();
+          ctx.fillText(`${speed} m/s`, x + 5 * devicePixelRatio, bbox.top + 12 * devicePixelRatio);
+        });
+        ctx.restore();
+      },
+      draw: (plot) => {
+        if (owner.marked === null) return;
+        const { ctx, bbox } = plot;
+        const x = plot.valToPos(owner.marked, "x", true);
+        if (x < bbox.left || x > bbox.left + bbox.width) return;
+        ctx.save();
+        ctx.strokeStyle = colour("--focus");
+        ctx.lineWidth = 1.5 * devicePixelRatio;
+        ctx.beginPath();
+        ctx.moveTo(x, bbox.top);
+        ctx.lineTo(x, bbox.top + bbox.height);
+        ctx.stroke();
+        ctx.restore();
+      },
+    },
+  };
+}
+
+export class Charts {
+  constructor(data) {
+    this.data = data;
+    this.box = document.querySelector("[data-charts]");
+    this.marked = null;
+    this.t = [];
+    this.values = {};
+    this.shown = [];
+    this.waiting = false;
+    this.onChoice = () => {};
+    this.onSeek = () => {};
+    const first = data.charts.filter((chart) => chart.unit === "px").slice(0, FIRST);
+    this.chosen = new Set(first.length ? first : data.charts.slice(0, FIRST));
+    this.offer();
+    this.build();
+    for (const input of document.querySelectorAll('input[name="unit"]')) {
+      input.addEventListener("change", () => this.chooseUnit(input.value));
+    }
+    document.addEventListener("themechange", () => this.build());
+    new ResizeObserver(() => this.resize()).observe(this.box);
+  }
+
+  columns() {
+    return [...new Set([...this.chosen].flatMap((chart) => chart.columns))];
+  }
+
+  chooseUnit(unit) {
+    this.chosen = new Set(this.data.charts.filter((chart) => chart.unit === unit).slice(0, FIRST));
+    this.offer();
+    this.changed();
+  }
+
+  changed() {
+    this.build();
+    this.onChoice();
+  }
+
+  offer() {
+    const list = document.querySelector("[data-chart-choices]");
+    list.replaceChildren(...this.data.charts.map((chart) => {
+      const label = document.createElement("label");
+      const box = document.createElement("input");
+      label.className = "check";
+      box.type = "checkbox";
+      box.checked = this.chosen.has(chart);
+      box.addEventListener("change", () => {
+        if (box.checked) this.chosen.add(chart);
+        else this.chosen.delete(chart);
+        this.changed();
+      });
+      label.append(box, ` ${chart.title} [${chart.unit}]`);
+      return label;
+    }));
+  }
+
+  build() {
+    for (const { plot } of this.shown) plot.destroy();
+    const ordered = this.data.charts.filter((chart) => this.chosen.has(chart));
+    this.box.replaceChildren();
+    this.shown = ordered.map((chart) => this.make(chart));
+    this.draw();
+  }
+
+  make(chart) {
+    const frame = document.createElement("div");
+    const title = document.createElement("p");
+    const now = document.createElement("output");
+    const place = document.createElement("div");
+    frame.className = "chart";
+    title.className = "chart-title";
+    title.append(`${chart.title} [${chart.unit}]`, now);
+    frame.append(title, place);
+    this.box.append(frame);
+    place.setAttribute("role", "img");
+    place.setAttribute("aria-label", `${chart.title} in ${chart.unit} over simulated time`);
+    const axis = { stroke: colour("--text-2"), grid: { stroke: colour("--chart-grid"), width: 1 }, ticks: { show: false } };
+    const plot = new uPlot({
+      width: this.width(),
+      height: HEIGHT,
+      cursor: { sync: { key: "run" }, drag: { x: true, y: false } },
+      legend: { show: false },
+      scales: { x: { time: false, range: (_plot, min, max) => this.range(min, max) } },
+      axes: [{ ...axis, values: (_plot, ticks) => ticks.map((tick) => `${tick} s`) }, { ...axis, size: 56 }],
+      series: [{}, ...chart.columns.map((name, index) => ({
+        label: name, stroke: colour(COLOURS[index % COLOURS.length]), width: 1.5, points: { show: false },
+      }))],
+      plugins: [levelPlugin(this.data, this)],
+      hooks: { setCursor: [(own) => this.tell(own, chart, now)] },
+    }, [[], ...chart.columns.map(() => [])], place);
+    plot.over.addEventListener("click", () => {
+      if (plot.cursor.idx !== null && this.t.length) this.onSeek(this.t[plot.cursor.idx]);
+    });
+    return { chart, plot, now };
+  }
+
+  // The whole trial, so that one sees how much is still to come; a dragged zoom stays.
+  range(min, max) {
+    if (min === null || max === null || !this.t.length) return [0, this.data.trial_s];
+    const whole = min <= this.t[0] && max >= this.t[this.t.length - 1];
+    return whole ? [0, Math.max(this.data.trial_s, max)] : [min, max];
+  }
+
+  tell(plot, chart, output) {
+    const at = plot.cursor.idx ?? this.t.length - 1;
+    if (at < 0 || !this.t.length) {
+      output.textContent = "";
+      return;
+    }
+    const values = chart.columns.map((name) => {
+      const text = short(this.values[name]?.[at]);
+      return chart.columns.length > 1 ? `${name} ${text}` : `${text} ${chart.unit}`;
+    });
+    output.textContent = `${this.t[at].toFixed(1)} s: ${values.join(", ")}`;
+  }
+
+  clear() {
+    this.replace([], {});
+  }
+
+  replace(t, values) {
+    this.t = t;
+    this.values = values;
+    this.draw();
+  }
+
+  // Adds rows of the stream; returns the newest time, or null without any.
+  append(columns, rows) {
+    const at = columns.indexOf("t");
+    for (const row of rows) {
+      if (this.t.length && row[at] <= this.t[this.t.length - 1]) continue; // told again
+      this.t.push(row[at]);
+      columns.forEach((name, index) => (this.values[name] ??= this.blank()).push(row[index]));
+      for (const name in this.values) {
+        if (this.values[name].length < this.t.length) this.values[name].push(null);
+      }
+    }
+    if (this.t.length > POINTS) this.thin();
+    if (!this.waiting) {
+      this.waiting = true;
+      requestAnimationFrame(() => {
+        this.waiting = false;
+        this.draw();
+      });
+    }
+    return this.t.length ? this.t[this.t.length - 1] : null;
+  }
+
+  blank() {
+    return new Array(this.t.length - 1).fill(null);
+  }
+
+  thin() {
+    const kept = (_value, index) => index % 2 === 0 || index > this.t.length - 200;
+    for (const name in this.values) this.values[name] = this.values[name].filter(kept);
+    this.t = this.t.filter(kept);
+  }
+
+  draw() {
+    for (const { chart, plot, now } of this.shown) {
+      const empty = () => new Array(this.t.length).fill(null);
+      plot.setData([this.t, ...chart.columns.map((name) => this.values[name] ?? empty())]);
+      this.tell(plot, chart, now);
+    }
+  }
+
+  mark(t) {
+    this.marked = t;
+    for (const { plot } of this.shown) plot.redraw(false, false);
+  }
+
+  width() {
+    return Math.max(this.box.clientWidth, 200);
+  }
+
+  resize() {
+    for (const { plot } of this.shown) plot.setSize({ width: this.width(), height: HEIGHT });
+  }
+}

@@ -1,0 +1,79 @@
+// A text area with line numbers, Tab and kept indentation: enough for one file of a controller.
+
+const INDENT = "    ";
+
+function replaceSelection(area, text) {
+  // execCommand and not value=...: only so the browser's own undo keeps working.
+  if (!document.execCommand("insertText", false, text)) {
+    area.setRangeText(text, area.selectionStart, area.selectionEnd, "end");
+  }
+}
+
+function selectWholeLines(area) {
+  const start = area.value.lastIndexOf("\n", area.selectionStart - 1) + 1;
+  let end = area.selectionEnd;
+  if (end > start && area.value[end - 1] === "\n") end -= 1;
+  const next = area.value.indexOf("\n", end);
+  area.setSelectionRange(start, next < 0 ? area.value.length : next);
+}
+
+function indent(area, back) {
+  if (area.selectionStart === area.selectionEnd && !back) {
+    replaceSelection(area, INDENT);
+    return;
+  }
+  selectWholeLines(area);
+  const from = area.selectionStart;
+  const lines = area.value.slice(from, area.selectionEnd).split("\n");
+  const changed = lines.map((line) => (back ? line.replace(/^ {1,4}|^\t/, "") : line && INDENT + line));
+  replaceSelection(area, changed.join("\n"));
+  area.setSelectionRange(from, from + changed.join("\n").length);
+}
+
+function newLine(area) {
+  const start = area.value.lastIndexOf("\n", area.selectionStart - 1) + 1;
+  const line = area.value.slice(start, area.selectionStart);
+  const spaces = line.match(/^[ \t]*/)[0];
+  replaceSelection(area, "\n" + spaces + (line.trimEnd().endsWith(":") ? INDENT : ""));
+}
+
+export function startEditor(form) {
+  const area = form.querySelector(".editor textarea");
+  if (!area) return;
+  const gutter = form.querySelector(".editor .lines");
+  let leaving = false; // Escape, then Tab: a keyboard must be able to get out
+
+  function number() {
+    const count = area.value.split("\n").length;
+    gutter.textContent = Array.from({ length: count }, (_, i) => i + 1).join("\n");
+    gutter.scrollTop = area.scrollTop;
+  }
+
+  area.addEventListener("keydown", (event) => {
+    if (event.key === "Escape") {
+      leaving = true;
+      return;
+    }
+    if (event.key === "Tab" && !leaving && !event.ctrlKey && !event.altKey) {
+      event.preventDefault();
+      indent(area, event.shiftKey);
+    } else if (event.key === "Enter" && !event.isComposing && !event.shiftKey) {
+      event.preventDefault();
+      newLine(area);
+    }
+    if (event.key !== "Shift") leaving = false;
+  });
+  area.addEventListener("input", number);
+  area.addEventListener("scroll", () => { gutter.scrollTop = area.scrollTop; });
+
+  const template = form.querySelector("[data-template]");
+  template.hidden = false;
+  template.addEventListener("click", () => {
+    const text = document.getElementById("program-template").content.textContent;
+    if (area.value.trim() && area.value !== text && !confirm("Replace what is in the editor?")) return;
+    area.value = text;
+    number();
+    area.focus();
+  });
+  number();
+}

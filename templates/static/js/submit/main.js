@@ -1,0 +1,107 @@
+// The submit page. Without this file the form still works; it adds presets, the editor, dropping a
+// file, the lock of a ranked run and the download of the configuration.
+import { startEditor } from "./editor.js";
+import { startUpload } from "./upload.js";
+
+const form = document.getElementById("run-form");
+const presets = JSON.parse(document.getElementById("presets").textContent);
+const inputs = [...form.querySelectorAll("[data-default]")];
+const defaults = JSON.parse(document.getElementById("defaults").textContent);
+
+function textOf(value) {
+  return Array.isArray(value) ? value.join(", ") : String(value);
+}
+
+function valueOf(input) {
+  return input.type === "checkbox" ? String(input.checked) : input.value;
+}
+
+function setValue(input, text) {
+  if (input.type === "checkbox") input.checked = text === "true";
+  else input.value = text;
+}
+
+function markChanged(input) {
+  const label = document.getElementById(`${input.name}-label`);
+  label?.classList.toggle("changed", valueOf(input).trim() !== input.dataset.default);
+}
+
+// A field that was not touched follows the vehicle's preset; one that was keeps its value.
+function applyVehicle(vehicle) {
+  const preset = presets.vehicle?.[vehicle] ?? {};
+  for (const input of inputs) {
+    if (input.name === "vehicle") continue;
+    const before = input.dataset.default;
+    const untouched = valueOf(input).trim() === before;
+    input.dataset.default = textOf(preset[input.name] ?? defaults[input.name]);
+    if (untouched) setValue(input, input.dataset.default);
+    markChanged(input);
+  }
+}
+
+function lockScenario() {
+  const ranked = form.elements.kind.value === "ranked";
+  for (const group of form.querySelectorAll('[data-role="scenario"]')) {
+    group.disabled = ranked;
+    group.querySelector("[data-lock]").hidden = !ranked;
+  }
+  const practice = form.querySelector("[data-practice]");
+  practice.hidden = ranked;
+  form.querySelector("[data-submit-label]").textContent = ranked ? "Start the ranked run" : "Start the run";
+}
+
+function configuration() {
+  const values = {};
+  for (const input of inputs) {
+    const text = valueOf(input).trim();
+    if (input.type === "checkbox") values[input.name] = input.checked;
+    else if (input.dataset.default.includes(",") || input.name === "levels") {
+      values[input.name] = text.split(/[\s,;]+/).filter(Boolean).map(Number);
+    } else if (input.inputMode === "decimal" && text !== "" && Number.isFinite(Number(text))) {
+      values[input.name] = Number(text);
+    } else values[input.name] = text;
+  }
+  return values;
+}
+
+function download(name) {
+  const blob = new Blob([JSON.stringify(configuration(), null, 2) + "\n"], { type: "application/json" });
+  const link = document.createElement("a");
+  link.href = URL.createObjectURL(blob);
+  link.download = name;
+  link.click();
+  URL.revokeObjectURL(link.href);
+}
+
+function resetAll() {
+  for (const input of inputs) {
+    if (input.name !== "vehicle") setValue(input, input.dataset.default);
+    markChanged(input);
+  }
+}
+
+form.addEventListener("input", (event) => {
+  if (event.target.dataset.default !== undefined) markChanged(event.target);
+});
+form.addEventListener("change", (event) => {
+  if (event.target.name === "vehicle") applyVehicle(event.target.value);
+  if (event.target.name === "kind") lockScenario();
+});
+form.addEventListener("submit", () => {
+  const button = form.querySelector("button[type=submit]");
+  button.setAttribute("aria-disabled", "true");
+  setTimeout(() => button.removeAttribute("aria-disabled"), 4000);
+});
+
+for (const button of form.querySelectorAll("[data-reset], [data-download-config]")) {
+  button.hidden = false;
+  button.addEventListener("click", () => {
+    if ("reset" in button.dataset) resetAll();
+    else download(button.dataset.downloadConfig);
+  });
+}
+for (const input of inputs) markChanged(input);
+lockScenario();
+startEditor(form);
+startUpload(form);
+document.getElementById("problems")?.focus();
