@@ -121,7 +121,7 @@ class Embedded:
             children.add(
                 Child(
                     name=words,
-                    argv=[sys.executable, "-m", "seamark.main", name],
+                    argv=[sys.executable, "-s", "-P", "-m", "seamark.main", name],
                     environ=environ,
                     log=self._logs / f"{name}.log",
                     stop_order=1 if name == "worker" else 0,

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import os
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from seamark.failures import PlatformFailed, UsageRefused
+from seamark.failures import UsageRefused
 from seamark.options import data_option, settings_of
 
 if TYPE_CHECKING:
@@ -42,17 +41,14 @@ def web(host: str | None, port: int | None, processes: int, data: Path | None) -
 @data_option
 def worker(cores: int | None, data: Path | None) -> None:
     """Run a worker only (Celery). The broker's URL comes from SEAMARK_BROKER_URL."""
-    settings = _settings(data, workers=cores)
-    options = ["worker", "--pool", "prefork", "--concurrency", str(settings.workers)]
-    name = ["--hostname", f"seamark-{os.getpid()}@%h"]
-    _celery(settings, [*options, "--without-gossip", "--without-mingle", *name])
+    _celery(_settings(data, workers=cores), "worker")
 
 
 @click.command()
 @data_option
 def beat(data: Path | None) -> None:
     """Run the timer only (Celery beat): it looks for runs of dead workers."""
-    _celery(_settings(data), ["beat"])
+    _celery(_settings(data), "beat")
 
 
 def _settings(data: Path | None, **chosen: Any) -> Settings:
@@ -65,14 +61,12 @@ def _settings(data: Path | None, **chosen: Any) -> Settings:
     return settings
 
 
-def _celery(settings: Settings, arguments: list[str]) -> None:
-    """Become the Celery process."""
-    environ = {k: v for k, v in os.environ.items() if not k.startswith("SEAMARK_")}
-    environ |= settings.environment()
-    sys.stdout.flush()
-    argv = [sys.executable, "-m", "celery", "--app", "worker.app", *arguments]
-    argv += ["--loglevel", "INFO"]
-    try:
-        os.execve(sys.executable, argv, environ)  # noqa: S606 (no shell is wanted)
-    except OSError as error:
-        raise PlatformFailed(f"Celery cannot be started: {error}.") from None
+def _celery(settings: Settings, part: str) -> None:
+    """Be the Celery process until it ends."""
+    for name in [name for name in os.environ if name.startswith("SEAMARK_")]:
+        del os.environ[name]
+    os.environ.update(settings.environment())  # worker.app reads its settings when it is imported
+    from worker.app import app, beat_arguments, worker_arguments
+
+    arguments = worker_arguments(settings) if part == "worker" else beat_arguments(settings)
+    app.start(list(arguments[arguments.index(part) :]))

@@ -1,0 +1,212 @@
+"""`seamark run`: evaluate a controller here, with the same bytes as on a server."""
+
+from __future__ import annotations
+
+import secrets
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from seamark.failures import PlatformFailed, UsageRefused
+from seamark.options import answer, end, json_option, say
+
+if TYPE_CHECKING:
+    from sandbox.level import Level
+    from seamark.recording import Recording
+    from worker.trials import Ending
+
+INTERRUPTED = 130  # 128 + SIGINT, as shells have it
+_SEED_MAX = 2**31 - 1
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Order:
+    """What to run, checked."""
+
+    benchmark: str
+    config: dict[str, Any]
+    controller: str
+    program: Path | None
+    seed: int
+    trials: int
+
+
+@click.command()
+@click.argument("benchmark")
+@click.option("--controller", metavar="FILE|NAME", default="pi", show_default=True)
+@click.option("--set", "pairs", metavar="KEY=VALUE", multiple=True, help="May be repeated.")
+@click.option(
+    "--config",
+    type=click.Path(dir_okay=False, path_type=Path),
+    help="TOML or JSON with the keys of the schema; --set wins.",
+)
+@click.option("--seed", type=click.IntRange(0, _SEED_MAX), help="Else drawn, and shown.")
+@click.option("--trials", type=click.IntRange(1, 100), default=1, show_default=True)
+@click.option(
+    "--out", type=click.Path(path_type=Path), metavar="DIR", help="Where to put the data."
+)
+@json_option
+def run(
+    *,
+    benchmark: str,
+    controller: str,
+    pairs: tuple[str, ...],
+    config: Path | None,
+    seed: int | None,
+    trials: int,
+    out: Path | None,
+    as_json: bool,
+) -> None:
+    """Evaluate a controller here, without a server: the same code, the same bytes.
+
+    --out DIR gets manifest.json, metrics.json, telemetry.csv and log.txt.
+
+    \b
+    Examples:
+      seamark run currents-v1 --controller pi --set kp=0.5 --set ki=0.02 --seed 7 --out result
+      seamark run currents-v1 --controller my_controller.py --set levels=0,0.2 --trials 3
+      seamark run currents-v1 --config config.json --json
+    """
+    from seamark.recording import Recording
+
+    order = _order(benchmark, controller, pairs, config, trials=trials, seed=seed)
+    recording = Recording(out)
+    if not as_json:
+        say(f"{benchmark}, controller {controller}, seed {order.seed}, trials {trials}")
+    try:
+        ending = _evaluate(order, recording, quiet=as_json)
+    except KeyboardInterrupt:
+        recording.save(order.benchmark, None)
+        click.echo("Stopped." + (f" What there is so far: {out}" if out else ""), err=True)
+        end(INTERRUPTED)
+    recording.save(order.benchmark, ending)
+    _report(order, ending, out, as_json=as_json)
+    end(0 if ending.verdict == "ok" else 1)
+
+
+def _order(
+    benchmark: str,
+    controller: str,
+    pairs: tuple[str, ...],
+    file: Path | None,
+    *,
+    trials: int,
+    seed: int | None,
+) -> Order:
+    from seamark.controllers import choose, read_settings, typed
+    from sim import registry
+    from sim.configuration import ConfigurationInvalid
+
+    if benchmark not in registry.BENCHMARKS:
+        known = ", ".join(registry.BENCHMARKS)
+        raise UsageRefused(f"There is no benchmark {benchmark}. There are: {known}.")
+    entry = registry.benchmark(benchmark)
+    try:
+        config = entry.read(typed(read_settings(file, pairs), entry.schema()))
+    except ConfigurationInvalid as wrong:
+        raise UsageRefused(str(wrong)) from None
+    return Order(
+        benchmark=benchmark,
+        config=config.model_dump(mode="json"),
+        controller=controller,
+        program=choose(controller, list(registry.CONTROLLERS)),
+        seed=secrets.randbelow(_SEED_MAX + 1) if seed is None else seed,
+        trials=trials,
+    )
+
+
+def _evaluate(order: Order, recording: Recording, *, quiet: bool) -> Ending:
+    from sandbox.level import Level
+    from sandbox.outcome import SandboxBroken
+    from seamark.progress import Progress
+    from worker.single import Hearing, evaluate_here
+
+    source = None if order.program is None else _source(order.program)
+    level = Level.NONE if source is None else _isolation()
+    with Progress(order.benchmark, quiet=quiet) as bar:
+        hearing = Hearing(
+            rows=recording.add_rows,
+            log=recording.add_log,
+            cut=recording.cut,
+            progress=lambda p: bar.show(p.fraction, f"{p.t_simulated:.0f} s simulated"),
+        )
+        try:
+            return evaluate_here(
+                order.benchmark,
+                order.config,
+                seed=order.seed,
+                trials=order.trials,
+                controller=order.controller if source is None else source,
+                hearing=hearing,
+                level=level,
+            )
+        except SandboxBroken as broken:
+            raise PlatformFailed(
+                f"The sandbox failed: {broken}. `seamark doctor` says what this machine can do."
+            ) from None
+
+
+def _source(path: Path) -> tuple[bytes, str]:
+    """Return the program's text and name, checked as an upload is."""
+    from sandbox.languages import language_of
+    from server.programs import UploadRejected, check_python
+
+    language = language_of(path.name)
+    if language is None:
+        raise UsageRefused(f"{path}: no language is known for this kind of file.")
+    try:
+        source = path.read_bytes()
+        if language == "python":
+            check_python(source, path.name)
+    except OSError as error:
+        raise UsageRefused(f"{path} cannot be read: {error.strerror}.") from None
+    except UploadRejected as reason:
+        raise click.ClickException(str(reason)) from None
+    return source, path.name
+
+
+def _isolation() -> Level:
+    from sandbox.level import Level, probe
+
+    found = probe()
+    if found.level is Level.NONE:
+        raise PlatformFailed(
+            f"Programs cannot be run here: {found.sentence()}. `seamark doctor` says how to "
+            "mend it."
+        )
+    return found.level
+
+
+def _report(order: Order, ending: Ending, out: Path | None, *, as_json: bool) -> None:
+    from seamark.outcome import table
+
+    metrics = ending.metrics or {}
+    if as_json:
+        answer(
+            {
+                "benchmark": order.benchmark,
+                "controller": order.controller,
+                "seed": order.seed,
+                "trials": order.trials,
+                "verdict": ending.verdict,
+                "sentence": ending.sentence,
+                "traceback": ending.traceback,
+                "score": metrics.get("score"),
+                "metrics": ending.metrics,
+                "digest": ending.digest,
+                "out": str(out) if out else None,
+            }
+        )
+        return
+    if ending.verdict != "ok":
+        click.echo(f"Failed ({ending.verdict}): {ending.sentence}", err=True)
+        click.echo(ending.traceback.rstrip(), err=True)
+    else:
+        for line in table(metrics):
+            say(line)
+        say(f"score   {metrics['score']:.4g}")
+    say(f"digest  {ending.digest}")
+    if out is not None:
+        say(f"data    {out}")
