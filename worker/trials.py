@@ -69,6 +69,7 @@ class Evaluation:
         self._limits = run_limits.for_trial(benchmark.trial_duration_s(self._config))
         self._source = job.program.read_bytes() if job.program is not None else b""
         self._digest = Digest()
+        self._kept: list[Rows] = []
         self._outcomes: list[Outcome] = []
 
     def run(self) -> Ending:
@@ -79,6 +80,7 @@ class Evaluation:
                 results.append(self._trial(trial))
             except ProgramEnded as ended:
                 return self._ended(ended.outcome)
+            self._digest_trial()
             self._listener.trial_ended(trial)
         metrics = summarise(self._job.benchmark, self._config, results)
         if metrics["score"] is None:
@@ -131,20 +133,23 @@ class Evaluation:
     def _simulate(
         self, trial: int, program: Boxed | BuiltIn, after_rows: Callable[[], None]
     ) -> TrialResult:
-        kept: list[Rows] = []
+        self._kept = []
 
         def on_rows(rows: Rows) -> None:
-            kept.append(rows)
+            self._kept.append(rows)
             self._listener.rows(rows)
             after_rows()
 
         seed = self._job.seeds[trial]
-        result = run_trial(
+        return run_trial(
             self._job.benchmark, self._config, program, seed=seed, trial=trial, on_rows=on_rows
         )
-        for rows in kept:  # only now: a trial that is done again must not count twice
+
+    def _digest_trial(self) -> None:
+        """Add the trial's rows, at its end only: one that is done again must not count twice."""
+        for rows in self._kept:
             self._digest.add(rows)
-        return result
+        self._kept = []
 
     def _pass_output(self, box: BoxLike) -> None:
         if text := box.take_output():
@@ -152,6 +157,7 @@ class Evaluation:
 
     def _ended(self, outcome: Outcome) -> Ending:
         self._outcomes.append(outcome)
+        self._digest_trial()
         return self._ending(
             verdict=str(outcome.verdict), sentence=outcome.sentence, traceback=outcome.traceback
         )

@@ -1,0 +1,119 @@
+"""A real service without its web process: broker, database, worker with simulator and boxes."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from io import BytesIO
+from pathlib import Path
+
+import pytest
+from redis import Redis
+
+from server import accounts, broker, programs, runs
+from server.access import Viewer
+from server.db import Database
+from server.migrate import upgrade
+from server.run_files import RunFiles
+from server.settings import Settings
+from worker.command_lines import worker_arguments
+
+SHORT = {"levels": [0.0, 0.2], "level_duration_s": 4.0, "settle_s": 1.0}
+LONG = {"levels": [0.0, 0.2], "level_duration_s": 600.0, "settle_s": 1.0}
+_QUICK = {"lease_s": 3.0, "heartbeat_s": 1.0, "sweep_s": 1.0, "workers": 1}
+
+
+@dataclass
+class Service:
+    """What the tests do to a service."""
+
+    settings: Settings
+    database: Database
+    redis: Redis
+    viewer: Viewer
+    workers: list[subprocess.Popen[bytes]] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        self.app = broker.celery_app(self.settings)
+
+    def start_worker(self) -> subprocess.Popen[bytes]:
+        command = [sys.executable, *worker_arguments(self.settings)]
+        environment = os.environ | self.settings.environment()
+        worker = subprocess.Popen(command, env=environment, start_new_session=True)
+        self.workers.append(worker)
+        return worker
+
+    def kill_worker(self) -> None:
+        """Kill everything of the last worker at once, as a power cut would."""
+        worker = self.workers.pop()
+        os.killpg(worker.pid, signal.SIGKILL)
+        worker.wait()
+
+    def queue(self, config: dict[str, object] = SHORT, **wishes: object) -> int:
+        order = {"benchmark": "currents-v1", "config": config, "controller": "pi", "seed": 3}
+        with self.database.writing() as session:
+            order_ = runs.Order(viewer=self.viewer, **(order | wishes))
+            run_id = runs.enqueue(session, order_, self.settings)
+        assert broker.ring(self.app)
+        return run_id
+
+    def upload(self, source: str, config: dict[str, object] = SHORT, **wishes: object) -> int:
+        stream = BytesIO(source.encode())
+        program = programs.store(stream, "mine.py", limit=10**6, data=self.settings.data)
+        return self.queue(config, controller="upload", program=program, **wishes)
+
+    def show(self, run_id: int) -> runs.RunView:
+        with self.database.reading() as session:
+            view = runs.show(session, run_id, self.settings)
+        assert view is not None
+        return view
+
+    def wait(
+        self, run_id: int, until: Callable[[runs.RunView], bool], seconds: float = 90.0
+    ) -> runs.RunView:
+        deadline = time.monotonic() + seconds
+        while not until(view := self.show(run_id)):
+            assert time.monotonic() < deadline, f"still {view.state}, attempt {view.attempt}"
+            time.sleep(0.02)  # the database announces nothing
+        return view
+
+    def ended(self, run_id: int, seconds: float = 90.0) -> runs.RunView:
+        return self.wait(run_id, lambda view: view.state.final, seconds)
+
+    def files(self, run_id: int) -> RunFiles:
+        return RunFiles(self.settings.data, run_id)
+
+    def close(self) -> None:
+        while self.workers:
+            self.kill_worker()
+        self.redis.close()
+        self.database.close()
+
+
+def _service(settings: Settings) -> Service:
+    upgrade(settings)
+    database = Database(settings.database_url)
+    with database.writing() as session:
+        user = accounts.sign_up(session, "ann", None)
+        viewer = Viewer(user_id=user.id, name=user.name)
+    return Service(settings, database, broker.connect(settings), viewer)
+
+
+@pytest.fixture
+def service(settings: Settings) -> Iterator[Service]:
+    """A service on SQLite and a Unix socket, without a worker yet."""
+    made = _service(settings.model_copy(update=_QUICK))
+    yield made
+    made.close()
+
+
+@pytest.fixture
+def production(tmp_path: Path, postgres_url: str, redis_tcp_url: str) -> Iterator[Service]:
+    """A service on PostgreSQL and TCP, without a worker yet."""
+    urls = {"database_url": postgres_url, "broker_url": redis_tcp_url}
+    made = _service(Settings(data=tmp_path / "data", secret_key="test", **urls, **_QUICK))
+    yield made
+    made.close()
