@@ -192,7 +192,7 @@ class Box:
         while not self._sent(message):
             self._look_at_limits()
             if time.monotonic() > deadline:
-                self._late("The program", self.limits.start_wall_s)
+                self._late("The program", self.limits.start_wall_s, since_cpu_s=self._cpu_seen_s)
             writable = select.poll()
             writable.register(self._socket.fileno(), select.POLLOUT)
             writable.poll(SLICE_S * 1000)
@@ -210,6 +210,7 @@ class Box:
     def _await(self, kind: bytes, wall_s: float, waited_for: str) -> memoryview:
         """Return the program's answer; drains its output and minds all limits meanwhile."""
         begin = now = time.monotonic()
+        cpu_s = self._cpu_seen_s
         deadline = begin + min(wall_s, max(self.limits.wall_s - self._waited_s, 0.0))
         while True:
             ready = self._poll.poll(min(deadline - now, SLICE_S) * 1000) if now < deadline else []
@@ -226,7 +227,7 @@ class Box:
             if self._cage.pidfd in descriptors:
                 self._gone()
             if now >= deadline:
-                self._late(waited_for, wall_s)
+                self._late(waited_for, wall_s, since_cpu_s=cpu_s)
 
     def _received(self, kind: bytes) -> memoryview:
         """Return the waiting frame if it is the answer to the present question."""
@@ -286,9 +287,8 @@ class Box:
         if self._loaded and used_s > self.limits.cpu_s:
             self._end(verdicts.cpu_limit(self.limits, used_s))
 
-    def _late(self, waited_for: str, wall_s: float) -> NoReturn:
+    def _late(self, waited_for: str, wall_s: float, *, since_cpu_s: float) -> NoReturn:
         """End the run for its wall time; the host is suspected if little CPU time was used."""
-        before_s = self._cpu_seen_s
         self._look_at_limits()
         whole_run = self._waited_s + wall_s > self.limits.wall_s
         said = (
@@ -296,7 +296,7 @@ class Box:
             if whole_run
             else verdicts.wall_limit(waited_for, wall_s)
         )
-        used_s = self._cpu_seen_s - (self._cpu_before_s if whole_run else before_s)
+        used_s = self._cpu_seen_s - (self._cpu_before_s if whole_run else since_cpu_s)
         self._end(said, suspect_host=used_s < wall_s / 2)
 
     def _failed(self, failure: Failure) -> NoReturn:

@@ -23,7 +23,12 @@ LAYOUT = {
 }
 OBSERVATION = (0.0, 0.1, 0.2, 0.3)
 
-MEMORY = "class Controller:\n    def __init__(self, config):\n        x = bytearray(400 << 20)\n"
+MEMORY = """\
+class Controller:
+    def __init__(self, config):
+        self.heap = [b"x" * (1 << 20) for _ in range(400)]
+    def step(self, observation): ...
+"""
 PROCESSES = """\
 import os, time
 class Controller:
@@ -64,18 +69,16 @@ def isolation() -> Isolation:
     if not all(finding.ok for finding in findings):
         return Isolation(Level.NONE, tuple(findings))
     groups = _try("control groups", cgroups.places)
-    if groups.ok:
-        cgroups.sweep()
-    wanted = Level.STRONG if groups.ok else Level.MEDIUM
-    attacks = [*_attacks(wanted)]
-    if wanted is Level.STRONG and not all(finding.ok for finding in attacks):
-        wanted, attacks = Level.MEDIUM, [*attacks, *_attacks(Level.MEDIUM)]
-        held = all(finding.ok for finding in attacks[len(attacks) // 2 :])
-    else:
-        held = all(finding.ok for finding in attacks)
     compiled = Finding("compiled packages", compile_packages())
-    findings += [groups, *attacks, _explained(compiled, "each box starts 100 ms later")]
-    return Isolation(wanted if held else Level.NONE, tuple(findings))
+    findings += [groups, _explained(compiled, "each box starts 100 ms later")]
+    for level in (Level.STRONG, Level.MEDIUM) if groups.ok else (Level.MEDIUM,):
+        if level is Level.STRONG:
+            cgroups.sweep()
+        attacks = [*_attacks(level)]
+        if all(finding.ok for finding in attacks):
+            return Isolation(level, (*findings, *attacks))
+        findings += [finding for finding in attacks if not finding.ok]
+    return Isolation(Level.NONE, tuple(findings))
 
 
 def _requirements() -> Iterator[Finding]:

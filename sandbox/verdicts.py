@@ -6,6 +6,7 @@ from sandbox.frames import Failure
 from sandbox.limits import Limits
 from sandbox.outcome import Verdict
 
+DISCONNECTED = 70  # exit code of the runner when it can no longer speak (languages/*_runner)
 SIGNALLED = 128  # exit code of bubblewrap: 128 + signal
 
 BECAUSE = {
@@ -62,6 +63,8 @@ def misbehaved(sentence: str) -> Failure:
 
 def died(exit_code: int) -> Failure:
     """Return what is said when the process ended by itself or by a signal."""
+    if exit_code == DISCONNECTED:
+        return misbehaved("The program closed its connection to the simulator.")
     number = exit_code - SIGNALLED
     if number not in set(signal.Signals):
         sentence = f"The program ended its process (exit code {exit_code}) before the run was over."

@@ -7,6 +7,7 @@ more, since a box holds nothing of ours but this file. Nothing here is trusted b
 
 import contextlib
 import errno
+import itertools
 import json
 import linecache
 import math
@@ -31,6 +32,7 @@ MOST_BYTES = 65536  # [B] one frame
 MOST_FIELD = 1e6  # [m/s, rad/s] a command beyond is a mistake, not a wish
 MOST_SENTENCE, MOST_TRACEBACK = 1500, 16000  # [B]
 MOST_FRAMES = 30  # of a traceback
+DISCONNECTED = 70  # exit code: the program closed the connection under the runner
 DESCRIPTORS = 4096  # above the limit of open files
 
 INTERFACE = (
@@ -119,9 +121,11 @@ def as_command(answer: Any) -> list[float]:
         raise AnswerInvalid("step returned None (is a return missing?)")
     elif not isinstance(answer, (list, tuple)):
         raise AnswerInvalid(f"step returned a value of type {type(answer).__name__}")
-    if len(answer) != 4:
-        raise AnswerInvalid(f"step returned {len(answer)} values")
-    return [as_number(index, value) for index, value in enumerate(answer)]
+    values = list(itertools.islice(answer, 5))  # a list of one's own kind may have no end
+    if len(values) != 4:
+        count = len(answer) if len(answer) != 4 else "more than 4"
+        raise AnswerInvalid(f"step returned {count} values")
+    return [as_number(index, value) for index, value in enumerate(values)]
 
 
 def as_number(index: int, value: Any) -> float:
@@ -281,10 +285,10 @@ class Runner:
         flush()
         words = sentence.encode("utf-8", "replace")[:MOST_SENTENCE]
         trace = text.encode("utf-8", "replace")[:MOST_TRACEBACK]
-        try:
+        with contextlib.suppress(OSError):
             self.send(b"x", ERROR.pack(kind, len(words)) + words + trace)
-        finally:
             os._exit(1)
+        os._exit(DISCONNECTED)
 
 
 def kind_of(error: BaseException) -> bytes:

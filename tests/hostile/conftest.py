@@ -1,0 +1,71 @@
+"""Runs a hostile program for real, as a worker would: one trial of some steps."""
+
+import os
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from sandbox.box import Box
+from sandbox.confined import Layers
+from sandbox.level import Isolation, Level, probe
+from sandbox.limits import Limits
+from sandbox.outcome import Outcome, ProgramEnded
+
+PROGRAMS = Path(__file__).with_name("programs")
+STEPS = 20
+LAYOUT = {
+    "observation": [["t", 0], ["error", 3], ["depth", 0], ["target_visible", 0]],
+    "booleans": ["target_visible"],
+    "command": ["surge", "sway", "heave", "yaw_rate"],
+}
+LIMITS = Limits(
+    cpu_s=1.0,
+    wall_s=20.0,
+    start_wall_s=3.0,
+    step_wall_s=0.7,
+    memory_mib=128,
+    processes=16,
+    output_kib=4,
+    output_max_mib=1,
+)
+
+Run = Callable[..., Outcome]
+
+
+@pytest.fixture(scope="session")
+def isolation() -> Isolation:
+    return probe()
+
+
+@pytest.fixture(scope="session")
+def level(isolation: Isolation) -> Level:
+    if isolation.level < Level.MEDIUM:
+        pytest.skip(isolation.sentence())
+    return isolation.level
+
+
+@pytest.fixture(scope="session")
+def run(level: Level) -> Run:
+    """Return a function that runs one program and tells how it ended."""
+
+    def run_one(name: str, *, at: Level = level, layers: Layers | None = None) -> Outcome:
+        source = (PROGRAMS / f"{name}.py").read_bytes()
+        with Box(limits=LIMITS, level=at, layers=layers) as box:
+            try:
+                box.load(source, f"{name}.py", {"kp": 0.5}, LAYOUT)
+                box.reset({"index": 0})
+                for tick in range(STEPS):
+                    box.step([tick / 20, 0.1, 0.2, 0.3, 5.0, 1.0])
+                return box.finish()
+            except ProgramEnded as end:
+                return end.outcome
+
+    return run_one
+
+
+@pytest.fixture
+def secret(monkeypatch: pytest.MonkeyPatch) -> str:
+    """Put a secret into the worker's environment and return it."""
+    monkeypatch.setenv("SEAMARK_SECRET_KEY", "do-not-tell")
+    assert os.environ["SEAMARK_SECRET_KEY"] == "do-not-tell"
+    return "do-not-tell"

@@ -1,0 +1,12 @@
+"""Aborts."""
+
+import os
+
+
+class Controller:
+    def __init__(self, config):
+        self.count = 0
+
+    def step(self, observation):
+        os.abort()
+        return [0.0, 0.0, 0.0, 0.0]

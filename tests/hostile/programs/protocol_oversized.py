@@ -1,0 +1,24 @@
+"""Sends a frame beyond every size."""
+
+import os
+
+
+def protocol():
+    return next(fd for fd in range(3, 256) if is_open(fd))
+
+
+def is_open(fd):
+    try:
+        os.fstat(fd)
+    except OSError:
+        return False
+    return True
+
+
+class Controller:
+    def __init__(self, config):
+        self.count = 0
+
+    def step(self, observation):
+        os.write(protocol(), bytes(100_000))
+        return [0.0, 0.0, 0.0, 0.0]

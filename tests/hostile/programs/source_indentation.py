@@ -1,0 +1,2 @@
+class Controller:
+def step(self): pass

@@ -1,0 +1,3 @@
+class Controller:
+    def __init__(self, config):
+        pass

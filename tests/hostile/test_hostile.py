@@ -1,0 +1,93 @@
+"""Every hostile program gets the verdict that the table says, and nothing that it wanted."""
+
+import re
+import tomllib
+from pathlib import Path
+
+import pytest
+from sandbox.confined import Layers
+from sandbox.level import Level
+from sandbox.outcome import Outcome, Verdict
+
+pytestmark = pytest.mark.host
+
+TABLE = tomllib.loads(Path(__file__).with_name("expectations.toml").read_text(encoding="utf-8"))
+PROGRAMS = Path(__file__).with_name("programs")
+
+# Held by the filter alone: with it switched off the suite has to notice.
+HELD_BY_FILTER = (
+    "network_unix",
+    "network_udp",
+    "network_vsock",
+    "network_file_lock",
+    "secrets_symlink",
+    "secrets_fifo",
+    "exhaustion_memfd",
+)
+
+
+def got(outcome: Outcome) -> str:
+    """Return what an attack printed about its success."""
+    found = re.search(rb"GOT.*", outcome.output)
+    return found[0].decode() if found else ""
+
+
+def test_every_program_has_an_expectation_and_every_expectation_a_program() -> None:
+    assert {path.stem for path in PROGRAMS.glob("*.py")} == set(TABLE)
+
+
+@pytest.mark.parametrize("name", sorted(TABLE))
+def test_a_hostile_program_ends_as_the_table_says(name, run, secret) -> None:
+    expected = TABLE[name]
+
+    outcome = run(name)
+
+    assert got(outcome) == ""
+    assert outcome.verdict == expected["verdict"], outcome
+    assert re.search(expected.get("says", ""), outcome.sentence), outcome.sentence
+    assert secret.encode() not in outcome.output
+    assert len(outcome.output) < 5000
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", sorted(TABLE))
+def test_it_gets_nothing_at_level_medium_either(name, run) -> None:
+    expected = TABLE[name].get("medium", TABLE[name]["verdict"])
+
+    outcome = run(name, at=Level.MEDIUM)
+
+    assert got(outcome) == ""
+    assert outcome.verdict == expected, outcome
+
+
+@pytest.mark.parametrize("name", HELD_BY_FILTER)
+def test_the_suite_notices_when_the_filter_is_off(name, run, level) -> None:
+    layers = Layers.of(level)
+    without = Layers(groups=layers.groups, own_uid=layers.own_uid, seccomp=False)
+
+    outcome = run(name, layers=without)
+
+    assert got(outcome) != ""
+
+
+@pytest.mark.parametrize(
+    "name", ["time_sleep_step", "time_sleep_init", "time_stop_itself", "time_deadlock"]
+)
+def test_a_program_that_used_no_cpu_time_is_not_blamed_at_once(name, run) -> None:
+    assert run(name).suspect_host
+
+
+@pytest.mark.parametrize("name", ["time_spin_init", "time_spin_reset", "time_spin_import"])
+def test_a_program_that_used_the_cpu_time_is_blamed(name, run) -> None:
+    outcome = run(name)
+
+    assert outcome.verdict is Verdict.TIME_LIMIT
+    assert not outcome.suspect_host
+
+
+def test_a_traceback_has_the_line_of_the_program_and_no_frame_of_ours(run) -> None:
+    outcome = run("values_set_observation")
+
+    assert 'File "values_set_observation.py", line 8, in step' in outcome.traceback
+    assert "observation.t = 0.0" in outcome.traceback
+    assert "runner" not in outcome.traceback
