@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
+from contextlib import closing
 from dataclasses import dataclass
 from typing import Any
 
@@ -88,8 +89,8 @@ def run_trial(
     levels = []
     try:
         for level in range(len(config.levels)):
-            world = world_of(config, seed=seed, trial=trial, level=level)
-            LevelLoop(world, program, trial=trial, level=level).run(recorder, deliver)
+            with closing(world_of(config, seed=seed, trial=trial, level=level)) as world:
+                LevelLoop(world, program, trial=trial, level=level).run(recorder, deliver)
             _deliver_rest(recorder, deliver)
             levels.append(level_metrics(np.concatenate(kept), _facts(config, level)))
             kept.clear()

@@ -170,8 +170,8 @@ class VelocityController:
             given = min(max(thrust, -self._reverse), self._forward)
             for axis in (SURGE, SWAY, HEAVE):
                 forces[axis] += direction[axis] * given
-        for axis, force in zip(self._axes, forces, strict=True):
-            axis.predict(force, dt)
+        for observed, force in zip(self._axes, forces, strict=True):
+            observed.predict(force, dt)
 
     def _hold_depth(self, heave: float, sensed: Sensed, dt: float) -> float:
         hold = self._depth

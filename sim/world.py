@@ -1,6 +1,6 @@
 """One level's world, made from configuration, seed, trial and level: nothing else goes in."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,7 +9,8 @@ from sim.benchmarks.currents_v1 import CurrentsConfiguration
 from sim.camera.camera import Camera
 from sim.camera.optics import Optics
 from sim.camera.target import Target, start_pose
-from sim.camera.water import JERLOV, UWSIM_VEIL, Water
+from sim.camera.water import JERLOV, Water
+from sim.contact import Contact
 from sim.current import Current, Pattern
 from sim.dynamics import Plant
 from sim.sensors import Ahrs, Altimeter, DepthGauge, Dvl
@@ -47,6 +48,12 @@ class World:
     tracking: Tracking
     keeper: StationKeeper
     velocity_controller: VelocityController
+    contact: Contact | None
+
+    def close(self) -> None:
+        """Give back what the contacts hold."""
+        if self.contact is not None:
+            self.contact.close()
 
 
 def world_of(config: CurrentsConfiguration, *, seed: int, trial: int, level: int) -> World:
@@ -62,7 +69,11 @@ def world_of(config: CurrentsConfiguration, *, seed: int, trial: int, level: int
     noise_seed = int(random.camera.integers(2**63))
     camera = Camera(optics, water_of(config), target, noise_seed=noise_seed)
     vehicle = load(config.vehicle)
-    plant = Plant(vehicle, _current(config, level, random), step_s=config.physics_step_s)
+    # The target is no obstacle: the camera's picture of it would have to move when it is pushed.
+    contact = Contact(vehicle, seabed_z=target.seabed_m) if config.contact else None
+    plant = Plant(
+        vehicle, _current(config, level, random), step_s=config.physics_step_s, contact=contact
+    )
     plant.place(start)
     return World(
         config=config,
@@ -83,18 +94,18 @@ def world_of(config: CurrentsConfiguration, *, seed: int, trial: int, level: int
             level_out_tilt=config.level_out_tilt,
         ),
         velocity_controller=VelocityController(vehicle, config),
+        contact=contact,
     )
 
 
 def water_of(config: CurrentsConfiguration) -> Water:
     """Return the water of a configuration."""
-    sigma = config.camera_noise_grey
     if config.water_type == "grey":
-        return Water.grey(config.water_attenuation_1_m, law=config.water_law, read_sigma_grey=sigma)
-    attenuation = JERLOV[config.water_type]
-    if config.water_law == "uwsim":
-        return Water(law="uwsim", attenuation=attenuation, veil=UWSIM_VEIL, read_sigma_grey=sigma)
-    return Water(law="beer", attenuation=attenuation, read_sigma_grey=sigma)
+        water = Water.grey(config.water_attenuation_1_m, law=config.water_law)
+    else:
+        grey = Water.grey(0.0, law=config.water_law)  # for the veil that belongs to the law
+        water = replace(grey, attenuation=JERLOV[config.water_type])
+    return replace(water, read_sigma_grey=config.camera_noise_grey)
 
 
 def _sensors(config: CurrentsConfiguration, random: Streams) -> Sensors:

@@ -85,7 +85,7 @@ class CurrentsConfiguration(ChainSettings, SceneSettings):
     contact: bool = experiment(
         True,
         title="Collisions",
-        says="Whether the vehicle can hit the bottom and the target.",
+        says="Whether the vehicle can hit the bottom.",
         advanced=True,
     )
     start_error_px: float = experiment(

@@ -1,0 +1,174 @@
+"""Repeat the published experiment on its own plant and draw its figure.
+
+    python -m performance.paper_figures [--out docs/figures/p-and-pi.png] [--tracker esm]
+
+Prints our numbers beside the planar check of the same laws, and writes one picture: X and Y error
+in px over the five levels, P (Kp 0.5) and PI (Kp 0.5, Ki 0.02).
+"""
+
+import argparse
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from sim.program import BuiltIn
+from sim.registry import benchmark
+from sim.telemetry import INDEX, Rows
+from sim.trial import run_trial
+
+PX_PER_M = 514.7 / 2.27  # focal length over height
+WINDOW_S = 30.0  # the last part of a level, two periods of the force on Y
+BAND_PX = 2.0  # "back at zero" in the table below
+SMOOTHING_S = 1.0
+LAWS = {"p": "P (Kp 0.5)", "pi": "PI (Kp 0.5, Ki 0.02)"}
+SEED = 1
+
+
+class Planar(NamedTuple):
+    """Constants of one axis of the published plant (sources: sim/vehicles/girona500_uwsim.py)."""
+
+    effort: float  # effort per m/s
+    thrusters: int
+    force: Callable[[float, float], float]  # (level, t) -> N
+
+
+def _constant(level: float, _t: float) -> float:
+    return 410.0 * 0.134 * level * level
+
+
+def _rectified(level: float, t: float) -> float:
+    lateral = level * math.sin(0.7 * math.sin(2.0 * math.pi * t / 30.0))
+    return 410.0 * 0.134 * lateral * lateral
+
+
+X_AXIS = Planar(6.0, 1, _constant)
+Y_AXIS = Planar(5.0, 2, _rectified)
+
+
+def planar_check(axis: Planar, level: float, ki: float) -> tuple[float, float, float]:
+    """Return mean, least and greatest error [px] in the window, with perfect sensors.
+
+    One axis, 147 kg with 148 N s²/m² of drag, thrust 153.8 u|u| N with a lag of 0.2 s, DVL at 5 Hz.
+    """
+    dt, mass, drag, lag = 0.01, 147.0, 148.0, 0.2
+    place = speed = thrust = measured = integral = 0.0
+    errors = []
+    for step in range(12_000):
+        if step % 20 == 0:
+            measured = speed
+        integral -= ki * place * dt
+        effort = axis.effort * (-0.5 * place + integral - measured)
+        effort = min(max(effort, -1.0), 1.0)
+        thrust += dt / lag * (axis.thrusters * 153.8 * effort * abs(effort) - thrust)
+        push = axis.force(level, step * dt) + thrust - drag * speed * abs(speed)
+        speed += dt * push / mass
+        place += dt * speed
+        if step >= 9_000:
+            errors.append(place * PX_PER_M)
+    return sum(errors) / len(errors), min(errors), max(errors)
+
+
+def run(controller: str, tracker: str) -> Rows:
+    """Return the telemetry of the published experiment with one controller."""
+    values = {"vehicle": "girona500-uwsim", "kp": 0.5, "ki": 0.02, "tracker": tracker}
+    config = benchmark("currents-v1").read(values)
+    rows: list[Rows] = []
+    program = BuiltIn(controller, config)
+    run_trial("currents-v1", config, program, seed=SEED, trial=0, on_rows=rows.append)
+    return np.concatenate(rows)
+
+
+class Facts(NamedTuple):
+    """What the published figure shows of one level and one axis, in px."""
+
+    mean: float
+    least: float
+    greatest: float
+    back_s: float | None  # from when the smoothed error stays within the band
+
+
+def facts(rows: Rows, level: int, axis: str) -> Facts:
+    """Return the facts of one level; signs such that the current pushes to the positive side."""
+    mine = rows[rows[:, INDEX["level"]] == level]
+    sign = -1.0 if axis == "x" else 1.0  # pushed to starboard, the target goes to the left
+    error = sign * mine[:, INDEX[f"error_{axis}_px"]]
+    dt = float(mine[1, INDEX["t"]] - mine[0, INDEX["t"]])
+    late = error[-round(WINDOW_S / dt) :]
+    width = round(SMOOTHING_S / dt)
+    smooth = np.convolve(error, np.full(width, 1.0 / width), mode="valid")
+    outside = np.flatnonzero(np.abs(smooth) > BAND_PX)
+    back = None if len(outside) and outside[-1] == len(smooth) - 1 else 0.0
+    if back is not None and len(outside):
+        back = float(outside[-1] + 1) * dt
+    return Facts(float(late.mean()), float(late.min()), float(late.max()), back)
+
+
+def table(p_rows: Rows, pi_rows: Rows) -> str:
+    """Return our numbers beside the planar check, as a Markdown table."""
+    lines = [
+        "| V m/s | X, P: ours (planar) | X, PI: ours (back within 2 px) | Y, P: ours (planar) "
+        "| Y, PI: ours (planar) |",
+        "|---|---|---|---|---|",
+    ]
+    for level, speed in enumerate(benchmark("currents-v1").read({}).model_dump()["levels"]):
+        x_p, x_pi = facts(p_rows, level, "x"), facts(pi_rows, level, "x")
+        y_p, y_pi = facts(p_rows, level, "y"), facts(pi_rows, level, "y")
+        back = "never" if x_pi.back_s is None else f"{x_pi.back_s:.0f} s"
+        planar = planar_check(X_AXIS, speed, 0.0)[0]
+        y_planar = [_range(planar_check(Y_AXIS, speed, ki)) for ki in (0.0, 0.02)]
+        lines.append(
+            f"| {speed:g} | {x_p.mean:.1f} ({planar:.1f}) | {x_pi.mean:.1f} ({back}) "
+            f"| {_range(y_p)} ({y_planar[0]}) | {_range(y_pi)} ({y_planar[1]}) |"
+        )
+    return "\n".join(lines)
+
+
+def _range(values: Facts | tuple[float, float, float]) -> str:
+    mean, least, greatest = values[:3]
+    return f"{mean:.1f} [{least:.1f} to {greatest:.1f}]"
+
+
+def draw(p_rows: Rows, pi_rows: Rows, out: Path) -> None:
+    """Write the figure: X and Y error over time, both controllers."""
+    import matplotlib  # noqa: PLC0415  # of the development group
+
+    matplotlib.use("Agg")
+    from matplotlib import pyplot  # noqa: PLC0415
+
+    figure, axes = pyplot.subplots(2, 1, sharex=True, figsize=(9.0, 6.0), dpi=120)
+    for axis, panel in zip("xy", axes, strict=True):
+        sign = -1.0 if axis == "x" else 1.0
+        for (law, label), rows in zip(LAWS.items(), (p_rows, pi_rows), strict=True):
+            values = sign * rows[:, INDEX[f"error_{axis}_px"]]
+            colour = {"p": "#c2410c", "pi": "#1d4ed8"}[law]
+            panel.plot(rows[:, INDEX["t"]], values, label=label, color=colour, linewidth=1.0)
+        panel.set_ylabel(f"{axis.upper()} error [px]")
+        panel.grid(alpha=0.3)
+        for start in range(0, 600, 120):
+            panel.axvline(start, color="0.6", linewidth=0.6, linestyle="--")
+    axes[0].legend(loc="upper left")
+    axes[0].set_title("girona500-uwsim: current 0, 0.1, 0.2, 0.3, 0.4 m/s, 120 s each")
+    axes[1].set_xlabel("simulated time [s]")
+    out.parent.mkdir(parents=True, exist_ok=True)
+    figure.tight_layout()
+    figure.savefig(out, metadata={"Software": None})
+    pyplot.close(figure)
+
+
+def main() -> None:
+    """Run both controllers, print the table, write the figure."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--out", type=Path, default=Path("docs/figures/p-and-pi.png"))
+    parser.add_argument("--tracker", default="esm")
+    options = parser.parse_args()
+    p_rows, pi_rows = (run(law, options.tracker) for law in LAWS)
+    print(table(p_rows, pi_rows))
+    draw(p_rows, pi_rows, options.out)
+    print(f"wrote {options.out}")
+
+
+if __name__ == "__main__":
+    main()
