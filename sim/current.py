@@ -89,13 +89,14 @@ class Current:
         rng : Generator, optional
             The stream of the gust; without it there is no gust.
         duration_s : float
-            How long the gust has to last. A longer one begins with the same values.
+            How long the gust has to last. A longer one begins with the same values. Without a gust
+            the current lasts for ever.
         """
         if not level >= 0.0:
             raise ValueError(f"a current's level must not be negative, not {level}")
         law = pattern or Pattern()
         sigma = law.gust_share * level
-        self.duration_s = duration_s
+        self.duration_s = float("inf") if rng is None else duration_s
         self.water = Water(
             law=_RELATIVE if law.law == "relative" else _FORCE,
             level=float(level),

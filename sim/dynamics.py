@@ -89,6 +89,8 @@ class Plant:
         self._body = body_of(vehicle)
         self._curve = packed(vehicle.curve)
         self._target = np.zeros(len(vehicle.thrusters))
+        # A copy of its own: a read-only or foreign array would make Numba compile everything anew.
+        self._command = np.zeros(len(vehicle.thrusters))
         self._tick = 0
         self.state = np.zeros(_RIGID + len(vehicle.thrusters))
         self.state[3] = 1.0
@@ -98,7 +100,7 @@ class Plant:
         self._tick = 0
         self._target[:] = 0.0
         self.state[:] = 0.0
-        write_pose(np.asarray(pose, dtype=np.float64), self.state)
+        write_pose(np.array(pose, dtype=np.float64), self.state)
 
     def advance(self, tick: int, command: Array, steps: int) -> None:
         """Move the plant by `steps` steps.
@@ -113,10 +115,15 @@ class Plant:
         Raises
         ------
         ValueError
-            When a command is not a number.
+            When a command is not a number, or the current was not made for so long.
         """
-        if not steady_thrust(command, self._curve, self._target):
+        if command.shape != self._command.shape:
+            raise ValueError(f"a command for {self._command.size} thrusters, not {command.shape}")
+        self._command[:] = command
+        if not steady_thrust(self._command, self._curve, self._target):
             raise ValueError(f"thruster commands must be numbers: {list(command)}")
+        if (tick + steps) * self.step_s > self.current.duration_s + self.step_s:
+            raise ValueError(f"the gust was drawn for {self.current.duration_s} s only")
         self._tick = tick + steps
         while tick < self._tick:
             tick += self._advance_freely(tick, self._tick - tick)

@@ -257,6 +257,32 @@ def test_a_command_that_is_not_a_number_is_refused() -> None:
         plant.advance(0, np.array([0.0, 0.0, np.nan, 0.0, 0.0]), 1)
 
 
+def test_a_command_for_another_vehicle_is_refused() -> None:
+    plant = Plant(load("girona500"), STILL)
+
+    with pytest.raises(ValueError, match="5 thrusters"):
+        plant.advance(0, np.zeros(8), 1)
+
+
+def test_a_read_only_command_is_as_good_as_another() -> None:
+    states = []
+    for writeable in (True, False):
+        plant, command = Plant(load("girona500"), STILL), np.full(5, 0.3)
+        command.flags.writeable = writeable
+        plant.advance(0, command, 10)
+        states.append(plant.state.tobytes())
+
+    assert states[0] == states[1]
+
+
+def test_a_plant_does_not_outlive_its_gust() -> None:
+    plant = Plant(load("girona500"), Current(0.2, rng=streams(1, 0, 0).gust, duration_s=2.0))
+
+    plant.advance(0, np.zeros(5), 200)
+    with pytest.raises(ValueError, match=r"drawn for 2\.0 s"):
+        plant.advance(200, np.zeros(5), 5)
+
+
 def test_warming_up_can_be_repeated() -> None:
     warm_up()
     warm_up()
