@@ -4,7 +4,6 @@ A box belongs to the thread that made it: bubblewrap dies when that thread ends.
 """
 
 import json
-import math
 import os
 import select
 import socket
@@ -57,6 +56,9 @@ class Box:
         self._poll = select.poll()
         for descriptor in (self._socket.fileno(), self._cage.pidfd, self._cage.output):
             self._poll.register(descriptor, select.POLLIN)
+        self._socket_fd = self._socket.fileno()
+        self._answer_only = [(self._socket_fd, select.POLLIN)]
+        self._cpu_every_s = self._cage.cpu_every_s
         self._buffer = bytearray(frames.MOST_BYTES)
         self._printed = HeadTail(limits.output_kib << 10)
         self._news = HeadTail(limits.output_kib << 10)
@@ -126,10 +128,9 @@ class Box:
         answer = self._await(frames.ANSWER, self.limits.step_wall_s, "step(observation)")
         if len(answer) != frames.COMMAND.size:
             self._end(verdicts.misbehaved(f"The program answered with {len(answer)} bytes."))
-        *_, surge, sway, heave, yaw = frames.COMMAND.unpack(answer)
-        for number in (surge, sway, heave, yaw):
-            if not (math.isfinite(number) and abs(number) <= MOST_FIELD):
-                self._end(verdicts.misbehaved(f"The program answered with {number}."))
+        _, _, _, surge, sway, heave, yaw = frames.COMMAND.unpack(answer)
+        if not all(-MOST_FIELD <= number <= MOST_FIELD for number in (surge, sway, heave, yaw)):
+            self._end(verdicts.misbehaved("The program answered with a number beyond all limits."))
         return surge, sway, heave, yaw
 
     def finish(self) -> Outcome:
@@ -214,14 +215,14 @@ class Box:
         deadline = begin + min(wall_s, max(self.limits.wall_s - self._waited_s, 0.0))
         while True:
             ready = self._poll.poll(min(deadline - now, SLICE_S) * 1000) if now < deadline else []
-            descriptors = [descriptor for descriptor, _ in ready]
-            if self._cage.output in descriptors:
-                self._drain()
             now = time.monotonic()
-            if now - self._cpu_at > self._cage.cpu_every_s:
+            if now - self._cpu_at > self._cpu_every_s:
                 self._cpu_at = now
                 self._look_at_limits()
-            if self._socket.fileno() in descriptors:
+            if ready != self._answer_only:  # it prints, it ended, or it is late
+                self._drain()
+            descriptors = dict(ready)
+            if self._socket_fd in descriptors:
                 self._waited_s += now - begin
                 return self._received(kind)
             if self._cage.pidfd in descriptors:
@@ -251,7 +252,7 @@ class Box:
         """Nothing but print may come from the program while nobody asks it."""
         self._drain()
         descriptors = [descriptor for descriptor, _ in self._poll.poll(0)]
-        if self._socket.fileno() in descriptors:
+        if self._socket_fd in descriptors:
             waiting = self._socket.recv_into(self._buffer, 0, socket.MSG_TRUNC | socket.MSG_PEEK)
             if waiting:
                 self._end(verdicts.misbehaved("The program answered a question nobody asked."))

@@ -111,6 +111,8 @@ def observe_by(layout: dict[str, list]) -> None:  # type: ignore[type-arg]
 
 def as_command(answer: Any) -> list[float]:
     """Return four floats; AnswerInvalid with a sentence that says what came instead."""
+    if type(answer) is list and len(answer) == 4:
+        return [as_number(index, value) for index, value in enumerate(answer)]
     if isinstance(answer, np.ndarray):
         if answer.shape != (4,):
             raise AnswerInvalid(f"step returned an array of shape {answer.shape}")
@@ -130,6 +132,8 @@ def as_command(answer: Any) -> list[float]:
 
 def as_number(index: int, value: Any) -> float:
     """Return one value of a command as a float."""
+    if type(value) is float and -MOST_FIELD <= value <= MOST_FIELD:
+        return value  # the usual case, and the quick one
     if isinstance(value, np.ndarray) and value.shape == ():
         value = value.item()
     if not isinstance(value, Real):

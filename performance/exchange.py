@@ -1,0 +1,121 @@
+"""One question and one answer through a box, beside a bare pipe between two Python processes.
+
+CPU time of both sides together: they share one core and take turns, so that without neighbours it
+is the wall time, and with neighbours it does not change. The pipe carries the same bytes unchecked.
+"""
+
+import os
+import resource
+import statistics
+import struct
+import subprocess
+import sys
+import time
+from array import array
+
+from performance.table import Row
+from sandbox.box import Box
+from sandbox.languages.python import SELF_TEST
+from sandbox.level import Level, probe
+from sandbox.limits import Limits
+
+FIELDS = 29  # float64 values of the real layout
+STEPS = 20_000
+STARTS = 9
+LAYOUT = {
+    "observation": [["t", 0], ["error", 3], ["others", FIELDS - 4]],
+    "command": ["surge", "sway", "heave", "yaw_rate"],
+}
+PLAIN = """\
+class Controller:
+    def __init__(self, config):
+        self.gain = 0.5
+
+    def step(self, observation):
+        t = self.gain * observation.t
+        return [t, t, t, 0.0]
+"""
+ECHO = """\
+import os, struct
+pack, unpack = struct.Struct("<4d").pack, struct.Struct("<29d").unpack
+while True:
+    data = os.read(0, 4096)
+    if not data:
+        break
+    t, *_ = unpack(data)
+    os.write(1, pack(t, t, t, 0.0))
+"""
+
+
+def rows() -> list[Row]:
+    """Measure and return the rows."""
+    before = os.sched_getaffinity(0)
+    level = probe().level
+    core = max(before)
+    os.sched_setaffinity(0, {core})
+    try:
+        pipe = _pipe_us()
+        cold, warm = _first_answer_ms(level, core)
+        return [
+            Row(
+                what=f"exchange with a program of {name}, level {level.name.lower()}",
+                value=_boxed_us(program, level, core),
+                unit="us CPU",
+                peer="bare pipe, no checks",
+                peer_value=pipe,
+            )
+            for name, program in (("plain Python", PLAIN), ("NumPy", SELF_TEST))
+        ] + [
+            Row(what="first answer, cold", value=cold, unit="ms wall"),
+            Row(what="first answer, warm box", value=warm, unit="ms wall"),
+        ]
+    finally:
+        os.sched_setaffinity(0, before)
+
+
+def _pipe_us() -> float:
+    values = [0.5] * FIELDS
+    pack, unpack = struct.Struct(f"<{FIELDS}d").pack, struct.Struct("<4d").unpack
+    peers_before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    command = [sys.executable, "-I", "-S", "-c", ECHO]
+    with subprocess.Popen(command, stdin=-1, stdout=-1, bufsize=0) as peer:
+        if peer.stdin is None or peer.stdout is None:
+            raise RuntimeError("no pipes")
+        out, back = peer.stdin.fileno(), peer.stdout.fileno()
+        begin = time.process_time()
+        for _ in range(STEPS):
+            os.write(out, pack(*values))
+            unpack(os.read(back, 4096))
+        own_s = time.process_time() - begin
+        peer.stdin.close()
+    peers = resource.getrusage(resource.RUSAGE_CHILDREN)
+    peer_s = peers.ru_utime + peers.ru_stime - peers_before.ru_utime - peers_before.ru_stime
+    return (own_s + peer_s) / STEPS * 1e6
+
+
+def _boxed_us(program: str, level: Level, core: int) -> float:
+    values = array("d", [0.5] * FIELDS)
+    with Box(limits=Limits(), level=level, core=core) as box:
+        box.load(program.encode(), "controller.py", {}, LAYOUT)
+        box.reset({"index": 0})
+        begin = time.process_time()
+        for _ in range(STEPS):
+            box.step(values)
+        own_s = time.process_time() - begin
+        return (own_s + box.finish().cpu_s) / STEPS * 1e6
+
+
+def _first_answer_ms(level: Level, core: int) -> tuple[float, float]:
+    """Return the medians of the time to the first answer: cold, and from a box that waits."""
+    cold, warm = [], []
+    for _ in range(STARTS):
+        begin = time.perf_counter()
+        with Box(limits=Limits(), level=level, core=core) as box:
+            box.wait_ready()
+            ready = time.perf_counter()
+            box.load(SELF_TEST.encode(), "controller.py", {}, LAYOUT)
+            box.step([0.5] * FIELDS)
+            end = time.perf_counter()
+        cold.append((end - begin) * 1e3)
+        warm.append((end - ready) * 1e3)
+    return statistics.median(cold), statistics.median(warm)
