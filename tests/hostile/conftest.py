@@ -5,6 +5,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+
 from sandbox.box import Box
 from sandbox.confined import Layers
 from sandbox.level import Isolation, Level, probe
@@ -48,9 +49,11 @@ def level(isolation: Isolation) -> Level:
 def run(level: Level) -> Run:
     """Return a function that runs one program and tells how it ended."""
 
-    def run_one(name: str, *, at: Level = level, layers: Layers | None = None) -> Outcome:
+    def run_one(
+        name: str, *, at: Level = level, layers: Layers | None = None, limits: Limits = LIMITS
+    ) -> Outcome:
         source = (PROGRAMS / f"{name}.py").read_bytes()
-        with Box(limits=LIMITS, level=at, layers=layers) as box:
+        with Box(limits=limits, level=at, layers=layers) as box:
             try:
                 box.load(source, f"{name}.py", {"kp": 0.5}, LAYOUT)
                 box.reset({"index": 0})

@@ -1,5 +1,6 @@
 """Sees MemoryError or is ended."""
 
+
 class Controller:
     def __init__(self, config):
         self.count = 0
@@ -8,7 +9,7 @@ class Controller:
         heap = []
         while True:
             try:
-                heap.append(b'x' * (1 << 24))
+                heap.append(b"x" * (1 << 24))
             except MemoryError:
                 raise
         return [0.0, 0.0, 0.0, 0.0]

@@ -11,9 +11,9 @@ class Controller:
     def step(self, observation):
         for _ in range(8):
             if os.fork() == 0:
-                heap = b'x' * (40 << 20)
+                heap = b"x" * (40 << 20)
                 time.sleep(60)
         while True:
             _, status = os.wait()
-            raise RuntimeError(f'a child ended: {status}')
+            raise RuntimeError(f"a child ended: {status}")
         return [0.0, 0.0, 0.0, 0.0]

@@ -1,5 +1,6 @@
 """Opens files without end."""
 
+
 class Controller:
     def __init__(self, config):
         self.count = 0
@@ -7,5 +8,5 @@ class Controller:
     def step(self, observation):
         self.files = []
         while True:
-            self.files.append(open('/dev/null'))
+            self.files.append(open("/dev/null"))
         return [0.0, 0.0, 0.0, 0.0]

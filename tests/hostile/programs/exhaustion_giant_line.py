@@ -8,5 +8,5 @@ class Controller:
         self.count = 0
 
     def step(self, observation):
-        sys.stdout.write('x' * (8 << 20))
+        sys.stdout.write("x" * (8 << 20))
         return [0.0, 0.0, 0.0, 0.0]

@@ -1,5 +1,6 @@
 """Takes memory without end."""
 
+
 class Controller:
     def __init__(self, config):
         self.count = 0

@@ -1,5 +1,6 @@
 """Calls itself for ever."""
 
+
 class Controller:
     def __init__(self, config):
         self.count = 0

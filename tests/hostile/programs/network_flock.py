@@ -10,12 +10,12 @@ class Controller:
         try:
             with open(os.__file__) as file:
                 fcntl.flock(file, fcntl.LOCK_SH)
-                got = 'lock'
+                got = "lock"
         except (OSError, ValueError) as error:
-            print('held:', error)
+            print("held:", error)
         else:
             if got:
-                print('GOT', got)
+                print("GOT", got)
 
     def step(self, observation):
         pass

@@ -9,12 +9,12 @@ class Controller:
         got = None
         try:
             libc = ctypes.CDLL(None, use_errno=True)
-            got = libc.syscall(240, b'queue', 0o102, 0o666, None) >= 0
+            got = libc.syscall(240, b"queue", 0o102, 0o666, None) >= 0
         except (OSError, ValueError) as error:
-            print('held:', error)
+            print("held:", error)
         else:
             if got:
-                print('GOT', got)
+                print("GOT", got)
 
     def step(self, observation):
         pass

@@ -17,14 +17,15 @@ class Controller:
         got = None
         try:
             import array
+
             channel = socket.socket(fileno=os.dup(next(fd for fd in range(3, 64) if is_open(fd))))
-            channel.sendmsg([b'x'], [(socket.SOL_SOCKET, socket.SCM_RIGHTS, array.array('i', [0]))])
-            got = 'sent'
+            channel.sendmsg([b"x"], [(socket.SOL_SOCKET, socket.SCM_RIGHTS, array.array("i", [0]))])
+            got = "sent"
         except (OSError, ValueError) as error:
-            print('held:', error)
+            print("held:", error)
         else:
             if got:
-                print('GOT', got)
+                print("GOT", got)
 
     def step(self, observation):
         pass

@@ -9,10 +9,10 @@ class Controller:
         try:
             got = socket.socket(socket.AF_INET6, socket.SOCK_STREAM)
         except (OSError, ValueError) as error:
-            print('held:', error)
+            print("held:", error)
         else:
             if got:
-                print('GOT', got)
+                print("GOT", got)
 
     def step(self, observation):
         pass

@@ -8,12 +8,12 @@ class Controller:
         got = None
         try:
             os.sched_setaffinity(0, range(os.cpu_count()))
-            got = 'core'
+            got = "core"
         except (OSError, ValueError) as error:
-            print('held:', error)
+            print("held:", error)
         else:
             if got:
-                print('GOT', got)
+                print("GOT", got)
 
     def step(self, observation):
         pass

@@ -11,10 +11,10 @@ class Controller:
             libc = ctypes.CDLL(None, use_errno=True)
             got = libc.syscall(56, ctypes.c_uint64(0xFFFFFFFF10000011), None, None, None, None) > 0
         except (OSError, ValueError) as error:
-            print('held:', error)
+            print("held:", error)
         else:
             if got:
-                print('GOT', got)
+                print("GOT", got)
 
     def step(self, observation):
         pass

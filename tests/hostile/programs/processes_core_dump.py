@@ -8,12 +8,12 @@ class Controller:
         got = None
         try:
             resource.setrlimit(resource.RLIMIT_CORE, (1 << 30, 1 << 30))
-            got = 'core'
+            got = "core"
         except (OSError, ValueError) as error:
-            print('held:', error)
+            print("held:", error)
         else:
             if got:
-                print('GOT', got)
+                print("GOT", got)
 
     def step(self, observation):
         pass

@@ -3,6 +3,7 @@
 import ctypes
 import mmap
 
+
 def run(code):
     page = mmap.mmap(-1, 4096, prot=mmap.PROT_READ | mmap.PROT_WRITE | mmap.PROT_EXEC)
     page.write(code)
@@ -12,7 +13,7 @@ def run(code):
 
 class Controller:
     def __init__(self, config):
-        print('GOT', run(bytes.fromhex('b814000000cd80c3')))
+        print("GOT", run(bytes.fromhex("b814000000cd80c3")))
 
     def step(self, observation):
         pass

@@ -14,10 +14,10 @@ class Controller:
             except ProcessLookupError:
                 pass
         except (OSError, ValueError) as error:
-            print('held:', error)
+            print("held:", error)
         else:
             if got:
-                print('GOT', got)
+                print("GOT", got)
 
     def step(self, observation):
         pass

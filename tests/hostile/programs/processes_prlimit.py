@@ -11,10 +11,10 @@ class Controller:
             libc = ctypes.CDLL(None, use_errno=True)
             got = libc.syscall(302, os.getppid(), 7, None, ctypes.create_string_buffer(16)) == 0
         except (OSError, ValueError) as error:
-            print('held:', error)
+            print("held:", error)
         else:
             if got:
-                print('GOT', got)
+                print("GOT", got)
 
     def step(self, observation):
         pass

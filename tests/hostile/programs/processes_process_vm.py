@@ -11,10 +11,10 @@ class Controller:
             libc = ctypes.CDLL(None, use_errno=True)
             got = libc.syscall(310, os.getppid(), None, 0, None, 0, 0) >= 0
         except (OSError, ValueError) as error:
-            print('held:', error)
+            print("held:", error)
         else:
             if got:
-                print('GOT', got)
+                print("GOT", got)
 
     def step(self, observation):
         pass

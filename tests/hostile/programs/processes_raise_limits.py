@@ -8,12 +8,12 @@ class Controller:
         got = None
         try:
             resource.setrlimit(resource.RLIMIT_NOFILE, (100000, 100000))
-            got = 'limit'
+            got = "limit"
         except (OSError, ValueError) as error:
-            print('held:', error)
+            print("held:", error)
         else:
             if got:
-                print('GOT', got)
+                print("GOT", got)
 
     def step(self, observation):
         pass

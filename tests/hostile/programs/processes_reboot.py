@@ -11,10 +11,10 @@ class Controller:
             libc = ctypes.CDLL(None, use_errno=True)
             got = libc.syscall(169, 0xFEE1DEAD, 672274793, 0x1234567, None) == 0
         except (OSError, ValueError) as error:
-            print('held:', error)
+            print("held:", error)
         else:
             if got:
-                print('GOT', got)
+                print("GOT", got)
 
     def step(self, observation):
         pass

@@ -8,12 +8,12 @@ class Controller:
         got = None
         try:
             os.setgroups([0])
-            got = 'groups'
+            got = "groups"
         except (OSError, ValueError) as error:
-            print('held:', error)
+            print("held:", error)
         else:
             if got:
-                print('GOT', got)
+                print("GOT", got)
 
     def step(self, observation):
         pass

@@ -10,10 +10,10 @@ class Controller:
             os.setuid(0)
             got = os.getuid() == 0
         except (OSError, ValueError) as error:
-            print('held:', error)
+            print("held:", error)
         else:
             if got:
-                print('GOT', got)
+                print("GOT", got)
 
     def step(self, observation):
         pass

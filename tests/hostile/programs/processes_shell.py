@@ -5,7 +5,7 @@ import subprocess
 
 class Controller:
     def __init__(self, config):
-        subprocess.run(['/bin/sh', '-c', 'id'], check=True)
+        subprocess.run(["/bin/sh", "-c", "id"], check=True)
 
     def step(self, observation):
         pass

@@ -11,10 +11,10 @@ class Controller:
             for name in (signal.SIGSTOP, signal.SIGTERM, signal.SIGHUP):
                 os.kill(os.getppid(), name)
         except (OSError, ValueError) as error:
-            print('held:', error)
+            print("held:", error)
         else:
             if got:
-                print('GOT', got)
+                print("GOT", got)
 
     def step(self, observation):
         pass

@@ -5,8 +5,8 @@ import os
 
 class Controller:
     def __init__(self, config):
-        if os.system('id') == 0:
-            print('GOT a shell')
+        if os.system("id") == 0:
+            print("GOT a shell")
 
     def step(self, observation):
         pass

@@ -9,12 +9,12 @@ class Controller:
         got = None
         try:
             libc = ctypes.CDLL(None, use_errno=True)
-            got = libc.syscall(16, 0, ctypes.c_uint64(0x100005412), b'x') == 0
+            got = libc.syscall(16, 0, ctypes.c_uint64(0x100005412), b"x") == 0
         except (OSError, ValueError) as error:
-            print('held:', error)
+            print("held:", error)
         else:
             if got:
-                print('GOT', got)
+                print("GOT", got)
 
     def step(self, observation):
         pass

@@ -5,7 +5,7 @@ import ctypes
 
 class Controller:
     def __init__(self, config):
-        print('GOT', ctypes.CDLL(None).syscall(0x40000000 | 39))
+        print("GOT", ctypes.CDLL(None).syscall(0x40000000 | 39))
 
     def step(self, observation):
         pass

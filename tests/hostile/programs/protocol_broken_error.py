@@ -22,5 +22,5 @@ class Controller:
 
     def step(self, observation):
         for sequence in range(64):
-            os.write(protocol(), struct.pack('<cB2xI', b'x', 1, sequence) + b'zz')
+            os.write(protocol(), struct.pack("<cB2xI", b"x", 1, sequence) + b"zz")
         return [0.0, 0.0, 0.0, 0.0]

@@ -20,5 +20,5 @@ class Controller:
         self.count = 0
 
     def step(self, observation):
-        os.write(protocol(), b'garbage')
+        os.write(protocol(), b"garbage")
         return [0.0, 0.0, 0.0, 0.0]

@@ -20,5 +20,5 @@ class Controller:
         self.count = 0
 
     def step(self, observation):
-        os.write(protocol(), b'garbage' * 100)
+        os.write(protocol(), b"garbage" * 100)
         return [0.0, 0.0, 0.0, 0.0]

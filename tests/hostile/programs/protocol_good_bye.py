@@ -21,5 +21,5 @@ class Controller:
         self.count = 0
 
     def step(self, observation):
-        os.write(protocol(), struct.pack('<cB2xI', b'q', 1, 4))
+        os.write(protocol(), struct.pack("<cB2xI", b"q", 1, 4))
         return [0.0, 0.0, 0.0, 0.0]

@@ -1,5 +1,6 @@
 """An exception whose text raises."""
 
+
 class Evil(Exception):
     def __str__(self):
         raise Evil

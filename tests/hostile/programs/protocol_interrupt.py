@@ -1,5 +1,6 @@
 """Raises what is no Exception."""
 
+
 class Controller:
     def __init__(self, config):
         self.count = 0

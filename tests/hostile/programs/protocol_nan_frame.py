@@ -22,5 +22,5 @@ class Controller:
 
     def step(self, observation):
         for sequence in range(64):
-            os.write(protocol(), struct.pack('<cB2xI4d', b'c', 1, sequence, float('nan'), 0, 0, 0))
+            os.write(protocol(), struct.pack("<cB2xI4d", b"c", 1, sequence, float("nan"), 0, 0, 0))
         return [0.0, 0.0, 0.0, 0.0]

@@ -20,7 +20,7 @@ def is_open(fd):
 def chatter():
     while True:
         time.sleep(0.02)
-        os.write(protocol(), b'chatter!')
+        os.write(protocol(), b"chatter!")
 
 
 class Controller:

@@ -21,7 +21,7 @@ class Controller:
         self.count = 0
 
     def step(self, observation):
-        frame = struct.pack('<cB2xI4d', b'c', 1, 3 + self.count, 0, 0, 0, 0)
+        frame = struct.pack("<cB2xI4d", b"c", 1, 3 + self.count, 0, 0, 0, 0)
         self.count += 1
         for _ in range(2):
             os.write(protocol(), frame)

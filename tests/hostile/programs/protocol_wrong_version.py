@@ -21,5 +21,5 @@ class Controller:
         self.count = 0
 
     def step(self, observation):
-        os.write(protocol(), struct.pack('<cB2xI4d', b'c', 9, 4, 0, 0, 0, 0))
+        os.write(protocol(), struct.pack("<cB2xI4d", b"c", 9, 4, 0, 0, 0, 0))
         return [0.0, 0.0, 0.0, 0.0]

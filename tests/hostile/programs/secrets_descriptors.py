@@ -17,10 +17,10 @@ class Controller:
         try:
             got = [fd for fd in range(3, 1024) if is_open(fd)][1:]
         except (OSError, ValueError) as error:
-            print('held:', error)
+            print("held:", error)
         else:
             if got:
-                print('GOT', got)
+                print("GOT", got)
 
     def step(self, observation):
         pass

@@ -7,13 +7,13 @@ class Controller:
     def __init__(self, config):
         got = None
         try:
-            os.mkfifo('/tmp/output.txt')
-            got = 'fifo'
+            os.mkfifo("/tmp/output.txt")
+            got = "fifo"
         except (OSError, ValueError) as error:
-            print('held:', error)
+            print("held:", error)
         else:
             if got:
-                print('GOT', got)
+                print("GOT", got)
 
     def step(self, observation):
         pass

@@ -9,10 +9,10 @@ class Controller:
         try:
             got = ctypes.CDLL(None).klogctl(3, ctypes.create_string_buffer(4096), 4096) > 0
         except (OSError, ValueError) as error:
-            print('held:', error)
+            print("held:", error)
         else:
             if got:
-                print('GOT', got)
+                print("GOT", got)
 
     def step(self, observation):
         pass

@@ -8,13 +8,13 @@ class Controller:
         got = None
         try:
             folder = os.path.dirname(os.__file__)
-            open(folder + '/__pycache__/os.cpython-311.pyc', 'wb').close()
+            open(folder + "/__pycache__/os.cpython-311.pyc", "wb").close()
             got = folder
         except (OSError, ValueError) as error:
-            print('held:', error)
+            print("held:", error)
         else:
             if got:
-                print('GOT', got)
+                print("GOT", got)
 
     def step(self, observation):
         pass

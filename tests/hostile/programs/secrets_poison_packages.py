@@ -9,13 +9,13 @@ class Controller:
         got = None
         try:
             folder = os.path.dirname(numpy.__file__)
-            open(folder + '/poison.py', 'w').close()
+            open(folder + "/poison.py", "w").close()
             got = folder
         except (OSError, ValueError) as error:
-            print('held:', error)
+            print("held:", error)
         else:
             if got:
-                print('GOT', got)
+                print("GOT", got)
 
     def step(self, observation):
         pass

@@ -1,8 +1,9 @@
 """Reads the host's passwords."""
 
+
 class Controller:
     def __init__(self, config):
-        print(open('/etc/shadow').read())
+        print(open("/etc/shadow").read())
 
     def step(self, observation):
         pass

@@ -9,10 +9,10 @@ class Controller:
         try:
             got = sys.stdin.read()
         except (OSError, ValueError) as error:
-            print('held:', error)
+            print("held:", error)
         else:
             if got:
-                print('GOT', got)
+                print("GOT", got)
 
     def step(self, observation):
         pass

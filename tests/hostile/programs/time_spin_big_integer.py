@@ -1,5 +1,6 @@
 """Holds the interpreter's lock in one instruction."""
 
+
 class Controller:
     def __init__(self, config):
         self.count = 0

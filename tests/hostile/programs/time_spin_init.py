@@ -1,5 +1,6 @@
 """Hangs when made."""
 
+
 class Controller:
     def __init__(self, config):
         while True:

@@ -8,5 +8,5 @@ class Controller:
         self.count = 0
 
     def step(self, observation):
-        re.match(r'(a+)+$', 'a' * 40 + 'b')
+        re.match(r"(a+)+$", "a" * 40 + "b")
         return [0.0, 0.0, 0.0, 0.0]

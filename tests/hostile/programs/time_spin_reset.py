@@ -1,5 +1,6 @@
 """Hangs in reset."""
 
+
 class Controller:
     def __init__(self, config):
         self.count = 0

@@ -1,5 +1,6 @@
 """Never answers."""
 
+
 class Controller:
     def __init__(self, config):
         self.count = 0

@@ -1,5 +1,6 @@
 """An exception that never says what it is."""
 
+
 class Endless(Exception):
     def __str__(self):
         while True:

@@ -10,7 +10,7 @@ class Controller:
     def step(self, observation):
         frame = sys._getframe()
         while frame:
-            if {'seed', 'truth', 'state'} & set(frame.f_locals):
-                print('GOT', frame)
+            if {"seed", "truth", "state"} & set(frame.f_locals):
+                print("GOT", frame)
             frame = frame.f_back
         return [0.0, 0.0, 0.0, 0.0]

@@ -1,8 +1,9 @@
 """Answers with bytes."""
 
+
 class Controller:
     def __init__(self, config):
         self.count = 0
 
     def step(self, observation):
-        return b'0000'
+        return b"0000"

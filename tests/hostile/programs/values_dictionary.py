@@ -1,8 +1,9 @@
 """Answers with a dictionary."""
 
+
 class Controller:
     def __init__(self, config):
         self.count = 0
 
     def step(self, observation):
-        return {'surge': 0}
+        return {"surge": 0}

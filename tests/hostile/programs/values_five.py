@@ -1,5 +1,6 @@
 """Answers with too many."""
 
+
 class Controller:
     def __init__(self, config):
         self.count = 0

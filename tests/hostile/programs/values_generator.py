@@ -1,5 +1,6 @@
 """Answers with a generator."""
 
+
 class Controller:
     def __init__(self, config):
         self.count = 0

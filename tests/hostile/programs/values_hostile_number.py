@@ -1,8 +1,9 @@
 """A float that raises."""
 
+
 class Evil(float):
     def __float__(self):
-        raise RuntimeError('gotcha')
+        raise RuntimeError("gotcha")
 
 
 class Controller:

@@ -1,5 +1,6 @@
 """Answers with an integer beyond float."""
 
+
 class Controller:
     def __init__(self, config):
         self.count = 0

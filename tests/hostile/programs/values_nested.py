@@ -1,5 +1,6 @@
 """Answers with nested lists."""
 
+
 class Controller:
     def __init__(self, config):
         self.count = 0

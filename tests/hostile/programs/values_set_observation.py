@@ -1,5 +1,6 @@
 """Sets a field."""
 
+
 class Controller:
     def __init__(self, config):
         self.count = 0

@@ -1,8 +1,9 @@
 """Answers with a string."""
 
+
 class Controller:
     def __init__(self, config):
         self.count = 0
 
     def step(self, observation):
-        return '0000'
+        return "0000"

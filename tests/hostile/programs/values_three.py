@@ -1,5 +1,6 @@
 """Answers with too few."""
 
+
 class Controller:
     def __init__(self, config):
         self.count = 0

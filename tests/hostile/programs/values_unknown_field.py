@@ -1,5 +1,6 @@
 """Asks for the truth."""
 
+
 class Controller:
     def __init__(self, config):
         self.count = 0

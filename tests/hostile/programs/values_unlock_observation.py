@@ -1,5 +1,6 @@
 """Makes the array writable."""
 
+
 class Controller:
     def __init__(self, config):
         self.count = 0

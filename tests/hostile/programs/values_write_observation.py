@@ -1,5 +1,6 @@
 """Changes what it was told."""
 
+
 class Controller:
     def __init__(self, config):
         self.count = 0

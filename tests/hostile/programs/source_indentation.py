@@ -1,2 +1,0 @@
-class Controller:
-def step(self): pass
