@@ -14,8 +14,8 @@ from sim.vehicles import Array, ThrustCurve
 _KIND, _DEAD_BAND, _MOST_FORWARD, _MOST_REVERSE, _FORWARD, _REVERSE = 0, 1, 2, 3, 4, 10
 _TERMS = 6
 _QUADRATIC, _POLYNOMIAL = 0.0, 1.0
-# Halving until Newton's method is sure to converge (105 N / 2**14 is 6 mN), then Newton: its error is
-# squared with each step. Fixed counts keep the bits fixed.
+# Halving until Newton's method is sure to converge (105 N / 2**14 is 6 mN), then Newton: its error
+# is squared with each step. Fixed counts keep the bits fixed.
 _HALVINGS = 14
 _NEWTON_STEPS = 3
 
@@ -60,7 +60,9 @@ def _inverted(curve: Array, first: int, most: float, effort: float) -> float:
     force = 0.5 * (low + high)
     for _ in range(_NEWTON_STEPS):
         force -= (_polynomial(curve, first, force) - effort) / _slope(curve, first, force)
-    return min(max(force, 0.0), most)
+    if force < 0.0:
+        return 0.0
+    return most if force > most else force
 
 
 @njit(cache=True, error_model="numpy")
