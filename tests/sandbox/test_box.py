@@ -1,0 +1,295 @@
+"""A box as the simulator uses it: load, reset, step, finish, with real programs."""
+
+import contextlib
+import json
+import os
+import select
+import subprocess
+import sys
+import textwrap
+import threading
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sandbox.box import Box
+from sandbox.level import Level
+from sandbox.limits import Limits
+from sandbox.outcome import ProgramEnded, SandboxBroken, Verdict
+
+pytestmark = pytest.mark.host
+
+LAYOUT = {
+    "observation": [["t", 0], ["error", 3], ["target_visible", 0], ["thrust", 5]],
+    "booleans": ["target_visible"],
+    "command": ["surge", "sway", "heave", "yaw_rate"],
+}
+VALUES = [0.25, 1.0, 2.0, 3.0, 1.0, 0.1, 0.2, 0.3, 0.4, 0.5]
+PROGRAM = """
+class Controller:
+    def __init__(self, config):
+        {init}
+
+    def step(self, observation):
+        {step}
+        return [0.0, 0.0, 0.0, 0.0]
+"""
+
+
+def program(*, init: str = "pass", step: str = "pass") -> bytes:
+    return PROGRAM.format(init=init, step=step).encode()
+
+
+@pytest.fixture
+def box(level: Level) -> Iterator[Box]:
+    with Box(limits=Limits(), level=level) as started:
+        yield started
+
+
+def printed(box: Box, source: bytes) -> str:
+    """Return what a program prints in one step."""
+    box.load(source, "mine.py", {"kp": 0.5}, LAYOUT)
+    box.reset({"index": 0})
+    box.step(VALUES)
+    return box.finish().output.decode()
+
+
+def end_of(box: Box, source: bytes) -> ProgramEnded:
+    with pytest.raises(ProgramEnded) as end:
+        printed(box, source)
+    return end.value
+
+
+@pytest.mark.parametrize(
+    "values", [VALUES, tuple(VALUES), np.array(VALUES), np.array(VALUES, "f4")]
+)
+def test_an_observation_goes_in_and_a_command_comes_out(box, values) -> None:
+    box.load(program(step="return [*observation.error, observation.thrust[4]]"), "a.py", {}, LAYOUT)
+
+    assert box.step(values) == (1.0, 2.0, 3.0, 0.5)
+
+
+@pytest.mark.parametrize(
+    ("expression", "expected"),
+    [
+        ("observation.t", "0.25"),
+        ("observation['t']", "0.25"),
+        ("observation.target_visible", "True"),
+        ("observation.error", "[1. 2. 3.]"),
+        ("type(observation.error).__name__", "ndarray"),
+        ("observation.error.flags.writeable", "False"),
+        ("list(observation)", "['t', 'error', 'target_visible', 'thrust']"),
+        ("observation.error is observation['error']", "True"),
+        ("'truth' in observation", "False"),
+    ],
+)
+def test_an_observation_is_a_mapping_with_attributes(box, expression, expected) -> None:
+    assert printed(box, program(step=f"print({expression})")) == expected + "\n"
+
+
+@pytest.mark.parametrize(
+    "answer",
+    ["(0, 1, 2, 3)", "np.arange(4)", "np.arange(4.0, dtype='f4')", "[np.float64(0), 1, np.int8(2), 3]",
+     "[np.array(0.0), 1, 2, 3]", "[False, 1, 2, 3]"],
+)  # fmt: skip
+def test_any_sequence_of_four_numbers_is_a_command(box, answer) -> None:
+    source = b"import numpy as np\n" + program(step=f"return {answer}")
+    box.load(source, "a.py", {}, LAYOUT)
+
+    assert box.step(VALUES) == (0.0, 1.0, 2.0, 3.0)
+
+
+def test_a_program_keeps_its_state_over_levels_and_gets_its_configuration(box) -> None:
+    source = textwrap.dedent("""
+        class Controller:
+            def __init__(self, config):
+                self.seen = [config["kp"]]
+            def reset(self, level):
+                self.seen.append(level["index"])
+            def step(self, observation):
+                return [*self.seen, 0.0]
+    """)
+    box.load(source.encode(), "a.py", {"kp": 0.5}, LAYOUT)
+    box.reset({"index": 1})
+    box.reset({"index": 2})
+
+    assert box.step(VALUES) == (0.5, 1.0, 2.0, 0.0)
+
+
+def test_a_program_of_two_mebibytes_is_loaded(box) -> None:
+    source = program(step="return [1.0, 2.0, 3.0, 4.0]")
+    box.load(source + b"#" * (2 * 1024 * 1024 - len(source)), "a.py", {}, LAYOUT)
+
+    assert box.step(VALUES) == (1.0, 2.0, 3.0, 4.0)
+
+
+def test_scipy_is_there(level) -> None:
+    source = b"from scipy import linalg, signal\n" + program(step="print(linalg.det([[2.0]]))")
+
+    with Box(limits=Limits(start_wall_s=60.0), level=level) as box:
+        assert printed(box, source) == "2.0\n"
+
+
+def test_two_boxes_hash_alike_so_that_sets_have_one_order(level) -> None:
+    source = program(step="print(hash('seamark'), {'a', 'b', 'c', 'd'})")
+
+    texts = []
+    for _ in range(2):
+        with Box(limits=Limits(), level=level) as box:
+            texts.append(printed(box, source))
+
+    assert texts[0] == texts[1]
+
+
+def test_a_program_stays_on_its_core(level) -> None:
+    core = max(os.sched_getaffinity(0))
+    source = b"import os\n" + program(step="print(os.sched_getaffinity(0))")
+
+    with Box(limits=Limits(), level=level, core=core) as box:
+        assert printed(box, source) == f"{{{core}}}\n"
+
+
+def test_the_file_is_called_as_it_was_uploaded_without_its_folders(box) -> None:
+    end = end_of(box, program(step="print(1)\n        raise ValueError('deep')"))
+
+    assert end.outcome.sentence == "ValueError: deep (line 8 of mine.py)"
+    assert end.outcome.traceback.splitlines()[-3:] == [
+        '  File "mine.py", line 8, in step',
+        "    raise ValueError('deep')",
+        "ValueError: deep",
+    ]
+
+
+def test_a_path_in_the_name_of_the_file_is_dropped(box) -> None:
+    with pytest.raises(ProgramEnded) as end:
+        box.load(b"raise ValueError", "../../etc/mine.py", {}, LAYOUT)
+
+    assert "line 1 of mine.py" in end.value.outcome.sentence
+
+
+def test_a_chain_of_exceptions_is_shown_with_the_frames_of_the_program_alone(box) -> None:
+    source = b"import json\n" + program(
+        step="try:\n            json.loads('{')\n        except ValueError as e:\n"
+        "            raise RuntimeError('no plan') from e"
+    )
+
+    trace = end_of(box, source).outcome.traceback
+
+    assert "JSONDecodeError" in trace
+    assert "direct cause" in trace
+    assert {line.split('"')[1] for line in trace.splitlines() if "File" in line} == {"mine.py"}
+
+
+def test_a_wrong_answer_is_explained_with_its_line(box) -> None:
+    outcome = end_of(box, program(step="return None")).outcome
+
+    assert outcome.verdict is Verdict.PROTOCOL_ERROR
+    assert "returned None" in outcome.sentence
+    assert "four finite numbers" in outcome.sentence
+    assert "line 6 of mine.py" in outcome.sentence
+
+
+def test_output_is_taken_piece_by_piece_and_kept_as_a_whole(box) -> None:
+    box.load(program(step="print(observation.t)"), "a.py", {}, LAYOUT)
+    pieces = []
+    for t in (1.0, 2.0):
+        box.step([t, *VALUES[1:]])
+        pieces.append(box.take_output())
+
+    assert pieces == [b"1.0\n", b"2.0\n"]
+    assert box.take_output() == b""
+    assert box.finish().output == b"1.0\n2.0\n"
+
+
+def test_more_than_a_pipe_holds_is_printed_in_one_step_without_a_stand_still(level) -> None:
+    with Box(limits=Limits(output_kib=4), level=level) as box:
+        box.load(program(step="print('x' * 1_000_000)"), "a.py", {}, LAYOUT)
+        box.step(VALUES)
+        outcome = box.finish()
+
+    assert outcome.verdict is Verdict.OK
+    assert outcome.output_dropped == 1_000_001 - 4096
+
+
+def test_a_box_that_ended_says_the_same_again(box) -> None:
+    first = end_of(box, program(step="raise ValueError"))
+
+    for call in (lambda: box.step(VALUES), lambda: box.reset({}), box.finish):
+        with pytest.raises(ProgramEnded) as again:
+            call()
+        assert again.value.outcome == first.outcome
+
+
+def test_an_observation_of_the_wrong_size_is_our_mistake_not_the_programs(box) -> None:
+    box.load(program(), "a.py", {}, LAYOUT)
+
+    with pytest.raises(ValueError, match="in the layout"):
+        box.step([1.0])
+
+
+def test_the_cpu_time_of_the_start_is_not_the_programs(box) -> None:
+    box.load(program(), "a.py", {}, LAYOUT)
+    box.step(VALUES)
+
+    assert box.finish().cpu_s < 0.05
+
+
+def test_a_box_without_room_for_the_interpreter_is_our_failure(level) -> None:
+    with Box(limits=Limits(memory_mib=8), level=level) as box, pytest.raises(SandboxBroken):
+        box.load(program(), "a.py", {}, LAYOUT)
+
+
+def test_a_level_without_isolation_starts_nothing() -> None:
+    with pytest.raises(SandboxBroken, match="cannot isolate"):
+        Box(limits=Limits(), level=Level.NONE)
+
+
+def test_a_box_closed_at_once_leaves_nothing(level) -> None:
+    before = os.listdir("/proc/self/fd")
+    Box(limits=Limits(), level=level).close()
+
+    assert len(os.listdir("/proc/self/fd")) == len(before)
+
+
+@pytest.mark.slow
+def test_nothing_is_left_after_fifty_runs(level) -> None:
+    before = (sorted(os.listdir("/proc/self/fd")), threading.active_count())
+    everybody = []
+    for index in range(50):
+        with Box(limits=Limits(), level=level) as box:
+            source = b"import os\n" + program(init="os.fork()" if index % 2 else "os.setsid()")
+            box.wait_ready()
+            everybody += box.processes()
+            with pytest.raises(ProgramEnded) if index % 2 else contextlib.nullcontext():
+                printed(box, source)
+            everybody += box.processes()
+    children = Path(f"/proc/self/task/{os.getpid()}/children").read_text().split()
+
+    assert (sorted(os.listdir("/proc/self/fd")), threading.active_count()) == before
+    assert not [pid for pid in everybody if pid > 0 and Path(f"/proc/{pid}").exists()]
+    assert not [pid for pid in children if "bwrap" in Path(f"/proc/{pid}/comm").read_text()]
+    assert not list(Path("/sys/fs/cgroup").glob(f"**/seamark-box-{os.getpid()}-*"))
+
+
+def test_a_box_dies_with_its_worker(level) -> None:
+    script = f"""
+        import json, signal
+        from sandbox.box import Box
+        from sandbox.level import Level
+        from sandbox.limits import Limits
+        box = Box(limits=Limits(), level=Level({int(level)}))
+        box.wait_ready()
+        print(json.dumps(box.processes()), flush=True)
+        signal.pause()
+    """
+    command = [sys.executable, "-c", textwrap.dedent(script)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE) as worker:
+        assert worker.stdout is not None
+        descriptors = [os.pidfd_open(pid) for pid in json.loads(worker.stdout.readline())]
+        worker.kill()
+
+    for descriptor in descriptors:
+        assert select.select([descriptor], [], [], 5.0)[0]
+        os.close(descriptor)
