@@ -19,12 +19,14 @@ from dataclasses import asdict
 import numpy as np
 from numpy.typing import NDArray
 
+from sandbox.box import Box
 from sandbox.level import Level
 from sandbox.limits import Limits
+from sandbox.outcome import SandboxBroken
 from server import run_limits
 from sim import registry
 from worker import frames
-from worker.boxed import BoxLike, real_boxes
+from worker.boxed import real_boxes
 from worker.frames import Kind
 from worker.job import Job, Place
 from worker.process_control import die_with_parent, limit_simulator, pin
@@ -157,12 +159,23 @@ def _wait_and_run(channel: socket.socket, place: Place) -> None:
         frames.send(out, Kind.ENDING, asdict(ending))
 
 
-def evaluate(job: Job, out: socket.socket, place: Place, warm: BoxLike | None) -> Ending:
+def evaluate(job: Job, out: socket.socket, place: Place, warm: Box | None) -> Ending:
     """Evaluate the job, telling everything to `out`."""
-    if warm is not None and not _fits(job):
+    fitting = warm if warm is not None and _fits(job) else None
+    try:
+        return Evaluation(job, Telling(out), real_boxes(place), warm=fitting).run()
+    finally:
+        if warm is not None and fitting is None:
+            _discard(warm)
+
+
+def _discard(warm: Box) -> None:
+    """End a box that was not needed, after its start: before it there is little to take hold of."""
+    try:
+        warm.wait_ready()
         warm.close()
-        warm = None
-    return Evaluation(job, Telling(out), real_boxes(place), warm=warm).run()
+    except SandboxBroken as broken:
+        print(f"event=warm_box_broken why={str(broken)!r}", file=sys.stderr)
 
 
 def _fits(job: Job) -> bool:
@@ -184,10 +197,10 @@ def _usual_limits() -> Limits:
     return run_limits.for_trial(entry.trial_duration_s(entry.read({})))
 
 
-def _warm_box(place: Place) -> BoxLike | None:
+def _warm_box(place: Place) -> Box | None:
     if place.level is Level.NONE:
         return None
-    return real_boxes(place)("python", _usual_limits())
+    return Box("python", limits=_usual_limits(), level=place.level, core=place.core)
 
 
 def main(arguments: list[str]) -> None:
