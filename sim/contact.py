@@ -16,6 +16,7 @@ from dataclasses import dataclass
 from types import ModuleType
 
 import numpy as np
+from numba import njit
 
 from sim.elementary import cos, sin
 from sim.hydrodynamics import write_rotation
@@ -25,6 +26,8 @@ GATE_M = 0.5  # nothing can touch while the hull's sphere is farther away than t
 WATER_DENSITY = 1000.0  # [kg/m³] fresh water, as in the test pool
 FRICTION = 0.5  # of hull, target and bottom; E
 AWAKE_SPEED = 1e-3  # [m/s, rad/s] a target slower than this lies still
+CLEARANCE_M = 0.1  # a hull that ends this far above everything does not touch within a step
+SOLVER_ITERATIONS = 50  # Bullet's default
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -52,6 +55,9 @@ class Contact:
             top = min(top, box.centre[2] - 0.5 * box.size[2])
         self.gate_depth = top - GATE_M - vehicle.hull_radius()
         self.awake = False
+        self._top = top
+        self._centres = np.array([piece.centre.value for piece in vehicle.hull])
+        self._halves = 0.5 * np.array([piece.size.value for piece in vehicle.hull])
         self._vehicle = vehicle
         self._seabed_z = seabed_z
         self._box = box
@@ -70,6 +76,10 @@ class Contact:
         (6,) [N s, N m s]
             About the origin, in the body frame of `before`.
         """
+        if not self.awake:
+            lowest = lowest_point(before, self._centres, self._halves)
+            if lowest < self._top - CLEARANCE_M:
+                return np.zeros(6)
         if self._world is None:
             self._world = _World(self._vehicle, self._seabed_z, self._box)
         push = self._world.step(before, after, step_s)
@@ -107,9 +117,11 @@ class _World:
         self._client = bullet.connect(bullet.DIRECT)
         self._close = weakref.finalize(self, bullet.disconnect, self._client)
         self._gravity_centre = np.array(vehicle.centre_of_gravity.value)
-        self._rotation = np.empty((3, 3))
+        self._motion = np.empty(9)
         bullet.setPhysicsEngineParameter(
-            deterministicOverlappingPairs=1, numSolverIterations=100, physicsClientId=self._client
+            deterministicOverlappingPairs=1,
+            numSolverIterations=SOLVER_ITERATIONS,
+            physicsClientId=self._client,
         )
         # No gravity: weight and buoyancy of the vehicle are the plant's business.
         bullet.setGravity(0, 0, 0, physicsClientId=self._client)
@@ -186,23 +198,13 @@ class _World:
         what Bullet makes of forces before it solves contacts.
         """
         bullet, client = self._bullet, self._client
-        w, x, y, z = (float(value) for value in before[3:7])
-        write_rotation(w, x, y, z, self._rotation)
-        turned = self._to_world
-        origin = before[:3]
-        linear = after[7:10] + np.cross(after[10:13], self._gravity_centre)
+        world_motion(before, after, self._gravity_centre, self._motion)
+        motion = self._motion.tolist()
+        w, x, y, z = before[3:7].tolist()
         bullet.resetBasePositionAndOrientation(
-            self._hull,
-            (origin + turned(self._gravity_centre)).tolist(),
-            [x, y, z, w],
-            physicsClientId=client,
+            self._hull, motion[:3], [x, y, z, w], physicsClientId=client
         )
-        bullet.resetBaseVelocity(
-            self._hull,
-            turned(linear).tolist(),
-            turned(after[10:13]).tolist(),
-            physicsClientId=client,
-        )
+        bullet.resetBaseVelocity(self._hull, motion[3:6], motion[6:], physicsClientId=client)
         if self._box is not None:
             force, place = [0.0, 0.0, self._box_weight], self.box_pose()[0].tolist()
             bullet.applyExternalForce(
@@ -210,28 +212,16 @@ class _World:
             )
         bullet.setTimeStep(step_s, physicsClientId=client)
         bullet.stepSimulation(physicsClientId=client)
-        return self._contact_impulse(origin, step_s)
-
-    def _contact_impulse(self, origin: Array, step_s: float) -> Array:
+        points = bullet.getContactPoints(bodyA=self._hull, physicsClientId=client)
         push = np.zeros(6)
-        points = self._bullet.getContactPoints(bodyA=self._hull, physicsClientId=self._client)
         for point in points:
-            place, normal = np.array(point[5]), np.array(point[7])
-            force = point[9] * normal + point[10] * np.array(point[11])
-            force = (force + point[12] * np.array(point[13])) * step_s
-            push[:3] += self._to_body(force)
-            push[3:] += self._to_body(np.cross(place - origin, force))
+            normal, along, across = point[7], point[11], point[13]
+            force = [
+                step_s * (point[9] * n + point[10] * a + point[12] * c)
+                for n, a, c in zip(normal, along, across, strict=True)
+            ]
+            add_push(before, np.array(point[5]), np.array(force), push)
         return push
-
-    def _to_world(self, vector: Array) -> Array:
-        r = self._rotation
-        turned: Array = r[:, 0] * vector[0] + r[:, 1] * vector[1] + r[:, 2] * vector[2]
-        return turned
-
-    def _to_body(self, vector: Array) -> Array:
-        r = self._rotation
-        turned: Array = r[0] * vector[0] + r[1] * vector[1] + r[2] * vector[2]
-        return turned
 
     def box_pose(self) -> tuple[Array, Array]:
         """Return position (3,) and quaternion w x y z (4,) of the box."""
@@ -250,6 +240,55 @@ class _World:
     def close(self) -> None:
         """Disconnect; a second call does nothing."""
         self._close()
+
+
+@njit(cache=True, error_model="numpy")
+def lowest_point(state: Array, centres: Array, halves: Array) -> float:
+    """Return the depth [m] of the lowest point of boxes (k, 3) along the body axes."""
+    rotation = np.empty((3, 3))
+    write_rotation(state[3], state[4], state[5], state[6], rotation)
+    lowest = -np.inf
+    for i in range(centres.shape[0]):
+        depth = state[2]
+        for j in range(3):
+            depth += rotation[2, j] * centres[i, j] + abs(rotation[2, j]) * halves[i, j]
+        lowest = max(lowest, depth)
+    return lowest
+
+
+@njit(cache=True, error_model="numpy")
+def world_motion(before: Array, after: Array, point: Array, out: Array) -> None:
+    """Write how a point of the body moves, in the world: place, velocity, rates to `out`, (9,).
+
+    Place and axes are those of `before`, velocities those of `after`.
+    """
+    rotation = np.empty((3, 3))
+    write_rotation(before[3], before[4], before[5], before[6], rotation)
+    p, q, r = after[10], after[11], after[12]
+    x, y, z = point[0], point[1], point[2]
+    u, v, w = after[7] + q * z - r * y, after[8] + r * x - p * z, after[9] + p * y - q * x
+    for i in range(3):
+        a, b, c = rotation[i, 0], rotation[i, 1], rotation[i, 2]
+        out[i] = before[i] + a * x + b * y + c * z
+        out[3 + i] = a * u + b * v + c * w
+        out[6 + i] = a * p + b * q + c * r
+
+
+@njit(cache=True, error_model="numpy")
+def add_push(state: Array, place: Array, impulse: Array, out: Array) -> None:
+    """Add an impulse (3,) at a place (3,), both in the world, to `out` (6,), in the body."""
+    rotation = np.empty((3, 3))
+    write_rotation(state[3], state[4], state[5], state[6], rotation)
+    x, y, z = place[0] - state[0], place[1] - state[1], place[2] - state[2]
+    turning = (
+        y * impulse[2] - z * impulse[1],
+        z * impulse[0] - x * impulse[2],
+        x * impulse[1] - y * impulse[0],
+    )
+    for i in range(3):
+        for j in range(3):
+            out[i] += rotation[j, i] * impulse[j]
+            out[3 + i] += rotation[j, i] * turning[j]
 
 
 def _import_bullet() -> ModuleType:

@@ -57,7 +57,7 @@ def _inverted(curve: Array, first: int, most: float, effort: float) -> float:
             low = middle
         else:
             high = middle
-    force = 0.5 * (low + high)
+    force: float = 0.5 * (low + high)
     for _ in range(_NEWTON_STEPS):
         force -= (_polynomial(curve, first, force) - effort) / _slope(curve, first, force)
     if force < 0.0:
@@ -74,6 +74,7 @@ def force_of(command: float, curve: Array) -> float:
     first, most = (
         (_FORWARD, curve[_MOST_FORWARD]) if command > 0.0 else (_REVERSE, curve[_MOST_REVERSE])
     )
+    force: float
     if curve[_KIND] == _QUADRATIC:
         force = min(curve[first] * effort * effort, most)
     else:

@@ -4,11 +4,14 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
-from sim.contact import Contact, LooseBox
+from sim.contact import Contact, LooseBox, lowest_point
 from sim.current import Current
 from sim.dynamics import Plant
 from sim.hydrodynamics import write_rotation
@@ -137,6 +140,27 @@ def test_a_free_run_with_contacts_is_the_run_without() -> None:
     assert runs[0] == runs[1]
 
 
+@given(
+    angles=st.tuples(*[st.floats(-3.1, 3.1)] * 3),
+    sizes=st.tuples(*[st.floats(0.1, 1.0)] * 3),
+    centre=st.tuples(*[st.floats(-0.5, 0.5)] * 3),
+)
+def test_the_lowest_point_is_that_of_the_lowest_corner(
+    angles: tuple[float, ...], sizes: tuple[float, ...], centre: tuple[float, ...]
+) -> None:
+    plant = Plant(load("girona500"), Current(0.0))
+    plant.place(np.array([1.0, 2.0, 3.0, angles[0], 0.4 * angles[1], angles[2]]))
+    rotation = np.empty((3, 3))
+    write_rotation(*plant.state[3:7], rotation)
+    corners = [
+        np.array(centre) + 0.5 * np.array(sizes) * signs for signs in product((-1, 1), repeat=3)
+    ]
+
+    lowest = lowest_point(plant.state, np.array([centre]), 0.5 * np.array([sizes]))
+
+    assert lowest == pytest.approx(max(3.0 + rotation[2] @ corner for corner in corners))
+
+
 FREE_RUN = """
 import sys
 import numpy as np
@@ -151,7 +175,7 @@ plant = Plant(vehicle, Current(0.3), contact=contact)
 plant.place(np.array([0.0, 0.0, 1.5, 0.0, 0.0, 0.0]))
 plant.advance(0, np.zeros(5), 500)
 free = "pybullet" in sys.modules
-plant.place(np.array([0.0, 0.0, 4.2, 0.0, 0.0, 0.0]))
+plant.place(np.array([0.0, 0.0, 4.25, 0.0, 0.0, 0.0]))
 plant.advance(0, np.zeros(5), 10)
 contact.close()
 print(free, "pybullet" in sys.modules)

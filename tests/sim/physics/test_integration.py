@@ -3,6 +3,7 @@
 import hashlib
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -196,6 +197,32 @@ def test_two_processes_give_the_same_bytes() -> None:
 
     assert digests[0] == digests[1]
     assert len(digests[0]) == len(hashlib.sha256().hexdigest())
+
+
+@pytest.mark.slow
+def test_another_processor_gives_the_same_bytes(tmp_path: Path) -> None:
+    """Numba compiles for the oldest x86-64, glibc picks functions without fused operations."""
+    digests = []
+    for settings in (
+        {},
+        {
+            "NUMBA_CPU_NAME": "generic",
+            "NUMBA_CPU_FEATURES": "",
+            "NUMBA_CACHE_DIR": str(tmp_path),
+            "GLIBC_TUNABLES": "glibc.cpu.hwcaps=-AVX2,-FMA",
+        },
+    ):
+        done = subprocess.run(
+            [sys.executable, "-c", RUN],
+            capture_output=True,
+            text=True,
+            check=True,
+            timeout=240,
+            env={"PATH": "", **settings},
+        )
+        digests.append(done.stdout.strip())
+
+    assert digests[0] == digests[1]
 
 
 @pytest.mark.slow
