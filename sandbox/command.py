@@ -35,12 +35,11 @@ class Descriptors:
     protocol: int  # the only one that the program keeps beside the standard ones
     information: int  # it writes the pid of its inner init here
     filter: int | None  # the system call filter
-    binds: tuple[int, ...]  # one O_PATH descriptor for each bind of the runtime
 
     def inherited(self) -> tuple[int, ...]:
         """Return all of them."""
         filters = () if self.filter is None else (self.filter,)
-        return (self.protocol, self.information, *filters, *self.binds)
+        return (self.protocol, self.information, *filters)
 
 
 def bubblewrap() -> str:
@@ -65,8 +64,8 @@ def bwrap_command(
     for name, value in runtime.environment.items():
         command += ["--setenv", name, value]
     command += _libraries()
-    for descriptor, bind in zip(use.binds, runtime.binds, strict=True):
-        command += ["--ro-bind-fd", str(descriptor), bind.target]
+    for bind in runtime.binds:
+        command += ["--ro-bind", str(bind.source), bind.target]
     command += _writable(limits)
     command += ["--remount-ro", "/", "--chdir", "/tmp"]  # noqa: S108  (inside the box)
     if use.filter is not None:

@@ -50,6 +50,7 @@ class Confined:
         self.group: ControlGroup | None = None
         self.pidfd = self._information = self.output = -1
         self._slot: Slot | None = None
+        self._told = b""
         self._init_pid = 0
         self._init_pidfd = -1
         self._cpu_s = self._memory_mib = 0.0
@@ -76,8 +77,7 @@ class Confined:
         self.output, printing = _pipe(opened)
         self._information, informing = _pipe(opened)
         filters = _filter(opened) if layers.seccomp else None
-        binds = tuple(_path_descriptor(str(bind.source), opened) for bind in runtime.binds)
-        use = Descriptors(protocol, informing, filters, binds)
+        use = Descriptors(protocol, informing, filters)
         command = launcher_command(
             bwrap_command(runtime, limits, use, limit_inside=self.group is None),
             limits,
@@ -98,12 +98,16 @@ class Confined:
 
     def meet_init(self, within_s: float = 0.0) -> None:
         """Learn which process is the inner init, if bubblewrap has told it by now."""
-        if self._init_pidfd >= 0 or not _readable(self._information, within_s):
+        if self._init_pidfd >= 0:
             return
-        text = os.read(self._information, 4096)
-        if not text:  # it ended before it came so far
+        while not self._told.endswith(b"}\n") and _readable(self._information, within_s):
+            text = os.read(self._information, 4096)  # it writes in several pieces
+            if not text:  # it ended before it came so far
+                return
+            self._told += text
+        if not self._told.endswith(b"}\n"):
             return
-        pid = int(json.loads(text)["child-pid"])
+        pid = int(json.loads(self._told)["child-pid"])
         with contextlib.suppress(ProcessLookupError):
             descriptor = os.pidfd_open(pid)
             # A number may have been given to somebody else meanwhile: only our own child counts.
@@ -201,13 +205,6 @@ def _filter(opened: contextlib.ExitStack) -> int:
     opened.callback(os.close, descriptor)
     os.write(descriptor, seccomp.build())
     os.lseek(descriptor, 0, os.SEEK_SET)
-    return descriptor
-
-
-def _path_descriptor(path: str, opened: contextlib.ExitStack) -> int:
-    """Return a descriptor that names a file or folder, opened with our own rights."""
-    descriptor = os.open(path, os.O_PATH | os.O_CLOEXEC)
-    opened.callback(os.close, descriptor)
     return descriptor
 
 

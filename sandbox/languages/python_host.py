@@ -1,7 +1,7 @@
 """What the host has for Python programs: interpreter, standard library, NumPy and SciPy.
 
-Bound one by one and by descriptor, never a whole tree: a box sees no other package, no program
-and no setting of the host, and it works where the folder above may not be entered by other users.
+Bound one by one, never a whole tree: a box sees no other package, no program and no setting of
+the host.
 """
 
 import compileall
@@ -10,11 +10,13 @@ import os
 import re
 import sys
 import sysconfig
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
 from sandbox.languages.language import Bind, Runtime
 from sandbox.outcome import SandboxBroken
+from sandbox.shelf import shelved
 
 PACKAGES = ("numpy", "scipy")
 INSIDE = "/box"
@@ -41,7 +43,8 @@ def python_runtime() -> Runtime:
     binds.append(Bind(Path(__file__).with_name("python_runner.py"), f"{INSIDE}/runner.py"))
     options = ("-s", "-P", "-B", "-S", "-X", "utf8")
     command = (str(interpreter), *options, f"{INSIDE}/runner.py")
-    return Runtime(command, ENVIRONMENT, tuple(binds))
+    reached = tuple(replace(bind, source=shelved(bind.source)) for bind in binds)
+    return Runtime(command, ENVIRONMENT, reached)
 
 
 def _standard_library() -> list[Bind]:

@@ -91,9 +91,15 @@ def test_an_observation_is_a_mapping_with_attributes(box, expression, expected) 
 
 @pytest.mark.parametrize(
     "answer",
-    ["(0, 1, 2, 3)", "np.arange(4)", "np.arange(4.0, dtype='f4')", "[np.float64(0), 1, np.int8(2), 3]",
-     "[np.array(0.0), 1, 2, 3]", "[False, 1, 2, 3]"],
-)  # fmt: skip
+    [
+        "(0, 1, 2, 3)",
+        "np.arange(4)",
+        "np.arange(4.0, dtype='f4')",
+        "[np.float64(0), 1, np.int8(2), 3]",
+        "[np.array(0.0), 1, 2, 3]",
+        "[False, 1, 2, 3]",
+    ],
+)
 def test_any_sequence_of_four_numbers_is_a_command(box, answer) -> None:
     source = b"import numpy as np\n" + program(step=f"return {answer}")
     box.load(source, "a.py", {}, LAYOUT)
@@ -257,9 +263,11 @@ def test_a_box_closed_at_once_leaves_nothing(level) -> None:
 def test_nothing_is_left_after_fifty_runs(level) -> None:
     before = (sorted(os.listdir("/proc/self/fd")), threading.active_count())
     everybody = []
-    for index in range(50):
+    for _ in range(50):
         with Box(limits=Limits(), level=level) as box:
-            source = b"import os\n" + program(init="os.fork()" if index % 2 else "os.setsid()")
+            source = b"import os\n" + program(
+                init="self.child = os.fork()" if index % 2 else "os.setsid()"
+            )
             box.wait_ready()
             everybody += box.processes()
             with pytest.raises(ProgramEnded) if index % 2 else contextlib.nullcontext():
