@@ -36,7 +36,7 @@ class Camera:
 
     def __init__(self, optics: Optics, water: Water, target: Target, *, noise_seed: int) -> None:
         self.optics, self.water, self.target = optics, water, target
-        self._noise_seed = noise_seed & 0xFFFFFFFFFFFFFFFF
+        self._noise_seed = noise_seed & 0x7FFFFFFFFFFFFFFF  # one integer type, so one compilation
         self._noise = _noise_bank(self._noise_seed, optics.width)
         self._lens = (optics.intrinsics(), np.array(optics.mount_m))
         self._faces = target.faces()
@@ -50,7 +50,7 @@ class Camera:
             np.zeros((rows, columns), np.float32),
         )
         self._canvas = np.zeros((optics.height, optics.width), np.uint8)
-        self._rotation, self._place = np.empty((3, 3)), np.empty(3)
+        self._rotation, self._place, self._pose = np.empty((3, 3)), np.empty(3), np.empty(6)
         self._prepared = {GREEN: self._prepare(GREEN)}
 
     def region(self, pose: NDArray[np.float64], frame: int, window: Window) -> NDArray[np.uint8]:
@@ -104,7 +104,8 @@ class Camera:
         self, pose: NDArray[np.float64], points: NDArray[np.float64]
     ) -> NDArray[np.float64]:
         out = np.empty((len(points), 2))
-        look(pose, self._lens[1], self._rotation, self._place)
+        self._pose[:] = pose
+        look(self._pose, self._lens[1], self._rotation, self._place)
         project(points, self._rotation, self._place, self._lens[0], out)
         return out
 
@@ -113,7 +114,7 @@ class Camera:
         water, target = self.water, self.target
         surface = skin(target.length_m, target.width_m, target.height_m, channel)
         tile = seabed(SEABED_SEED, channel)
-        scene = (tile, target.seabed_m, self._faces, surface.quads, surface.layout)
+        scene = (tile, float(target.seabed_m), self._faces, surface.quads, surface.layout)
         law = (
             list(LAWS).index(water.law),
             float(water.attenuation[channel]),
@@ -136,4 +137,6 @@ class Camera:
             prepared = self._prepared[channel] = self._prepare(channel)
         scene, law = prepared
         grain = (self._noise, self._noise_seed, frame, channel)
-        raycast.draw(pose, self._lens, scene, law, grain, window, self._work, out)
+        # A copy: a read-only or strided pose would have the ray-caster compiled once more.
+        self._pose[:] = pose
+        raycast.draw(self._pose, self._lens, scene, law, grain, window, self._work, out)

@@ -68,7 +68,7 @@ def _sand(x: float, y: float, seed: int) -> float:
         cells *= 2
         amplitude *= 0.84
     strength = 0.05 + 0.03 * value_noise(x, y, 5, seed + 11)
-    return 0.44 + 0.05 * broad + strength * _ripple(x, y, seed + 12) + grain
+    return 0.48 + 0.06 * broad + strength * _ripple(x, y, seed + 12) + grain
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -86,13 +86,15 @@ def _stone(x: float, y: float, albedo: float, cells: int, seed: int) -> float:
             dy = y * cells - (cj + dj + 0.25 + 0.5 * hash01(i, j, seed + 2))
             skew = 1.2 * hash01(i, j, seed + 3) - 0.6
             radius = 0.12 + 0.30 * hash01(i, j, seed + 4) * hash01(i, j, seed + 5)
-            ex = (dx + skew * dy) / radius
-            ey = (dy * (1.0 + 0.7 * hash01(i, j, seed + 6))) / radius
+            rough = 1.0 + 0.22 * value_noise(x, y, cells * 5, seed + 8)
+            ex = rough * (dx + skew * dy) / radius
+            ey = rough * (dy * (1.0 + 0.7 * hash01(i, j, seed + 6))) / radius
             distance = np.sqrt(ex * ex + ey * ey)
             shadow = np.sqrt((ex - 0.45) ** 2 + (ey - 0.45) ** 2)
             if distance < 1.0:
-                tone = 0.20 + 0.42 * hash01(i, j, seed + 7)
-                light = 1.0 - 0.28 * (ex + ey) - 0.25 * distance * distance
+                tone = 0.22 + 0.40 * hash01(i, j, seed + 7)
+                grit = 0.16 * value_noise(x, y, 256, seed + 9)
+                light = 1.05 - 0.30 * (ex + ey) - 0.22 * distance * distance + grit
                 edge = min(1.0, (1.0 - distance) * radius * 5.0 * TILE / cells / 6.0)
                 albedo += edge * (tone * light - albedo)
             elif shadow < 1.0:

@@ -91,6 +91,7 @@ class TemplateTracker:
         corners = np.ascontiguousarray(corners, dtype=np.float64)
         if corners.shape != (4, 2) or not is_convex(corners):
             raise ValueError("the target's corners are no convex quadrilateral (4, 2) clockwise")
+        image = _plain(image)
         self._shape = image.shape
         columns, rows = self._frame(corners)
         self._coarse, self._fine = self._levels(columns, rows)
@@ -113,6 +114,7 @@ class TemplateTracker:
         """Find the target in the next picture (H, W), of which only `window()` is read."""
         if image.shape != self._shape:
             raise ValueError(f"a picture of {image.shape} after one of {self._shape}")
+        image = _plain(image)
         h = self._expected().copy()
         iterations, sane, correlation = track(image, self.window(), h, self._packed)
         corners = np.empty((4, 2))
@@ -188,6 +190,13 @@ class TemplateTracker:
             row=(row - 0.5) / 2,
         )
         return coarse, empty_level(columns, rows, scale=scale, column=column, row=row)
+
+
+def _plain(image: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    """Return the picture, or a copy if Numba would compile anew for its memory layout."""
+    if image.flags.c_contiguous and image.flags.writeable:
+        return image
+    return np.array(image, dtype=np.uint8, order="C")
 
 
 def _choose(field: str, value: str, offered: dict[str, str]) -> None:

@@ -105,7 +105,7 @@ class Reference:
 
 @pytest.fixture(scope="session")
 def reference() -> Callable[..., Reference]:
-    return lambda optics, water, target, samples: Reference(optics, water, target, samples)
+    return Reference
 
 
 @pytest.fixture(scope="session")

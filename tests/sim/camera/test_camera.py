@@ -109,7 +109,7 @@ def test_pictures_agree_with_a_slow_supersampled_renderer(
     reference: Callable[..., object], water: Water, heading: float
 ) -> None:
     target = Target(heading_rad=heading, north_m=3.1, east_m=-40.2)
-    pose = start_pose(VISIBILITY, target, 1.27) + [0.06, -0.09, 0.04, 0.06, -0.05, 0.22]
+    pose = start_pose(VISIBILITY, target, 1.27) + np.array([0.06, -0.09, 0.04, 0.06, -0.05, 0.22])
     camera = Camera(VISIBILITY, water, target, noise_seed=2)
 
     truth = reference(VISIBILITY, water, target, 4).grey(pose)

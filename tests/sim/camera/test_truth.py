@@ -36,8 +36,8 @@ def test_moving_to_starboard_moves_the_target_left_and_forwards_moves_it_down() 
     start = start_pose(VISIBILITY, target, 1.27)
     middle = camera.centroid(start)
 
-    starboard = camera.centroid(start + [0, 0.1, 0, 0, 0, 0]) - middle
-    forwards = camera.centroid(start + [0.1, 0, 0, 0, 0, 0]) - middle
+    starboard = camera.centroid(start + np.array([0, 0.1, 0, 0, 0, 0])) - middle
+    forwards = camera.centroid(start + np.array([0.1, 0, 0, 0, 0, 0])) - middle
 
     step = 0.1 * 257.3 / 1.27
     assert starboard == pytest.approx([-step, 0], abs=1e-9)
@@ -73,7 +73,7 @@ def test_rays_through_the_true_corners_meet_the_box_corners(
 def test_origin_is_off_the_visible_face_by_the_parallax_of_half_the_height() -> None:
     target = Target()
     camera = Camera(VISIBILITY, Water(), target, noise_seed=0)
-    pose = start_pose(VISIBILITY, target, 1.27) + [0, -0.48, 0, 0, 0, 0]
+    pose = start_pose(VISIBILITY, target, 1.27) + np.array([0, -0.48, 0, 0, 0, 0])
 
     parallax = camera.centroid(pose) - camera.origin(pose)
 
