@@ -37,10 +37,11 @@ class Configuration(BaseModel):
 
     @field_validator("*", mode="before")
     @classmethod
-    def _no_truth_for_numbers(cls, value: object, info: ValidationInfo) -> object:
-        if isinstance(value, bool) and cls.model_fields[_name(info)].annotation is not bool:
+    def _plain_values(cls, value: object, info: ValidationInfo) -> object:
+        field = cls.model_fields[_name(info)]
+        if isinstance(value, bool) and field.annotation is not bool:
             raise ValueError("true and false are no numbers")
-        return value
+        return _listed(value) if "x-items" in extra_of(field) else value
 
     @field_validator("*", mode="after")
     @classmethod
@@ -71,7 +72,7 @@ class Configuration(BaseModel):
             With one sentence per wrong setting, all of them at once.
         """
         try:
-            configuration = cls(**{str(key): _plain(value) for key, value in values.items()})
+            configuration = cls(**{str(key): value for key, value in values.items()})
         except ValidationError as refusal:
             raise ConfigurationInvalid(_sentences(cls, refusal)) from None
         errors = configuration.broken_rules()
@@ -204,11 +205,11 @@ def _inside(item: float, limits: Mapping[str, float]) -> bool:
     )
 
 
-def _plain(value: object) -> object:
-    """Return text such as "0, 0.2" as a list, and everything else as it is."""
-    if isinstance(value, str) and "," in value:
+def _listed(value: object) -> object:
+    """Return text such as "0, 0.2", or a lone number, as a list; everything else as it is."""
+    if isinstance(value, str):
         return [part.strip() for part in value.strip("[]() ").split(",") if part.strip()]
-    return value
+    return [value] if isinstance(value, int | float) else value
 
 
 def _sentences(cls: type[Configuration], refusal: ValidationError) -> dict[str, str]:

@@ -47,9 +47,7 @@ CONTROLLERS = {
     "p": Entry("P", "sim.controllers.p:Controller"),
 }
 TRACKERS = {
-    "esm": Entry("Template tracker (ESM family)", "sim.trackers:make"),
-    "ecc": Entry("OpenCV ECC", "sim.trackers:make"),
-    "klt": Entry("OpenCV KLT + RANSAC", "sim.trackers:make"),
+    "esm": Entry("Template tracker (ESM family)", "sim.trackers.template:TemplateTracker"),
 }
 TRUTH = "truth"  # not a tracker: the true corners, to look at a controller alone; never ranks
 

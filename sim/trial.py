@@ -142,7 +142,7 @@ def summarise(
         "level_held": _lowest(held),
         "trials": [_entry(result) for result in results],
         "levels": [
-            mean_over_trials([dict(level) for level in same])
+            mean_over_trials([_plain(level) for level in same])
             for same in zip(*(result.levels for result in results), strict=True)
         ],
     }
@@ -153,6 +153,14 @@ def _lowest(held: Sequence[float | None]) -> float | None:
     return min(known) if known and len(known) == len(held) else None
 
 
+def _plain(level: Mapping[str, Any]) -> dict[str, Any]:
+    """Return metrics as JSON knows them: None for what is no number."""
+    return {
+        name: None if isinstance(value, float) and not math.isfinite(value) else value
+        for name, value in level.items()
+    }
+
+
 def _entry(result: TrialResult) -> dict[str, Any]:
     return {
         "trial": result.trial,
@@ -160,5 +168,5 @@ def _entry(result: TrialResult) -> dict[str, Any]:
         "level_held": result.level_held,
         "rankable": result.rankable,
         "digest": result.digest,
-        "levels": [dict(level) for level in result.levels],
+        "levels": [_plain(level) for level in result.levels],
     }

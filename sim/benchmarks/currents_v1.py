@@ -238,14 +238,15 @@ def _multiple(whole: float, part: float) -> bool:
     return round(count) >= 1 and abs(count - round(count)) < 1e-6
 
 
-# What the published experiment has beside its vehicle.
+# What the published experiment has beside its vehicle's own defaults.
 PAPER_SCENE = {
     "water_law": "uwsim",
     "water_type": "grey",
     "water_attenuation_1_m": 0.1,  # S: UWSim's default fog
     "range_from": "start",
     "level_out_tilt": False,
-    "reference_limit_m_s": 5.0,  # S: benchmark_software_launcher
+    "heading_hold": False,
+    "depth_hold": False,
 }
 
 

@@ -1,0 +1,41 @@
+"""What the tests of the whole chain share: short experiments."""
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+import pytest
+
+from sim.benchmarks import Benchmark
+from sim.configuration import Configuration
+from sim.program import BuiltIn
+from sim.registry import benchmark
+from sim.telemetry import Rows
+from sim.trial import TrialResult, run_trial
+
+SHORT = {"levels": [0.1, 0.3], "level_duration_s": 6.0, "settle_s": 3.0}
+RunOf = Callable[[Mapping[str, Any]], tuple[TrialResult, Rows]]
+
+
+@pytest.fixture
+def currents() -> Benchmark:
+    return benchmark("currents-v1")
+
+
+@pytest.fixture
+def short(currents: Benchmark) -> Configuration:
+    return currents.read(SHORT)
+
+
+@pytest.fixture
+def run_short(currents: Benchmark) -> RunOf:
+    """Runs two short levels with the built-in PI, settings changed as given."""
+
+    def run(changes: Mapping[str, Any]) -> tuple[TrialResult, Rows]:
+        config = currents.read({**SHORT, **changes})
+        rows: list[Rows] = []
+        program = BuiltIn("pi", config)
+        result = run_trial("currents-v1", config, program, seed=5, trial=0, on_rows=rows.append)
+        return result, np.concatenate(rows)
+
+    return run

@@ -1,0 +1,23 @@
+"""Hidden seeds: the same for everybody, another for each trial, and not to be guessed."""
+
+import pytest
+
+from sim.hidden_seeds import hidden_seed
+
+
+def test_each_trial_benchmark_and_secret_has_its_own_seed() -> None:
+    cases = [(b"a", "currents-v1", 0), (b"a", "currents-v1", 1), (b"a", "x", 0), (b"b", "x", 0)]
+
+    seeds = {hidden_seed(*case) for case in cases}
+
+    assert len(seeds) == len(cases)
+    assert all(0 <= seed < 2**63 for seed in seeds)
+
+
+def test_a_hidden_seed_never_changes() -> None:
+    assert hidden_seed(b"secret", "currents-v1", 3) == hidden_seed(b"secret", "currents-v1", 3)
+
+
+def test_an_empty_secret_is_refused() -> None:
+    with pytest.raises(ValueError, match="secret"):
+        hidden_seed(b"", "currents-v1", 0)

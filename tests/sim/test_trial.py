@@ -1,0 +1,212 @@
+"""The whole chain on short levels."""
+
+import json
+import math
+import subprocess
+import sys
+from collections.abc import Mapping
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from sim import telemetry
+from sim.configuration import Configuration
+from sim.observation import BOOLEANS, FIELDS, SIZE, STARTS
+from sim.program import BuiltIn, Command
+from sim.telemetry import INDEX, NAMES, Rows
+from sim.trial import TrialResult, run_trial, summarise
+from tests.sim.conftest import SHORT, RunOf
+
+ONE_RUN = f"""
+import json
+from sim.program import BuiltIn
+from sim.registry import benchmark
+from sim.trial import run_trial
+config = benchmark("currents-v1").read({SHORT!r})
+result = run_trial("currents-v1", config, BuiltIn("pi", config), seed=5, trial=0,
+                   on_rows=lambda rows: None)
+print(json.dumps([result.digest, result.score]))
+"""
+
+
+class Watching:
+    """Runs the built-in PI and remembers what it was told."""
+
+    def __init__(self, config: Configuration) -> None:
+        self._inner = BuiltIn("pi", config)
+        self.levels: list[dict[str, float | int]] = []
+        self.told: list[NDArray[np.float64]] = []
+
+    def reset(self, level: Mapping[str, float | int]) -> None:
+        self.levels.append(dict(level))
+        self._inner.reset(level)
+
+    def step(self, values: NDArray[np.float64]) -> Command:
+        self.told.append(values.copy())
+        return self._inner.step(values)
+
+
+class Broken:
+    """Works for a while, then raises."""
+
+    def __init__(self, steps: int) -> None:
+        self._left = steps
+
+    def reset(self, level: Mapping[str, float | int]) -> None:
+        pass
+
+    def step(self, values: NDArray[np.float64]) -> Command:
+        self._left -= 1
+        if self._left < 0:
+            raise ArithmeticError("the program ended")
+        values[:] = math.nan  # what a program does to its observation is its own business
+        return 0.0, 0.0, 0.0, 0.0
+
+
+def test_the_chain_keeps_station_with_a_perfect_tracker(run_short: RunOf) -> None:
+    result, rows = run_short({"tracker": "truth"})
+
+    assert rows.shape == (240, telemetry.WIDTH)
+    assert rows[:, INDEX["distance"]].max() < 0.1
+    assert result.score > 80.0
+
+
+def test_the_chain_keeps_station_with_the_template_tracker(run_short: RunOf) -> None:
+    result, rows = run_short({})
+
+    assert rows[:, INDEX["tracker_error"]].max() < 0.5
+    assert rows[:, INDEX["tracker_ok"]].min() == 1.0
+    assert result.level_held == 0.3
+
+
+def test_rows_are_in_order_and_the_vehicle_is_put_back_at_each_level(run_short: RunOf) -> None:
+    _result, rows = run_short({})
+
+    assert rows[:, INDEX["t"]] == pytest.approx(np.arange(240) * 0.05)
+    assert rows[:, INDEX["level"]].tolist() == [0.0] * 120 + [1.0] * 120
+    place = slice(INDEX["x"], INDEX["r"] + 1)
+    assert np.array_equal(rows[0, place], rows[120, place])
+
+
+def test_no_column_is_dead_and_nothing_is_nan(run_short: RunOf) -> None:
+    _result, rows = run_short({"current_azimuth_rad": 0.5})
+
+    assert np.isfinite(rows).all()
+    idle = {"trial", "tracker_ok", "current_z", "ref_w", "ref_r"}
+    dead = {name for name, column in zip(NAMES, rows.T, strict=True) if np.ptp(column) == 0.0}
+    assert dead == idle
+
+
+def test_no_observation_is_dead_and_nothing_is_nan(short: Configuration) -> None:
+    program = Watching(short)
+    run_trial("currents-v1", short, program, seed=5, trial=0, on_rows=lambda _rows: None)
+    told = np.array(program.told)
+
+    assert told.shape == (240, SIZE)
+    assert np.isfinite(told).all()
+    idle = {"dt", "target_age", *BOOLEANS}
+    for name, count, _unit, _meaning in FIELDS:
+        values = told[:, STARTS[name] : STARTS[name] + max(count, 1)]
+        assert (np.ptp(values, axis=0) > 0.0).all() == (name not in idle), name
+
+
+def test_the_program_hears_of_each_level_but_not_of_its_current(short: Configuration) -> None:
+    program = Watching(short)
+    run_trial("currents-v1", short, program, seed=5, trial=0, on_rows=lambda _rows: None)
+
+    assert [level["index"] for level in program.levels] == [0, 1]
+    assert [level["t"] for level in program.levels] == [0.0, 6.0]
+    assert set(program.levels[0]) == {"index", "count", "duration_s", "dt", "t"}
+
+
+def test_rows_come_once_a_second_and_the_rest_when_the_program_raises(
+    short: Configuration,
+) -> None:
+    delivered: list[Rows] = []
+
+    with pytest.raises(ArithmeticError, match="the program ended"):
+        run_trial("currents-v1", short, Broken(130), seed=5, trial=0, on_rows=delivered.append)
+
+    assert [len(rows) for rows in delivered] == [20] * 6 + [10]
+    rows = np.concatenate(delivered)
+    assert rows[:, INDEX["t"]] == pytest.approx(np.arange(130) * 0.05)
+    assert np.isfinite(rows).all()
+
+
+def test_two_processes_come_to_the_same_bytes(run_short: RunOf) -> None:
+    here, _rows = run_short({})
+
+    command = [sys.executable, "-c", ONE_RUN]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+
+    assert json.loads(done.stdout) == [here.digest, here.score]
+
+
+def test_the_digest_of_a_trial_is_that_of_its_rows(run_short: RunOf) -> None:
+    result, rows = run_short({})
+
+    assert result.digest == telemetry.digest(rows)
+    assert result.rows == len(rows)
+
+
+def test_another_seed_or_trial_is_another_trajectory(short: Configuration) -> None:
+    digests = {
+        run_trial(
+            "currents-v1", short, BuiltIn("pi", short), seed=seed, trial=trial, on_rows=_ignore
+        ).digest
+        for seed, trial in ((5, 0), (6, 0), (5, 1))
+    }
+
+    assert len(digests) == 3
+
+
+def test_the_tracker_may_start_from_perturbed_corners(run_short: RunOf) -> None:
+    _result, rows = run_short({"start_error_px": 1.0})
+
+    assert rows[0, INDEX["tracker_error"]] > 0.3
+
+
+def test_an_unknown_benchmark_is_a_key_error(short: Configuration) -> None:
+    with pytest.raises(KeyError):
+        run_trial("x-v1", short, BuiltIn("p", short), seed=0, trial=0, on_rows=_ignore)
+
+
+def test_the_summary_is_json_with_trials_levels_and_an_interval(run_short: RunOf) -> None:
+    result, _rows = run_short({})
+    results = [result, TrialResult(trial=1, levels=result.levels, digest="0", rows=240)]
+
+    summary = summarise("currents-v1", Configuration(), results)
+
+    assert json.loads(json.dumps(summary, allow_nan=False)) == summary
+    assert summary["score"] == pytest.approx(result.score)
+    assert summary["score_low"] == pytest.approx(result.score)
+    assert (summary["rankable"], summary["level_held"]) == (True, 0.3)
+    assert [level["speed"] for level in summary["levels"]] == [0.1, 0.3]
+    assert [trial["trial"] for trial in summary["trials"]] == [0, 1]
+
+
+def test_one_trial_has_no_interval(run_short: RunOf) -> None:
+    result, _rows = run_short({})
+
+    summary = summarise("currents-v1", Configuration(), [result])
+
+    assert (summary["score_low"], summary["score_high"]) == (None, None)
+
+
+@pytest.mark.parametrize("spoil", [{"points": math.nan}, {"whole_lost_percent": 100.0}])
+def test_a_trial_without_a_number_or_without_its_target_never_ranks(
+    run_short: RunOf, spoil: dict[str, float]
+) -> None:
+    result, _rows = run_short({})
+    levels = (result.levels[0], {**result.levels[1], **spoil})
+    spoiled = TrialResult(trial=1, levels=levels, digest="0", rows=240)
+
+    summary = summarise("currents-v1", Configuration(), [result, spoiled])
+
+    assert summary["rankable"] is False
+    json.dumps(summary, allow_nan=False)
+
+
+def _ignore(_rows: Rows) -> None:
+    pass
