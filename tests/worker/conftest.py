@@ -102,6 +102,19 @@ def _service(settings: Settings) -> Service:
     return Service(settings, database, broker.connect(settings), viewer)
 
 
+@pytest.fixture(scope="module")
+def running(tmp_path_factory: pytest.TempPathFactory, _valkey: str) -> Iterator[Service]:
+    """A service on SQLite and a Unix socket, with a worker, shared by the tests of a module."""
+    data = tmp_path_factory.mktemp("service")
+    with Redis.from_url(_valkey) as client:
+        client.flushall()
+    quotas = {"quota_live": 100, "quota_day": 1000}
+    made = _service(Settings(data=data, broker_url=_valkey, **_QUICK, **quotas))
+    made.start_worker()
+    yield made
+    made.close()
+
+
 @pytest.fixture
 def service(settings: Settings) -> Iterator[Service]:
     """A service on SQLite and a Unix socket, without a worker yet."""

@@ -1,16 +1,14 @@
 """The whole way of a run, with the real broker, worker, simulator and sandbox."""
 
-import os
-import signal
 import time
 
 import pytest
 
-from sandbox.level import Level
 from server import live, runs
-from server.runs import Kind, RunState
+from server.runs import RunState
 from sim.telemetry import digest
 from tests.worker.conftest import LONG, SHORT, Service
+from worker.broadcast import SHOWN_HZ
 from worker.single import Hearing, evaluate_here
 
 pytestmark = [pytest.mark.slow, pytest.mark.host]
@@ -29,7 +27,7 @@ class Controller:
 STEP = "class Controller:\n def __init__(s, c): pass\n def reset(s, l): pass\n def step(s, o):\n"
 PROGRAMS = {
     "user_error": STEP + "  return [1 / 0, 0, 0, 0]\n",
-    "compile_error": "Controller = __import__('nothing_of_this_name')\n",
+    "compile_error": STEP + "  return [0, 0, 0, 0]\nreturn\n",
     "protocol_error": STEP + "  return [float('nan'), 0, 0, 0]\n",
     "time_limit": STEP + "  while True: pass\n",
     "memory_limit": STEP + "  s.all = [bytearray(1 << 20) for _ in range(4000)]\n",
@@ -41,48 +39,37 @@ _DEAF = Hearing(
 
 
 def _here(controller: str) -> str:
-    return evaluate_here(
-        "currents-v1", SHORT, seed=3, controller=controller, hearing=_DEAF, level=Level.NONE
-    ).digest
+    ending = evaluate_here("currents-v1", SHORT, seed=3, controller=controller, hearing=_DEAF)
+    return ending.digest
 
 
-def _all_controllers(service: Service) -> None:
+def test_the_server_gives_the_bytes_of_a_local_run(running: Service) -> None:
     wanted = {"p": _here("p"), "pi": _here("pi"), "upload": _here("p")}
-    service.start_worker()
     made = {
-        "p": service.queue(controller="p"),
-        "pi": service.queue(controller="pi"),
-        "upload": service.upload(UPLOADED_P),
+        "p": running.queue(controller="p"),
+        "pi": running.queue(controller="pi"),
+        "upload": running.upload(UPLOADED_P),
     }
-    views = {name: service.ended(run_id) for name, run_id in made.items()}
+    views = {name: running.ended(run_id) for name, run_id in made.items()}
 
     assert {name: view.state for name, view in views.items()} == dict.fromkeys(
         made, RunState.SUCCEEDED
     )
     assert {name: view.digest for name, view in views.items()} == wanted
     for view in views.values():
-        files = service.files(view.id)
+        files = running.files(view.id)
         assert digest(files.rows()) == view.digest
         assert (files.manifest() or {})["digest"] == view.digest
         assert (files.metrics() or {})["score"] == view.score
-    assert "gains" in service.files(made["upload"]).log_text()
+    assert "gains" in running.files(made["upload"]).log_text()
 
 
-def test_the_server_gives_the_bytes_of_a_local_run(service: Service) -> None:
-    _all_controllers(service)
-
-
-def test_production_services_give_the_bytes_of_a_local_run(production: Service) -> None:
-    _all_controllers(production)
-
-
-def test_every_bad_program_gets_its_cause_and_words(service: Service) -> None:
-    service.start_worker()
+def test_every_bad_program_gets_its_cause_and_words(running: Service) -> None:
     made = {}
     views = {}
     for cause, source in PROGRAMS.items():
-        made[cause] = service.upload(source)
-        views[cause] = service.ended(made[cause])
+        made[cause] = running.upload(source)
+        views[cause] = running.ended(made[cause])
 
     assert {cause: view.cause for cause, view in views.items()} == {
         cause: cause for cause in PROGRAMS
@@ -96,77 +83,40 @@ def test_every_bad_program_gets_its_cause_and_words(service: Service) -> None:
     assert "line 5" in views["user_error"].detail["traceback"]
 
 
-def test_what_breaks_on_our_side_is_tried_three_times_and_blames_nobody(service: Service) -> None:
-    run_id = service.upload(UPLOADED_P)
-    for path in (service.settings.data / "programs").iterdir():
+def test_what_breaks_on_our_side_is_tried_three_times_and_blames_nobody(running: Service) -> None:
+    run_id = running.upload(UPLOADED_P)
+    for path in (running.settings.data / "programs").iterdir():
         path.unlink()
 
-    service.start_worker()
-    view = service.ended(run_id)
+    view = running.ended(run_id)
 
     assert (view.state, view.cause, view.attempt) == (RunState.FAILED, "platform_error", 3)
     assert "FileNotFoundError" not in str(view)
 
 
 def test_a_running_run_is_cancelled_within_two_seconds_and_keeps_its_data(
-    service: Service,
+    running: Service,
 ) -> None:
-    service.start_worker()
-    run_id = service.queue(LONG, trials=10)
-    service.wait(run_id, lambda view: view.t_simulated > 0)
+    run_id = running.queue(LONG, trials=10)
+    running.wait(run_id, lambda view: view.t_simulated > 0)
 
     asked = time.monotonic()
-    with service.database.writing() as session:
+    with running.database.writing() as session:
         assert runs.request_cancel(session, run_id)
-    view = service.wait(run_id, lambda view: "t_reached" in view.detail)
+    view = running.wait(run_id, lambda view: "t_reached" in view.detail)
     took = time.monotonic() - asked
 
     assert view.state is RunState.CANCELLED
     assert took < 2.0
-    assert service.files(run_id).row_count() > 0
-    after = service.queue()
-    assert service.ended(after).state is RunState.SUCCEEDED
+    assert running.files(run_id).row_count() > 0
+    after = running.queue()
+    assert running.ended(after).state is RunState.SUCCEEDED
 
 
-def _killed_in_the_middle(service: Service) -> None:
-    service.start_worker()
-    run_id = service.queue({**LONG, "level_duration_s": 200.0}, kind=Kind.PRACTICE)
-    service.wait(run_id, lambda view: view.t_simulated > 0)
-    service.kill_worker()
-
-    service.start_worker()
-    view = service.ended(run_id)
-
-    assert (view.state, view.attempt) == (RunState.SUCCEEDED, 2)
-    assert digest(service.files(run_id).rows()) == view.digest
-    assert service.files(run_id).attempts() == [1, 2]
-
-
-def test_a_run_whose_worker_was_killed_finishes_once(service: Service) -> None:
-    _killed_in_the_middle(service)
-
-
-def test_a_run_whose_worker_was_killed_finishes_once_in_production(production: Service) -> None:
-    _killed_in_the_middle(production)
-
-
-def test_a_worker_that_is_told_to_stop_gives_its_run_back_at_once(service: Service) -> None:
-    worker = service.start_worker()
-    run_id = service.queue(LONG, trials=10)
-    service.wait(run_id, lambda view: view.t_simulated > 0)
-
-    os.kill(worker.pid, signal.SIGTERM)
-    worker.wait(timeout=15)
-
-    view = service.show(run_id)
-    assert (view.state, view.attempt) == (RunState.QUEUED, 1)
-
-
-def test_those_who_watch_see_the_state_the_telemetry_and_the_end(service: Service) -> None:
-    fanout = live.Fanout(service.redis)
-    run_id = service.upload(UPLOADED_P)
+def test_those_who_watch_see_the_state_the_telemetry_and_the_end(running: Service) -> None:
+    fanout = live.Fanout(running.redis)
+    run_id = running.upload(UPLOADED_P)
     events = fanout.subscribe(run_id)
-    service.start_worker()
 
     seen = list(events)
     fanout.close()
@@ -176,10 +126,4 @@ def test_those_who_watch_see_the_state_the_telemetry_and_the_end(service: Servic
     assert kinds[-1] == live.END
     assert {live.TELEMETRY, live.LOG} <= set(kinds)
     rows = [row for event in seen if event.kind == live.TELEMETRY for row in event.data["rows"]]
-    assert len(rows) == 2 * 4 * live_hz()
-
-
-def live_hz() -> int:
-    from worker.broadcast import SHOWN_HZ
-
-    return int(SHOWN_HZ)
+    assert len(rows) == 2 * 4 * SHOWN_HZ  # two levels of 4 s

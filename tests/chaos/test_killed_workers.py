@@ -1,0 +1,49 @@
+"""Workers that die, on both kinds of service: no run is lost, none finishes twice."""
+
+import os
+import signal
+
+import pytest
+
+from server.runs import RunState
+from sim.telemetry import digest
+from tests.worker.conftest import LONG, SHORT, Service, production, service
+
+__all__ = ["production", "service"]  # the fixtures of the worker's tests
+pytestmark = [pytest.mark.slow, pytest.mark.host]
+
+
+def _killed_in_the_middle(service: Service) -> None:
+    service.start_worker()
+    run_id = service.queue({**LONG, "level_duration_s": 200.0})
+    service.wait(run_id, lambda view: view.t_simulated > 0)
+    service.kill_worker()
+
+    service.start_worker()
+    view = service.ended(run_id)
+
+    assert (view.state, view.attempt) == (RunState.SUCCEEDED, 2)
+    again = service.ended(service.queue(SHORT, controller="p"))
+    assert again.state is RunState.SUCCEEDED
+    assert digest(service.files(run_id).rows()) == view.digest
+    assert service.files(run_id).attempts() == [1, 2]
+
+
+def test_a_run_whose_worker_was_killed_finishes_once(service: Service) -> None:
+    _killed_in_the_middle(service)
+
+
+def test_a_run_whose_worker_was_killed_finishes_once_in_production(production: Service) -> None:
+    _killed_in_the_middle(production)
+
+
+def test_a_worker_that_is_told_to_stop_gives_its_run_back_at_once(service: Service) -> None:
+    worker = service.start_worker()
+    run_id = service.queue(LONG, trials=10)
+    service.wait(run_id, lambda view: view.t_simulated > 0)
+
+    os.kill(worker.pid, signal.SIGTERM)
+    worker.wait(timeout=15)
+
+    view = service.show(run_id)
+    assert (view.state, view.attempt) == (RunState.QUEUED, 1)
