@@ -175,6 +175,38 @@ class Plant:
 
 
 @njit(cache=True, error_model="numpy", inline="always")
+def _into_body(rotation: Array, x: float, y: float) -> tuple[float, float, float]:
+    """Return a horizontal world vector in body axes."""
+    return (
+        rotation[0, 0] * x + rotation[1, 0] * y,
+        rotation[0, 1] * x + rotation[1, 1] * y,
+        rotation[0, 2] * x + rotation[1, 2] * y,
+    )
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def _write_thrust(allocation: Array, x: Array, wrench: Array) -> None:
+    """Write what the thrusters of state `x` do together to `wrench`, (6,)."""
+    for i in range(6):
+        push = 0.0
+        for j in range(allocation.shape[1]):
+            push += allocation[i, j] * x[_RIGID + j]
+        wrench[i] = push
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def _write_kinematics(x: Array, rotation: Array, out: Array) -> None:
+    """Write the rates of position and quaternion to the first seven places of `out`."""
+    p, q, r = x[10], x[11], x[12]
+    for i in range(3):
+        out[i] = rotation[i, 0] * x[7] + rotation[i, 1] * x[8] + rotation[i, 2] * x[9]
+    out[3] = 0.5 * (-x[4] * p - x[5] * q - x[6] * r)
+    out[4] = 0.5 * (x[3] * p + x[5] * r - x[6] * q)
+    out[5] = 0.5 * (x[3] * q + x[6] * p - x[4] * r)
+    out[6] = 0.5 * (x[3] * r + x[4] * q - x[5] * p)
+
+
+@njit(cache=True, error_model="numpy", inline="always")
 def _derivative(
     x: Array,
     target: Array,
@@ -187,20 +219,12 @@ def _derivative(
     rotation, relative, momentum, wrench = room
     stream_x, stream_y, rise_x, rise_y, surge, sway = water
     write_rotation(x[3], x[4], x[5], x[6], rotation)
+    c0, c1, c2 = _into_body(rotation, stream_x, stream_y)
+    a0, a1, a2 = _into_body(rotation, rise_x, rise_y)
     p, q, r = x[10], x[11], x[12]
-    c0 = rotation[0, 0] * stream_x + rotation[1, 0] * stream_y
-    c1 = rotation[0, 1] * stream_x + rotation[1, 1] * stream_y
-    c2 = rotation[0, 2] * stream_x + rotation[1, 2] * stream_y
-    a0 = rotation[0, 0] * rise_x + rotation[1, 0] * rise_y
-    a1 = rotation[0, 1] * rise_x + rotation[1, 1] * rise_y
-    a2 = rotation[0, 2] * rise_x + rotation[1, 2] * rise_y
     relative[0], relative[1], relative[2] = x[7] - c0, x[8] - c1, x[9] - c2
     relative[3], relative[4], relative[5] = p, q, r
-    for i in range(6):
-        push = 0.0
-        for j in range(target.size):
-            push += body.allocation[i, j] * x[_RIGID + j]
-        wrench[i] = push
+    _write_thrust(body.allocation, x, wrench)
     wrench[0] += surge
     wrench[1] += sway
     add_coriolis(body.mass, relative, momentum, wrench)
@@ -208,12 +232,7 @@ def _derivative(
     g = STANDARD_GRAVITY
     down = (rotation[2, 0] - a0 / g, rotation[2, 1] - a1 / g, rotation[2, 2] - a2 / g)
     add_restoring(body.net_weight, body.moment, down, wrench)
-    for i in range(3):
-        out[i] = rotation[i, 0] * x[7] + rotation[i, 1] * x[8] + rotation[i, 2] * x[9]
-    out[3] = 0.5 * (-x[4] * p - x[5] * q - x[6] * r)
-    out[4] = 0.5 * (x[3] * p + x[5] * r - x[6] * q)
-    out[5] = 0.5 * (x[3] * q + x[6] * p - x[4] * r)
-    out[6] = 0.5 * (x[3] * r + x[4] * q - x[5] * p)
+    _write_kinematics(x, rotation, out)
     for i in range(6):
         rate = 0.0
         for j in range(6):
