@@ -125,6 +125,12 @@ class VelocityController:
         self._depth = _Hold(float(inertia[HEAVE, HEAVE]), DEPTH_HOLD, LARGEST_LEAD_M)
         self._heading = _Hold(float(inertia[YAW, YAW]), HEADING_HOLD, LARGEST_LEAD_RAD)
         self._directions = [tuple(map(float, t.direction)) for t in vehicle.thrusters]
+        self._pushes = [
+            (i, axis, share)
+            for i, direction in enumerate(self._directions)
+            for axis, share in enumerate(direction)
+            if share != 0.0
+        ]
         self._efforts = self._paper_efforts()
         self._thrust = np.zeros(len(vehicle.thrusters))
         self._command = np.zeros(len(vehicle.thrusters))
@@ -166,10 +172,9 @@ class VelocityController:
     def _predict(self, dt: float) -> None:
         """Tell the observers what the thrusters can really give."""
         forces = [0.0, 0.0, 0.0]
-        for thrust, direction in zip(self._thrust.tolist(), self._directions, strict=True):
-            given = min(max(thrust, -self._reverse), self._forward)
-            for axis in (SURGE, SWAY, HEAVE):
-                forces[axis] += direction[axis] * given
+        thrusts = self._thrust.tolist()
+        for i, axis, share in self._pushes:
+            forces[axis] += share * min(max(thrusts[i], -self._reverse), self._forward)
         for observed, force in zip(self._axes, forces, strict=True):
             observed.predict(force, dt)
 
@@ -219,4 +224,6 @@ def _near(target: float, place: float, lead: float) -> float:
 
 def _wrapped(angle: float) -> float:
     """Return the angle within [-pi, pi)."""
+    if -math.pi <= angle < math.pi:
+        return angle
     return angle - 2.0 * math.pi * math.floor((angle + math.pi) / (2.0 * math.pi))
