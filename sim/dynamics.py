@@ -9,32 +9,20 @@ never left to a contact engine: an explicit added-mass force diverges within 0.1
 """
 
 import math
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
 
+from sim.contact import Contact, add_push, lowest_point, world_motion
 from sim.current import Current, Water, flow, segment_at
 from sim.elementary import asin, atan2, sincos
 from sim.hydrodynamics import add_coriolis, add_drag, add_restoring, inverse, write_rotation
-from sim.thrusters import packed, steady_thrust
-from sim.vehicles import STANDARD_GRAVITY, Array, Vehicle
+from sim.thrusters import command_of, commands_for, force_of, packed, steady_thrust
+from sim.vehicles import STANDARD_GRAVITY, Array, Vehicle, load
 
 STEP_S = 0.01  # RK4 at 100 Hz is within 1e-6 mm of the limit after 600 s
 _RIGID = 13  # position 3, quaternion 4, velocity 6; thrusts follow
-
-
-class Touch(Protocol):
-    """What may push on the vehicle besides water."""
-
-    gate_depth: float  # [m] origin's depth below which something may be touched
-
-    @property
-    def awake(self) -> bool:
-        """Whether something moves that a step has to be made for."""
-
-    def impulse(self, before: Array, after: Array, step_s: float) -> Array:
-        """Return the impulse (6,) [N s, N m s] about the origin, body frame, for one step."""
 
 
 class Body(NamedTuple):
@@ -80,7 +68,7 @@ class Plant:
         current: Current,
         *,
         step_s: float = STEP_S,
-        contact: Touch | None = None,
+        contact: Contact | None = None,
     ) -> None:
         self.vehicle = vehicle
         self.current = current
@@ -342,17 +330,17 @@ def write_current(t: float, water: Water, state: Array, out: Array) -> None:
 
 def warm_up() -> None:
     """Load or compile every function of the physics, so that a fork of this process need not."""
-    from sim.thrusters import command_of, commands_for, force_of  # noqa: PLC0415
-    from sim.vehicles import load  # noqa: PLC0415
-
     vehicle = load("girona500")
     plant = Plant(vehicle, Current(0.1, rng=np.random.Generator(np.random.PCG64(0))))
     plant.place(np.zeros(6))
-    count = len(vehicle.thrusters)
-    plant.advance(0, np.zeros(count), 1)
+    forces, state, point = np.zeros(len(vehicle.thrusters)), plant.state, np.zeros(3)
+    plant.advance(0, forces, 1)
     plant.pose()
     plant.current_world()
-    add_impulse(plant.state, plant._body.inverse_mass, np.zeros(6))
-    commands_for(np.zeros(count), plant._curve, np.zeros(count))
+    add_impulse(state, plant._body.inverse_mass, np.zeros(6))
+    commands_for(forces, plant._curve, forces.copy())
     command_of(1.0, plant._curve)
     force_of(0.5, plant._curve)
+    lowest_point(state, np.zeros((1, 3)), np.zeros((1, 3)))
+    world_motion(state, state, point, np.zeros(9))
+    add_push(state, point, point, np.zeros(6))

@@ -1,5 +1,7 @@
 """The plant against what can be worked out by hand."""
 
+import subprocess
+import sys
 from dataclasses import replace
 
 import numpy as np
@@ -9,7 +11,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from sim.current import Current, Pattern
-from sim.dynamics import Plant, warm_up
+from sim.dynamics import Plant
 from sim.streams import streams
 from sim.vehicles import Array, Quantity, Vehicle, load
 
@@ -283,6 +285,34 @@ def test_a_plant_does_not_outlive_its_gust() -> None:
         plant.advance(200, np.zeros(5), 5)
 
 
-def test_warming_up_can_be_repeated() -> None:
-    warm_up()
-    warm_up()
+COMPILED = """
+import numpy as np
+from sim import contact, current, dynamics, thrusters
+from sim.vehicles import load
+
+def compiled():
+    modules = (contact, current, dynamics, thrusters)
+    found = {f"{m.__name__}.{k}": v for m in modules for k, v in vars(m).items()}
+    return {k: len(v.signatures) for k, v in found.items() if hasattr(v, "py_func")}
+
+dynamics.warm_up()
+before = compiled()
+for name in ("girona500-uwsim", "bluerov2-heavy"):
+    vehicle = load(name)
+    touching = contact.Contact(vehicle, seabed_z=3.0)
+    law = current.Pattern(law="force")
+    plant = dynamics.Plant(vehicle, current.Current(0.2, pattern=law), contact=touching)
+    plant.place(np.array([0, 0, 2.6, 0, 0, 0]))
+    plant.advance(0, np.zeros(len(vehicle.thrusters)), 20)
+    plant.pose(), plant.current_world()
+    touching.close()
+print(before == compiled(), min(before["sim.dynamics.integrate"], 1))
+"""
+
+
+def test_after_warming_up_nothing_is_left_to_compile() -> None:
+    done = subprocess.run(
+        [sys.executable, "-c", COMPILED], capture_output=True, text=True, check=True, timeout=120
+    )
+
+    assert done.stdout.split() == ["True", "1"]
