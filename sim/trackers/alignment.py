@@ -47,6 +47,7 @@ class Level(NamedTuple):
 class Search(NamedTuple):
     """How the alignment goes on."""
 
+    coarse_basis: Matrix  # (8, n): at most scale, rotation, translation, which cannot shear away
     basis: Matrix  # (8, n) of the warp
     weight: float  # of the image's own gradient: 0.5 ESM, 0 inverse, 1 forward
     normalised: bool  # zncc: the patch is brought to the template's mean and deviation
@@ -143,6 +144,7 @@ def align(
     h: Matrix,
     level: Level,
     search: Search,
+    basis: Matrix,
     iterations: int,
 ) -> tuple[int, bool]:
     """Improve h (template px -> image px) in place; return iterations and whether it is sane."""
@@ -167,7 +169,7 @@ def align(
         normal_equations(
             level.patch, level.template, level.gradients, (level.xs, level.ys), model, a, g
         )
-        if not _step(a, g, search.basis, d):
+        if not _step(a, g, basis, d):
             return done, False
         for q in range(8):
             d[q] = min(max(d[q] / level.frame[0], -1.0), 1.0)
@@ -255,11 +257,13 @@ def track(
     done = 0
     if search.coarse_iterations > 0:
         _to_coarse(h, x0, y0, low)
-        done, sane = align(small, small_bounds, low, coarse, search, search.coarse_iterations)
+        done, sane = align(
+            small, small_bounds, low, coarse, search, search.coarse_basis, search.coarse_iterations
+        )
         if not sane:
             return done, False, 0.0
         _from_coarse(low, x0, y0, h)
-    more, sane = align(image, bounds, h, fine, search, search.fine_iterations)
+    more, sane = align(image, bounds, h, fine, search, search.basis, search.fine_iterations)
     if not sane:
         return done + more, False, 0.0
     _to_coarse(h, x0, y0, low)

@@ -33,6 +33,7 @@ METHODS = {
     "inverse_compositional": "Inverse compositional",
     "forward_compositional": "Forward compositional",
 }
+_FEW = ("translation", "rt", "srt")  # warps that the coarse level takes as they are
 _WEIGHTS = {"esm": 0.5, "inverse_compositional": 0.0, "forward_compositional": 1.0}
 _REASONS = {
     "mi": "mutual information needs a logarithm with the same bits on every processor, "
@@ -73,6 +74,7 @@ class TemplateTracker:
         _within("margin_px", margin_px, -2, 40)
         _within("search_px", search_px, 4, 200)
         self._search = Search(
+            basis(warp if warp in _FEW else "srt"),
             basis(warp),
             _WEIGHTS[method],
             criterion == "zncc",
