@@ -5,6 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+# The columns that say how the controller did; the others are in metrics.json.
+TABLE = (
+    *("level", "speed", "rmse_m", "p95_m", "rmse_px", "mean_x_px", "mean_y_px"),
+    *("settling_s", "lost_percent", "points"),
+)
+
 
 def explain(run: Mapping[str, Any]) -> str:
     """Return the lines for a run as the HTTP interface shows it."""
@@ -35,7 +41,7 @@ def table(metrics: Mapping[str, Any]) -> list[str]:
     levels = metrics.get("levels") or []
     if not levels:
         return []
-    names = [n for n, v in levels[0].items() if isinstance(v, int | float) or v is None]
+    names = [name for name in TABLE if name in levels[0]]
     rows = [names, *([_figure(level.get(name)) for name in names] for level in levels)]
     widths = [max(len(row[at]) for row in rows) for at in range(len(names))]
     return ["  ".join(cell.rjust(w) for cell, w in zip(row, widths, strict=True)) for row in rows]

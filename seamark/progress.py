@@ -51,17 +51,17 @@ class Progress:
         if self._bar is not None:
             self._bar.stop()
 
-    def show(self, fraction: float, note: str = "") -> None:
-        """Show that `fraction` (0 to 1) is done."""
+    def show(self, fraction: float, note: str = "", *, state: str = "") -> None:
+        """Show that `fraction` (0 to 1) is done; a new `state` is always worth a line."""
         if self._quiet:
             return
         if self._bar is not None:
             self._bar.update(self._task, completed=min(fraction, 1.0), note=note)
             return
-        if fraction < self._next_line and note == self._last:
+        if fraction < self._next_line and state == self._last:
             return
-        self._last = note
-        self._next_line = fraction + LINE_EVERY
+        self._last = state
+        self._next_line = min(fraction + LINE_EVERY, 1.0) if fraction < 1.0 else 2.0
         elapsed = time.monotonic() - self._started
         text = f"{self._title}: {100 * fraction:3.0f} % after {elapsed:.1f} s {note}".rstrip()
         print(text, file=sys.stderr, flush=True)

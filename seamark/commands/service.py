@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -62,11 +63,10 @@ def _settings(data: Path | None, **chosen: Any) -> Settings:
 
 
 def _celery(settings: Settings, part: str) -> None:
-    """Be the Celery process until it ends."""
-    for name in [name for name in os.environ if name.startswith("SEAMARK_")]:
-        del os.environ[name]
-    os.environ.update(settings.environment())  # worker.app reads its settings when it is imported
-    from worker.app import app, beat_arguments, worker_arguments
+    """Become the Celery process."""
+    from worker.command_lines import beat_arguments, worker_arguments
 
     arguments = worker_arguments(settings) if part == "worker" else beat_arguments(settings)
-    app.start(list(arguments[arguments.index(part) :]))
+    environ = {k: v for k, v in os.environ.items() if not k.startswith("SEAMARK_")}
+    environ |= settings.environment()
+    os.execve(sys.executable, [sys.executable, *arguments], environ)  # noqa: S606 (no shell)

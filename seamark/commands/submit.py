@@ -106,7 +106,7 @@ def _follow(client: Any, run: dict[str, Any], *, quiet: bool) -> dict[str, Any]:
         def show(now: dict[str, Any]) -> None:
             position = now["position"]
             note = f"waits, place {position}" if position else str(now["state"])
-            progress.show(now["progress"], note)
+            progress.show(now["progress"], note, state=note)
 
         ended: dict[str, Any] = client.wait(run["id"], show)
     return ended
