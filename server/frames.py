@@ -39,7 +39,7 @@ Row = NDArray[np.float64]
 def picture(settings: Settings, run: RunView, *, trial: int, t: float) -> bytes | None:
     """Return the JPEG of the view nearest to simulated time `t`, or None without telemetry.
 
-    The tracker's box is drawn green, the true outline thin and amber, the image centre as a cross.
+    The tracker's box is drawn green, the true outline thin and amber, the centre as a cross.
     """
     row = _row_at(RunFiles(settings.data, run.id), trial, t)
     if row is None:
@@ -88,8 +88,8 @@ def _camera(benchmark: str, config: str, seed: int, trial: int, level: int) -> "
 
 def _tick_in_level(run: RunView, row: Row, level: int) -> int:
     """Return which picture of its level a row has."""
-    into_level = row[INDEX["t"]] - level * run.config["level_duration_s"]
-    return round(float(into_level) / run.config["control_period_s"])
+    into_level = float(row[INDEX["t"]]) - level * float(run.config["level_duration_s"])
+    return round(into_level / float(run.config["control_period_s"]))
 
 
 def _row_at(files: RunFiles, trial: int, t: float) -> Row | None:
@@ -114,15 +114,15 @@ def _place(row: Row) -> tuple[int, float]:
 
 
 def _marked(image: Picture, row: Row, truth: Row) -> Picture:
-    """Draw the truth, the centre and, on top, where the tracker believes the target is."""
+    """Draw the centre, where the tracker believes the target is and, thin on top, the truth."""
     import cv2  # noqa: PLC0415 - as above
 
     height, width = image.shape[:2]
     middle = (width // 2, height // 2)
     cv2.drawMarker(image, middle, WHITE, cv2.MARKER_CROSS, 2 * _CROSS_PX, 1, cv2.LINE_AA)
-    _outline(image, truth, AMBER, 1)
     if row[INDEX["tracker_ok"]] == 1.0:
-        _outline(image, row[_CORNERS].reshape(4, 2), GREEN, 2)
+        _outline(image, row[_CORNERS].reshape(4, 2), GREEN, 3)
+    _outline(image, truth, AMBER, 1)
     return image
 
 

@@ -7,7 +7,7 @@ from flask_limiter.util import get_remote_address
 from server import broker
 from server.settings import Settings
 
-# Checking a password takes 0.15 s of a core on purpose; these keep guessing and flooding cheap to bear.
+# Checking a password takes 0.15 s of a core on purpose: guessing must be slow and cheap to bear.
 SIGN_IN = "10 per minute; 100 per hour"
 SIGN_UP = "10 per hour"
 ORDER = "30 per minute"

@@ -1,7 +1,8 @@
 """The documentation: texts in templates, tables from the same objects that the code works with."""
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import asdict, dataclass, fields as fields_of
+from dataclasses import asdict, dataclass
+from dataclasses import fields as fields_of
 from typing import Any
 
 from flask import Blueprint, abort, redirect, render_template, url_for
@@ -62,7 +63,7 @@ def _physics() -> dict[str, Any]:
         "vehicles": [vehicles.load(name) for name in registry.VEHICLES],
         "tags": vehicles.TAGS,
         "benchmark": benchmark,
-        "groups": form_fields.groups(benchmark.schema(), {}, {}),
+        "groups": form_fields.groups(benchmark.schema(), {}, {}, order=benchmark.groups),
     }
 
 

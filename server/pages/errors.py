@@ -16,17 +16,33 @@ _log = structlog.get_logger()
 
 # status -> title, sentence, remedy
 _WORDS = {
-    400: ("This request could not be read", "The browser sent something unexpected.", "Go back, reload the page and try again."),
+    400: (
+        "This request could not be read",
+        "The browser sent something unexpected.",
+        "Go back, reload the page and try again.",
+    ),
     401: ("Who are you?", "This token is not valid.", "Sign in, or make a new token."),
-    403: ("This is not yours to do", "Only the owner may do this.", "Sign in with the account that owns it."),
-    404: ("Nothing here", "This page does not exist, or it is private and belongs to somebody else.", "Check the address, or sign in."),
+    403: ("This is not yours to do", "Only the owner may do this.", "Sign in as its owner."),
+    404: (
+        "Nothing here",
+        "This page does not exist, or it is private and belongs to somebody else.",
+        "Check the address, or sign in.",
+    ),
     405: ("That does not work here", "This address is for a button, not for a visit.", ""),
-    409: ("Too late for that", "The run's state has changed in the meantime.", "Go back and reload the page."),
-    413: ("The upload is too large", "A program may have up to {limit}. Yours was larger{given}, so it was not kept.", "A controller is source code; leave data and recordings out of the file."),
-    429: ("Too many tries", "You have done this too often in a short time.", "Wait a minute, then try again."),
-    500: ("We made a mistake", "Something broke on our side. Your runs and data are safe.", "Try again; if it happens again, tell the operator what you did."),
-    503: ("A part of the service is away", "It will be back in a moment.", "Try again in a minute."),
-}  # fmt: skip
+    409: ("Too late for that", "The run's state has changed.", "Go back and reload the page."),
+    413: (
+        "The upload is too large",
+        "A program may have up to {limit}. Yours was larger{given}, so it was not kept.",
+        "A controller is source code; leave data and recordings out of the file.",
+    ),
+    429: ("Too many tries", "That was too often in a short time.", "Wait a minute and try again."),
+    500: (
+        "We made a mistake",
+        "Something broke on our side. Your runs and data are safe.",
+        "Try again; if it happens again, tell the operator what you did.",
+    ),
+    503: ("A part of the service is away", "It will be back soon.", "Try again in a minute."),
+}
 
 
 def register(app: Flask) -> None:

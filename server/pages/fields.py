@@ -1,11 +1,12 @@
 """Form fields generated from a benchmark's JSON Schema, and their texts read back as values."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 Schema = Mapping[str, Any]
+_LABEL_MAX = 22  # [character] that one column of the form can show
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,6 +29,11 @@ class Field:
     advanced: bool
     error: str
 
+    @property
+    def wide(self) -> bool:
+        """Whether a label among the options is too long for one column."""
+        return any(len(label) > _LABEL_MAX for _value, label in self.options)
+
 
 @dataclass(frozen=True, slots=True)
 class Group:
@@ -45,9 +51,13 @@ class Group:
 
 
 def groups(
-    schema: Schema, values: Mapping[str, object], errors: Mapping[str, str]
+    schema: Schema,
+    values: Mapping[str, object],
+    errors: Mapping[str, str],
+    *,
+    order: Sequence[str] = (),
 ) -> tuple[Group, ...]:
-    """Return the form, solution first, in the schema's order.
+    """Return the form, its groups in the order given, then in the schema's.
 
     Parameters
     ----------
@@ -64,7 +74,8 @@ def groups(
         key = (entry.get("x-role") == "scenario", entry.get("x-group", ""))
         field = _field(name, entry, shown=shown, default=default, error=errors.get(name, ""))
         found.setdefault(key, []).append(field)
-    ordered = sorted(found.items(), key=lambda item: item[0][0])  # stable: keeps the schema's order
+    places = {title: at for at, title in enumerate(order)}
+    ordered = sorted(found.items(), key=lambda item: places.get(item[0][1], len(places)))
     return tuple(
         Group(
             title=title,
@@ -89,6 +100,12 @@ def read(schema: Schema, form: Mapping[str, str]) -> dict[str, object]:
         elif name in form:
             values[name] = _value(entry, form[name].strip())
     return values
+
+
+def solution(schema: Schema, values: Mapping[str, object]) -> dict[str, object]:
+    """Return the values of the settings that compete, without those of the scenario."""
+    entries = schema["properties"]
+    return {name: v for name, v in values.items() if entries[name].get("x-role") == "solution"}
 
 
 def preset_of(schema: Schema, vehicle: str) -> Mapping[str, object]:
@@ -165,8 +182,12 @@ def _range(entry: Schema) -> str:
         inner = _range({"type": "number", **entry.get("items", {})})
         return f"{count}, {inner}" if inner else count
     low, above, high = (entry.get(k) for k in ("minimum", "exclusiveMinimum", "maximum"))
-    start = f"above {text_of(above)}" if above is not None else text_of(low)
+    start = f"above {_short(above)}" if above is not None else _short(low)
     if high is None:
         return f"from {start}" if low is not None else start
     join = " up to " if above is not None else " to "
-    return f"{start}{join}{text_of(high)}" if start else f"up to {text_of(high)}"
+    return f"{start}{join}{_short(high)}" if start else f"up to {_short(high)}"
+
+
+def _short(limit: float | None) -> str:
+    return "" if limit is None else f"{limit:.4g}".replace("-", "−")

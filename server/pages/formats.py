@@ -1,5 +1,6 @@
 """How pages write numbers, times and sizes."""
 
+import math
 import time
 from datetime import UTC, datetime
 
@@ -10,23 +11,36 @@ _STEPS = ((86_400, "day"), (3600, "hour"), (60, "minute"))
 
 def register(app: Flask) -> None:
     """Make the functions below filters of the templates."""
-    for function in (number, utc, iso, ago, duration, size, words):
+    for function in (number, plain, utc, iso, ago, duration, size, words):
         app.add_template_filter(function)
 
 
 def number(value: object, digits: int = 3) -> str:
     """Return a number with as many significant digits; other values as people write them."""
-    if value is None:
-        return "–"
     if isinstance(value, bool):
         return "yes" if value else "no"
     if isinstance(value, list | tuple):
         return ", ".join(number(item, digits) for item in value)
-    if not isinstance(value, int | float):
-        return str(value)
-    if isinstance(value, int) or value == int(value):
-        return f"{value:,.0f}".replace(",", " ").replace("-", "−")
-    return f"{value:.{digits}g}".replace("-", "−")
+    if isinstance(value, int | float):
+        return _figures(value, digits).replace("-", "−") if math.isfinite(value) else "–"
+    return "–" if value is None else str(value)
+
+
+def plain(value: float | None) -> str:
+    """Return a chosen number as it was chosen, without zeros at its end."""
+    return "–" if value is None else f"{value:g}".replace("-", "−")
+
+
+def _figures(value: float, digits: int) -> str:
+    size = abs(value)
+    if size >= 10 ** (digits - 1) or value == int(value):
+        return f"{value:,.0f}".replace(",", "\u202f")
+    return f"{value:.{digits}g}" if size < 1e-3 else f"{value:.{_decimals(size, digits)}f}"
+
+
+def _decimals(size: float, digits: int) -> int:
+    """Return how many places after the point give so many significant digits."""
+    return digits - 1 - math.floor(math.log10(size))
 
 
 def utc(epoch_s: float) -> str:

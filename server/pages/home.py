@@ -27,7 +27,7 @@ def show() -> ResponseReturnValue:
         ended = func.count().filter(Run.state == runs.RunState.SUCCEEDED)
         live = func.count().filter(Run.state.in_(runs.LIVE))
         simulated = func.coalesce(func.sum(Run.t_simulated), 0.0)
-        done, waiting, simulated_s = session.execute(select(ended, live, simulated)).one().tuple()
+        done, waiting, simulated_s = session.execute(select(ended, live, simulated)).one()
         alive = Worker.seen_at > time.time() - ALIVE_S
         workers = session.scalar(select(func.count()).where(alive)) or 0
     return render_template(

@@ -12,6 +12,7 @@ WHOLE = "whole_"  # prefix of the metrics over a level's whole length
 POINTS = Metric("points", "Points of the level", "of 100", "higher")
 HELD = Metric("held", "Held", "", "higher")
 HEAD = (POINTS, HELD, SETTLING)
+FIRST = ("rmse_m", "p95_m", "max_m", "rmse_px", "mean_x_px", "mean_y_px", "lost_percent")
 # Metric -> one more sentence where the label alone does not say it.
 MEANINGS = {
     "points": "100 / (1 + RMSE / 0.25 m) x (1 - share of the time lost)",
@@ -58,13 +59,16 @@ class Option:
 
 
 def tables(metrics: Mapping[str, Any], settle_s: float) -> list[Table]:
-    """Return the settled part first, then the whole levels; empty without metrics."""
+    """Return the most telling metrics, all of them, and those of whole levels; empty without."""
     levels: Sequence[Mapping[str, Any]] = metrics.get("levels") or []
     if not levels:
         return []
-    settled = f"After the settle window of {fields.text_of(settle_s)} s"
+    settled = f"fter the settle window of {fields.text_of(settle_s)} s"
+    telling = [metric for metric in METRICS if metric.name in FIRST]
+    rest = [metric for metric in METRICS if metric.name not in FIRST]
     return [
-        _table(settled, levels, (*HEAD, *METRICS), prefix=""),
+        _table("A" + settled, levels, (*HEAD, *telling), prefix=""),
+        _table("More metrics, a" + settled, levels, rest, prefix=""),
         _table("Whole levels", levels, METRICS, prefix=WHOLE),
     ]
 
@@ -83,7 +87,8 @@ def options(schema: Mapping[str, Any], config: Mapping[str, Any]) -> dict[str, l
         if name not in config:
             continue
         text = fields.text_of(config[name])
-        label = entry.get("x-labels", {}).get(text, text)
+        shown = {"true": "yes", "false": "no"} if entry["type"] == "boolean" else {}
+        label = (entry.get("x-labels") or shown).get(text, text)
         default = fields.text_of(preset.get(name, entry.get("default")))
         option = Option(entry["title"], label, entry.get("x-unit", ""), text != default)
         chosen.setdefault(entry.get("x-group", ""), []).append(option)

@@ -24,7 +24,7 @@ def show() -> ResponseReturnValue:
         recent = select(Worker).where(Worker.seen_at > now - GONE_S).order_by(Worker.name)
         workers = list(session.scalars(recent))
         by_state = select(Run.state, func.count()).group_by(Run.state)
-        counts = Counter(dict(session.execute(by_state).tuples().all()))
+        counts = Counter(dict(session.execute(by_state).all()))
         oldest = session.scalar(select(func.min(Run.queued_at)).where(Run.state == "queued"))
         refusal = upload_refusal(session, "python", held.settings)
     return render_template(

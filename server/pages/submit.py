@@ -1,7 +1,7 @@
 """Order a run: the form of a benchmark, and what comes back from it."""
 
 import io
-from typing import Any
+from typing import Any, BinaryIO, cast
 
 from flask import Blueprint, g, redirect, render_template, request, url_for
 from flask.typing import ResponseReturnValue
@@ -60,6 +60,8 @@ def create(name: str) -> ResponseReturnValue:
 def _order(benchmark: Benchmark, values: dict[str, object], answers: dict[str, str]) -> runs.Order:
     """Return the order in a posted form; the configuration is checked before the program."""
     kind = runs.Kind.RANKED if answers.get("kind") == runs.Kind.RANKED else runs.Kind.PRACTICE
+    if kind is runs.Kind.RANKED:  # the scenario is the benchmark's, whatever the form says
+        values = fields.solution(benchmark.schema(), values)
     config = benchmark.read(values)
     controller = answers.get("controller", "")
     return runs.Order(
@@ -84,8 +86,9 @@ def _program(answers: dict[str, str]) -> StoredProgram | None:
     if answers.get("source") != "editor":
         if file is None or not file.filename:
             raise UploadRejected("Choose a file, or write the program in the editor.")
+        stream = cast(BinaryIO, file.stream)
         return programs.store(
-            file.stream, file.filename, limit=settings.upload_max_bytes, data=settings.data
+            stream, file.filename, limit=settings.upload_max_bytes, data=settings.data
         )
     # A browser sends line ends as CR LF; the program keeps those that its author typed.
     text = answers.get("program_text", "").replace("\r\n", "\n").encode()
@@ -132,7 +135,7 @@ def _show(
         "submit/form.html",
         benchmark=benchmark,
         benchmarks=benchmarks.labels(),
-        groups=fields.groups(schema, values, errors),
+        groups=fields.groups(schema, values, errors, order=benchmark.groups),
         presets=schema.get("x-presets", {}),
         defaults={name: entry["default"] for name, entry in schema["properties"].items()},
         answers=answers or {"controller": request.args.get("controller", "pi")},

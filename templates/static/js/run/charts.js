@@ -31,6 +31,10 @@ function levelPlugin(data, owner) {
         ctx.strokeStyle = colour("--chart-level");
         ctx.fillStyle = colour("--text-2");
         ctx.font = `${11 * devicePixelRatio}px system-ui, sans-serif`;
+        ctx.textAlign = "left";
+        ctx.textBaseline = "alphabetic";
+        const room = plot.valToPos(data.level_s, "x", true) - plot.valToPos(0, "x", true);
+        const fits = ctx.measureText("0.4 m/s ").width < room;
         ctx.setLineDash([4 * devicePixelRatio, 4 * devicePixelRatio]);
         data.levels.forEach((speed, index) => {
           const x = Math.round(plot.valToPos(index * data.level_s, "x", true));
@@ -39,7 +43,7 @@ function levelPlugin(data, owner) {
           ctx.moveTo(x, bbox.top);
           ctx.lineTo(x, bbox.top + bbox.height);
           if (index) ctx.stroke();
-          ctx.fillText(`${speed} m/s`, x + 5 * devicePixelRatio, bbox.top + 12 * devicePixelRatio);
+          ctx.fillText(fits ? `${speed} m/s` : `${speed}`, x + 5 * devicePixelRatio, bbox.top + 12 * devicePixelRatio);
         });
         ctx.restore();
       },
@@ -142,8 +146,8 @@ export class Charts {
       height: HEIGHT,
       cursor: { sync: { key: "run" }, drag: { x: true, y: false } },
       legend: { show: false },
-      scales: { x: { time: false, range: (_plot, min, max) => this.range(min, max) } },
-      axes: [{ ...axis, values: (_plot, ticks) => ticks.map((tick) => `${tick} s`) }, { ...axis, size: 56 }],
+      scales: { y: { range: (_plot, min, max) => this.height(min, max) }, x: { time: false, range: (_plot, min, max) => this.range(min, max) } },
+      axes: [{ ...axis, values: (_plot, ticks) => ticks.map((tick) => `${tick} s`), size: 32 }, { ...axis, size: 56 }],
       series: [{}, ...chart.columns.map((name, index) => ({
         label: name, stroke: colour(COLOURS[index % COLOURS.length]), width: 1.5, points: { show: false },
       }))],
@@ -161,6 +165,13 @@ export class Charts {
     if (min === null || max === null || !this.t.length) return [0, this.data.trial_s];
     const whole = min <= this.t[0] && max >= this.t[this.t.length - 1];
     return whole ? [0, Math.max(this.data.trial_s, max)] : [min, max];
+  }
+
+  // Room above the line for the names of the levels.
+  height(min, max) {
+    if (min === null || max === null) return [0, 1];
+    const span = Math.max(max - min, 1e-6);
+    return [min < 0 ? min - 0.08 * span : 0, max + 0.28 * span];
   }
 
   tell(plot, chart, output) {

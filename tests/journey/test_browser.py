@@ -1,0 +1,194 @@
+"""From a stranger to a place on the leaderboard, in a real browser with the real service."""
+
+import re
+from collections.abc import Iterator
+
+import pytest
+from playwright.sync_api import Browser, Page, expect
+
+from tests.journey.conftest import Service
+
+pytestmark = [pytest.mark.browser, pytest.mark.host, pytest.mark.slow]
+
+RUN_MS = 120_000
+WORDS = "correct horse battery"
+PROGRAM = """
+class Controller:
+    def __init__(self, config):
+        self.kp = config["kp"]
+
+    def reset(self, level):
+        print("level", level["index"])
+
+    def step(self, observation):
+        x, y, _ = observation.error
+        return [self.kp * x, self.kp * y, 0.0, 0.0]
+"""
+# A page that breaks its own rules, or a script that fails, says so here.
+_COLLECT = """
+window.violations = [];
+document.addEventListener("securitypolicyviolation", (event) => {
+  window.violations.push(`${event.violatedDirective} ${event.blockedURI} ${event.sourceFile}`);
+});
+"""
+
+
+class Visitor:
+    """A page that keeps what went wrong on it."""
+
+    def __init__(self, page: Page, service: Service) -> None:
+        self.page, self.service = page, service
+        self.wrong: list[str] = []
+        page.add_init_script(_COLLECT)
+        page.on("pageerror", lambda error: self.wrong.append(f"{page.url}: {error}"))
+        page.on("console", self._heard)
+        page.on("dialog", lambda dialog: dialog.accept())
+
+    def _heard(self, message: object) -> None:
+        if getattr(message, "type", "") == "error":
+            self.wrong.append(f"{self.page.url}: {getattr(message, 'text', '')}")
+
+    def open(self, path: str) -> None:
+        self.page.goto(self.service.url + path)
+
+    def sign_up(self, name: str) -> None:
+        self.open("/sign-up")
+        self.page.get_by_label("Name").fill(name)
+        self.page.get_by_label("Password").fill(WORDS)
+        self.page.get_by_role("button", name="Make the account").click()
+        expect(self.page.get_by_role("link", name=name, exact=True)).to_be_visible()
+
+    def wait_for(self, state: str) -> None:
+        badge = self.page.locator("[data-state-badge] .badge")
+        expect(badge).to_have_text(re.compile(state), timeout=RUN_MS)
+
+    def violations(self) -> list[str]:
+        found: list[str] = self.page.evaluate("window.violations")
+        return found
+
+
+@pytest.fixture
+def visitor(chromium: Browser, service: Service) -> Iterator[Visitor]:
+    context = chromium.new_context(viewport={"width": 1280, "height": 900})
+    yield Visitor(context.new_page(), service)
+    context.close()
+
+
+def _short(page: Page) -> None:
+    """Make the experiment a few seconds long."""
+    page.get_by_label("Current levels").fill("0, 0.1")
+    page.get_by_label("Length of a level").fill("10")
+    page.get_by_label("Settle window").fill("2")
+
+
+def test_a_stranger_watches_pi_without_an_account(visitor: Visitor) -> None:
+    page = visitor.page
+    visitor.open("/")
+    page.get_by_role("link", name="Start a run").click()
+    _short(page)
+
+    page.get_by_role("button", name="Start the run").click()
+    visitor.wait_for("succeeded")
+
+    expect(page.get_by_text("RMSE of the distance").first).to_be_visible()
+    expect(page.locator("[data-camera] img")).to_be_visible()
+    expect(page.locator(".uplot canvas")).to_have_count(3)
+    assert (visitor.wrong, visitor.violations()) == ([], [])
+
+
+def test_an_uploaded_controller_goes_from_sign_up_to_the_leaderboard(visitor: Visitor) -> None:
+    page = visitor.page
+    visitor.sign_up("journey")
+    visitor.open("/submit/currents-v1")
+    page.get_by_text("My own program").click()
+    file = {"name": "mine.py", "mimeType": "text/x-python", "buffer": PROGRAM.encode()}
+    page.locator("#program").set_input_files(file)
+    page.get_by_text("Ranked", exact=True).click()
+    expect(page.get_by_label("Length of a level")).to_be_disabled()
+
+    page.get_by_role("button", name="Start the ranked run").click()
+    visitor.wait_for("succeeded")
+    expect(page.locator("[data-log]")).to_contain_text("level 4")
+    with page.expect_download() as download:
+        page.get_by_role("link", name="telemetry.csv").click()
+    page.get_by_role("button", name="Publish").click()
+    expect(page.get_by_text("The run is public now")).to_be_visible()
+    visitor.open("/leaderboards/currents-v1")
+
+    row = page.get_by_role("row", name=re.compile("journey"))
+    expect(row).to_contain_text("mine.py")
+    lines = download.value.path().read_text().splitlines()
+    assert len([line for line in lines if not line.startswith("#")]) == 1 + 5 * 120 * 20
+    assert (visitor.wrong, visitor.violations()) == ([], [])
+
+
+def test_a_program_that_divides_by_zero_is_told_so_with_its_line(visitor: Visitor) -> None:
+    page = visitor.page
+    visitor.sign_up("zero")
+    visitor.open("/submit/currents-v1")
+    _short(page)
+    page.get_by_text("My own program").click()
+    page.get_by_role("radio", name="Editor").check()
+    page.get_by_label(re.compile("controller.py")).fill(
+        PROGRAM.replace("return [", "return [1 / 0, ")
+    )
+
+    page.get_by_role("button", name="Start the run").click()
+    visitor.wait_for("failed")
+
+    expect(page.get_by_text("user_error")).to_be_visible()
+    expect(page.get_by_text("ZeroDivisionError").first).to_be_visible()
+    assert (visitor.wrong, visitor.violations()) == ([], [])
+
+
+def test_a_wrong_gain_is_marked_at_its_field_and_the_rest_is_kept(visitor: Visitor) -> None:
+    page = visitor.page
+    visitor.open("/submit/currents-v1")
+    page.get_by_label("Proportional gain Kp").fill("99")
+    page.get_by_label("Integral gain Ki").fill("0.03")
+
+    page.get_by_role("button", name="Start the run").click()
+
+    expect(page.locator("#kp-error")).to_contain_text("from 0 to 5")
+    expect(page.get_by_label("Integral gain Ki")).to_have_value("0.03")
+    assert visitor.violations() == []
+
+
+def test_choosing_the_papers_vehicle_brings_its_defaults(visitor: Visitor) -> None:
+    page = visitor.page
+    visitor.open("/submit/currents-v1")
+    page.get_by_label("Proportional gain Kp").fill("0.8")
+
+    page.get_by_label("Vehicle", exact=True).select_option("girona500-uwsim")
+
+    expect(page.get_by_label("The current acts as")).to_have_value("force")
+    expect(page.get_by_label("Proportional gain Kp")).to_have_value("0.8")
+
+
+def test_an_upload_of_three_megabytes_ends_with_a_clear_sentence(visitor: Visitor) -> None:
+    page = visitor.page
+    visitor.sign_up("heavy")
+    visitor.open("/submit/currents-v1")
+    page.get_by_text("My own program").click()
+    file = {"name": "big.py", "mimeType": "text/x-python", "buffer": b"#" * 3_000_000}
+    page.locator("#program").set_input_files(file)
+
+    page.get_by_role("button", name="Start the run").click()
+
+    expect(page.get_by_role("heading", name="The upload is too large")).to_be_visible()
+
+
+@pytest.mark.parametrize(
+    "path",
+    ["/", "/submit/currents-v1", "/runs/", "/leaderboards/currents-v1", "/sign-up", "/status",
+     "/docs/start", "/docs/controller", "/docs/physics", "/docs/telemetry", "/api/docs"],
+)  # fmt: skip
+def test_a_phone_never_scrolls_sideways(chromium: Browser, service: Service, path: str) -> None:
+    context = chromium.new_context(viewport={"width": 375, "height": 800})
+    page = context.new_page()
+    page.goto(service.url + path)
+
+    width = page.evaluate("document.documentElement.scrollWidth")
+    context.close()
+
+    assert width <= 375

@@ -1,0 +1,108 @@
+"""Signing up, in and out, and tokens."""
+
+import re
+
+import pytest
+
+from tests.server.pages.conftest import Site
+
+WORDS = "correct horse battery"
+
+
+def test_signing_up_signs_in_and_out_again(site: Site) -> None:
+    browser = site.browser()
+
+    answer = browser.post("/sign-up", {"name": "cleo", "password": WORDS})
+    inside = browser.get("/").text
+    browser.post("/sign-out")
+    outside = browser.get("/").text
+
+    assert answer.status_code == 302
+    assert (">cleo<" in inside, ">cleo<" in outside) == (True, False)
+
+
+def test_a_wrong_password_and_an_unknown_name_get_the_same_answer(site: Site) -> None:
+    site.browser().post("/sign-up", {"name": "cleo", "password": WORDS})
+
+    def refusal(name: str) -> tuple[int, str]:
+        answer = site.browser().post("/sign-in", {"name": name, "password": "wrong wrong"})
+        return answer.status_code, re.findall(r'role="alert"><p>([^<]+)', answer.text)[0]
+
+    assert refusal("cleo") == refusal("nobody")
+
+
+def test_the_right_password_signs_in(site: Site) -> None:
+    site.browser().post("/sign-up", {"name": "cleo", "password": WORDS})
+    browser = site.browser()
+
+    answer = browser.post("/sign-in", {"name": "Cleo", "password": WORDS, "next": "/runs/"})
+
+    assert (answer.status_code, answer.headers["Location"]) == (302, "/runs/")
+
+
+@pytest.mark.parametrize(
+    "wanted", ["https://evil.example/", "//evil.example", "/\\evil.example", "\\\\evil.example", ""]
+)
+def test_signing_up_never_leads_to_another_site(site: Site, wanted: str) -> None:
+    form = {"name": "cleo", "password": WORDS, "next": wanted}
+
+    assert site.browser().post("/sign-up", form).headers["Location"] == "/"
+
+
+@pytest.mark.parametrize(
+    ("name", "password"), [("ann", WORDS), ("x", WORDS), ("<b>", WORDS), ("cleo", "short")]
+)
+def test_a_refused_account_says_why_and_keeps_the_name(
+    site: Site, name: str, password: str
+) -> None:
+    answer = site.browser().post("/sign-up", {"name": name, "password": password})
+
+    assert answer.status_code == 422
+    assert 'role="alert"' in answer.text
+
+
+def test_guessing_passwords_is_slowed_down(site: Site) -> None:
+    browser = site.browser()
+
+    answers = [browser.post("/sign-in", {"name": "ann", "password": "x"}) for _ in range(11)]
+
+    assert [answer.status_code for answer in answers] == [422] * 10 + [429]
+    assert "Too many tries" in answers[-1].text
+
+
+def test_a_token_is_shown_once_works_and_can_be_withdrawn(site: Site) -> None:
+    browser = site.browser("ann")
+
+    made = browser.post("/tokens", {"name": "laptop", "scopes": ["read"], "days": "7"}).text
+    found = re.search(r"smk_[\w-]+", made.split('id="new-token"')[1])
+    assert found is not None
+    header = {"Authorization": f"Bearer {found.group()}"}
+    before = site.browser().get("/api/v1/me", headers=header).status_code
+    token_id = re.findall(r"/tokens/(\d+)/revoke", made)[0]
+    after_page = browser.post(f"/tokens/{token_id}/revoke", follow_redirects=True).text
+
+    assert before == 200
+    assert found.group() not in after_page
+    assert site.browser().get("/api/v1/me", headers=header).status_code == 401
+
+
+def test_a_token_of_another_cannot_be_withdrawn(site: Site) -> None:
+    made = site.browser("ann").post("/tokens", {"name": "laptop", "scopes": ["read"]}).text
+    token_id = re.findall(r"/tokens/(\d+)/revoke", made)[0]
+
+    assert site.browser("ben").post(f"/tokens/{token_id}/revoke").status_code == 404
+
+
+def test_nobody_but_an_admin_can_give_a_token_the_rights_of_one(site: Site) -> None:
+    answer = site.browser("ann").post("/tokens", {"name": "x", "scopes": ["admin"]})
+
+    assert answer.status_code == 422
+    assert "at least one scope" in answer.text
+
+
+def test_the_cookie_is_out_of_reach_of_scripts_and_other_sites(site: Site) -> None:
+    answer = site.browser().post("/sign-up", {"name": "cleo", "password": WORDS})
+
+    cookie = answer.headers["Set-Cookie"]
+    assert "HttpOnly" in cookie
+    assert "SameSite=Lax" in cookie

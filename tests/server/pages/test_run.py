@@ -1,0 +1,128 @@
+"""The page of a run in each of its states, and hostile text on it."""
+
+import json
+import re
+
+import numpy as np
+import pytest
+from redis import Redis
+
+from server import live, runs
+from server.run_files import RunFiles
+from sim.telemetry import WIDTH
+from tests.server.pages.conftest import Site
+
+HOSTILE = "<script>alert(1)</script><img src=x onerror=alert(2)>'\"&"
+
+
+def _page(site: Site, run_id: int, role: str = "ann") -> str:
+    return site.browser(role).get(f"/runs/{run_id}").text
+
+
+def test_a_waiting_run_shows_its_place_and_why_it_waits(site: Site) -> None:
+    site.queue("ben")
+    run_id = site.queue("ann")
+
+    page = _page(site, run_id)
+
+    assert "Place 2 in the queue" in page
+    assert "No worker is running" in page
+    assert "Cancel" in page
+
+
+def test_a_run_that_succeeded_shows_score_metrics_and_digest(site: Site) -> None:
+    run_id = site.queue("ann")
+    levels = [{"level": 0, "speed": 0.1, "rmse_m": 0.0123, "points": 95.3, "held": True}]
+    metrics = {"score": 95.3, "score_low": None, "score_high": None, "level_held": 0.1}
+    site.end(site.claim(), metrics=metrics | {"levels": levels, "trials": []})
+
+    page = _page(site, run_id)
+
+    assert "95.30" in page
+    assert "RMSE of the distance" in page
+    assert "0.0123" in page
+    assert "0" * 64 in page
+
+
+def test_a_failed_run_shows_cause_remedy_traceback_log_and_time(site: Site) -> None:
+    detail = {
+        "title": "The program raised an error",
+        "sentence": "It divided by zero.",
+        "remedy": "Check the divisor.",
+        "traceback": 'File "mine.py", line 3, in step\nZeroDivisionError',
+        "log_tail": "last words",
+        "t_reached": 63.0,
+    }
+    run_id = site.failed(**detail)
+
+    page = _page(site, run_id)
+
+    expected = (*list(detail.values())[:3], "ZeroDivisionError", "last words", "1 min 3 s")
+    assert [text for text in ("user_error", *expected) if text not in page] == []
+
+
+def test_hostile_names_logs_and_tracebacks_stay_text(site: Site) -> None:
+    run_id = site.queue("ann", title=HOSTILE)
+    claim = site.claim()
+    RunFiles(site.settings.data, run_id, claim.attempt).append_log(HOSTILE.encode())
+    detail = dict.fromkeys(("title", "sentence", "remedy", "traceback", "log_tail"), HOSTILE)
+    failure = {"state": runs.RunState.FAILED, "cause": "user_error", "metrics": None}
+    site.end(claim, **failure, detail=detail | {"t_reached": 1.0})
+    site.publish(run_id)
+
+    pages = [_page(site, run_id), _page(site, run_id, "ben")]
+    pages += [site.browser("ann").get(path).text for path in ("/runs/", "/")]
+
+    assert all("<script>alert" not in page and "<img src=x" not in page for page in pages)
+    assert pages[0].count("&lt;script&gt;alert(1)") >= 6
+
+
+def test_the_data_for_scripts_cannot_leave_its_element(site: Site) -> None:
+    run_id = site.queue("ann", title="</script><script>alert(1)</script>")
+
+    page = _page(site, run_id)
+
+    data = re.search(r'id="run-data">(.*?)</script>', page, re.DOTALL)
+    assert data is not None
+    assert json.loads(data.group(1))["id"] == run_id
+    assert "</script><script>alert" not in page
+
+
+def test_cancelling_a_waiting_run_ends_it_and_tells_the_open_pages(
+    site: Site, redis_url: str
+) -> None:
+    run_id = site.queue("ann")
+
+    site.browser("ann").post(f"/runs/{run_id}/cancel")
+
+    assert site.show(run_id).state is runs.RunState.CANCELLED
+    with Redis.from_url(redis_url) as redis:
+        kinds = [fields[b"kind"] for _, fields in redis.xrange(live.key(run_id))]
+    assert kinds == [b"state", b"end"]
+
+
+def test_publishing_shows_the_run_to_everybody_and_withdrawing_hides_it(site: Site) -> None:
+    run_id = site.finished("ann")
+    owner, other = site.browser("ann"), site.browser("ben")
+
+    seen = [other.get(f"/runs/{run_id}").status_code]
+    for action in ("publish", "withdraw"):
+        owner.post(f"/runs/{run_id}/{action}")
+        seen.append(other.get(f"/runs/{run_id}").status_code)
+
+    assert seen == [404, 200, 404]
+
+
+@pytest.mark.parametrize("state", ["running", "cancelled"])
+def test_data_so_far_is_offered_in_every_state(site: Site, state: str) -> None:
+    run_id = site.queue("ann")
+    claim = site.claim()
+    RunFiles(site.settings.data, run_id, claim.attempt).append_rows(np.zeros((3, WIDTH)))
+    if state == "cancelled":
+        site.browser("ann").post(f"/runs/{run_id}/cancel")
+
+    page = _page(site, run_id)
+
+    assert site.show(run_id).state == state
+    assert f'href="/api/v1/runs/{run_id}/telemetry.csv"' in page
+    assert site.browser("ann").get(f"/api/v1/runs/{run_id}/telemetry.csv").status_code == 200

@@ -1,0 +1,159 @@
+"""The form: generated from the schema, and with everything kept when something is wrong."""
+
+import io
+import re
+
+import pytest
+
+from server import runs
+from tests.server.pages.conftest import Browser, Site
+
+FORM = "/submit/currents-v1"
+PROGRAM = "class Controller:\n    def step(self, observation):\n        return [0, 0, 0, 0]\n"
+
+
+def _new_run(browser: Browser, **answers: object) -> int:
+    answer = browser.post(FORM, {"controller": "pi", **answers})
+    assert answer.status_code == 303, answer.text
+    return int(answer.headers["Location"].rsplit("/", 1)[-1])
+
+
+def test_a_guest_starts_a_built_in_controller_and_sees_the_run(site: Site) -> None:
+    browser = site.browser()
+
+    run_id = _new_run(browser, kp="0.7", seed="5")
+
+    run = site.show(run_id)
+    assert (run.user_id, run.config["kp"], run.seed, run.kind) == (None, 0.7, 5, "practice")
+    assert browser.get(f"/runs/{run_id}").status_code == 200
+    assert site.browser().get(f"/runs/{run_id}").status_code == 404
+
+
+def test_every_setting_of_the_schema_has_a_field_with_its_default(site: Site) -> None:
+    from sim import registry
+
+    page = site.browser().get(FORM).text
+
+    names = set(registry.benchmark("currents-v1").schema()["properties"])
+    assert names <= set(re.findall(r' name="(\w+)" [^>]*data-default=', page))
+
+
+def test_a_wrong_gain_is_explained_at_its_field_and_all_values_are_kept(site: Site) -> None:
+    answer = site.browser().post(
+        FORM, {"controller": "p", "kp": "99", "ki": "0.03", "title": "mine"}
+    )
+
+    assert answer.status_code == 422
+    error = re.search(r'id="kp-error">([^<]+)<', answer.text)
+    assert error is not None
+    assert "from 0 to 5" in error.group(1)
+    assert re.search(r'name="kp" value="99"[^>]*aria-invalid="true"', answer.text)
+    assert re.search(r'name="ki" value="0.03"', answer.text)
+    assert re.search(r'name="title"[^>]*value="mine"', answer.text)
+    assert re.search(r'name="controller" value="p" checked', answer.text)
+
+
+@pytest.mark.parametrize("text", ["abc", "nan", "1e999", "", "0,5"])
+def test_what_is_no_number_is_refused_with_a_sentence(site: Site, text: str) -> None:
+    answer = site.browser().post(FORM, {"controller": "pi", "kp": text})
+
+    assert answer.status_code == 422
+    assert 'id="kp-error"' in answer.text
+
+
+@pytest.mark.parametrize("seed", ["-1", "1.5", "seven", "99999999999"])
+def test_a_wrong_seed_is_refused(site: Site, seed: str) -> None:
+    answer = site.browser().post(FORM, {"controller": "pi", "seed": seed})
+
+    assert answer.status_code == 422
+    assert "seed" in answer.text
+
+
+def test_a_vehicle_brings_its_defaults_also_without_javascript(site: Site) -> None:
+    page = site.browser().get(f"{FORM}?vehicle=girona500-uwsim").text
+
+    assert re.search(r'<option value="force" selected>', page)
+
+
+def test_a_form_can_begin_with_the_configuration_of_a_run(site: Site) -> None:
+    run_id = site.finished("ann", config={"kp": 1.25})
+
+    own = site.browser("ann").get(f"{FORM}?from={run_id}").text
+    foreign = site.browser("ben").get(f"{FORM}?from={run_id}").text
+
+    assert 'name="kp" value="1.25"' in own
+    assert 'name="kp" value="1.25"' not in foreign
+
+
+def test_an_uploaded_file_is_queued(site: Site) -> None:
+    file = (io.BytesIO(PROGRAM.encode()), "mine.py")
+
+    run_id = _new_run(site.browser("ann"), controller="upload", source="file", program=file)
+
+    run = site.show(run_id)
+    assert (run.program_name, run.language, run.state) == ("mine.py", "python", "queued")
+
+
+def test_a_program_of_the_editor_is_queued(site: Site) -> None:
+    wishes = {"controller": "upload", "source": "editor", "program_text": PROGRAM}
+
+    assert site.show(_new_run(site.browser("ann"), **wishes)).program_name == "controller.py"
+
+
+def test_a_syntax_error_names_the_line_and_the_text_is_kept(site: Site) -> None:
+    text = "class Controller:\n    def step(self, observation)\n        return 1\n"
+
+    answer = site.browser("ann").post(
+        FORM, {"controller": "upload", "source": "editor", "program_text": text}
+    )
+
+    assert answer.status_code == 422
+    assert re.search(r'id="program-error">controller.py, line 2: ', answer.text)
+    assert "def step(self, observation)\n        return 1" in answer.text
+
+
+def test_a_guest_may_not_upload(site: Site) -> None:
+    file = (io.BytesIO(PROGRAM.encode()), "mine.py")
+
+    answer = site.browser().post(FORM, {"controller": "upload", "program": file})
+
+    assert answer.status_code == 422
+    assert "needs an account" in answer.text
+
+
+def test_three_megabytes_are_refused_with_the_limit_in_a_sentence(site: Site) -> None:
+    file = (io.BytesIO(b"#" * 3_000_000), "big.py")
+
+    answer = site.browser("ann").post(FORM, {"controller": "upload", "program": file})
+
+    assert answer.status_code == 413
+    assert "The upload is too large" in answer.text
+    assert "up to 2 MiB" in answer.text
+
+
+def test_a_ranked_run_has_the_scenario_of_the_benchmark(site: Site) -> None:
+    run_id = _new_run(site.browser("ann"), kind="ranked", kp="0.9", level_duration_s="10")
+
+    run = site.show(run_id)
+    assert (run.kind, run.seed, run.trials) == ("ranked", None, site.settings.ranked_trials)
+    assert (run.config["kp"], run.config["level_duration_s"]) == (0.9, 120.0)
+
+
+def test_a_used_up_quota_is_said_on_the_form(site: Site) -> None:
+    for _ in range(site.settings.quota_live):
+        site.queue("ann")
+
+    answer = site.browser("ann").post(FORM, {"controller": "pi"})
+
+    assert answer.status_code == 429
+    assert "which is the most at a time" in answer.text
+
+
+def test_running_again_makes_a_new_run_of_the_same_order(site: Site) -> None:
+    first = site.finished("ann", config={"kp": 0.4}, seed=11)
+
+    answer = site.browser("ann").post(f"/runs/{first}/rerun")
+
+    again = site.show(int(answer.headers["Location"].rsplit("/", 1)[-1]))
+    assert (again.rerun_of, again.config["kp"], again.seed) == (first, 0.4, 11)
+    assert again.state is runs.RunState.QUEUED
