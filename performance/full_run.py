@@ -1,0 +1,60 @@
+"""A whole practice run of 600 s: camera, tracker and a controller, built in and in its box.
+
+Measured in warm processes, as on a worker; the peer is the sea: simulated time.
+"""
+
+import os
+import resource
+import time
+
+from performance.table import Row
+from sandbox.languages.python import SELF_TEST
+from sandbox.level import Level, probe
+from sim.warm_up import warm_up
+from worker.single import Hearing, evaluate_here
+
+_SEED = 7
+_SETTINGS: dict[str, object] = {"tracker": "esm", "warp": "homography", "criterion": "zncc"}
+_SIMULATED_S = 600.0
+
+
+def rows() -> list[Row]:
+    """Measure and return the rows; CPU time is of the simulator and of the box together."""
+    warm_up()
+    before = os.sched_getaffinity(0)
+    os.sched_setaffinity(0, {max(before)})
+    try:
+        level = probe().level
+        measured = [_measure("built-in PI", "pi", Level.NONE)]
+        if level >= Level.MEDIUM:
+            program = (SELF_TEST.encode(), "controller.py")
+            name = f"program in its box, level {level.name.lower()}"
+            measured.append(_measure(name, program, level))
+    finally:
+        os.sched_setaffinity(0, before)
+    peak_mib = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+    return [row for pair in measured for row in pair] + [
+        Row(what="memory of the measuring process", value=peak_mib, unit="MiB peak")
+    ]
+
+
+def _measure(name: str, controller: str | tuple[bytes, str], level: Level) -> tuple[Row, Row]:
+    hearing = Hearing(rows=_ignore, log=_ignore, progress=_ignore, cut=_ignore)
+    wall, cpu = time.perf_counter(), time.process_time()
+    ending = evaluate_here(
+        "currents-v1", _SETTINGS, seed=_SEED, controller=controller, hearing=hearing, level=level
+    )
+    wall_s = time.perf_counter() - wall
+    cpu_s = time.process_time() - cpu + ending.usage.get("cpu_s", 0.0)
+    return (
+        _beside_the_sea(f"600 s, {name}: CPU", cpu_s, "s CPU"),
+        _beside_the_sea(f"600 s, {name}: wall, one core", wall_s, "s wall"),
+    )
+
+
+def _beside_the_sea(what: str, value_s: float, unit: str) -> Row:
+    return Row(what=what, value=value_s, unit=unit, peer="simulated time", peer_value=_SIMULATED_S)
+
+
+def _ignore(_: object) -> None:
+    """Hear nothing: only time is of interest."""
