@@ -114,6 +114,10 @@ def _distances(rows: Rows) -> dict[str, float]:
     result: dict[str, float] = {}
     for unit, name in (("m", "distance"), ("px", "distance_px")):
         values = _column(rows, name)
+        if any(map(math.isnan, values)):
+            values = [
+                math.nan
+            ]  # order statistics of nan would be nonsense that looks like a number
         result |= {
             f"rmse_{unit}": root_mean_square(values),
             f"mae_{unit}": mean(values),

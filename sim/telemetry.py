@@ -40,7 +40,7 @@ COLUMNS: tuple[Column, ...] = (
     *_vector("u v w", "m/s", "velocity over ground, body frame: surge, sway, heave"),
     *_vector("p q r", "rad/s", "angular velocity, body frame"),
     *_vector("current_x current_y current_z", "m/s", "velocity of the water, world frame"),
-    *_vector("target_x target_y", "px", "true place of the target in the picture"),
+    *_vector("target_x target_y", "px", "true place of the target; nan while it has no image"),
     *_vector("tracked_x tracked_y", "px", "place of the target by the tracker"),
     *(
         Column(f"corner_{i}", "px", "corner of the target by the tracker, x0 y0 to x3 y3")

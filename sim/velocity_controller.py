@@ -24,7 +24,8 @@ DEPTH_HOLD = (0.8, 0.9, 0.05)  # [1/s, 1, 1/s] natural frequency, damping, integ
 HEADING_HOLD = (2.0, 0.9, 0.3)
 LARGEST_LEAD_M = 0.5  # [m] how far the depth's set point may run ahead of the vehicle
 LARGEST_LEAD_RAD = 0.5
-SLOWEST_YAW_RAD_S = 0.6  # [rad/s] S: COLA2's open-loop limit of the Girona 500
+SHALLOWEST_M = 0.5  # [m] the water has no surface in the equations; the depth hold stays below it
+FASTEST_YAW_RAD_S = 0.6  # [rad/s] S: COLA2's open-loop limit of the Girona 500
 
 
 class Settings(Protocol):
@@ -146,7 +147,7 @@ class VelocityController:
         """Return the commands, (n,) in [-1, 1]; the array is reused at the next call."""
         limit = self._settings.reference_limit_m_s
         surge, sway, heave = (min(max(value, -limit), limit) for value in reference[:3])
-        yaw_rate = min(max(reference[3], -SLOWEST_YAW_RAD_S), SLOWEST_YAW_RAD_S)
+        yaw_rate = min(max(reference[3], -FASTEST_YAW_RAD_S), FASTEST_YAW_RAD_S)
         wanted = (surge, sway, heave)
         moment = self._yaw_moment(yaw_rate, sensed, dt)
         if self._settings.velocity_law == "paper":
@@ -180,7 +181,8 @@ class VelocityController:
 
     def _hold_depth(self, heave: float, sensed: Sensed, dt: float) -> float:
         hold = self._depth
-        hold.target = _near(hold.target + heave * dt, sensed.depth, hold.lead)
+        target = _near(hold.target + heave * dt, sensed.depth, hold.lead)
+        hold.target = max(target, SHALLOWEST_M)
         return hold.step(hold.target - sensed.depth, heave - sensed.velocity[HEAVE], dt)
 
     def _yaw_moment(self, rate: float, sensed: Sensed, dt: float) -> float:

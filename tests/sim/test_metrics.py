@@ -72,6 +72,13 @@ def test_the_vrx_error_adds_the_heading_the_more_the_nearer() -> None:
     assert result["whole_heading_rmse_rad"] == pytest.approx(0.4)
 
 
+def test_a_target_without_an_image_leaves_no_number_that_looks_like_one() -> None:
+    result = level_metrics(rows_of([0.1] * 3, distance_px=[1.0, math.nan, 2.0]), FACTS)
+
+    assert all(math.isnan(result[f"whole_{name}_px"]) for name in ("rmse", "mae", "p95", "max"))
+    assert result["whole_max_m"] == 0.1
+
+
 @pytest.mark.parametrize(
     ("distances", "settled"),
     [

@@ -11,6 +11,7 @@ import pytest
 from numpy.typing import NDArray
 
 from sim import telemetry
+from sim.benchmarks import Benchmark
 from sim.configuration import Configuration
 from sim.observation import BOOLEANS, FIELDS, SIZE, STARTS
 from sim.program import BuiltIn, Command
@@ -165,6 +166,37 @@ def test_the_tracker_may_start_from_perturbed_corners(run_short: RunOf) -> None:
     _result, rows = run_short({"start_error_px": 1.0})
 
     assert rows[0, INDEX["tracker_error"]] > 0.3
+
+
+class Steady:
+    """Always answers the same."""
+
+    def __init__(self, command: Command) -> None:
+        self._command = command
+
+    def reset(self, level: Mapping[str, float | int]) -> None:
+        pass
+
+    def step(self, values: NDArray[np.float64]) -> Command:
+        return self._command
+
+
+@pytest.mark.parametrize("vehicle", ["girona500", "girona500-uwsim"])
+@pytest.mark.parametrize(
+    "command", [(0.0, 0.0, 1.0, 0.0), (1.0, 0.0, -1.0, 9.0), (1e300, -1e300, 1e300, 1e300)]
+)
+def test_a_wild_program_ends_with_a_finite_state_above_the_bottom_and_few_points(
+    vehicle: str, command: Command, currents: Benchmark
+) -> None:
+    config = currents.read({**SHORT, "vehicle": vehicle, "levels": 0.1, "level_duration_s": 20})
+    rows: list[Rows] = []
+
+    result = run_trial("currents-v1", config, Steady(command), seed=5, trial=0, on_rows=rows.append)
+
+    states = np.concatenate(rows)[:, INDEX["x"] : INDEX["current_z"] + 1]
+    assert np.isfinite(states).all()
+    assert states[:, 2].max() < 5.0
+    assert 0.0 <= result.score < 40.0
 
 
 def test_an_unknown_benchmark_is_a_key_error(short: Configuration) -> None:
