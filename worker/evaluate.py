@@ -61,8 +61,8 @@ class StopFlag(Protocol):
         """Return whether to stop."""
 
 
-def evaluate(tools: Tools, claim: Claim) -> RunState | None:
-    """Evaluate one claimed run and store how it ended; None if it is no longer ours."""
+def evaluate(tools: Tools, claim: Claim) -> bool:
+    """Evaluate one claimed run and store how it ended; False if something of ours broke."""
     log = structlog.get_logger().bind(run=claim.run_id, attempt=claim.attempt)
     log.info("run_started", benchmark=claim.benchmark, kind=claim.kind, worker=claim.worker)
     drive = Drive(tools, claim)
@@ -70,16 +70,20 @@ def evaluate(tools: Tools, claim: Claim) -> RunState | None:
         report = drive.to_its_end()
     except NoLonger as change:
         log.info("run_stopped", why=change.beat.name.lower())
-        return drive.close_cancelled() if change.beat is Beat.CANCEL else None
+        if change.beat is Beat.CANCEL:
+            drive.close_cancelled()
+        return True
     except Stopping:
-        return drive.give_back("the worker shuts down", counts=False)
+        drive.give_back("the worker shuts down", counts=False)
+        return True
     except SimulatorBroken as broken:
         log.error("simulator_broken", why=str(broken), traceback=drive.our_traceback)
-        return drive.give_back(str(broken), counts=True)
+        drive.give_back(str(broken), counts=True)
+        return False
     stored = drive.store(report)
     seconds = round(time.monotonic() - drive.began, 3)
     log.info("run_ended", state=report.state, cause=report.cause, stored=stored, wall_s=seconds)
-    return report.state if stored else None
+    return True
 
 
 class Drive:
@@ -132,7 +136,7 @@ class Drive:
             self._live.end()
         return stored
 
-    def close_cancelled(self) -> RunState | None:
+    def close_cancelled(self) -> None:
         """Keep what there is of a run that its owner cancelled."""
         report = Report(
             state=RunState.CANCELLED,
@@ -141,9 +145,9 @@ class Drive:
             t_simulated=self._t_simulated,
             isolation=self._isolation(),
         )
-        return RunState.CANCELLED if self.store(report) else None
+        self.store(report)
 
-    def give_back(self, why: str, *, counts: bool) -> RunState | None:
+    def give_back(self, why: str, *, counts: bool) -> None:
         """Put the run back to its place in the line, or fail it for good."""
         with self._tools.database.writing() as session:
             state = runs.give_back(
@@ -153,7 +157,6 @@ class Drive:
             self._live.state(state, progress=0.0, t_simulated=0.0)
         if state is RunState.FAILED:
             self._live.end()
-        return state
 
     def _job(self) -> Job:
         claim, settings = self._claim, self._tools.settings

@@ -1,8 +1,8 @@
 """One celery child: its connections, its simulator, its core."""
 
 import os
+import time
 
-import structlog
 from celery import Celery
 
 from server import broker, runs
@@ -14,7 +14,7 @@ from worker.job import Place
 from worker.simulation import Simulator
 from worker.sweeping import sweep_once
 
-_log = structlog.get_logger()
+PAUSE_DOUBLINGS = 6  # at most 64 s with the usual settings
 
 
 class Member:
@@ -34,6 +34,7 @@ class Member:
         self._simulator = Simulator(place, settings.data / "compiled")
         self._simulator.start()
         self._stopping = stopping
+        self._broken = 0  # evaluations in a row that failed by our fault
         self._name = f"{host.name}/{index}"
 
     def work(self) -> None:
@@ -46,11 +47,20 @@ class Member:
             )
         if claim is None:
             return
-        evaluate(self._tools(), claim)
+        sound = evaluate(self._tools(), claim)
+        self._broken = 0 if sound else self._broken + 1
+        self._recover()
         with self._database.reading() as session:
             waiting = runs.waiting(session)
         if waiting and not self._stopping.is_set():
             broker.ring(self._app)
+
+    def _recover(self) -> None:
+        """After failures of ours, leave the next runs to other workers for a while."""
+        pause_s = self._settings.sweep_s / 10 * 2 ** min(self._broken, PAUSE_DOUBLINGS)
+        until = time.monotonic() + (pause_s if self._broken else 0.0)
+        while time.monotonic() < until and not self._stopping.is_set():
+            time.sleep(0.1)
 
     def sweep(self) -> None:
         """Return the runs of dead workers to the line and top up the tickets."""

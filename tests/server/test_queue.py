@@ -1,5 +1,6 @@
 import time
 from collections import Counter
+from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 from hypothesis import HealthCheck, given
@@ -266,3 +267,12 @@ def test_no_run_is_lost_or_finished_twice_whatever_happens(both: Service, steps:
 def test_the_table_of_moves_has_no_way_out_of_a_final_state() -> None:
     assert set(NEXT_STATES) == {RunState.QUEUED, RunState.RUNNING}
     assert all(state.final for state in RunState if state not in NEXT_STATES)
+
+
+def test_workers_that_claim_at_the_same_time_get_different_runs(both: Service) -> None:
+    queued = [both.queue(both.user(f"user{number}")) for number in range(12)]
+
+    with ThreadPoolExecutor(6) as pool:
+        claims = list(pool.map(both.claim, [f"w{number}" for number in range(12)]))
+
+    assert sorted(claim.run_id for claim in claims if claim is not None) == queued

@@ -1,0 +1,75 @@
+from io import BytesIO
+from pathlib import Path
+
+import pytest
+
+from server import programs
+from server.programs import UploadRejected
+
+GOOD = b"class Controller:\n    pass\n"
+
+
+def _store(source: bytes, data: Path, name: str = "mine.py") -> programs.StoredProgram:
+    return programs.store(BytesIO(source), name, limit=1000, data=data)
+
+
+def test_a_program_is_kept_under_its_hash_and_once(tmp_path: Path) -> None:
+    first, second = _store(GOOD, tmp_path), _store(GOOD, tmp_path, "other.py")
+
+    assert first.sha256 == second.sha256
+    assert programs.read(tmp_path, first.sha256) == GOOD
+    assert len(list((tmp_path / "programs").iterdir())) == 1
+
+
+@pytest.mark.parametrize(
+    ("source", "name", "says"),
+    [
+        (b"", "a.py", "empty"),
+        (b" \n", "a.py", "empty"),
+        (b"x" * 1001, "a.py", "larger"),
+        (GOOD, "a.exe", "no language"),
+        (GOOD, "", "no name"),
+        (GOOD, "a/..", "no language"),
+        (b"\n\xff" + GOOD, "a.py", "line 2.*UTF-8"),
+        (b"def f(:\n", "a.py", "line 1"),
+        (b"x = 1\n", "a.py", "Controller"),
+        (b"\0" + GOOD, "a.py", "can be read"),
+        (b"(" * 900 + GOOD, "a.py", "line 1|can be read"),
+    ],
+)
+def test_an_upload_that_breaks_a_rule_is_refused_in_words(
+    tmp_path: Path, source: bytes, name: str, says: str
+) -> None:
+    with pytest.raises(UploadRejected, match=says):
+        _store(source, tmp_path, name)
+    assert not (tmp_path / "programs").exists()
+
+
+def test_nothing_of_an_upload_is_executed(tmp_path: Path) -> None:
+    mark = tmp_path / "executed"
+
+    _store(f"open({str(mark)!r}, 'w')\n".encode() + GOOD, tmp_path)
+
+    assert not mark.exists()
+
+
+@pytest.mark.parametrize(
+    "name", ["../../etc/mine.py", "C:\\x\\mine.py", "mi\x00ne.py", "m\nine.py"]
+)
+def test_a_file_name_loses_its_folders_and_control_characters(tmp_path: Path, name: str) -> None:
+    assert _store(GOOD, tmp_path, name).name == "mine.py"
+
+
+def test_an_upload_too_large_is_not_read_to_its_end(tmp_path: Path) -> None:
+    stream = BytesIO(b"x" * 10_000_000)
+
+    with pytest.raises(UploadRejected):
+        programs.store(stream, "a.py", limit=1000, data=tmp_path)
+
+    assert stream.tell() < 200_000
+
+
+@pytest.mark.parametrize("key", ["", "../secret", "A" * 64, "0" * 63])
+def test_only_a_hash_is_a_key(tmp_path: Path, key: str) -> None:
+    with pytest.raises(ValueError, match="SHA-256"):
+        programs.path(tmp_path, key)

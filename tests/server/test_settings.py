@@ -1,0 +1,68 @@
+import os
+from pathlib import Path
+
+import pytest
+
+from server.settings import Settings, SettingsInvalid
+
+
+def _load(tmp_path: Path, **variables: str) -> Settings:
+    return Settings.load({"SEAMARK_DATA": str(tmp_path), **variables})
+
+
+def test_without_variables_a_local_service_results(tmp_path: Path) -> None:
+    settings = _load(tmp_path)
+
+    assert settings.database_url == f"sqlite:///{tmp_path}/seamark.db"
+    assert (settings.host, settings.public) == ("127.0.0.1", False)
+    assert settings.sandbox_min_level == "medium"
+    assert settings.workers == len(os.sched_getaffinity(0))
+
+
+def test_a_public_service_wants_the_strong_sandbox_unless_told_otherwise(tmp_path: Path) -> None:
+    assert _load(tmp_path, SEAMARK_PUBLIC="true").sandbox_min_level == "strong"
+    told = _load(tmp_path, SEAMARK_PUBLIC="1", SEAMARK_SANDBOX_MIN_LEVEL="medium")
+    assert told.sandbox_min_level == "medium"
+
+
+def test_the_secret_is_made_once_and_is_for_the_owner_alone(tmp_path: Path) -> None:
+    first, second = _load(tmp_path), _load(tmp_path)
+
+    assert first.secret_key == second.secret_key
+    assert len(first.secret_key) >= 32
+    assert (tmp_path / "secret").stat().st_mode & 0o777 == 0o600
+    assert first.secret_key not in repr(first)
+    assert [path.name for path in tmp_path.iterdir()] == ["secret"]
+
+
+def test_a_value_can_come_from_a_file(tmp_path: Path) -> None:
+    (tmp_path / "url").write_text("redis://there:6379/1\n")
+
+    settings = _load(tmp_path, SEAMARK_BROKER_URL_FILE=str(tmp_path / "url"))
+
+    assert settings.broker_url == "redis://there:6379/1"
+
+
+@pytest.mark.parametrize(
+    ("variables", "says"),
+    [
+        ({"SEAMARK_PROT": "80"}, "SEAMARK_PROT"),
+        ({"SEAMARK_PORT": "eighty"}, "SEAMARK_PORT"),
+        ({"SEAMARK_PORT": "70000"}, "65535"),
+        ({"SEAMARK_WORKERS": "0"}, "SEAMARK_WORKERS"),
+        ({"SEAMARK_SANDBOX_MIN_LEVEL": "total"}, "strong"),
+        ({"SEAMARK_LEASE_S": "8"}, "heartbeat_s"),
+        ({"SEAMARK_SECRET_KEY_FILE": "/nothing/here"}, "cannot be read"),
+    ],
+)
+def test_a_wrong_or_unknown_setting_stops_with_a_sentence(
+    tmp_path: Path, variables: dict[str, str], says: str
+) -> None:
+    with pytest.raises(SettingsInvalid, match=says):
+        _load(tmp_path, **variables)
+
+
+def test_a_child_process_loads_the_same_settings(tmp_path: Path) -> None:
+    settings = _load(tmp_path, SEAMARK_PORT="81", SEAMARK_PUBLIC="true")
+
+    assert Settings.load(settings.environment()) == settings
