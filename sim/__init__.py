@@ -19,7 +19,9 @@ def _name_compiled_code_after_its_sources() -> None:
         digest.update(path.relative_to(_SOURCES).as_posix().encode())
         digest.update(path.read_bytes())
     name = f"numba-{digest.hexdigest()[:16]}"
-    base = Path(os.environ.get("NUMBA_CACHE_DIR") or _SOURCES / "__pycache__")
+    beside = _SOURCES / "__pycache__"
+    own = beside if os.access(_SOURCES, os.W_OK) else Path.home() / ".cache" / "seamark"
+    base = Path(os.environ.get("NUMBA_CACHE_DIR") or own)
     if base.name != name:  # else inherited from the process that started this one
         os.environ["NUMBA_CACHE_DIR"] = str(base / name)
 
