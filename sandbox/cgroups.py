@@ -7,6 +7,7 @@ Version 2 gives `cgroup.kill` also where it has no controllers.
 import contextlib
 import itertools
 import os
+import signal
 import time
 from dataclasses import dataclass
 from functools import cache
@@ -134,22 +135,36 @@ def _share(folder: Path) -> bool:
 
 
 def sweep() -> int:
-    """Remove groups that killed workers left behind; return how many were removed."""
+    """Kill and remove what killed workers left behind; return how many groups were removed.
+
+    bubblewrap dies with its worker but for some milliseconds of its start: a worker killed then
+    leaves an init without a program.
+    """
     removed = 0
-    for folder in places().folders():
+    for folder in reversed(places().folders()):  # unified first: there all can be killed at once
         for group in folder.glob(PREFIX + "*"):
             owner = group.name.removeprefix(PREFIX).partition("-")[0]
             if not Path("/proc", owner).exists():
-                with contextlib.suppress(OSError):
-                    group.rmdir()
-                    removed += 1
+                _kill(group)
+                removed += _removed(group)
     return removed
+
+
+def _kill(group: Path) -> None:
+    """Kill every process in a group, by the kernel or one by one."""
+    with contextlib.suppress(OSError):
+        if (group / "cgroup.kill").exists():
+            (group / "cgroup.kill").write_text("1")
+            return
+        for pid in (group / "cgroup.procs").read_text().split():
+            os.kill(int(pid), signal.SIGKILL)
 
 
 class ControlGroup:
     """The groups of one box."""
 
     def __init__(self, limits: Limits) -> None:
+        sweep()
         self.name = f"{PREFIX}{os.getpid()}-{next(_serial)}"
         self._at = places().named(self.name)
         self._version = 2 if self._at.memory == self._at.unified else 1
@@ -205,10 +220,8 @@ class ControlGroup:
         return _counter(self._at.pids / "pids.events", "max") > 0
 
     def kill(self) -> None:
-        """Kill every process in the group, where version 2 is there to do so."""
-        if self._at.unified is not None:
-            with contextlib.suppress(OSError):
-                (self._at.unified / "cgroup.kill").write_text("1")
+        """Kill every process in the group."""
+        _kill(self._at.unified or self._at.pids)
 
     def remove(self) -> None:
         """Remove the groups, which proves that no process is left; SandboxBroken if one is."""

@@ -28,6 +28,7 @@ HEADER = struct.Struct("<cB2xI")
 COMMAND = struct.Struct("<cB2xI4d")
 SIZES = struct.Struct("<II")
 ERROR = struct.Struct("<cH")
+FLOAT64 = np.float64
 MOST_BYTES = 65536  # [B] one frame
 MOST_FIELD = 1e6  # [m/s, rad/s] a command beyond is a mistake, not a wish
 MOST_SENTENCE, MOST_TRACEBACK = 1500, 16000  # [B]
@@ -132,6 +133,8 @@ def as_command(answer: Any) -> list[float]:
 
 def as_number(index: int, value: Any) -> float:
     """Return one value of a command as a float."""
+    if type(value) is FLOAT64:
+        value = float(value)
     if type(value) is float and -MOST_FIELD <= value <= MOST_FIELD:
         return value  # the usual case, and the quick one
     if isinstance(value, np.ndarray) and value.shape == ():

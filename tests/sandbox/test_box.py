@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from sandbox import cgroups
 from sandbox.box import Box
 from sandbox.level import Level
 from sandbox.limits import Limits
@@ -266,35 +267,59 @@ def test_nothing_is_left_after_fifty_runs(level) -> None:
     for _ in range(50):
         with Box(limits=Limits(), level=level) as box:
             box.wait_ready()
-            everybody += box.processes()
+            everybody += [os.pidfd_open(pid) for pid in box.processes()]
             with contextlib.suppress(ProgramEnded):  # when both answer in time
                 printed(box, b"import os\n" + program(init="os.fork()"))
-            everybody += box.processes()
-    children = Path(f"/proc/self/task/{os.getpid()}/children").read_text().split()
+    ended = [bool(select.select([descriptor], [], [], 5.0)[0]) for descriptor in everybody]
+    for descriptor in everybody:
+        os.close(descriptor)
 
+    assert len(ended) >= 100
+    assert all(ended)
     assert (sorted(os.listdir("/proc/self/fd")), threading.active_count()) == before
-    assert not [pid for pid in everybody if pid > 0 and Path(f"/proc/{pid}").exists()]
-    assert not [pid for pid in children if "bwrap" in Path(f"/proc/{pid}/comm").read_text()]
     assert not list(Path("/sys/fs/cgroup").glob(f"**/seamark-box-{os.getpid()}-*"))
 
 
-def test_a_box_dies_with_its_worker(level) -> None:
-    script = f"""
-        import json, signal
-        from sandbox.box import Box
-        from sandbox.level import Level
-        from sandbox.limits import Limits
-        box = Box(limits=Limits(), level=Level({int(level)}))
-        box.wait_ready()
-        print(json.dumps(box.processes()), flush=True)
-        signal.pause()
-    """
-    command = [sys.executable, "-c", textwrap.dedent(script)]
+WORKER = """
+import json, signal, sys
+from sandbox.box import Box
+from sandbox.level import Level
+from sandbox.limits import Limits
+
+box = Box(limits=Limits(), level=Level(int(sys.argv[1])))
+if sys.argv[2] == "ready":
+    box.wait_ready()
+print(json.dumps(box.processes()), flush=True)
+signal.pause()
+"""
+
+
+def killed_worker(level: Level, when: str) -> tuple[int, list[int]]:
+    """Kill a process that has a box; return its pid and descriptors of the box's processes."""
+    command = [sys.executable, "-c", WORKER, str(int(level)), when]
     with subprocess.Popen(command, stdout=subprocess.PIPE) as worker:
         assert worker.stdout is not None
         descriptors = [os.pidfd_open(pid) for pid in json.loads(worker.stdout.readline())]
         worker.kill()
+    return worker.pid, descriptors
+
+
+def test_a_box_dies_with_its_worker(level) -> None:
+    _, descriptors = killed_worker(level, "ready")
 
     for descriptor in descriptors:
         assert select.select([descriptor], [], [], 5.0)[0]
         os.close(descriptor)
+
+
+def test_what_a_worker_killed_at_the_start_of_a_box_leaves_goes_with_the_next_box(level) -> None:
+    if level is not Level.STRONG:
+        pytest.skip("needs control groups")
+    pids = [killed_worker(level, "at once")[0] for _ in range(3)]
+
+    for _ in range(2):  # a killed process may need a moment: then its group goes with the second
+        with Box(limits=Limits(), level=level) as box:
+            printed(box, program())
+
+    for folder in cgroups.places().folders():
+        assert not [pid for pid in pids if list(folder.glob(f"seamark-box-{pid}-*"))]
