@@ -232,10 +232,7 @@ class Box:
 
     def _received(self, kind: bytes) -> memoryview:
         """Return the waiting frame if it is the answer to the present question."""
-        try:
-            size = self._socket.recv_into(self._buffer, 0, socket.MSG_TRUNC)
-        except ConnectionResetError:
-            size = 0
+        size = self._received_bytes()
         if size == 0:
             self._gone()
         try:
@@ -248,13 +245,19 @@ class Box:
             self._end(verdicts.misbehaved(str(reason)))
         return data
 
+    def _received_bytes(self, flags: int = 0) -> int:
+        """Return the size of the waiting frame, also if it is cut; 0 at the connection's end."""
+        try:
+            return self._socket.recv_into(self._buffer, 0, socket.MSG_TRUNC | flags)
+        except ConnectionResetError:
+            return 0
+
     def _look_between(self) -> None:
         """Nothing but print may come from the program while nobody asks it."""
         self._drain()
         descriptors = [descriptor for descriptor, _ in self._poll.poll(0)]
         if self._socket_fd in descriptors:
-            waiting = self._socket.recv_into(self._buffer, 0, socket.MSG_TRUNC | socket.MSG_PEEK)
-            if waiting:
+            if self._received_bytes(socket.MSG_PEEK):
                 self._end(verdicts.misbehaved("The program answered a question nobody asked."))
             self._gone()
         if self._cage.pidfd in descriptors:

@@ -281,8 +281,8 @@ class Runner:
         if isinstance(error, AnswerInvalid):
             line = self.controller.step.__code__.co_firstlineno
             return b"p", f"{error}; {ANSWER} (step begins in line {line} of {self.filename})"
-        if isinstance(error, MemoryError):
-            what += " There was not enough memory for what the program asked"
+        if what == "MemoryError":
+            what = "MemoryError: the program asked for more memory than it may use"
         if not own.stack:
             return kind_of(error), f"{what} (called as {self.doing}). {INTERFACE}"
         return kind_of(error), f"{what} (line {own.stack[-1].lineno} of {self.filename})"
