@@ -104,9 +104,15 @@ class Embedded:
 
     def _prepare(self, settings: Settings) -> None:
         """Bring the database up to date and queue the built-in entries."""
+        import logging
+
+        import structlog
+
         from server import baselines, migrate
         from server.db import Database
 
+        quiet = structlog.make_filtering_bound_logger(logging.WARNING)
+        structlog.configure(wrapper_class=quiet)  # the terminal is for people
         migrate.upgrade(settings)
         database = Database(settings.database_url)
         try:

@@ -1,0 +1,308 @@
+"""Orders, refusals, problem documents, ETags, events and data of the HTTP interface."""
+
+import io
+import json
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from server import live, runs
+from server.api.series import thin
+from server.states import RunState
+from sim.telemetry import NAMES, from_bytes, from_csv
+from tests.server.api.conftest import Site
+
+RUNS = "/api/v1/runs"
+
+
+def problem_of(answer: Any, status: int, slug: str) -> dict[str, Any]:
+    assert answer.status_code == status
+    assert answer.content_type == "application/problem+json"
+    document: dict[str, Any] = json.loads(answer.data)
+    assert document["type"] == f"/problems/{slug}"
+    assert document["status"] == status
+    return document
+
+
+def form_of(source: bytes) -> dict[str, Any]:
+    """Return a form in bytes: werkzeug's test client leaves the file of a large one open."""
+    part = 'Content-Disposition: form-data; name="{}"{}\r\n\r\n'
+    run = part.format("run", "") + '{"benchmark": "currents-v1"}'
+    program = part.format("program", '; filename="c.py"').encode() + source
+    body = b"--x\r\n" + run.encode() + b"\r\n--x\r\n" + program + b"\r\n--x--\r\n"
+    return {"data": body, "content_type": "multipart/form-data; boundary=x"}
+
+
+def events_of(text: str) -> list[tuple[str, str]]:
+    found = []
+    for block in text.split("\n\n"):
+        fields = dict(line.split(": ", 1) for line in block.splitlines() if ": " in line)
+        if "event" in fields:
+            found.append((fields.get("id", ""), fields["event"]))
+    return found
+
+
+@pytest.mark.parametrize(("text", "field"), [("NaN", "kp"), ("-1", "kp"), ("1e999", "ki")])
+def test_an_impossible_gain_is_refused_by_its_name(site: Site, text: str, field: str) -> None:
+    body = f'{{"benchmark": "currents-v1", "controller": "pi", "config": {{"{field}": {text}}}}}'
+
+    answer = site.call("owner", "POST", RUNS, data=body, content_type="application/json")
+
+    document = problem_of(answer, 422, "invalid-configuration")
+    assert [error["field"] for error in document["errors"]] == [field]
+    assert "from 0 to" in document["errors"][0]["detail"]
+
+
+def test_a_guest_runs_a_built_in_controller_and_finds_it_again(site: Site) -> None:
+    browser = site.client()
+
+    ordered = browser.post(RUNS, json={"benchmark": "currents-v1", "controller": "p"})
+
+    assert ordered.status_code == 202
+    assert browser.get(ordered.headers["Location"]).get_json()["state"] == "queued"
+    assert site.client().get(ordered.headers["Location"]).status_code == 404
+
+
+def test_a_guest_may_not_upload(site: Site) -> None:
+    form = {"run": '{"benchmark": "currents-v1"}', "program": (io.BytesIO(b"x"), "c.py")}
+
+    answer = site.client().post(RUNS, data=form)
+
+    problem_of(answer, 403, "account-needed")
+
+
+def test_an_upload_is_queued_under_its_hash(site: Site) -> None:
+    source = b"class Controller: ...\n"
+    form = {"run": '{"benchmark": "currents-v1"}', "program": (io.BytesIO(source), "c.py")}
+
+    answer = site.call("owner", "POST", RUNS, data=form)
+
+    assert answer.status_code == 202
+    assert answer.get_json()["program_name"] == "c.py"
+    assert site.call("owner", "GET", answer.headers["Location"] + "/program").data == source
+
+
+@pytest.mark.parametrize(
+    ("source", "status", "slug"),
+    [
+        (b"class Controller(:\n", 422, "upload-rejected"),
+        (b"x = 1\n", 422, "upload-rejected"),
+        (b"#" * (3 * 2**20), 413, "payload-too-large"),
+    ],
+)
+def test_a_bad_program_is_refused_before_it_waits(
+    site: Site, source: bytes, status: int, slug: str
+) -> None:
+    answer = site.call("owner", "POST", RUNS, **form_of(source))
+
+    problem_of(answer, status, slug)
+    assert site.call("owner", "GET", RUNS).get_json()["runs"] == []
+
+
+def test_the_quota_ends_in_429_with_a_time_to_wait(site: Site) -> None:
+    for _ in range(site.settings.quota_live):
+        site.queue()
+
+    answer = site.call("owner", "POST", RUNS, json={"benchmark": "currents-v1", "controller": "p"})
+
+    problem_of(answer, 429, "quota-exceeded")
+    assert int(answer.headers["Retry-After"]) > 0
+
+
+def test_a_cookie_alone_changes_nothing_without_the_secret(site: Site) -> None:
+    browser = site.client()
+    order = {"benchmark": "currents-v1", "controller": "p"}
+    address = browser.post(RUNS, json=order).headers["Location"]
+
+    problem_of(browser.post(f"{address}/cancel"), 403, "csrf")
+    secret = browser.get("/api/v1/me").get_json()["csrf_token"]
+    cancelled = browser.post(f"{address}/cancel", headers={"X-CSRFToken": secret})
+
+    assert cancelled.get_json()["state"] == "cancelled"
+
+
+@pytest.mark.parametrize(
+    ("method", "path", "options", "status", "slug"),
+    [
+        ("GET", "/api/v1/nothing", {}, 404, "not-found"),
+        ("GET", f"{RUNS}/abc", {}, 404, "not-found"),
+        ("GET", "/api/v1/benchmarks/none", {}, 404, "not-found"),
+        ("DELETE", RUNS, {}, 405, "method-not-allowed"),
+        ("POST", RUNS, {"data": "x", "content_type": "text/plain"}, 415, "unsupported-media-type"),
+        ("POST", RUNS, {"data": "{", "content_type": "application/json"}, 400, "bad-request"),
+        ("POST", RUNS, {"json": {}}, 422, "invalid-request"),
+        ("POST", RUNS, {"json": {"benchmark": "x", "controller": "p"}}, 422, "invalid-request"),
+        ("GET", f"{RUNS}?limit=0", {}, 422, "invalid-request"),
+        ("GET", "/api/v1/leaderboards/currents-v1?after=x", {}, 422, "invalid-request"),
+    ],
+)
+def test_every_refusal_is_a_problem_document_with_a_page(
+    site: Site, method: str, path: str, options: dict[str, Any], status: int, slug: str
+) -> None:
+    answer = site.call("owner", method, path, **options)
+
+    document = problem_of(answer, status, slug)
+    assert site.client().get(document["type"]).status_code == 200
+    assert (answer.status_code == 405) == ("Allow" in answer.headers)
+
+
+def test_an_unchanged_run_is_not_sent_twice(site: Site) -> None:
+    path = f"{RUNS}/{site.queue()}"
+    first = site.call("owner", "GET", path)
+
+    same = site.call("owner", "GET", path, headers={"If-None-Match": first.headers["ETag"]})
+    site.call("owner", "POST", f"{path}/cancel")
+    changed = site.call("owner", "GET", path, headers={"If-None-Match": first.headers["ETag"]})
+
+    assert (same.status_code, same.data) == (304, b"")
+    assert "Retry-After" in first.headers
+    assert changed.get_json()["state"] == "cancelled"
+    assert "Retry-After" not in changed.headers
+
+
+def test_the_pages_of_a_list_are_the_list(site: Site) -> None:
+    made = [site.queue() for _ in range(5)]
+
+    first = site.call("owner", "GET", f"{RUNS}?limit=3").get_json()
+    second = site.call("owner", "GET", f"{RUNS}?limit=3&after={first['next']}").get_json()
+
+    listed = [run["id"] for run in first["runs"] + second["runs"]]
+    assert listed == made[::-1]
+    assert second["next"] is None
+
+
+def test_the_hidden_seeds_of_a_ranked_run_are_shown_to_nobody(site: Site) -> None:
+    run_id = site.queue(kind=runs.Kind.RANKED)
+    site.end()
+
+    shown = [
+        site.call("owner", "GET", f"{RUNS}/{run_id}{part}").text
+        for part in ("", "/manifest.json", "/telemetry.csv", "/config.json")
+    ]
+
+    assert json.loads(shown[0])["seed"] is None
+    assert json.loads(shown[1]) == {"seed": None, "trials": [{"seed": None}]}
+    assert "seed hidden" in shown[2]
+
+
+def test_events_go_on_after_the_last_one_that_was_seen(site: Site) -> None:
+    run_id = site.queue()
+    for progress in (0.1, 0.2, 0.3):
+        live.append(site.held.redis, run_id, live.STATE, {"progress": progress})
+    live.append(site.held.redis, run_id, live.END, {})
+    path = f"{RUNS}/{run_id}/events"
+    everything = events_of(site.call("owner", "GET", path).text)
+    second = everything[2][0]  # after the state that greets
+
+    resumed = site.call("owner", "GET", path, headers={"Last-Event-ID": second})
+
+    assert [kind for _, kind in everything] == ["state"] * 4 + ["end"]
+    assert events_of(resumed.text)[1:] == everything[3:]
+    assert site.held.fanout.open_streams == 0
+
+
+def test_a_run_that_has_ended_is_told_again_from_its_files(site: Site) -> None:
+    run_id = site.finished()
+
+    answer = site.call("owner", "GET", f"{RUNS}/{run_id}/events")
+
+    kinds = [kind for _, kind in events_of(answer.text)]
+    assert answer.content_type.startswith("text/event-stream")
+    assert kinds == ["telemetry", "log", "state", "end"]
+
+
+def test_a_stream_too_many_is_sent_away_with_a_time(site: Site) -> None:
+    run_id = site.queue()
+    fanout = live.Fanout(site.held.redis, streams_max=1)
+    waiting = fanout.subscribe(run_id)
+    live.append(site.held.redis, run_id, live.STATE, {})
+    next(waiting)
+
+    with pytest.raises(live.TooManyStreams):
+        fanout.subscribe(run_id)
+
+    waiting.close()
+    fanout.close()
+
+
+def test_telemetry_comes_the_same_in_every_form_also_while_it_runs(site: Site) -> None:
+    run_id = site.upload()
+    site.record(run_id, rows=700)
+    path = f"{RUNS}/{run_id}"
+
+    table = from_csv(site.call("owner", "GET", f"{path}/telemetry.csv").text)
+    binary = from_bytes(site.call("owner", "GET", f"{path}/telemetry.f64").data)
+    later = site.call("owner", "GET", f"{path}/telemetry.csv?start=690")
+
+    assert table.shape == (700, len(NAMES))
+    assert np.array_equal(table, binary)
+    assert np.array_equal(from_csv(later.text), table[690:])
+    assert later.headers["X-Next-Row"] == "700"
+
+
+def test_the_log_is_read_in_pieces(site: Site) -> None:
+    path = f"{RUNS}/{site.finished()}/log"
+
+    first = site.call("owner", "GET", path)
+    rest = site.call("owner", "GET", f"{path}?after={first.headers['X-Next-Offset']}")
+
+    assert first.text == "hello from the program\n"
+    assert rest.text == ""
+
+
+@given(
+    values=st.lists(st.floats(-1e6, 1e6), min_size=1, max_size=400),
+    max_points=st.integers(2, 60),
+)
+def test_thinning_keeps_the_extremes_and_never_more_than_asked(
+    values: list[float], max_points: int
+) -> None:
+    column = np.array(values)[:, np.newaxis]
+    t = np.arange(len(values), dtype=float)
+
+    times, thinned = thin(t, column, max_points)
+
+    assert len(times) == len(thinned) <= max(max_points, 2)
+    assert (np.diff(times) >= 0).all()
+    assert (thinned.min(), thinned.max()) == (column.min(), column.max())
+
+
+def test_a_ranked_public_run_stands_on_the_leaderboard_in_both_forms(site: Site) -> None:
+    run_id = site.queue(kind=runs.Kind.RANKED, title="=1+1")
+    site.end()
+    assert site.call("owner", "POST", f"{RUNS}/{run_id}/publish").status_code == 200
+    path = "/api/v1/leaderboards/currents-v1"
+
+    as_json = site.call("guest", "GET", path).get_json()
+    as_csv = site.call("guest", "GET", path, headers={"Accept": "text/csv"}).text
+
+    assert [(row["user"], row["run"]) for row in as_json["ranks"]] == [("ann", run_id)]
+    assert as_csv.splitlines()[0].startswith("rank,tied,user")
+    assert "'=1+1" in as_csv  # no spreadsheet may calculate a title
+
+
+def test_the_service_is_alive_but_not_ready_without_a_worker(site: Site) -> None:
+    ready = site.client().get("/readyz")
+
+    assert site.client().get("/healthz").status_code == 200
+    assert ready.status_code == 503
+    assert ready.get_json()["checks"] == {
+        "database": "ok",
+        "broker": "ok",
+        "worker": "no worker is alive",
+    }
+    assert 'seamark_runs{state="queued"} 0.0' in site.client().get("/metrics").text
+
+
+def test_a_failed_run_says_why(site: Site) -> None:
+    run_id = site.upload()
+    detail = {"title": "It stopped", "sentence": "Because.", "remedy": "Mend it."}
+    site.end(state=RunState.FAILED, cause="user_error", metrics=None, detail=detail)
+
+    shown = site.call("owner", "GET", f"{RUNS}/{run_id}").get_json()
+
+    assert shown["failure"] == {"cause": "user_error", **detail}
+    assert shown["state"] == "failed"
