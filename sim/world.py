@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.benchmarks.currents_v1 import CurrentsConfiguration
+from sim.benchmarks.currents_v1 import TARGET_M, CurrentsConfiguration
 from sim.camera.camera import Camera
 from sim.camera.optics import Optics
 from sim.camera.target import Target, start_pose
@@ -64,7 +64,7 @@ def world_of(config: CurrentsConfiguration, *, seed: int, trial: int, level: int
         height=config.camera_height_px,
         focal_px=config.camera_focal_px,
     )
-    target = Target()
+    target = Target(length_m=TARGET_M[0], width_m=TARGET_M[1])
     start = start_pose(optics, target, config.altitude_m)
     noise_seed = int(random.camera.integers(2**63))
     camera = Camera(optics, water_of(config), target, noise_seed=noise_seed)

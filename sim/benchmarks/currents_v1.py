@@ -17,6 +17,10 @@ from sim.vehicles import load
 experiment = partial(knob, group="Experiment", role="scenario")
 current = partial(knob, group="Current", role="scenario")
 
+TARGET_M = (0.42, 0.13)  # [m] length and width of the black box's top, S: UWSim
+SMALLEST_SIDE_PX = 16.0  # [px] a smaller target gives a tracker nothing to start from
+START_ERROR_SHARE = 0.1  # of the shorter side: the corners still make a convex figure
+
 
 class CurrentsConfiguration(ChainSettings, SceneSettings):
     """Settings of currents-v1. Seed, trials and controller are not part of it."""
@@ -204,6 +208,29 @@ class CurrentsConfiguration(ChainSettings, SceneSettings):
                 f"dvl_rate_hz (DVL rate) must make a period that is a whole multiple of the "
                 f"physics step of {self.physics_step_s:g} s, such as 5 or 20 Hz, "
                 f"not {self.dvl_rate_hz:g} Hz."
+            )
+        return errors | self._picture_rules()
+
+    def _picture_rules(self) -> dict[str, str]:
+        """Refuse pictures in which no tracker could start."""
+        errors: dict[str, str] = {}
+        long, short = (side * self.camera_focal_px / self.altitude_m for side in TARGET_M)
+        highest = TARGET_M[1] * self.camera_focal_px / SMALLEST_SIDE_PX
+        if short < SMALLEST_SIDE_PX:
+            errors["altitude_m"] = (
+                f"altitude_m (Camera above the target) must be at most {highest:.2f} m with this "
+                f"focal length, not {self.altitude_m:g} m: the target would be too small."
+            )
+        if long > self.camera_width_px or short > self.camera_height_px:
+            errors["camera_focal_px"] = (
+                f"camera_focal_px (Focal length) makes the target {long:.0f} x {short:.0f} px; it "
+                f"must fit into {self.camera_width_px} x {self.camera_height_px} px."
+            )
+        if self.start_error_px > START_ERROR_SHARE * short:
+            errors["start_error_px"] = (
+                f"start_error_px (Error of the tracker's start) must be at most "
+                f"{START_ERROR_SHARE * short:.1f} px, a tenth of the target's shorter side, "
+                f"not {self.start_error_px:g} px."
             )
         return errors
 

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import settings
 
 from sim.benchmarks import Benchmark
 from sim.configuration import Configuration
@@ -12,6 +13,10 @@ from sim.program import BuiltIn
 from sim.registry import benchmark
 from sim.telemetry import Rows
 from sim.trial import TrialResult, run_trial
+
+# A deadline is a timed test: it fails on a busy machine and says nothing about the code.
+settings.register_profile("no-deadline", deadline=None)
+settings.load_profile("no-deadline")
 
 SHORT = {"levels": [0.1, 0.3], "level_duration_s": 6.0, "settle_s": 3.0}
 RunOf = Callable[[Mapping[str, Any]], tuple[TrialResult, Rows]]
