@@ -57,8 +57,11 @@ class _Queue(Collector):
         """Read the numbers."""
         runs = GaugeMetricFamily("seamark_runs", "Runs by state", labels=("state",))
         with self._held.database.reading() as database:
-            found = database.execute(select(Run.state, func.count()).group_by(Run.state)).tuples()
-            counts = dict.fromkeys((state.value for state in RunState), 0) | dict(found.all())
+            counts = dict.fromkeys((state.value for state in RunState), 0)
+            for state, number in database.execute(
+                select(Run.state, func.count()).group_by(Run.state)
+            ):
+                counts[state] = number
             oldest = database.scalar(
                 select(func.min(Run.queued_at)).where(Run.state == RunState.QUEUED)
             )
