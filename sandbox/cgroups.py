@@ -138,7 +138,7 @@ def sweep() -> int:
     """Kill and remove what killed workers left behind; return how many groups were removed.
 
     bubblewrap dies with its worker but for some milliseconds of its start: a worker killed then
-    leaves an init without a program.
+    leaves an inner init that waits for its parent for ever, without a program.
     """
     removed = 0
     for folder in reversed(places().folders()):  # unified first: there all can be killed at once

@@ -90,6 +90,6 @@ def test_a_program_that_used_the_cpu_time_is_blamed_on_a_busy_host_too(name, run
 def test_a_traceback_has_the_line_of_the_program_and_no_frame_of_ours(run) -> None:
     outcome = run("values_set_observation")
 
-    assert 'File "values_set_observation.py", line 8, in step' in outcome.traceback
+    assert 'File "values_set_observation.py", line 9, in step' in outcome.traceback
     assert "observation.t = 0.0" in outcome.traceback
     assert "runner" not in outcome.traceback
