@@ -1,0 +1,206 @@
+"""What the commands accept, refuse and print."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+from click.testing import CliRunner, Result
+
+from seamark.commands.token import SCOPES as OFFERED
+from seamark.controllers import read_settings, typed
+from seamark.main import COMMANDS, cli
+from server.access import SCOPES
+from sim import registry
+
+SHORT = ("--set", "levels=0", "--set", "level_duration_s=40", "--seed", "7")
+CRASHING = """
+class Controller:
+    def __init__(self, config):
+        pass
+    def reset(self, level):
+        print("started")
+    def step(self, observation):
+        return [1 / 0, 0, 0, 0]
+"""
+
+
+@pytest.fixture(autouse=True)
+def _own_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+
+
+def seamark(*arguments: str) -> Result:
+    return CliRunner().invoke(cli, arguments, prog_name="seamark")
+
+
+def process(*arguments: str) -> "subprocess.CompletedProcess[str]":
+    command = [sys.executable, "-m", "seamark.main", *arguments]
+    return subprocess.run(command, capture_output=True, text=True, check=False)
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_every_command_explains_itself(name: str) -> None:
+    answer = seamark(name, "--help")
+
+    assert answer.exit_code == 0
+    assert "Usage: seamark" in answer.output
+
+
+def test_help_loads_no_heavy_module() -> None:
+    code = (
+        "import sys; from seamark.main import cli\n"
+        "cli.main(['--help'], standalone_mode=False)\n"
+        "assert not {'numpy', 'flask', 'sqlalchemy', 'celery'} & set(sys.modules)"
+    )
+
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, check=False)
+
+    assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (("run", "nothing"), "There is no benchmark nothing. There are: currents-v1."),
+        (("run", "currents-v1", "--set", "kp"), "write it as key=value"),
+        (("run", "currents-v1", "--set", "kp=-1"), "from 0 to"),
+        (("run", "currents-v1", "--set", "kp=nan"), "from 0 to"),
+        (("run", "currents-v1", "--set", "kpp=1"), "did you mean kp?"),
+        (("run", "currents-v1", "--controller", "pii"), "Did you mean pi?"),
+        (("run", "currents-v1", "--config", "none.toml"), "cannot be read"),
+        (("run", "currents-v1", "--seed", "-1"), "--seed"),
+        (("token", "new", "nobody"), "There is no account nobody."),
+        (("user", "add", "a"), "A name has"),
+        (("user", "add", "ann", "--password", "short"), "A password has"),
+        (("web",), "SEAMARK_BROKER_URL is not set"),
+        (("worker",), "SEAMARK_BROKER_URL is not set"),
+        (("up", "--port", "99999"), "--port"),
+    ],
+)
+def test_a_mistake_is_answered_with_a_sentence_and_code_2(
+    arguments: tuple[str, ...], told: str
+) -> None:
+    answer = seamark(*arguments)
+
+    assert answer.exit_code == 2
+    assert told in " ".join(answer.output.split())
+    assert "Traceback" not in answer.output
+
+
+def test_an_unknown_setting_of_the_service_stops_the_start(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("SEAMARK_COLOUR", "blue")
+
+    answer = seamark("db", "upgrade")
+
+    assert (answer.exit_code, answer.output) == (
+        2,
+        "Error: SEAMARK_COLOUR is not a setting of Seamark.\n",
+    )
+
+
+def test_a_server_that_does_not_answer_is_the_platforms_failure() -> None:
+    answer = seamark("submit", "currents-v1", "--server", "http://127.0.0.1:9")
+
+    assert answer.exit_code == 3
+    assert "http://127.0.0.1:9 does not answer" in answer.output
+
+
+def test_an_account_and_its_token_are_made_in_the_data_folder(tmp_path: Path) -> None:
+    data = ("--data", str(tmp_path / "data"))
+
+    made = seamark("user", "add", "ann", *data)
+    twice = seamark("user", "add", "Ann", *data)
+    token = seamark("token", "new", "ann", "--scope", "read", *data)
+
+    assert made.exit_code == token.exit_code == 0
+    assert (twice.exit_code, twice.output) == (2, "Error: The name Ann is taken.\n")
+    assert token.output.splitlines()[-1].startswith("smk_")
+
+
+def test_the_scopes_on_offer_are_the_servers() -> None:
+    assert set(OFFERED) == set(SCOPES)
+
+
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("c.toml", "kp = 0.7\nlevels = [0, 0.1]\n"),
+        ("c.json", '{"kp": 0.7, "levels": [0, 0.1]}'),
+        ("o.json", '{"benchmark": "currents-v1", "config": {"kp": 0.7, "levels": [0, 0.1]}}'),
+    ],
+)
+def test_a_file_and_pairs_mean_the_same(tmp_path: Path, name: str, text: str) -> None:
+    path = tmp_path / name
+    path.write_text(text)
+    schema: dict[str, Any] = registry.benchmark("currents-v1").schema()
+
+    from_file = typed(read_settings(path, ()), schema)
+    from_pairs = typed(read_settings(None, ("kp=0.7", "levels=0,0.1")), schema)
+
+    assert from_file == from_pairs
+    assert typed(read_settings(path, ("kp=0.9",)), schema)["kp"] == 0.9
+
+
+def test_the_benchmarks_are_listed_for_people_and_for_programs() -> None:
+    listed = json.loads(seamark("benchmarks", "--json").output)
+    schema = json.loads(seamark("benchmarks", "currents-v1", "--json").output)
+
+    assert [entry["name"] for entry in listed] == list(registry.BENCHMARKS)
+    assert "--set kp=" in seamark("benchmarks", "currents-v1").output
+    assert schema["properties"]["kp"]["type"] == "number"
+
+
+@pytest.mark.slow
+def test_the_same_seed_gives_the_same_digest_in_two_processes(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+
+    first = process("run", "currents-v1", *SHORT, "--out", str(out), "--json")
+    second = process("run", "currents-v1", *SHORT, "--json")
+
+    results = [json.loads(done.stdout) for done in (first, second)]
+    manifest = json.loads((out / "manifest.json").read_text())
+    assert first.returncode == second.returncode == 0
+    assert results[0]["digest"] == results[1]["digest"] == manifest["digest"]
+    assert sorted(path.name for path in out.iterdir()) == [
+        "log.txt",
+        "manifest.json",
+        "metrics.json",
+        "telemetry.csv",
+    ]
+
+
+def test_a_foreign_folder_is_not_written_into(tmp_path: Path) -> None:
+    (tmp_path / "thesis.tex").write_text("years of work")
+
+    answer = seamark("run", "currents-v1", *SHORT, "--out", str(tmp_path))
+
+    assert answer.exit_code == 2
+    assert "holds other files (thesis.tex)" in answer.output
+
+
+@pytest.mark.slow
+@pytest.mark.host
+def test_a_program_that_crashes_ends_with_code_1_and_its_own_traceback(tmp_path: Path) -> None:
+    program = tmp_path / "crashing.py"
+    program.write_text(CRASHING)
+    out = tmp_path / "out"
+
+    done = process("run", "currents-v1", *SHORT, "--controller", str(program), "--out", str(out))
+
+    assert done.returncode == 1
+    assert "ZeroDivisionError" in done.stderr
+    assert "sandbox" not in done.stderr
+    assert (out / "log.txt").read_text() == "started\n"
+
+
+def test_a_program_with_a_wrong_syntax_is_the_programs_failure(tmp_path: Path) -> None:
+    program = tmp_path / "broken.py"
+    program.write_text("class Controller(:\n")
+
+    answer = seamark("run", "currents-v1", *SHORT, "--controller", str(program))
+
+    assert answer.exit_code == 1
+    assert "broken.py, line 1" in answer.output
