@@ -63,7 +63,8 @@ def warm_up() -> threading.Thread:
 
 
 def _warm_up() -> None:
-    from sim.camera import warm_up as warm_camera  # noqa: PLC0415 - loads OpenCV and Numba
+    import sim.world  # noqa: F401, PLC0415 - loads OpenCV and Numba
+    from sim.camera import warm_up as warm_camera  # noqa: PLC0415 - as above
 
     with _lock:
         warm_camera()

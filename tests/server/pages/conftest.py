@@ -54,8 +54,9 @@ class Site:
                 session["user"] = self.viewers[name].user_id
         return Browser(client)
 
-    def queue(self, name: str = "ann", **wishes: Any) -> int:
+    def queue(self, name: str = "ann", kind: str = "practice", **wishes: Any) -> int:
         order = {"benchmark": "currents-v1", "config": {}, "controller": "pi"} | wishes
+        order["kind"] = runs.Kind(kind)
         with self.database.writing() as session:
             order = runs.Order(viewer=self.viewers[name], **order)
             return runs.enqueue(session, order, self.settings)

@@ -171,7 +171,8 @@ export class Charts {
   height(min, max) {
     if (min === null || max === null) return [0, 1];
     const span = Math.max(max - min, 1e-6);
-    return [min < 0 ? min - 0.08 * span : 0, max + 0.28 * span];
+    const base = min >= 0 && min < 0.5 * max ? 0 : min - 0.08 * span;
+    return [base, max + 0.28 * span];
   }
 
   tell(plot, chart, output) {
@@ -180,11 +181,14 @@ export class Charts {
       output.textContent = "";
       return;
     }
-    const values = chart.columns.map((name) => {
+    const parts = chart.columns.map((name, index) => {
+      const part = document.createElement("span");
       const text = short(this.values[name]?.[at]);
-      return chart.columns.length > 1 ? `${name} ${text}` : `${text} ${chart.unit}`;
+      part.textContent = chart.columns.length > 1 ? `${name} ${text} ` : `${text} ${chart.unit}`;
+      if (chart.columns.length > 1) part.style.color = colour(COLOURS[index % COLOURS.length]);
+      return part;
     });
-    output.textContent = `${this.t[at].toFixed(1)} s: ${values.join(", ")}`;
+    output.replaceChildren(`${this.t[at].toFixed(1)} s: `, ...parts);
   }
 
   clear() {

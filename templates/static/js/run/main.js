@@ -10,13 +10,12 @@ const camera = new Camera(data, (t) => charts.mark(t));
 let trial = 0;
 let refreshing = 0;
 
-const SENTENCES = {
-  queued: (s) => (s.position ? `Place ${s.position} in the queue.` : "Waiting in the queue."),
-  running: () => "The experiment is running.",
-  succeeded: () => "Finished.",
-  failed: () => "Stopped.",
-  cancelled: () => "Cancelled. The data so far is kept.",
-};
+const COLUMNS_MAX = 16; // columns of one answer of series.json
+let begun = null; // progress when this page first saw some, for the time left
+
+function waiting(position) {
+  return position ? `Place ${position} in the queue.` : "Waiting in the queue.";
+}
 
 function duration(seconds) {
   if (seconds < 60) return `${seconds.toFixed(seconds < 10 ? 1 : 0)} s`;
@@ -29,15 +28,29 @@ function showState(state) {
     refresh(); // the server's own words: why it waits, what failed, which buttons make sense
     return;
   }
-  if (badge && state.state === "queued") part("state-sentence").textContent = SENTENCES.queued(state);
+  if (badge && state.state === "queued") part("state-sentence").textContent = waiting(state.position);
+  if (typeof state.progress === "number") showProgress(state.progress, state.t_simulated);
+}
+
+// State events come every few seconds, telemetry several times a second: the bar follows both.
+function showProgress(progress, simulated) {
   const bar = part("progress");
-  if (bar && typeof state.progress === "number") {
-    bar.value = state.progress;
-    part("progress-text").textContent = `${Math.round(state.progress * 100)} %`;
+  if (!bar || progress <= bar.value) return;
+  bar.value = progress;
+  part("progress-text").textContent = `${Math.round(progress * 100)} %`;
+  if (typeof simulated === "number") part("simulated").textContent = duration(simulated);
+  const now = performance.now() / 1000;
+  begun ??= { at: now, progress };
+  const rate = (progress - begun.progress) / Math.max(now - begun.at, 1e-3);
+  if (now - begun.at > 2 && rate > 0) {
+    const left = duration((1 - progress) / rate);
+    part("state-sentence").textContent = `The experiment is running, about ${left} left.`;
   }
-  if (part("simulated") && typeof state.t_simulated === "number") {
-    part("simulated").textContent = duration(state.t_simulated);
-  }
+}
+
+function progressOf(columns, row) {
+  const at = row[columns.indexOf("trial")] * data.trial_s + row[columns.indexOf("t")];
+  showProgress(at / (data.trials * data.trial_s), at);
 }
 
 function addLog(text) {
@@ -64,13 +77,19 @@ async function refresh() {
 }
 
 async function loadSeries() {
-  const columns = charts.columns().slice(0, 16).join(",");
-  const address = `${data.api}/series.json?columns=${columns}&max_points=4000&trial=${trial}`;
-  const answer = await fetch(address, { credentials: "same-origin" });
-  if (!answer.ok) return;
-  const series = await answer.json();
-  charts.replace(series.t, series.columns);
-  if (series.t.length) camera.available(trial, series.t[series.t.length - 1]);
+  const columns = charts.columns();
+  const answers = [];
+  for (let at = 0; at < columns.length; at += COLUMNS_MAX) {
+    const names = columns.slice(at, at + COLUMNS_MAX).join(",");
+    const address = `${data.api}/series.json?columns=${names}&max_points=4000&trial=${trial}`;
+    const answer = await fetch(address, { credentials: "same-origin" });
+    if (!answer.ok) return;
+    answers.push(await answer.json());
+  }
+  if (!answers.length) return;
+  const [{ t }] = answers; // the time axis depends on the rows alone: it is the same in all answers
+  charts.replace(t, Object.assign({}, ...answers.map((answer) => answer.columns)));
+  if (t.length) camera.available(trial, t[t.length - 1]);
 }
 
 function follow() {
@@ -80,8 +99,11 @@ function follow() {
   on("state", showState);
   on("telemetry", (batch) => {
     const at = batch.columns.indexOf("trial");
-    const rows = batch.rows.filter((row) => at < 0 || row[at] === trial);
-    if (batch.rows.length && at >= 0) followTrial(batch.rows[batch.rows.length - 1][at]);
+    if (!batch.rows.length) return;
+    const newest = batch.rows[batch.rows.length - 1];
+    followTrial(newest[at]);
+    progressOf(batch.columns, newest);
+    const rows = batch.rows.filter((row) => row[at] === trial);
     const last = charts.append(batch.columns, rows);
     if (last !== null) camera.available(trial, last);
   });

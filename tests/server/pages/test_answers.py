@@ -1,0 +1,114 @@
+"""What all answers have in common: headers, errors, ranks, numbers."""
+
+import pytest
+
+from server import leaderboard
+from server.pages.formats import duration, number, size
+from tests.server.pages.conftest import Site
+
+
+@pytest.mark.parametrize("path", ["/", "/nope", "/static/css/base.css", "/api/v1/benchmarks"])
+def test_every_answer_forbids_inline_code_frames_and_guessing(site: Site, path: str) -> None:
+    with site.browser().get(path) as answer:
+        headers = answer.headers
+
+    policy = headers["Content-Security-Policy"]
+    assert "unsafe" not in policy
+    assert "frame-ancestors 'none'" in policy
+    assert headers["X-Content-Type-Options"] == "nosniff"
+    assert headers["Referrer-Policy"]
+
+
+@pytest.mark.parametrize(
+    "path", ["/", "/submit/currents-v1", "/docs/controller", "/status", "/leaderboards/currents-v1"]
+)
+def test_no_page_has_inline_code_or_loads_from_elsewhere(site: Site, path: str) -> None:
+    page = site.browser("ann").get(path).text
+
+    assert [
+        word for word in (" style=", " onclick=", "<style", "//cdn", 'src="http') if word in page
+    ] == []
+
+
+@pytest.mark.parametrize(
+    "path",
+    [
+        "/nope",
+        "/runs/999",
+        "/docs/nope",
+        "/submit/nope",
+        "/leaderboards/nope",
+        "/leaderboards/currents-v1?after=x",
+    ],
+)
+def test_what_does_not_exist_is_a_page_that_says_so(site: Site, path: str) -> None:
+    answer = site.browser().get(path)
+
+    assert answer.status_code == 404
+    assert "Nothing here" in answer.text
+
+
+def test_a_program_gets_errors_as_problem_documents(site: Site) -> None:
+    answer = site.browser().get("/api/v1/runs/999")
+
+    assert (answer.status_code, answer.mimetype) == (404, "application/problem+json")
+
+
+def test_a_published_ranked_run_stands_on_the_leaderboard_and_a_private_one_does_not(
+    site: Site,
+) -> None:
+    site.finished("ann", kind="ranked", public=True)
+    site.finished("ben", kind="ranked")
+
+    page = site.browser().get("/leaderboards/currents-v1").text
+
+    assert ("ann</span>" in page, "ben</span>" in page) == (True, False)
+
+
+def test_overlapping_intervals_share_the_rank(site: Site) -> None:
+    for name in ("ann", "ben"):
+        site.finished(name, kind="ranked", public=True)
+
+    page = site.browser().get("/leaderboards/currents-v1").text
+
+    assert page.count('<span class="rank">1') == 2
+    assert "may be luck" in page
+
+
+def test_the_pages_of_the_leaderboard_follow_each_other(site: Site) -> None:
+    site.finished("ann", kind="ranked", public=True)
+    site.finished("ben", kind="ranked", public=True)
+    with site.database.reading() as session:
+        first = leaderboard.page(session, "currents-v1", limit=1)[0]
+
+    after = {"after": first.cursor.text()}
+    page = site.browser().get("/leaderboards/currents-v1", query_string=after).text
+
+    assert (f"{first.user}</span>" in page, "To the top" in page) == (False, True)
+
+
+def test_my_runs_are_filtered_by_state(site: Site) -> None:
+    site.finished("ann", title="done one")
+    site.queue("ann", title="waiting one")
+
+    page = site.browser("ann").get("/runs/?state=queued").text
+
+    assert ("waiting one" in page, "done one" in page) == (True, False)
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [(0.01234, "0.0123"), (1234.5, "1\u202f234"), (0, "0"), (-2.5, "−2.50"), (None, "–"),
+     (float("nan"), "–"), (True, "yes"), (1e-7, "1e−07"), ([0, 0.1], "0, 0.100")],
+)  # fmt: skip
+def test_numbers_are_written_for_people(value: object, text: str) -> None:
+    assert number(value) == text
+
+
+def test_sizes_and_times_are_written_for_people() -> None:
+    assert (size(2 * 2**20), size(300), duration(75), duration(3720)) == (
+        "2 MiB",
+        "300 bytes",
+        "1 min 15 s",
+        "1 h 2 min",
+    )

@@ -1,0 +1,66 @@
+"""Fields from a schema: what is shown is read back as the same values."""
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from server.pages import fields
+from sim import registry
+
+SCHEMA = registry.benchmark("currents-v1").schema()
+finite = st.floats(allow_nan=False, allow_infinity=False, width=64)
+
+
+def _number_schema(kind: str) -> dict[str, object]:
+    return {"properties": {"x": {"type": kind, "default": 0}}}
+
+
+@given(value=finite)
+def test_a_number_survives_being_shown_and_read(value: float) -> None:
+    shown = fields.text_of(value)
+
+    assert fields.read(_number_schema("number"), {"x": shown}) == {"x": value}
+
+
+@given(values=st.lists(finite, min_size=1, max_size=12))
+def test_a_list_survives_being_shown_and_read(values: list[float]) -> None:
+    shown = fields.text_of(values)
+
+    assert fields.read(_number_schema("array"), {"x": shown}) == {"x": values}
+
+
+@given(text=st.text())
+def test_no_text_breaks_the_reading_of_a_form(text: str) -> None:
+    form = dict.fromkeys(SCHEMA["properties"], text)
+
+    values = fields.read(SCHEMA, form)
+
+    assert set(values) == set(SCHEMA["properties"])
+
+
+def test_the_untouched_form_gives_the_defaults_of_each_vehicle() -> None:
+    benchmark = registry.benchmark("currents-v1")
+
+    for vehicle in registry.VEHICLES:
+        shown = fields.groups(SCHEMA, {"vehicle": vehicle}, {})
+        entries = [entry for group in shown for entry in (*group.shown, *group.folded)]
+        texts = {entry.name: entry.value for entry in entries}
+        posted = {name: text for name, text in texts.items() if text != "false"}
+        form = posted | {f"{name}.there": "1" for name in texts}
+        read = benchmark.read(fields.read(SCHEMA, form))
+        assert read == benchmark.read({"vehicle": vehicle})
+
+
+def test_a_checkbox_that_is_not_ticked_is_false_only_if_the_form_had_it() -> None:
+    schema = {"properties": {"x": {"type": "boolean", "default": True}}}
+
+    assert fields.read(schema, {}) == {}
+    assert fields.read(schema, {"x.there": "1"}) == {"x": False}
+    assert fields.read(schema, {"x.there": "1", "x": "on"}) == {"x": True}
+
+
+def test_groups_follow_the_order_given() -> None:
+    order = ("Tracker", "Current")
+
+    titles = [group.title for group in fields.groups(SCHEMA, {}, {}, order=order)]
+
+    assert tuple(titles[:2]) == order
