@@ -129,7 +129,13 @@ class Box:
         if len(answer) != frames.COMMAND.size:
             self._end(verdicts.misbehaved(f"The program answered with {len(answer)} bytes."))
         _, _, _, surge, sway, heave, yaw = frames.COMMAND.unpack(answer)
-        if not all(-MOST_FIELD <= number <= MOST_FIELD for number in (surge, sway, heave, yaw)):
+        most = MOST_FIELD  # NaN compares false, so that it does not get through either
+        if not (
+            -most <= surge <= most
+            and -most <= sway <= most
+            and -most <= heave <= most
+            and -most <= yaw <= most
+        ):
             self._end(verdicts.misbehaved("The program answered with a number beyond all limits."))
         return surge, sway, heave, yaw
 
