@@ -9,7 +9,7 @@ from sqlalchemy.orm import Session
 from server.orders import ALIVE_S, upload_refusal
 from server.settings import Settings
 from server.states import RunState
-from server.tables import Run, Worker
+from server.tables import Run, Turn, User, Worker
 
 _RECENT = 20  # ended runs of the same sort from which a duration is estimated
 
@@ -38,23 +38,53 @@ def wait_of(session: Session, run: Run, settings: Settings) -> Wait:
 
 
 def _position(session: Session, run: Run) -> int:
-    """Return the place, 1 = next, in rounds: everybody's first run, then everybody's second ..."""
-    running = (
-        select(Run.owner, func.count().label("n"))
-        .where(Run.state == RunState.RUNNING)
-        .group_by(Run.owner)
-        .cte("running")
-    )
-    turn = func.row_number().over(partition_by=Run.owner, order_by=Run.id)
+    """Return the place, 1 = next, in rounds: everybody's first run, then everybody's second ...
+
+    From one row per owner, so that a long line costs no more than a short one.
+    """
+    owners = _owners(session)
+    mine = owners[run.owner]
+    own = (Run.owner == run.owner) & (Run.state == RunState.QUEUED)
+    before = session.scalar(select(func.count()).where(own, Run.id < run.id)) or 0
+    others = (other for name, other in owners.items() if name != run.owner)
+    return 1 + before + sum(other.ahead_of(mine, before) for other in others)
+
+
+@dataclass(frozen=True, slots=True)
+class _Owner:
+    """What one owner has in the line."""
+
+    queued: int
+    first: int  # id of the run that is next
+    running: int
+    served_at: float
+    is_baseline: bool
+
+    def ahead_of(self, mine: "_Owner", before: int) -> int:
+        """Return how many of its runs start before the owner `mine` has started `before + 1`."""
+        if self.is_baseline != mine.is_baseline:
+            return 0 if self.is_baseline else self.queued
+        rounds = mine.running + before - self.running
+        turn = (self.served_at, self.first) < (mine.served_at, mine.first)
+        return min(max(rounds + int(turn), 0), self.queued)
+
+
+def _owners(session: Session) -> dict[str, _Owner]:
+    """Return all owners with queued runs."""
+    state = select(Run.owner, func.count()).group_by(Run.owner)
+    running = {owner: n for owner, n in session.execute(state.where(Run.state == RunState.RUNNING))}
+    names = session.scalars(select(User.id).where(User.is_baseline))
+    baselines = {f"user:{user_id}" for user_id in names}
     queued = (
-        select(Run.id, (turn + func.coalesce(running.c.n, 0)).label("turn"))
-        .outerjoin(running, running.c.owner == Run.owner)
+        select(Run.owner, func.count(), func.min(Run.id), func.coalesce(Turn.served_at, 0.0))
+        .outerjoin(Turn, Turn.owner == Run.owner)
         .where(Run.state == RunState.QUEUED)
-        .cte("queued")
+        .group_by(Run.owner, Turn.served_at)
     )
-    mine = select(queued.c.turn).where(queued.c.id == run.id).scalar_subquery()
-    earlier = (queued.c.turn < mine) | ((queued.c.turn == mine) & (queued.c.id < run.id))
-    return 1 + (session.scalar(select(func.count()).select_from(queued).where(earlier)) or 0)
+    return {
+        owner: _Owner(n, first, running.get(owner, 0), served_at, owner in baselines)
+        for owner, n, first, served_at in session.execute(queued)
+    }
 
 
 def _typical_s(session: Session, run: Run) -> float | None:

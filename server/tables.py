@@ -116,6 +116,7 @@ class Run(Base):
             "ix_runs_queued",
             "owner",
             "id",
+            "language",  # so that a claim is answered from the index alone
             sqlite_where=text("state = 'queued'"),
             postgresql_where=text("state = 'queued'"),
         ),

@@ -79,7 +79,7 @@ def upgrade() -> None:
         batch_op.create_index('ix_runs_benchmark_state_id', ['benchmark', 'state', 'id'], unique=False)
         batch_op.create_index('ix_runs_owner_id', ['owner', 'id'], unique=False)
         batch_op.create_index('ix_runs_public_id', ['public', 'id'], unique=False)
-        batch_op.create_index('ix_runs_queued', ['owner', 'id'], unique=False, sqlite_where=sa.text("state = 'queued'"), postgresql_where=sa.text("state = 'queued'"))
+        batch_op.create_index('ix_runs_queued', ['owner', 'id', 'language'], unique=False, sqlite_where=sa.text("state = 'queued'"), postgresql_where=sa.text("state = 'queued'"))
         batch_op.create_index('ix_runs_running', ['owner'], unique=False, sqlite_where=sa.text("state = 'running'"), postgresql_where=sa.text("state = 'running'"))
 
     op.create_table('tokens',
