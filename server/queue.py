@@ -173,6 +173,8 @@ def _release(
         values |= {"cause": Cause.PLATFORM_ERROR, "detail": detail}
     if not move(session, run.id, RunState.RUNNING, new, fence=run.attempt, **values):
         return None
+    if new is RunState.QUEUED:  # the turn was for nothing: its owner does not wait for another
+        session.execute(delete(Turn).where(Turn.owner == run.owner))
     _log.warning("released", run=run.id, attempt=run.attempt, failures=failures, why=why, state=new)
     return new
 
@@ -192,7 +194,9 @@ def _fairest(languages: Collection[str], running_max: int) -> Select[int]:
         .cte("first")
     )
     n = func.coalesce(running.c.n, 0)
-    baseline = select(literal("user:") + cast(User.id, String)).where(User.is_baseline).scalar_subquery()
+    baseline = (
+        select(literal("user:") + cast(User.id, String)).where(User.is_baseline).scalar_subquery()
+    )
     last = first.c.owner.in_(baseline)
     return (
         select(first.c.id)

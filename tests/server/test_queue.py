@@ -91,6 +91,9 @@ def test_a_silent_workers_run_returns_to_its_old_place(both: Service) -> None:
     assert (report.returned, report.given_up, report.queued) == ([first], [], 2)
     assert both.show(first).state is RunState.QUEUED
     assert both.show(first).position == 1
+    again = both.claim("alive")
+    assert again is not None
+    assert again.run_id == first
 
 
 def test_a_late_worker_cannot_write(both: Service) -> None:
