@@ -122,9 +122,12 @@ def test_a_guest_may_not_upload(site: Site) -> None:
 
 
 def test_three_megabytes_are_refused_with_the_limit_in_a_sentence(site: Site) -> None:
-    file = (io.BytesIO(b"#" * 3_000_000), "big.py")
+    head = b'--x\r\nContent-Disposition: form-data; name="program"; filename="big.py"\r\n\r\n'
+    body = head + b"#" * 3_000_000 + b"\r\n--x--\r\n"
 
-    answer = site.browser("ann").post(FORM, {"controller": "upload", "program": file})
+    answer = site.browser("ann").client.post(
+        FORM, data=body, content_type="multipart/form-data; boundary=x"
+    )
 
     assert answer.status_code == 413
     assert "The upload is too large" in answer.text
