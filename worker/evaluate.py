@@ -18,7 +18,7 @@ from server.settings import Settings
 from sim import registry
 from sim.hidden_seeds import hidden_seed
 from worker.broadcast import Broadcast
-from worker.frames import Frame
+from worker.frames import Frame, StreamBroken
 from worker.frames import Kind as FrameKind
 from worker.job import Job
 from worker.simulation import Simulation, Simulator, SimulatorBroken
@@ -76,7 +76,7 @@ def evaluate(tools: Tools, claim: Claim) -> bool:
     except Stopping:
         drive.give_back("the worker shuts down", counts=False)
         return True
-    except SimulatorBroken as broken:
+    except (SimulatorBroken, StreamBroken) as broken:
         log.error("simulator_broken", why=str(broken), traceback=drive.our_traceback)
         drive.give_back(str(broken), counts=True)
         return False

@@ -1,0 +1,80 @@
+"""Stand-ins with the same protocols as the real things, for what a real box does too rarely."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sandbox.limits import Limits
+from sandbox.outcome import Outcome, ProgramEnded, SandboxBroken, Verdict
+
+SLOW = Outcome(verdict=Verdict.TIME_LIMIT, sentence="too slow", suspect_host=True)
+
+
+class FakeBox:
+    """A box whose program stays where it is; it fails at given steps."""
+
+    def __init__(self, ends_at: int = -1, outcome: Outcome = SLOW, *, stale: bool = False) -> None:
+        self.ends_at, self.outcome, self.stale = ends_at, outcome, stale
+        self.steps, self.closed = 0, False
+
+    def load(
+        self,
+        source: bytes,
+        filename: str,
+        config: Mapping[str, object],
+        layout: Mapping[str, object],
+    ) -> None:
+        if self.stale:
+            raise SandboxBroken("stale")
+
+    def reset(self, level: Mapping[str, object]) -> None: ...
+
+    def step(self, values: Any) -> tuple[float, float, float, float]:
+        if self.steps == self.ends_at:
+            raise ProgramEnded(self.outcome)
+        self.steps += 1
+        return 0.0, 0.0, 0.0, 0.0
+
+    def finish(self) -> Outcome:
+        return Outcome(verdict=Verdict.OK, sentence="fine")
+
+    def take_output(self) -> bytes:
+        return b""
+
+    def close(self) -> None:
+        self.closed = True
+
+
+class FakeBoxes:
+    """Hands out given boxes, one after the other."""
+
+    def __init__(self, *boxes: FakeBox) -> None:
+        self.boxes = boxes
+        self.made = 0
+
+    def __call__(self, language: str, limits: Limits) -> FakeBox:
+        self.made += 1
+        return self.boxes[self.made - 1]
+
+
+class FakeListener:
+    """Keeps what it hears, and forgets a trial when it is told to."""
+
+    def __init__(self) -> None:
+        self.heard: list[NDArray[np.float64]] = []
+        self.cuts: list[int] = []
+        self.ended: list[int] = []
+
+    def rows(self, rows: NDArray[np.float64]) -> None:
+        self.heard.append(rows)
+
+    def log(self, text: bytes) -> None: ...
+
+    def trial_ended(self, trial: int) -> None:
+        self.ended.append(trial)
+
+    def cut(self, trial: int, why: str) -> None:
+        self.cuts.append(trial)
+        self.heard = [rows for rows in self.heard if rows[0, 0] != trial]
