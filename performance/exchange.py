@@ -16,8 +16,9 @@ from array import array
 from performance.table import Row
 from sandbox.box import Box
 from sandbox.languages.python import SELF_TEST
-from sandbox.level import Level, probe
+from sandbox.level import Level
 from sandbox.limits import Limits
+from sandbox.probes import probe
 
 FIELDS = 29  # float64 values of the real layout
 STEPS = 20_000

@@ -9,7 +9,8 @@ import time
 
 from performance.table import Row
 from sandbox.languages.python import SELF_TEST
-from sandbox.level import Level, probe
+from sandbox.level import Level
+from sandbox.probes import probe
 from sim.warm_up import warm_up
 from worker.single import Hearing, evaluate_here
 

@@ -34,10 +34,3 @@ class Isolation:
         """Return one line for a status page: the level and what is missing for the next one."""
         missing = "; ".join(f"{f.name}: {f.why}" for f in self.findings if not f.ok)
         return f"isolation {self.level.name.lower()}" + (f" ({missing})" if missing else "")
-
-
-def probe() -> Isolation:
-    """Try some mini attacks in real boxes and return the level that held."""
-    from sandbox.probes import isolation  # noqa: PLC0415  (the web process needs only the enum)
-
-    return isolation()

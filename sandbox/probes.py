@@ -63,8 +63,8 @@ REMEDY = {
 }
 
 
-def isolation() -> Isolation:
-    """Return the level that held and every finding."""
+def probe() -> Isolation:
+    """Try some mini attacks in real boxes; return the level that held and every finding."""
     findings = [*_requirements()]
     if not all(finding.ok for finding in findings):
         return Isolation(Level.NONE, tuple(findings))

@@ -92,9 +92,9 @@ class ChainSettings(Configuration):
         advanced=True,
     )
     velocity_observer_1_s: float = velocity(
-        1.5,
+        0.0,  # proportional, as in the published experiment: the current is the position's task
         title="Speed of the observer",
-        says="Model law: how fast the disturbance by the current is learnt.",
+        says="Model law: how fast it learns the current's force by itself; 0 leaves it to you.",
         unit="1/s",
         low=0,
         high=5,

@@ -10,8 +10,9 @@ import structlog
 from sqlalchemy import delete
 
 from sandbox.languages import LANGUAGES
-from sandbox.level import Finding, Isolation, Level, probe
+from sandbox.level import Finding, Isolation, Level
 from sandbox.outcome import SandboxBroken
+from sandbox.probes import probe
 from server.db import Database
 from server.settings import Settings
 from server.tables import Worker

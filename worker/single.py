@@ -56,7 +56,7 @@ def evaluate_here(
     controller
         Name of a built-in one, or (source, file name) of a program, which runs in a box.
     level
-        Isolation of the box; see `sandbox.level.probe`.
+        Isolation of the box; see `sandbox.probes.probe`.
 
     Raises
     ------

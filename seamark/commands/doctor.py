@@ -135,7 +135,8 @@ def _broker(settings: Settings) -> Iterable[Check]:
 
 
 def _sandbox(settings: Settings) -> Iterable[Check]:
-    from sandbox.level import Level, probe
+    from sandbox.level import Level
+    from sandbox.probes import probe
 
     found = probe()
     needed = Level[settings.sandbox_min_level.upper()]

@@ -168,7 +168,8 @@ def _source(path: Path) -> tuple[bytes, str]:
 
 
 def _isolation() -> Level:
-    from sandbox.level import Level, probe
+    from sandbox.level import Level
+    from sandbox.probes import probe
 
     found = probe()
     if found.level is Level.NONE:

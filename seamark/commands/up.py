@@ -60,7 +60,8 @@ def _silent(_: str) -> None:
 
 def _isolation(settings: Settings) -> tuple[str, str]:
     """Return the level that this host reaches and what it means for uploads."""
-    from sandbox.level import Level, probe
+    from sandbox.level import Level
+    from sandbox.probes import probe
 
     found = probe()
     needed = Level[settings.sandbox_min_level.upper()]

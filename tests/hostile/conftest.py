@@ -8,9 +8,10 @@ import pytest
 
 from sandbox.box import Box
 from sandbox.confined import Layers
-from sandbox.level import Isolation, Level, probe
+from sandbox.level import Isolation, Level
 from sandbox.limits import Limits
 from sandbox.outcome import Outcome, ProgramEnded
+from sandbox.probes import probe
 
 PROGRAMS = Path(__file__).with_name("programs")
 STEPS = 20

@@ -2,7 +2,8 @@
 
 import pytest
 
-from sandbox.level import Level, probe
+from sandbox.level import Level
+from sandbox.probes import probe
 
 
 @pytest.fixture(scope="session")

@@ -17,9 +17,10 @@ from sandbox.box import Box
 from sandbox.command import Descriptors, bwrap_command
 from sandbox.languages import LANGUAGES, language_of
 from sandbox.languages.python_host import PACKAGES, package_folder, python_runtime
-from sandbox.level import Finding, Isolation, Level, probe
+from sandbox.level import Finding, Isolation, Level
 from sandbox.limits import Limits
 from sandbox.outcome import Verdict
+from sandbox.probes import probe
 from sandbox.shelf import SHELF
 
 pytestmark = pytest.mark.host
@@ -34,7 +35,7 @@ REPORT = """
     from sandbox import box
     from sandbox.box import Box
     from sandbox.languages.python import SELF_TEST
-    from sandbox.level import probe
+    from sandbox.probes import probe
     from sandbox.limits import Limits
     from sandbox.outcome import ProgramEnded
     LAYOUT = {"observation": [["t", 0], ["error", 3]], "command": []}

@@ -66,7 +66,7 @@ class Broken:
 
 
 def test_the_chain_keeps_station_with_a_perfect_tracker(run_short: RunOf) -> None:
-    result, rows = run_short({"tracker": "truth"})
+    result, rows = run_short({"tracker": "truth", "velocity_observer_1_s": 1.5})
 
     assert rows.shape == (240, telemetry.WIDTH)
     assert rows[:, INDEX["distance"]].max() < 0.1

@@ -54,7 +54,7 @@ def test_the_allocation_is_the_pseudo_inverse(name: str) -> None:
 def test_a_velocity_reference_is_reached_in_the_current(
     reference: Reference, current: float
 ) -> None:
-    velocity = settled(reference, current=current).velocity()
+    velocity = settled(reference, current=current, velocity_observer_1_s=1.5).velocity()
 
     assert velocity[:3] == pytest.approx(reference[:3], abs=0.02)
 
