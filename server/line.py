@@ -31,19 +31,24 @@ def wait_of(session: Session, run: Run, settings: Settings) -> Wait:
         return Wait(None, _left_s(run, now, typical), None)
     slots = session.scalar(select(func.sum(Worker.slots)).where(Worker.seen_at > now - ALIVE_S))
     position = _position(session, run)
+    if position is None:
+        return Wait(None, typical, None)
     estimate = None
     if slots and typical is not None:
         estimate = typical * (1 + (position - 1) / slots)
     return Wait(position, estimate, _why(session, run, settings, slots=slots, ahead=position - 1))
 
 
-def _position(session: Session, run: Run) -> int:
+def _position(session: Session, run: Run) -> int | None:
     """Return the place, 1 = next, in rounds: everybody's first run, then everybody's second ...
 
-    From one row per owner, so that a long line costs no more than a short one.
+    From one row per owner, so that a long line costs no more than a short one. None if a worker
+    took the run after it was read, which PostgreSQL shows to a transaction that writes.
     """
     owners = _owners(session)
-    mine = owners[run.owner]
+    mine = owners.get(run.owner)
+    if mine is None:
+        return None
     own = (Run.owner == run.owner) & (Run.state == RunState.QUEUED)
     before = session.scalar(select(func.count()).where(own, Run.id < run.id)) or 0
     others = (other for name, other in owners.items() if name != run.owner)

@@ -8,7 +8,7 @@ from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 from sqlalchemy import update
 
-from server import runs
+from server import line, runs
 from server.causes import Cause
 from server.runs import Beat, Kind, RunState
 from server.states import NEXT_STATES
@@ -196,6 +196,32 @@ def test_the_place_in_the_line_is_the_order_of_claims(both: Service) -> None:
         both.finish(claim)
 
     assert [places[run_id] for run_id in order] == [1, 2, 3, 4, 5, 6]
+
+
+def test_a_page_sees_one_moment_even_if_a_worker_takes_the_run_meanwhile(both: Service) -> None:
+    run_id = both.queue(both.user("ada"))
+
+    with both.database.reading() as session:
+        before = runs.show(session, run_id, both.settings)
+        session.expire_all()
+        assert both.claim() is not None
+        after = runs.show(session, run_id, both.settings)
+
+    assert before is not None
+    assert after is not None
+    assert (before.state, after.state) == (runs.RunState.QUEUED, runs.RunState.QUEUED)
+
+
+def test_a_run_that_was_taken_after_it_was_read_has_no_place_in_the_line(both: Service) -> None:
+    run_id = both.queue(both.user("ada"))
+    with both.database.reading() as session:
+        read_before = session.get_one(Run, run_id)
+    assert both.claim() is not None
+
+    with both.database.reading() as session:
+        wait = line.wait_of(session, read_before, both.settings)
+
+    assert wait.position is None
 
 
 def test_a_waiting_run_says_why(both: Service) -> None:
