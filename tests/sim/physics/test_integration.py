@@ -7,12 +7,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
 
+from performance.validation.reference import Leg, Water, reference
 from sim.current import Current, Pattern
 from sim.dynamics import Plant, integrate
 from sim.streams import streams
-from sim.vehicles import STANDARD_GRAVITY, Array, Vehicle, load
+from sim.vehicles import Array, load
 
 COMMAND = np.array([0.45, 0.30, 0.20, -0.15, 0.35])
 START = np.array([0.0, 0.0, 2.0, 0.15, -0.1, 0.4])
@@ -46,91 +46,6 @@ def test_the_working_step_is_exact_to_a_micrometre() -> None:
     assert np.abs(coarse - fine)[:3].max() < 1e-6
 
 
-def cross(vector: Array) -> Array:
-    x, y, z = vector
-    return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-
-
-def turn(angles: Array) -> Array:
-    """Rotation from body to world as three elementary rotations, unlike the plant's quaternion."""
-    (cr, cp, cy), (sr, sp, sy) = np.cos(angles), np.sin(angles)
-    about_x = np.array([[1, 0, 0], [0, cr, -sr], [0, sr, cr]])
-    about_y = np.array([[cp, 0, sp], [0, 1, 0], [-sp, 0, cp]])
-    about_z = np.array([[cy, -sy, 0], [sy, cy, 0], [0, 0, 1]])
-    return about_z @ about_y @ about_x
-
-
-def skewed(mass: Array, velocity: Array) -> Array:
-    """Fossen's C(v), (6, 6), from the blocks of the mass matrix."""
-    a = mass[:3, :3] @ velocity[:3] + mass[:3, 3:] @ velocity[3:]
-    b = mass[3:, :3] @ velocity[:3] + mass[3:, 3:] @ velocity[3:]
-    return np.block([[np.zeros((3, 3)), -cross(a)], [-cross(a), -cross(b)]])
-
-
-def euler_rates(angles: Array, rates: Array) -> Array:
-    roll, pitch, _yaw = angles
-    p, q, r = rates
-    lean = q * np.sin(roll) + r * np.cos(roll)
-    return np.array(
-        [
-            p + lean * np.tan(pitch),
-            q * np.cos(roll) - r * np.sin(roll),
-            lean / np.cos(pitch),
-        ]
-    )
-
-
-def stream(t: float, force: bool) -> tuple[Array, Array, Array]:
-    """Water velocity, acceleration (NED) and body force of level 0.4 from azimuth 0.5."""
-    w1, w2 = 2 * np.pi / 4, 2 * np.pi / 30
-    v, dv = 0.4 + 0.005 * np.sin(w1 * t), 0.005 * w1 * np.cos(w1 * t)
-    swing, dswing = 0.7 * np.sin(w2 * t), 0.7 * w2 * np.cos(w2 * t)
-    if force:
-        push = 410.0 * 0.134 * np.array([(v * np.sin(swing)) ** 2, v**2, 0, 0, 0, 0])
-        return np.zeros(3), np.zeros(3), push
-    a = 0.5 + swing
-    direction, across = np.array([np.cos(a), np.sin(a), 0.0]), np.array([-np.sin(a), np.cos(a), 0])
-    return -v * direction, -dv * direction - v * dswing * across, np.zeros(6)
-
-
-def reference(vehicle: Vehicle, seconds: float, target: Array, *, force: bool) -> Array:
-    """Pose, velocity over ground and thrust by SciPy, in Euler angles and Fossen's matrices."""
-    rigid, added = vehicle.mass_rigid(), vehicle.mass_added()
-    solve = np.linalg.inv(rigid + added)
-    weight, buoyancy = vehicle.weight.scalar, vehicle.buoyancy.scalar
-    heavy, light = (
-        np.array(centre.value) for centre in (vehicle.centre_of_gravity, vehicle.centre_of_buoyancy)
-    )
-
-    def rate(t: float, y: Array) -> Array:
-        angles, nu, thrust = y[3:6], y[6:12], y[12:]
-        rotation = turn(angles)
-        water, rise, push = stream(t, force)
-        carried = np.concatenate((rotation.T @ water, np.zeros(3)))
-        relative = nu - carried
-        down = rotation.T @ (np.array([0.0, 0.0, 1.0]) - rise / STANDARD_GRAVITY)
-        restoring = np.concatenate(
-            ((weight - buoyancy) * down, np.cross(weight * heavy - buoyancy * light, down))
-        )
-        drag = vehicle.linear_drag() + vehicle.quadratic_drag() * np.abs(relative)
-        total = vehicle.allocation() @ thrust + push + restoring - drag * relative
-        total -= skewed(rigid, relative) @ relative + skewed(added, relative) @ relative
-        speeding = solve @ total
-        speeding[:3] += rotation.T @ rise - np.cross(nu[3:], carried[:3])
-        return np.concatenate(
-            (
-                rotation @ nu[:3],
-                euler_rates(angles, nu[3:]),
-                speeding,
-                (target - thrust) / vehicle.lag.scalar,
-            )
-        )
-
-    y0 = np.concatenate((START, np.zeros(6 + target.size)))
-    answer = solve_ivp(rate, (0.0, seconds), y0, method="DOP853", rtol=1e-11, atol=1e-12)
-    return np.asarray(answer.y[:, -1])
-
-
 @pytest.mark.parametrize("law", ["relative", "force"])
 @pytest.mark.parametrize("name", NAMES)
 def test_the_plant_agrees_with_an_independent_reference(name: str, law: str) -> None:
@@ -139,7 +54,8 @@ def test_the_plant_agrees_with_an_independent_reference(name: str, law: str) -> 
     plant.place(START)
 
     plant.advance(0, COMMAND, 2000)
-    expected = reference(load(name), 20.0, plant._target, force=law == "force")
+    water = Water(level=0.4, azimuth=0.5, force=law == "force")
+    expected = reference(load(name), START, [Leg(20.0, COMMAND)], water)
 
     assert plant.pose() == pytest.approx(expected[:6], abs=2e-7)
     assert plant.velocity() == pytest.approx(expected[6:12], abs=2e-7)

@@ -1,0 +1,141 @@
+"""A second simulator, written apart from the first: SciPy, Euler angles, Fossen's matrices.
+
+It shares with `sim` the vehicle's numbers and nothing else: rotations are three elementary ones
+instead of a quaternion, C(v) is built from the blocks of the mass matrix, thrust curves are
+inverted by Brent's method, and an adaptive Dormand-Prince 8(5,3) solver integrates. For tests and
+for the validation; far too slow to be used.
+"""
+
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
+
+from sim.vehicles import STANDARD_GRAVITY, Array, Vehicle
+
+FORCE = 410.0 * 0.134  # [N s²/m²] S and D: sim/current.py, the published body force
+
+
+class Leg(NamedTuple):
+    """A part of a manoeuvre: the thrusters' commands, (n,) in [-1, 1], and how long they last."""
+
+    seconds: float
+    command: Array
+
+
+class Water(NamedTuple):
+    """The current without gusts: its level [m/s], where it comes from [rad], and its law."""
+
+    level: float
+    azimuth: float
+    force: bool
+
+
+def cross(vector: Array) -> Array:
+    """Return the matrix whose product with b is vector x b."""
+    x, y, z = vector
+    return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+
+
+def turn(angles: Array) -> Array:
+    """Return the rotation from body to world as three elementary rotations."""
+    (cr, cp, cy), (sr, sp, sy) = np.cos(angles), np.sin(angles)
+    about_x = np.array([[1, 0, 0], [0, cr, -sr], [0, sr, cr]])
+    about_y = np.array([[cp, 0, sp], [0, 1, 0], [-sp, 0, cp]])
+    about_z = np.array([[cy, -sy, 0], [sy, cy, 0], [0, 0, 1]])
+    rotation: Array = about_z @ about_y @ about_x
+    return rotation
+
+
+def skewed(mass: Array, velocity: Array) -> Array:
+    """Return Fossen's C(v), (6, 6), from the blocks of the mass matrix."""
+    a = mass[:3, :3] @ velocity[:3] + mass[:3, 3:] @ velocity[3:]
+    b = mass[3:, :3] @ velocity[:3] + mass[3:, 3:] @ velocity[3:]
+    return np.block([[np.zeros((3, 3)), -cross(a)], [-cross(a), -cross(b)]])
+
+
+def euler_rates(angles: Array, rates: Array) -> Array:
+    """Return the rates of roll, pitch and yaw, (3,) [rad/s], for body rates p, q, r."""
+    roll, pitch, _yaw = angles
+    p, q, r = rates
+    lean = q * np.sin(roll) + r * np.cos(roll)
+    return np.array(
+        [p + lean * np.tan(pitch), q * np.cos(roll) - r * np.sin(roll), lean / np.cos(pitch)]
+    )
+
+
+def stream(t: float, water: Water) -> tuple[Array, Array, Array]:
+    """Return the water's velocity and acceleration, (3,) NED, and the body force, (6,) [N]."""
+    w1, w2 = 2 * np.pi / 4, 2 * np.pi / 30
+    v, dv = water.level + 0.005 * np.sin(w1 * t), 0.005 * w1 * np.cos(w1 * t)
+    swing, dswing = 0.7 * np.sin(w2 * t), 0.7 * w2 * np.cos(w2 * t)
+    if water.force:
+        push = FORCE * np.array([(v * np.sin(swing)) ** 2, v**2, 0, 0, 0, 0])
+        return np.zeros(3), np.zeros(3), push
+    a = water.azimuth + swing
+    along, across = np.array([np.cos(a), np.sin(a), 0.0]), np.array([-np.sin(a), np.cos(a), 0.0])
+    return -v * along, -dv * along - v * dswing * across, np.zeros(6)
+
+
+def thrust_of(vehicle: Vehicle, command: float) -> float:
+    """Return the steady thrust [N] of one command."""
+    curve, effort = vehicle.curve, abs(command)
+    if effort <= curve.dead_band.scalar:
+        return 0.0
+    forward = command > 0.0
+    terms = (curve.forward if forward else curve.reverse).value
+    most = curve.limits.value[0 if forward else 1]
+    if curve.kind == "quadratic":
+        size = min(terms[0] * effort**2, most)
+    elif np.polynomial.Polynomial(terms)(most) <= effort:
+        size = most
+    else:
+        size = brentq(np.polynomial.Polynomial(terms - np.eye(len(terms))[0] * effort), 0.0, most)
+    return float(np.copysign(size, command))
+
+
+def reference(vehicle: Vehicle, start: Array, legs: Sequence[Leg], water: Water) -> Array:
+    """Return pose, velocity over ground and thrusts after a manoeuvre, (12 + n,).
+
+    Parameters
+    ----------
+    start : (6,) [m, rad]
+        Pose at rest with the thrusters stopped: x, y, z, roll, pitch, yaw.
+    """
+    state, began = np.concatenate((start, np.zeros(6 + len(vehicle.thrusters)))), 0.0
+    for leg in legs:
+        target = np.array([thrust_of(vehicle, float(value)) for value in leg.command])
+        rate = _rate_of(vehicle, target, water)
+        span = (began, began + leg.seconds)
+        answer = solve_ivp(rate, span, state, method="DOP853", rtol=1e-11, atol=1e-12)
+        state, began = np.asarray(answer.y[:, -1]), span[1]
+    return state
+
+
+def _rate_of(vehicle: Vehicle, target: Array, water: Water) -> Callable[[float, Array], Array]:
+    rigid, added = vehicle.mass_rigid(), vehicle.mass_added()
+    solve = np.linalg.inv(rigid + added)
+    weight, buoyancy = vehicle.weight.scalar, vehicle.buoyancy.scalar
+    centres = (vehicle.centre_of_gravity, vehicle.centre_of_buoyancy)
+    heavy, light = (np.array(centre.value) for centre in centres)
+
+    def rate(t: float, y: Array) -> Array:
+        angles, nu, thrust = y[3:6], y[6:12], y[12:]
+        rotation = turn(angles)
+        flow, rise, push = stream(t, water)
+        carried = np.concatenate((rotation.T @ flow, np.zeros(3)))
+        relative = nu - carried
+        down = rotation.T @ (np.array([0.0, 0.0, 1.0]) - rise / STANDARD_GRAVITY)
+        moment = np.cross(weight * heavy - buoyancy * light, down)
+        restoring = np.concatenate(((weight - buoyancy) * down, moment))
+        drag = vehicle.linear_drag() + vehicle.quadratic_drag() * np.abs(relative)
+        total = vehicle.allocation() @ thrust + push + restoring - drag * relative
+        total -= skewed(rigid, relative) @ relative + skewed(added, relative) @ relative
+        speeding = solve @ total
+        speeding[:3] += rotation.T @ rise - np.cross(nu[3:], carried[:3])
+        lag = (target - thrust) / vehicle.lag.scalar
+        return np.concatenate((rotation @ nu[:3], euler_rates(angles, nu[3:]), speeding, lag))
+
+    return rate

@@ -1,0 +1,74 @@
+"""Trials that the validation looks at: telemetry and result of the built-in controllers."""
+
+from collections.abc import Sequence
+from contextlib import closing
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sim.benchmarks.currents_v1 import CurrentsConfiguration
+from sim.loop import LevelLoop
+from sim.program import BuiltIn
+from sim.registry import benchmark
+from sim.telemetry import Recorder, Rows
+from sim.tracking import Tracking
+from sim.trial import TrialResult, run_trial
+from sim.world import world_of
+
+SEED = 1
+BENCHMARK = "currents-v1"
+PAPER_VEHICLE = "girona500-uwsim"
+
+
+class Trial(NamedTuple):
+    """One trial: telemetry of all levels, and metrics."""
+
+    rows: Rows
+    result: TrialResult
+
+
+def configured(**values: object) -> CurrentsConfiguration:
+    """Return a configuration of the benchmark; what is left out is the vehicle's default."""
+    config = benchmark(BENCHMARK).read(values)
+    if not isinstance(config, CurrentsConfiguration):
+        raise TypeError(f"{BENCHMARK} is configured by a {type(config).__name__}")
+    return config
+
+
+def trial(controller: str, *, seed: int = SEED, **values: object) -> Trial:
+    """Run a built-in controller through all levels."""
+    config = configured(**values)
+    rows: list[Rows] = []
+    program = BuiltIn(controller, config)
+    result = run_trial(BENCHMARK, config, program, seed=seed, trial=0, on_rows=rows.append)
+    return Trial(np.concatenate(rows), result)
+
+
+def moved_level(
+    controller: str,
+    *,
+    start_m: tuple[float, float] = (0.0, 0.0),
+    corners_px: Sequence[Sequence[float]] | NDArray[np.float64],
+    **values: object,
+) -> Rows:
+    """Return the telemetry of the first level, begun in a way that no configuration offers.
+
+    Parameters
+    ----------
+    start_m : (2,) [m]
+        Where the vehicle starts, north and east of the place above the target.
+    corners_px : (4, 2) [px]
+        Added to the true corners that the tracker starts from.
+    """
+    config = configured(**values)
+    rows: list[Rows] = []
+    with closing(world_of(config, seed=SEED, trial=0, level=0)) as world:
+        pose = world.start.copy()
+        pose[:2] += start_m
+        world.plant.place(pose)
+        shift = np.array(corners_px, dtype=np.float64)
+        world.tracking = Tracking(world.camera, config, shift)
+        recorder = Recorder(config.ticks_per_level)
+        LevelLoop(world, BuiltIn(controller, config), trial=0, level=0).run(recorder, rows.append)
+    return np.concatenate(rows)
