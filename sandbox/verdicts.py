@@ -10,9 +10,9 @@ DISCONNECTED = 70  # exit code of the runner when it can no longer speak (langua
 SIGNALLED = 128  # exit code of bubblewrap: 128 + signal
 
 BECAUSE = {
-    signal.SIGSEGV: "a native library crashed, or a recursion in native code was too deep",
-    signal.SIGABRT: "a native library gave up",
-    signal.SIGFPE: "a native library divided by zero",
+    signal.SIGSEGV: "native code used memory that is not its own, or recursed too deeply",
+    signal.SIGABRT: "native code gave up (abort, or an exception that nobody caught)",
+    signal.SIGFPE: "native code divided a whole number by zero",
     signal.SIGBUS: "a file that was mapped into memory got shorter",
     signal.SIGSYS: "it made a system call of another architecture",
     signal.SIGILL: "a library uses instructions that this processor does not have",
@@ -23,6 +23,12 @@ BECAUSE = {
 def cpu_limit(limits: Limits, used_s: float) -> Failure:
     """Return what is said when the CPU time is used up."""
     sentence = f"The program used {used_s:.1f} s of CPU time; the limit is {limits.cpu_s:g} s."
+    return Failure(Verdict.TIME_LIMIT, sentence, "")
+
+
+def answer_limit(waited_for: str, cpu_s: float) -> Failure:
+    """Return what is said when one answer takes too much CPU time."""
+    sentence = f"{waited_for} used {cpu_s:g} s of CPU time and did not return."
     return Failure(Verdict.TIME_LIMIT, sentence, "")
 
 

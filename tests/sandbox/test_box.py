@@ -323,3 +323,23 @@ def test_what_a_worker_killed_at_the_start_of_a_box_leaves_goes_with_the_next_bo
 
     for folder in cgroups.places().folders():
         assert not [pid for pid in pids if list(folder.glob(f"seamark-box-{pid}-*"))]
+
+
+def test_an_answer_may_take_long_while_others_have_the_processor(level: Level) -> None:
+    waits = program(step="import time; time.sleep(0.9)")
+    limits = Limits(step_cpu_s=0.3, step_wall_s=20.0)
+
+    with Box(limits=limits, level=level) as box:
+        assert printed(box, waits) == ""
+
+
+def test_an_answer_that_computes_too_long_ends_by_its_cpu_time(level: Level) -> None:
+    computes = program(step="while True: pass")
+    limits = Limits(step_cpu_s=0.5, step_wall_s=60.0)
+
+    with Box(limits=limits, level=level) as box:
+        ended = end_of(box, computes).outcome
+
+    assert ended.verdict is Verdict.TIME_LIMIT
+    assert "0.5 s of CPU time" in ended.sentence
+    assert not ended.suspect_host

@@ -9,7 +9,7 @@ from performance.paper_figures import X_AXIS, Y_AXIS, facts, planar_check, run
 from sim.benchmarks import Benchmark
 from sim.program import BuiltIn
 from sim.telemetry import INDEX, Rows
-from sim.trial import run_trial
+from sim.trial import TrialResult, run_trial
 
 pytestmark = pytest.mark.slow
 SPEEDS = (0.0, 0.1, 0.2, 0.3, 0.4)
@@ -73,11 +73,27 @@ def test_pi_is_a_little_better_than_p_on_y(rows: Mapping[str, Rows]) -> None:
     assert 0.5 * rms("p") < rms("pi") < 0.8 * rms("p")
 
 
-def test_the_realistic_vehicle_keeps_station_within_centimetres(currents: Benchmark) -> None:
-    config = currents.read({})
-    program = BuiltIn("pi", config)
-
-    result = run_trial("currents-v1", config, program, seed=1, trial=0, on_rows=lambda _rows: None)
+def test_an_observer_in_the_velocity_loop_keeps_station_within_centimetres(
+    currents: Benchmark,
+) -> None:
+    result = _on_the_realistic_vehicle(currents, "pi", velocity_observer_1_s=1.5)
 
     assert [level["rmse_m"] < 0.06 for level in result.levels] == [True] * 5
     assert result.level_held == 0.4
+
+
+@pytest.mark.slow
+def test_on_the_realistic_vehicle_pi_holds_a_stronger_current_than_p(currents: Benchmark) -> None:
+    p, pi = (_on_the_realistic_vehicle(currents, name) for name in ("p", "pi"))
+
+    assert p.level_held == 0.2
+    assert pi.level_held == 0.3
+    assert pi.score > p.score + 5.0
+
+
+def _on_the_realistic_vehicle(
+    currents: Benchmark, controller: str, **settings: object
+) -> TrialResult:
+    config = currents.read(settings)
+    program = BuiltIn(controller, config)
+    return run_trial("currents-v1", config, program, seed=1, trial=0, on_rows=lambda _rows: None)
