@@ -1,7 +1,6 @@
 """The processes of one box: started confined, watched, killed to the last one."""
 
 import contextlib
-import json
 import os
 import select
 import signal
@@ -13,6 +12,7 @@ from typing import Self
 from sandbox import accounting, seccomp
 from sandbox.cgroups import ControlGroup
 from sandbox.command import Descriptors, bwrap_command, launcher_command
+from sandbox.information import Information
 from sandbox.languages.language import Runtime
 from sandbox.level import Level
 from sandbox.limits import Limits
@@ -48,9 +48,9 @@ class Confined:
         self, runtime: Runtime, limits: Limits, layers: Layers, *, core: int | None
     ) -> None:
         self.group: ControlGroup | None = None
-        self.pidfd = self._information = self.output = -1
+        self.pidfd = self.output = -1
+        self._information = Information(-1)
         self._slot: Slot | None = None
-        self._told = b""
         self._init_pid = 0
         self._init_pidfd = -1
         self._cpu_s = self._memory_mib = 0.0
@@ -75,7 +75,8 @@ class Confined:
         self.group = ControlGroup(limits) if layers.groups else None
         self._slot = Slot() if layers.own_uid else None
         self.output, printing = _pipe(opened)
-        self._information, informing = _pipe(opened)
+        telling, informing = _pipe(opened)
+        self._information = Information(telling)
         filters = _filter(opened) if layers.seccomp else None
         use = Descriptors(protocol, informing, filters)
         command = launcher_command(
@@ -100,14 +101,9 @@ class Confined:
         """Learn which process is the inner init, if bubblewrap has told it by now."""
         if self._init_pidfd >= 0:
             return
-        while not self._told.endswith(b"}\n") and _readable(self._information, within_s):
-            text = os.read(self._information, 4096)  # it writes in several pieces
-            if not text:  # it ended before it came so far
-                return
-            self._told += text
-        if not self._told.endswith(b"}\n"):
+        pid = self._information.init_pid(within_s)
+        if pid is None:
             return
-        pid = int(json.loads(self._told)["child-pid"])
         with contextlib.suppress(ProcessLookupError):
             descriptor = os.pidfd_open(pid)
             # A number may have been given to somebody else meanwhile: only our own child counts.
@@ -178,7 +174,8 @@ class Confined:
     def release(self) -> None:
         """Close what is open and remove the groups, which proves that nothing survives."""
         self.socket.close()
-        for name in ("pidfd", "_information", "output", "_init_pidfd"):
+        self._information.close()
+        for name in ("pidfd", "output", "_init_pidfd"):
             if getattr(self, name) >= 0:
                 os.close(getattr(self, name))
                 setattr(self, name, -1)

@@ -14,7 +14,7 @@ from sqlalchemy.orm import Session
 
 from server.access import SCOPES, Viewer
 from server.settings import Settings
-from server.tables import Token, User
+from server.tables import Run, Token, User
 
 NAME_RULE = "2 to 40 letters, digits, dots, dashes or underscores, starting with a letter"
 RESERVED = frozenset({"seamark", "guest"})  # the baselines' owner, and who has no account
@@ -64,6 +64,16 @@ def authenticate(session: Session, name: str, password: str) -> User | None:
     except (VerificationError, InvalidHashError):
         return None
     return None if known is _NOBODY else user
+
+
+def adopt_runs(session: Session, user_id: int, guest: str) -> int:
+    """Give a guest's runs, by the hash of the cookie, to a user; return how many there were."""
+    mine = f"user:{user_id}"
+    change = update(Run).where(Run.owner == f"guest:{guest}", Run.guest == guest)
+    taken = session.scalars(
+        change.values(owner=mine, user_id=user_id, guest=None).returning(Run.id)
+    )
+    return len(taken.all())
 
 
 def change_password(session: Session, user_id: int, password: str) -> None:

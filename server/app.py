@@ -10,6 +10,7 @@ from flask import g, request, session
 from flask_openapi3.models.info import Info
 from flask_openapi3.openapi import OpenAPI
 from flask_wtf.csrf import CSRFProtect
+from werkzeug.middleware.proxy_fix import ProxyFix
 
 import templates
 from server import api, frames, identity, pages, problems, rate_limits, security_headers
@@ -34,6 +35,7 @@ def create_app(settings: Settings) -> OpenAPI:
         validation_error_callback=lambda error: problems.of_validation(error).response(),
     )
     _configure(app, settings)
+    _believe_proxies(app, settings.proxies)
     held = Services.start(settings)
     app.extensions["seamark"] = held
     atexit.register(held.close)
@@ -63,6 +65,15 @@ def _configure(app: OpenAPI, settings: Settings) -> None:
         WTF_CSRF_TIME_LIMIT=None,  # a form that was filled in for hours must still work
         WTF_CSRF_SSL_STRICT=False,  # the secret alone decides; proxies change the Referer
     )
+
+
+def _believe_proxies(app: OpenAPI, count: int) -> None:
+    """Take the visitor's address from the proxies in front, so that limits count visitors.
+
+    Not the host: a proxy that does not set it would pass on what the visitor made up.
+    """
+    if count:
+        app.wsgi_app = ProxyFix(app.wsgi_app, x_for=count, x_proto=count, x_host=0)  # type: ignore[method-assign]
 
 
 def _protect(app: OpenAPI) -> None:

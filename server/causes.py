@@ -75,14 +75,21 @@ WORDS: dict[Cause, Words] = {
         "Run it again; the run does not count against your quota.",
     ),
 }
+# What programs meet that look for something outside of their box.
+OUTSIDE = ("PermissionError", "FileNotFoundError", "ConnectionError", "gaierror")
+_ALONE = (
+    "A program runs in a sandbox: it has no network and sees no files but its own under /tmp. "
+    "Put what it needs into its text."
+)
 UNCHARGED = (Cause.BENCHMARK_ERROR, Cause.PLATFORM_ERROR)  # not the owner's doing: no quota
 
 
 def words(cause: Cause, *, sentence: str = "") -> dict[str, Any]:
     """Return title, sentence and remedy for a run's `detail`; a better sentence replaces ours."""
     found = WORDS[cause]
+    outside = cause is Cause.USER_ERROR and sentence.startswith(OUTSIDE)
     return {
         "title": found.title,
         "sentence": sentence or found.sentence,
-        "remedy": found.remedy,
+        "remedy": _ALONE if outside else found.remedy,
     }

@@ -29,8 +29,8 @@ class Database:
             _prepare_sqlite(self.engine)
             self._readers = self.engine.execution_options(seamark_readonly=True)
         else:
-            # One snapshot for all queries of a page, as SQLite gives it: a run must not be queued in
-            # the first and running in the second.
+            # One snapshot for all queries of a page, as SQLite gives it: a run must not be queued
+            # in the first and running in the second.
             self._readers = self.engine.execution_options(
                 postgresql_readonly=True, isolation_level="REPEATABLE READ"
             )

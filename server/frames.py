@@ -80,11 +80,12 @@ def _seed(settings: Settings, run: RunView, trial: int) -> int:
 @lru_cache(maxsize=12)
 def _camera(benchmark: str, config: str, seed: int, trial: int, level: int) -> "tuple[Camera, int]":
     """Return the camera of one level with its noise, and the frames of a level."""
-    from sim.world import world_of  # noqa: PLC0415 - as above
+    from sim.streams import streams  # noqa: PLC0415 - as above
+    from sim.world import camera_of, noise_seed_of  # noqa: PLC0415
 
     settings: Any = registry.benchmark(benchmark).read(json.loads(config))
-    world = world_of(settings, seed=seed, trial=trial, level=level)
-    return world.camera, settings.ticks_per_level
+    noise_seed = noise_seed_of(streams(seed, trial, level))
+    return camera_of(settings, noise_seed=noise_seed), settings.ticks_per_level
 
 
 def _tick_in_level(run: RunView, row: Row, level: int) -> int:

@@ -28,11 +28,16 @@ def by_token() -> bool:
     return request.headers.get("Authorization", "").startswith(BEARER)
 
 
-def sign_in(user_id: int) -> None:
-    """Let the browser speak for a user from the next request on."""
+def sign_in(user_id: int) -> int:
+    """Let the browser speak for a user from the next request on.
+
+    Returns how many runs that it made as a guest belong to the user now.
+    """
+    adopted = _adopt_runs(user_id)
     session.clear()  # nothing that was planted before the sign-in survives it
     session.permanent = True
     session[_USER] = user_id
+    return adopted
 
 
 def sign_out() -> None:
@@ -66,6 +71,15 @@ def _viewer() -> Viewer:
         if viewer is not None:
             return viewer
     return Viewer() if guest is None else _guest(guest)
+
+
+def _adopt_runs(user_id: int) -> int:
+    cookie = session.get(_GUEST)
+    if cookie is None:
+        return 0
+    held = services()
+    with held.database.writing() as database:
+        return accounts.adopt_runs(database, user_id, accounts.guest_hash(held.settings, cookie))
 
 
 def _guest(cookie: str) -> Viewer:

@@ -1,6 +1,8 @@
 """How often one address may try passwords, make accounts and order runs."""
 
-from flask import Flask
+from http import HTTPStatus
+
+from flask import Flask, Response
 from flask_limiter import Limiter
 from flask_limiter.util import get_remote_address
 
@@ -12,6 +14,8 @@ SIGN_IN = "10 per minute; 100 per hour"
 SIGN_UP = "10 per hour"
 ORDER = "30 per minute"
 
+_RETRY_AFTER = "X-RateLimit-Retry-After"  # what the limiter says; it would say it with each answer
+
 limiter = Limiter(get_remote_address, headers_enabled=True, in_memory_fallback_enabled=True)
 
 
@@ -20,4 +24,14 @@ def register(app: Flask, settings: Settings) -> None:
     url = broker.redis_url(settings)
     app.config["RATELIMIT_STORAGE_URI"] = url.replace("unix://", "redis+unix://", 1)
     app.config["RATELIMIT_IN_MEMORY_FALLBACK"] = [SIGN_IN]
+    app.config["RATELIMIT_HEADER_RETRY_AFTER"] = _RETRY_AFTER
+    app.after_request(_keep_to_refusals)  # before the limiter's own, so that it runs after it
     limiter.init_app(app)
+
+
+def _keep_to_refusals(answer: Response) -> Response:
+    """Let the limiter say when to come back only where it refused, and the API elsewhere."""
+    told = answer.headers.pop(_RETRY_AFTER, None)
+    if answer.status_code == HTTPStatus.TOO_MANY_REQUESTS and told is not None:
+        answer.headers.setdefault("Retry-After", told)
+    return answer

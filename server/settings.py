@@ -10,6 +10,13 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_valida
 
 PREFIX = "SEAMARK_"
 LevelName = Literal["none", "weak", "medium", "strong"]
+DEFAULTS_IN_WORDS = {  # of settings whose default depends on others or on the machine
+    "database_url": "SQLite in the data folder",
+    "broker_url": "none; `seamark up` brings one",
+    "secret_key": "made once, kept in the data folder",
+    "sandbox_min_level": "`medium`; `strong` if public",
+    "workers": "one per core",
+}
 
 
 class SettingsInvalid(Exception):
@@ -22,17 +29,24 @@ class Settings(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     data: Path = Field(Path("data"), description="Folder for the database, uploads and results")
-    database_url: str = Field("", description="Database; empty: SQLite in the data folder")
-    broker_url: str = Field(
-        "", description="redis:// or unix:// URL; empty: `seamark up` brings it"
-    )
-    secret_key: str = Field("", repr=False, description="Signs cookies; empty: kept in the data")
+    database_url: str = Field("", description="sqlite:/// or postgresql:// URL of the database")
+    broker_url: str = Field("", description="redis:// or unix:// URL of Redis or Valkey")
+    secret_key: str = Field("", repr=False, description="Signs cookies and draws hidden seeds")
     public: bool = Field(False, description="The service is open to strangers")
     sandbox_min_level: LevelName = Field("medium", description="Uploads are refused below it")
     host: str = Field("127.0.0.1", description="Address the web server listens on")
     port: int = Field(8000, ge=0, le=65535, description="Port the web server listens on; 0: any")
+    proxies: int = Field(
+        0,
+        ge=0,
+        le=10,
+        description="Reverse proxies in front whose X-Forwarded-For and -Proto are believed",
+    )
     workers: int = Field(
-        default_factory=lambda: len(os.sched_getaffinity(0)), ge=1, le=512, description="Cores"
+        default_factory=lambda: len(os.sched_getaffinity(0)),
+        ge=1,
+        le=512,
+        description="Runs that one worker runs at the same time",
     )
     ranked_trials: int = Field(10, ge=1, le=100, description="Hidden seeds of a ranked run")
     practice_trials_max: int = Field(10, ge=1, le=100, description="Trials of a practice run")
@@ -82,10 +96,24 @@ class Settings(BaseModel):
         except ValidationError as wrong:
             raise SettingsInvalid("; ".join(_sentences(wrong))) from None
 
+    @classmethod
+    def table(cls) -> str:
+        """Return all settings as a Markdown table, for docs/hosting.md."""
+        lines = ["| variable | default | meaning |", "|---|---|---|"]
+        for name, field in cls.model_fields.items():
+            default = DEFAULTS_IN_WORDS.get(name) or f"`{_shown(field.default)}`"
+            lines.append(f"| `{PREFIX}{name.upper()}` | {default} | {field.description} |")
+        return "\n".join(lines)
+
     def environment(self) -> dict[str, str]:
         """Return the variables from which a child process loads these same settings."""
         values = self.model_dump(mode="json")
         return {PREFIX + name.upper(): str(value) for name, value in values.items() if value != ""}
+
+
+def _shown(default: object) -> str:
+    """Return a default as one would write it into the environment."""
+    return str(default).lower() if isinstance(default, bool) else str(default)
 
 
 def _values(environ: Mapping[str, str]) -> dict[str, object]:

@@ -292,19 +292,22 @@ def add_push(state: Array, place: Array, impulse: Array, out: Array) -> None:
 
 
 def _import_bullet() -> ModuleType:
-    """Import PyBullet without the line that it prints: standard output belongs to the caller."""
+    """Import PyBullet without the line that it prints, to output or errors by version."""
     library = ctypes.CDLL(None)
-    kept = os.dup(1)
+    streams = (1, 2)
+    kept = [os.dup(stream) for stream in streams]
     nowhere = os.open(os.devnull, os.O_WRONLY)
     try:
         library.fflush(None)
-        os.dup2(nowhere, 1)
+        for stream in streams:
+            os.dup2(nowhere, stream)
         import pybullet  # noqa: PLC0415  # 65 ms and 30 MB that a free run does not pay
 
         library.fflush(None)  # the line is in the C library's buffer until then
     finally:
-        os.dup2(kept, 1)
-        os.close(kept)
+        for stream, old in zip(streams, kept, strict=True):
+            os.dup2(old, stream)
+            os.close(old)
         os.close(nowhere)
     module: ModuleType = pybullet
     return module

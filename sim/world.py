@@ -56,18 +56,28 @@ class World:
             self.contact.close()
 
 
-def world_of(config: CurrentsConfiguration, *, seed: int, trial: int, level: int) -> World:
-    """Return the world of one level, with the vehicle at its start."""
-    random = streams(seed, trial, level)
+def camera_of(config: CurrentsConfiguration, *, noise_seed: int) -> Camera:
+    """Return the camera above the target: all that a picture needs of a world."""
     optics = Optics(
         width=config.camera_width_px,
         height=config.camera_height_px,
         focal_px=config.camera_focal_px,
     )
     target = Target(length_m=TARGET_M[0], width_m=TARGET_M[1])
+    return Camera(optics, water_of(config), target, noise_seed=noise_seed)
+
+
+def noise_seed_of(random: Streams) -> int:
+    """Return the seed of a level's noise in the pictures; the first number of its stream."""
+    return int(random.camera.integers(2**63))
+
+
+def world_of(config: CurrentsConfiguration, *, seed: int, trial: int, level: int) -> World:
+    """Return the world of one level, with the vehicle at its start."""
+    random = streams(seed, trial, level)
+    camera = camera_of(config, noise_seed=noise_seed_of(random))
+    optics, target = camera.optics, camera.target
     start = start_pose(optics, target, config.altitude_m)
-    noise_seed = int(random.camera.integers(2**63))
-    camera = Camera(optics, water_of(config), target, noise_seed=noise_seed)
     vehicle = load(config.vehicle)
     # The target is no obstacle: the camera's picture of it would have to move when it is pushed.
     contact = Contact(vehicle, seabed_z=target.seabed_m) if config.contact else None

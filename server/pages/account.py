@@ -33,8 +33,9 @@ def make_account() -> ResponseReturnValue:
             user_id = accounts.sign_up(session, name, password).id
     except accounts.AccountRejected as refusal:
         return _form("account/sign_up.html", str(refusal)), 422
-    identity.sign_in(user_id)
+    adopted = identity.sign_in(user_id)
     flash(f"Welcome, {name}. You can upload programs and make ranked runs now.", "good")
+    _say_adopted(adopted)
     return redirect(_next())
 
 
@@ -53,7 +54,7 @@ def enter() -> ResponseReturnValue:
         user = accounts.authenticate(session, name, password)
     if user is None:
         return _form("account/sign_in.html", "Name and password do not belong together."), 422
-    identity.sign_in(user.id)
+    _say_adopted(identity.sign_in(user.id))
     return redirect(_next())
 
 
@@ -105,6 +106,12 @@ def revoke_token(token_id: int) -> ResponseReturnValue:
         abort(404)
     flash("The token is withdrawn; programs that use it are refused from now on.", "good")
     return redirect(url_for("account.tokens"))
+
+
+def _say_adopted(count: int) -> None:
+    if count:
+        what = "The run that you made" if count == 1 else f"The {count} runs that you made"
+        flash(f"{what} without an account can be found under My runs.", "good")
 
 
 def _grantable() -> list[str]:

@@ -9,6 +9,7 @@ from flask import Blueprint, abort, redirect, render_template, url_for
 from flask.typing import ResponseReturnValue
 
 from sandbox.limits import MEANING, Limits
+from server import run_limits
 from server.causes import WORDS
 from server.pages import benchmarks, measures, templates_for_programs
 from server.pages import fields as form_fields
@@ -39,12 +40,20 @@ def _controller() -> dict[str, Any]:
         "booleans": observation.BOOLEANS,
         "command": observation.COMMAND,
         "example": templates_for_programs.python(),
-        "limits": list(_limits(Limits())),
+        "limits": list(limits_of(run_limits.for_trial(_usual_duration_s()))),
+        "duration_s": _usual_duration_s(),
+        "per_simulated_s": run_limits.CPU_PER_SIMULATED_S,
         "upload_max": services().settings.upload_max_bytes,
     }
 
 
-def _limits(limits: Limits) -> Iterator[Limit]:
+def _usual_duration_s() -> float:
+    benchmark = benchmarks.first()
+    return benchmark.trial_duration_s(benchmark.read({}))
+
+
+def limits_of(limits: Limits) -> Iterator[Limit]:
+    """Return each limit with what the program sees when it meets it."""
     values = asdict(limits)
     for field in fields_of(limits):
         end = next((end for end in _UNITS if field.name.endswith(end)), "")

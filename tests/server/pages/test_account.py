@@ -106,3 +106,30 @@ def test_the_cookie_is_out_of_reach_of_scripts_and_other_sites(site: Site) -> No
     cookie = answer.headers["Set-Cookie"]
     assert "HttpOnly" in cookie
     assert "SameSite=Lax" in cookie
+
+
+def test_what_a_guest_ran_is_the_users_after_sign_up_and_after_sign_in(site: Site) -> None:
+    browser = site.browser()
+    order = {"controller": "pi"}
+    browser.post("/submit/currents-v1", order)
+    words = {"name": "cleo", "password": "correct horse battery"}
+    welcome = browser.post("/sign-up", words, follow_redirects=True)
+    browser.post("/sign-out")
+    browser.post("/submit/currents-v1", order)
+    browser.post("/submit/currents-v1", order)
+    back = browser.post("/sign-in", words, follow_redirects=True)
+
+    assert "The run that you made without an account" in welcome.text
+    assert "The 2 runs that you made without an account" in back.text
+    views = [site.show(run_id) for run_id in (1, 2, 3)]
+    assert [view.user for view in views] == ["cleo"] * 3
+    assert "#1" in browser.get("/runs/").text
+
+
+def test_nobody_gets_the_runs_of_another_guest(site: Site) -> None:
+    site.browser().post("/submit/currents-v1", {"controller": "pi"})
+
+    other = site.browser()
+    other.post("/sign-up", {"name": "cleo", "password": "correct horse battery"})
+
+    assert site.show(1).user_id is None

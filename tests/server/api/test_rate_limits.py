@@ -1,0 +1,56 @@
+import re
+from collections.abc import Iterator
+
+import pytest
+from flask import Flask
+from werkzeug.test import TestResponse
+
+from server.app import create_app
+from server.db import Database
+from server.settings import Settings
+from tests.server.api.conftest import Site
+
+ORDER = {"benchmark": "currents-v1", "controller": "p", "config": {}}
+WRONG = {"name": "nobody", "password": "not the right one"}
+SECRET = re.compile(r'name="csrf_token" value="([^"]+)"')
+
+
+def test_an_accepted_order_says_itself_when_to_look_again(site: Site) -> None:
+    answer = site.app.test_client().post("/api/v1/runs", json=ORDER)
+
+    assert (answer.status_code, answer.headers["Retry-After"]) == (202, "2")
+    assert "X-RateLimit-Retry-After" not in answer.headers
+
+
+def test_an_order_too_many_says_when_the_limit_ends(site: Site) -> None:
+    client = site.app.test_client(use_cookies=False)  # counted by its address
+    answers = [client.post("/api/v1/runs", json={}) for _ in range(31)]
+
+    assert answers[-1].status_code == 429
+    assert 0 <= int(answers[-1].headers["Retry-After"]) <= 60
+
+
+@pytest.fixture
+def behind_proxy(settings: Settings, database: Database) -> Iterator[Flask]:
+    app = create_app(settings.model_copy(update={"proxies": 1}))
+    yield app
+    app.extensions["seamark"].close()
+
+
+def _sign_in(app: Flask, address: str) -> TestResponse:
+    client, headers = app.test_client(), {"X-Forwarded-For": address}
+    secret = SECRET.findall(client.get("/sign-in").text)[0]
+    return client.post("/sign-in", data=WRONG | {"csrf_token": secret}, headers=headers)
+
+
+def test_behind_a_proxy_each_visitor_has_tries_of_his_own(behind_proxy: Flask) -> None:
+    codes = [_sign_in(behind_proxy, "192.0.2.1").status_code for _ in range(11)]
+
+    assert codes[-1] == 429
+    assert _sign_in(behind_proxy, "192.0.2.2").status_code == 422
+
+
+def test_without_a_proxy_a_visitor_cannot_make_up_an_address(site: Site) -> None:
+    codes = [_sign_in(site.app, f"192.0.2.{i}").status_code for i in range(11)]
+
+    assert codes[-1] == 429
