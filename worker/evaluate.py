@@ -16,6 +16,7 @@ from server.run_files import RunFiles
 from server.runs import Beat, Claim, Kind, Report, RunState
 from server.settings import Settings
 from sim import registry
+from sim.configuration import ConfigurationInvalid
 from sim.hidden_seeds import hidden_seed
 from worker.broadcast import Broadcast
 from worker.frames import Frame, StreamBroken
@@ -65,7 +66,11 @@ def evaluate(tools: Tools, claim: Claim) -> bool:
     """Evaluate one claimed run and store how it ended; False if something of ours broke."""
     log = structlog.get_logger().bind(run=claim.run_id, attempt=claim.attempt)
     log.info("run_started", benchmark=claim.benchmark, kind=claim.kind, worker=claim.worker)
-    drive = Drive(tools, claim)
+    try:
+        drive = Drive(tools, claim)
+    except (ConfigurationInvalid, KeyError) as wrong:  # taken in by an older version, most likely
+        log.error("configuration_invalid", why=str(wrong))
+        return _refuse(tools, claim, f"This configuration is no longer valid: {wrong}")
     try:
         report = drive.to_its_end()
     except NoLonger as change:
@@ -262,6 +267,24 @@ class Drive:
             t_simulated=self._t_simulated,
             isolation=self._isolation(),
         )
+
+
+def _refuse(tools: Tools, claim: Claim, sentence: str) -> bool:
+    """End a run that cannot begin; trying again would not help and no program is to blame."""
+    detail = words(Cause.BENCHMARK_ERROR, sentence=sentence)
+    report = Report(
+        state=RunState.FAILED,
+        cause=Cause.BENCHMARK_ERROR,
+        detail=detail | {"traceback": "", "log_tail": "", "t_reached": 0.0},
+        progress=0.0,
+    )
+    with tools.database.writing() as session:
+        stored = runs.finish(session, claim, report)
+    if stored:
+        live = Broadcast(tools.redis, claim.run_id)
+        live.state(report.state, progress=0.0, t_simulated=0.0)
+        live.end()
+    return True
 
 
 def seeds(claim: Claim, settings: Settings) -> tuple[int, ...]:

@@ -3,6 +3,7 @@
 import os
 import time
 
+import structlog
 from celery import Celery
 
 from server import broker, runs
@@ -11,17 +12,26 @@ from server.settings import Settings
 from worker.evaluate import StopFlag, Tools, evaluate
 from worker.host import Host
 from worker.job import Place
-from worker.simulation import Simulator
+from worker.simulation import Simulator, SimulatorBroken
 from worker.sweeping import sweep_once
 
 PAUSE_DOUBLINGS = 6  # at most 64 s with the usual settings
+LOOK_S = 0.2  # [s] between two looks at the stop flag
+_log = structlog.get_logger()
 
 
 class Member:
     """What one process of the pool works with."""
 
     def __init__(
-        self, app: Celery, settings: Settings, host: Host, *, index: int, stopping: StopFlag
+        self,
+        app: Celery,
+        settings: Settings,
+        host: Host,
+        *,
+        index: int,
+        stopping: StopFlag,
+        simulator: Simulator | None = None,
     ) -> None:
         self.pid = os.getpid()
         self._app = app
@@ -31,7 +41,7 @@ class Member:
         self._redis = broker.connect(settings)
         cores = sorted(os.sched_getaffinity(0))
         place = Place(host.box_level, cores[index % len(cores)])
-        self._simulator = Simulator(place, settings.data / "compiled")
+        self._simulator = simulator or Simulator(place, settings.data / "compiled")
         self._simulator.start()
         self._stopping = stopping
         self._broken = 0  # evaluations in a row that failed by our fault
@@ -39,7 +49,7 @@ class Member:
 
     def work(self) -> None:
         """Claim and evaluate one run, then make sure that the next one has a ticket."""
-        if self._stopping.is_set():
+        if not self._ready():
             return
         with self._database.writing() as session:
             claim = runs.claim(
@@ -54,6 +64,18 @@ class Member:
             waiting = runs.waiting(session)
         if waiting and not self._stopping.is_set():
             broker.ring(self._app)
+
+    def _ready(self) -> bool:
+        """Wait until the simulator is warm: before that, other workers should have the runs."""
+        try:
+            while not self._stopping.is_set():
+                if self._simulator.wait_warm(LOOK_S):
+                    return True
+        except SimulatorBroken as broken:
+            _log.error("simulator_broken", why=str(broken), worker=self._name)
+            self._broken += 1
+            self._recover()
+        return False
 
     def _recover(self) -> None:
         """After failures of ours, leave the next runs to other workers for a while."""

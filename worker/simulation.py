@@ -1,11 +1,12 @@
 """The celery child's end of its simulator: starts the zygote, begins and stops simulations."""
 
 import os
+import select
 import signal
 import socket
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from types import TracebackType
 from typing import Self
@@ -14,17 +15,25 @@ import sim
 from worker.frames import Frame, Kind, Reader
 from worker.job import Job, Place
 
+PROGRAM = ("-m", "worker.simulator")
+READY_MAX = 16  # [byte]
+
 
 class SimulatorBroken(Exception):
     """The simulator died or fell silent: our failure, the run is given back."""
 
 
 class Simulator:
-    """A zygote process that belongs to this process and dies with it."""
+    """A zygote process that belongs to this process and dies with it.
 
-    def __init__(self, place: Place, cache: Path) -> None:
+    `program` is what the interpreter starts; only tests choose another.
+    """
+
+    def __init__(self, place: Place, cache: Path, *, program: Sequence[str] = PROGRAM) -> None:
         self._place = place
         self._cache = cache
+        self._program = tuple(program)
+        self._warm = False
         self._process: subprocess.Popen[bytes] | None = None
         self._control: socket.socket | None = None
 
@@ -33,10 +42,11 @@ class Simulator:
         if self._process is not None and self._process.poll() is None:
             return
         self.stop()
+        self._warm = False
         self._control, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         core = "-" if self._place.core is None else str(self._place.core)
         facts = [str(theirs.fileno()), self._place.level.name, core, str(os.getpid())]
-        command = [sys.executable, "-s", "-P", "-m", "worker.simulator", *facts]
+        command = [sys.executable, "-s", "-P", *self._program, *facts]
         with theirs:
             self._process = subprocess.Popen(
                 command,
@@ -44,6 +54,26 @@ class Simulator:
                 stdin=subprocess.DEVNULL,
                 env=os.environ | _compiled_code_at(self._cache),
             )
+
+    def wait_warm(self, timeout_s: float) -> bool:
+        """Return whether the zygote can take a job at once, after waiting for it a while.
+
+        The first start of all compiles the simulator, which takes minutes on a busy machine: a run
+        claimed meanwhile would wait here instead of at a worker that is ready.
+
+        Raises
+        ------
+        SimulatorBroken
+            When the zygote ended before it was ready.
+        """
+        self.start()
+        assert self._control is not None  # noqa: S101 - start made it
+        if not self._warm and select.select([self._control], [], [], timeout_s)[0]:
+            self._warm = bool(self._control.recv(READY_MAX))
+            if not self._warm:
+                self.stop()
+                raise SimulatorBroken("the zygote ended before it was ready")
+        return self._warm
 
     def begin(self, job: Job) -> "Simulation":
         """Give a job to the zygote; raises SimulatorBroken if it is gone."""

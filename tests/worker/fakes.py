@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from sandbox.limits import Limits
 from sandbox.outcome import Outcome, ProgramEnded, SandboxBroken, Verdict
+from sim.program import Command
 
 SLOW = Outcome(verdict=Verdict.TIME_LIMIT, sentence="too slow", suspect_host=True)
 
@@ -15,8 +16,16 @@ SLOW = Outcome(verdict=Verdict.TIME_LIMIT, sentence="too slow", suspect_host=Tru
 class FakeBox:
     """A box whose program stays where it is; it fails at given steps."""
 
-    def __init__(self, ends_at: int = -1, outcome: Outcome = SLOW, *, stale: bool = False) -> None:
+    def __init__(
+        self,
+        ends_at: int = -1,
+        outcome: Outcome = SLOW,
+        *,
+        stale: bool = False,
+        command: Command = (0.0, 0.0, 0.0, 0.0),
+    ) -> None:
         self.ends_at, self.outcome, self.stale = ends_at, outcome, stale
+        self.command = command
         self.steps, self.closed = 0, False
 
     def load(
@@ -31,11 +40,11 @@ class FakeBox:
 
     def reset(self, level: Mapping[str, object]) -> None: ...
 
-    def step(self, values: Any) -> tuple[float, float, float, float]:
+    def step(self, values: Any) -> Command:
         if self.steps == self.ends_at:
             raise ProgramEnded(self.outcome)
         self.steps += 1
-        return 0.0, 0.0, 0.0, 0.0
+        return self.command
 
     def finish(self) -> Outcome:
         return Outcome(verdict=Verdict.OK, sentence="fine")

@@ -4,8 +4,9 @@ import time
 
 import pytest
 
-from server import live, runs
+from server import broker, live, runs
 from server.runs import RunState
+from server.tables import Run
 from sim.telemetry import digest
 from tests.worker.conftest import LONG, SHORT, Service
 from worker.broadcast import SHOWN_HZ
@@ -32,6 +33,14 @@ PROGRAMS = {
     "time_limit": STEP + "  while True: pass\n",
     "memory_limit": STEP + "  s.all = [bytearray(1 << 20) for _ in range(4000)]\n",
     "output_limit": STEP + "  print('x' * (1 << 23))\n  return [0, 0, 0, 0]\n",
+    "process_limit": STEP
+    + "  import threading as t\n"
+    + "  for _ in range(100): t.Thread(target=t.Event().wait, daemon=True).start()\n"
+    + "  return [0, 0, 0, 0]\n",
+}
+OUTSIDE = {  # what a program may not reach -> the words that it is told
+    "open('/etc/shadow')": "FileNotFoundError",
+    "__import__('socket').create_connection(('192.0.2.1', 80))": "PermissionError",
 }
 _DEAF = Hearing(
     rows=lambda _: None, log=lambda _: None, progress=lambda _: None, cut=lambda _: None
@@ -81,6 +90,34 @@ def test_every_bad_program_gets_its_cause_and_words(running: Service) -> None:
         assert view.detail["remedy"]
         assert view.attempt == 1
     assert "line 5" in views["user_error"].detail["traceback"]
+
+
+def test_a_program_that_reaches_outside_is_told_that_there_is_nothing(running: Service) -> None:
+    for reach, error in OUTSIDE.items():
+        view = running.ended(running.upload(f"{STEP}  {reach}\n  return [0, 0, 0, 0]\n"))
+
+        assert (view.state, view.cause) == (RunState.FAILED, "user_error")
+        assert view.detail["sentence"].startswith(error)
+        assert "no network" in view.detail["remedy"]
+    assert running.ended(running.queue()).state is RunState.SUCCEEDED
+
+
+def test_a_configuration_that_became_invalid_ends_at_once_and_blames_no_program(
+    running: Service,
+) -> None:
+    with running.database.writing() as session:
+        order = runs.Order(
+            viewer=running.viewer, benchmark="currents-v1", config=SHORT, controller="pi"
+        )
+        run_id = runs.enqueue(session, order, running.settings)
+        # As an update of the software leaves it that has narrowed a range.
+        session.get_one(Run, run_id).config = {"kp": 99.0}
+    assert broker.ring(running.app)
+
+    view = running.ended(run_id)
+
+    assert (view.state, view.cause, view.attempt) == (RunState.FAILED, "benchmark_error", 1)
+    assert "Kp" in view.detail["sentence"]
 
 
 def test_what_breaks_on_our_side_is_tried_three_times_and_blames_nobody(running: Service) -> None:

@@ -1,3 +1,4 @@
+import math
 import socket
 from dataclasses import replace
 from pathlib import Path
@@ -73,6 +74,14 @@ def test_a_warm_box_gone_stale_is_replaced(job: Job) -> None:
 
     assert ending.verdict == "ok"
     assert stale.closed
+
+
+def test_numbers_that_are_not_finite_end_the_trial_at_once(job: Job) -> None:
+    ending, listener = _evaluate(job, FakeBox(command=(math.nan, 0.0, 0.0, 0.0)))
+
+    assert (ending.verdict, ending.metrics) == ("benchmark_error", None)
+    assert "At 0 s of simulated time" in ending.sentence
+    assert listener.heard == []  # the tick that broke is no data
 
 
 def test_hidden_seeds_are_not_in_the_manifest(job: Job) -> None:
