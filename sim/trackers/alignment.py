@@ -6,7 +6,7 @@ gradient alone gives the inverse compositional, the image's the forward composit
 & Matthews 2004), because for a group the inverse of exp(d) is exp(-d).
 """
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
@@ -18,7 +18,6 @@ from sim.trackers.patches import (
     Matrix,
     Plane,
     blur,
-    correlation,
     halve,
     moments,
     normal_equations,
@@ -189,7 +188,7 @@ def align(
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _to_coarse(h: Matrix, x0: float, y0: float, out: Matrix) -> None:
+def to_coarse(h: Matrix, x0: float, y0: float, out: Matrix) -> None:
     """Write h for a template and an image of half the resolution; the image starts at x0, y0."""
     t = np.empty((3, 3))
     for i in range(3):
@@ -203,8 +202,8 @@ def _to_coarse(h: Matrix, x0: float, y0: float, out: Matrix) -> None:
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _from_coarse(h: Matrix, x0: float, y0: float, out: Matrix) -> None:
-    """Undo `_to_coarse`, scaled to out[2, 2] = 1."""
+def from_coarse(h: Matrix, x0: float, y0: float, out: Matrix) -> None:
+    """Undo `to_coarse`, scaled to out[2, 2] = 1."""
     t = np.empty((3, 3))
     for j in range(3):
         t[0, j] = 2.0 * h[0, j] + (x0 + 0.5) * h[2, j]
@@ -233,79 +232,6 @@ def half_image(image: NDArray[np.uint8], window: Window) -> tuple[Plane, NDArray
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def track(
-    image: NDArray[np.uint8],
-    window: Window,
-    h: Matrix,
-    packed: tuple[Any, ...],
-) -> tuple[int, bool, float]:
-    """Improve h on both levels; return iterations, sanity and the final normalised correlation.
-
-    The correlation is that of the coarse level, where the noise is a quarter as strong. Nothing
-    outside the window is read. `packed` holds coarse level, fine level and search as plain tuples:
-    Numba takes named ones from Python at five times the cost.
-    """
-    coarse = Level(*packed[0])
-    fine = Level(*packed[1])
-    search = Search(*packed[2])
-    x0, y0 = window[0], window[1]
-    bounds = np.empty(4, np.float32)
-    for k in range(4):
-        bounds[k] = window[k]
-    small, small_bounds = half_image(image, window)
-    low = np.empty((3, 3))
-    done = 0
-    if search.coarse_iterations > 0:
-        _to_coarse(h, x0, y0, low)
-        done, sane = align(
-            small, small_bounds, low, coarse, search, search.coarse_basis, search.coarse_iterations
-        )
-        if not sane:
-            return done, False, 0.0
-        _from_coarse(low, x0, y0, h)
-    more, sane = align(image, bounds, h, fine, search, search.basis, search.fine_iterations)
-    if not sane:
-        return done + more, False, 0.0
-    _to_coarse(h, x0, y0, low)
-    cut(small, small_bounds, low, coarse)
-    similar = correlation(coarse.patch, coarse.template, coarse.frame[3], coarse.frame[4])
-    return done + more, True, similar
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def window_around(
-    h: Matrix, quad: Matrix, last: Matrix, reach: int, width: int, height: int
-) -> Window:
-    """Return the box on even pixels around two quadrilaterals and a margin, inside the picture.
-
-    Parameters
-    ----------
-    h, quad
-        Homography and corners (4, 2) in template px of the expected place.
-    last : (4, 2) [px]
-        Corners at which the target was last seen; NaN in the expected place is ignored.
-    """
-    expected = np.empty((4, 2))
-    apply(h, quad, expected)
-    limits = (width, height)
-    found = np.empty(4, np.int64)
-    for axis in range(2):
-        low = last[0, axis]
-        high = low
-        for k in range(4):
-            low = min(low, last[k, axis])
-            high = max(high, last[k, axis])
-            if abs(expected[k, axis]) < 1e5:
-                low = min(low, expected[k, axis])
-                high = max(high, expected[k, axis])
-        limit = limits[axis]
-        first = int(min(max(low - reach, 0.0), limit - 32.0)) // 2 * 2
-        found[axis] = first
-        found[axis + 2] = int(min(max(high + reach + 2.0, first + 32.0), float(limit))) // 2 * 2
-    return found[0], found[1], found[2], found[3]
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
 def cut_start(
     image: NDArray[np.uint8],
     window: Window,
@@ -319,7 +245,7 @@ def cut_start(
         bounds[k] = window[k]
     small, small_bounds = half_image(image, window)
     low = np.empty((3, 3))
-    _to_coarse(h, window[0], window[1], low)
+    to_coarse(h, window[0], window[1], low)
     cut(small, small_bounds, low, coarse)
     cut(image, bounds, h, fine)
 

@@ -3,26 +3,10 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.trackers.alignment import (
-    Level,
-    Search,
-    cut_start,
-    empty_level,
-    learn,
-    track,
-    window_around,
-)
+from sim.trackers.alignment import Level, Search, cut_start, empty_level, learn
+from sim.trackers.following import Memory, follow, next_window
 from sim.trackers.interface import Corners, Track, Window
-from sim.trackers.warps import (
-    WARPS,
-    apply,
-    basis,
-    from_square,
-    inverse,
-    is_convex,
-    multiply,
-    signed_area,
-)
+from sim.trackers.warps import WARPS, basis, from_square, is_convex, multiply, signed_area
 
 CRITERIA = {
     "ssd": "Sum of squared differences",
@@ -46,9 +30,6 @@ VECTOR = 16  # [px] columns come in multiples of it, so that no pixel is done ou
 SMALLEST_TEMPLATE_PX = 12  # shorter sides leave too few pixels on the coarse level
 LARGEST_TEMPLATE_PX = 1024
 STOP_PX = 0.1  # after a step of that size about a tenth of it is left: convergence is quadratic
-LOWEST_CORRELATION = 0.5  # E: chance alignments on noise reach 0.3 to 0.4
-LARGEST_AREA_RATIO = 4.0  # research: area outside [1/4, 4] of the start
-LARGEST_JUMP = 1.0 / 3.0  # of the template's longer side, between two pictures
 
 
 class TemplateTracker:
@@ -84,9 +65,7 @@ class TemplateTracker:
         )
         self._predict, self._margin, self._reach = predict, margin_px, search_px
         self._shape = (0, 0)
-        self._home = np.eye(3)  # template px -> image px where the target was last seen
-        self._motion = np.eye(3)  # of the last picture, in template coordinates
-        self._quad = np.zeros((4, 2))  # the target's corners in template px
+        self._window: Window = (0, 0, 0, 0)
 
     def start(self, image: NDArray[np.uint8], corners: Corners) -> None:
         """Learn the target from a whole picture (H, W) in which its corners are known."""
@@ -95,63 +74,47 @@ class TemplateTracker:
             raise ValueError("the target's corners are no convex quadrilateral (4, 2) clockwise")
         image = _plain(image)
         self._shape = image.shape
-        columns, rows = self._frame(corners)
-        self._coarse, self._fine = self._levels(columns, rows)
-        self._last, self._area = corners.copy(), float(signed_area(corners))
-        cut_start(image, self.window(), self._home, self._coarse, self._fine)
-        for level in (self._coarse, self._fine):
+        columns, rows, home, quad = self._frame(corners)
+        memory = Memory(
+            home=home,
+            motion=np.eye(3),
+            quad=quad,
+            last=corners.copy(),
+            reach=np.array([self._reach, self._reach, max(self._margin, 0)], dtype=np.float64),
+            area=float(signed_area(corners)),
+            predict=self._predict,
+        )
+        self._last, self._memory = memory.last, tuple(memory)
+        coarse, fine = self._levels(columns, rows)
+        self._window = next_window(self._memory, image.shape[1], image.shape[0])
+        cut_start(image, self._window, home, coarse, fine)
+        for level in (coarse, fine):
             learn(level, weight=self._search.weight)
-        self._packed = (tuple(self._coarse), tuple(self._fine), tuple(self._search))
+        self._packed = (tuple(coarse), tuple(fine), tuple(self._search))
 
     def window(self) -> Window:
-        """Return the box around the expected target and its search margin, on even pixels."""
-        height, width = self._shape
-        reach = self._reach + max(self._margin, 0)
-        window: Window = window_around(
-            self._expected(), self._quad, self._last, reach, width, height
-        )
-        return window
+        """Return the box around the expected target and its search margin, on even pixels.
+
+        The margin is `search_px` at first and after a loss; while the target is where it was
+        expected, it is less.
+        """
+        return self._window
 
     def update(self, image: NDArray[np.uint8]) -> Track:
         """Find the target in the next picture (H, W), of which only `window()` is read."""
         if image.shape != self._shape:
             raise ValueError(f"a picture of {image.shape} after one of {self._shape}")
-        image = _plain(image)
-        h = self._expected().copy()
-        iterations, sane, correlation = track(image, self.window(), h, self._packed)
-        corners = np.empty((4, 2))
-        apply(h, self._quad, corners)
-        ok = sane and correlation >= LOWEST_CORRELATION and self._plausible(corners)
-        if ok:
-            back = np.empty((3, 3))
-            inverse(self._home, back)
-            multiply(back, h, self._motion)
-            self._home, self._last = h, corners
-        else:
-            self._motion = np.eye(3)
-        return Track(self._last.copy(), bool(ok), 1.0 - float(correlation), int(iterations))
+        found, correlation, iterations, self._window = follow(
+            _plain(image), self._window, self._memory, self._packed
+        )
+        return Track(self._last.copy(), found, 1.0 - correlation, iterations)
 
-    def _expected(self) -> NDArray[np.float64]:
-        """Return the homography from which the next search starts."""
-        if not self._predict:
-            return self._home
-        ahead = np.empty((3, 3))
-        multiply(self._home, self._motion, ahead)
-        scaled: NDArray[np.float64] = ahead / ahead[2, 2]
-        return scaled
+    def _frame(self, corners: Corners) -> tuple[int, int, NDArray[np.float64], NDArray[np.float64]]:
+        """Place the template's pixels on the target.
 
-    def _plausible(self, corners: Corners) -> bool:
-        """Return whether a quadrilateral can be the target one picture after the last good one."""
-        if not is_convex(corners):
-            return False
-        ratio = signed_area(corners) / self._area
-        if not 1.0 / LARGEST_AREA_RATIO <= ratio <= LARGEST_AREA_RATIO:
-            return False
-        jump = np.abs(corners - self._last).max()
-        return bool(jump <= LARGEST_JUMP * 2.0 * self._fine.frame[0])
-
-    def _frame(self, corners: Corners) -> tuple[int, int]:
-        """Place the template's pixels on the target; return their columns and rows."""
+        Returns their columns and rows, the homography (3, 3) from them to the picture, and the
+        target's corners (4, 2) among them.
+        """
         m = self._margin
         sides = np.sqrt(((corners[[1, 3]] - corners[0]) ** 2).sum(axis=1))
         width, height = float(sides[0]), float(sides[1])
@@ -176,9 +139,8 @@ class TemplateTracker:
         to_unit = np.array([[across, 0, -left * across], [0, down, -top * down], [0, 0, 1.0]])
         home = np.empty((3, 3))
         multiply(unit, to_unit, home)
-        self._home, self._motion = home / home[2, 2], np.eye(3)
-        self._quad = np.array([[left, top], [far_u, top], [far_u, far_v], [left, far_v]])
-        return columns, rows
+        quad = np.array([[left, top], [far_u, top], [far_u, far_v], [left, far_v]])
+        return columns, rows, home / home[2, 2], quad
 
     @staticmethod
     def _levels(columns: int, rows: int) -> tuple[Level, Level]:
