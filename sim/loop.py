@@ -6,13 +6,12 @@ that acted at that moment; the new commands work from there on.
 
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.camera.geometry import look
 from sim.observation import THRUSTERS, empty
 from sim.program import Command, Program
 from sim.sensors import Truth
@@ -26,13 +25,17 @@ Row = NDArray[np.float64]
 OnRows = Callable[[NDArray[np.float64]], None]
 
 
+class StateInvalid(Exception):
+    """The simulation has left the range in which its numbers are finite: no trial can go on."""
+
+
 class Known(NamedTuple):
     """What the sensors say at a tick."""
 
     sensed: Sensed  # the velocity controller's part
     valid: bool  # whether the DVL's last measurement succeeded
     altitude: float  # [m]
-    attitude: list[float]  # roll, pitch, yaw [rad], p, q, r [rad/s]
+    attitude: tuple[float, ...]  # roll, pitch, yaw [rad], p, q, r [rad/s]
 
 
 class LevelLoop:
@@ -46,12 +49,12 @@ class LevelLoop:
         self._steps = config.steps_per_tick
         self._first_frame = level * self._ticks
         self._began = level * config.level_duration_s
-        self._observation = empty()
-        self._mount = np.array(world.camera.optics.mount_m)
+        thrusters = len(world.plant.vehicle.thrusters)
+        self._observation = empty(thrusters)
         self._centre = world.camera.optics.principal_px
-        self._station = _camera_place(world.start, self._mount)
-        self._below_camera = world.target.height_m + float(self._mount[2])
-        self._no_thrust = [0.0] * THRUSTERS
+        self._station = world.camera.truth(world.start)[-3:]
+        self._below_camera = world.target.height_m + world.camera.optics.mount_m[2]
+        self._no_thrust = [0.0] * (THRUSTERS - thrusters)
         self._step_us = 0.0
 
     def run(self, recorder: Recorder, on_rows: OnRows) -> None:
@@ -67,34 +70,43 @@ class LevelLoop:
 
     def _tick(self, tick: int, row: Row) -> None:
         world = self._world
-        pose, velocity = world.plant.pose(), world.plant.velocity()
+        pose = world.plant.pose()
+        placed, moving = pose.tolist(), world.plant.velocity().tolist()
+        self._check(tick, "the vehicle's state", placed + moving)
         seen = self._look(tick, pose)
-        known = self._sense(tick, pose, velocity)
+        known = self._sense(tick, placed, moving)
         aim = world.keeper.step(
             seen.corners if seen.ok else None,
             height=known.altitude - self._below_camera,
             tilt=(known.attitude[0], known.attitude[1]),
             dt=self._dt,
         )
-        thrust = world.plant.state[13 : 13 + THRUSTERS].tolist()
-        thrust += self._no_thrust[len(thrust) :]
+        thrust = world.plant.state[13:].tolist()
         self._tell(tick, aim, known, thrust)
         if tick == 0:
             self._begin(known.sensed)
         reference = self._ask()
         row[:] = (
             *(self._trial, self._level, self._began + tick * self._dt),
-            *pose.tolist(),
-            *velocity.tolist(),
+            *placed,
+            *moving,
             *world.plant.current_world().tolist(),
-            *self._pictured(pose, seen, aim),
+            *self._pictured(seen, aim),
             *reference,
             *known.sensed.velocity,
             *thrust,
+            *self._no_thrust,
             self._step_us,
         )
         commands = world.velocity_controller.step(reference, known.sensed, self._dt)
+        self._check(tick, "the thrusters' command", commands.tolist())
         world.plant.advance(tick * self._steps, commands, self._steps)
+
+    def _check(self, tick: int, what: str, values: Sequence[float]) -> None:
+        """Raise StateInvalid unless all values are finite."""
+        if not math.isfinite(math.fsum(map(abs, values))):
+            t = self._began + tick * self._dt
+            raise StateInvalid(f"At {t:g} s of simulated time {what} is no longer finite.")
 
     def _look(self, tick: int, pose: Row) -> Seen:
         tracking = self._world.tracking
@@ -102,18 +114,18 @@ class LevelLoop:
             return tracking.start(pose, self._first_frame)
         return tracking.update(pose, self._first_frame + tick)
 
-    def _sense(self, tick: int, pose: Row, velocity: Row) -> Known:
+    def _sense(self, tick: int, pose: list[float], velocity: list[float]) -> Known:
         sensors, physics_tick = self._world.sensors, tick * self._steps
-        truth = Truth(pose, velocity, self._world.target.seabed_m - float(pose[2]))
-        speed, valid = sensors.dvl.measure(physics_tick, truth)
-        depth, _ = sensors.depth.measure(physics_tick, truth)
-        altitude, _ = sensors.altimeter.measure(physics_tick, truth)
+        truth = Truth(pose, velocity, self._world.target.seabed_m - pose[2])
+        (surge, sway, heave), valid = sensors.dvl.measure(physics_tick, truth)
+        (depth,), _ = sensors.depth.measure(physics_tick, truth)
+        (altitude,), _ = sensors.altimeter.measure(physics_tick, truth)
         attitude, _ = sensors.ahrs.measure(physics_tick, truth)
-        surge, sway, heave = speed.tolist()
-        angles = attitude.tolist()
         fresh = valid and sensors.dvl.age(physics_tick) == 0
-        sensed = Sensed((surge, sway, heave), float(depth[0]), angles[2], angles[5], fresh)
-        return Known(sensed, valid, float(altitude[0]), angles)
+        roll, pitch, yaw, p, q, r = attitude
+        tilt, rates = (roll, pitch), (p, q)
+        sensed = Sensed((surge, sway, heave), depth, yaw, r, fresh, tilt, rates)
+        return Known(sensed, valid, altitude, attitude)
 
     def _tell(self, tick: int, aim: Aim, known: Known, thrust: list[float]) -> None:
         """Fill the observation, in the order of `observation.FIELDS`."""
@@ -148,10 +160,10 @@ class LevelLoop:
         self._step_us = (time.perf_counter_ns() - began) * 1e-3
         return reference
 
-    def _pictured(self, pose: Row, seen: Seen, aim: Aim) -> tuple[float, ...]:
+    def _pictured(self, seen: Seen, aim: Aim) -> tuple[float, ...]:
         """Return the columns from `target_x` to `distance`."""
         u0, v0 = self._centre
-        x, y, z = (_camera_place(pose, self._mount) - self._station).tolist()
+        x, y, z = (a - b for a, b in zip(seen.camera_m, self._station, strict=True))
         off_x, off_y = seen.target[0] - u0, seen.target[1] - v0
         return (
             *seen.target,
@@ -162,10 +174,3 @@ class LevelLoop:
             *(off_x, off_y, math.sqrt(off_x * off_x + off_y * off_y)),
             math.sqrt(x * x + y * y + z * z),
         )
-
-
-def _camera_place(pose: Row, mount: Row) -> Row:
-    """Return where the camera is, (3,) NED [m]."""
-    rotation, place = np.empty((3, 3)), np.empty(3)
-    look(pose, mount, rotation, place)
-    return place

@@ -5,24 +5,27 @@ from its own stream. How often it draws does not depend on its settings, so that
 or a drop-out more, leaves all later draws where they are.
 """
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from sim.elementary import PI
-from sim.vehicles import Array
 
 DVL_RANGE_M = (0.5, 81.0)  # S: Stonefish girona500auv_full.scn
 # E: with four beams at 30 degrees one of them looks past the bottom long before this
 DVL_MOST_TILT_RAD = 0.5
+NOISE_BLOCK = 256  # readings whose noise is drawn at once; the stream gives the same numbers
+
+Reading = tuple[float, ...]
 
 
 @dataclass(frozen=True, slots=True)
 class Truth:
     """What is really so at one tick."""
 
-    pose: Array  # (6,) x y z roll pitch yaw [m, rad], NED
-    velocity: Array  # (6,) over ground, body frame [m/s, rad/s]
+    pose: Sequence[float]  # (6,) x y z roll pitch yaw [m, rad], NED
+    velocity: Sequence[float]  # (6,) over ground, body frame [m/s, rad/s]
     altitude: float  # [m] of the body's origin above the bottom
 
 
@@ -36,10 +39,10 @@ class Sensor:
         self._period = period_ticks
         self._slot = -1
         self._measured_at = 0
-        self._values = np.zeros(size)
+        self._values: Reading = (0.0,) * size
         self._valid = False
 
-    def measure(self, tick: int, truth: Truth) -> tuple[Array, bool]:
+    def measure(self, tick: int, truth: Truth) -> tuple[Reading, bool]:
         """Return the latest values and whether the last measurement succeeded.
 
         A new measurement is made when `tick` has reached the next multiple of the period. After a
@@ -52,13 +55,13 @@ class Sensor:
             if self._valid:
                 self._values = reading
                 self._measured_at = tick
-        return self._values.copy(), self._valid
+        return self._values, self._valid
 
     def age(self, tick: int) -> int:
         """Return how many ticks ago the values were measured."""
         return tick - self._measured_at
 
-    def _read(self, truth: Truth) -> tuple[Array, bool]:
+    def _read(self, truth: Truth) -> tuple[Reading, bool]:
         raise NotImplementedError
 
 
@@ -98,18 +101,26 @@ class Dvl(Sensor):
         self._scale = 1.0 + scale_error
         self._dropout = dropout
 
-    def _read(self, truth: Truth) -> tuple[Array, bool]:
-        noise = self._rng.standard_normal(3)
+    def _read(self, truth: Truth) -> tuple[Reading, bool]:
+        noise = self._rng.standard_normal(3).tolist()
         lost = self._rng.random() < self._dropout
-        reading = truth.velocity[:3] * self._scale + self._bias + self._sigma * noise
-        return reading, sees_bottom(truth) and not lost
+        surge, sway, heave = (
+            truth.velocity[i] * self._scale + self._bias + self._sigma * noise[i] for i in range(3)
+        )
+        return (surge, sway, heave), sees_bottom(truth) and not lost
 
 
 def sees_bottom(truth: Truth) -> bool:
     """Return whether a DVL has bottom lock: within its range and not tilted too far."""
     low, high = DVL_RANGE_M
-    tilt = max(abs(float(truth.pose[3])), abs(float(truth.pose[4])))
-    return low <= truth.altitude <= high and tilt <= DVL_MOST_TILT_RAD
+    tilt = max(abs(truth.pose[3]), abs(truth.pose[4]))
+    return bool(low <= truth.altitude <= high and tilt <= DVL_MOST_TILT_RAD)
+
+
+def _noise(rng: np.random.Generator, size: int) -> Iterator[list[float]]:
+    """Yield standard normal numbers, `size` at a time."""
+    while True:
+        yield from rng.standard_normal((NOISE_BLOCK, size)).tolist()
 
 
 class Altimeter(Sensor):
@@ -121,9 +132,10 @@ class Altimeter(Sensor):
         """Set up an altimeter; sigma [m] S: Stonefish girona500auv_full.scn."""
         super().__init__(1, rng=rng, period_ticks=period_ticks)
         self._sigma = sigma
+        self._noise = _noise(rng, 1)
 
-    def _read(self, truth: Truth) -> tuple[Array, bool]:
-        return truth.altitude + self._sigma * self._rng.standard_normal(1), sees_bottom(truth)
+    def _read(self, truth: Truth) -> tuple[Reading, bool]:
+        return (truth.altitude + self._sigma * next(self._noise)[0],), sees_bottom(truth)
 
 
 class DepthGauge(Sensor):
@@ -135,9 +147,10 @@ class DepthGauge(Sensor):
         """Set up a depth gauge; sigma [m] and 5 Hz S: COLA2 sim_auv_nav_sensors.yaml."""
         super().__init__(1, rng=rng, period_ticks=period_ticks)
         self._sigma = sigma
+        self._noise = _noise(rng, 1)
 
-    def _read(self, truth: Truth) -> tuple[Array, bool]:
-        return truth.pose[2] + self._sigma * self._rng.standard_normal(1), True
+    def _read(self, truth: Truth) -> tuple[Reading, bool]:
+        return (truth.pose[2] + self._sigma * next(self._noise)[0],), True
 
 
 class Ahrs(Sensor):
@@ -156,13 +169,18 @@ class Ahrs(Sensor):
         sigma [rad] and 20 Hz S: COLA2 sim_auv_nav_sensors.yaml; rate_sigma [rad/s] S: Stonefish.
         """
         super().__init__(6, rng=rng, period_ticks=period_ticks)
-        self._sigma = np.array([sigma] * 3 + [rate_sigma] * 3)
+        self._sigma, self._rate_sigma = sigma, rate_sigma
+        self._noise = _noise(rng, 6)
 
-    def _read(self, truth: Truth) -> tuple[Array, bool]:
-        reading = np.concatenate((truth.pose[3:], truth.velocity[3:]))
-        reading += self._sigma * self._rng.standard_normal(6)
-        for i in (0, 2):
-            reading[i] = wrapped(float(reading[i]))
+    def _read(self, truth: Truth) -> tuple[Reading, bool]:
+        _x, _y, _z, roll, pitch, yaw = truth.pose
+        _u, _v, _w, p, q, r = truth.velocity
+        n0, n1, n2, n3, n4, n5 = next(self._noise)
+        angle, rate = self._sigma, self._rate_sigma
+        reading = (
+            *(wrapped(roll + angle * n0), pitch + angle * n1, wrapped(yaw + angle * n2)),
+            *(p + rate * n3, q + rate * n4, r + rate * n5),
+        )
         return reading, True
 
 

@@ -25,6 +25,7 @@ class Seen:
     ok: bool = True
     error_px: float = 0.0  # root mean square distance of the four corners from the true ones
     target: tuple[float, float] = (0.0, 0.0)  # the true place
+    camera_m: tuple[float, float, float] = (0.0, 0.0, 0.0)  # true place of the camera, NED
 
 
 class Tracking:
@@ -68,13 +69,14 @@ class Tracking:
 
     def _judged(self, pose: Pose) -> Seen:
         seen = self._seen
-        true = self._camera.corners(pose).ravel().tolist()
+        true = self._camera.truth(pose)
         total = 0.0
-        for a, b in zip(seen.corners, true, strict=True):
+        for a, b in zip(seen.corners, true[:8], strict=True):
             total += (a - b) * (a - b)
         seen.error_px = math.sqrt(0.25 * total)
-        place = self._camera.origin(pose) if self._uwsim else self._camera.centroid(pose)
-        seen.target = (float(place[0]), float(place[1]))
+        centroid_u, centroid_v, origin_u, origin_v, north, east, down = true[8:]
+        seen.target = (origin_u, origin_v) if self._uwsim else (centroid_u, centroid_v)
+        seen.camera_m = (north, east, down)
         return seen
 
 

@@ -43,6 +43,8 @@ class Camera:
         self._corners = target.top_corners()
         self._centre = target.top_centre()[None]
         self._origin = target.origin()[None]
+        self._points = np.concatenate([self._corners, self._centre, self._origin])
+        self._images = np.empty((len(self._points), 2))
         rows, columns = optics.height // NODE + 2, optics.width // NODE + 2
         self._work = (
             np.zeros((7, optics.width), np.float32),
@@ -99,6 +101,17 @@ class Camera:
         """
         origin: NDArray[np.float64] = self._project(pose, self._origin)[0]
         return origin
+
+    def truth(self, pose: NDArray[np.float64]) -> list[float]:
+        """Return corners (8), centroid (2), origin (2) [px] and the camera's place (3) [m].
+
+        The numbers of the methods above in one call, for every tick.
+        """
+        self._pose[:] = pose
+        look(self._pose, self._lens[1], self._rotation, self._place)
+        project(self._points, self._rotation, self._place, self._lens[0], self._images)
+        images: list[float] = self._images.ravel().tolist()
+        return images + self._place.tolist()
 
     def _project(
         self, pose: NDArray[np.float64], points: NDArray[np.float64]

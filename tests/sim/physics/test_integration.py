@@ -93,7 +93,7 @@ for tick in range(0, 3000, 5):
     values, valid = dvl.measure(tick, truth)
     command = np.array([-values[0], -values[0], 0.1, 0.12, -3.0 * values[1]])
     plant.advance(tick, command, 5)
-    digest.update(plant.state.tobytes() + values.tobytes())
+    digest.update(plant.state.tobytes() + np.array(values).tobytes())
 print(digest.hexdigest())
 """
 
