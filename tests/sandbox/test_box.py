@@ -343,3 +343,24 @@ def test_an_answer_that_computes_too_long_ends_by_its_cpu_time(level: Level) -> 
     assert ended.verdict is Verdict.TIME_LIMIT
     assert "0.5 s of CPU time" in ended.sentence
     assert not ended.suspect_host
+
+
+def test_a_box_holds_nothing_of_the_host_but_the_interpreter_and_its_libraries(box: Box) -> None:
+    seen = printed(
+        box,
+        program(
+            step="import os, sys; print(sorted(os.listdir('/')), os.path.exists(PREFIX))"
+        ).replace(b"PREFIX", repr(sys.prefix).encode()),
+    )
+
+    names, environment = seen.rsplit(" ", 1)
+    assert set(json.loads(names.replace("'", '"'))) <= {
+        "box",
+        "dev",
+        "etc",
+        "lib",
+        "lib64",
+        "tmp",
+        "usr",
+    }
+    assert environment.strip() == "False"
