@@ -17,7 +17,8 @@ from server.settings import Settings
 from server.tables import Run, Token, User
 
 NAME_RULE = "2 to 40 letters, digits, dots, dashes or underscores, starting with a letter"
-RESERVED = frozenset({"seamark", "guest"})  # the baselines' owner, and who has no account
+RESERVED = frozenset({"guest"})  # who has no account
+RESERVED_PREFIX = "seamark"  # the owners of the baselines
 PASSWORD_MIN, PASSWORD_MAX = 10, 200
 TOKEN_PREFIX = "smk_"  # noqa: S105 - lets secret scanners recognise our tokens
 TOKEN_DAYS = 90
@@ -37,7 +38,7 @@ def sign_up(session: Session, name: str, password: str | None, *, is_admin: bool
     """Make an account; raises AccountRejected. Without a password nobody can log in to it."""
     if not _NAME.fullmatch(name):
         raise AccountRejected(f"A name has {NAME_RULE}.")
-    if name.casefold() in RESERVED:
+    if name.casefold() in RESERVED or name.casefold().startswith(RESERVED_PREFIX):
         raise AccountRejected(f"The name {name} is taken.")
     if password is not None:
         _check_password(password)

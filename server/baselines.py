@@ -1,4 +1,7 @@
-"""The built-in entries of the leaderboard: ordinary ranked runs of the user `seamark`."""
+"""The built-in entries of the leaderboard: ordinary ranked runs of users that nobody can be.
+
+A user stands on the leaderboard once, with the best run; so each built-in controller has its own.
+"""
 
 import time
 
@@ -7,6 +10,7 @@ from sqlalchemy import select
 from sqlalchemy.orm import Session
 
 from server.access import Viewer
+from server.accounts import RESERVED_PREFIX
 from server.db import exclusive
 from server.orders import Order, enqueue
 from server.settings import Settings
@@ -14,7 +18,6 @@ from server.states import Kind, RunState
 from server.tables import Run, User
 from sim import registry
 
-NAME = "seamark"
 CONTROLLERS = ("p", "pi")
 _LOCK = 0x5EA_0003
 _log = structlog.get_logger()
@@ -27,11 +30,11 @@ def ensure(session: Session, settings: Settings) -> list[int]:
     that failed or was withdrawn is not queued again by itself: somebody should look at it.
     """
     exclusive(session, _LOCK)
-    user = _user(session)
-    viewer = Viewer(user_id=user.id, name=user.name)
     made: list[int] = []
-    for benchmark in registry.BENCHMARKS:
-        for controller in CONTROLLERS:
+    for controller in CONTROLLERS:
+        user = _user(session, f"{RESERVED_PREFIX}-{controller}")
+        viewer = Viewer(user_id=user.id, name=user.name)
+        for benchmark in registry.BENCHMARKS:
             if not _there(session, user.id, benchmark, controller):
                 title = registry.CONTROLLERS[controller].label
                 made.append(
@@ -53,10 +56,10 @@ def ensure(session: Session, settings: Settings) -> list[int]:
     return made
 
 
-def _user(session: Session) -> User:
-    user = session.scalar(select(User).where(User.name_key == NAME))
+def _user(session: Session, name: str) -> User:
+    user = session.scalar(select(User).where(User.name_key == name))
     if user is None:
-        user = User(name=NAME, name_key=NAME, is_baseline=True, created_at=time.time())
+        user = User(name=name, name_key=name, is_baseline=True, created_at=time.time())
         session.add(user)
         session.flush()
     return user

@@ -194,15 +194,14 @@ def _fairest(languages: Collection[str], running_max: int) -> Select[int]:
         .cte("first")
     )
     n = func.coalesce(running.c.n, 0)
-    baseline = (
-        select(literal("user:") + cast(User.id, String)).where(User.is_baseline).scalar_subquery()
-    )
+    baseline = select(literal("user:") + cast(User.id, String)).where(User.is_baseline)
     last = first.c.owner.in_(baseline)
+    busy = select(func.count()).where(running.c.owner.in_(baseline)).scalar_subquery()
     return (
         select(first.c.id)
         .outerjoin(running, running.c.owner == first.c.owner)
         .outerjoin(Turn, Turn.owner == first.c.owner)
-        .where(n < running_max, or_(~last, n < 1))
+        .where(n < running_max, or_(~last, busy < 1))
         .order_by(last, n, func.coalesce(Turn.served_at, 0.0), first.c.id)
         .limit(1)
     )

@@ -1,6 +1,7 @@
 """The files of a run: telemetry, log, manifest, metrics; readable while the run goes on.
 
 `<data>/runs/<id // 1000>/<id>/<attempt>/` holds `telemetry.f64` (rows of little-endian float64),
+`columns.json` (their names, so that rows stay readable when a later version has other columns),
 `log.txt` (what the program printed first), `log.tail` (what it printed last, when it printed more),
 `manifest.json` and `metrics.json`. Each attempt has a folder of its own, so a late worker never
 writes into the files of the next one.
@@ -17,11 +18,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.telemetry import COLUMNS
+from sim.telemetry import NAMES
 
 HEAD_MAX = 256 * 1024  # [byte] of the log kept from its start
 TAIL_MAX = 256 * 1024  # [byte] of the log kept from its end
-_ROW_BYTES = 8 * len(COLUMNS)
 _COUNT_BYTES = 8
 Rows = NDArray[np.float64]
 
@@ -44,11 +44,12 @@ class RunFiles:
         self.folder = self.root / str(chosen)
         self._tail = b""
         self._written = 0
+        self._names: tuple[str, ...] | None = None
 
     @property
     def width(self) -> int:
         """How many columns a row has."""
-        return len(COLUMNS)
+        return len(NAMES)
 
     def attempts(self) -> list[int]:
         """Return the attempts that left files."""
@@ -64,14 +65,16 @@ class RunFiles:
     # -- writing: one process, the worker that holds the attempt ---------------------------------
     def append_rows(self, rows: Rows) -> None:
         """Append whole rows, shape (k, number of columns)."""
-        if rows.ndim != 2 or rows.shape[1] != len(COLUMNS):
-            raise ValueError(f"rows have shape {rows.shape}, not (k, {len(COLUMNS)})")
+        if rows.ndim != 2 or rows.shape[1] != len(NAMES):
+            raise ValueError(f"rows have shape {rows.shape}, not (k, {len(NAMES)})")
+        if not self.telemetry_path.exists():
+            self._replace("columns.json", json.dumps(NAMES).encode())
         self._append(self.telemetry_path, np.ascontiguousarray(rows, dtype="<f8").tobytes())
 
     def cut_rows(self, count: int) -> None:
         """Keep only the first `count` rows: a trial is done again."""
         if self.row_count() > count:
-            os.truncate(self.telemetry_path, count * _ROW_BYTES)
+            os.truncate(self.telemetry_path, count * self._row_bytes())
 
     def append_log(self, text: bytes) -> None:
         """Append what the program printed: the head to its file, the rest to a bounded tail."""
@@ -92,20 +95,24 @@ class RunFiles:
     def row_count(self) -> int:
         """Return how many whole rows there are by now."""
         try:
-            return self.telemetry_path.stat().st_size // _ROW_BYTES
+            return self.telemetry_path.stat().st_size // self._row_bytes()
         except FileNotFoundError:
             return 0
 
     def rows(self, start: int = 0, stop: int | None = None) -> Rows:
-        """Return the rows from `start` to before `stop`, shape (k, number of columns)."""
+        """Return the rows from `start` to before `stop`, shape (k, number of columns).
+
+        The columns are those of this version: NaN where the version that wrote them had none.
+        """
         end = self.row_count() if stop is None else min(stop, self.row_count())
         count = max(end - max(start, 0), 0)
         if count == 0:
-            return np.empty((0, len(COLUMNS)))
-        values = np.fromfile(
-            self.telemetry_path, "<f8", count * len(COLUMNS), offset=max(start, 0) * _ROW_BYTES
-        )
-        return values.reshape(count, len(COLUMNS)).astype(np.float64, copy=False)
+            return np.empty((0, len(NAMES)))
+        names = self._written_names()
+        offset = max(start, 0) * self._row_bytes()
+        values = np.fromfile(self.telemetry_path, "<f8", count * len(names), offset=offset)
+        rows = values.reshape(count, len(names)).astype(np.float64, copy=False)
+        return rows if names == NAMES else _in_present_columns(rows, names)
 
     def log(self, after: int = 0) -> LogPart:
         """Return what was printed from byte `after` on, as far as it is kept."""
@@ -133,6 +140,18 @@ class RunFiles:
         """Return the metrics, or None while there are none."""
         return _json(self.folder / "metrics.json")
 
+    def _written_names(self) -> tuple[str, ...]:
+        """Return the columns of the rows in the file, or the present ones while there is none."""
+        if self._names is None:
+            text = _bytes(self.folder / "columns.json")
+            if not text:
+                return NAMES
+            self._names = tuple(json.loads(text))
+        return self._names
+
+    def _row_bytes(self) -> int:
+        return 8 * len(self._written_names())
+
     def _append(self, path: Path, data: bytes) -> None:
         self.folder.mkdir(parents=True, exist_ok=True)
         with path.open("ab", buffering=0) as file:
@@ -143,6 +162,15 @@ class RunFiles:
         draft = self.folder / f".{name}.{secrets.token_hex(4)}"
         draft.write_bytes(data)
         os.replace(draft, self.folder / name)
+
+
+def _in_present_columns(rows: Rows, names: tuple[str, ...]) -> Rows:
+    found = {name: at for at, name in enumerate(names)}
+    moved = np.full((len(rows), len(NAMES)), np.nan)
+    for at, name in enumerate(NAMES):
+        if name in found:
+            moved[:, at] = rows[:, found[name]]
+    return moved
 
 
 def _bytes(path: Path) -> bytes:

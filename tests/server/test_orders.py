@@ -157,7 +157,19 @@ def test_baselines_are_queued_once_come_last_and_get_public(both: Service) -> No
     assert (len(first), second) == (2, [])
     assert order == [late, *first]
     with both.database.reading() as session:
-        (rank,) = leaderboard.page(session, "currents-v1")
-    assert (rank.user, rank.is_baseline) == ("seamark", True)
+        ranks = leaderboard.page(session, "currents-v1")
+    assert {rank.user: rank.is_baseline for rank in ranks} == {
+        "seamark-p": True,
+        "seamark-pi": True,
+    }
     assert both.show(first[0]).public
     assert both.show(late).state is RunState.SUCCEEDED
+
+
+def test_baselines_never_take_two_workers_at_a_time(both: Service) -> None:
+    with both.database.writing() as session:
+        baselines.ensure(session, both.settings)
+
+    claims = [both.claim("w1"), both.claim("w2")]
+
+    assert [claim is None for claim in claims] == [False, True]

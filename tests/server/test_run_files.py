@@ -1,3 +1,4 @@
+import json
 from pathlib import Path
 
 import numpy as np
@@ -8,7 +9,7 @@ from hypothesis import strategies as st
 
 from server import run_files
 from server.run_files import HEAD_MAX, TAIL_MAX, RunFiles
-from sim.telemetry import WIDTH
+from sim.telemetry import INDEX, WIDTH
 
 
 def _rows(count: int, start: int = 0) -> run_files.Rows:
@@ -102,3 +103,17 @@ def test_documents_are_there_whole_or_not_at_all(tmp_path: Path) -> None:
 
     assert files.manifest() == {"digest": "d"}
     assert [path.name for path in files.folder.iterdir()] == ["manifest.json"]
+
+
+def test_rows_of_a_version_with_other_columns_stay_readable(tmp_path: Path) -> None:
+    files = RunFiles(tmp_path, 7, 1)
+    files.append_rows(_rows(3))
+    older = ("trial", "level", "t", "gone")
+    (files.folder / "columns.json").write_text(json.dumps(older))
+    files.telemetry_path.write_bytes(np.arange(8.0).tobytes())
+
+    found = RunFiles(tmp_path, 7)
+
+    assert found.row_count() == 2
+    assert found.rows(1)[0, [INDEX["trial"], INDEX["t"]]].tolist() == [4.0, 6.0]
+    assert np.isnan(found.rows()[:, INDEX["x"]]).all()

@@ -23,6 +23,7 @@ from worker.command_lines import worker_arguments
 
 SHORT = {"levels": [0.0, 0.2], "level_duration_s": 4.0, "settle_s": 1.0}
 LONG = {"levels": [0.0, 0.2], "level_duration_s": 600.0, "settle_s": 1.0}
+START_S = 240.0  # the first start of all compiles the simulator, on a busy machine for minutes
 _QUICK = {"lease_s": 3.0, "heartbeat_s": 1.0, "sweep_s": 1.0, "workers": 1}
 
 
@@ -72,7 +73,7 @@ class Service:
         return view
 
     def wait(
-        self, run_id: int, until: Callable[[runs.RunView], bool], seconds: float = 90.0
+        self, run_id: int, until: Callable[[runs.RunView], bool], seconds: float = START_S
     ) -> runs.RunView:
         deadline = time.monotonic() + seconds
         while not until(view := self.show(run_id)):
@@ -80,7 +81,7 @@ class Service:
             time.sleep(0.02)  # the database announces nothing
         return view
 
-    def ended(self, run_id: int, seconds: float = 90.0) -> runs.RunView:
+    def ended(self, run_id: int, seconds: float = START_S) -> runs.RunView:
         return self.wait(run_id, lambda view: view.state.final, seconds)
 
     def files(self, run_id: int) -> RunFiles:
