@@ -18,6 +18,7 @@ from sandbox import frames, verdicts
 from sandbox.confined import Confined, Layers
 from sandbox.frames import Failure, FrameInvalid
 from sandbox.languages import LANGUAGES
+from sandbox.languages.language import Runtime
 from sandbox.level import Level
 from sandbox.limits import Limits
 from sandbox.outcome import Outcome, ProgramEnded, SandboxBroken, Verdict
@@ -42,15 +43,20 @@ class Box:
         level: Level,
         core: int | None = None,
         layers: Layers | None = None,
+        runtime: Runtime | None = None,
     ) -> None:
         """Start the interpreter in its box and return at once.
 
-        `layers` is for tests alone: they switch one off and must notice.
+        `layers` is for tests alone: they switch one off and must notice. `runtime` is what runs in
+        the place of the language's own: its compiler.
         """
         self.limits = limits
+        self._language = LANGUAGES[language]
+        compiled = self._language.compiler is not None and runtime is None
+        self._most_kib = limits.binary_mib << 10 if compiled else limits.source_kib
         self.outcome: Outcome | None = None
         self._cage = Confined(
-            LANGUAGES[language].runtime(), limits, layers or Layers.of(level), core=core
+            runtime or self._language.runtime(), limits, layers or Layers.of(level), core=core
         )
         self._socket = self._cage.socket
         self._poll = select.poll()
@@ -81,32 +87,39 @@ class Box:
         config: Mapping[str, object],
         layout: Mapping[str, object],
     ) -> None:
-        """Send the program and its configuration; wait until `Controller(config)` is made."""
+        """Send the program and its configuration; wait until its controller is made.
+
+        `source` is the text, or what `compilation.compiled` made of it. While a compiler is
+        in the box: wait until it has done its work.
+        """
         self.wait_ready()
         self._loaded = True
         self._cpu_before_s = self._cpu_seen_s = self._cage.cpu_s()
         self._waited_s = 0.0
-        if len(source) > self.limits.source_kib << 10:
-            limit = (
-                f"The program has {len(source)} bytes; the limit is {self.limits.source_kib} KiB."
-            )
+        if len(source) > self._most_kib << 10:
+            limit = f"The program has {len(source)} bytes; the limit is {self._most_kib} KiB."
             self._end(Failure(Verdict.COMPILE_ERROR, limit, ""))
         fields = cast(Sequence[tuple[str, int]], layout["observation"])
         self._floats = sum(count or 1 for _, count in fields)
         name = "".join(c for c in PurePosixPath(filename).name if c.isprintable())[:100]
         header = json.dumps(
-            {"filename": name or "program", "config": dict(config), "layout": dict(layout)}
+            {
+                "protocol": frames.VERSION,
+                "filename": name or "program",
+                "config": dict(config),
+                "layout": dict(layout),
+            }
         ).encode()
         self._ask(frames.BEGIN, frames.SIZES.pack(len(header), len(source)))
         blob = header + source
         for start in range(0, len(blob), frames.CHUNK_BYTES):
             self._ask(frames.SOURCE, blob[start : start + frames.CHUNK_BYTES])
-        self._await(frames.READY, self.limits.start_wall_s, "The program (import and __init__)")
+        self._await(frames.READY, self.limits.start_wall_s, self._language.calls.start)
 
     def reset(self, level: Mapping[str, object]) -> None:
         """Announce a level; wait until the program is ready."""
         self._ask(frames.RESET, json.dumps(dict(level)).encode())
-        self._await(frames.READY, self.limits.start_wall_s, "reset(level)")
+        self._await(frames.READY, self.limits.start_wall_s, self._language.calls.reset)
 
     def step(self, values: Sequence[float]) -> Command:
         """Send one observation, return the checked command.
@@ -125,7 +138,7 @@ class Box:
         if len(body) != 8 * self._floats:
             raise ValueError(f"{len(body)} bytes of observation, {8 * self._floats} in the layout")
         self._ask(frames.OBSERVE, body)
-        answer = self._await(frames.ANSWER, self.limits.step_wall_s, "step(observation)")
+        answer = self._await(frames.ANSWER, self.limits.step_wall_s, self._language.calls.step)
         if len(answer) != frames.COMMAND.size:
             self._end(verdicts.misbehaved(f"The program answered with {len(answer)} bytes."))
         _, _, _, surge, sway, heave, yaw = frames.COMMAND.unpack(answer)

@@ -27,6 +27,7 @@ class Limits:
     file_mib: int = 16  # [MiB] one file
     open_files: int = 64  # descriptors of one process
     source_kib: int = 2048  # [KiB] text of the program
+    binary_mib: int = 8  # [MiB] what a compiler made of it
 
     def __post_init__(self) -> None:
         """Refuse values that make no sense."""
@@ -55,4 +56,17 @@ MEANING = {  # limit -> what the program sees when it meets it; shown on the for
     "file_mib": "writing fails with OSError: file too large",
     "open_files": "opening fails with OSError: too many open files",
     "source_kib": "the program is refused before it starts",
+    "binary_mib": "the compiled program (C, C++) is refused before it starts",
 }
+
+COMPILING = Limits(  # of the box of a compiler
+    cpu_s=15.0,
+    wall_s=60.0,
+    start_wall_s=45.0,
+    memory_mib=768,
+    processes=16,
+    output_kib=64 << 10,  # what leaves the box is the compiled program, and all of it is kept
+    output_max_mib=64,
+    tmp_mib=192,
+    file_mib=64,
+)

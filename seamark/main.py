@@ -10,6 +10,7 @@ import click
 
 COMMANDS = {  # name -> module:attribute, what it does; the second saves loading all for --help
     "up": ("up:up", "Start everything on this machine and keep it running."),
+    "init": ("init:init", "Write a controller to start from."),
     "run": ("run:run", "Evaluate a controller here, without a server."),
     "submit": ("submit:submit", "Send a controller to a server."),
     "benchmarks": ("benchmarks:benchmarks", "List the benchmarks and their settings."),

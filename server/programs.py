@@ -42,14 +42,9 @@ def store(stream: BinaryIO, filename: str, *, limit: int, data: Path) -> StoredP
         The data folder of the settings.
     """
     name = _clean(filename)
-    language = language_of(name)
-    if language is None:
-        raise UploadRejected(f"{name}: no language is known for this kind of file.")
+    _language(name)  # before anything is read
     source = _read(stream, limit)
-    if not source.strip():
-        raise UploadRejected(f"{name} is empty.")
-    if language == "python":
-        check_python(source, name)
+    language = check(source, name)
     sha256 = hashlib.sha256(source).hexdigest()
     _keep(source, path(data, sha256))
     return StoredProgram(sha256, name, language, len(source))
@@ -67,14 +62,32 @@ def read(data: Path, sha256: str) -> bytes:
     return path(data, sha256).read_bytes()
 
 
-def check_python(source: bytes, name: str) -> None:
-    """Raise UploadRejected with the line if this cannot be a controller; runs nothing of it."""
+def check(source: bytes, name: str) -> str:
+    """Return the language of a program; UploadRejected if it cannot be one. Runs nothing of it."""
+    language = _language(name)
+    if not source.strip():
+        raise UploadRejected(f"{name} is empty.")
     try:
         text = source.decode("utf-8")
     except UnicodeDecodeError as error:
         line = source[: error.start].count(b"\n") + 1
         raise UploadRejected(f"{name}, line {line}: the text is not UTF-8.") from None
-    if len(source) > _SYNTAX_MAX:
+    if language == "python":
+        _check_python(text, name)
+    return language
+
+
+def _language(name: str) -> str:
+    """Return the language by the file's suffix."""
+    language = language_of(name)
+    if language is None:
+        raise UploadRejected(f"{name}: no language is known for this kind of file.")
+    return language
+
+
+def _check_python(text: str, name: str) -> None:
+    """Raise UploadRejected with the line if this cannot be a controller."""
+    if len(text) > _SYNTAX_MAX:
         return
     try:
         tree = ast.parse(text, filename=name)

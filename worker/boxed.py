@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sandbox.box import Box
+from sandbox.compilation import compiled
 from sandbox.limits import Limits
 from sandbox.outcome import Outcome
 from sim.program import Command
@@ -31,6 +32,7 @@ class BoxLike(Protocol):
 
 
 MakeBox = Callable[[str, Limits], BoxLike]
+Compile = Callable[[str, bytes, str], bytes]  # language, source, file name -> what a box runs
 
 
 class Boxed:
@@ -55,3 +57,17 @@ def real_boxes(place: Place) -> MakeBox:
         return Box(language, limits=limits, level=place.level, core=place.core)
 
     return make
+
+
+def real_compiler(place: Place) -> Compile:
+    """Return how programs are compiled on this host; raises ProgramEnded if one cannot be."""
+
+    def compile_program(language: str, source: bytes, filename: str) -> bytes:
+        return compiled(language, source, filename, level=place.level, core=place.core)
+
+    return compile_program
+
+
+def as_it_is(language: str, source: bytes, filename: str) -> bytes:
+    """Return the source: nothing is compiled."""
+    return source

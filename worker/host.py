@@ -9,9 +9,9 @@ from typing import Self
 import structlog
 from sqlalchemy import delete
 
+from sandbox import self_test
 from sandbox.languages import LANGUAGES
 from sandbox.level import Finding, Isolation, Level
-from sandbox.outcome import SandboxBroken
 from sandbox.probes import probe
 from server.db import Database
 from server.settings import Settings
@@ -81,12 +81,12 @@ class Host:
 def _languages(isolation: Isolation, settings: Settings) -> tuple[str, ...]:
     if isolation.level < Level[settings.sandbox_min_level.upper()]:
         return ()
-    return tuple(name for name in LANGUAGES if _is_there(name))
+    return tuple(name for name in LANGUAGES if _passes(name, isolation.level))
 
 
-def _is_there(language: str) -> bool:
-    try:
-        LANGUAGES[language].runtime()
-    except SandboxBroken:
-        return False
-    return True
+def _passes(language: str, level: Level) -> bool:
+    """Tell whether a language's self-test passes here; if not, the log says why."""
+    why = self_test.why_not(language, level)
+    if why:
+        _log.warning("language_missing", language=language, why=why)
+    return not why

@@ -26,7 +26,7 @@ from sandbox.outcome import SandboxBroken
 from server import run_limits
 from sim import registry
 from worker import frames
-from worker.boxed import real_boxes
+from worker.boxed import real_boxes, real_compiler
 from worker.frames import Kind
 from worker.job import Job, Place
 from worker.process_control import die_with_parent, limit_simulator, pin
@@ -163,7 +163,8 @@ def evaluate(job: Job, out: socket.socket, place: Place, warm: Box | None) -> En
     """Evaluate the job, telling everything to `out`."""
     fitting = warm if warm is not None and _fits(job) else None
     try:
-        return Evaluation(job, Telling(out), real_boxes(place), warm=fitting).run()
+        make, compile_ = real_boxes(place), real_compiler(place)
+        return Evaluation(job, Telling(out), make, compile_program=compile_, warm=fitting).run()
     finally:
         if warm is not None and fitting is None:
             _discard(warm)

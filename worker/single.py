@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from sandbox.languages import language_of
 from sandbox.level import Level
 from sim import registry
-from worker.boxed import real_boxes
+from worker.boxed import real_boxes, real_compiler
 from worker.job import Job, Place
 from worker.trials import Ending, Evaluation
 
@@ -82,7 +82,10 @@ def evaluate_here(
             filename=name if source is not None else "",
             language=(language_of(name) or "python") if source is not None else "python",
         )
-        return Evaluation(job, listener, real_boxes(Place(level, None))).run()
+        place = Place(level, None)
+        return Evaluation(
+            job, listener, real_boxes(place), compile_program=real_compiler(place)
+        ).run()
 
 
 class _Listener:

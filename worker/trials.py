@@ -17,7 +17,7 @@ from sim.observation import LAYOUT
 from sim.program import BuiltIn
 from sim.telemetry import Digest
 from sim.trial import TrialResult, run_trial, summarise
-from worker.boxed import Boxed, BoxLike, MakeBox
+from worker.boxed import Boxed, BoxLike, Compile, MakeBox, as_it_is
 from worker.job import Job
 
 BENCHMARK_ERROR = "benchmark_error"
@@ -55,14 +55,22 @@ class Ending:
 
 
 class Evaluation:
-    """Runs a job's trials. With an upload, each trial has a new box."""
+    """Runs a job's trials. With an upload, each trial has a new box; it is compiled once."""
 
     def __init__(
-        self, job: Job, listener: Listener, make_box: MakeBox, *, warm: BoxLike | None = None
+        self,
+        job: Job,
+        listener: Listener,
+        make_box: MakeBox,
+        *,
+        compile_program: Compile = as_it_is,
+        warm: BoxLike | None = None,
     ) -> None:
         self._job = job
         self._listener = listener
         self._make_box = make_box
+        self._compile = compile_program
+        self._compiled: bytes | None = None
         self._warm = warm  # a box that was started before the job was known
         benchmark = registry.benchmark(job.benchmark)
         self._config: Configuration = benchmark.read(job.config)
@@ -111,6 +119,7 @@ class Evaluation:
 
     def _loaded_box(self) -> BoxLike:
         """Return a box with the program in it; a warm one that has gone stale is replaced."""
+        self._program()
         warm, self._warm = self._warm, None
         if warm is not None:
             try:
@@ -124,11 +133,18 @@ class Evaluation:
 
     def _load(self, box: BoxLike) -> None:
         try:
-            box.load(self._source, self._job.filename, self._config.model_dump(), LAYOUT)
+            box.load(self._program(), self._job.filename, self._config.model_dump(), LAYOUT)
         except ProgramEnded:
             self._pass_output(box)
             box.close()
             raise
+
+    def _program(self) -> bytes:
+        """Return what a box runs; raises ProgramEnded if the source cannot be compiled."""
+        if self._compiled is None:
+            job = self._job
+            self._compiled = self._compile(job.language, self._source, job.filename)
+        return self._compiled
 
     def _simulate(
         self, trial: int, program: Boxed | BuiltIn, after_rows: Callable[[], None]

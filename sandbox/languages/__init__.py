@@ -2,10 +2,12 @@
 
 from pathlib import PurePosixPath
 
+from sandbox.languages.c import C
+from sandbox.languages.cpp import CPP
 from sandbox.languages.language import Language
 from sandbox.languages.python import PYTHON
 
-LANGUAGES: dict[str, Language] = {language.name: language for language in (PYTHON,)}
+LANGUAGES: dict[str, Language] = {language.name: language for language in (PYTHON, C, CPP)}
 
 
 def language_of(filename: str) -> str | None:

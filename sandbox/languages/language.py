@@ -23,11 +23,29 @@ class Runtime:
 
 
 @dataclass(frozen=True, slots=True)
+class Calls:
+    """What the calls of a program are named to its owner when they take too long."""
+
+    start: str
+    reset: str
+    step: str
+
+
+PYTHON_CALLS = Calls("The program (import and __init__)", "reset(level)", "step(observation)")
+
+
+@dataclass(frozen=True, slots=True)
 class Language:
-    """One language: its name, its label, the suffixes of its files, how it runs in a box."""
+    """One language: its name, its label, the suffixes of its files, how it runs in a box.
+
+    With a `compiler`, what runs is not the text but what comes out of a box of the compiler's own
+    (see sandbox/compilation.py).
+    """
 
     name: str
     label: str
     suffixes: tuple[str, ...]
     runtime: Callable[[], Runtime]  # found on the host when first asked; SandboxBroken if missing
-    self_test: str  # a program that must get the verdict ok
+    self_test: str  # a program that must answer half the error (see sandbox/self_test.py)
+    compiler: Callable[[], Runtime] | None = None
+    calls: Calls = PYTHON_CALLS

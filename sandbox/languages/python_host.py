@@ -38,17 +38,25 @@ ENVIRONMENT = {
 @cache
 def python_runtime() -> Runtime:
     """Return command, environment and files; SandboxBroken if NumPy or SciPy is missing."""
-    interpreter = Path(os.path.realpath(sys.executable))
-    binds = [Bind(interpreter, str(interpreter)), *_standard_library(), *_packages()]
-    binds.append(Bind(Path(__file__).with_name("python_runner.py"), f"{INSIDE}/runner.py"))
-    options = ("-s", "-P", "-B", "-S", "-X", "utf8")
-    command = (str(interpreter), *options, f"{INSIDE}/runner.py")
+    command, files = interpreter_files()
+    runner = Bind(Path(__file__).with_name("python_runner.py"), f"{INSIDE}/runner.py")
+    binds = [*files, *_packages(), runner]
     reached = tuple(replace(bind, source=shelved(bind.source)) for bind in binds)
-    return Runtime(command, ENVIRONMENT, reached)
+    return Runtime((*command, runner.target), ENVIRONMENT, reached)
+
+
+def interpreter_files() -> tuple[tuple[str, ...], list[Bind]]:
+    """Return the command of the interpreter, and the files that it needs without any package."""
+    interpreter = Path(os.path.realpath(sys.executable))
+    command = (str(interpreter), "-s", "-P", "-B", "-S", "-X", "utf8")
+    return command, [Bind(interpreter, str(interpreter)), *_standard_library()]
 
 
 def _standard_library() -> list[Bind]:
-    folders = {sysconfig.get_path("stdlib"), sysconfig.get_path("platstdlib")}
+    # Of the interpreter itself: in a virtual environment "platstdlib" is the environment's own
+    # folder, with all its packages.
+    base = {"base": sys.base_prefix, "platbase": sys.base_exec_prefix}
+    folders = {sysconfig.get_path(name, vars=base) for name in ("stdlib", "platstdlib")}
     binds = [Bind(Path(folder), folder) for folder in sorted(folders)]
     if sys.base_prefix != "/usr":  # an interpreter of its own brings its library along
         shared = sorted(Path(sys.base_prefix, "lib").glob("libpython*.so*"))

@@ -151,15 +151,13 @@ def _evaluate(order: Order, recording: Recording, *, quiet: bool) -> Ending:
 def _source(path: Path) -> tuple[bytes, str]:
     """Return the program's text and name, checked as an upload is."""
     from sandbox.languages import language_of
-    from server.programs import UploadRejected, check_python
+    from server.programs import UploadRejected, check
 
-    language = language_of(path.name)
-    if language is None:
+    if language_of(path.name) is None:
         raise UsageRefused(f"{path}: no language is known for this kind of file.")
     try:
         source = path.read_bytes()
-        if language == "python":
-            check_python(source, path.name)
+        check(source, path.name)
     except OSError as error:
         raise UsageRefused(f"{path} cannot be read: {error.strerror}.") from None
     except UploadRejected as reason:

@@ -8,7 +8,7 @@ from typing import Any
 from flask import Blueprint, abort, redirect, render_template, url_for
 from flask.typing import ResponseReturnValue
 
-from sandbox.limits import MEANING, Limits
+from sandbox.limits import COMPILING, MEANING, Limits
 from server import run_limits
 from server.causes import WORDS
 from server.pages import benchmarks, measures, templates_for_programs
@@ -39,7 +39,7 @@ def _controller() -> dict[str, Any]:
         "observation": observation.FIELDS,
         "booleans": observation.BOOLEANS,
         "command": observation.COMMAND,
-        "example": templates_for_programs.python(),
+        "example": templates_for_programs.of("python"),
         "limits": list(limits_of(run_limits.for_trial(_usual_duration_s()))),
         "duration_s": _usual_duration_s(),
         "per_simulated_s": run_limits.CPU_PER_SIMULATED_S,
@@ -60,6 +60,16 @@ def limits_of(limits: Limits) -> Iterator[Limit]:
         label = field.name.removesuffix(end).replace("_", " ")
         meaning = MEANING.get(field.name, "")
         yield Limit(label, values[field.name], _UNITS.get(end, ""), meaning)
+
+
+def _native() -> dict[str, Any]:
+    return {
+        "header": templates_for_programs.header(),
+        "c": templates_for_programs.of("c"),
+        "cpp": templates_for_programs.of("c++"),
+        "compiling": COMPILING,
+        "limits": Limits(),
+    }
 
 
 def _runs() -> dict[str, Any]:
@@ -93,6 +103,7 @@ def _telemetry() -> dict[str, Any]:
 PAGES: Mapping[str, tuple[str, Callable[[], dict[str, Any]]]] = {
     "start": ("Start here", _start),
     "controller": ("Write a controller", _controller),
+    "native": ("C and C++", _native),
     "runs": ("Runs, limits and causes", _runs),
     "metrics": ("Metrics and score", _metrics),
     "telemetry": ("Telemetry", _telemetry),

@@ -6,6 +6,7 @@ from typing import Any, BinaryIO, cast
 from flask import Blueprint, g, redirect, render_template, request, url_for
 from flask.typing import ResponseReturnValue
 
+from sandbox.languages import LANGUAGES
 from sandbox.limits import Limits
 from server import identity, programs, runs
 from server.access import Action, can
@@ -18,7 +19,6 @@ from sim import registry
 from sim.benchmarks import Benchmark
 from sim.configuration import ConfigurationInvalid
 
-EDITOR_NAME = "controller.py"  # the name of a program written in the page
 page = Blueprint("submit", __name__, url_prefix="/submit")
 
 
@@ -90,10 +90,13 @@ def _program(answers: dict[str, str]) -> StoredProgram | None:
         return programs.store(
             stream, file.filename, limit=settings.upload_max_bytes, data=settings.data
         )
+    name = templates_for_programs.FILES.get(answers.get("language", "python"))
+    if name is None:
+        raise UploadRejected("Choose one of the languages of the list.")
     # A browser sends line ends as CR LF; the program keeps those that its author typed.
     text = answers.get("program_text", "").replace("\r\n", "\n").encode()
     return programs.store(
-        io.BytesIO(text), EDITOR_NAME, limit=settings.upload_max_bytes, data=settings.data
+        io.BytesIO(text), name, limit=settings.upload_max_bytes, data=settings.data
     )
 
 
@@ -129,7 +132,10 @@ def _show(
     schema = benchmark.schema()
     unknown = {key: text for key, text in errors.items() if key not in _places(schema)}
     with held.database.reading() as session:
-        refusal = upload_refusal(session, "python", held.settings)
+        refusals = {
+            language.name: upload_refusal(session, language.name, held.settings)
+            for language in LANGUAGES.values()
+        }
         quota = None if g.viewer.owner is None else runs.quota(session, g.viewer, held.settings)
     return render_template(
         "submit/form.html",
@@ -142,10 +148,13 @@ def _show(
         errors=errors,
         general=" ".join(unknown.values()),
         controllers=registry.labels(registry.CONTROLLERS),
-        example=templates_for_programs.python(),
+        languages=[LANGUAGES[name] for name, refusal in refusals.items() if not refusal],
+        refused=[LANGUAGES[name] for name, refusal in refusals.items() if refusal],
+        examples={name: templates_for_programs.of(name) for name in templates_for_programs.FILES},
+        file_names=templates_for_programs.FILES,
         uploads=can(g.viewer, Action.UPLOAD),
         ranked=can(g.viewer, Action.SUBMIT_RANKED),
-        upload_refusal=refusal,
+        upload_refusal=None if None in refusals.values() else refusals["python"],
         quota=quota,
         settings=held.settings,
         limits=Limits(),

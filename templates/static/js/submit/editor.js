@@ -34,7 +34,7 @@ function newLine(area) {
   const start = area.value.lastIndexOf("\n", area.selectionStart - 1) + 1;
   const line = area.value.slice(start, area.selectionStart);
   const spaces = line.match(/^[ \t]*/)[0];
-  replaceSelection(area, "\n" + spaces + (line.trimEnd().endsWith(":") ? INDENT : ""));
+  replaceSelection(area, "\n" + spaces + (line.trimEnd().match(/[:{]$/) ? INDENT : ""));
 }
 
 export function startEditor(form) {
@@ -66,13 +66,26 @@ export function startEditor(form) {
   area.addEventListener("input", number);
   area.addEventListener("scroll", () => { gutter.scrollTop = area.scrollTop; });
 
+  const language = form.querySelector("#language");
+  const templates = new Map();
+  for (const each of form.querySelectorAll("[data-program-template]")) {
+    templates.set(each.dataset.programTemplate, each.content.textContent);
+  }
+
+  function begin() {
+    area.value = templates.get(language.value);
+    number();
+  }
+
+  language.addEventListener("change", () => { // what somebody wrote stays
+    if (!area.value.trim() || [...templates.values()].includes(area.value)) begin();
+  });
   const template = form.querySelector("[data-template]");
   template.hidden = false;
   template.addEventListener("click", () => {
-    const text = document.getElementById("program-template").content.textContent;
+    const text = templates.get(language.value);
     if (area.value.trim() && area.value !== text && !confirm("Replace what is in the editor?")) return;
-    area.value = text;
-    number();
+    begin();
     area.focus();
   });
   number();

@@ -1,0 +1,62 @@
+"""Compiling an upload: untrusted execution like any other, in a box of its own.
+
+The text goes in over the protocol's socket, the program comes out over the pipe of the standard
+output: no folder is shared. What comes out is as untrusted as what went in.
+"""
+
+from dataclasses import replace
+from typing import NoReturn
+
+from sandbox.box import Box
+from sandbox.languages import LANGUAGES
+from sandbox.level import Level
+from sandbox.limits import COMPILING, Limits
+from sandbox.outcome import Outcome, ProgramEnded, SandboxBroken, Verdict
+
+LAYOUT: dict[str, object] = {"observation": []}  # a compiler is shown nothing
+
+
+def compiled(
+    language: str,
+    source: bytes,
+    filename: str,
+    *,
+    level: Level,
+    core: int | None = None,
+    limits: Limits = COMPILING,
+) -> bytes:
+    """Return what runs: the program that the compiler made, or the source if there is none.
+
+    Raises
+    ------
+    ProgramEnded
+        The source cannot be compiled, or not within `limits`.
+    SandboxBroken
+        The compiler is missing, or its box failed.
+    """
+    compiler = LANGUAGES[language].compiler
+    if compiler is None:
+        return source
+    with Box(language, limits=limits, level=level, core=core, runtime=compiler()) as box:
+        try:
+            box.load(source, filename, {}, LAYOUT)
+            program = box.finish().output
+        except ProgramEnded as end:
+            _refuse(end.outcome, limits)
+    if not program:
+        raise SandboxBroken("the compiler was content and made nothing")
+    return program
+
+
+def _refuse(outcome: Outcome, limits: Limits) -> NoReturn:
+    """Raise the end of the compiler as the program's: its text was wrong, or too much for it."""
+    sentence = outcome.sentence
+    if outcome.verdict is Verdict.TIME_LIMIT and not outcome.suspect_host:
+        sentence = f"Compiling took more than {limits.cpu_s:g} s of CPU time."
+    elif outcome.verdict is Verdict.MEMORY_LIMIT:
+        sentence = f"Compiling took more than {limits.memory_mib} MiB of memory."
+    elif outcome.verdict is Verdict.OUTPUT_LIMIT:
+        sentence = f"The compiled program has more than {limits.output_max_mib} MiB."
+    verdict = Verdict.COMPILE_ERROR
+    # What it printed so far is half a program, and nothing to read.
+    raise ProgramEnded(replace(outcome, verdict=verdict, sentence=sentence, output=b""))

@@ -1,0 +1,21 @@
+"""C: one file for seamark.h, compiled by GCC in a box of its own."""
+
+from sandbox.languages.language import Language, Runtime
+from sandbox.languages.native import CALLS, SELF_TEST
+
+
+def compiling() -> Runtime:
+    """Return what the compiler needs in its box."""
+    from sandbox.languages.native.host import compiling  # noqa: PLC0415  (looks at the host)
+
+    return compiling("gcc", language="c", standard="c11")
+
+
+def running() -> Runtime:
+    """Return what the compiled program needs in its box."""
+    from sandbox.languages.native.host import running  # noqa: PLC0415
+
+    return running()
+
+
+C = Language("c", "C", (".c",), running, SELF_TEST, compiler=compiling, calls=CALLS)

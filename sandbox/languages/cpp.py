@@ -1,0 +1,16 @@
+"""C++: as C, with another compiler and standard."""
+
+from sandbox.languages.c import running
+from sandbox.languages.language import Language, Runtime
+from sandbox.languages.native import CALLS, SELF_TEST
+
+
+def compiling() -> Runtime:
+    """Return what the compiler needs in its box."""
+    from sandbox.languages.native.host import compiling  # noqa: PLC0415  (looks at the host)
+
+    return compiling("g++", language="c++", standard="c++17")
+
+
+SOURCE = "#include <vector>\n" + SELF_TEST  # the library of C++ must be there too
+CPP = Language("c++", "C++", (".cpp", ".cc"), running, SOURCE, compiler=compiling, calls=CALLS)

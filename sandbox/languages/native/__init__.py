@@ -1,0 +1,16 @@
+"""What C and C++ share: header, runner, the script inside both boxes, and the host's compiler."""
+
+from sandbox.languages.language import Calls
+
+CALLS = Calls("The program (constructors and seamark_init)", "seamark_reset", "seamark_step")
+
+SELF_TEST = """\
+#include "seamark.h"
+
+int seamark_step(const seamark_observation *observation, seamark_command *command) {
+    command->surge = 0.5 * observation->error[0];
+    command->sway = 0.5 * observation->error[1];
+    command->heave = 0.5 * observation->error[2];
+    return 0;
+}
+"""

@@ -1,0 +1,72 @@
+"""What the host has for C and C++: GCC with its headers for one box, nothing but libraries for the
+other.
+
+The compiler's messages, plug-ins and files belong to the box in which it runs; the box of the
+finished program has no compiler.
+"""
+
+import os
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+from sandbox.languages.language import Bind, Runtime
+from sandbox.languages.python_host import interpreter_files
+from sandbox.outcome import SandboxBroken
+from sandbox.shelf import shelved
+
+HERE = Path(__file__).parent
+INSIDE = "/box/native"
+TOOLS = ("as", "ld", "gcc")  # of any language: the runner is C
+TREES = ("/usr/lib/gcc", "/usr/libexec/gcc", "/usr/include")  # cc1 and collect2; headers
+ENVIRONMENT = {
+    "PATH": "/usr/bin",
+    "HOME": "/tmp",  # noqa: S108  (inside the box)
+    "LC_ALL": "C",  # messages as everybody can search for them
+    "TMPDIR": "/tmp",  # noqa: S108
+    "MALLOC_ARENA_MAX": "2",
+}
+# No fused multiplication: the same arithmetic as Python's. Contraction is GCC's default for C++.
+OPTIONS = (
+    "-O2",
+    "-ffp-contract=off",
+    "-fmax-errors=20",
+    "-fdiagnostics-color=never",
+    f"-I{INSIDE}",
+)
+
+
+@cache
+def compiling(compiler: str, *, language: str, standard: str) -> Runtime:
+    """Return what the box of the compiler needs; SandboxBroken if the compiler is missing."""
+    tools = [_tool(name) for name in dict.fromkeys((*TOOLS, compiler))]
+    trees = [Bind(Path(tree), tree) for tree in TREES if Path(tree).is_dir()]
+    kind = ("-x", language, f"-std={standard}")  # not by the suffix: `.C` would be C++
+    arguments = ("compile", f"/usr/bin/{compiler}", *OPTIONS, *kind, "--")
+    return _runtime(arguments, [*tools, *trees, *_ours("runner.c", "seamark.h")])
+
+
+@cache
+def running() -> Runtime:
+    """Return what the box of a finished program needs."""
+    return _runtime(("start", "--"), [])
+
+
+def _runtime(arguments: tuple[str, ...], binds: list[Bind]) -> Runtime:
+    command, files = interpreter_files()
+    found = [*files, *_ours("inside.py"), *binds]
+    reached = tuple(replace(bind, source=shelved(bind.source)) for bind in found)
+    return Runtime((*command, f"{INSIDE}/inside.py", *arguments), ENVIRONMENT, reached)
+
+
+def _ours(*names: str) -> list[Bind]:
+    return [Bind(HERE / name, f"{INSIDE}/{name}") for name in names]
+
+
+def _tool(name: str) -> Bind:
+    """Return a program of the system itself: a compiler elsewhere would need other files."""
+    path = Path("/usr/bin", name)
+    if not path.exists():
+        package = "g++" if name == "g++" else "gcc"
+        raise SandboxBroken(f"{path} is not installed (apt-get install {package})")
+    return Bind(Path(os.path.realpath(path)), str(path))

@@ -1,0 +1,2 @@
+#include "seamark.h"
+int x;

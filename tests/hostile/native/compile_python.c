@@ -1,0 +1,2 @@
+class Controller:
+    def step(self, observation): return [0, 0, 0, 0]
