@@ -127,6 +127,12 @@ class ChainSettings(Configuration):
     depth_hold: bool = velocity(
         True, title="Hold the depth", says="Heave references move a held depth.", advanced=True
     )
+    tilt_hold: bool = velocity(
+        False,
+        title="Hold roll and pitch",
+        says="Model law: thrusters level the vehicle; for those that the current would turn over.",
+        advanced=True,
+    )
     range_from: str = keeping(
         "altitude",
         title="Distance from",

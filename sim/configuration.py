@@ -58,6 +58,10 @@ class Configuration(BaseModel):
         """Return setting -> sentence for what keeps this out of a ranked run; nothing here."""
         return {}
 
+    def idle_columns(self) -> frozenset[str]:
+        """Return the columns of the telemetry that stay 0 in every such run; none here."""
+        return frozenset()
+
     def trial_duration_s(self) -> float:
         """Return the simulated length of a trial."""
         raise NotImplementedError(type(self).__name__)

@@ -10,7 +10,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-THRUSTERS = 5  # slots for thrusters; a vehicle with fewer leaves the rest at 0
+from sim.vehicles import load
+
+THRUSTERS = 8  # the most that a vehicle has; an observation has as many as its own vehicle
 
 # name, count (0: one number), unit, meaning
 FIELDS: tuple[tuple[str, int, str, str], ...] = (
@@ -31,15 +33,17 @@ FIELDS: tuple[tuple[str, int, str, str], ...] = (
     ("altitude", 0, "m", "height of the vehicle above the bottom"),
     ("attitude", 3, "rad", "roll, pitch, yaw"),
     ("rates", 3, "rad/s", "p, q, r"),
-    ("thrust", THRUSTERS, "N", "last thrust of each thruster"),
+    ("thrust", THRUSTERS, "N", "last thrust of each thruster; as many as the vehicle has"),
 )
 BOOLEANS = ("target_visible", "velocity_valid")
 COMMAND = ("surge", "sway", "heave", "yaw_rate")
-LAYOUT: dict[str, Any] = {
-    "observation": [[name, count] for name, count, _unit, _meaning in FIELDS],
-    "command": list(COMMAND),
-    "booleans": list(BOOLEANS),
-}
+
+
+def layout(vehicle: str) -> dict[str, Any]:
+    """Return what travels to a program and back; `thrust` is as long as the vehicle's list."""
+    named = [[name, count] for name, count, _unit, _meaning in FIELDS]
+    named[-1] = ["thrust", len(load(vehicle).thrusters)]
+    return {"observation": named, "command": list(COMMAND), "booleans": list(BOOLEANS)}
 
 
 def _starts() -> dict[str, int]:
@@ -51,18 +55,18 @@ def _starts() -> dict[str, int]:
 
 
 STARTS = _starts()  # name -> index of its first number
-SIZE = sum(max(count, 1) for _name, count, _unit, _meaning in FIELDS)
 
 
-def empty() -> NDArray[np.float64]:
-    """Return an observation of the layout's size, (SIZE,) zeros."""
-    return np.zeros(SIZE)
+def empty(thrusters: int) -> NDArray[np.float64]:
+    """Return an observation of zeros for a vehicle with so many thrusters, (size,)."""
+    return np.zeros(STARTS["thrust"] + thrusters)
 
 
 class Observation(Mapping[str, Any]):
     """One observation by name: `observation.error` and `observation["error"]` are the same.
 
-    Numbers are floats, vectors are tuples of floats, the two of BOOLEANS are bool.
+    Numbers are floats, vectors are tuples of floats, the two of BOOLEANS are bool. `thrust`, the
+    last field, is as long as the vehicle has thrusters.
     """
 
     __slots__ = ("_values",)
@@ -73,6 +77,7 @@ class Observation(Mapping[str, Any]):
         for name, count, _unit, _meaning in FIELDS:
             start = STARTS[name]
             named[name] = tuple(numbers[start : start + count]) if count else numbers[start]
+        # A slice ends where the numbers end: `thrust` comes last and may be shorter.
         for name in BOOLEANS:
             named[name] = named[name] != 0.0
         self._values = named

@@ -41,6 +41,7 @@ VEHICLES = {
     "girona500-uwsim": Entry(
         "Girona 500 as in UWSim (the paper's plant)", "sim.vehicles.girona500_uwsim:VEHICLE"
     ),
+    "bluerov2-heavy": Entry("BlueROV2 Heavy", "sim.vehicles.bluerov2_heavy:VEHICLE"),
 }
 CONTROLLERS = {
     "pi": Entry("PI", "sim.controllers.pi:Controller"),

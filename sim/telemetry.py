@@ -57,7 +57,7 @@ COLUMNS: tuple[Column, ...] = (
     Column("ref_r", "rad/s", "yaw rate reference of the program"),
     *_vector("dvl_u dvl_v dvl_w", "m/s", "last velocity measured by the DVL, body frame"),
     *(
-        Column(f"thrust_{i}", "N", "thrust of one thruster; 0 where the vehicle has none")
+        Column(f"thrust_{i}", "N", "thrust of one thruster; 0 beyond the vehicle's own number")
         for i in range(THRUSTERS)
     ),
     Column("step_us", "us", "wall time that the program took; not part of the digest"),

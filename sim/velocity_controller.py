@@ -14,7 +14,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.allocation import HEAVE, SURGE, SWAY, YAW, allocator
+from sim.allocation import HEAVE, PITCH, ROLL, SURGE, SWAY, YAW, allocator
 from sim.elementary import exp
 from sim.thrusters import commands_for, packed
 from sim.vehicles import Vehicle
@@ -22,6 +22,7 @@ from sim.vehicles import Vehicle
 # E: chosen so that both presets settle without overshoot with a thruster lag of 0.2 s.
 DEPTH_HOLD = (0.8, 0.9, 0.05)  # [1/s, 1, 1/s] natural frequency, damping, integral rate
 HEADING_HOLD = (2.0, 0.9, 0.3)
+TILT_HOLD = (4.0, 0.9, 0.3)  # quick, and weak where the hull is small: as ArduSub's stabilise mode
 LARGEST_LEAD_M = 0.5  # [m] how far the depth's set point may run ahead of the vehicle
 LARGEST_LEAD_RAD = 0.5
 SHALLOWEST_M = 0.5  # [m] the water has no surface in the equations; the depth hold stays below it
@@ -40,6 +41,7 @@ class Settings(Protocol):
     paper_gain_sway: float
     heading_hold: bool
     depth_hold: bool
+    tilt_hold: bool
 
 
 class Sensed(NamedTuple):
@@ -50,6 +52,8 @@ class Sensed(NamedTuple):
     yaw: float  # [rad]
     yaw_rate: float  # [rad/s]
     fresh: bool  # whether the DVL has just measured, with success
+    tilt: tuple[float, float] = (0.0, 0.0)  # roll, pitch [rad]
+    tilt_rates: tuple[float, float] = (0.0, 0.0)  # p, q [rad/s]
 
 
 class _Hold:
@@ -125,6 +129,10 @@ class VelocityController:
         inertia = vehicle.mass_rigid() + vehicle.mass_added()
         self._depth = _Hold(float(inertia[HEAVE, HEAVE]), DEPTH_HOLD, LARGEST_LEAD_M)
         self._heading = _Hold(float(inertia[YAW, YAW]), HEADING_HOLD, LARGEST_LEAD_RAD)
+        self._tilt = [
+            (axis, _Hold(float(inertia[axis, axis]), TILT_HOLD, LARGEST_LEAD_RAD))
+            for axis in (ROLL, PITCH)
+        ]
         self._directions = [tuple(map(float, t.direction)) for t in vehicle.thrusters]
         self._pushes = [
             (i, axis, share)
@@ -140,6 +148,8 @@ class VelocityController:
         """Hold the depth and heading of now."""
         self._depth.reset(sensed.depth)
         self._heading.reset(sensed.yaw)
+        for _axis, hold in self._tilt:
+            hold.reset(0.0)
 
     def step(
         self, reference: tuple[float, float, float, float], sensed: Sensed, dt: float
@@ -157,6 +167,8 @@ class VelocityController:
         else:
             self._allocate((*self._forces(wanted, sensed, dt), moment))
             self._predict(dt)
+            if self._settings.tilt_hold:
+                self._level_out(sensed, dt)
         return self._command
 
     def _forces(
@@ -200,6 +212,16 @@ class VelocityController:
             self._thrust[i] = (
                 row[SURGE] * surge + row[SWAY] * sway + row[HEAVE] * heave + row[YAW] * yaw
             )
+        commands_for(self._thrust, self._curve, self._command)
+
+    def _level_out(self, sensed: Sensed, dt: float) -> None:
+        """Add what brings roll and pitch to zero; a moment, so the forces stay what they are."""
+        for (axis, hold), angle, rate in zip(
+            self._tilt, sensed.tilt, sensed.tilt_rates, strict=True
+        ):
+            moment = hold.step(min(max(-angle, -hold.lead), hold.lead), -rate, dt)
+            for i, row in enumerate(self._allocator):
+                self._thrust[i] += row[axis] * moment
         commands_for(self._thrust, self._curve, self._command)
 
     def _paper_efforts(self) -> list[list[float]]:

@@ -50,7 +50,7 @@ def show(run_id: int) -> ResponseReturnValue:
             "tick_s": run.config.get("control_period_s", SECONDS_BETWEEN_PICTURES),
             "charts": [
                 {"title": chart.title, "unit": chart.unit, "columns": chart.columns}
-                for chart in benchmark.charts
+                for chart in benchmark.charts_of(config)
             ],
             "api": f"/api/v1/runs/{run.id}",
         },

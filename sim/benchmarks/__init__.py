@@ -82,6 +82,14 @@ class Benchmark:
             raise ConfigurationInvalid(errors)
         return self.configuration.read(solution)
 
+    def charts_of(self, config: Configuration) -> tuple[Chart, ...]:
+        """Return the charts of a run, without the columns that its vehicle leaves empty."""
+        idle = config.idle_columns()
+        return tuple(
+            Chart(chart.title, chart.unit, tuple(c for c in chart.columns if c not in idle))
+            for chart in self.charts
+        )
+
     def trial_duration_s(self, config: Configuration) -> float:
         """Return the simulated length of one trial."""
         return config.trial_duration_s()

@@ -10,6 +10,7 @@ from functools import partial
 from sim.benchmarks import Benchmark, Chart, Metric
 from sim.chain_settings import ChainSettings
 from sim.configuration import knob
+from sim.observation import THRUSTERS
 from sim.registry import TRUTH, VEHICLES, labels
 from sim.scene_settings import SceneSettings
 from sim.vehicles import load
@@ -240,6 +241,11 @@ class CurrentsConfiguration(ChainSettings, SceneSettings):
             return {"tracker": "tracker (Tracker) must not be ground truth in a ranked run."}
         return {}
 
+    def idle_columns(self) -> frozenset[str]:
+        """Return the thrust columns beyond the vehicle's number of thrusters."""
+        count = len(load(self.vehicle).thrusters)
+        return frozenset(f"thrust_{i}" for i in range(count, THRUSTERS))
+
     def trial_duration_s(self) -> float:
         """Return the simulated length of all levels together."""
         return len(self.levels) * self.level_duration_s
@@ -303,7 +309,7 @@ BENCHMARK = Benchmark(
         Chart("Velocity by the DVL", "m/s", ("dvl_u", "dvl_v", "dvl_w")),
         Chart("Current", "m/s", ("current_x", "current_y", "current_z")),
         Chart("Tracker's error", "px", ("tracker_error",)),
-        Chart("Thrust", "N", tuple(f"thrust_{i}" for i in range(5))),
+        Chart("Thrust", "N", tuple(f"thrust_{i}" for i in range(THRUSTERS))),
         Chart("Depth", "m", ("z",)),
         Chart("Attitude", "rad", ("roll", "pitch", "yaw")),
     ),

@@ -88,4 +88,8 @@ VEHICLE = Vehicle(
             ),
         ),
     ),
+    defaults={
+        # From 0.33 m/s on the Munk moment (Z_w - X_u) u² exceeds the righting moment of 1.3 N m.
+        "tilt_hold": True,
+    },
 )

@@ -7,7 +7,7 @@ import pytest
 
 from sim import controllers
 from sim.controllers import p, pi
-from sim.observation import BOOLEANS, FIELDS, LAYOUT, SIZE, STARTS, Observation, empty
+from sim.observation import BOOLEANS, FIELDS, STARTS, Observation, empty, layout
 from sim.program import BuiltIn
 from sim.registry import CONTROLLERS, benchmark
 
@@ -15,7 +15,7 @@ CONFIG: dict[str, Any] = {"kp": 0.5, "ki": 0.1, "control_heave": False, "referen
 
 
 def seeing(error: tuple[float, float, float], *, visible: bool = True) -> Observation:
-    values = empty()
+    values = empty(5)
     values[STARTS["error"] : STARTS["error"] + 3] = error
     values[STARTS["dt"]] = 0.05
     values[STARTS["target_visible"]] = visible
@@ -63,14 +63,14 @@ def test_every_built_in_controller_answers_four_floats(name: str) -> None:
     program = BuiltIn(name, benchmark("currents-v1").read({}))
     program.reset({"index": 0})
 
-    answer = program.step(np.ones(SIZE))
+    answer = program.step(np.ones(len(empty(5))))
 
     assert [type(value) for value in answer] == [float] * 4
     assert controllers.__doc__
 
 
 def test_an_observation_is_a_mapping_and_has_attributes() -> None:
-    values = np.arange(float(SIZE))
+    values = np.arange(float(len(empty(5))))
     observation = Observation(values)
 
     assert list(observation) == [name for name, *_ in FIELDS]
@@ -81,6 +81,10 @@ def test_an_observation_is_a_mapping_and_has_attributes() -> None:
         _ = observation.current
 
 
-def test_the_layout_covers_the_whole_observation() -> None:
-    assert sum(max(count, 1) for _name, count in LAYOUT["observation"]) == SIZE
-    assert set(LAYOUT["booleans"]) <= {name for name, _count in LAYOUT["observation"]}
+@pytest.mark.parametrize(("vehicle", "thrusters"), [("girona500", 5), ("bluerov2-heavy", 8)])
+def test_the_layout_covers_the_whole_observation(vehicle: str, thrusters: int) -> None:
+    told = layout(vehicle)["observation"]
+
+    assert sum(max(count, 1) for _name, count in told) == len(empty(thrusters))
+    assert len(Observation(empty(thrusters)).thrust) == dict(told)["thrust"] == thrusters
+    assert set(BOOLEANS) <= set(dict(told))

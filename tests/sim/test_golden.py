@@ -22,6 +22,7 @@ SHORT = {"levels": [0.1, 0.4], "level_duration_s": 4.0, "settle_s": 1.0}
 CASES = {
     "girona500-truth": SHORT | {"vehicle": "girona500", "tracker": "truth"},
     "girona500-uwsim-truth": SHORT | {"vehicle": "girona500-uwsim", "tracker": "truth"},
+    "bluerov2-heavy-truth": SHORT | {"vehicle": "bluerov2-heavy", "tracker": "truth"},
     "girona500-esm": SHORT | {"vehicle": "girona500", "tracker": "esm"},
 }
 TOLERANCES = {"m": 1e-6, "rad": 1e-6, "m/s": 1e-6, "rad/s": 1e-6, "px": 1e-4, "N": 1e-4}

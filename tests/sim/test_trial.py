@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from sim import telemetry
 from sim.benchmarks import Benchmark
 from sim.configuration import Configuration
-from sim.observation import BOOLEANS, FIELDS, SIZE, STARTS
+from sim.observation import BOOLEANS, FIELDS, STARTS, empty
 from sim.program import BuiltIn, Command
 from sim.telemetry import INDEX, NAMES, Rows
 from sim.trial import TrialResult, run_trial, summarise
@@ -81,6 +81,15 @@ def test_the_chain_keeps_station_with_the_template_tracker(run_short: RunOf) -> 
     assert result.level_held == 0.3
 
 
+def test_pi_holds_a_bluerov_and_all_its_thrusters_work(run_short: RunOf) -> None:
+    result, rows = run_short({"vehicle": "bluerov2-heavy", "tracker": "truth"})
+
+    assert np.isfinite(rows).all()
+    assert rows[:, INDEX["distance"]].max() < 0.5
+    assert (np.ptp(rows[:, INDEX["thrust_0"] : INDEX["step_us"]], axis=0) > 0.1).all()
+    assert result.rankable
+
+
 def test_rows_are_in_order_and_the_vehicle_is_put_back_at_each_level(run_short: RunOf) -> None:
     _result, rows = run_short({})
 
@@ -94,7 +103,16 @@ def test_no_column_is_dead_and_nothing_is_nan(run_short: RunOf) -> None:
     _result, rows = run_short({"current_azimuth_rad": 0.5})
 
     assert np.isfinite(rows).all()
-    idle = {"trial", "tracker_ok", "current_z", "ref_w", "ref_r"}
+    idle = {
+        "trial",
+        "tracker_ok",
+        "current_z",
+        "ref_w",
+        "ref_r",
+        "thrust_5",
+        "thrust_6",
+        "thrust_7",
+    }
     dead = {name for name, column in zip(NAMES, rows.T, strict=True) if np.ptp(column) == 0.0}
     assert dead == idle
 
@@ -104,7 +122,7 @@ def test_no_observation_is_dead_and_nothing_is_nan(short: Configuration) -> None
     run_trial("currents-v1", short, program, seed=5, trial=0, on_rows=lambda _rows: None)
     told = np.array(program.told)
 
-    assert told.shape == (240, SIZE)
+    assert told.shape == (240, len(empty(5)))
     assert np.isfinite(told).all()
     idle = {"dt", "target_age", *BOOLEANS}
     for name, count, _unit, _meaning in FIELDS:

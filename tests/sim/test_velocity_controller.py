@@ -22,8 +22,9 @@ def settled(reference: Reference, *, current: float = 0.0, **settings: object) -
     plant.place(START)
     controller = VelocityController(vehicle, config)
     for tick in range(1200):
-        pose, (u, v, w, _p, _q, r) = plant.pose(), plant.velocity().tolist()
+        pose, (u, v, w, p, q, r) = plant.pose(), plant.velocity().tolist()
         sensed = Sensed((u, v, w), float(pose[2]), float(pose[5]), r, tick % 4 == 0)
+        sensed = sensed._replace(tilt=(float(pose[3]), float(pose[4])), tilt_rates=(p, q))
         if tick == 0:
             controller.reset(sensed)
         plant.advance(tick * 5, controller.step(reference, sensed, 0.05), 5)
@@ -64,6 +65,21 @@ def test_depth_and_heading_are_held_in_the_current() -> None:
 
     assert pose[2] == pytest.approx(START[2], abs=0.02)
     assert pose[5] == pytest.approx(START[5], abs=0.05)
+
+
+@pytest.mark.parametrize(("tilt_hold", "upright"), [(True, True), (False, False)])
+def test_a_bluerov_stays_upright_in_a_strong_current_if_its_tilt_is_held(
+    tilt_hold: bool, upright: bool
+) -> None:
+    plant = settled(
+        (0.0, 0.0, 0.0, 0.0),
+        current=0.5,
+        vehicle="bluerov2-heavy",
+        velocity_observer_1_s=1.5,
+        tilt_hold=tilt_hold,
+    )
+
+    assert (np.abs(plant.pose()[3:5]).max() < 0.1) == upright
 
 
 def test_a_yaw_rate_turns_the_held_heading() -> None:
