@@ -13,7 +13,7 @@ from server import run_limits
 from sim import registry
 from sim.configuration import Configuration
 from sim.manifest import manifest
-from sim.observation import LAYOUT
+from sim.observation import layout
 from sim.program import BuiltIn
 from sim.telemetry import Digest
 from sim.trial import TrialResult, run_trial, summarise
@@ -133,7 +133,8 @@ class Evaluation:
 
     def _load(self, box: BoxLike) -> None:
         try:
-            box.load(self._program(), self._job.filename, self._config.model_dump(), LAYOUT)
+            config = self._config.model_dump()
+            box.load(self._program(), self._job.filename, config, layout(config["vehicle"]))
         except ProgramEnded:
             self._pass_output(box)
             box.close()
