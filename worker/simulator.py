@@ -33,6 +33,7 @@ from worker.process_control import die_with_parent, limit_simulator, pin
 from worker.trials import Ending, Evaluation
 from worker.warm_up import warm_up
 
+READY = b"ready"  # sent once on the control socket when everything is loaded and compiled
 JOB_MAX = 128 * 1024  # [byte]
 CPU_LIMIT_S = 4 * 3600  # [s] of one simulator child
 USUAL_BENCHMARK = "currents-v1"  # whose standard configuration the warm box is made for
@@ -74,6 +75,7 @@ class Zygote:
     def serve(self) -> None:
         """Take jobs until the celery child ends."""
         self._prepare()
+        self._control.send(READY)
         while True:
             control = self._control.fileno()
             ready, _, _ = select.select([control, *self._children], [], [])

@@ -1,6 +1,7 @@
 """All trials of one run, one after the other: the same code on the server and in `seamark run`."""
 
 import hashlib
+import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Protocol
@@ -12,6 +13,7 @@ from sandbox.outcome import Outcome, ProgramEnded, SandboxBroken
 from server import run_limits
 from sim import registry
 from sim.configuration import Configuration
+from sim.loop import StateInvalid
 from sim.manifest import manifest
 from sim.observation import layout
 from sim.program import BuiltIn
@@ -88,9 +90,14 @@ class Evaluation:
                 results.append(self._trial(trial))
             except ProgramEnded as ended:
                 return self._ended(ended.outcome)
+            except StateInvalid as lost:
+                self._digest_trial()
+                return self._ending(verdict=BENCHMARK_ERROR, sentence=str(lost))
             self._digest_trial()
             self._listener.trial_ended(trial)
         metrics = summarise(self._job.benchmark, self._config, results)
+        if not _storable(metrics):
+            return self._ending(verdict=BENCHMARK_ERROR, sentence=NO_SCORE)
         if metrics["score"] is None:
             return self._ending(verdict=BENCHMARK_ERROR, sentence=NO_SCORE, metrics=metrics)
         return self._ending(metrics=metrics)
@@ -220,6 +227,15 @@ def _usage(outcomes: list[Outcome]) -> dict[str, float]:
         "wall_s": sum(outcome.wall_s for outcome in outcomes),
         "memory_mib": max(outcome.memory_mib for outcome in outcomes),
     }
+
+
+def _storable(metrics: Mapping[str, Any]) -> bool:
+    """Return whether the metrics are JSON, which has no NaN and no infinity."""
+    try:
+        json.dumps(metrics, allow_nan=False)
+    except ValueError:
+        return False
+    return True
 
 
 def _nothing() -> None:
