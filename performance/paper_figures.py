@@ -14,17 +14,16 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sim.program import BuiltIn
+from performance.validation.plots import figure
+from performance.validation.trials import PAPER_VEHICLE, trial
 from sim.registry import benchmark
 from sim.telemetry import INDEX, Rows
-from sim.trial import run_trial
 
 PX_PER_M = 514.7 / 2.27  # focal length over height
 WINDOW_S = 30.0  # the last part of a level, two periods of the force on Y
 BAND_PX = 2.0  # "back at zero" in the table below
 SMOOTHING_S = 1.0
 LAWS = {"p": "P (Kp 0.5)", "pi": "PI (Kp 0.5, Ki 0.02)"}
-SEED = 1
 
 
 class Planar(NamedTuple):
@@ -73,12 +72,7 @@ def planar_check(axis: Planar, level: float, ki: float) -> tuple[float, float, f
 
 def run(controller: str, tracker: str) -> Rows:
     """Return the telemetry of the published experiment with one controller."""
-    values = {"vehicle": "girona500-uwsim", "kp": 0.5, "ki": 0.02, "tracker": tracker}
-    config = benchmark("currents-v1").read(values)
-    rows: list[Rows] = []
-    program = BuiltIn(controller, config)
-    run_trial("currents-v1", config, program, seed=SEED, trial=0, on_rows=rows.append)
-    return np.concatenate(rows)
+    return trial(controller, vehicle=PAPER_VEHICLE, kp=0.5, ki=0.02, tracker=tracker).rows
 
 
 class Facts(NamedTuple):
@@ -133,29 +127,19 @@ def _range(values: Facts | tuple[float, float, float]) -> str:
 
 def draw(p_rows: Rows, pi_rows: Rows, out: Path) -> None:
     """Write the figure: X and Y error over time, both controllers."""
-    import matplotlib  # noqa: PLC0415  # of the development group
-
-    matplotlib.use("Agg")
-    from matplotlib import pyplot  # noqa: PLC0415
-
-    figure, axes = pyplot.subplots(2, 1, sharex=True, figsize=(9.0, 6.0), dpi=120)
-    for axis, panel in zip("xy", axes, strict=True):
-        sign = -1.0 if axis == "x" else 1.0
-        for (law, label), rows in zip(LAWS.items(), (p_rows, pi_rows), strict=True):
-            values = sign * rows[:, INDEX[f"error_{axis}_px"]]
-            colour = {"p": "#c2410c", "pi": "#1d4ed8"}[law]
-            panel.plot(rows[:, INDEX["t"]], values, label=label, color=colour, linewidth=1.0)
-        panel.set_ylabel(f"{axis.upper()} error [px]")
-        panel.grid(alpha=0.3)
-        for start in range(0, 600, 120):
-            panel.axvline(start, color="0.6", linewidth=0.6, linestyle="--")
-    axes[0].legend(loc="upper left")
-    axes[0].set_title("girona500-uwsim: current 0, 0.1, 0.2, 0.3, 0.4 m/s, 120 s each")
-    axes[1].set_xlabel("simulated time [s]")
-    out.parent.mkdir(parents=True, exist_ok=True)
-    figure.tight_layout()
-    figure.savefig(out, metadata={"Software": None})
-    pyplot.close(figure)
+    with figure(out, rows=2, height=5.5) as axes:
+        for axis, panel in zip("xy", axes, strict=True):
+            sign = -1.0 if axis == "x" else 1.0
+            for (law, label), rows in zip(LAWS.items(), (p_rows, pi_rows), strict=True):
+                values = sign * rows[:, INDEX[f"error_{axis}_px"]]
+                colour = {"p": "#c2410c", "pi": "#1d4ed8"}[law]
+                panel.plot(rows[:, INDEX["t"]], values, label=label, color=colour, linewidth=1.0)
+            panel.set_ylabel(f"{axis.upper()} error [px]")
+            for start in range(0, 600, 120):
+                panel.axvline(start, color="0.6", linewidth=0.6, linestyle="--")
+        axes[0].legend(loc="upper left")
+        axes[0].set_title("girona500-uwsim: current 0, 0.1, 0.2, 0.3, 0.4 m/s, 120 s each")
+        axes[1].set_xlabel("simulated time [s]")
 
 
 def main() -> None:

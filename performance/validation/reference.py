@@ -1,9 +1,9 @@
 """A second simulator, written apart from the first: SciPy, Euler angles, Fossen's matrices.
 
-It shares with `sim` the vehicle's numbers and nothing else: rotations are three elementary ones
-instead of a quaternion, C(v) is built from the blocks of the mass matrix, thrust curves are
-inverted by Brent's method, and an adaptive Dormand-Prince 8(5,3) solver integrates. For tests and
-for the validation; far too slow to be used.
+It shares with `sim` the vehicle's numbers and the mass and allocation matrices made of them, and
+no equation of motion: rotations are three elementary ones instead of a quaternion, C(v) is built
+from the blocks of the mass matrix, thrust curves are inverted by Brent's method, and an adaptive
+Dormand-Prince 8(5,3) solver integrates. For tests and for the validation; far too slow to be used.
 """
 
 from collections.abc import Callable, Sequence

@@ -1,0 +1,138 @@
+"""The validation: its closed forms, its independent parts, and the page in the repository."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from performance.validation import analytic, convergence, independent, offset, page, vehicles
+from performance.validation.determinism import differing_columns
+from performance.validation.facts import late_rms
+from performance.validation.markdown import signed, table
+from performance.validation.reference import thrust_of
+from sim.camera.optics import CURRENTS
+from sim.camera.target import Target
+from sim.dynamics import Plant
+from sim.telemetry import INDEX, WIDTH
+from sim.vehicles import load
+
+DOCS = Path(__file__).parents[2] / "docs"
+PAGE = (DOCS / "validation.md").read_text(encoding="utf-8")
+NAMES = vehicles.names()
+
+
+@pytest.mark.parametrize("title", page.titles())
+def test_the_page_has_every_section(title: str) -> None:
+    assert f"\n## {title}\n" in PAGE
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_page_has_every_number_of_every_vehicle(name: str) -> None:
+    assert vehicles.vehicle_text(load(name)) in PAGE
+
+
+def test_the_page_has_all_six_facts() -> None:
+    headings = [line for line in PAGE.splitlines() if line.startswith("### ") and line[4].isdigit()]
+
+    assert [heading[4] for heading in headings] == list("123456")
+
+
+def test_every_plot_of_the_page_is_there_and_small() -> None:
+    plots = [part.split(")")[0] for part in PAGE.split("](")[1:]]
+
+    assert len(plots) >= 3
+    for plot in plots:
+        assert 1_000 < (DOCS / plot).stat().st_size < 200_000, plot
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_every_closed_form_is_met_within_half_a_percent(name: str) -> None:
+    found = analytic.cases(name)
+
+    assert len(found) > 10
+    assert {case.what: case.error_percent for case in found if case.error_percent > 0.5} == {}
+
+
+def test_terminal_speed_solves_the_balance_of_drag_and_thrust() -> None:
+    v = analytic.terminal_speed(40.0, 163.0, -50.0)
+
+    assert v < 0.0
+    assert 40.0 * v + 163.0 * abs(v) * v == pytest.approx(-50.0)
+
+
+@pytest.mark.parametrize("linear", [0.0, 40.0])
+def test_coasting_speed_solves_its_equation(linear: float) -> None:
+    at = [analytic.coasting_speed(linear, 163.0, 300.0, 1.0, t) for t in (1.999, 2.0, 2.001)]
+
+    slope = (at[2] - at[0]) / 0.002
+    assert 300.0 * slope == pytest.approx(-(linear * at[1] + 163.0 * at[1] ** 2), rel=1e-5)
+
+
+def test_the_order_of_a_fourth_order_error_is_four() -> None:
+    steps = convergence.STEPS_S
+
+    assert convergence.order_of(steps, tuple(h**4 for h in steps)) == pytest.approx(4.0)
+
+
+def test_with_smooth_forces_the_plant_converges_with_the_fourth_order() -> None:
+    smooth = convergence.with_linear_drag(load("girona500"))
+
+    assert convergence.curve(smooth, "smooth", gusts=False).order == pytest.approx(4.0, abs=0.3)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", NAMES)
+def test_a_minute_of_free_motion_agrees_with_the_reference(name: str) -> None:
+    found = independent.difference(name, force=False)
+
+    assert found.travelled_m > 1.0
+    assert found.place_mm < 1e-3
+
+
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("command", [-1.0, -0.4, -0.01, 0.0, 0.2, 0.9, 1.0])
+def test_the_reference_reads_thrust_curves_as_the_plant_does(name: str, command: float) -> None:
+    vehicle = load(name)
+    plant = Plant(vehicle, analytic.STILL)
+
+    plant.advance(0, np.full(len(vehicle.thrusters), command), 1000)
+
+    assert plant.thrust() == pytest.approx(thrust_of(vehicle, command), abs=1e-6)
+
+
+def test_the_rectangle_around_the_box_is_the_top_face_for_a_camera_above_it() -> None:
+    target = Target()
+    above = target.top_centre() + np.array([0.0, 0.0, -2.27])
+    beside = above + np.array([0.5, 0.0, 0.0])
+
+    assert offset.rectangle_shift(above, target) == pytest.approx(np.zeros((4, 2)))
+    assert np.abs(offset.rectangle_shift(beside, target)).max() > 3.0
+
+
+def test_the_parallax_of_the_origin_is_that_of_the_visibility_view() -> None:
+    assert np.abs(offset.visibility_parallax()) == pytest.approx([4.77, 2.09], abs=0.01)
+    assert offset.pictured(np.eye(3), np.array([0.0, 0.0, -1.0]), CURRENTS.focal_px).shape == (3, 2)
+
+
+def test_columns_that_differ_in_one_bit_are_named() -> None:
+    first = np.ones((5, WIDTH))
+    second = first.copy()
+    second[3, INDEX["roll"]] = np.nextafter(1.0, 2.0)
+
+    assert differing_columns(first, first) == []
+    assert differing_columns(first, second) == ["roll"]
+
+
+def test_late_rms_counts_the_end_of_its_own_level_alone() -> None:
+    rows = np.zeros((4800, WIDTH))
+    rows[:, INDEX["t"]] = 0.05 * np.arange(4800)
+    rows[:, INDEX["level"]] = np.arange(4800) // 2400
+    rows[1900:2400, INDEX["error_x_px"]] = -3.0
+
+    assert late_rms(rows, 0, "x") == pytest.approx(3.0 * np.sqrt(500 / 600), rel=2e-3)
+    assert late_rms(rows, 1, "x") == 0.0
+
+
+def test_cells_with_bars_do_not_break_a_table() -> None:
+    assert table(("a",), [("|v|",)]).splitlines() == ["| a |", "|---|", "| \\|v\\| |"]
+    assert [signed(-0.04), signed(-0.06), signed(0.3)] == ["0.0", "-0.1", "0.3"]
