@@ -3,12 +3,18 @@
 from sandbox.languages.language import Language, Runtime
 from sandbox.languages.native import CALLS, SELF_TEST
 
+OPTIONS = (
+    "-xc",  # whatever the suffix: `.C` would be C++
+    "-std=c11",
+    "-Werror=implicit-function-declaration",  # fabs without its header would return an int
+)
+
 
 def compiling() -> Runtime:
     """Return what the compiler needs in its box."""
     from sandbox.languages.native.host import compiling  # noqa: PLC0415  (looks at the host)
 
-    return compiling("gcc", language="c", standard="c11")
+    return compiling("gcc", *OPTIONS)
 
 
 def running() -> Runtime:

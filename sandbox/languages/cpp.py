@@ -9,7 +9,7 @@ def compiling() -> Runtime:
     """Return what the compiler needs in its box."""
     from sandbox.languages.native.host import compiling  # noqa: PLC0415  (looks at the host)
 
-    return compiling("g++", language="c++", standard="c++17")
+    return compiling("g++", "-xc++", "-std=c++17")
 
 
 SOURCE = "#include <vector>\n" + SELF_TEST  # the library of C++ must be there too

@@ -15,6 +15,7 @@ import click
 from seamark.options import answer, data_option, end, json_option, say, settings_of
 
 if TYPE_CHECKING:
+    from sandbox.level import Level
     from server.settings import Settings
 
 DISK_LOW_GIB = 2.0
@@ -147,6 +148,19 @@ def _sandbox(settings: Settings) -> Iterable[Check]:
     for finding in found.findings:
         state = "ok" if finding.ok else "warning"
         yield Check(f"  {finding.name}", state, finding.why or "holds", finding.remedy)
+    if good:
+        yield from _languages(found.level)
+
+
+def _languages(level: Level) -> Iterable[Check]:
+    from sandbox.languages import LANGUAGES
+    from sandbox.self_test import why_not
+
+    for language in LANGUAGES.values():
+        why = why_not(language.name, level)
+        remedy = "apt-get install gcc g++; without them the others still run."
+        name = f"programs in {language.label}"
+        yield Check(name, "warning" if why else "ok", why or "pass their self-test", remedy)
 
 
 def _machine(settings: Settings) -> Iterable[Check]:

@@ -204,3 +204,23 @@ def test_a_program_with_a_wrong_syntax_is_the_programs_failure(tmp_path: Path) -
 
     assert answer.exit_code == 1
     assert "broken.py, line 1" in answer.output
+
+
+@pytest.mark.parametrize(
+    ("language", "files"),
+    [
+        ("python", {"controller.py"}),
+        ("c", {"controller.c", "seamark.h"}),
+        ("c++", {"controller.cpp", "seamark.h"}),
+    ],
+)
+def test_init_writes_a_controller_and_never_over_one(language: str, files: set[str]) -> None:
+    first = seamark("init", "--language", language, "mine")
+    written = {path.name for path in Path("mine").iterdir()}
+    main = next(path for path in Path("mine").iterdir() if path.stem == "controller")
+    main.write_text("my own")
+    second = seamark("init", "--language", language, "mine")
+
+    assert (first.exit_code, second.exit_code) == (0, 2)
+    assert written == files
+    assert main.read_text() == "my own"

@@ -33,6 +33,8 @@ def test_a_program_is_kept_under_its_hash_and_once(tmp_path: Path) -> None:
         (b"\n\xff" + GOOD, "a.py", "line 2.*UTF-8"),
         (b"def f(:\n", "a.py", "line 1"),
         (b"x = 1\n", "a.py", "Controller"),
+        (b"int x;\n\xff", "a.c", "line 2.*UTF-8"),
+        (b"\n", "a.cpp", "empty"),
         (b"\0" + GOOD, "a.py", "can be read"),
         (b"(" * 900 + GOOD, "a.py", "line 1|can be read"),
     ],
@@ -43,6 +45,18 @@ def test_an_upload_that_breaks_a_rule_is_refused_in_words(
     with pytest.raises(UploadRejected, match=says):
         _store(source, tmp_path, name)
     assert not (tmp_path / "programs").exists()
+
+
+@pytest.mark.parametrize(
+    ("name", "language"),
+    [("a.py", "python"), ("a.c", "c"), ("A.C", "c"), ("a.cpp", "c++"), ("a.cc", "c++")],
+)
+def test_the_language_is_that_of_the_suffix(tmp_path: Path, name: str, language: str) -> None:
+    assert _store(GOOD, tmp_path, name).language == language
+
+
+def test_a_program_in_c_is_read_by_its_compiler_alone(tmp_path: Path) -> None:
+    assert _store(b"this is no C", tmp_path, "a.c").size == 12
 
 
 def test_nothing_of_an_upload_is_executed(tmp_path: Path) -> None:

@@ -37,12 +37,11 @@ OPTIONS = (
 
 
 @cache
-def compiling(compiler: str, *, language: str, standard: str) -> Runtime:
+def compiling(compiler: str, *options: str) -> Runtime:
     """Return what the box of the compiler needs; SandboxBroken if the compiler is missing."""
     tools = [_tool(name) for name in dict.fromkeys((*TOOLS, compiler))]
     trees = [Bind(Path(tree), tree) for tree in TREES if Path(tree).is_dir()]
-    kind = ("-x", language, f"-std={standard}")  # not by the suffix: `.C` would be C++
-    arguments = ("compile", f"/usr/bin/{compiler}", *OPTIONS, *kind, "--")
+    arguments = ("compile", f"/usr/bin/{compiler}", *OPTIONS, *options, "--")
     return _runtime(arguments, [*tools, *trees, *_ours("runner.c", "seamark.h")])
 
 

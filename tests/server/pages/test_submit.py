@@ -100,6 +100,28 @@ def test_a_program_of_the_editor_is_queued(site: Site) -> None:
     assert site.show(_new_run(site.browser("ann"), **wishes)).program_name == "controller.py"
 
 
+@pytest.mark.parametrize(("language", "name"), [("c", "controller.c"), ("c++", "controller.cpp")])
+def test_the_editor_takes_other_languages_and_the_page_has_their_templates(
+    site: Site, language: str, name: str
+) -> None:
+    wishes = {"controller": "upload", "source": "editor", "program_text": "int x;"}
+    browser = site.browser("ann")
+
+    run = site.show(_new_run(browser, language=language, **wishes))
+
+    assert (run.program_name, run.language) == (name, language)
+    assert f'<template data-program-template="{language}">' in browser.get(FORM).text
+
+
+def test_a_language_that_nobody_knows_is_refused(site: Site) -> None:
+    wishes = {"controller": "upload", "source": "editor", "program_text": "x", "language": "ada"}
+
+    answer = site.browser("ann").post(FORM, wishes)
+
+    assert answer.status_code == 422
+    assert "Choose one of the languages" in answer.text
+
+
 def test_a_syntax_error_names_the_line_and_the_text_is_kept(site: Site) -> None:
     text = "class Controller:\n    def step(self, observation)\n        return 1\n"
 

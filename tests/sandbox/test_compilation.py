@@ -1,0 +1,157 @@
+"""Programs in C and C++: what the compiler says, what a program is given, what it prints."""
+
+import pytest
+
+from sandbox.box import Box
+from sandbox.compilation import compiled
+from sandbox.languages import LANGUAGES, language_of
+from sandbox.level import Level
+from sandbox.limits import Limits
+from sandbox.outcome import Outcome, ProgramEnded, Verdict
+from sandbox.self_test import why_not
+
+pytestmark = pytest.mark.host
+
+LAYOUT = {
+    "observation": [["t", 0], ["new_field", 2], ["error", 3], ["target_visible", 0], ["thrust", 5]],
+    "booleans": ["target_visible"],
+    "command": ["surge", "sway", "heave", "yaw_rate"],
+}
+VALUES = [0.25, 8.0, 9.0, 1.0, 2.0, 3.0, 1.0, 0.1, 0.2, 0.3, 0.4, 0.5]
+CONFIG = {
+    "note": 'a "kp": 7.0, {in} a text',
+    "levels": [0.0, {"kp": 5.0}],
+    "kp": 0.1,
+    "small": 1e-300,
+    "on": True,
+    "whole": -3,
+    "accents": "é\\",
+}
+PROGRAM = """\
+#include <stdio.h>
+#include "seamark.h"
+%s
+int seamark_step(const seamark_observation *observation, seamark_command *command) {
+    (void)observation, (void)command;
+    %s
+    return 0;
+}
+"""
+
+
+@pytest.fixture(autouse=True, scope="module")
+def _compiler(level: Level) -> None:
+    if why := why_not("c++", level):
+        pytest.skip(why)
+
+
+def printed(level: Level, *, before: str = "", step: str = "", name: str = "mine.c") -> Outcome:
+    """Return how a program ended after one level of one step."""
+    source = (PROGRAM % (before, step)).encode()
+    language = str(language_of(name))
+    program = compiled(language, source, name, level=level)
+    with Box(language, limits=Limits(), level=level) as box:
+        box.load(program, name, CONFIG, LAYOUT)
+        box.reset({"index": 2, "count": 5, "duration_s": 120.0, "dt": 0.05, "t": 240.0})
+        box.step(VALUES)
+        return box.finish()
+
+
+@pytest.mark.parametrize("language", ["c", "c++"])
+def test_half_the_error_comes_out(language, level) -> None:
+    assert why_not(language, level) == ""
+    assert LANGUAGES[language].compiler is not None
+
+
+@pytest.mark.parametrize(
+    ("expression", "expected"),
+    [
+        ("observation->t", "0.25"),
+        ("observation->error[2]", "3"),
+        ("(double)observation->target_visible", "1"),
+        ("observation->thrust[4]", "0.5"),
+        ("observation->thrust[5]", "0"),
+        ("(double)observation->thrusters", "5"),
+        ("observation->depth", "0"),
+        ('seamark_config_number("kp", 9.0)', "0.10000000000000001"),
+        ('seamark_config_number("small", 9.0)', "1e-300"),
+        ('seamark_config_number("on", 9.0)', "1"),
+        ('seamark_config_number("whole", 9.0)', "-3"),
+        ('seamark_config_number("note", 9.0)', "9"),
+        ('seamark_config_number("levels", 9.0)', "9"),
+        ('seamark_config_number("missing", 9.0)', "9"),
+        ("(double)(seamark_config_json()[0] == '{')", "1"),
+    ],
+)
+def test_a_program_sees_fields_by_name_and_numbers_exactly(expression, expected, level) -> None:
+    outcome = printed(level, step=f'printf("%.17g\\n", {expression});')
+
+    assert outcome.output.decode() == expected + "\n"
+
+
+def test_a_program_hears_of_its_level(level) -> None:
+    before = """
+static seamark_level seen;
+void seamark_reset(const seamark_level *level) { seen = *level; }
+"""
+    step = 'printf("%d %d %g %g %g\\n", seen.index, seen.count, seen.duration_s, seen.dt, seen.t);'
+
+    assert printed(level, before=before, step=step).output == b"2 5 120 0.05 240\n"
+
+
+def test_lines_are_seen_as_they_are_printed_also_those_of_streams(level) -> None:
+    source = PROGRAM % (
+        "#include <iostream>",
+        'std::cout << "a\\n"; puts("b"); std::cerr << "c\\n";',
+    )
+    program = compiled("c++", source.encode(), "mine.cpp", level=level)
+
+    with Box("c++", limits=Limits(), level=level) as box:
+        box.load(program, "mine.cpp", {}, LAYOUT)
+        box.step(VALUES)
+        assert box.take_output() == b"a\nb\nc\n"
+
+
+@pytest.mark.parametrize("name", ["mine.c", "-o.c", "my file.c", "MINE.C", "größe.c", "mine.cc"])
+def test_the_compiler_names_the_uploaded_file_and_its_line(name, level) -> None:
+    with pytest.raises(ProgramEnded) as end:
+        printed(level, step="nothing();", name=name)
+
+    outcome = end.value.outcome
+    assert outcome.verdict is Verdict.COMPILE_ERROR
+    assert f"{name}:6:5: " in outcome.sentence + outcome.traceback
+    assert "/tmp" not in outcome.traceback
+
+
+def test_a_program_without_a_step_is_told_what_it_needs(level) -> None:
+    with pytest.raises(ProgramEnded) as end:
+        compiled("c", b"int x;\n", "mine.c", level=level)
+
+    assert "mine.c does not define seamark_step" in end.value.outcome.sentence
+    assert '#include "seamark.h"' in end.value.outcome.sentence
+
+
+def test_a_source_in_python_is_not_compiled(level) -> None:
+    assert compiled("python", b"text", "mine.py", level=level) == b"text"
+
+
+def test_the_same_source_gives_the_same_program(level) -> None:
+    programs = {compiled("c", (PROGRAM % ("", "")).encode(), "a.c", level=level) for _ in range(2)}
+
+    assert len(programs) == 1
+
+
+def test_what_is_no_program_is_the_users_error(level) -> None:
+    with Box("c", limits=Limits(), level=level) as box, pytest.raises(ProgramEnded) as end:
+        box.load(b"no program", "mine.c", {}, LAYOUT)
+
+    assert end.value.outcome.verdict is Verdict.USER_ERROR
+    assert "cannot be started" in end.value.outcome.sentence
+
+
+def test_no_program_beyond_the_limit_is_started(level) -> None:
+    limits = Limits(binary_mib=1)
+    with Box("c", limits=limits, level=level) as box, pytest.raises(ProgramEnded) as end:
+        box.load(b"x" * (1 << 21), "mine.c", {}, LAYOUT)
+
+    assert "limit is 1024 KiB" in end.value.outcome.sentence

@@ -1,0 +1,79 @@
+"""One law in every language: the same trajectory, bit for bit."""
+
+from pathlib import Path
+
+import pytest
+
+from sandbox.languages import language_of
+from sandbox.level import Level
+from sandbox.probes import probe
+from sandbox.self_test import why_not
+from server.pages import templates_for_programs
+from tests.worker.conftest import SHORT
+from worker.single import Hearing, evaluate_here
+from worker.trials import Ending
+
+pytestmark = pytest.mark.host
+
+PROGRAMS = Path(__file__).with_name("conformance")
+STRONG_CURRENT = SHORT | {"levels": [0.0, 0.6]}  # the reference meets its limit: anti-windup too
+
+
+@pytest.fixture(scope="module")
+def level() -> Level:
+    isolation = probe()
+    if isolation.level < Level.MEDIUM:
+        pytest.skip(isolation.sentence())
+    return isolation.level
+
+
+def evaluated(
+    controller: str | tuple[bytes, str], config: dict[str, object], level: Level, trials: int = 1
+) -> Ending:
+    deaf = Hearing(
+        rows=lambda rows: None,
+        log=lambda text: None,
+        progress=lambda progress: None,
+        cut=lambda trial: None,
+    )
+    order = {"seed": 3, "trials": trials, "hearing": deaf, "level": level}
+    return evaluate_here("currents-v1", config, controller=controller, **order)
+
+
+def skip_without(name: str, level: Level) -> None:
+    if why := why_not(language_of(name), level):
+        pytest.skip(why)
+
+
+@pytest.mark.parametrize("heave", [False, True])
+@pytest.mark.parametrize("name", sorted(path.name for path in PROGRAMS.iterdir()))
+def test_a_pi_in_another_language_gives_the_built_in_trajectory(name, heave, level) -> None:
+    skip_without(name, level)
+    config = STRONG_CURRENT | {"control_heave": heave}
+
+    built_in = evaluated("pi", config, level)
+    upload = evaluated(((PROGRAMS / name).read_bytes(), name), config, level)
+
+    assert (upload.verdict, upload.sentence) == ("ok", "")
+    assert upload.digest == built_in.digest
+
+
+def test_the_templates_give_one_trajectory_and_hold_station(level) -> None:
+    endings = []
+    for language, name in templates_for_programs.FILES.items():
+        skip_without(name, level)
+        source = templates_for_programs.of(language).encode()
+        endings.append(evaluated((source, name), SHORT, level))
+
+    assert {ending.verdict for ending in endings} == {"ok"}
+    assert len({ending.digest for ending in endings}) == 1
+
+
+def test_a_program_that_cannot_be_compiled_ends_the_run_with_its_line(level) -> None:
+    skip_without("mine.c", level)
+
+    ending = evaluated((b'#include "seamark.h"\nint x = y;\n', "mine.c"), SHORT, level, trials=2)
+
+    assert ending.verdict == "compile_error"
+    assert ending.sentence.startswith("mine.c:2:9: error: 'y' undeclared")
+    assert "int x = y;" in ending.traceback
