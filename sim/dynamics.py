@@ -9,7 +9,7 @@ never left to a contact engine: an explicit added-mass force diverges within 0.1
 """
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numba import njit
@@ -75,6 +75,8 @@ class Plant:
         self.step_s = step_s
         self.contact = contact
         self._body = body_of(vehicle)
+        # Plain tuples: Numba takes named ones from Python at several times the cost.
+        self._plain_body, self._plain_water = tuple(self._body), tuple(current.water)
         self._curve = packed(vehicle.curve)
         self._target = np.zeros(len(vehicle.thrusters))
         # A copy of its own: a read-only or foreign array would make Numba compile everything anew.
@@ -125,7 +127,14 @@ class Plant:
             if self.contact is not None:
                 gate = -math.inf if self.contact.awake else self.contact.gate_depth
         made: int = integrate(
-            self.state, self._target, tick, steps, self.step_s, self._body, self.current.water, gate
+            self.state,
+            self._target,
+            tick,
+            steps,
+            self.step_s,
+            self._plain_body,
+            self._plain_water,
+            gate,
         )
         return made
 
@@ -158,7 +167,7 @@ class Plant:
         to starboard its level, forward its lateral part.
         """
         out = np.empty(3)
-        write_current(self._tick * self.step_s, self.current.water, self.state, out)
+        write_current(self._tick * self.step_s, self._plain_water, self.state, out)
         return out
 
 
@@ -241,14 +250,17 @@ def integrate(
     tick: int,
     steps: int,
     step: float,
-    body: Body,
-    water: Water,
+    plain_body: tuple[Any, ...],
+    plain_water: tuple[Any, ...],
     gate: float,
 ) -> int:
     """Advance `state` in place by up to `steps` RK4 steps and return how many were made.
 
-    It stops before a step that would begin deeper than `gate` [m].
+    It stops before a step that would begin deeper than `gate` [m]. `plain_body` and `plain_water`
+    are `Body` and `Water` as plain tuples.
     """
+    body = Body(*plain_body)
+    water = Water(*plain_water)
     size = state.size
     k1, k2, k3, k4 = np.empty(size), np.empty(size), np.empty(size), np.empty(size)
     y = np.empty(size)
@@ -315,8 +327,9 @@ def read_pose(state: Array, out: Array) -> None:
 
 
 @njit(cache=True, error_model="numpy")
-def write_current(t: float, water: Water, state: Array, out: Array) -> None:
+def write_current(t: float, plain_water: tuple[Any, ...], state: Array, out: Array) -> None:
     """Write the water's velocity at time t [s] to `out`, (3,) NED; see `Plant.current_world`."""
+    water = Water(*plain_water)
     stream_x, stream_y, _rise_x, _rise_y, surge, sway = flow(t, water, segment_at(t, water))
     out[0], out[1], out[2] = stream_x, stream_y, 0.0
     if surge > 0.0 or sway > 0.0:

@@ -12,12 +12,12 @@ import math
 from typing import NamedTuple, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
+from numba import njit
 
 from sim.allocation import HEAVE, PITCH, ROLL, SURGE, SWAY, YAW, allocator
 from sim.elementary import exp
 from sim.thrusters import commands_for, packed
-from sim.vehicles import Vehicle
+from sim.vehicles import Array, Vehicle
 
 # E: chosen so that both presets settle without overshoot with a thruster lag of 0.2 s.
 DEPTH_HOLD = (0.8, 0.9, 0.05)  # [1/s, 1, 1/s] natural frequency, damping, integral rate
@@ -117,6 +117,29 @@ class _Axis:
         return (self.linear + self.quadratic * abs(velocity)) * velocity
 
 
+@njit(cache=True, error_model="numpy")
+def _share_out(
+    allocator: Array,
+    wrench: tuple[float, float, float, float],
+    curve: Array,
+    thrust: Array,
+    command: Array,
+) -> None:
+    """Write each thruster's thrust [N] and command for surge, sway, heave [N] and yaw [N m]."""
+    surge, sway, heave, yaw = wrench
+    for i in range(thrust.size):
+        row = allocator[i]
+        thrust[i] = row[SURGE] * surge + row[SWAY] * sway + row[HEAVE] * heave + row[YAW] * yaw
+    commands_for(thrust, curve, command)
+
+
+@njit(cache=True, error_model="numpy")
+def _add_share(allocator: Array, axis: int, effort: float, thrust: Array) -> None:
+    """Add each thruster's part [N] of a force or moment about one axis."""
+    for i in range(thrust.size):
+        thrust[i] += allocator[i, axis] * effort
+
+
 class VelocityController:
     """Reference and measurements in, thruster commands out; one instance per level."""
 
@@ -124,7 +147,7 @@ class VelocityController:
         self._settings = settings
         self._curve = packed(vehicle.curve)
         self._forward, self._reverse = vehicle.curve.limits.value
-        self._allocator = [[float(x) for x in row] for row in allocator(vehicle)]
+        self._allocator = np.ascontiguousarray(allocator(vehicle), dtype=np.float64)
         self._axes = [_Axis(axis, vehicle, settings) for axis in (SURGE, SWAY, HEAVE)]
         inertia = vehicle.mass_rigid() + vehicle.mass_added()
         self._depth = _Hold(float(inertia[HEAVE, HEAVE]), DEPTH_HOLD, LARGEST_LEAD_M)
@@ -153,7 +176,7 @@ class VelocityController:
 
     def step(
         self, reference: tuple[float, float, float, float], sensed: Sensed, dt: float
-    ) -> NDArray[np.float64]:
+    ) -> Array:
         """Return the commands, (n,) in [-1, 1]; the array is reused at the next call."""
         limit = self._settings.reference_limit_m_s
         surge, sway, heave = (min(max(value, -limit), limit) for value in reference[:3])
@@ -207,12 +230,7 @@ class VelocityController:
         return hold.step(error, rate - sensed.yaw_rate, dt)
 
     def _allocate(self, wrench: tuple[float, float, float, float]) -> None:
-        surge, sway, heave, yaw = wrench
-        for i, row in enumerate(self._allocator):
-            self._thrust[i] = (
-                row[SURGE] * surge + row[SWAY] * sway + row[HEAVE] * heave + row[YAW] * yaw
-            )
-        commands_for(self._thrust, self._curve, self._command)
+        _share_out(self._allocator, wrench, self._curve, self._thrust, self._command)
 
     def _level_out(self, sensed: Sensed, dt: float) -> None:
         """Add what brings roll and pitch to zero; a moment, so the forces stay what they are."""
@@ -220,8 +238,7 @@ class VelocityController:
             self._tilt, sensed.tilt, sensed.tilt_rates, strict=True
         ):
             moment = hold.step(min(max(-angle, -hold.lead), hold.lead), -rate, dt)
-            for i, row in enumerate(self._allocator):
-                self._thrust[i] += row[axis] * moment
+            _add_share(self._allocator, axis, moment, self._thrust)
         commands_for(self._thrust, self._curve, self._command)
 
     def _paper_efforts(self) -> list[list[float]]:

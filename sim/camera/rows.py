@@ -197,6 +197,9 @@ def coverage(edges: NDArray[np.float64], y: float, x0: int, out: Row) -> None:
         s = (a + b) * _F(0.5)
         m = abs(a - b) * _F(0.5)
         scale = _F(0.5) / (a * b)
+        farthest = max(nx * _F(first), nx * _F(np.int32(first + np.int32(out.shape[0] - 1))))
+        if -(base + farthest) > s:  # the whole span is inside this edge: every factor is 1
+            continue
         for q in range(out.shape[0]):
             t = -(base + nx * _F(np.int32(first + np.int32(q))))
             # Second difference of t^2/2: the area a half-plane cuts from a unit square.
