@@ -80,7 +80,7 @@ def publish(run_id: int) -> ResponseReturnValue:
 def withdraw(run_id: int) -> ResponseReturnValue:
     """Make a run private again."""
     _run_for(run_id, Action.WITHDRAW)
-    done = "The run is private again and off the leaderboard."
+    done = "The run is private again."
     return _change(run_id, runs.withdraw, done, "The run was not public.")
 
 

@@ -7,8 +7,7 @@ from flask import Blueprint, g, redirect, render_template, request, url_for
 from flask.typing import ResponseReturnValue
 
 from sandbox.languages import LANGUAGES
-from sandbox.limits import Limits
-from server import identity, programs, runs
+from server import identity, programs, run_limits, runs
 from server.access import Action, can
 from server.orders import upload_refusal
 from server.pages import benchmarks, fields, templates_for_programs
@@ -157,7 +156,7 @@ def _show(
         upload_refusal=None if None in refusals.values() else refusals["python"],
         quota=quota,
         settings=held.settings,
-        limits=Limits(),
+        limits=run_limits.for_trial(benchmark.trial_duration_s(benchmark.read({}))),
     )
 
 
