@@ -17,6 +17,7 @@ from numba import njit
 from sim.contact import Contact, add_push, lowest_point, world_motion
 from sim.current import Current, Water, flow, segment_at
 from sim.elementary import asin, atan2, sincos
+from sim.faults import ThrusterFault
 from sim.hydrodynamics import add_coriolis, add_drag, add_restoring, inverse, write_rotation
 from sim.thrusters import command_of, commands_for, force_of, packed, steady_thrust
 from sim.vehicles import STANDARD_GRAVITY, Array, Vehicle, load
@@ -69,11 +70,13 @@ class Plant:
         *,
         step_s: float = STEP_S,
         contact: Contact | None = None,
+        fault: ThrusterFault | None = None,
     ) -> None:
         self.vehicle = vehicle
         self.current = current
         self.step_s = step_s
         self.contact = contact
+        self.fault = fault
         self._body = body_of(vehicle)
         # Plain tuples: Numba takes named ones from Python at several times the cost.
         self._plain_body, self._plain_water = tuple(self._body), tuple(current.water)
@@ -89,6 +92,8 @@ class Plant:
         """Put the vehicle at rest at (x, y, z, roll, pitch, yaw), (6,) [m, rad]; thrusters stop."""
         self._tick = 0
         self._target[:] = 0.0
+        if self.fault is not None:
+            self.fault.reset()
         self.state[:] = 0.0
         write_pose(np.array(pose, dtype=np.float64), self.state)
 
@@ -112,6 +117,8 @@ class Plant:
         self._command[:] = command
         if not steady_thrust(self._command, self._curve, self._target):
             raise ValueError(f"thruster commands must be numbers: {list(command)}")
+        if self.fault is not None:
+            self.fault.apply(tick, self._target)
         if (tick + steps) * self.step_s > self.current.duration_s + self.step_s:
             raise ValueError(f"the gust was drawn for {self.current.duration_s} s only")
         self._tick = tick + steps

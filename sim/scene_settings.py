@@ -146,6 +146,16 @@ class SceneSettings(Configuration):
         tag="E",
         advanced=True,
     )
+    dvl_least_altitude_m: float = sensor(
+        0.5,
+        title="DVL blind below",
+        says="Nearer to the bottom than this the DVL has no bottom lock and keeps its last value.",
+        unit="m",
+        low=0,
+        high=10,
+        tag="S",
+        advanced=True,
+    )
     depth_sigma_m: float = sensor(
         0.01,
         title="Depth noise",

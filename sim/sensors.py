@@ -80,6 +80,7 @@ class Dvl(Sensor):
         bias: float = 0.0,
         scale_error: float = 0.0,
         dropout: float = 0.0,
+        least_altitude_m: float = DVL_RANGE_M[0],
     ) -> None:
         """Set up a DVL.
 
@@ -95,11 +96,14 @@ class Dvl(Sensor):
             Relative error of all axes.
         dropout : float
             Probability that a measurement is missing.
+        least_altitude_m : float [m]
+            Nearer to the bottom it has no bottom lock.
         """
         super().__init__(3, rng=rng, period_ticks=period_ticks)
         self._sigma, self._bias = sigma, bias
         self._scale = 1.0 + scale_error
         self._dropout = dropout
+        self._least_altitude = least_altitude_m
 
     def _read(self, truth: Truth) -> tuple[Reading, bool]:
         noise = self._rng.standard_normal(3).tolist()
@@ -107,14 +111,15 @@ class Dvl(Sensor):
         surge, sway, heave = (
             truth.velocity[i] * self._scale + self._bias + self._sigma * noise[i] for i in range(3)
         )
-        return (surge, sway, heave), sees_bottom(truth) and not lost
+        locked = sees_bottom(truth, least_altitude_m=self._least_altitude)
+        return (surge, sway, heave), locked and not lost
 
 
-def sees_bottom(truth: Truth) -> bool:
+def sees_bottom(truth: Truth, *, least_altitude_m: float = DVL_RANGE_M[0]) -> bool:
     """Return whether a DVL has bottom lock: within its range and not tilted too far."""
-    low, high = DVL_RANGE_M
+    high = DVL_RANGE_M[1]
     tilt = max(abs(truth.pose[3]), abs(truth.pose[4]))
-    return bool(low <= truth.altitude <= high and tilt <= DVL_MOST_TILT_RAD)
+    return bool(least_altitude_m <= truth.altitude <= high and tilt <= DVL_MOST_TILT_RAD)
 
 
 def _noise(rng: np.random.Generator, size: int) -> Iterator[list[float]]:

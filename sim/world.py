@@ -13,6 +13,7 @@ from sim.camera.water import JERLOV, Water
 from sim.contact import Contact
 from sim.current import Current, Pattern
 from sim.dynamics import Plant
+from sim.faults import ThrusterFault
 from sim.sensors import Ahrs, Altimeter, DepthGauge, Dvl
 from sim.station_keeper import Geometry, StationKeeper
 from sim.streams import Streams, streams
@@ -82,7 +83,11 @@ def world_of(config: CurrentsConfiguration, *, seed: int, trial: int, level: int
     # The target is no obstacle: the camera's picture of it would have to move when it is pushed.
     contact = Contact(vehicle, seabed_z=target.seabed_m) if config.contact else None
     plant = Plant(
-        vehicle, _current(config, level, random), step_s=config.physics_step_s, contact=contact
+        vehicle,
+        _current(config, level, random),
+        step_s=config.physics_step_s,
+        contact=contact,
+        fault=_fault(config),
     )
     plant.place(start)
     return World(
@@ -129,6 +134,7 @@ def _sensors(config: CurrentsConfiguration, random: Streams) -> Sensors:
             bias=config.dvl_bias_m_s,
             scale_error=config.dvl_scale_error,
             dropout=config.dvl_dropout,
+            least_altitude_m=config.dvl_least_altitude_m,
         ),
         depth=DepthGauge(random.depth, period_ticks=slow, sigma=config.depth_sigma_m),
         ahrs=Ahrs(
@@ -137,6 +143,17 @@ def _sensors(config: CurrentsConfiguration, random: Streams) -> Sensors:
             sigma=config.ahrs_sigma_rad,
         ),
         altimeter=Altimeter(random.altimeter, period_ticks=slow),
+    )
+
+
+def _fault(config: CurrentsConfiguration) -> ThrusterFault | None:
+    if config.fault_thruster < 0:
+        return None
+    return ThrusterFault(
+        thruster=config.fault_thruster,
+        efficiency=config.fault_efficiency,
+        delay_ticks=round(config.fault_delay_s / config.physics_step_s),
+        from_tick=round(config.fault_from_s / config.physics_step_s),
     )
 
 

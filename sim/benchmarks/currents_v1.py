@@ -10,6 +10,7 @@ from functools import partial
 from sim.benchmarks import Benchmark, Chart, Metric
 from sim.chain_settings import ChainSettings
 from sim.configuration import knob
+from sim.fault_settings import FaultSettings
 from sim.observation import THRUSTERS
 from sim.registry import TRUTH, VEHICLES, labels
 from sim.scene_settings import SceneSettings
@@ -23,7 +24,7 @@ SMALLEST_SIDE_PX = 16.0  # [px] a smaller target gives a tracker nothing to star
 START_ERROR_SHARE = 0.1  # of the shorter side: the corners still make a convex figure
 
 
-class CurrentsConfiguration(ChainSettings, SceneSettings):
+class CurrentsConfiguration(ChainSettings, SceneSettings, FaultSettings):
     """Settings of currents-v1. Seed, trials and controller are not part of it."""
 
     vehicle: str = experiment(
@@ -210,7 +211,22 @@ class CurrentsConfiguration(ChainSettings, SceneSettings):
                 f"physics step of {self.physics_step_s:g} s, such as 5 or 20 Hz, "
                 f"not {self.dvl_rate_hz:g} Hz."
             )
-        return errors | self._picture_rules()
+        return errors | self._fault_rules() | self._picture_rules()
+
+    def _fault_rules(self) -> dict[str, str]:
+        count = len(load(self.vehicle).thrusters)
+        errors: dict[str, str] = {}
+        if self.fault_thruster >= count:
+            errors["fault_thruster"] = (
+                f"fault_thruster (Broken thruster) must be from -1 to {count - 1}: this vehicle "
+                f"has {count} thrusters."
+            )
+        if self.fault_delay_s and not _multiple(self.fault_delay_s, self.control_period_s):
+            errors["fault_delay_s"] = (
+                f"fault_delay_s (Its delay) must be a whole multiple of the control period of "
+                f"{self.control_period_s:g} s, not {self.fault_delay_s:g} s."
+            )
+        return errors
 
     def _picture_rules(self) -> dict[str, str]:
         """Refuse pictures in which no tracker could start."""
@@ -323,6 +339,7 @@ BENCHMARK = Benchmark(
         "Station keeper",
         "Velocity controller",
         "Sensors",
+        "Faults",
     ),
     presets=_presets(),
 )
