@@ -24,11 +24,14 @@ _VALUE_SCALE = 64.0  # [1/grey] of the rounded grey values in the mean
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _lerp(a: Plane, b: Plane, c: Plane, d: Plane, fu: Plane, fv: Plane, out: Plane) -> None:
-    for q in range(out.shape[0]):
-        top = a[q] + fu[q] * (b[q] - a[q])
-        low = c[q] + fu[q] * (d[q] - c[q])
-        out[q] = top + fv[q] * (low - top)
+def _lerp(fractions: Plane, row: int, patch: Plane) -> None:
+    """Write a row of the patch from fu, fv and the four pixels around, the rows of `fractions`."""
+    r = np.uint64(row)
+    for q in range(patch.shape[1]):
+        fu = fractions[0, q]
+        top = fractions[2, q] + fu * (fractions[3, q] - fractions[2, q])
+        low = fractions[4, q] + fu * (fractions[5, q] - fractions[4, q])
+        patch[r, q] = top + fractions[1, q] * (low - top)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -84,7 +87,7 @@ def warp_patch(
             four[1, c] = flat[q + np.uint64(1)]
             four[2, c] = flat[below]
             four[3, c] = flat[below + np.uint64(1)]
-        _lerp(four[0], four[1], four[2], four[3], fu, fv, patch[r])
+        _lerp(fractions, r, patch)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -237,29 +240,31 @@ _PLACES, _SIGNS = _terms()
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _row_squares(
-    patch: tuple[Plane, Plane, Plane, Plane],
-    target: tuple[Plane, Plane, Plane],
-    factors: Plane,
-    out: NDArray[np.int64],
+    patch: Plane, gradients: Plane, xs: Plane, r: int, factors: Plane, out: NDArray[np.int64]
 ) -> None:
     """Write the twelve sums of products of gradients over one row.
 
     Only powers of x are summed here: y is the same along a row and enters once, afterwards.
-    `patch`: the row from its right, left, lower and upper neighbours on; `target`: both gradients
-    of the template and x; `factors`: half the gradient's weight, gain, bias, integer scale.
+    `r` is the row; `factors`: half the gradient's weight, gain, bias, integer scale. Whole planes
+    come in: a view of each row would cost more than the arithmetic on it.
     """
-    right, left, below, above = patch
-    gradient_x, gradient_y, xs = target
     half = factors[0]
     s = factors[3]
     limit = _F(_GRADIENT_LIMIT)
+    row, middle, lower = np.uint64(r), np.uint64(r + 1), np.uint64(r + 2)
     a0 = a1 = a2 = a3 = a4 = np.int32(0)
     b0 = b1 = b2 = b3 = np.int32(0)
     c0 = c1 = c2 = np.int32(0)
     for c in range(xs.shape[0]):
         x = xs[c]
-        gx = min(max(half * (right[c] - left[c]) + gradient_x[c], -limit), limit)
-        gy = min(max(half * (below[c] - above[c]) + gradient_y[c], -limit), limit)
+        gx = min(
+            max(half * (patch[middle, c + 2] - patch[middle, c]) + gradients[0, row, c], -limit),
+            limit,
+        )
+        gy = min(
+            max(half * (patch[lower, c + 1] - patch[row, c + 1]) + gradients[1, row, c], -limit),
+            limit,
+        )
         xx = gx * gx * s
         xy = gx * gy * s
         yy = gy * gy * s
@@ -283,28 +288,34 @@ def _row_squares(
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _row_errors(
-    patch: tuple[Plane, Plane, Plane, Plane],
-    centre: Plane,
-    target: tuple[Plane, Plane, Plane],
+    patch: Plane,
     template: Plane,
+    gradients: Plane,
+    xs: Plane,
+    r: int,
     factors: Plane,
     out: NDArray[np.int64],
 ) -> None:
     """Write the five sums of products of gradient and error; arguments as in `_row_squares`."""
-    right, left, below, above = patch
-    gradient_x, gradient_y, xs = target
     half = factors[0]
     gain = factors[1]
     bias = factors[2]
     s = factors[3]
     limit = _F(_GRADIENT_LIMIT)
     most = _F(_ERROR_LIMIT)
+    row, middle, lower = np.uint64(r), np.uint64(r + 1), np.uint64(r + 2)
     d0 = d1 = d2 = e0 = e1 = np.int32(0)
     for c in range(xs.shape[0]):
         x = xs[c]
-        gx = min(max(half * (right[c] - left[c]) + gradient_x[c], -limit), limit)
-        gy = min(max(half * (below[c] - above[c]) + gradient_y[c], -limit), limit)
-        error = min(max(template[c] - (gain * centre[c] + bias), -most), most) * s
+        gx = min(
+            max(half * (patch[middle, c + 2] - patch[middle, c]) + gradients[0, row, c], -limit),
+            limit,
+        )
+        gy = min(
+            max(half * (patch[lower, c + 1] - patch[row, c + 1]) + gradients[1, row, c], -limit),
+            limit,
+        )
+        error = min(max(template[row, c] - (gain * patch[middle, c + 1] + bias), -most), most) * s
         p0 = gx * error
         p1 = p0 * x
         q0 = gy * error
@@ -352,10 +363,8 @@ def normal_equations(
     sums = np.empty(_SUMS, np.int64)
     totals = np.zeros((_SUMS, _POWERS))
     for r in range(rows):
-        around = (patch[r + 1, 2:], patch[r + 1], patch[r + 2, 1:], patch[r, 1:])
-        target = (gradients[0, r], gradients[1, r], xs)
-        _row_squares(around, target, factors, sums)
-        _row_errors(around, patch[r + 1, 1:], target, template[r], factors, sums)
+        _row_squares(patch, gradients, xs, r, factors, sums)
+        _row_errors(patch, template, gradients, xs, r, factors, sums)
         power = 1.0 / scale
         for p in range(_POWERS):
             for k in range(_SUMS):
