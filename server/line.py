@@ -122,5 +122,8 @@ def _why(session: Session, run: Run, settings: Settings, *, slots: int | None, a
     if running >= settings.running_max:
         return f"{running} of your runs are running, which is the most at a time."
     if ahead == 0:
-        return "It is next: it starts as soon as a worker is free."
+        return (
+            "It is next: it starts as soon as a worker is free. After the first start of a service "
+            "that takes some minutes, while the simulator is compiled."
+        )
     return f"{ahead} run{'s are' if ahead > 1 else ' is'} before it, taken in turns between users."
