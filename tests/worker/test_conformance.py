@@ -1,5 +1,6 @@
 """One law in every language: the same trajectory, bit for bit."""
 
+from io import BytesIO
 from pathlib import Path
 
 import pytest
@@ -8,6 +9,7 @@ from sandbox.languages import language_of
 from sandbox.level import Level
 from sandbox.probes import probe
 from sandbox.self_test import why_not
+from server import programs
 from server.pages import templates_for_programs
 from tests.worker.conftest import SHORT
 from worker.single import Hearing, evaluate_here
@@ -77,3 +79,14 @@ def test_a_program_that_cannot_be_compiled_ends_the_run_with_its_line(level) -> 
     assert ending.verdict == "compile_error"
     assert ending.sentence.startswith("mine.c:2:9: error: 'y' undeclared")
     assert "int x = y;" in ending.traceback
+
+
+def test_the_server_compiles_a_program_and_gives_the_bytes_of_a_local_run(running, level) -> None:
+    skip_without("pi.c", level)
+    stream = BytesIO((PROGRAMS / "pi.c").read_bytes())
+    program = programs.store(stream, "pi.c", limit=10**6, data=running.settings.data)
+
+    view = running.ended(running.queue(SHORT, controller="upload", program=program))
+
+    assert (view.state, view.language) == ("succeeded", "c")
+    assert view.digest == evaluated("pi", SHORT, level).digest
