@@ -20,7 +20,7 @@ from sandbox.frames import Failure, FrameInvalid
 from sandbox.languages import LANGUAGES
 from sandbox.languages.language import Runtime
 from sandbox.level import Level
-from sandbox.limits import Limits
+from sandbox.limits import Limits, Patience
 from sandbox.outcome import Outcome, ProgramEnded, SandboxBroken, Verdict
 from sandbox.printed import HeadTail
 
@@ -76,7 +76,7 @@ class Box:
     def wait_ready(self) -> None:
         """Wait until the interpreter is up; SandboxBroken if it does not come."""
         if not self._ready:
-            self._await(frames.READY, self.limits.start_wall_s, "The interpreter")
+            self._await(frames.READY, self.limits.starting, "The interpreter")
             self._cage.meet_init()
             self._ready = True
 
@@ -114,12 +114,12 @@ class Box:
         blob = header + source
         for start in range(0, len(blob), frames.CHUNK_BYTES):
             self._ask(frames.SOURCE, blob[start : start + frames.CHUNK_BYTES])
-        self._await(frames.READY, self.limits.start_wall_s, self._language.calls.start)
+        self._await(frames.READY, self.limits.starting, self._language.calls.start)
 
     def reset(self, level: Mapping[str, object]) -> None:
         """Announce a level; wait until the program is ready."""
         self._ask(frames.RESET, json.dumps(dict(level)).encode())
-        self._await(frames.READY, self.limits.start_wall_s, self._language.calls.reset)
+        self._await(frames.READY, self.limits.starting, self._language.calls.reset)
 
     def step(self, values: Sequence[float]) -> Command:
         """Send one observation, return the checked command.
@@ -138,7 +138,7 @@ class Box:
         if len(body) != 8 * self._floats:
             raise ValueError(f"{len(body)} bytes of observation, {8 * self._floats} in the layout")
         self._ask(frames.OBSERVE, body)
-        answer = self._await(frames.ANSWER, self.limits.step_wall_s, self._language.calls.step)
+        answer = self._await(frames.ANSWER, self.limits.stepping, self._language.calls.step)
         if len(answer) != frames.COMMAND.size:
             self._end(verdicts.misbehaved(f"The program answered with {len(answer)} bytes."))
         _, _, _, surge, sway, heave, yaw = frames.COMMAND.unpack(answer)
@@ -157,7 +157,7 @@ class Box:
         self._ask(frames.QUIT)
         self._look_at_limits()
         self._cage.memory_mib()
-        self._await(frames.BYE, self.limits.step_wall_s, "The end of the program")
+        self._await(frames.BYE, self.limits.stepping, "The end of the program")
         code = self._cage.exit_code(LAST_WORDS_S)
         if code != 0:
             self._end(verdicts.died(code) if code else _lives_on())
@@ -227,17 +227,19 @@ class Box:
             self._gone()
         return True
 
-    def _await(self, kind: bytes, wall_s: float, waited_for: str) -> memoryview:
+    def _await(self, kind: bytes, patience: Patience, waited_for: str) -> memoryview:
         """Return the program's answer; drains its output and minds all limits meanwhile."""
         begin = now = time.monotonic()
-        cpu_s = self._cpu_seen_s
-        deadline = begin + min(wall_s, max(self.limits.wall_s - self._waited_s, 0.0))
+        seen_s = self._cpu_seen_s
+        deadline = begin + min(patience.wall_s, max(self.limits.wall_s - self._waited_s, 0.0))
         while True:
             ready = self._poll.poll(min(deadline - now, SLICE_S) * 1000) if now < deadline else []
             now = time.monotonic()
             if now - self._cpu_at > self._cpu_every_s:
                 self._cpu_at = now
                 self._look_at_limits()
+            if not ready:
+                seen_s = self._mind_answer(patience, waited_for, seen_s, now - begin)
             if ready != self._answer_only:  # it prints, it ended, or it is late
                 self._drain()
             descriptors = dict(ready)
@@ -247,7 +249,21 @@ class Box:
             if self._cage.pidfd in descriptors:
                 self._gone()
             if now >= deadline:
-                self._late(waited_for, wall_s, since_cpu_s=cpu_s)
+                self._late(waited_for, patience.wall_s, since_cpu_s=seen_s)
+
+    def _mind_answer(
+        self, patience: Patience, waited_for: str, seen_s: float, waited_s: float
+    ) -> float:
+        """End the run if one answer took too much CPU time; return that of its begin.
+
+        It was last read some steps before. On one core, more than the time that went by since the
+        begin cannot be this answer's.
+        """
+        self._look_at_limits()
+        begin_s = max(seen_s, self._cpu_seen_s - waited_s)
+        if self._loaded and self._cpu_seen_s - begin_s > patience.cpu_s:
+            self._end(verdicts.answer_limit(waited_for, patience.cpu_s))
+        return begin_s
 
     def _received(self, kind: bytes) -> memoryview:
         """Return the waiting frame if it is the answer to the present question."""

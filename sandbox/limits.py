@@ -2,8 +2,16 @@
 
 import math
 from dataclasses import asdict, dataclass
+from typing import NamedTuple
 
 MOST_STEP_WALL_S = 600.0  # [s] above this a lost program would hold a core for too long
+
+
+class Patience(NamedTuple):
+    """How long one answer may take."""
+
+    cpu_s: float
+    wall_s: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -16,8 +24,10 @@ class Limits:
 
     cpu_s: float = 60.0  # [s] all processes of the box, from the program's arrival to its end
     wall_s: float = 180.0  # [s] waiting for the program, all answers together
-    start_wall_s: float = 10.0  # [s] interpreter start; then import and __init__; then each reset
-    step_wall_s: float = 1.0  # [s] one answer
+    start_cpu_s: float = 10.0  # [s] import and __init__; then each reset
+    start_wall_s: float = 30.0  # [s] interpreter start; then import and __init__; then each reset
+    step_cpu_s: float = 1.0  # [s] one answer
+    step_wall_s: float = 10.0  # [s] one answer
     memory_mib: int = 512  # [MiB] all processes, shared memory and files under /tmp
     processes: int = 32  # processes and threads
     output_kib: int = 64  # [KiB] printed text that is kept: half from the head, half from the tail
@@ -28,6 +38,16 @@ class Limits:
     open_files: int = 64  # descriptors of one process
     source_kib: int = 2048  # [KiB] text of the program
     binary_mib: int = 8  # [MiB] what a compiler made of it
+
+    @property
+    def starting(self) -> Patience:
+        """For import and __init__, and for each reset."""
+        return Patience(self.start_cpu_s, self.start_wall_s)
+
+    @property
+    def stepping(self) -> Patience:
+        """For one answer."""
+        return Patience(self.step_cpu_s, self.step_wall_s)
 
     def __post_init__(self) -> None:
         """Refuse values that make no sense."""
@@ -45,7 +65,9 @@ class Limits:
 MEANING = {  # limit -> what the program sees when it meets it; shown on the form and in the docs
     "cpu_s": "the run ends: time limit",
     "wall_s": "the run ends: time limit",
+    "start_cpu_s": "the run ends: time limit",
     "start_wall_s": "the run ends: time limit",
+    "step_cpu_s": "the run ends: time limit",
     "step_wall_s": "the run ends: time limit",
     "memory_mib": "the kernel ends the program, or Python raises MemoryError: memory limit",
     "processes": "starting another fails: process limit, if the program ends by it",
@@ -62,6 +84,7 @@ MEANING = {  # limit -> what the program sees when it meets it; shown on the for
 COMPILING = Limits(  # of the box of a compiler
     cpu_s=15.0,
     wall_s=60.0,
+    start_cpu_s=15.0,
     start_wall_s=45.0,
     memory_mib=768,
     processes=16,

@@ -23,6 +23,7 @@ from sim.vehicles import Array, Vehicle
 DEPTH_HOLD = (0.8, 0.9, 0.05)  # [1/s, 1, 1/s] natural frequency, damping, integral rate
 HEADING_HOLD = (2.0, 0.9, 0.3)
 TILT_HOLD = (4.0, 0.9, 0.3)  # quick, and weak where the hull is small: as ArduSub's stabilise mode
+VELOCITY_OBSERVER_1_S = 5.0  # how fast the estimated velocity follows the DVL, whatever is learnt
 LARGEST_LEAD_M = 0.5  # [m] how far the depth's set point may run ahead of the vehicle
 LARGEST_LEAD_RAD = 0.5
 SHALLOWEST_M = 0.5  # [m] the water has no surface in the equations; the depth hold stays below it
@@ -91,9 +92,10 @@ class _Axis:
         self.mass = float((vehicle.mass_rigid() + vehicle.mass_added())[axis, axis])
         self.lag = vehicle.lag.scalar
         self.gain = self.mass * settings.velocity_bandwidth_1_s
-        pole = exp(-settings.velocity_observer_1_s / settings.dvl_rate_hz)
-        self.correct_velocity = 1.0 - pole * pole
-        self.correct_force = self.mass * (1.0 - pole) * (1.0 - pole) * settings.dvl_rate_hz
+        slow = exp(-settings.velocity_observer_1_s / settings.dvl_rate_hz)
+        quick = exp(-VELOCITY_OBSERVER_1_S / settings.dvl_rate_hz)
+        self.correct_velocity = 1.0 - slow * quick
+        self.correct_force = self.mass * (1.0 - slow) * (1.0 - quick) * settings.dvl_rate_hz
         self.velocity = 0.0  # [m/s] estimated
         self.disturbance = 0.0  # [N] estimated
         self.thrust = 0.0  # [N] estimated
