@@ -50,7 +50,7 @@ class ChainSettings(Configuration):
         0.02,
         title="Integral gain Ki",
         says="Velocity reference per metre of error and second; PI only.",
-        unit="1/s^2",
+        unit="1/s²",
         low=0,
         high=2,
         tag="S",

@@ -1,6 +1,7 @@
 """Rules of the whole tree that no linter checks."""
 
 import re
+import shutil
 import subprocess
 from importlib.metadata import packages_distributions
 from pathlib import Path
@@ -23,12 +24,14 @@ PACKAGES = (
 
 def tracked(*patterns: str) -> list[Path]:
     """Return the files git knows, or all files where the tree is not a checkout."""
-    listing = subprocess.run(
-        ["git", "ls-files", "--", *patterns], cwd=ROOT, capture_output=True, text=True, check=False
-    )
-    names = listing.stdout.split("\n") if listing.returncode == 0 else []
-    files = [ROOT / name for name in names if name]
-    return files or [path for pattern in patterns for path in ROOT.rglob(Path(pattern).name)]
+    if shutil.which("git") is not None:
+        command = ["git", "ls-files", "-z", "--", *patterns]
+        listing = subprocess.run(command, cwd=ROOT, capture_output=True, check=False)
+        if listing.returncode == 0:  # else it is an archive, or somebody else's checkout
+            return [ROOT / name for name in listing.stdout.decode().split("\0") if name]
+    foreign = {".venv", ".boot", "data"}
+    found = (path for pattern in patterns for path in ROOT.rglob(pattern))
+    return [path for path in found if not foreign & set(path.relative_to(ROOT).parts)]
 
 
 @pytest.mark.parametrize("name", PACKAGES)

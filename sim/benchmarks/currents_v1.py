@@ -178,7 +178,7 @@ class CurrentsConfiguration(ChainSettings, SceneSettings, FaultSettings):
     current_force_share: float = current(
         0.134,
         title="Share of the body force",
-        says="Only as body force, 410 k v^2 N: the share k; 0.134 gives the paper's 18 px.",
+        says="Only as body force, 410 k v² N: the share k; 0.134 gives the paper's 18 px.",
         low=0,
         high=1,
         tag="D",

@@ -129,9 +129,7 @@ def test_a_program_that_divides_by_zero_is_told_so_with_its_line(visitor: Visito
     _short(page)
     page.get_by_text("My own program").click()
     page.get_by_role("radio", name="Editor").check()
-    page.get_by_label(re.compile("controller.py")).fill(
-        PROGRAM.replace("return [", "return [1 / 0, ")
-    )
+    page.get_by_label("Your program").fill(PROGRAM.replace("return [", "return [1 / 0, "))
 
     page.get_by_role("button", name="Start the run").click()
     visitor.wait_for("failed")

@@ -203,12 +203,3 @@ def test_the_status_line_names_what_is_missing() -> None:
 )
 def test_the_language_is_known_by_the_suffix(filename, name) -> None:
     assert language_of(filename) == name
-
-
-@pytest.mark.parametrize("name", sorted(LANGUAGES))
-def test_every_language_passes_its_own_test(name, level) -> None:
-    with Box(name, limits=Limits(), level=level) as box:
-        box.load(LANGUAGES[name].self_test.encode(), "self_test", {}, LAYOUT)
-        box.step([0.0, 0.1, 0.2, 0.3])
-
-        assert box.finish().verdict is Verdict.OK
