@@ -53,8 +53,8 @@ def _wait(process: "subprocess.Popen[bytes]", url: str, log: Path) -> None:
             process.wait(0.2)  # wakes up at once when the service ends
 
 
-@pytest.fixture(scope="session")
-def service() -> Iterator[Service]:
+@contextlib.contextmanager
+def running(**settings: str) -> Iterator[Service]:
     """Start `seamark up` on a free port; one hidden seed, so that a ranked run is short."""
     with tempfile.TemporaryDirectory(prefix="seamark-journey-") as folder:
         port, data, log = _free_port(), Path(folder) / "data", Path(folder) / "log"
@@ -63,7 +63,7 @@ def service() -> Iterator[Service]:
             process = subprocess.Popen(
                 [*command, "--data", str(data)],
                 cwd=ROOT,
-                env={**os.environ, "SEAMARK_RANKED_TRIALS": "1"},
+                env={**os.environ, "SEAMARK_RANKED_TRIALS": "1", **settings},
                 stdout=output,
                 stderr=subprocess.STDOUT,
             )
@@ -78,6 +78,21 @@ def service() -> Iterator[Service]:
             except subprocess.TimeoutExpired:
                 process.kill()
                 process.wait()
+
+
+@pytest.fixture(scope="session")
+def service() -> Iterator[Service]:
+    """Give the service with its embedded default: SQLite and a broker of its own."""
+    with running() as embedded:
+        yield embedded
+
+
+@pytest.fixture
+def production(postgres_url: str, redis_tcp_url: str) -> Iterator[Service]:
+    """Give the same service on PostgreSQL and a broker over TCP, by settings alone."""
+    variables = {"SEAMARK_DATABASE_URL": postgres_url, "SEAMARK_BROKER_URL": redis_tcp_url}
+    with running(**variables) as started:
+        yield started
 
 
 @pytest.fixture(scope="session")
