@@ -58,12 +58,15 @@ def test_every_program_has_an_expectation_and_every_expectation_a_program() -> N
 
 
 @pytest.mark.parametrize("name", sorted(TABLE))
-def test_a_hostile_program_ends_as_the_table_says(name, run_native, secret) -> None:
+def test_a_hostile_program_ends_as_the_table_says(name, run_native, level, secret) -> None:
     expected = TABLE[name]
+    # Without control groups nobody counts for the box: stopped all the same, but named by what the
+    # program made of the refusal.
+    named = expected.get("medium") if level is Level.MEDIUM else None
 
     outcome = run_native(name)
 
-    assert outcome.verdict == expected["verdict"], outcome
+    assert outcome.verdict == (named or expected["verdict"]), outcome
     assert b"GOT" not in outcome.output
     assert re.search(expected.get("says", ""), outcome.sentence), outcome.sentence
     assert secret.encode() not in outcome.output
