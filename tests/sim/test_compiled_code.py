@@ -1,39 +1,59 @@
 """Compiled code belongs to the sources it was made of."""
 
-import os
-import shutil
-import subprocess
-import sys
 from pathlib import Path
 
-import sim
+import pytest
+
+from sim import dynamics, elementary
+from sim.camera import raycast
+from sim.compiled_code import ROOT, NamedAfterSources, stamp
+
+SOURCES = {
+    "sim/__init__.py": "",
+    "sim/drag.py": "from sim.sines import sin\n",
+    "sim/sines.py": "import math\n",
+    "sim/camera/__init__.py": "from sim.camera import rays\n",
+    "sim/camera/rays.py": "import sim.drag\n",
+    "sim/water.py": "from sim import tides\n",
+    "sim/tides.py": "",
+}
 
 
-def _cache_folder(root: Path, **variables: str) -> str:
-    environment = {key: value for key, value in os.environ.items() if key != "NUMBA_CACHE_DIR"}
-    code = "import os, sim; print(os.environ['NUMBA_CACHE_DIR'])"
-    return subprocess.run(
-        [sys.executable, "-P", "-c", code],
-        env=environment | {"PYTHONPATH": str(root)} | variables,
-        capture_output=True,
-        text=True,
-        check=True,
-    ).stdout.strip()
+def _stamps(folder: Path, **changed: str) -> dict[str, str]:
+    for name, text in (SOURCES | changed).items():
+        path = folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text)
+    return {name: stamp(folder / name, folder) for name in SOURCES}
 
 
-def test_a_change_in_a_source_file_that_others_call_makes_a_new_cache(tmp_path: Path) -> None:
-    sources = Path(sim.__file__).parent
-    shutil.copytree(sources, tmp_path / "sim", ignore=shutil.ignore_patterns("__pycache__"))
-    before = _cache_folder(tmp_path)
+@pytest.mark.parametrize(
+    ("changed", "affected"),
+    [
+        (
+            "sim/sines.py",
+            {"sim/sines.py", "sim/drag.py", "sim/camera/rays.py", "sim/camera/__init__.py"},
+        ),
+        ("sim/camera/rays.py", {"sim/camera/rays.py", "sim/camera/__init__.py"}),
+        ("sim/tides.py", {"sim/tides.py", "sim/water.py"}),
+    ],
+)
+def test_a_change_compiles_anew_what_depends_on_it_and_nothing_else(
+    tmp_path: Path, changed: str, affected: set[str]
+) -> None:
+    before = _stamps(tmp_path / "a")
+    after = _stamps(tmp_path / "b", **{changed: SOURCES[changed] + "# changed\n"})
 
-    with (tmp_path / "sim" / "elementary.py").open("a") as file:
-        file.write("# changed\n")
-
-    assert _cache_folder(tmp_path) != before
+    assert {name for name in SOURCES if before[name] != after[name]} == affected
 
 
-def test_a_child_process_uses_the_cache_of_its_parent() -> None:
-    root = Path(sim.__file__).parent.parent
-    parent = _cache_folder(root)
+def test_compiled_functions_are_kept_under_the_stamp_of_their_sources() -> None:
+    for function, module in ((elementary.sin, elementary), (raycast.draw, raycast)):
+        path = Path(module.__file__)
+        assert (
+            Path(function._cache.cache_path).name == f"numba-{path.stem}-{stamp(path, ROOT)[:16]}"
+        )
 
-    assert _cache_folder(root, NUMBA_CACHE_DIR=parent) == parent
+
+def test_code_that_is_not_of_the_simulator_is_left_to_numba() -> None:
+    assert NamedAfterSources.from_function(dynamics.Plant.pose, "/usr/lib/python3/other.py") is None
