@@ -55,6 +55,7 @@ class Contact:
             top = min(top, box.centre[2] - 0.5 * box.size[2])
         self.gate_depth = top - GATE_M - vehicle.hull_radius()
         self.awake = False
+        self.normal_impulse = 0.0  # [N s] sum of all that pressed on the hull; the plant resets it
         self._top = top
         self._centres = np.array([piece.centre.value for piece in vehicle.hull])
         self._halves = 0.5 * np.array([piece.size.value for piece in vehicle.hull])
@@ -82,7 +83,8 @@ class Contact:
                 return np.zeros(6)
         if self._world is None:
             self._world = _World(self._vehicle, self._seabed_z, self._box)
-        push = self._world.step(before, after, step_s)
+        push, pressed = self._world.step(before, after, step_s)
+        self.normal_impulse += pressed
         self.awake = self._world.box_speed() > AWAKE_SPEED
         return push
 
@@ -191,8 +193,10 @@ class _World:
         turn = (0.0, 0.0, sin(0.5 * box.yaw), cos(0.5 * box.yaw))
         return self._add(shape, box.mass, box.centre, turn)
 
-    def step(self, before: Array, after: Array, step_s: float) -> Array:
-        """Return the impulse of all contacts on the hull, as `Contact.impulse`.
+    def step(self, before: Array, after: Array, step_s: float) -> tuple[Array, float]:
+        """Return the impulse of all contacts on the hull, as `Contact.impulse`, and their pressure.
+
+        The second is the sum [N s] of what every contact gives along its own normal.
 
         The hull stands where the step began and has the velocity it would have at its end: that is
         what Bullet makes of forces before it solves contacts.
@@ -213,15 +217,16 @@ class _World:
         bullet.setTimeStep(step_s, physicsClientId=client)
         bullet.stepSimulation(physicsClientId=client)
         points = bullet.getContactPoints(bodyA=self._hull, physicsClientId=client)
-        push = np.zeros(6)
+        push, pressed = np.zeros(6), 0.0
         for point in points:
+            pressed += step_s * point[9]
             normal, along, across = point[7], point[11], point[13]
             force = [
                 step_s * (point[9] * n + point[10] * a + point[12] * c)
                 for n, a, c in zip(normal, along, across, strict=True)
             ]
             add_push(before, np.array(point[5]), np.array(force), push)
-        return push
+        return push, pressed
 
     def box_pose(self) -> tuple[Array, Array]:
         """Return position (3,) and quaternion w x y z (4,) of the box."""

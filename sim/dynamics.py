@@ -85,12 +85,14 @@ class Plant:
         # A copy of its own: a read-only or foreign array would make Numba compile everything anew.
         self._command = np.zeros(len(vehicle.thrusters))
         self._tick = 0
+        self._contact_force = 0.0
         self.state = np.zeros(_RIGID + len(vehicle.thrusters))
         self.state[3] = 1.0
 
     def place(self, pose: Array) -> None:
         """Put the vehicle at rest at (x, y, z, roll, pitch, yaw), (6,) [m, rad]; thrusters stop."""
         self._tick = 0
+        self._contact_force = 0.0
         self._target[:] = 0.0
         if self.fault is not None:
             self.fault.reset()
@@ -127,6 +129,9 @@ class Plant:
             if tick < self._tick:
                 self._advance_in_contact(tick)
                 tick += 1
+        if self.contact is not None:
+            pressed, self.contact.normal_impulse = self.contact.normal_impulse, 0.0
+            self._contact_force = pressed / (steps * self.step_s)
 
     def _advance_freely(self, tick: int, steps: int, *, gate: float | None = None) -> int:
         if gate is None:
@@ -166,6 +171,10 @@ class Plant:
     def thrust(self) -> Array:
         """Return the present thrust of each thruster, (n,) [N]."""
         return self.state[13:].copy()
+
+    def contact_force(self) -> float:
+        """Return how hard contacts pressed on the hull, mean over the last `advance` [N]."""
+        return self._contact_force
 
     def current_world(self) -> Array:
         """Return the water's velocity now, (3,) NED [m/s].

@@ -96,6 +96,7 @@ class LevelLoop:
             *known.sensed.velocity,
             *thrust,
             *self._no_thrust,
+            world.plant.contact_force(),
             self._step_us,
         )
         commands = world.velocity_controller.step(reference, known.sensed, self._dt)

@@ -6,8 +6,7 @@ time
     Simulated seconds. The original takes wall time, so that a slow computer scored worse.
 collision
     1 - sum of mean speeds / (ticks * 0.5) - greatest speed / 0.5, not below 0, over the ticks in
-    contact. The original reads one body's speed twice; telemetry has no contact column, so the
-    contacts are given by the caller.
+    contact. The original reads one body's speed twice.
 positionError
     Distance to a wanted place, whole and by axis, mean over the rows.
 distance
@@ -30,7 +29,6 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sim.statistics import mean
 from sim.telemetry import INDEX, Rows
@@ -45,8 +43,9 @@ def time(rows: Rows) -> float:
     return t[-1] - t[0] if t else math.nan
 
 
-def collision(rows: Rows, touching: NDArray[np.bool_]) -> float:
-    """Return 1 for no collision, down to 0; `touching`, (k,), says at which rows it touches."""
+def collision(rows: Rows) -> float:
+    """Return 1 for no collision, down to 0."""
+    touching = rows[:, INDEX["contact_n"]] > 0.0
     speeds = _lengths(rows[touching, INDEX["u"] : INDEX["w"] + 1])
     if not speeds:
         return 1.0
@@ -110,6 +109,7 @@ def named(rows: Rows) -> dict[str, float]:
     return {
         "time": time(rows),
         "distance": distance(rows),
+        "collision": collision(rows),
         "objectCenteredOnCam": centred["total"],
         **euclidean_norm(rows),
     }
@@ -133,5 +133,5 @@ def _column(rows: Rows, name: str) -> list[float]:
     return values
 
 
-def _lengths(vectors: NDArray[np.float64]) -> list[float]:
+def _lengths(vectors: Rows) -> list[float]:
     return [math.hypot(*vector) for vector in vectors.tolist()]

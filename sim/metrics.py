@@ -6,12 +6,14 @@ Every metric exists for the settled part of a level and, with the prefix `whole_
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sim.benchmarks import Metric
+from sim.observation import THRUSTERS
 from sim.statistics import mean, percentile, root_mean_square
 from sim.telemetry import INDEX, Rows
 
@@ -24,6 +26,7 @@ SETTLED_M = 0.1  # [m]
 LOST_PX = 15.0  # [px] E: half of the target's shorter side at 2.27 m
 FULL_THRUST = 0.98  # share of the limit from which a thruster counts as saturated; E
 ENERGY_EXPONENT = 1.5  # ideal propeller: power grows with the thrust to the power of 1.5
+REBOUND_S = 0.5  # S: ExperimentMeasurer, contacts closer than this are one collision
 VRX_BASE = 0.75  # VRX StationkeepingScoringPlugin
 
 METRICS: tuple[Metric, ...] = (
@@ -50,6 +53,9 @@ METRICS: tuple[Metric, ...] = (
     Metric("variation_m_s", "Total variation of the references", "m/s", "lower"),
     Metric("saturated_s", "Time with a thruster at its limit", "s", "lower"),
     Metric("lost_percent", "Time with the target lost", "%", "lower"),
+    Metric("collisions", "Collisions", "", "lower"),
+    Metric("contact_s", "Time in contact", "s", "lower"),
+    Metric("contact_max_n", "Greatest contact force", "N", "lower"),
 )
 SETTLING = Metric("settling_s", "Settling time to 0.1 m", "s", "lower")
 
@@ -107,6 +113,7 @@ def _window(rows: Rows, facts: LevelFacts) -> dict[str, float]:
         | _headings(rows, facts)
         | _efforts(rows, facts)
         | {"lost_percent": _percent(lost(rows).tolist())}
+        | _contacts(_column(rows, "contact_n"), facts.dt)
     )
 
 
@@ -152,7 +159,7 @@ def _headings(rows: Rows, facts: LevelFacts) -> dict[str, float]:
 
 
 def _efforts(rows: Rows, facts: LevelFacts) -> dict[str, float]:
-    thrust = rows[:, INDEX["thrust_0"] : INDEX["step_us"]]
+    thrust = rows[:, INDEX["thrust_0"] : INDEX["thrust_0"] + THRUSTERS]
     size = np.abs(thrust)
     forward, reverse = facts.limits_n
     full = (thrust >= FULL_THRUST * forward) | (thrust <= -FULL_THRUST * reverse)
@@ -163,6 +170,22 @@ def _efforts(rows: Rows, facts: LevelFacts) -> dict[str, float]:
         "energy_n15_s": math.fsum((size * np.sqrt(size)).ravel().tolist()) * facts.dt,
         "variation_m_s": math.fsum(np.abs(np.diff(references, axis=0)).ravel().tolist()),
         "saturated_s": float(full.any(axis=1).sum()) * facts.dt,
+    }
+
+
+def _contacts(forces: Sequence[float], dt: float) -> dict[str, float]:
+    """Return how often, how long and how hard [N] the hull touched something.
+
+    Contacts less than `REBOUND_S` apart are one collision. A force is the mean over a control
+    period: what a blow peaks at within it depends on the hull's stiffness, which is not modelled.
+    """
+    touched = [at for at, force in enumerate(forces) if force > 0.0]
+    apart = round(REBOUND_S / dt)
+    starts = sum(1 for a, b in pairwise(touched) if b - a > apart)
+    return {
+        "collisions": float(starts + bool(touched)),
+        "contact_s": len(touched) * dt,
+        "contact_max_n": max(forces, default=math.nan),
     }
 
 

@@ -60,6 +60,11 @@ COLUMNS: tuple[Column, ...] = (
         Column(f"thrust_{i}", "N", "thrust of one thruster; 0 beyond the vehicle's own number")
         for i in range(THRUSTERS)
     ),
+    Column(
+        "contact_n",
+        "N",
+        "how hard bottom and target press on the hull: normal force, mean since the row before",
+    ),
     Column("step_us", "us", "wall time that the program took; not part of the digest"),
 )
 NAMES: tuple[str, ...] = tuple(column.name for column in COLUMNS)

@@ -25,6 +25,8 @@ MEANINGS = {
     "itae_m_s2": "late errors cost more",
     "vrx_m": "distance plus weighted heading error, as in the VRX competition",
     "energy_n15_s": "an ideal propeller's power grows with thrust^1.5",
+    "collisions": "contacts less than 0.5 s apart count as one",
+    "contact_max_n": "mean over one control period, of all that presses on the hull",
     "variation_m_s": "sum of all changes: how restless the controller is",
 }
 

@@ -258,9 +258,10 @@ class CurrentsConfiguration(ChainSettings, SceneSettings, FaultSettings):
         return {}
 
     def idle_columns(self) -> frozenset[str]:
-        """Return the thrust columns beyond the vehicle's number of thrusters."""
+        """Return the thrusts that the vehicle does not have, and the contact force without any."""
         count = len(load(self.vehicle).thrusters)
-        return frozenset(f"thrust_{i}" for i in range(count, THRUSTERS))
+        idle = {f"thrust_{i}" for i in range(count, THRUSTERS)}
+        return frozenset(idle if self.contact else idle | {"contact_n"})
 
     def trial_duration_s(self) -> float:
         """Return the simulated length of all levels together."""
@@ -326,6 +327,7 @@ BENCHMARK = Benchmark(
         Chart("Current", "m/s", ("current_x", "current_y", "current_z")),
         Chart("Tracker's error", "px", ("tracker_error",)),
         Chart("Thrust", "N", tuple(f"thrust_{i}" for i in range(THRUSTERS))),
+        Chart("Contact force", "N", ("contact_n",)),
         Chart("Depth", "m", ("z",)),
         Chart("Attitude", "rad", ("roll", "pitch", "yaw")),
     ),

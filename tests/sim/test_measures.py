@@ -29,12 +29,12 @@ def test_the_path_leaves_out_the_way_back_to_a_levels_start() -> None:
 
 
 def test_a_collision_costs_its_mean_and_its_greatest_speed() -> None:
-    rows = rows_of(3, u=[0.1, 0.0, 9.0], v=[0.0, 0.2, 0.0])
+    rows = rows_of(3, u=[0.1, 0.0, 9.0], v=[0.0, 0.2, 0.0], contact_n=[50.0, 1.0, 0.0])
 
-    assert measures.collision(rows, np.array([False] * 3)) == 1.0
-    score = measures.collision(rows, np.array([True, True, False]))
-    assert score == pytest.approx(1.0 - 0.15 / 0.5 - 0.2 / 0.5)
-    assert measures.collision(rows, np.array([True] * 3)) == 0.0
+    assert measures.collision(rows) == pytest.approx(1.0 - 0.15 / 0.5 - 0.2 / 0.5)
+    assert measures.collision(rows[2:]) == 1.0
+    rows[2, INDEX["contact_n"]] = 1.0
+    assert measures.collision(rows) == 0.0
 
 
 def test_the_position_error_is_whole_and_by_axis() -> None:

@@ -1,6 +1,7 @@
 """Metrics against cases that a person can compute, and against laws."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -63,6 +64,24 @@ def test_efforts_of_a_known_thrust() -> None:
     assert result["whole_energy_n15_s"] == pytest.approx(0.5 * (99**1.5 + 8.0 + 79**1.5))
     assert result["whole_variation_m_s"] == pytest.approx(0.3)
     assert result["whole_saturated_s"] == 1.0
+
+
+def test_contacts_within_half_a_second_are_one_collision() -> None:
+    force = [0.0, 40.0, 0.0, 25.0, 5.0, 0.0, 0.0, 0.0, 7.0, 0.0]
+    facts = replace(FACTS, dt=0.25)
+
+    result = level_metrics(rows_of([0.0] * 10, contact_n=force), facts)
+
+    assert result["whole_collisions"] == 2.0
+    assert result["whole_contact_s"] == 1.0
+    assert result["whole_contact_max_n"] == 40.0
+
+
+def test_a_level_without_contact_has_no_collision() -> None:
+    result = level_metrics(rows_of([0.0] * 3), FACTS)
+
+    assert (result["whole_collisions"], result["whole_contact_s"]) == (0.0, 0.0)
+    assert result["whole_contact_max_n"] == 0.0
 
 
 def test_the_vrx_error_adds_the_heading_the_more_the_nearer() -> None:

@@ -27,7 +27,7 @@ def test_the_columns_are_those_of_the_platforms_contract() -> None:
         "target_x target_y tracked_x tracked_y corner_0 corner_1 corner_2 corner_3 corner_4 "
         "corner_5 corner_6 corner_7 tracker_ok tracker_error error_x error_y error_z error_x_px "
         "error_y_px distance_px distance ref_u ref_v ref_w ref_r dvl_u dvl_v dvl_w thrust_0 "
-        "thrust_1 thrust_2 thrust_3 thrust_4 thrust_5 thrust_6 thrust_7 step_us"
+        "thrust_1 thrust_2 thrust_3 thrust_4 thrust_5 thrust_6 thrust_7 contact_n step_us"
     )
 
     assert names.split() == list(NAMES)

@@ -86,7 +86,7 @@ def test_pi_holds_a_bluerov_and_all_its_thrusters_work(run_short: RunOf) -> None
 
     assert np.isfinite(rows).all()
     assert rows[:, INDEX["distance"]].max() < 0.6
-    assert (np.ptp(rows[:, INDEX["thrust_0"] : INDEX["step_us"]], axis=0) > 0.1).all()
+    assert (np.ptp(rows[:, INDEX["thrust_0"] : INDEX["thrust_7"] + 1], axis=0) > 0.1).all()
     assert result.rankable
 
 
@@ -112,6 +112,7 @@ def test_no_column_is_dead_and_nothing_is_nan(run_short: RunOf) -> None:
         "thrust_5",
         "thrust_6",
         "thrust_7",
+        "contact_n",
     }
     dead = {name for name, column in zip(NAMES, rows.T, strict=True) if np.ptp(column) == 0.0}
     assert dead == idle
@@ -215,6 +216,23 @@ def test_a_wild_program_ends_with_a_finite_state_above_the_bottom_and_few_points
     assert np.isfinite(states).all()
     assert states[:, 2].max() < 5.0
     assert 0.0 <= result.score < 40.0
+
+
+def test_diving_onto_the_bottom_is_a_collision_in_rows_and_metrics(currents: Benchmark) -> None:
+    config = currents.read({**SHORT, "levels": 0.1, "level_duration_s": 20, "tracker": "truth"})
+    rows: list[Rows] = []
+
+    dive = Steady((0.0, 0.0, 1.0, 0.0))
+    result = run_trial("currents-v1", config, dive, seed=5, trial=0, on_rows=rows.append)
+
+    force = np.concatenate(rows)[:, INDEX["contact_n"]]
+    touched = np.flatnonzero(force)
+    assert touched[0] > 100
+    assert 10.0 < force[-1] < 300.0
+    level = result.levels[0]
+    assert level["whole_collisions"] >= 1.0
+    assert level["whole_contact_s"] == pytest.approx(len(touched) * 0.05)
+    assert level["whole_contact_max_n"] == force.max()
 
 
 def test_an_unknown_benchmark_is_a_key_error(short: Configuration) -> None:

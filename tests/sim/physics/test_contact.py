@@ -74,6 +74,8 @@ def test_a_press_of_fifty_newtons_reads_fifty_newtons(heavy: Vehicle, bottom: Li
 
     reading = -np.mean([push[2] for push in bottom.pushes[-500:]]) / plant.step_s
     assert reading == pytest.approx(50.0, rel=0.01)
+    plant.advance(2000, np.zeros(5), 5)
+    assert plant.contact_force() == pytest.approx(50.0, rel=0.01)
     assert plant.pose()[2] == pytest.approx(SEABED_Z - 0.514, abs=0.01)
 
 
