@@ -40,10 +40,14 @@ def rows() -> list[Row]:
 
 
 def _measure(name: str, controller: str | tuple[bytes, str], level: Level) -> tuple[Row, Row]:
-    hearing = Hearing(rows=_ignore, log=_ignore, progress=_ignore, cut=_ignore)
     wall, cpu = time.perf_counter(), time.process_time()
     ending = evaluate_here(
-        "currents-v1", _SETTINGS, seed=_SEED, controller=controller, hearing=hearing, level=level
+        "currents-v1",
+        _SETTINGS,
+        seed=_SEED,
+        controller=controller,
+        hearing=quiet_hearing(),
+        level=level,
     )
     wall_s = time.perf_counter() - wall
     cpu_s = time.process_time() - cpu + ending.usage.get("cpu_s", 0.0)
@@ -53,9 +57,14 @@ def _measure(name: str, controller: str | tuple[bytes, str], level: Level) -> tu
     )
 
 
+def quiet_hearing() -> Hearing:
+    """Return one that keeps nothing: only time is of interest."""
+    return Hearing(rows=_ignore, log=_ignore, progress=_ignore, cut=_ignore)
+
+
 def _beside_the_sea(what: str, value_s: float, unit: str) -> Row:
     return Row(what=what, value=value_s, unit=unit, peer="simulated time", peer_value=_SIMULATED_S)
 
 
 def _ignore(_: object) -> None:
-    """Hear nothing: only time is of interest."""
+    """Hear nothing."""

@@ -1,5 +1,10 @@
-"""One integration step of the vehicle beside one step of a Bullet world with a free body."""
+"""One integration step of the vehicle beside one step of Bullet and of MuJoCo.
 
+The peers compute less: Bullet knows a scalar mass, and MuJoCo's ellipsoid model of the fluid has no
+added mass that answers to acceleration. MuJoCo is in the dependency group `performance`.
+"""
+
+import mujoco
 import numpy as np
 import pybullet
 
@@ -9,6 +14,19 @@ from sim.current import Current
 from sim.dynamics import Plant
 
 _STEPS = 1000
+_MUJOCO_INTEGRATORS = ("Euler", "implicitfast", "RK4")
+_MODEL = """
+<mujoco>
+  <option timestep="0.01" density="1025" viscosity="0.0009" wind="0.2 0 0" integrator="{}"/>
+  <worldbody>
+    <geom type="plane" size="50 50 1"/>
+    <body pos="0 0 5">
+      <freejoint/>
+      <geom type="box" size="0.7 0.5 0.5" mass="143" fluidshape="ellipsoid"/>
+    </body>
+  </worldbody>
+</mujoco>
+"""
 
 
 def rows() -> list[Row]:
@@ -17,14 +35,19 @@ def rows() -> list[Row]:
     plant.place(np.zeros(6))
     command = np.full(len(plant.thrust()), 0.2)
     ours = cpu_us(lambda: plant.advance(0, command, _STEPS)) / _STEPS
+    peers = {"PyBullet stepSimulation, free body over a plane": _bullet_step_us()} | {
+        f"MuJoCo {name}, free body in a fluid over a plane": _mujoco_step_us(name)
+        for name in _MUJOCO_INTEGRATORS
+    }
     return [
         Row(
             what="RK4 step, 6x6 mass matrix, current",
             value=ours,
             unit="us CPU",
-            peer="PyBullet stepSimulation, free body over a plane",
-            peer_value=_bullet_step_us(),
+            peer=peer,
+            peer_value=value,
         )
+        for peer, value in peers.items()
     ]
 
 
@@ -40,3 +63,9 @@ def _bullet_step_us() -> float:
         return cpu_us(lambda: pybullet.stepSimulation(physicsClientId=world), inner=_STEPS)
     finally:
         pybullet.disconnect(world)
+
+
+def _mujoco_step_us(integrator: str) -> float:
+    model = mujoco.MjModel.from_xml_string(_MODEL.format(integrator))
+    data = mujoco.MjData(model)
+    return cpu_us(lambda: mujoco.mj_step(model, data), inner=_STEPS)

@@ -1,0 +1,97 @@
+"""Two runs side by side on two cores beside one alone; a ranked run of ten trials."""
+
+import json
+import os
+import subprocess
+import sys
+import time
+
+from performance.full_run import quiet_hearing
+from performance.table import Row
+from sandbox.languages.python import SELF_TEST
+from sandbox.probes import probe
+from sim.warm_up import warm_up
+from worker.single import evaluate_here
+
+_LEVELS = {"levels": [0.0, 0.2], "level_duration_s": 120.0}
+_TRIALS = 10
+# The child waits for a line, so that all begin together and no start-up is measured.
+_CHILD = """
+import json, os, sys, time
+os.sched_setaffinity(0, {int(sys.argv[2])})
+from sim.warm_up import warm_up
+from sim import registry
+from sim.program import BuiltIn
+from sim.trial import run_trial
+warm_up()
+config = registry.benchmark("currents-v1").read(json.loads(sys.argv[1]))
+print("warm", flush=True)
+sys.stdin.readline()
+began = time.perf_counter()
+run_trial("currents-v1", config, BuiltIn("pi", config), seed=7, trial=0, on_rows=lambda _: None)
+print(time.perf_counter() - began, flush=True)
+"""
+
+
+def rows() -> list[Row]:
+    """Measure and return the rows."""
+    cores = sorted(os.sched_getaffinity(0))
+    alone = _side_by_side(cores[:1])
+    return [
+        Row(
+            what=f"{len(cores[:count])} runs of 240 s side by side, a core each, the slowest",
+            value=_side_by_side(cores[:count]),
+            unit="s wall",
+            peer="one run alone",
+            peer_value=alone,
+        )
+        for count in (2, 4, 8)
+        if count <= len(cores)
+    ] + [_ranked(len(cores))]
+
+
+def _side_by_side(cores: list[int]) -> float:
+    """Return the wall time [s] of the slowest of as many runs as cores."""
+    children = [
+        subprocess.Popen(
+            [sys.executable, "-c", _CHILD, json.dumps(_LEVELS), str(core)],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            text=True,
+        )
+        for core in cores
+    ]
+    pipes = [(child.stdin, child.stdout) for child in children if child.stdin and child.stdout]
+    for _, out in pipes:
+        out.readline()
+    for into, _ in pipes:
+        into.write("go\n")
+        into.flush()
+    slowest = max(float(out.readline()) for _, out in pipes)
+    for child in children:
+        child.communicate()
+    return slowest
+
+
+def _ranked(cores: int) -> Row:
+    """Measure ten trials of the whole benchmark with an uploaded program, as a ranked run has."""
+    warm_up()
+    began = time.perf_counter()
+    ending = evaluate_here(
+        "currents-v1",
+        {},
+        seed=7,
+        trials=_TRIALS,
+        controller=(SELF_TEST.encode(), "controller.py"),
+        hearing=quiet_hearing(),
+        level=probe().level,
+    )
+    if ending.verdict != "ok":
+        raise RuntimeError(f"the program ended with {ending.verdict}: {ending.sentence}")
+    return Row(
+        what=f"{_TRIALS} trials of currents-v1 with a program in its box, {cores} cores",
+        value=time.perf_counter() - began,
+        unit="s wall",
+        peer="simulated time",
+        peer_value=_TRIALS * 600.0,
+    )
