@@ -6,6 +6,7 @@ JSON Schema that the form is generated from, and the text of the refusal, so the
 
 import difflib
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from typing import Any, Literal, Self
 
@@ -30,7 +31,7 @@ class ConfigurationInvalid(Exception):
         self.errors = dict(errors)
 
 
-class Configuration(BaseModel):
+class Configuration(BaseModel, ABC):
     """What all configurations have in common: nothing unknown, nothing infinite."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
@@ -62,9 +63,9 @@ class Configuration(BaseModel):
         """Return the columns of the telemetry that stay 0 in every such run; none here."""
         return frozenset()
 
+    @abstractmethod
     def trial_duration_s(self) -> float:
         """Return the simulated length of a trial."""
-        raise NotImplementedError(type(self).__name__)
 
     @classmethod
     def read(cls, values: Mapping[str, object]) -> Self:

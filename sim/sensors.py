@@ -5,6 +5,7 @@ from its own stream. How often it draws does not depend on its settings, so that
 or a drop-out more, leaves all later draws where they are.
 """
 
+from abc import ABC, abstractmethod
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
@@ -29,7 +30,7 @@ class Truth:
     altitude: float  # [m] of the body's origin above the bottom
 
 
-class Sensor:
+class Sensor(ABC):
     """The part that all sensors share: the grid of ticks, the held value and its age."""
 
     def __init__(self, size: int, *, rng: np.random.Generator, period_ticks: int) -> None:
@@ -61,8 +62,9 @@ class Sensor:
         """Return how many ticks ago the values were measured."""
         return tick - self._measured_at
 
+    @abstractmethod
     def _read(self, truth: Truth) -> tuple[Reading, bool]:
-        raise NotImplementedError
+        """Return a new measurement and whether it succeeded."""
 
 
 class Dvl(Sensor):

@@ -13,32 +13,57 @@ import pytest
 
 from sim import telemetry
 from sim.program import BuiltIn
-from sim.registry import benchmark
+from sim.registry import BENCHMARKS, VEHICLES, benchmark
 from sim.telemetry import NAMES, Rows
 from sim.trial import run_trial
 
 FOLDER = Path(__file__).parent.parent / "golden"
-SHORT = {"levels": [0.1, 0.4], "level_duration_s": 4.0, "settle_s": 1.0}
-CASES = {
-    "girona500-truth": SHORT | {"vehicle": "girona500", "tracker": "truth"},
-    "girona500-uwsim-truth": SHORT | {"vehicle": "girona500-uwsim", "tracker": "truth"},
-    "bluerov2-heavy-truth": SHORT | {"vehicle": "bluerov2-heavy", "tracker": "truth"},
-    "girona500-esm": SHORT | {"vehicle": "girona500", "tracker": "esm"},
+# Benchmark -> settings that make it short. Every benchmark of the registry needs an entry, and runs
+# with each of its vehicles on ground truth; FURTHER are the cases with something else.
+SHORT: dict[str, dict[str, object]] = {
+    "currents-v1": {
+        "levels": [0.1, 0.4],
+        "level_duration_s": 4.0,
+        "settle_s": 1.0,
+        "tracker": "truth",
+    },
 }
+FURTHER: dict[str, tuple[str, dict[str, object]]] = {
+    "currents-v1-girona500-esm": ("currents-v1", {"vehicle": "girona500", "tracker": "esm"}),
+}
+
+
+def vehicles_of(name: str) -> list[str]:
+    """The vehicles that a benchmark's form offers."""
+    choices: list[str] = benchmark(name).schema()["properties"]["vehicle"]["enum"]
+    return choices
+
+
+CASES = {
+    f"{name}-{vehicle}": (name, short | {"vehicle": vehicle})
+    for name, short in SHORT.items()
+    for vehicle in vehicles_of(name)
+} | {case: (name, SHORT[name] | changes) for case, (name, changes) in FURTHER.items()}
 TOLERANCES = {"m": 1e-6, "rad": 1e-6, "m/s": 1e-6, "rad/s": 1e-6, "px": 1e-4, "N": 1e-4}
 SEED = 20
 
 
 def trajectory(case: str) -> Rows:
-    config = benchmark("currents-v1").read(CASES[case])
+    name, settings = CASES[case]
+    config = benchmark(name).read(settings)
     rows: list[Rows] = []
-    program = BuiltIn("pi", config)
-    run_trial("currents-v1", config, program, seed=SEED, trial=0, on_rows=rows.append)
+    run_trial(name, config, BuiltIn("pi", config), seed=SEED, trial=0, on_rows=rows.append)
     return np.concatenate(rows)
 
 
 def kept(case: str) -> Rows:
     return telemetry.from_csv((FOLDER / f"{case}.csv").read_text(encoding="utf-8"))
+
+
+def test_every_benchmark_and_every_vehicle_has_a_kept_trajectory() -> None:
+    assert set(SHORT) == set(BENCHMARKS)
+    assert {vehicle for name in SHORT for vehicle in vehicles_of(name)} == set(VEHICLES)
+    assert {path.stem for path in FOLDER.glob("*.csv")} == set(CASES)
 
 
 @pytest.mark.parametrize("case", CASES)
@@ -55,7 +80,7 @@ def test_the_trajectory_is_the_kept_one(case: str) -> None:
 def write() -> None:
     """Write all kept trajectories anew."""
     FOLDER.mkdir(exist_ok=True)
-    for case, settings in CASES.items():
+    for case, (_name, settings) in CASES.items():
         rows = trajectory(case)
         rows[:, NAMES.index("step_us")] = 0.0
         text = telemetry.to_csv(rows, [f"{case}, seed {SEED}: {settings}"])

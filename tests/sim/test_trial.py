@@ -240,11 +240,13 @@ def test_an_unknown_benchmark_is_a_key_error(short: Configuration) -> None:
         run_trial("x-v1", short, BuiltIn("p", short), seed=0, trial=0, on_rows=_ignore)
 
 
-def test_the_summary_is_json_with_trials_levels_and_an_interval(run_short: RunOf) -> None:
+def test_the_summary_is_json_with_trials_levels_and_an_interval(
+    run_short: RunOf, short: Configuration
+) -> None:
     result, _rows = run_short({})
     results = [result, TrialResult(trial=1, levels=result.levels, digest="0", rows=240)]
 
-    summary = summarise("currents-v1", Configuration(), results)
+    summary = summarise("currents-v1", short, results)
 
     assert json.loads(json.dumps(summary, allow_nan=False)) == summary
     assert summary["score"] == pytest.approx(result.score)
@@ -254,23 +256,23 @@ def test_the_summary_is_json_with_trials_levels_and_an_interval(run_short: RunOf
     assert [trial["trial"] for trial in summary["trials"]] == [0, 1]
 
 
-def test_one_trial_has_no_interval(run_short: RunOf) -> None:
+def test_one_trial_has_no_interval(run_short: RunOf, short: Configuration) -> None:
     result, _rows = run_short({})
 
-    summary = summarise("currents-v1", Configuration(), [result])
+    summary = summarise("currents-v1", short, [result])
 
     assert (summary["score_low"], summary["score_high"]) == (None, None)
 
 
 @pytest.mark.parametrize("spoil", [{"points": math.nan}, {"whole_lost_percent": 100.0}])
 def test_a_trial_without_a_number_or_without_its_target_never_ranks(
-    run_short: RunOf, spoil: dict[str, float]
+    run_short: RunOf, short: Configuration, spoil: dict[str, float]
 ) -> None:
     result, _rows = run_short({})
     levels = (result.levels[0], {**result.levels[1], **spoil})
     spoiled = TrialResult(trial=1, levels=levels, digest="0", rows=240)
 
-    summary = summarise("currents-v1", Configuration(), [result, spoiled])
+    summary = summarise("currents-v1", short, [result, spoiled])
 
     assert summary["rankable"] is False
     json.dumps(summary, allow_nan=False)
