@@ -15,7 +15,7 @@ COMMANDS = {  # name -> module:attribute, what it does; the second saves loading
     "submit": ("submit:submit", "Send a controller to a server."),
     "benchmarks": ("benchmarks:benchmarks", "List the benchmarks and their settings."),
     "doctor": ("doctor:doctor", "Say what this machine can do, and how to mend it."),
-    "user": ("user:user", "Make accounts."),
+    "user": ("user:user", "Make accounts, set passwords."),
     "token": ("token:token", "Make tokens for programs."),
     "db": ("db:db", "Look after the database."),
     "web": ("service:web", "Run the web server only."),

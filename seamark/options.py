@@ -54,6 +54,34 @@ def json_option(command: Command) -> Command:
     )(command)
 
 
+def order_options(command: Command) -> Command:
+    """Add what says which controller is to be evaluated how: five options and their limits."""
+    from sim.hidden_seeds import SEED_MAX
+
+    for option in reversed(
+        (
+            click.option("--controller", metavar="FILE|NAME", default="pi", show_default=True),
+            *configuration_options(),
+            click.option("--seed", type=click.IntRange(0, SEED_MAX), help="Else drawn, and shown."),
+            click.option("--trials", type=click.IntRange(1, 100), default=1, show_default=True),
+        )
+    ):
+        command = option(command)
+    return command
+
+
+def configuration_options() -> tuple[Callable[[Command], Command], ...]:
+    """Return --set and --config."""
+    return (
+        click.option("--set", "pairs", metavar="KEY=VALUE", multiple=True, help="May be repeated."),
+        click.option(
+            "--config",
+            type=click.Path(dir_okay=False, path_type=Path),
+            help="TOML or JSON with the keys of the schema; --set wins.",
+        ),
+    )
+
+
 def settings_of(data: Path | None, **chosen: object) -> Settings:
     """Return the settings of the environment with the options of the command line on top."""
     from server.settings import PREFIX, Settings, SettingsInvalid

@@ -77,17 +77,40 @@ def adopt_runs(session: Session, user_id: int, guest: str) -> int:
     return len(taken.all())
 
 
-def change_password(session: Session, user_id: int, password: str) -> None:
-    """Set a new password; raises AccountRejected."""
-    _check_password(password)
-    change = update(User).where(User.id == user_id).values(password_hash=_hasher.hash(password))
-    session.execute(change)
+def change_password(session: Session, name: str, old: str | None, new: str) -> User:
+    """Set a new password and return the user; browsers signed in with the old one are out.
+
+    With `old` the present password is asked for; None is for who runs the service.
+
+    Raises
+    ------
+    AccountRejected
+        There is no such account, the old password is wrong or the new one breaks a rule.
+    """
+    if old is not None and authenticate(session, name, old) is None:
+        raise AccountRejected("The present password is not right.")
+    user = session.scalar(select(User).where(User.name_key == name.casefold()))
+    if user is None or user.is_baseline:
+        raise AccountRejected(f"There is no account {name}.")
+    _check_password(new)
+    user.password_hash = _hasher.hash(new)
+    return user
 
 
-def viewer_of_user(session: Session, user_id: int) -> Viewer | None:
-    """Return the viewer of a logged-in user, or None if the account is gone."""
+def session_key(settings: Settings, user: User) -> str:
+    """Return what a browser's cookie holds beside the user's id: another one for each password."""
+    text = f"session {user.id} {user.password_hash}"
+    return hmac.new(settings.secret_key.encode(), text.encode(), "sha256").hexdigest()[:32]
+
+
+def viewer_of_session(
+    session: Session, user_id: int, key: str, settings: Settings
+) -> Viewer | None:
+    """Return whom a browser speaks for; None if the account is gone or has another password."""
     user = session.get(User, user_id)
-    return None if user is None else _viewer(user, SCOPES)
+    if user is None or not hmac.compare_digest(session_key(settings, user), key):
+        return None
+    return _viewer(user, SCOPES)
 
 
 def guest_hash(settings: Settings, cookie: str) -> str:

@@ -8,9 +8,10 @@ from werkzeug.exceptions import Unauthorized
 from server import accounts
 from server.access import Viewer
 from server.services import services
+from server.tables import User
 
 BEARER = "Bearer "
-_USER, _GUEST = "user", "guest"
+_USER, _KEY, _GUEST = "user", "key", "guest"
 
 
 def register(app: Flask) -> None:
@@ -36,8 +37,16 @@ def sign_in(user_id: int) -> int:
     adopted = _adopt_runs(user_id)
     session.clear()  # nothing that was planted before the sign-in survives it
     session.permanent = True
-    session[_USER] = user_id
+    session.update(cookie_of(user_id))
     return adopted
+
+
+def cookie_of(user_id: int) -> dict[str, object]:
+    """Return what the cookie of a user's browser holds until the password is changed."""
+    held = services()
+    with held.database.reading() as database:
+        user = database.get_one(User, user_id)
+    return {_USER: user_id, _KEY: accounts.session_key(held.settings, user)}
 
 
 def sign_out() -> None:
@@ -66,8 +75,9 @@ def _viewer() -> Viewer:
         return viewer
     user_id, guest = session.get(_USER), session.get(_GUEST)
     if user_id is not None:
-        with services().database.reading() as database:
-            viewer = accounts.viewer_of_user(database, user_id)
+        held, key = services(), str(session.get(_KEY, ""))
+        with held.database.reading() as database:
+            viewer = accounts.viewer_of_session(database, user_id, key, held.settings)
         if viewer is not None:
             return viewer
     return Viewer() if guest is None else _guest(guest)

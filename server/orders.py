@@ -16,12 +16,12 @@ from server.programs import StoredProgram
 from server.settings import Settings
 from server.states import LIVE, Kind, RunState
 from server.tables import Run, User, Worker
+from sim.hidden_seeds import SEED_MAX
 
 UPLOAD = "upload"  # the name of the controller that an upload brings
 ALIVE_S = 35.0  # a worker writes `seen_at` every 10 s
 _DAY_S = 86_400.0
 _ORDER_LOCK = 0x5EA_0001
-_SEED_MAX = 2**31 - 1
 
 
 class QuotaExceeded(Exception):
@@ -177,8 +177,8 @@ def _check_rules(session: Session, order: Order, settings: Settings) -> None:
 def _check_practice(order: Order, settings: Settings) -> None:
     if not 1 <= order.trials <= settings.practice_trials_max:
         raise OrderRejected(f"A practice run has 1 to {settings.practice_trials_max} trials.")
-    if order.seed is not None and not 0 <= order.seed <= _SEED_MAX:
-        raise OrderRejected(f"A seed is a whole number from 0 to {_SEED_MAX}.")
+    if order.seed is not None and not 0 <= order.seed <= SEED_MAX:
+        raise OrderRejected(f"A seed is a whole number from 0 to {SEED_MAX}.")
 
 
 def _check_built_in(controller: str) -> None:
@@ -208,7 +208,7 @@ def _check_quota(session: Session, viewer: Viewer, settings: Settings) -> None:
 
 def _row(order: Order, config: dict[str, object], settings: Settings) -> Run:
     ranked = order.kind is Kind.RANKED
-    drawn = order.seed if order.seed is not None else secrets.randbelow(_SEED_MAX + 1)
+    drawn = order.seed if order.seed is not None else secrets.randbelow(SEED_MAX + 1)
     program = order.program
     return Run(
         owner=order.viewer.owner,

@@ -1,8 +1,9 @@
-"""Seeds of ranked runs: nobody can guess them, and everybody gets the same ones."""
+"""Seeds: the range of those that users choose; those of ranked runs, which nobody can guess."""
 
 import hashlib
 import hmac
 
+SEED_MAX = 2**31 - 1  # of a seed that somebody chooses
 SEED_BITS = 63  # fits a signed 64-bit column
 
 

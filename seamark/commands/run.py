@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from seamark.failures import PlatformFailed, UsageRefused
-from seamark.options import answer, end, json_option, say
+from seamark.options import answer, end, json_option, order_options, say
 
 if TYPE_CHECKING:
     from sandbox.level import Level
@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from worker.trials import Ending
 
 INTERRUPTED = 130  # 128 + SIGINT, as shells have it
-_SEED_MAX = 2**31 - 1
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -35,15 +34,7 @@ class Order:
 
 @click.command()
 @click.argument("benchmark")
-@click.option("--controller", metavar="FILE|NAME", default="pi", show_default=True)
-@click.option("--set", "pairs", metavar="KEY=VALUE", multiple=True, help="May be repeated.")
-@click.option(
-    "--config",
-    type=click.Path(dir_okay=False, path_type=Path),
-    help="TOML or JSON with the keys of the schema; --set wins.",
-)
-@click.option("--seed", type=click.IntRange(0, _SEED_MAX), help="Else drawn, and shown.")
-@click.option("--trials", type=click.IntRange(1, 100), default=1, show_default=True)
+@order_options
 @click.option(
     "--out", type=click.Path(path_type=Path), metavar="DIR", help="Where to put the data."
 )
@@ -98,6 +89,7 @@ def _order(
     from seamark.controllers import choose, read_settings, typed
     from sim import registry
     from sim.configuration import ConfigurationInvalid
+    from sim.hidden_seeds import SEED_MAX
 
     if benchmark not in registry.BENCHMARKS:
         known = ", ".join(registry.BENCHMARKS)
@@ -112,7 +104,7 @@ def _order(
         config=config.model_dump(mode="json"),
         controller=controller,
         program=choose(controller, list(registry.CONTROLLERS)),
-        seed=secrets.randbelow(_SEED_MAX + 1) if seed is None else seed,
+        seed=secrets.randbelow(SEED_MAX + 1) if seed is None else seed,
         trials=trials,
     )
 

@@ -8,21 +8,13 @@ from typing import Any
 import click
 
 from seamark.failures import PlatformFailed, UsageRefused
-from seamark.options import answer, end, json_option, say, server_options
+from seamark.options import answer, end, json_option, order_options, say, server_options
 from seamark.outcome import explain
 
 
 @click.command()
 @click.argument("benchmark")
-@click.option("--controller", metavar="FILE|NAME", default="pi", show_default=True)
-@click.option("--set", "pairs", metavar="KEY=VALUE", multiple=True, help="May be repeated.")
-@click.option(
-    "--config",
-    type=click.Path(dir_okay=False, path_type=Path),
-    help="TOML or JSON with the keys of the schema.",
-)
-@click.option("--seed", type=click.IntRange(0, 2**31 - 1), help="Practice only; else drawn.")
-@click.option("--trials", type=click.IntRange(1, 100), default=1, show_default=True)
+@order_options
 @click.option("--ranked", is_flag=True, help="On the hidden seeds, for the leaderboard.")
 @click.option("--title", default="", help="Shown in lists.")
 @click.option("--wait", is_flag=True, help="Follow the run until it has ended.")

@@ -13,7 +13,7 @@ from seamark.options import answer, data_option, database_of, json_option, say, 
 
 @click.group()
 def user() -> None:
-    """Make accounts."""
+    """Make accounts, set passwords."""
 
 
 @user.command()
@@ -46,3 +46,32 @@ def add(name: str, password: str | None, admin: bool, data: Path | None, as_json
     say(f"The account {name} is there{', with the rights of an admin' if admin else ''}.")
     if drawn is not None:
         say(f"Its password, shown only now: {drawn}")
+
+
+@user.command("password")
+@click.argument("name")
+@click.option("--password", metavar="P", help="At least 10 characters; drawn if left out.")
+@data_option
+@json_option
+def set_password(name: str, password: str | None, data: Path | None, as_json: bool) -> None:
+    """Give the account NAME a new password; its browsers have to sign in again.
+
+    \b
+    Example:
+      seamark user password ana
+    """
+    from server import accounts
+
+    drawn = None if password is not None else secrets.token_urlsafe(12)
+    database = database_of(settings_of(data))
+    try:
+        with database.writing() as session:
+            accounts.change_password(session, name, None, password or drawn or "")
+    except accounts.AccountRejected as reason:
+        raise UsageRefused(str(reason)) from None
+    if as_json:
+        answer({"name": name, "password": drawn})
+        return
+    say(f"The password of {name} is changed.")
+    if drawn is not None:
+        say(f"The new one, shown only now: {drawn}")

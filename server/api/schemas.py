@@ -7,6 +7,7 @@ from typing import Annotated, Any, Literal
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
 from server.listing import RunView
+from sim.hidden_seeds import SEED_MAX
 
 ID_MAX = 2**53 - 1  # the largest whole number that every JSON reader keeps exactly
 
@@ -56,7 +57,7 @@ class RunOrder(BaseModel):
         None, max_length=80, description="Built-in controller; left out when a program is sent"
     )
     seed: int | None = Field(
-        None, ge=0, le=2**31 - 1, description="Practice only; drawn if left out"
+        None, ge=0, le=SEED_MAX, description="Practice only; drawn if left out"
     )
     trials: int = Field(
         1, ge=1, le=100, description="Practice only; ranked runs have a fixed number"

@@ -95,6 +95,23 @@ def make_token() -> ResponseReturnValue:
     return _tokens(new=text)
 
 
+@page.post("/password")
+@limiter.limit(SIGN_IN)
+def change_password() -> ResponseReturnValue:
+    """Change the viewer's password; other browsers that are signed in are out."""
+    if not can(g.viewer, Action.MANAGE_ACCOUNT):
+        abort(404)
+    old, new = request.form.get("old", ""), request.form.get("new", "")
+    try:
+        with services().database.writing() as session:
+            user_id = accounts.change_password(session, g.viewer.name, old, new).id
+    except accounts.AccountRejected as refusal:
+        return _tokens(password_error=str(refusal)), 422
+    identity.sign_in(user_id)
+    flash("The password is changed; other browsers have to sign in again.", "good")
+    return redirect(url_for("account.tokens"))
+
+
 @page.post("/tokens/<int:token_id>/revoke")
 def revoke_token(token_id: int) -> ResponseReturnValue:
     """Delete one of the viewer's tokens."""
@@ -130,7 +147,7 @@ def _form(template: str, error: str = "") -> str:
     )
 
 
-def _tokens(*, new: str = "", error: str = "") -> str:
+def _tokens(*, new: str = "", error: str = "", password_error: str = "") -> str:
     with services().database.reading() as session:
         kept = accounts.tokens(session, g.viewer.user_id)
     return render_template(
@@ -138,6 +155,9 @@ def _tokens(*, new: str = "", error: str = "") -> str:
         tokens=kept,
         new=new,
         error=error,
+        password_error=password_error,
+        password_min=accounts.PASSWORD_MIN,
+        password_max=accounts.PASSWORD_MAX,
         scopes=_grantable(),
         days=accounts.TOKEN_DAYS,
         days_max=TOKEN_DAYS_MAX,

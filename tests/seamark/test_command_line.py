@@ -12,7 +12,10 @@ from click.testing import CliRunner, Result
 from seamark.commands.token import SCOPES as OFFERED
 from seamark.controllers import read_settings, typed
 from seamark.main import COMMANDS, cli
+from seamark.options import settings_of
+from server import accounts
 from server.access import SCOPES
+from server.db import Database
 from sim import registry
 
 SHORT = ("--set", "levels=0", "--set", "level_duration_s=40", "--seed", "7")
@@ -75,6 +78,7 @@ def test_help_loads_no_heavy_module() -> None:
         (("token", "new", "nobody"), "There is no account nobody."),
         (("user", "add", "a"), "A name has"),
         (("user", "add", "ann", "--password", "short"), "A password has"),
+        (("user", "password", "nobody"), "There is no account nobody"),
         (("web",), "SEAMARK_BROKER_URL is not set"),
         (("worker",), "SEAMARK_BROKER_URL is not set"),
         (("up", "--port", "99999"), "--port"),
@@ -224,3 +228,15 @@ def test_init_writes_a_controller_and_never_over_one(language: str, files: set[s
     assert (first.exit_code, second.exit_code) == (0, 2)
     assert written == files
     assert main.read_text() == "my own"
+
+
+def test_a_forgotten_password_is_replaced_by_who_runs_the_service(tmp_path: Path) -> None:
+    data = ("--data", str(tmp_path / "d"))
+    seamark("user", "add", "ann", *data)
+
+    drawn = json.loads(seamark("user", "password", "ANN", "--json", *data).output)["password"]
+
+    database = Database(settings_of(tmp_path / "d").database_url)
+    with database.reading() as session:
+        assert accounts.authenticate(session, "ann", drawn) is not None
+    database.close()

@@ -10,7 +10,7 @@ from flask import Flask
 from flask.testing import FlaskClient
 from werkzeug.test import TestResponse
 
-from server import accounts, runs
+from server import accounts, identity, runs
 from server.access import Viewer
 from server.app import create_app
 from server.db import Database
@@ -51,7 +51,10 @@ class Site:
         client = self.app.test_client()
         if name in self.viewers:
             with client.session_transaction() as session:
-                session["user"] = self.viewers[name].user_id
+                user_id = self.viewers[name].user_id
+                assert user_id is not None
+                with self.app.app_context():
+                    session.update(identity.cookie_of(user_id))
         return Browser(client)
 
     def queue(self, name: str = "ann", kind: str = "practice", **wishes: Any) -> int:

@@ -133,3 +133,42 @@ def test_nobody_gets_the_runs_of_another_guest(site: Site) -> None:
     other.post("/sign-up", {"name": "cleo", "password": "correct horse battery"})
 
     assert site.show(1).user_id is None
+
+
+def test_a_new_password_is_the_only_one_and_other_browsers_are_out(site: Site) -> None:
+    own, other = site.browser(), site.browser()
+    own.post("/sign-up", {"name": "cleo", "password": WORDS})
+    other.post("/sign-in", {"name": "cleo", "password": WORDS})
+
+    answer = own.post("/password", {"old": WORDS, "new": "another horse battery"})
+
+    assert answer.status_code == 302
+    assert ">cleo<" in own.get("/").text
+    assert ">cleo<" not in other.get("/").text
+    for password, status in ((WORDS, 422), ("another horse battery", 302)):
+        signed = site.browser().post("/sign-in", {"name": "cleo", "password": password})
+        assert signed.status_code == status
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "says"),
+    [
+        ("wrong wrong wrong", "another horse battery", "present password is not right"),
+        (WORDS, "short", "A password has"),
+    ],
+)
+def test_a_password_is_not_changed_without_the_old_one_or_to_a_bad_one(
+    site: Site, old: str, new: str, says: str
+) -> None:
+    browser = site.browser()
+    browser.post("/sign-up", {"name": "cleo", "password": WORDS})
+
+    answer = browser.post("/password", {"old": old, "new": new})
+
+    assert (answer.status_code, says in answer.text) == (422, True)
+    again = site.browser().post("/sign-in", {"name": "cleo", "password": WORDS})
+    assert again.status_code == 302
+
+
+def test_who_is_not_signed_in_has_no_password_to_change(site: Site) -> None:
+    assert site.browser().post("/password", {"old": "", "new": WORDS}).status_code == 404
