@@ -63,9 +63,10 @@ def warm_up() -> threading.Thread:
 
 
 def _warm_up() -> None:
-    import sim.world  # noqa: F401, PLC0415 - loads OpenCV and Numba
     from sim.camera import warm_up as warm_camera  # noqa: PLC0415 - as above
 
+    for name in registry.BENCHMARKS:
+        registry.benchmark(name).load()
     with _lock:
         warm_camera()
     _log.info("camera_warm")
@@ -80,12 +81,10 @@ def _seed(settings: Settings, run: RunView, trial: int) -> int:
 @lru_cache(maxsize=12)
 def _camera(benchmark: str, config: str, seed: int, trial: int, level: int) -> "tuple[Camera, int]":
     """Return the camera of one level with its noise, and the frames of a level."""
-    from sim.streams import streams  # noqa: PLC0415 - as above
-    from sim.world import camera_of, noise_seed_of  # noqa: PLC0415
-
-    settings: Any = registry.benchmark(benchmark).read(json.loads(config))
-    noise_seed = noise_seed_of(streams(seed, trial, level))
-    return camera_of(settings, noise_seed=noise_seed), settings.ticks_per_level
+    entry = registry.benchmark(benchmark)
+    settings: Any = entry.read(json.loads(config))
+    camera = entry.load().camera(settings, seed=seed, trial=trial, level=level)
+    return camera, settings.ticks_per_level
 
 
 def _tick_in_level(run: RunView, row: Row, level: int) -> int:

@@ -64,6 +64,10 @@ class Configuration(BaseModel, ABC):
         return frozenset()
 
     @abstractmethod
+    def level_values(self) -> tuple[float, ...]:
+        """Return what each level sets, in order; a benchmark says what it is."""
+
+    @abstractmethod
     def trial_duration_s(self) -> float:
         """Return the simulated length of a trial."""
 

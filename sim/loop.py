@@ -6,12 +6,13 @@ that acted at that moment; the new commands work from there on.
 
 import math
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from sim.experiments import OnRows
 from sim.observation import THRUSTERS, empty
 from sim.program import Command, Program
 from sim.sensors import Truth
@@ -22,7 +23,6 @@ from sim.velocity_controller import Sensed
 from sim.world import World
 
 Row = NDArray[np.float64]
-OnRows = Callable[[NDArray[np.float64]], None]
 
 
 class StateInvalid(Exception):
@@ -67,6 +67,10 @@ class LevelLoop:
             self._tick(tick, row)
             if recorder.keep():
                 on_rows(recorder.take())
+
+    def close(self) -> None:
+        """Give back what the world holds."""
+        self._world.close()
 
     def _tick(self, tick: int, row: Row) -> None:
         world = self._world
@@ -147,7 +151,7 @@ class LevelLoop:
         self._program.reset(
             {
                 "index": self._level,
-                "count": len(config.levels),
+                "count": len(config.level_values()),
                 "duration_s": config.level_duration_s,
                 "dt": self._dt,
                 "t": self._began,

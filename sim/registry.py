@@ -4,32 +4,12 @@ Light on purpose: importing it loads neither Numba nor OpenCV. Adding a thing is
 line here; an entry that does not load stops the start (`load_all`), it does not warn.
 """
 
-import importlib
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from sim.entry import Entry
 
 if TYPE_CHECKING:
     from sim.benchmarks import Benchmark
-
-
-@dataclass(frozen=True, slots=True)
-class Entry:
-    """A label for people and a dotted path, module:attribute, for the computer."""
-
-    label: str
-    path: str
-
-    def load(self) -> Any:  # a class, a function or a data object
-        """Return what the path names.
-
-        Raises
-        ------
-        ImportError, AttributeError
-            If the path names nothing: the registry is wrong.
-        """
-        module, _, attribute = self.path.partition(":")
-        return getattr(importlib.import_module(module), attribute)
-
 
 BENCHMARKS = {
     "currents-v1": Entry(
@@ -92,3 +72,5 @@ def load_all() -> None:
     for entries in (BENCHMARKS, VEHICLES, CONTROLLERS, TRACKERS):
         for entry in entries.values():
             entry.load()
+    for name in BENCHMARKS:
+        benchmark(name).load()

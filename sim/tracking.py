@@ -9,8 +9,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.benchmarks.currents_v1 import CurrentsConfiguration
 from sim.camera.camera import Camera
+from sim.experiment_settings import ExperimentSettings
 from sim.streams import Streams
 from sim.trackers import TRACKERS, Tracker, make
 
@@ -32,23 +32,32 @@ class Tracking:
     """One tracker over one level."""
 
     def __init__(
-        self, camera: Camera, config: CurrentsConfiguration, start_error: NDArray[np.float64]
+        self,
+        camera: Camera,
+        config: ExperimentSettings,
+        start_error: NDArray[np.float64],
+        *,
+        tracker: Tracker | None = None,
     ) -> None:
-        """Set up the tracker; `start_error`, (4, 2) [px], is added to its first corners."""
+        """Set up the tracker: the given one, else the configured one.
+
+        `start_error`, (4, 2) [px], is added to its first corners.
+        """
         self._camera = camera
         self._start_error = start_error
         self._uwsim = config.target_truth == "uwsim"
         self._pose: Pose = np.zeros(6)
+        self._tracker = tracker or self._configured(config)
+        self._seen = Seen()
+
+    def _configured(self, config: ExperimentSettings) -> Tracker:
         wanted = {"warp": config.warp, "criterion": config.criterion, "method": config.method}
         options = {
             name: value
             for name, value in wanted.items()
             if name in TRACKERS[config.tracker].options
         }
-        self._tracker: Tracker = make(
-            config.tracker, truth=lambda: camera.corners(self._pose), **options
-        )
-        self._seen = Seen()
+        return make(config.tracker, truth=lambda: self._camera.corners(self._pose), **options)
 
     def start(self, pose: Pose, frame: int) -> Seen:
         """Show the first picture and tell where the target is in it."""
@@ -80,7 +89,9 @@ class Tracking:
         return seen
 
 
-def tracking_of(config: CurrentsConfiguration, camera: Camera, random: Streams) -> Tracking:
-    """Return the tracker of a configuration, its start perturbed as configured."""
+def tracking_of(
+    config: ExperimentSettings, camera: Camera, random: Streams, *, tracker: Tracker | None = None
+) -> Tracking:
+    """Return the given or else the configured tracker, its start perturbed as configured."""
     noise = random.start.standard_normal((4, 2))
-    return Tracking(camera, config, config.start_error_px * noise)
+    return Tracking(camera, config, config.start_error_px * noise, tracker=tracker)

@@ -8,16 +8,12 @@ from typing import Any
 
 import numpy as np
 
-from sim.benchmarks.currents_v1 import CurrentsConfiguration
+from sim import registry
 from sim.configuration import Configuration
-from sim.loop import LevelLoop, OnRows
-from sim.metrics import LevelFacts, level_metrics, mean_over_trials
-from sim.program import Program
-from sim.registry import BENCHMARKS
+from sim.experiments import OnRows, Standing
+from sim.metrics import mean_over_trials
 from sim.statistics import bootstrap_interval, mean
 from sim.telemetry import Digest, Recorder, Rows
-from sim.vehicles import load
-from sim.world import world_of
 
 TICKS_PER_DELIVERY = 20  # 1 s simulated at 20 Hz
 
@@ -27,36 +23,21 @@ class TrialResult:
     """What a trial ended with. `seed` is left out on purpose: it may be a hidden one."""
 
     trial: int
-    levels: tuple[Mapping[str, Any], ...]  # one dictionary of `sim.metrics.level_metrics` per level
+    levels: tuple[Mapping[str, Any], ...]  # the metrics of each level
+    standing: Standing
     digest: str  # SHA-256 of this trial's telemetry
     rows: int
 
     @property
     def score(self) -> float:
-        """Return the mean of the levels' points, 0 to 100."""
-        return mean([float(level["points"]) for level in self.levels])
-
-    @property
-    def level_held(self) -> float | None:
-        """Return the speed [m/s] up to which every level was held; None if not even the first."""
-        held: float | None = None
-        for level in self.levels:
-            if not level["held"]:
-                break
-            held = float(level["speed"])
-        return held
-
-    @property
-    def rankable(self) -> bool:
-        """Whether the score is a number and the target was not lost all the time at any level."""
-        all_lost = any(level["whole_lost_percent"] >= 100.0 for level in self.levels)
-        return math.isfinite(self.score) and not all_lost
+        """Return the trial's score in the unit of the benchmark's headline."""
+        return self.standing.score
 
 
 def run_trial(
     benchmark: str,
     config: Configuration,
-    program: Program,
+    solution: Any,
     *,
     seed: int,
     trial: int,
@@ -65,19 +46,26 @@ def run_trial(
     """Run all levels and return the metrics.
 
     Rows, (k, WIDTH), go to `on_rows` in order, every 20 control ticks and at the end; also when the
-    program raises, so that what happened until then is never lost.
+    solution raises, so that what happened until then is never lost.
+
+    Parameters
+    ----------
+    solution
+        What the benchmark compares: a `sim.program.Program`, or a `sim.trackers.Tracker`.
 
     Raises
     ------
     KeyError
         If there is no such benchmark.
+    TypeError
+        If the configuration is another benchmark's.
     Exception
-        Whatever the program raises, untouched.
+        Whatever the solution raises, untouched.
     """
-    if benchmark not in BENCHMARKS:
-        raise KeyError(f"there is no benchmark {benchmark!r}")
-    if not isinstance(config, CurrentsConfiguration):
+    entry = registry.benchmark(benchmark)
+    if not isinstance(config, entry.configuration):
         raise TypeError(f"{benchmark} cannot run a {type(config).__name__}")
+    experiment = entry.load()
     recorder, digest = Recorder(TICKS_PER_DELIVERY), Digest()
     kept: list[Rows] = []
 
@@ -86,21 +74,25 @@ def run_trial(
         kept.append(rows)
         on_rows(rows)
 
-    levels = []
+    levels: list[dict[str, Any]] = []
+    rows = 0
     try:
-        for level in range(len(config.levels)):
-            with closing(world_of(config, seed=seed, trial=trial, level=level)) as world:
-                LevelLoop(world, program, trial=trial, level=level).run(recorder, deliver)
+        for level in range(len(config.level_values())):
+            begun = experiment.level(config, solution, seed=seed, trial=trial, level=level)
+            with closing(begun):
+                begun.run(recorder, deliver)
             _deliver_rest(recorder, deliver)
-            levels.append(level_metrics(np.concatenate(kept), _facts(config, level)))
+            levels.append(experiment.metrics(config, level, np.concatenate(kept)))
+            rows += sum(map(len, kept))
             kept.clear()
     finally:
         _deliver_rest(recorder, deliver)
     return TrialResult(
         trial=trial,
         levels=tuple(levels),
+        standing=experiment.standing(config, levels),
         digest=digest.hexdigest(),
-        rows=len(config.levels) * config.ticks_per_level,
+        rows=rows,
     )
 
 
@@ -108,17 +100,6 @@ def _deliver_rest(recorder: Recorder, deliver: OnRows) -> None:
     rest = recorder.take()
     if len(rest):
         deliver(rest)
-
-
-def _facts(config: CurrentsConfiguration, level: int) -> LevelFacts:
-    forward, reverse = load(config.vehicle).curve.limits.value
-    return LevelFacts(
-        level=level,
-        speed=config.levels[level],
-        dt=config.control_period_s,
-        settle_s=config.settle_s,
-        limits_n=(forward, reverse),
-    )
 
 
 def summarise(
@@ -131,8 +112,8 @@ def summarise(
     """
     scores = [result.score for result in results]
     interval = bootstrap_interval(scores) if all(map(math.isfinite, scores)) else None
-    rankable = bool(results) and all(result.rankable for result in results)
-    held = [result.level_held for result in results]
+    rankable = bool(results) and all(result.standing.rankable for result in results)
+    held = [result.standing.level_held for result in results]
     return {
         "benchmark": benchmark,
         "score": mean(scores) if scores and all(map(math.isfinite, scores)) else None,
@@ -165,8 +146,8 @@ def _entry(result: TrialResult) -> dict[str, Any]:
     return {
         "trial": result.trial,
         "score": result.score if math.isfinite(result.score) else None,
-        "level_held": result.level_held,
-        "rankable": result.rankable,
+        "level_held": result.standing.level_held,
+        "rankable": result.standing.rankable,
         "digest": result.digest,
         "levels": [_plain(level) for level in result.levels],
     }

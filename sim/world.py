@@ -1,22 +1,23 @@
-"""One level's world, made from configuration, seed, trial and level: nothing else goes in."""
+"""One level's world, made from configuration, conditions and streams: nothing else goes in."""
 
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.benchmarks.currents_v1 import TARGET_M, CurrentsConfiguration
 from sim.camera.camera import Camera
 from sim.camera.optics import Optics
 from sim.camera.target import Target, start_pose
 from sim.camera.water import JERLOV, Water
 from sim.contact import Contact
-from sim.current import Current, Pattern
+from sim.current import Current
 from sim.dynamics import Plant
+from sim.experiment_settings import TARGET_M, ExperimentSettings
 from sim.faults import ThrusterFault
 from sim.sensors import Ahrs, Altimeter, DepthGauge, Dvl
 from sim.station_keeper import Geometry, StationKeeper
-from sim.streams import Streams, streams
+from sim.streams import Streams
+from sim.trackers import Tracker
 from sim.tracking import Tracking, tracking_of
 from sim.vehicles import load
 from sim.velocity_controller import VelocityController
@@ -36,11 +37,19 @@ class Sensors:
     altimeter: Altimeter
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Conditions:
+    """What a level is made of, beside the configuration."""
+
+    current: Current
+    water: Water
+
+
 @dataclass(slots=True, kw_only=True)
 class World:
     """Everything that moves or measures during one level."""
 
-    config: CurrentsConfiguration
+    config: ExperimentSettings
     start: NDArray[np.float64]  # (6,) pose [m, rad]
     target: Target
     camera: Camera
@@ -57,7 +66,7 @@ class World:
             self.contact.close()
 
 
-def camera_of(config: CurrentsConfiguration, *, noise_seed: int) -> Camera:
+def camera_of(config: ExperimentSettings, water: Water, random: Streams) -> Camera:
     """Return the camera above the target: all that a picture needs of a world."""
     optics = Optics(
         width=config.camera_width_px,
@@ -65,18 +74,29 @@ def camera_of(config: CurrentsConfiguration, *, noise_seed: int) -> Camera:
         focal_px=config.camera_focal_px,
     )
     target = Target(length_m=TARGET_M[0], width_m=TARGET_M[1])
-    return Camera(optics, water_of(config), target, noise_seed=noise_seed)
+    return Camera(optics, water, target, noise_seed=_noise_seed(random))
 
 
-def noise_seed_of(random: Streams) -> int:
+def _noise_seed(random: Streams) -> int:
     """Return the seed of a level's noise in the pictures; the first number of its stream."""
     return int(random.camera.integers(2**63))
 
 
-def world_of(config: CurrentsConfiguration, *, seed: int, trial: int, level: int) -> World:
-    """Return the world of one level, with the vehicle at its start."""
-    random = streams(seed, trial, level)
-    camera = camera_of(config, noise_seed=noise_seed_of(random))
+def world_of(
+    config: ExperimentSettings,
+    conditions: Conditions,
+    random: Streams,
+    *,
+    tracker: Tracker | None = None,
+) -> World:
+    """Return the world of one level, with the vehicle at its start.
+
+    Parameters
+    ----------
+    tracker
+        Takes the place of the configured one.
+    """
+    camera = camera_of(config, conditions.water, random)
     optics, target = camera.optics, camera.target
     start = start_pose(optics, target, config.altitude_m)
     vehicle = load(config.vehicle)
@@ -84,7 +104,7 @@ def world_of(config: CurrentsConfiguration, *, seed: int, trial: int, level: int
     contact = Contact(vehicle, seabed_z=target.seabed_m) if config.contact else None
     plant = Plant(
         vehicle,
-        _current(config, level, random),
+        conditions.current,
         step_s=config.physics_step_s,
         contact=contact,
         fault=_fault(config),
@@ -97,7 +117,7 @@ def world_of(config: CurrentsConfiguration, *, seed: int, trial: int, level: int
         camera=camera,
         plant=plant,
         sensors=_sensors(config, random),
-        tracking=tracking_of(config, camera, random),
+        tracking=tracking_of(config, camera, random, tracker=tracker),
         keeper=StationKeeper(
             Geometry(
                 focal_px=optics.focal_px,
@@ -113,7 +133,7 @@ def world_of(config: CurrentsConfiguration, *, seed: int, trial: int, level: int
     )
 
 
-def water_of(config: CurrentsConfiguration) -> Water:
+def water_of(config: ExperimentSettings) -> Water:
     """Return the water of a configuration."""
     if config.water_type == "grey":
         water = Water.grey(config.water_attenuation_1_m, law=config.water_law)
@@ -123,7 +143,7 @@ def water_of(config: CurrentsConfiguration) -> Water:
     return replace(water, read_sigma_grey=config.camera_noise_grey)
 
 
-def _sensors(config: CurrentsConfiguration, random: Streams) -> Sensors:
+def _sensors(config: ExperimentSettings, random: Streams) -> Sensors:
     per_step = NOMINAL_STEP_S / config.physics_step_s
     slow = max(1, round(DEPTH_PERIOD_TICKS * per_step))
     return Sensors(
@@ -146,7 +166,7 @@ def _sensors(config: CurrentsConfiguration, random: Streams) -> Sensors:
     )
 
 
-def _fault(config: CurrentsConfiguration) -> ThrusterFault | None:
+def _fault(config: ExperimentSettings) -> ThrusterFault | None:
     if config.fault_thruster < 0:
         return None
     return ThrusterFault(
@@ -154,21 +174,4 @@ def _fault(config: CurrentsConfiguration) -> ThrusterFault | None:
         efficiency=config.fault_efficiency,
         delay_ticks=round(config.fault_delay_s / config.physics_step_s),
         from_tick=round(config.fault_from_s / config.physics_step_s),
-    )
-
-
-def _current(config: CurrentsConfiguration, level: int, random: Streams) -> Current:
-    pattern = Pattern(
-        azimuth_rad=config.current_azimuth_rad,
-        azimuth_swing_rad=config.current_swing_rad,
-        azimuth_period_s=config.current_swing_period_s,
-        speed_swing=config.current_wave_m_s,
-        speed_period_s=config.current_wave_period_s,
-        gust_share=config.current_gust,
-        gust_time_s=config.current_gust_time_s,
-        law="force" if config.current_law == "force" else "relative",
-        force_share=config.current_force_share,
-    )
-    return Current(
-        config.levels[level], pattern=pattern, rng=random.gust, duration_s=config.level_duration_s
     )

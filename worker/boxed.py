@@ -50,6 +50,10 @@ class Boxed:
         return self._box.step(values)
 
 
+# role of a program -> what makes of its box something that takes part in a benchmark
+SOLUTIONS: Mapping[str, Callable[[BoxLike], Any]] = {"controller": Boxed}
+
+
 def real_boxes(place: Place) -> MakeBox:
     """Return how boxes are made on this host."""
 

@@ -25,13 +25,13 @@ from sandbox.limits import Limits
 from sandbox.outcome import SandboxBroken
 from server import run_limits
 from sim import registry
+from sim.warm_up import warm_up
 from worker import frames
 from worker.boxed import real_boxes, real_compiler
 from worker.frames import Kind
 from worker.job import Job, Place
 from worker.process_control import die_with_parent, limit_simulator, pin
 from worker.trials import Ending, Evaluation
-from worker.warm_up import warm_up
 
 READY = b"ready"  # sent once on the control socket when everything is loaded and compiled
 JOB_MAX = 128 * 1024  # [byte]

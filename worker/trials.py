@@ -15,11 +15,9 @@ from sim import registry
 from sim.configuration import Configuration
 from sim.loop import StateInvalid
 from sim.manifest import manifest
-from sim.observation import layout
-from sim.program import BuiltIn
 from sim.telemetry import Digest
 from sim.trial import TrialResult, run_trial, summarise
-from worker.boxed import Boxed, BoxLike, Compile, MakeBox, as_it_is
+from worker.boxed import SOLUTIONS, BoxLike, Compile, MakeBox, as_it_is
 from worker.job import Job
 
 BENCHMARK_ERROR = "benchmark_error"
@@ -76,6 +74,8 @@ class Evaluation:
         self._warm = warm  # a box that was started before the job was known
         benchmark = registry.benchmark(job.benchmark)
         self._config: Configuration = benchmark.read(job.config)
+        self._experiment = benchmark.load()
+        self._wrap = SOLUTIONS[benchmark.role]
         self._limits = run_limits.for_trial(benchmark.trial_duration_s(self._config))
         self._source = job.program.read_bytes() if job.program is not None else b""
         self._digest = Digest()
@@ -114,10 +114,11 @@ class Evaluation:
 
     def _attempt(self, trial: int) -> TrialResult:
         if self._job.program is None:
-            return self._simulate(trial, BuiltIn(self._job.controller, self._config), _nothing)
+            built_in = self._experiment.built_in(self._job.controller, self._config)
+            return self._simulate(trial, built_in, _nothing)
         box = self._loaded_box()
         try:
-            result = self._simulate(trial, Boxed(box), lambda: self._pass_output(box))
+            result = self._simulate(trial, self._wrap(box), lambda: self._pass_output(box))
             self._outcomes.append(box.finish())
             return result
         finally:
@@ -140,8 +141,8 @@ class Evaluation:
 
     def _load(self, box: BoxLike) -> None:
         try:
-            config = self._config.model_dump()
-            box.load(self._program(), self._job.filename, config, layout(config["vehicle"]))
+            config, layout = self._config.model_dump(), self._experiment.layout(self._config)
+            box.load(self._program(), self._job.filename, config, layout)
         except ProgramEnded:
             self._pass_output(box)
             box.close()
@@ -154,9 +155,7 @@ class Evaluation:
             self._compiled = self._compile(job.language, self._source, job.filename)
         return self._compiled
 
-    def _simulate(
-        self, trial: int, program: Boxed | BuiltIn, after_rows: Callable[[], None]
-    ) -> TrialResult:
+    def _simulate(self, trial: int, solution: Any, after_rows: Callable[[], None]) -> TrialResult:
         self._kept = []
 
         def on_rows(rows: Rows) -> None:
@@ -166,7 +165,7 @@ class Evaluation:
 
         seed = self._job.seeds[trial]
         return run_trial(
-            self._job.benchmark, self._config, program, seed=seed, trial=trial, on_rows=on_rows
+            self._job.benchmark, self._config, solution, seed=seed, trial=trial, on_rows=on_rows
         )
 
     def _digest_trial(self) -> None:
@@ -239,4 +238,4 @@ def _storable(metrics: Mapping[str, Any]) -> bool:
 
 
 def _nothing() -> None:
-    """Do nothing: a built-in controller prints nothing."""
+    """Do nothing: what is built in prints nothing."""

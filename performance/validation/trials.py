@@ -8,13 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sim.benchmarks.currents_v1 import CurrentsConfiguration
+from sim.experiments.station_keeping import EXPERIMENT
 from sim.loop import LevelLoop
 from sim.program import BuiltIn
 from sim.registry import benchmark
 from sim.telemetry import Recorder, Rows
 from sim.tracking import Tracking
 from sim.trial import TrialResult, run_trial
-from sim.world import world_of
 
 SEED = 1
 BENCHMARK = "currents-v1"
@@ -63,7 +63,7 @@ def moved_level(
     """
     config = configured(**values)
     rows: list[Rows] = []
-    with closing(world_of(config, seed=SEED, trial=0, level=0)) as world:
+    with closing(EXPERIMENT.world(config, seed=SEED, trial=0, level=0)) as world:
         pose = world.start.copy()
         pose[:2] += start_m
         world.plant.place(pose)

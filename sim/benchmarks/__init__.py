@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from sim.configuration import (
     Configuration,
@@ -10,6 +10,10 @@ from sim.configuration import (
     extra_of,
     schema_of,
 )
+from sim.entry import Entry
+
+if TYPE_CHECKING:
+    from sim.experiments import Experiment
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,12 +43,21 @@ class Benchmark:
     title: str
     summary: str
     compares: str
+    role: str  # of the programs that take part: "controller" or "tracker"
+    built_in: Mapping[str, str]  # name -> label of what takes part without a program
+    experiment: str  # path, module:attribute, of a sim.experiments.Experiment
     headline: Metric
     charts: tuple[Chart, ...]
     configuration: type[Configuration]
     groups: tuple[str, ...]  # of settings, in the form's order
     presets: Mapping[str, Mapping[str, object]] = field(default_factory=dict)  # vehicle -> values
+    shortest: Mapping[str, object] = field(default_factory=dict)  # settings of a quick run
     ranked_trials: int = 10
+
+    def load(self) -> "Experiment":
+        """Return what runs the levels; loads the simulator with Numba and OpenCV."""
+        loaded: Experiment = Entry(self.title, self.experiment).load()
+        return loaded
 
     def read(self, values: Mapping[str, object]) -> Configuration:
         """Return the checked configuration; what is left out comes from the vehicle's preset.

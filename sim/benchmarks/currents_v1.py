@@ -8,31 +8,18 @@ import math
 from functools import partial
 
 from sim.benchmarks import Benchmark, Chart, Metric
-from sim.chain_settings import ChainSettings
 from sim.configuration import knob
-from sim.fault_settings import FaultSettings
+from sim.experiment_settings import ExperimentSettings, experiment
 from sim.observation import THRUSTERS
-from sim.registry import TRUTH, VEHICLES, labels
-from sim.scene_settings import SceneSettings
+from sim.registry import CONTROLLERS, VEHICLES, labels
 from sim.vehicles import load
 
-experiment = partial(knob, group="Experiment", role="scenario")
 current = partial(knob, group="Current", role="scenario")
 
-TARGET_M = (0.42, 0.13)  # [m] length and width of the black box's top, S: UWSim
-SMALLEST_SIDE_PX = 16.0  # [px] a smaller target gives a tracker nothing to start from
-START_ERROR_SHARE = 0.1  # of the shorter side: the corners still make a convex figure
 
-
-class CurrentsConfiguration(ChainSettings, SceneSettings, FaultSettings):
+class CurrentsConfiguration(ExperimentSettings):
     """Settings of currents-v1. Seed, trials and controller are not part of it."""
 
-    vehicle: str = experiment(
-        "girona500",
-        title="Vehicle",
-        says="The plant; it brings its own defaults.",
-        choices=labels(VEHICLES),
-    )
     levels: tuple[float, ...] = experiment(
         (0.0, 0.1, 0.2, 0.3, 0.4),
         title="Current levels",
@@ -43,15 +30,6 @@ class CurrentsConfiguration(ChainSettings, SceneSettings, FaultSettings):
         length=(1, 12),
         tag="S",
     )
-    level_duration_s: float = experiment(
-        120.0,
-        title="Length of a level",
-        says="Simulated time before the vehicle is put back and the current grows.",
-        unit="s",
-        low=2,
-        high=600,
-        tag="S",
-    )
     settle_s: float = experiment(
         30.0,
         title="Settle window",
@@ -60,48 +38,6 @@ class CurrentsConfiguration(ChainSettings, SceneSettings, FaultSettings):
         low=0,
         high=599,
         tag="E",
-    )
-    control_period_s: float = experiment(
-        0.05,
-        title="Control period",
-        says="Time between two pictures and two steps of the controller.",
-        unit="s",
-        low=0.01,
-        high=0.5,
-        advanced=True,
-    )
-    physics_step_s: float = experiment(
-        0.01,
-        title="Physics step",
-        says="Step of the integrator (fourth-order Runge-Kutta).",
-        unit="s",
-        low=0.001,
-        high=0.02,
-        advanced=True,
-    )
-    altitude_m: float = experiment(
-        2.27,
-        title="Camera above the target",
-        says="Height of the camera above the target's top when a level starts.",
-        unit="m",
-        low=0.8,
-        high=6,
-        tag="D",
-    )
-    contact: bool = experiment(
-        True,
-        title="Collisions",
-        says="Whether the vehicle can hit the bottom.",
-        advanced=True,
-    )
-    start_error_px: float = experiment(
-        0.0,
-        title="Error of the tracker's start",
-        says="Standard deviation of the corners that the tracker starts from.",
-        unit="px",
-        low=0,
-        high=10,
-        advanced=True,
     )
 
     current_law: str = current(
@@ -195,97 +131,11 @@ class CurrentsConfiguration(ChainSettings, SceneSettings, FaultSettings):
                 f"settle_s (Settle window) must be shorter than a level of "
                 f"{self.level_duration_s:g} s, not {self.settle_s:g} s."
             )
-        if not _multiple(self.control_period_s, self.physics_step_s):
-            errors["control_period_s"] = (
-                f"control_period_s (Control period) must be a whole multiple of the physics step "
-                f"of {self.physics_step_s:g} s, not {self.control_period_s:g} s."
-            )
-        if not _multiple(self.level_duration_s, self.control_period_s):
-            errors["level_duration_s"] = (
-                f"level_duration_s (Length of a level) must be a whole multiple of the control "
-                f"period of {self.control_period_s:g} s, not {self.level_duration_s:g} s."
-            )
-        if not _multiple(1.0 / self.dvl_rate_hz, self.physics_step_s):
-            errors["dvl_rate_hz"] = (
-                f"dvl_rate_hz (DVL rate) must make a period that is a whole multiple of the "
-                f"physics step of {self.physics_step_s:g} s, such as 5 or 20 Hz, "
-                f"not {self.dvl_rate_hz:g} Hz."
-            )
-        return errors | self._fault_rules() | self._picture_rules()
+        return errors | super().broken_rules()
 
-    def _fault_rules(self) -> dict[str, str]:
-        count = len(load(self.vehicle).thrusters)
-        errors: dict[str, str] = {}
-        if self.fault_thruster >= count:
-            errors["fault_thruster"] = (
-                f"fault_thruster (Broken thruster) must be from -1 to {count - 1}: this vehicle "
-                f"has {count} thrusters."
-            )
-        if self.fault_delay_s and not _multiple(self.fault_delay_s, self.control_period_s):
-            errors["fault_delay_s"] = (
-                f"fault_delay_s (Its delay) must be a whole multiple of the control period of "
-                f"{self.control_period_s:g} s, not {self.fault_delay_s:g} s."
-            )
-        return errors
-
-    def _picture_rules(self) -> dict[str, str]:
-        """Refuse pictures in which no tracker could start."""
-        errors: dict[str, str] = {}
-        long, short = (side * self.camera_focal_px / self.altitude_m for side in TARGET_M)
-        highest = TARGET_M[1] * self.camera_focal_px / SMALLEST_SIDE_PX
-        if short < SMALLEST_SIDE_PX:
-            errors["altitude_m"] = (
-                f"altitude_m (Camera above the target) must be at most {highest:.2f} m with this "
-                f"focal length, not {self.altitude_m:g} m: the target would be too small."
-            )
-        if long > self.camera_width_px or short > self.camera_height_px:
-            errors["camera_focal_px"] = (
-                f"camera_focal_px (Focal length) makes the target {long:.0f} x {short:.0f} px; it "
-                f"must fit into {self.camera_width_px} x {self.camera_height_px} px."
-            )
-        if self.start_error_px > START_ERROR_SHARE * short:
-            errors["start_error_px"] = (
-                f"start_error_px (Error of the tracker's start) must be at most "
-                f"{START_ERROR_SHARE * short:.1f} px, a tenth of the target's shorter side, "
-                f"not {self.start_error_px:g} px."
-            )
-        return errors
-
-    def why_not_ranked(self) -> dict[str, str]:
-        """Return setting -> sentence for what keeps this configuration out of a ranked run."""
-        if self.tracker == TRUTH:
-            return {"tracker": "tracker (Tracker) must not be ground truth in a ranked run."}
-        return {}
-
-    def idle_columns(self) -> frozenset[str]:
-        """Return the thrusts that the vehicle does not have, and the contact force without any."""
-        count = len(load(self.vehicle).thrusters)
-        idle = {f"thrust_{i}" for i in range(count, THRUSTERS)}
-        return frozenset(idle if self.contact else idle | {"contact_n"})
-
-    def trial_duration_s(self) -> float:
-        """Return the simulated length of all levels together."""
-        return len(self.levels) * self.level_duration_s
-
-    @property
-    def steps_per_tick(self) -> int:
-        """Physics steps between two control ticks."""
-        return round(self.control_period_s / self.physics_step_s)
-
-    @property
-    def dvl_period_ticks(self) -> int:
-        """Physics steps between two measurements of the DVL."""
-        return round(1.0 / (self.dvl_rate_hz * self.physics_step_s))
-
-    @property
-    def ticks_per_level(self) -> int:
-        """Control ticks of one level."""
-        return round(self.level_duration_s / self.control_period_s)
-
-
-def _multiple(whole: float, part: float) -> bool:
-    count = whole / part
-    return round(count) >= 1 and abs(count - round(count)) < 1e-6
+    def level_values(self) -> tuple[float, ...]:
+        """Return the mean speeds [m/s]."""
+        return self.levels
 
 
 # What the published experiment has beside its vehicle's own defaults.
@@ -315,6 +165,9 @@ BENCHMARK = Benchmark(
         "five levels of 120 s."
     ),
     compares="position controllers",
+    role="controller",
+    built_in=labels(CONTROLLERS),
+    experiment="sim.experiments.station_keeping:EXPERIMENT",
     headline=Metric("score", "Score", "of 100", "higher"),
     charts=(
         Chart("Distance to the target", "px", ("distance_px",)),
@@ -344,4 +197,5 @@ BENCHMARK = Benchmark(
         "Faults",
     ),
     presets=_presets(),
+    shortest={"levels": [0.1], "level_duration_s": 2.0, "settle_s": 1.0},
 )

@@ -5,6 +5,7 @@ import math
 import subprocess
 import sys
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,11 +13,13 @@ from numpy.typing import NDArray
 
 from sim import telemetry
 from sim.benchmarks import Benchmark
+from sim.benchmarks.currents_v1 import CurrentsConfiguration
 from sim.configuration import Configuration
+from sim.experiments.station_keeping import EXPERIMENT
 from sim.observation import BOOLEANS, FIELDS, STARTS, empty
 from sim.program import BuiltIn, Command
 from sim.telemetry import INDEX, NAMES, Rows
-from sim.trial import TrialResult, run_trial, summarise
+from sim.trial import run_trial, summarise
 from tests.sim.conftest import SHORT, RunOf
 
 ONE_RUN = f"""
@@ -78,7 +81,7 @@ def test_the_chain_keeps_station_with_the_template_tracker(run_short: RunOf) -> 
 
     assert rows[:, INDEX["tracker_error"]].max() < 0.5
     assert rows[:, INDEX["tracker_ok"]].min() == 1.0
-    assert result.level_held == 0.3
+    assert result.standing.level_held == 0.3
 
 
 def test_pi_holds_a_bluerov_and_all_its_thrusters_work(run_short: RunOf) -> None:
@@ -87,7 +90,7 @@ def test_pi_holds_a_bluerov_and_all_its_thrusters_work(run_short: RunOf) -> None
     assert np.isfinite(rows).all()
     assert rows[:, INDEX["distance"]].max() < 0.6
     assert (np.ptp(rows[:, INDEX["thrust_0"] : INDEX["thrust_7"] + 1], axis=0) > 0.1).all()
-    assert result.rankable
+    assert result.standing.rankable
 
 
 def test_rows_are_in_order_and_the_vehicle_is_put_back_at_each_level(run_short: RunOf) -> None:
@@ -244,7 +247,7 @@ def test_the_summary_is_json_with_trials_levels_and_an_interval(
     run_short: RunOf, short: Configuration
 ) -> None:
     result, _rows = run_short({})
-    results = [result, TrialResult(trial=1, levels=result.levels, digest="0", rows=240)]
+    results = [result, replace(result, trial=1)]
 
     summary = summarise("currents-v1", short, results)
 
@@ -266,11 +269,11 @@ def test_one_trial_has_no_interval(run_short: RunOf, short: Configuration) -> No
 
 @pytest.mark.parametrize("spoil", [{"points": math.nan}, {"whole_lost_percent": 100.0}])
 def test_a_trial_without_a_number_or_without_its_target_never_ranks(
-    run_short: RunOf, short: Configuration, spoil: dict[str, float]
+    run_short: RunOf, short: CurrentsConfiguration, spoil: dict[str, float]
 ) -> None:
     result, _rows = run_short({})
     levels = (result.levels[0], {**result.levels[1], **spoil})
-    spoiled = TrialResult(trial=1, levels=levels, digest="0", rows=240)
+    spoiled = replace(result, levels=levels, standing=EXPERIMENT.standing(short, levels))
 
     summary = summarise("currents-v1", short, [result, spoiled])
 

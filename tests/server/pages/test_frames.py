@@ -7,10 +7,10 @@ import pytest
 from server import frames
 from server.run_files import RunFiles
 from sim import registry
+from sim.experiments.station_keeping import EXPERIMENT
 from sim.program import BuiltIn
 from sim.telemetry import INDEX
 from sim.trial import run_trial
-from sim.world import world_of
 from tests.server.pages.conftest import Site
 
 CONFIG = {"levels": [0.1, 0.2], "level_duration_s": 4.0, "settle_s": 1.0}
@@ -37,7 +37,7 @@ def _decoded(jpeg: bytes | None) -> np.ndarray:
 def test_a_picture_shows_what_the_tracker_saw(site: Site, recorded: int) -> None:
     run = site.show(recorded)
     config = registry.benchmark("currents-v1").read(run.config)
-    world = world_of(config, seed=SEED, trial=0, level=1)
+    world = EXPERIMENT.world(config, seed=SEED, trial=0, level=1)
     row = RunFiles(site.settings.data, recorded).rows(120, 121)[0]
     seen = world.camera.colour(row[INDEX["x"] : INDEX["yaw"] + 1].copy(), 80 + 40)
 

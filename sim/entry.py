@@ -1,0 +1,24 @@
+"""A name that a form offers, and where its code is."""
+
+import importlib
+from dataclasses import dataclass
+from typing import Any
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """A label for people and a dotted path, module:attribute, for the computer."""
+
+    label: str
+    path: str
+
+    def load(self) -> Any:  # a class, a function or a data object
+        """Return what the path names.
+
+        Raises
+        ------
+        ImportError, AttributeError
+            If the path names nothing: the registry is wrong.
+        """
+        module, _, attribute = self.path.partition(":")
+        return getattr(importlib.import_module(module), attribute)

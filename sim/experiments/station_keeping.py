@@ -1,0 +1,108 @@
+"""Station keeping: a vehicle in closed loop above the target, in a current that a level sets."""
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from sim.benchmarks.currents_v1 import CurrentsConfiguration
+from sim.camera.camera import Camera
+from sim.current import Current, Pattern
+from sim.experiments import Standing
+from sim.loop import LevelLoop
+from sim.metrics import LevelFacts, level_metrics
+from sim.observation import layout
+from sim.program import BuiltIn, Program
+from sim.statistics import mean
+from sim.streams import Streams, streams
+from sim.telemetry import Rows
+from sim.vehicles import load
+from sim.world import Conditions, World, camera_of, water_of, world_of
+
+
+class StationKeeping:
+    """A `sim.experiments.Experiment` that compares position controllers."""
+
+    def built_in(self, name: str, config: CurrentsConfiguration) -> Program:
+        """Return a built-in controller."""
+        return BuiltIn(name, config)
+
+    def layout(self, config: CurrentsConfiguration) -> dict[str, Any]:
+        """Return the order of observation and command."""
+        return {"role": "controller"} | layout(config.vehicle)
+
+    def level(
+        self, config: CurrentsConfiguration, solution: Program, *, seed: int, trial: int, level: int
+    ) -> LevelLoop:
+        """Return a level with the vehicle at its start."""
+        world = self.world(config, seed=seed, trial=trial, level=level)
+        return LevelLoop(world, solution, trial=trial, level=level)
+
+    def world(self, config: CurrentsConfiguration, *, seed: int, trial: int, level: int) -> World:
+        """Return the world of a level."""
+        random = streams(seed, trial, level)
+        conditions = Conditions(current=_current(config, level, random), water=water_of(config))
+        return world_of(config, conditions, random)
+
+    def camera(self, config: CurrentsConfiguration, *, seed: int, trial: int, level: int) -> Camera:
+        """Return the camera of a level; the water is the same in all."""
+        return camera_of(config, water_of(config), streams(seed, trial, level))
+
+    def metrics(self, config: CurrentsConfiguration, level: int, rows: Rows) -> dict[str, Any]:
+        """Return `sim.metrics.level_metrics`."""
+        return level_metrics(rows, _facts(config, level))
+
+    def standing(
+        self, config: CurrentsConfiguration, levels: Sequence[Mapping[str, Any]]
+    ) -> Standing:
+        """Return the mean of the levels' points, 0 to 100.
+
+        A trial ranks if that is a number and the target was not lost all the time at any level.
+        """
+        score = mean([float(level["points"]) for level in levels])
+        all_lost = any(level["whole_lost_percent"] >= 100.0 for level in levels)
+        return Standing(
+            score=score,
+            level_held=_held(levels),
+            rankable=math.isfinite(score) and not all_lost,
+        )
+
+
+def _held(levels: Sequence[Mapping[str, Any]]) -> float | None:
+    """Return the speed [m/s] up to which every level was held; None if not even the first."""
+    held: float | None = None
+    for level in levels:
+        if not level["held"]:
+            break
+        held = float(level["speed"])
+    return held
+
+
+def _facts(config: CurrentsConfiguration, level: int) -> LevelFacts:
+    forward, reverse = load(config.vehicle).curve.limits.value
+    return LevelFacts(
+        level=level,
+        speed=config.levels[level],
+        dt=config.control_period_s,
+        settle_s=config.settle_s,
+        limits_n=(forward, reverse),
+    )
+
+
+def _current(config: CurrentsConfiguration, level: int, random: Streams) -> Current:
+    pattern = Pattern(
+        azimuth_rad=config.current_azimuth_rad,
+        azimuth_swing_rad=config.current_swing_rad,
+        azimuth_period_s=config.current_swing_period_s,
+        speed_swing=config.current_wave_m_s,
+        speed_period_s=config.current_wave_period_s,
+        gust_share=config.current_gust,
+        gust_time_s=config.current_gust_time_s,
+        law="force" if config.current_law == "force" else "relative",
+        force_share=config.current_force_share,
+    )
+    return Current(
+        config.levels[level], pattern=pattern, rng=random.gust, duration_s=config.level_duration_s
+    )
+
+
+EXPERIMENT = StationKeeping()
