@@ -6,8 +6,9 @@ the first picture is asked for or the background thread of `warm_up` is done.
 
 import json
 import threading
+from dataclasses import dataclass, field
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import structlog
@@ -21,13 +22,12 @@ from sim.hidden_seeds import hidden_seed
 from sim.telemetry import INDEX
 
 if TYPE_CHECKING:
-    from sim.camera.camera import Camera
+    from sim.replay import Replay
 
 JPEG_QUALITY = 88
 GREEN, AMBER, WHITE = (75, 230, 70), (0, 176, 255), (235, 240, 240)  # blue, green, red
 _CROSS_PX = 9  # half of the centre cross
 _SUBPIXEL_BITS = 4  # OpenCV draws at sixteenths of a pixel
-_POSE = slice(INDEX["x"], INDEX["yaw"] + 1)
 _CORNERS = slice(INDEX["corner_0"], INDEX["corner_7"] + 1)
 # A camera has one work area, so one picture is drawn at a time; a picture takes milliseconds.
 _lock = threading.Lock()
@@ -44,14 +44,10 @@ def picture(settings: Settings, run: RunView, *, trial: int, t: float) -> bytes 
     row = _row_at(RunFiles(settings.data, run.id), trial, t)
     if row is None:
         return None
-    level = int(row[INDEX["level"]])
     config = json.dumps(run.config, sort_keys=True)
     with _lock:
-        camera, ticks = _camera(run.benchmark, config, _seed(settings, run, trial), trial, level)
-        frame = level * ticks + _tick_in_level(run, row, level)
-        pose = np.ascontiguousarray(row[_POSE])
-        image = camera.colour(pose, frame)
-        truth = camera.corners(pose)
+        shot = _replay(run.benchmark, config, _seeds(settings, run)).shot(row)
+        image, truth = shot.colour(), shot.corners()
     return _jpeg(_marked(image, row, truth))
 
 
@@ -72,25 +68,29 @@ def _warm_up() -> None:
     _log.info("camera_warm")
 
 
-def _seed(settings: Settings, run: RunView, trial: int) -> int:
-    if run.seed is not None:
-        return run.seed
-    return hidden_seed(settings.secret_key.encode(), run.benchmark, trial)
+@dataclass(frozen=True, slots=True)
+class Seeds:
+    """The seed of each trial: the run's own, or hidden ones."""
+
+    own: int | None
+    secret: bytes = field(repr=False)
+    benchmark: str
+
+    def __call__(self, trial: int) -> int:
+        """Return the seed of a trial."""
+        return hidden_seed(self.secret, self.benchmark, trial) if self.own is None else self.own
 
 
-@lru_cache(maxsize=12)
-def _camera(benchmark: str, config: str, seed: int, trial: int, level: int) -> "tuple[Camera, int]":
-    """Return the camera of one level with its noise, and the frames of a level."""
-    entry = registry.benchmark(benchmark)
-    settings: Any = entry.read(json.loads(config))
-    camera = entry.load().camera(settings, seed=seed, trial=trial, level=level)
-    return camera, settings.ticks_per_level
+def _seeds(settings: Settings, run: RunView) -> Seeds:
+    return Seeds(run.seed, settings.secret_key.encode(), run.benchmark)
 
 
-def _tick_in_level(run: RunView, row: Row, level: int) -> int:
-    """Return which picture of its level a row has."""
-    into_level = float(row[INDEX["t"]]) - level * float(run.config["level_duration_s"])
-    return round(into_level / float(run.config["control_period_s"]))
+@lru_cache(maxsize=4)
+def _replay(benchmark: str, config: str, seeds: Seeds) -> "Replay":
+    """Return the pictures of a configuration; a run's page asks for many of them."""
+    from sim.replay import Replay  # noqa: PLC0415 - as above
+
+    return Replay(benchmark, registry.benchmark(benchmark).read(json.loads(config)), seeds)
 
 
 def _row_at(files: RunFiles, trial: int, t: float) -> Row | None:

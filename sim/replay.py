@@ -1,0 +1,72 @@
+"""Pictures of a run, made again from its telemetry: each is a pure function of a row and the seed.
+
+So no video is ever stored, and a data set can be made of any run whose seed is known.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sim import registry
+from sim.camera.camera import Camera
+from sim.configuration import Configuration
+from sim.telemetry import INDEX
+
+Picture = NDArray[np.uint8]
+Row = NDArray[np.float64]
+
+_POSE = slice(INDEX["x"], INDEX["yaw"] + 1)
+_CAMERAS = 12  # kept; each is one level's
+
+
+@dataclass(frozen=True, slots=True)
+class Shot:
+    """What the camera saw at one row of the telemetry."""
+
+    camera: Camera
+    pose: Row  # (6,) x, y, z [m], roll, pitch, yaw [rad]
+    frame: int  # number of the picture in the trial
+
+    def grey(self) -> Picture:
+        """Return the picture (H, W) that the tracker had."""
+        return self.camera.grey(self.pose, self.frame)
+
+    def colour(self) -> Picture:
+        """Return the picture (H, W, 3) in blue, green, red, for people."""
+        return self.camera.colour(self.pose, self.frame)
+
+    def corners(self) -> Row:
+        """Return the true corners (4, 2) [px] of the target's top face."""
+        return self.camera.corners(self.pose)
+
+
+class Replay:
+    """The pictures of one configuration; `seed_of` gives the seed of a trial."""
+
+    def __init__(
+        self, benchmark: str, config: Configuration, seed_of: Callable[[int], int]
+    ) -> None:
+        experiment = registry.benchmark(benchmark).load()
+        settings: Any = config
+        self._level_s, self._dt = settings.level_duration_s, settings.control_period_s
+        self._ticks = settings.ticks_per_level
+
+        @lru_cache(maxsize=_CAMERAS)
+        def camera(trial: int, level: int) -> Camera:
+            made: Camera = experiment.camera(
+                settings, seed=seed_of(trial), trial=trial, level=level
+            )
+            return made
+
+        self.camera = camera
+
+    def shot(self, row: Row) -> Shot:
+        """Return what the camera saw at a row of the telemetry, (WIDTH,)."""
+        trial, level = int(row[INDEX["trial"]]), int(row[INDEX["level"]])
+        tick = round((float(row[INDEX["t"]]) - level * self._level_s) / self._dt)
+        pose = np.ascontiguousarray(row[_POSE])
+        return Shot(self.camera(trial, level), pose, level * self._ticks + tick)
