@@ -21,6 +21,7 @@ from numba import njit
 from sim.elementary import cos, sin
 from sim.hydrodynamics import write_rotation
 from sim.vehicles import STANDARD_GRAVITY, Array, Vehicle
+from sim.vehicles.urdf import urdf_of
 
 GATE_M = 0.5  # nothing can touch while the hull's sphere is farther away than this
 WATER_DENSITY = 1000.0  # [kg/m³] fresh water, as in the test pool
@@ -31,17 +32,20 @@ SOLVER_ITERATIONS = 50  # Bullet's default
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class LooseBox:
-    """A box that can be pushed; the default is the experiment's black box."""
+class TargetBox:
+    """A box on the bottom; the default is the experiment's black box, which can be pushed."""
 
     centre: tuple[float, float, float]  # [m] NED
     yaw: float = 0.0  # [rad]
     size: tuple[float, float, float] = (0.42, 0.13, 0.13)  # [m] S, S: UWSim; height E
     mass: float = 15.0  # [kg] S: UWSim cirs.xml
+    fixed: bool = False
 
 
 class Contact:
     """A flat bottom, maybe a box on it, and the vehicle's hull. Close it after use.
+
+    A fixed box stands like the bottom: what hits it feels it, and it stays where pictures show it.
 
     Parameters
     ----------
@@ -49,7 +53,7 @@ class Contact:
         Depth of the bottom [m].
     """
 
-    def __init__(self, vehicle: Vehicle, *, seabed_z: float, box: LooseBox | None = None) -> None:
+    def __init__(self, vehicle: Vehicle, *, seabed_z: float, box: TargetBox | None = None) -> None:
         top = seabed_z
         if box is not None:
             top = min(top, box.centre[2] - 0.5 * box.size[2])
@@ -113,7 +117,7 @@ class Contact:
 class _World:
     """One PyBullet world of its own: bottom, hull, box."""
 
-    def __init__(self, vehicle: Vehicle, seabed_z: float, box: LooseBox | None) -> None:
+    def __init__(self, vehicle: Vehicle, seabed_z: float, box: TargetBox | None) -> None:
         bullet = _import_bullet()
         self._bullet = bullet
         self._client = bullet.connect(bullet.DIRECT)
@@ -133,6 +137,7 @@ class _World:
         self._add(plane, 0.0, (0.0, 0.0, seabed_z))
         self._hull = self._add_hull(vehicle)
         self._box = None if box is None else self._add_box(box)
+        self._box_moves = box is not None and not box.fixed
         self._box_weight = 0.0
         if box is not None:
             displaced = WATER_DENSITY * box.size[0] * box.size[1] * box.size[2]
@@ -149,6 +154,12 @@ class _World:
         body: int = bullet.createMultiBody(
             mass, shape, basePosition=position, baseOrientation=turn, physicsClientId=self._client
         )
+        self._prepare(body)
+        return body
+
+    def _prepare(self, body: int) -> None:
+        """Give a body what all bodies have: friction, no bounce, no damping of its own."""
+        bullet = self._bullet
         bullet.changeDynamics(
             body,
             -1,
@@ -159,39 +170,37 @@ class _World:
             activationState=bullet.ACTIVATION_STATE_DISABLE_SLEEPING,
             physicsClientId=self._client,
         )
-        return body
 
     def _add_hull(self, vehicle: Vehicle) -> int:
-        bullet, gravity = self._bullet, vehicle.centre_of_gravity.value
-        centres = [
-            [c - g for c, g in zip(piece.centre.value, gravity, strict=True)]
-            for piece in vehicle.hull
-        ]
-        count = len(vehicle.hull)
-        shape = bullet.createCollisionShapeArray(
-            shapeTypes=[bullet.GEOM_BOX] * count,
-            halfExtents=[[0.5 * s for s in piece.size.value] for piece in vehicle.hull],
-            collisionFramePositions=centres,
-            collisionFrameOrientations=[[0, 0, 0, 1]] * count,
-            physicsClientId=self._client,
-        )
-        rigid, added = np.diag(vehicle.mass_rigid()), np.diag(vehicle.mass_added())
-        hull = self._add(shape, float(rigid[0] + added[:3].min()), (0.0, 0.0, 0.0))
+        bullet = self._bullet
+        # A file in memory: Bullet reads files alone, and the vehicle's numbers stand once.
+        with open(os.memfd_create("urdf"), "w", encoding="utf-8") as file:
+            file.write(urdf_of(vehicle))
+            file.flush()
+            hull: int = bullet.loadURDF(
+                f"/proc/self/fd/{file.fileno()}",
+                flags=bullet.URDF_USE_INERTIA_FROM_FILE,
+                physicsClientId=self._client,
+            )
+        self._prepare(hull)
+        added = np.diag(vehicle.mass_added())
+        turned = zip(vehicle.inertia_about_gravity(), added[3:], strict=True)
         bullet.changeDynamics(
             hull,
             -1,
-            localInertiaDiagonal=[float(a + b) for a, b in zip(rigid[3:], added[3:], strict=True)],
+            mass=float(vehicle.mass.scalar + added[:3].min()),
+            localInertiaDiagonal=[float(own + water) for own, water in turned],
             physicsClientId=self._client,
         )
         return hull
 
-    def _add_box(self, box: LooseBox) -> int:
+    def _add_box(self, box: TargetBox) -> int:
         half = [0.5 * s for s in box.size]
         shape = self._bullet.createCollisionShape(
             self._bullet.GEOM_BOX, halfExtents=half, physicsClientId=self._client
         )
         turn = (0.0, 0.0, sin(0.5 * box.yaw), cos(0.5 * box.yaw))
-        return self._add(shape, box.mass, box.centre, turn)
+        return self._add(shape, 0.0 if box.fixed else box.mass, box.centre, turn)
 
     def step(self, before: Array, after: Array, step_s: float) -> tuple[Array, float]:
         """Return the impulse of all contacts on the hull, as `Contact.impulse`, and their pressure.
@@ -209,7 +218,7 @@ class _World:
             self._hull, motion[:3], [x, y, z, w], physicsClientId=client
         )
         bullet.resetBaseVelocity(self._hull, motion[3:6], motion[6:], physicsClientId=client)
-        if self._box is not None:
+        if self._box_moves:
             force, place = [0.0, 0.0, self._box_weight], self.box_pose()[0].tolist()
             bullet.applyExternalForce(
                 self._box, -1, force, place, bullet.WORLD_FRAME, physicsClientId=client
@@ -236,8 +245,8 @@ class _World:
         return np.array(place), np.array([w, x, y, z])
 
     def box_speed(self) -> float:
-        """Return the largest component of the box's velocity [m/s, rad/s], zero without a box."""
-        if self._box is None:
+        """Return the largest component of the box's velocity [m/s, rad/s]; zero for a fixed one."""
+        if not self._box_moves:
             return 0.0
         linear, angular = self._bullet.getBaseVelocity(self._box, physicsClientId=self._client)
         return float(max(abs(value) for value in (*linear, *angular)))

@@ -68,7 +68,7 @@ class ExperimentSettings(ChainSettings, SceneSettings, FaultSettings):
     contact: bool = experiment(
         True,
         title="Collisions",
-        says="Whether the vehicle can hit the bottom.",
+        says="Whether the vehicle can hit the bottom and the target, which stays where it is.",
         advanced=True,
     )
     start_error_px: float = experiment(

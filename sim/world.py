@@ -9,9 +9,10 @@ from sim.camera.camera import Camera
 from sim.camera.optics import Optics
 from sim.camera.target import Target, start_pose
 from sim.camera.water import JERLOV, Water
-from sim.contact import Contact
+from sim.contact import Contact, TargetBox
 from sim.current import Current
 from sim.dynamics import Plant
+from sim.elementary import PI
 from sim.experiment_settings import TARGET_M, ExperimentSettings
 from sim.faults import ThrusterFault
 from sim.sensors import Ahrs, Altimeter, DepthGauge, Dvl
@@ -19,7 +20,7 @@ from sim.station_keeper import Geometry, StationKeeper
 from sim.streams import Streams
 from sim.trackers import Tracker
 from sim.tracking import Tracking, tracking_of
-from sim.vehicles import load
+from sim.vehicles import Vehicle, load
 from sim.velocity_controller import VelocityController
 
 DEPTH_PERIOD_TICKS = 20  # S: 5 Hz at 100 physics steps a second, COLA2
@@ -100,8 +101,7 @@ def world_of(
     optics, target = camera.optics, camera.target
     start = start_pose(optics, target, config.altitude_m)
     vehicle = load(config.vehicle)
-    # The target is no obstacle: the camera's picture of it would have to move when it is pushed.
-    contact = Contact(vehicle, seabed_z=target.seabed_m) if config.contact else None
+    contact = _contact(vehicle, target) if config.contact else None
     plant = Plant(
         vehicle,
         conditions.current,
@@ -164,6 +164,21 @@ def _sensors(config: ExperimentSettings, random: Streams) -> Sensors:
         ),
         altimeter=Altimeter(random.altimeter, period_ticks=slow),
     )
+
+
+def _contact(vehicle: Vehicle, target: Target) -> Contact:
+    """Return the bottom with the target, which cannot be pushed away.
+
+    A picture is a function of the vehicle's pose alone, so the box stays where it is drawn.
+    """
+    north, east, down = target.origin().tolist()
+    box = TargetBox(
+        centre=(north, east, down),
+        yaw=target.heading_rad + 0.5 * PI,  # the length lies across the heading
+        size=(target.length_m, target.width_m, target.height_m),
+        fixed=True,
+    )
+    return Contact(vehicle, seabed_z=target.seabed_m, box=box)
 
 
 def _fault(config: ExperimentSettings) -> ThrusterFault | None:

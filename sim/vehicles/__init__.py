@@ -143,6 +143,16 @@ class Vehicle:
             matrix[3:, 3:] += mass * squares
         return matrix
 
+    def inertia_about_gravity(self) -> tuple[float, ...]:
+        """Return the rigid body's moments of inertia about its centre of gravity, (3,) [kg m²]."""
+        if self.inertia_point == "gravity":
+            return self.inertia.value
+        squares = [value * value for value in self.centre_of_gravity.value]
+        return tuple(
+            value - self.mass.scalar * (sum(squares) - own)
+            for value, own in zip(self.inertia.value, squares, strict=True)
+        )
+
     def mass_added(self) -> Array:
         """Return the added mass about the origin, (6, 6) diagonal [kg, kg m²]."""
         matrix = np.zeros((6, 6))

@@ -23,14 +23,14 @@ from sim.trial import run_trial, summarise
 from tests.sim.conftest import SHORT, RunOf
 
 ONE_RUN = f"""
-import json
+import json, sys
 from sim.program import BuiltIn
 from sim.registry import benchmark
 from sim.trial import run_trial
 config = benchmark("currents-v1").read({SHORT!r})
 result = run_trial("currents-v1", config, BuiltIn("pi", config), seed=5, trial=0,
                    on_rows=lambda rows: None)
-print(json.dumps([result.digest, result.score]))
+print(json.dumps([result.digest, result.score, "pybullet" in sys.modules]))
 """
 
 
@@ -157,13 +157,15 @@ def test_rows_come_once_a_second_and_the_rest_when_the_program_raises(
     assert np.isfinite(rows).all()
 
 
-def test_two_processes_come_to_the_same_bytes(run_short: RunOf) -> None:
+def test_two_processes_come_to_the_same_bytes_without_bullet_where_nothing_touches(
+    run_short: RunOf,
+) -> None:
     here, _rows = run_short({})
 
     command = [sys.executable, "-c", ONE_RUN]
     done = subprocess.run(command, capture_output=True, text=True, check=True)
 
-    assert json.loads(done.stdout) == [here.digest, here.score]
+    assert json.loads(done.stdout) == [here.digest, here.score, False]
 
 
 def test_the_digest_of_a_trial_is_that_of_its_rows(run_short: RunOf) -> None:

@@ -11,14 +11,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sim.contact import Contact, LooseBox, lowest_point
+from sim.contact import Contact, TargetBox, lowest_point
 from sim.current import Current
 from sim.dynamics import Plant
 from sim.hydrodynamics import write_rotation
 from sim.vehicles import Array, Quantity, Vehicle, load
 
 SEABED_Z = 4.785
-BOX = LooseBox(centre=(0.0, 0.0, SEABED_Z - 0.065))
+BOX = TargetBox(centre=(0.0, 0.0, SEABED_Z - 0.065))
 
 
 def quantity(*value: float) -> Quantity:
@@ -42,7 +42,7 @@ def momentum(plant: Plant) -> Array:
 class Listening(Contact):
     """A contact that remembers what it gave."""
 
-    def __init__(self, vehicle: Vehicle, *, seabed_z: float, box: LooseBox | None = None) -> None:
+    def __init__(self, vehicle: Vehicle, *, seabed_z: float, box: TargetBox | None = None) -> None:
         super().__init__(vehicle, seabed_z=seabed_z, box=box)
         self.pushes: list[Array] = []
 
@@ -82,7 +82,7 @@ def test_a_press_of_fifty_newtons_reads_fifty_newtons(heavy: Vehicle, bottom: Li
 def test_a_hit_passes_the_momentum_on() -> None:
     vehicle = frictionless(load("girona500"))
     size = (0.42, 0.13, 0.13)
-    floating = LooseBox(centre=(1.5, 0.0, 2.0), size=size, mass=1000.0 * size[0] * size[1] ** 2)
+    floating = TargetBox(centre=(1.5, 0.0, 2.0), size=size, mass=1000.0 * size[0] * size[1] ** 2)
     contact = Contact(vehicle, seabed_z=100.0, box=floating)
     plant = Plant(vehicle, Current(0.0), contact=contact)
     plant.place(np.array([0.0, 0.0, 2.0 - 0.361, 0.0, 0.0, 0.0]))
@@ -117,6 +117,37 @@ def test_a_pushed_box_comes_to_rest_on_the_bottom() -> None:
     assert asleep
 
 
+def test_a_vehicle_that_lands_on_a_fixed_box_rests_on_it_and_the_box_stays(heavy: Vehicle) -> None:
+    box = replace(BOX, fixed=True)
+    contact = Listening(heavy, seabed_z=SEABED_Z, box=box)
+    plant = Plant(heavy, Current(0.0), contact=contact)
+    plant.place(np.array([0.049, 0.0, SEABED_Z - 0.13 - 0.53, 0.0, 0.0, 0.0]))
+
+    plant.advance(0, np.zeros(5), 1500)
+    place, _turn = contact.box_pose()
+    contact.close()
+
+    assert plant.pose()[2] == pytest.approx(SEABED_Z - 0.13 - 0.514, abs=0.01)
+    assert plant.contact_force() == pytest.approx(50.0, rel=0.02)
+    assert place == pytest.approx(box.centre)
+    assert not contact.awake
+
+
+def test_a_fixed_box_stops_what_runs_into_it() -> None:
+    vehicle = load("girona500")
+    contact = Contact(vehicle, seabed_z=SEABED_Z, box=replace(BOX, fixed=True))
+    plant = Plant(vehicle, Current(0.0), contact=contact)
+    plant.place(np.array([-1.2, 0.0, SEABED_Z - 0.56, 0.0, 0.0, 0.0]))
+    plant.state[7] = 0.5
+
+    plant.advance(0, np.zeros(5), 300)
+    contact.close()
+
+    bow = plant.pose()[0] - 0.049 + 0.5 * 1.507
+    assert bow == pytest.approx(BOX.centre[0] - 0.5 * BOX.size[0], abs=0.25)
+    assert plant.velocity()[0] < 0.1
+
+
 def test_contact_runs_repeat_to_the_last_bit(heavy: Vehicle) -> None:
     states = []
     for _ in range(2):
@@ -128,6 +159,43 @@ def test_contact_runs_repeat_to_the_last_bit(heavy: Vehicle) -> None:
         contact.close()
 
     assert states[0] == states[1]
+
+
+CONTACT_RUN = """
+import hashlib
+import numpy as np
+from sim.program import BuiltIn
+from sim.registry import benchmark
+from sim.telemetry import INDEX
+from sim.trial import run_trial
+
+class Dive:
+    def reset(self, level): pass
+    def step(self, values): return 0.0, 0.0, 1.0, 0.1
+
+rows = []
+config = benchmark("currents-v1").read({"levels": 0.3, "level_duration_s": 12.0, "settle_s": 1.0,
+                                        "tracker": "truth"})
+result = run_trial("currents-v1", config, Dive(), seed=3, trial=0, on_rows=rows.append)
+print(result.digest, np.count_nonzero(np.concatenate(rows)[:, INDEX["contact_n"]]))
+"""
+
+
+def test_a_run_that_ends_on_the_target_is_the_same_in_two_processes() -> None:
+    answers = set()
+    for hash_seed in ("1", "2"):
+        done = subprocess.run(
+            [sys.executable, "-c", CONTACT_RUN],
+            capture_output=True,
+            text=True,
+            check=True,
+            timeout=120,
+            env={"PYTHONHASHSEED": hash_seed, "PATH": "", "OMP_NUM_THREADS": hash_seed},
+        )
+        answers.add(done.stdout)
+
+    (answer,) = answers
+    assert int(answer.split()[1]) > 20
 
 
 def test_a_free_run_with_contacts_is_the_run_without() -> None:
@@ -166,13 +234,13 @@ def test_the_lowest_point_is_that_of_the_lowest_corner(
 FREE_RUN = """
 import sys
 import numpy as np
-from sim.contact import Contact, LooseBox
+from sim.contact import Contact, TargetBox
 from sim.current import Current
 from sim.dynamics import Plant
 from sim.vehicles import load
 
 vehicle = load("girona500")
-contact = Contact(vehicle, seabed_z=4.785, box=LooseBox(centre=(0.0, 0.0, 4.72)))
+contact = Contact(vehicle, seabed_z=4.785, box=TargetBox(centre=(0.0, 0.0, 4.72)))
 plant = Plant(vehicle, Current(0.3), contact=contact)
 plant.place(np.array([0.0, 0.0, 1.5, 0.0, 0.0, 0.0]))
 plant.advance(0, np.zeros(5), 500)

@@ -2,11 +2,13 @@
 
 import subprocess
 import sys
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
 
 from sim.vehicles import TAGS, load
+from sim.vehicles.urdf import urdf_of
 
 NAMES = ["girona500", "girona500-uwsim", "bluerov2-heavy"]
 
@@ -82,3 +84,22 @@ def test_reading_a_vehicle_loads_no_compiled_code() -> None:
     )
 
     assert done.stdout.split() == ["False", "False"]
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_urdf_holds_the_vehicles_own_numbers(name: str) -> None:
+    vehicle = load(name)
+
+    robot = ElementTree.fromstring(urdf_of(vehicle))  # noqa: S314  # our own text
+
+    assert robot.get("name") == name
+    (mass,) = robot.iterfind("link/inertial/mass")
+    assert float(mass.get("value", "")) == vehicle.mass.scalar
+    (inertia,) = robot.iterfind("link/inertial/inertia")
+    own = [float(inertia.get(axis, "")) for axis in ("ixx", "iyy", "izz")]
+    turned = np.diag(vehicle.mass_rigid())[3:]
+    x, y, z = vehicle.centre_of_gravity.value
+    squares = np.array([y * y + z * z, x * x + z * z, x * x + y * y])
+    assert own == pytest.approx(turned - vehicle.mass.scalar * squares)
+    boxes = [box.get("size") for box in robot.iterfind("link/collision/geometry/box")]
+    assert boxes == [" ".join(map(repr, piece.size.value)) for piece in vehicle.hull]
