@@ -30,16 +30,17 @@ NAMESPACES = ("user", "ipc", "pid", "net", "uts", "cgroup")
 
 @dataclass(frozen=True, slots=True)
 class Descriptors:
-    """Numbers of what bubblewrap inherits; it closes all but the protocol's before the program."""
+    """Numbers of what bubblewrap inherits; it closes its own two before the program."""
 
-    protocol: int  # the only one that the program keeps beside the standard ones
+    protocol: int  # of these the program keeps this one
     information: int  # it writes the pid of its inner init here
     filter: int | None  # the system call filter
+    images: int | None = None  # and this one, if it is shown images; else its runner closes it
 
     def inherited(self) -> tuple[int, ...]:
         """Return all of them."""
-        filters = () if self.filter is None else (self.filter,)
-        return (self.protocol, self.information, *filters)
+        every = (self.protocol, self.information, self.filter, self.images)
+        return tuple(number for number in every if number is not None)
 
 
 def bubblewrap() -> str:

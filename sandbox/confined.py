@@ -17,6 +17,7 @@ from sandbox.languages.language import Runtime
 from sandbox.level import Level
 from sandbox.limits import Limits
 from sandbox.outcome import SandboxBroken
+from sandbox.pictures import Pictures
 from sandbox.slots import Slot
 
 END_WITHIN_S = 5.0  # [s] measured 1-7 ms; a busy host may take longer
@@ -51,6 +52,7 @@ class Confined:
         self.pidfd = self.output = -1
         self._information = Information(-1)
         self._slot: Slot | None = None
+        self.pictures: Pictures | None = None
         self._init_pid = 0
         self._init_pidfd = -1
         self._cpu_s = self._memory_mib = 0.0
@@ -78,7 +80,9 @@ class Confined:
         telling, informing = _pipe(opened)
         self._information = Information(telling)
         filters = _filter(opened) if layers.seccomp else None
-        use = Descriptors(protocol, informing, filters)
+        self.pictures = Pictures() if runtime.images else None
+        images = self.pictures.descriptor if self.pictures else None
+        use = Descriptors(protocol, informing, filters, images)
         command = launcher_command(
             bwrap_command(runtime, limits, use, limit_inside=self.group is None),
             limits,
@@ -175,6 +179,8 @@ class Confined:
         """Close what is open and remove the groups, which proves that nothing survives."""
         self.socket.close()
         self._information.close()
+        if self.pictures is not None:
+            self.pictures.close()
         for name in ("pidfd", "output", "_init_pidfd"):
             if getattr(self, name) >= 0:
                 os.close(getattr(self, name))

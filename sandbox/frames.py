@@ -10,14 +10,19 @@ sequence number; it never speaks first.
 | `S` | to the program | the next part of header (JSON) and source, at most 60 KiB |
 | `R` | to the program | JSON: the level |
 | `O` | to the program | the observation: float64 values in the order of the layout |
+| `T` | to the program | an image (see pictures.py), 8 float64: corners [px]: start to track |
+| `U` | to the program | an image: track |
+| `D` | to the program | an image: detect |
 | `Q` | to the program | nothing: answer `q`, then exit with 0 |
 | `k` | from the program | nothing: ready |
 | `c` | from the program | four float64: surge, sway, heave [m/s], yaw rate [rad/s] |
+| `t` | from the program | 8 float64: corners [px]; nothing if the target is lost |
+| `d` | from the program | detections (see answers.py) |
 | `x` | from the program | a letter, u16 bytes of the sentence, sentence, traceback (UTF-8) |
 | `q` | from the program | nothing: the last word |
 
-`I`, all `S` together and `R` are answered by `k`. The first `k` has sequence number 0: the
-interpreter is up, no program is known yet. The runner inside (languages/python_runner.py) has the
+`I`, all `S` together, `R` and `T` are answered by `k`. The first `k` has sequence number 0: the
+interpreter is up, no program is known yet. The runner inside (languages/python_inside) has the
 same numbers once more: it can import nothing of ours.
 """
 
@@ -33,7 +38,9 @@ SIZES = struct.Struct("<II")
 ERROR = struct.Struct("<cH")
 
 BEGIN, SOURCE, RESET, OBSERVE, QUIT = b"I", b"S", b"R", b"O", b"Q"
+START, UPDATE, DETECT = b"T", b"U", b"D"
 READY, ANSWER, FAILED, BYE = b"k", b"c", b"x", b"q"
+TRACK, DETECTIONS = b"t", b"d"
 
 MOST_BYTES = 65536  # [B] a frame of the program; the longest is an error with its traceback
 CHUNK_BYTES = 61440  # [B] of source in one frame

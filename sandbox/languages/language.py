@@ -20,6 +20,7 @@ class Runtime:
     command: tuple[str, ...]  # the number of the protocol's descriptor is appended
     environment: dict[str, str]
     binds: tuple[Bind, ...]
+    images: bool = False  # whether its programs may be shown images: trackers and detectors
 
 
 @dataclass(frozen=True, slots=True)

@@ -20,6 +20,7 @@ from sandbox.shelf import shelved
 
 PACKAGES = ("numpy", "scipy")
 INSIDE = "/box"
+RUNNER = "seamark_runner"  # the package's name inside: an uploaded file is hardly called so
 TESTS = re.compile(r"[/\\]tests[/\\]")  # the packages' own tests: half of their files
 
 ENVIRONMENT = {
@@ -39,10 +40,11 @@ ENVIRONMENT = {
 def python_runtime() -> Runtime:
     """Return command, environment and files; SandboxBroken if NumPy or SciPy is missing."""
     command, files = interpreter_files()
-    runner = Bind(Path(__file__).with_name("python_runner.py"), f"{INSIDE}/runner.py")
+    runner = Bind(Path(__file__).with_name("python_inside"), f"{INSIDE}/packages/{RUNNER}")
     binds = [*files, *_packages(), runner]
     reached = tuple(replace(bind, source=shelved(bind.source)) for bind in binds)
-    return Runtime((*command, runner.target), ENVIRONMENT, reached)
+    start = ("-c", f"from {RUNNER}.runner import main; main()")
+    return Runtime((*command, *start), ENVIRONMENT, reached, images=True)
 
 
 def interpreter_files() -> tuple[tuple[str, ...], list[Bind]]:

@@ -1,153 +1,67 @@
-"""Runs inside the box, beside the program of a stranger: interpreter, NumPy, then the program.
+"""Gets the program of a stranger, makes its object, answers question after question.
 
 Arguments: number of the protocol's descriptor; processes and memory [MiB] to limit here, 0 where
-control groups do it. The frames are described in sandbox/frames.py; their numbers stand here once
-more, since a box holds nothing of ours but this file. Nothing here is trusted by the other side.
+control groups do it.
 """
 
 import contextlib
 import errno
-import itertools
 import json
 import linecache
-import math
 import os
 import resource
 import struct
 import sys
 import traceback
 import types
-from collections.abc import Callable, Iterator, Mapping
-from numbers import Real
-from typing import Any
+from collections.abc import Callable
+from typing import Any, NamedTuple
 
-import numpy as np  # before the program is known: this is what takes 60 ms
+from .images import Images, as_detections, as_track, corners_of
+from .values import HEADER, AnswerInvalid, Observation, as_command, observe_by
 
 VERSION = 1
-HEADER = struct.Struct("<cB2xI")
 COMMAND = struct.Struct("<cB2xI4d")
 SIZES = struct.Struct("<II")
 ERROR = struct.Struct("<cH")
-FLOAT64 = np.float64
 MOST_BYTES = 65536  # [B] one frame
-MOST_FIELD = 1e6  # [m/s, rad/s] a command beyond is a mistake, not a wish
 MOST_SENTENCE, MOST_TRACEBACK = 1500, 16000  # [B]
 MOST_FRAMES = 30  # of a traceback
 DISCONNECTED = 70  # exit code: the program closed the connection under the runner
 DESCRIPTORS = 4096  # above the limit of open files
 
-INTERFACE = (
-    "A program has a class Controller with __init__(self, config), step(self, observation) and, "
-    "if it likes, reset(self, level)."
-)
-ANSWER = "step must return four finite numbers: surge, sway, heave in m/s and yaw rate in rad/s"
+
+class Role(NamedTuple):
+    """What a program may be."""
+
+    maker: str  # the class that it defines
+    methods: tuple[str, ...]  # that the class must have; the first gives the answers
+    interface: str
+    answer: str
 
 
-class AnswerInvalid(Exception):
-    """`step` returned something that is not a command."""
-
-
-class Observation(Mapping):  # type: ignore[type-arg]
-    """What the vehicle knows: `observation.depth` or `observation["depth"]`, read-only.
-
-    Numbers are float or bool, vectors are NumPy arrays that cannot be written.
-    """
-
-    __slots__ = ("_cache", "_data")
-    _fields: dict[str, tuple[int, int, bool]] = {}  # noqa: RUF012  (set once, from the layout)
-
-    _data: bytes
-    _cache: dict[str, object]
-
-    def __init__(self, data: bytes) -> None:
-        object.__setattr__(self, "_data", data)
-        object.__setattr__(self, "_cache", {})
-
-    def __getitem__(self, name: str) -> object:
-        """Return a field; vectors as read-only arrays."""
-        cache = self._cache
-        if name not in cache:
-            offset, count, boolean = self._fields[name]
-            value = np.frombuffer(self._data, "<f8", count or 1, offset)
-            cache[name] = value if count else (bool if boolean else float)(value[0])
-        return cache[name]
-
-    def __getattr__(self, name: str) -> object:
-        """Return a field by its attribute."""
-        try:
-            return self[name]
-        except KeyError:
-            known = ", ".join(self._fields)
-            raise AttributeError(f"an observation has no {name!r}; it has {known}") from None
-
-    def __setattr__(self, name: str, value: object) -> None:
-        """Refuse."""
-        raise AttributeError("an observation cannot be changed")
-
-    def __delattr__(self, name: str) -> None:
-        """Refuse."""
-        raise AttributeError("an observation cannot be changed")
-
-    def __iter__(self) -> Iterator[str]:
-        """Return the names of the fields."""
-        return iter(self._fields)
-
-    def __len__(self) -> int:
-        """Return the number of fields."""
-        return len(self._fields)
-
-    def __repr__(self) -> str:
-        """Return all fields with their values."""
-        return "Observation(" + ", ".join(f"{name}={self[name]}" for name in self) + ")"
-
-
-def observe_by(layout: dict[str, list]) -> None:  # type: ignore[type-arg]
-    """Teach Observation where each field stands in a frame."""
-    offset = HEADER.size
-    booleans = set(layout.get("booleans", ()))
-    for name, count in layout["observation"]:
-        Observation._fields[name] = (offset, count, name in booleans)
-        offset += 8 * (count or 1)
-
-
-def as_command(answer: Any) -> list[float]:
-    """Return four floats; AnswerInvalid with a sentence that says what came instead."""
-    if type(answer) is list and len(answer) == 4:
-        return [as_number(index, value) for index, value in enumerate(answer)]
-    if isinstance(answer, np.ndarray):
-        if answer.shape != (4,):
-            raise AnswerInvalid(f"step returned an array of shape {answer.shape}")
-        if answer.dtype.kind not in "fiu":
-            raise AnswerInvalid(f"step returned an array of {answer.dtype}")
-        answer = answer.tolist()
-    elif answer is None:
-        raise AnswerInvalid("step returned None (is a return missing?)")
-    elif not isinstance(answer, (list, tuple)):
-        raise AnswerInvalid(f"step returned a value of type {type(answer).__name__}")
-    values = list(itertools.islice(answer, 5))  # a list of one's own kind may have no end
-    if len(values) != 4:
-        count = len(answer) if len(answer) != 4 else "more than 4"
-        raise AnswerInvalid(f"step returned {count} values")
-    return [as_number(index, value) for index, value in enumerate(values)]
-
-
-def as_number(index: int, value: Any) -> float:
-    """Return one value of a command as a float."""
-    if type(value) is FLOAT64:
-        value = float(value)
-    if type(value) is float and -MOST_FIELD <= value <= MOST_FIELD:
-        return value  # the usual case, and the quick one
-    if isinstance(value, np.ndarray) and value.shape == ():
-        value = value.item()
-    if not isinstance(value, Real):
-        raise AnswerInvalid(f"value {index} that step returned is of type {type(value).__name__}")
-    try:
-        number = float(value)
-    except OverflowError:
-        number = math.inf
-    if not abs(number) <= MOST_FIELD:  # also catches NaN
-        raise AnswerInvalid(f"value {index} that step returned is {number}")
-    return number
+ROLES = {
+    "controller": Role(
+        "Controller",
+        ("step",),
+        "A program has a class Controller with __init__(self, config), step(self, observation) "
+        "and, if it likes, reset(self, level).",
+        "step must return four finite numbers: surge, sway, heave in m/s and yaw rate in rad/s",
+    ),
+    "tracker": Role(
+        "Tracker",
+        ("update", "start"),
+        "A tracker is a class Tracker with __init__(self, config), start(self, image, corners) "
+        "and update(self, image).",
+        "update must return the target's four corners (x, y) in px, or None if it is lost",
+    ),
+    "detector": Role(
+        "Detector",
+        ("detect",),
+        "A detector is a class Detector with __init__(self, config) and detect(self, image).",
+        "detect must return a list of (label, corners, confidence)",
+    ),
+}
 
 
 class Runner:
@@ -157,7 +71,9 @@ class Runner:
         self.fd = descriptor
         self.sequence = 0
         self.filename = "program"
-        self.controller: Any = None
+        self.role = ROLES["controller"]
+        self.program: Any = None  # the object of the stranger's class
+        self.images: Any = None
         self.doing = "the program"
 
     def send(self, kind: bytes, body: bytes = b"") -> None:
@@ -178,7 +94,7 @@ class Runner:
             self.send(b"k")
             self.begin()
             self.send(b"k")
-            self.answer()
+            self.answers()
         except BaseException as error:  # (whatever a program may raise, also exit)
             self.fail(error)
 
@@ -192,7 +108,7 @@ class Runner:
         header = json.loads(text[:header_size])
         source = bytes(text[header_size:])
         self.filename = header["filename"]
-        observe_by(header["layout"])
+        self.prepare(header)
         lines = source.decode("utf-8", "replace").splitlines(keepends=True)
         linecache.cache[self.filename] = (len(source), None, lines, self.filename)
         module = types.ModuleType("controller")
@@ -202,21 +118,52 @@ class Runner:
         code = compile(source, self.filename, "exec", dont_inherit=True)
         self.doing = "the program"
         exec(code, module.__dict__)  # noqa: S102  (this is what the box is for)
-        self.controller = self.make(module, header["config"])
+        self.program = self.make(module, header["config"])
+
+    def prepare(self, header: dict[str, Any]) -> None:
+        """Get ready for the program's role; close what it does not need."""
+        layout = header["layout"]
+        self.role = ROLES[layout.get("role", "controller")]
+        observe_by(layout)
+        if "images" in header:
+            self.images = Images(header["images"])
+        os.closerange(3, self.fd)
+        os.closerange(self.fd + 1, DESCRIPTORS)
 
     def make(self, module: types.ModuleType, config: dict[str, object]) -> Any:
-        """Return `Controller(config)`, checked for its methods."""
-        maker: Any = getattr(module, "Controller", None)
+        """Return the object of the program's class, which is checked for its methods."""
+        role = self.role
+        maker: Any = getattr(module, role.maker, None)
         if maker is None:
-            self.give_up(b"u", f"{self.filename} has no class Controller. {INTERFACE}")
-        if not callable(getattr(maker, "step", None)):
-            self.give_up(b"u", f"Controller has no method step(self, observation). {INTERFACE}")
-        self.doing = "Controller(config)"
+            self.give_up(b"u", f"{self.filename} has no class {role.maker}. {role.interface}")
+        for method in role.methods:
+            if not callable(getattr(maker, method, None)):
+                self.give_up(b"u", f"{role.maker} has no method {method}. {role.interface}")
+        self.doing = f"{role.maker}(config)"
         return maker(config)
 
-    def answer(self) -> None:
+    def answers(self) -> None:
         """Answer question after question."""
-        step: Callable[[Observation], object] = self.controller.step
+        if self.images is None:
+            self.control()
+        while True:
+            kind, data = self.receive()
+            if kind == b"U":
+                self.doing = "update(image)"
+                self.send(b"t", as_track(self.program.update(self.images.of(data))))
+            elif kind == b"D":
+                self.doing = "detect(image)"
+                self.send(b"d", as_detections(self.program.detect(self.images.of(data))))
+            elif kind == b"T":
+                self.doing = "start(image, corners)"
+                self.program.start(self.images.of(data), corners_of(data))
+                self.send(b"k")
+            else:
+                self.others(kind, data)
+
+    def control(self) -> None:
+        """Answer as a controller: many and short questions."""
+        step: Callable[[Observation], object] = self.program.step
         read, write, unpack, pack = os.read, os.write, HEADER.unpack_from, COMMAND.pack
         descriptor = self.fd
         while True:
@@ -228,18 +175,18 @@ class Runner:
                 self.doing = "step(observation)"
                 numbers = as_command(step(Observation(data)))
                 write(descriptor, pack(b"c", VERSION, self.sequence, *numbers))
-            elif kind == b"R":
-                self.doing = "reset(level)"
-                self.reset(json.loads(data[HEADER.size :]))
-                self.send(b"k")
             else:
-                self.leave()
+                self.others(kind, data)
 
-    def reset(self, level: dict[str, object]) -> None:
-        """Call `reset` if the program has one."""
-        method = getattr(self.controller, "reset", None)
+    def others(self, kind: bytes, data: bytes) -> None:
+        """Answer what every role is asked: `reset` if the program has one, and the end."""
+        if kind != b"R":
+            self.leave()
+        self.doing = "reset(level)"
+        method = getattr(self.program, "reset", None)
         if method is not None:
-            method(level)
+            method(json.loads(data[HEADER.size :]))
+        self.send(b"k")
 
     def leave(self) -> None:
         """Say the last word and end well. No atexit and no __del__ of the program run."""
@@ -252,7 +199,7 @@ class Runner:
         try:
             own = self.own_frames(error)
             kind, sentence = self.describe(error, own)
-            text = trace_text(own)
+            text = "" if isinstance(error, AnswerInvalid) else trace_text(own)
         except BaseException:  # (an exception whose own text raises)
             kind, sentence, text = b"u", f"{type(error).__name__} (its text cannot be shown)", ""
         self.give_up(kind, sentence, text)
@@ -279,12 +226,14 @@ class Runner:
             line = getattr(error, "lineno", None)
             return b"s", f"{what} (line {line} of {self.filename})" if line else what
         if isinstance(error, AnswerInvalid):
-            line = self.controller.step.__code__.co_firstlineno
-            return b"p", f"{error}; {ANSWER} (step begins in line {line} of {self.filename})"
+            name = self.role.methods[0]
+            line = getattr(self.program, name).__code__.co_firstlineno
+            where = f"{name} begins in line {line} of {self.filename}"
+            return b"p", f"{error}; {self.role.answer} ({where})"
         if what == "MemoryError":
             what = "MemoryError: the program asked for more memory than it may use"
         if not own.stack:
-            return kind_of(error), f"{what} (called as {self.doing}). {INTERFACE}"
+            return kind_of(error), f"{what} (called as {self.doing}). {self.role.interface}"
         return kind_of(error), f"{what} (line {own.stack[-1].lineno} of {self.filename})"
 
     def give_up(self, kind: bytes, sentence: str, text: str = "") -> None:
@@ -329,10 +278,8 @@ def limit(which: int, value: int) -> None:
 
 
 def main() -> None:
-    """Close what is not needed, set the limits, serve."""
+    """Set the limits, serve."""
     descriptor, processes, memory_mib = (int(word) for word in sys.argv[1:4])
-    os.closerange(3, descriptor)
-    os.closerange(descriptor + 1, DESCRIPTORS)
     # Inside the namespace: outside, the boxes of one user would take processes from each other.
     limit(resource.RLIMIT_NPROC, processes)
     limit(resource.RLIMIT_AS, memory_mib << 20)
@@ -340,7 +287,3 @@ def main() -> None:
     stdout: Any = sys.stdout
     stdout.reconfigure(line_buffering=True, errors="backslashreplace")
     Runner(descriptor).run()
-
-
-if __name__ == "__main__":
-    main()

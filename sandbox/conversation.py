@@ -1,0 +1,256 @@
+"""Question and answer with the processes of one box, while all its limits are minded."""
+
+import os
+import select
+import socket
+import time
+from typing import NoReturn
+
+from sandbox import frames, verdicts
+from sandbox.confined import Confined
+from sandbox.frames import Failure, FrameInvalid
+from sandbox.limits import Limits, Patience
+from sandbox.outcome import Outcome, ProgramEnded, SandboxBroken, Verdict
+from sandbox.printed import HeadTail
+
+SLICE_S = 0.25  # [s] waiting is cut into these, so that all limits are seen
+LAST_WORDS_S = 2.0  # [s] for the process to end after its connection did
+READ_BYTES = 65536  # [B] the capacity of a pipe
+
+
+class Conversation:
+    """The trusted side of the protocol. Whatever the program does, it ends as an outcome."""
+
+    def __init__(self, cage: Confined, limits: Limits) -> None:
+        self.limits = limits
+        self.outcome: Outcome | None = None
+        self._cage = cage
+        self._socket = cage.socket
+        self._poll = select.poll()
+        for descriptor in (self._socket.fileno(), cage.pidfd, cage.output):
+            self._poll.register(descriptor, select.POLLIN)
+        self._socket_fd = self._socket.fileno()
+        self._answer_only = [(self._socket_fd, select.POLLIN)]
+        self._cpu_every_s = cage.cpu_every_s
+        self._buffer = bytearray(frames.MOST_BYTES)
+        self._printed = HeadTail(limits.output_kib << 10)
+        self._news = HeadTail(limits.output_kib << 10)
+        self._sequence = 0
+        self._loaded = False
+        self._waited_s = self._cpu_before_s = self._cpu_seen_s = self._cpu_at = 0.0
+
+    def begin(self) -> None:
+        """From now on time and blame are the program's: it arrives."""
+        self._loaded = True
+        self._cpu_before_s = self._cpu_seen_s = self._cage.cpu_s()
+        self._waited_s = 0.0
+
+    def finish(self) -> Outcome:
+        """Say good-bye; the same process must answer and end by itself, well."""
+        self.ask(frames.QUIT)
+        self._look_at_limits()
+        self._cage.memory_mib()
+        self.answer(frames.BYE, self.limits.stepping, "The end of the program")
+        code = self._cage.exit_code(LAST_WORDS_S)
+        if code != 0:
+            self.end(verdicts.died(code) if code else _lives_on())
+        self._drain()
+        self.outcome = self._outcome(Failure(Verdict.OK, "The program ended well.", ""))
+        return self.outcome
+
+    def take_output(self) -> bytes:
+        """Return what was printed since the last call: head and tail if it is much."""
+        self._drain()
+        return self.last_output()
+
+    def last_output(self) -> bytes:
+        """Return what was printed and already read since the last call."""
+        text = self._news.text()
+        self._news = HeadTail(self.limits.output_kib << 10)
+        return text
+
+    def ask(self, kind: bytes, body: bytes = b"") -> None:
+        """Send one frame, after a look whether the program spoke without being asked."""
+        if self.outcome is not None:
+            raise ProgramEnded(self.outcome)
+        if self._poll.poll(0):
+            self._look_between()
+        self._sequence += 1
+        message = frames.frame(kind, self._sequence, body)
+        deadline = time.monotonic() + self.limits.start_wall_s
+        while not self._sent(message):
+            self._look_at_limits()
+            if time.monotonic() > deadline:
+                self._late("The program", self.limits.start_wall_s, since_cpu_s=self._cpu_seen_s)
+            writable = select.poll()
+            writable.register(self._socket.fileno(), select.POLLOUT)
+            writable.poll(SLICE_S * 1000)
+            self._drain()
+
+    def _sent(self, message: bytes) -> bool:
+        try:
+            self._socket.send(message)
+        except BlockingIOError:
+            return False
+        except (BrokenPipeError, ConnectionResetError):
+            self._gone()
+        return True
+
+    def answer(self, kind: bytes, patience: Patience, waited_for: str) -> memoryview:
+        """Return the program's answer; drains its output and minds all limits meanwhile."""
+        begin = now = time.monotonic()
+        seen_s = self._cpu_seen_s
+        deadline = begin + min(patience.wall_s, max(self.limits.wall_s - self._waited_s, 0.0))
+        while True:
+            ready = self._poll.poll(min(deadline - now, SLICE_S) * 1000) if now < deadline else []
+            now = time.monotonic()
+            if now - self._cpu_at > self._cpu_every_s:
+                self._cpu_at = now
+                self._look_at_limits()
+            if not ready:
+                seen_s = self._mind_answer(patience, waited_for, seen_s, now - begin)
+            if ready != self._answer_only:  # it prints, it ended, or it is late
+                self._drain()
+            descriptors = dict(ready)
+            if self._socket_fd in descriptors:
+                self._waited_s += now - begin
+                return self._received(kind)
+            if self._cage.pidfd in descriptors:
+                self._gone()
+            if now >= deadline:
+                self._late(waited_for, patience.wall_s, since_cpu_s=seen_s)
+
+    def _mind_answer(
+        self, patience: Patience, waited_for: str, seen_s: float, waited_s: float
+    ) -> float:
+        """End the run if one answer took too much CPU time; return that of its begin.
+
+        It was last read some steps before. On one core, more than the time that went by since the
+        begin cannot be this answer's.
+        """
+        self._look_at_limits()
+        begin_s = max(seen_s, self._cpu_seen_s - waited_s)
+        if self._loaded and self._cpu_seen_s - begin_s > patience.cpu_s:
+            self.end(verdicts.answer_limit(waited_for, patience.cpu_s))
+        return begin_s
+
+    def _received(self, kind: bytes) -> memoryview:
+        """Return the waiting frame if it is the answer to the present question."""
+        size = self._received_bytes()
+        if size == 0:
+            self._gone()
+        try:
+            if size > len(self._buffer):
+                raise FrameInvalid(f"The program sent a frame of {size} bytes past its runner.")
+            data = memoryview(self._buffer)[:size]
+            if frames.check(data, kind + frames.FAILED, self._sequence) == frames.FAILED:
+                self._failed(frames.failure(data))
+        except FrameInvalid as reason:
+            self.end(verdicts.misbehaved(str(reason)))
+        return data
+
+    def _received_bytes(self, flags: int = 0) -> int:
+        """Return the size of the waiting frame, also if it is cut; 0 at the connection's end."""
+        try:
+            return self._socket.recv_into(self._buffer, 0, socket.MSG_TRUNC | flags)
+        except ConnectionResetError:
+            return 0
+
+    def _look_between(self) -> None:
+        """Nothing but print may come from the program while nobody asks it."""
+        self._drain()
+        descriptors = [descriptor for descriptor, _ in self._poll.poll(0)]
+        if self._socket_fd in descriptors:
+            if self._received_bytes(socket.MSG_PEEK):
+                self.end(verdicts.misbehaved("The program answered a question nobody asked."))
+            self._gone()
+        if self._cage.pidfd in descriptors:
+            self._gone()
+
+    def _drain(self) -> None:
+        """Take what the program printed; ends the run if it is too much."""
+        data = b" "
+        while data:
+            try:
+                data = os.read(self._cage.output, READ_BYTES)
+            except BlockingIOError:
+                return
+            self._printed.feed(data)
+            self._news.feed(data)
+            if self._printed.total > self.limits.output_max_mib << 20 and self.outcome is None:
+                self.end(verdicts.output_limit(self.limits))
+        if self._cage.output >= 0 and self.outcome is None:
+            self._forget_output()
+
+    def _forget_output(self) -> None:
+        """Stop looking at a pipe whose other end is closed: it would be readable for ever."""
+        try:
+            self._poll.unregister(self._cage.output)
+        except KeyError:
+            return
+
+    def _look_at_limits(self) -> None:
+        self._cpu_seen_s = self._cage.cpu_s()
+        used_s = self._cpu_seen_s - self._cpu_before_s
+        if self._loaded and used_s > self.limits.cpu_s:
+            self.end(verdicts.cpu_limit(self.limits, used_s))
+
+    def _late(self, waited_for: str, wall_s: float, *, since_cpu_s: float) -> NoReturn:
+        """End the run for its wall time; the host is suspected if little CPU time was used."""
+        self._look_at_limits()
+        whole_run = self._waited_s + wall_s > self.limits.wall_s
+        said = (
+            verdicts.run_limit(self.limits)
+            if whole_run
+            else verdicts.wall_limit(waited_for, wall_s)
+        )
+        used_s = self._cpu_seen_s - (self._cpu_before_s if whole_run else since_cpu_s)
+        self.end(said, suspect_host=used_s < wall_s / 2)
+
+    def _failed(self, failure: Failure) -> NoReturn:
+        """End the run for what the runner reports, seen in the light of the kernel's counters."""
+        if failure.verdict is Verdict.USER_ERROR and self._cage.out_of_memory():
+            failure = verdicts.memory_limit(self.limits)
+        elif failure.verdict is Verdict.USER_ERROR and self._cage.out_of_processes():
+            failure = verdicts.process_limit(self.limits, failure.traceback)
+        self.end(failure)
+
+    def _gone(self) -> NoReturn:
+        """End the run because the process ended, or closed its connection and lives on."""
+        code = self._cage.exit_code(LAST_WORDS_S)
+        if code is None:
+            self.end(_lives_on())
+        self._look_at_limits()
+        if self._cage.out_of_memory():
+            self.end(verdicts.memory_limit(self.limits))
+        self._failed(verdicts.died(code))
+
+    def end(self, failure: Failure, *, suspect_host: bool = False) -> NoReturn:
+        """Kill the box, keep what is known, raise it."""
+        outcome = self._outcome(failure, suspect_host=suspect_host)
+        self._cage.kill()
+        self.outcome = outcome
+        self._drain()
+        if not self._loaded:
+            raise SandboxBroken(
+                f"{failure.sentence} {frames.readable(self._printed.text())}".strip()
+            )
+        self.outcome = self._outcome(failure, suspect_host=suspect_host)
+        raise ProgramEnded(self.outcome)
+
+    def _outcome(self, failure: Failure, *, suspect_host: bool = False) -> Outcome:
+        return Outcome(
+            verdict=failure.verdict,
+            sentence=failure.sentence,
+            traceback=failure.traceback,
+            cpu_s=max(self._cage.cpu_s() - self._cpu_before_s, 0.0),
+            wall_s=self._waited_s,
+            memory_mib=self._cage.memory_mib(),
+            output=self._printed.text(),
+            output_dropped=self._printed.dropped,
+            suspect_host=suspect_host,
+        )
+
+
+def _lives_on() -> Failure:
+    return verdicts.misbehaved("The program closed its connection to the simulator and lived on.")
