@@ -63,7 +63,13 @@ def order_options(command: Command) -> Command:
             click.option("--controller", metavar="FILE|NAME", default="pi", show_default=True),
             *configuration_options(),
             click.option("--seed", type=click.IntRange(0, SEED_MAX), help="Else drawn, and shown."),
-            click.option("--trials", type=click.IntRange(1, 100), default=1, show_default=True),
+            click.option(
+                "--trials",
+                type=click.IntRange(1, 100),
+                default=1,
+                show_default=True,
+                help="Here they run side by side, one per core; the bytes are the same.",
+            ),
         )
     ):
         command = option(command)

@@ -55,10 +55,10 @@ SOLUTIONS: Mapping[str, Callable[[BoxLike], Any]] = {"controller": Boxed}
 
 
 def real_boxes(place: Place) -> MakeBox:
-    """Return how boxes are made on this host."""
+    """Return how boxes are made on this host: on the core of the process that makes them."""
 
     def make(language: str, limits: Limits) -> Box:
-        return Box(language, limits=limits, level=place.level, core=place.core)
+        return Box(language, limits=limits, level=place.level)
 
     return make
 

@@ -24,6 +24,7 @@ class Kind(Enum):
     HELLO = b"H"  # JSON: {"pid"}
     ENDING = b"D"  # JSON: how the evaluation ended, see worker.trials.Ending
     ERROR = b"E"  # text: a traceback of ours
+    RESULT = b"P"  # pickle: how one trial ended, from a fork to its parent alone
 
 
 @dataclass(frozen=True, slots=True)

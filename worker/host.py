@@ -1,9 +1,10 @@
 """What the host of a worker can enforce, found out once at the worker's start."""
 
+import os
 import subprocess
 import sys
 import time
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from typing import Self
 
 import structlog
@@ -16,6 +17,8 @@ from sandbox.probes import probe
 from server.db import Database
 from server.settings import Settings
 from server.tables import Worker
+from worker.cores import new_locks
+from worker.job import Place
 
 _log = structlog.get_logger()
 
@@ -29,6 +32,7 @@ class Host:
     level: Level
     findings: tuple[Finding, ...]
     languages: tuple[str, ...]
+    core_locks: int = field(default_factory=new_locks)
 
     @classmethod
     def look(cls, settings: Settings, *, name: str) -> Self:
@@ -47,6 +51,13 @@ class Host:
     def box_level(self) -> Level:
         """The level at which boxes are made; none where uploads are not run."""
         return self.level if self.languages else Level.NONE
+
+    def place(self, index: int) -> Place:
+        """Return where the runs of one process of the pool are at home."""
+        cores = sorted(os.sched_getaffinity(0))
+        share = tuple(cores[: self.settings.workers])
+        home = cores[index % len(cores)]
+        return Place(self.box_level, home, share=share, locks=self.core_locks)
 
     def supervise(self) -> None:
         """Start the process that sweeps and says that this worker lives."""

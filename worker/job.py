@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any, Self
 
 from sandbox.level import Level
+from worker.cores import NO_LOCKS, Cores
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -39,4 +40,29 @@ class Place:
     """Where evaluations run on this host."""
 
     level: Level  # of isolation
-    core: int | None  # simulator and box share it; None: not pinned
+    core: int | None  # where simulator and box of a single trial are; None: not pinned
+    share: tuple[int, ...] = ()  # cores on which the trials of one run may be side by side
+    locks: int = NO_LOCKS  # descriptor of what says which of them are in use
+
+    def cores(self) -> Cores:
+        """Return the cores of one run."""
+        return Cores(self.core, self.share, locks=self.locks)
+
+    def cores_for(self, trials: int) -> Cores | None:
+        """Return the cores for trials side by side; None if they come one after the other."""
+        return self.cores() if min(trials, self.cores().count) > 1 else None
+
+    def descriptors(self) -> tuple[int, ...]:
+        """Return what a process that works here has to inherit."""
+        return () if self.locks == NO_LOCKS else (self.locks,)
+
+    def to_text(self) -> str:
+        """Return the place as it travels; the descriptor keeps its number."""
+        return json.dumps(asdict(self) | {"level": self.level.name})
+
+    @classmethod
+    def from_text(cls, text: str) -> Self:
+        """Read what `to_text` wrote."""
+        values = json.loads(text)
+        share = tuple(values.pop("share"))
+        return cls(level=Level[values.pop("level")], share=share, **values)

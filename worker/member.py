@@ -11,7 +11,6 @@ from server.db import Database
 from server.settings import Settings
 from worker.evaluate import StopFlag, Tools, evaluate
 from worker.host import Host
-from worker.job import Place
 from worker.simulation import Simulator, SimulatorBroken
 from worker.sweeping import sweep_once
 
@@ -39,9 +38,7 @@ class Member:
         self._host = host
         self._database = Database(settings.database_url)
         self._redis = broker.connect(settings)
-        cores = sorted(os.sched_getaffinity(0))
-        place = Place(host.box_level, cores[index % len(cores)])
-        self._simulator = simulator or Simulator(place, settings.data / "compiled")
+        self._simulator = simulator or Simulator(host.place(index), settings.data / "compiled")
         self._simulator.start()
         self._stopping = stopping
         self._broken = 0  # evaluations in a row that failed by our fault

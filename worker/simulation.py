@@ -44,13 +44,12 @@ class Simulator:
         self.stop()
         self._warm = False
         self._control, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
-        core = "-" if self._place.core is None else str(self._place.core)
-        facts = [str(theirs.fileno()), self._place.level.name, core, str(os.getpid())]
+        facts = [str(theirs.fileno()), self._place.to_text(), str(os.getpid())]
         command = [sys.executable, "-s", "-P", *self._program, *facts]
         with theirs:
             self._process = subprocess.Popen(
                 command,
-                pass_fds=[theirs.fileno()],
+                pass_fds=[theirs.fileno(), *self._place.descriptors()],
                 stdin=subprocess.DEVNULL,
                 env=os.environ | _compiled_code_at(self._cache),
             )

@@ -1,6 +1,6 @@
 """The simulator zygote: one warm process per celery child, which forks a child for each run.
 
-    python -s -P -m worker.simulator <descriptor> <level> <core or -> <parent>
+    python -s -P -m worker.simulator <descriptor> <place> <parent>
 
 It loads the simulator and its compiled code once. A job comes in as one packet on the descriptor,
 with the socket on which the child tells what happens. One child waits beforehand, with a Python box
@@ -16,9 +16,6 @@ import traceback
 from collections.abc import Mapping
 from dataclasses import asdict
 
-import numpy as np
-from numpy.typing import NDArray
-
 from sandbox.box import Box
 from sandbox.level import Level
 from sandbox.limits import Limits
@@ -31,35 +28,13 @@ from worker.boxed import real_boxes, real_compiler
 from worker.frames import Kind
 from worker.job import Job, Place
 from worker.process_control import die_with_parent, limit_simulator, pin
+from worker.telling import Telling
 from worker.trials import Ending, Evaluation
 
 READY = b"ready"  # sent once on the control socket when everything is loaded and compiled
 JOB_MAX = 128 * 1024  # [byte]
 CPU_LIMIT_S = 4 * 3600  # [s] of one simulator child
 USUAL_BENCHMARK = "currents-v1"  # whose standard configuration the warm box is made for
-
-
-class Telling:
-    """A `worker.trials.Listener` that passes everything on as frames."""
-
-    def __init__(self, channel: socket.socket) -> None:
-        self._channel = channel
-
-    def rows(self, rows: NDArray[np.float64]) -> None:
-        """Send telemetry."""
-        frames.send(self._channel, Kind.ROWS, np.ascontiguousarray(rows, "<f8").tobytes())
-
-    def log(self, text: bytes) -> None:
-        """Send what the program printed."""
-        frames.send(self._channel, Kind.LOG, text)
-
-    def trial_ended(self, trial: int) -> None:
-        """Tell that a trial has ended."""
-        frames.send(self._channel, Kind.TRIAL, {"trial": trial})
-
-    def cut(self, trial: int, why: str) -> None:
-        """Tell that a trial is done again."""
-        frames.send(self._channel, Kind.CUT, {"trial": trial, "why": why})
 
 
 class Zygote:
@@ -154,6 +129,7 @@ def _wait_and_run(channel: socket.socket, place: Place) -> None:
     with socket.socket(fileno=descriptors[0]) as out:
         frames.send(out, Kind.HELLO, {"pid": os.getpid()})
         try:
+            place.cores().move_in()
             ending = evaluate(Job.from_json(packet), out, place, warm)
         finally:
             if sys.exc_info()[0] is not None:
@@ -163,10 +139,13 @@ def _wait_and_run(channel: socket.socket, place: Place) -> None:
 
 def evaluate(job: Job, out: socket.socket, place: Place, warm: Box | None) -> Ending:
     """Evaluate the job, telling everything to `out`."""
-    fitting = warm if warm is not None and _fits(job) else None
+    cores = place.cores_for(len(job.seeds))
+    fitting = warm if warm is not None and cores is None and _fits(job) else None
     try:
         make, compile_ = real_boxes(place), real_compiler(place)
-        return Evaluation(job, Telling(out), make, compile_program=compile_, warm=fitting).run()
+        return Evaluation(
+            job, Telling(out), make, compile_program=compile_, warm=fitting, cores=cores
+        ).run()
     finally:
         if warm is not None and fitting is None:
             _discard(warm)
@@ -208,9 +187,9 @@ def _warm_box(place: Place) -> Box | None:
 
 def main(arguments: list[str]) -> None:
     """Be the zygote."""
-    descriptor, level, core, parent = arguments
+    descriptor, place_text, parent = arguments
     die_with_parent(int(parent))
-    place = Place(Level[level], None if core == "-" else int(core))
+    place = Place.from_text(place_text)
     with socket.socket(fileno=int(descriptor)) as control:
         warm_up()
         Zygote(control, place).serve()

@@ -3,6 +3,7 @@
 The same trials, boxes and digest as on the server, so the same bytes.
 """
 
+import os
 import tempfile
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -14,6 +15,7 @@ from numpy.typing import NDArray
 from sandbox.languages import language_of
 from sandbox.level import Level
 from sim import registry
+from sim.warm_up import warm_up
 from worker.boxed import real_boxes, real_compiler
 from worker.job import Job, Place
 from worker.trials import Ending, Evaluation
@@ -48,6 +50,7 @@ def evaluate_here(
     controller: str | tuple[bytes, str] = "pi",
     hearing: Hearing,
     level: Level = Level.NONE,
+    processes: int | None = None,
 ) -> Ending:
     """Evaluate a controller and return how it ended, with metrics, manifest and digest.
 
@@ -57,6 +60,9 @@ def evaluate_here(
         Name of a built-in one, or (source, file name) of a program, which runs in a box.
     level
         Isolation of the box; see `sandbox.probes.probe`.
+    processes
+        How many trials run side by side; as many as there are cores if it is not given. It makes
+        no difference to what comes out.
 
     Raises
     ------
@@ -82,10 +88,12 @@ def evaluate_here(
             filename=name if source is not None else "",
             language=(language_of(name) or "python") if source is not None else "python",
         )
-        place = Place(level, None)
-        return Evaluation(
-            job, listener, real_boxes(place), compile_program=real_compiler(place)
-        ).run()
+        place = Place(level, None, share=tuple(sorted(os.sched_getaffinity(0))[:processes]))
+        make, compile_ = real_boxes(place), real_compiler(place)
+        cores = place.cores_for(trials)
+        if cores is not None:
+            warm_up()  # once, and not in each of the trials' processes
+        return Evaluation(job, listener, make, compile_program=compile_, cores=cores).run()
 
 
 class _Listener:

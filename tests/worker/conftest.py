@@ -24,7 +24,7 @@ from worker.command_lines import worker_arguments
 SHORT = {"levels": [0.0, 0.2], "level_duration_s": 4.0, "settle_s": 1.0}
 LONG = {"levels": [0.0, 0.2], "level_duration_s": 600.0, "settle_s": 1.0}
 START_S = 240.0  # the first start of all compiles the simulator, on a busy machine for minutes
-_QUICK = {"lease_s": 3.0, "heartbeat_s": 1.0, "sweep_s": 1.0, "workers": 1}
+QUICK = {"lease_s": 3.0, "heartbeat_s": 1.0, "sweep_s": 1.0, "workers": 1}
 
 
 @dataclass
@@ -94,7 +94,7 @@ class Service:
         self.database.close()
 
 
-def _service(settings: Settings) -> Service:
+def service_with(settings: Settings) -> Service:
     upgrade(settings)
     database = Database(settings.database_url)
     with database.writing() as session:
@@ -110,7 +110,7 @@ def running(tmp_path_factory: pytest.TempPathFactory, _valkey: str) -> Iterator[
     with Redis.from_url(_valkey) as client:
         client.flushall()
     quotas = {"quota_live": 100, "quota_day": 1000}
-    made = _service(Settings(data=data, broker_url=_valkey, **_QUICK, **quotas))
+    made = service_with(Settings(data=data, broker_url=_valkey, **QUICK, **quotas))
     made.start_worker()
     yield made
     made.close()
@@ -119,7 +119,7 @@ def running(tmp_path_factory: pytest.TempPathFactory, _valkey: str) -> Iterator[
 @pytest.fixture
 def service(settings: Settings) -> Iterator[Service]:
     """A service on SQLite and a Unix socket, without a worker yet."""
-    made = _service(settings.model_copy(update=_QUICK))
+    made = service_with(settings.model_copy(update=QUICK))
     yield made
     made.close()
 
@@ -128,6 +128,6 @@ def service(settings: Settings) -> Iterator[Service]:
 def production(tmp_path: Path, postgres_url: str, redis_tcp_url: str) -> Iterator[Service]:
     """A service on PostgreSQL and TCP, without a worker yet."""
     urls = {"database_url": postgres_url, "broker_url": redis_tcp_url}
-    made = _service(Settings(data=tmp_path / "data", secret_key="test", **urls, **_QUICK))
+    made = service_with(Settings(data=tmp_path / "data", secret_key="test", **urls, **QUICK))
     yield made
     made.close()

@@ -1,0 +1,114 @@
+"""Trials side by side in a real service: one that is killed costs an attempt, a cancel ends all."""
+
+import os
+import signal
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from redis import Redis
+
+from sandbox.accounting import parent_of, tree
+from server import runs
+from server.runs import RunState
+from server.settings import Settings
+from sim.telemetry import INDEX, digest
+from tests.worker.conftest import LONG, QUICK, SHORT, Service, service_with
+from worker.single import Hearing, evaluate_here
+
+pytestmark = [pytest.mark.slow, pytest.mark.host]
+
+TRIALS = {**LONG, "level_duration_s": 100.0}
+P = """
+class Controller:
+    def __init__(self, config):
+        self.kp = config["kp"]
+    def reset(self, level):
+        pass
+    def step(self, observation):
+        return [self.kp * observation.error[0], self.kp * observation.error[1], 0.0, 0.0]
+"""
+
+
+@pytest.fixture(scope="module")
+def two_cores(tmp_path_factory: pytest.TempPathFactory, _valkey: str) -> Iterator[Service]:
+    """A service whose worker has two processes."""
+    if len(os.sched_getaffinity(0)) < 2:
+        pytest.skip("one core: trials run one after the other")
+    with Redis.from_url(_valkey) as client:
+        client.flushall()
+    data = tmp_path_factory.mktemp("service")
+    made = service_with(Settings(data=data, broker_url=_valkey, **{**QUICK, "workers": 2}))
+    made.start_worker()
+    yield made
+    made.close()
+
+
+def trials_of(service: Service) -> list[int]:
+    """The processes of trials: forks of a fork of the worker's simulator."""
+    simulators = {pid for pid in tree(service.workers[0].pid) if _simulates(pid)}
+    forks = {pid for pid in simulators if parent_of(pid) in simulators}
+    return sorted(pid for pid in forks if parent_of(pid) in forks)
+
+
+def _simulates(pid: int) -> bool:
+    try:
+        return b"worker.simulator" in Path(f"/proc/{pid}/cmdline").read_bytes()
+    except OSError:  # it ended meanwhile
+        return False
+
+
+def _running_side_by_side(service: Service, run_id: int) -> list[int]:
+    found: list[int] = []
+
+    def both(view: runs.RunView) -> bool:
+        found[:] = trials_of(service)
+        assert not view.state.final
+        return view.t_simulated > 0 and len(found) == 2
+
+    service.wait(run_id, both)
+    return found
+
+
+def test_a_trial_that_is_killed_costs_one_attempt_and_nothing_is_lost(two_cores: Service) -> None:
+    run_id = two_cores.upload(P, TRIALS, trials=4)
+
+    os.kill(_running_side_by_side(two_cores, run_id)[-1], signal.SIGKILL)
+    view = two_cores.ended(run_id)
+
+    assert (view.state, view.attempt) == (RunState.SUCCEEDED, 2)
+    rows = two_cores.files(run_id).rows()
+    assert digest(rows) == view.digest
+    assert rows[:, INDEX["trial"]].tolist() == sorted(rows[:, INDEX["trial"]].tolist())
+    assert two_cores.files(run_id).attempts() == [1, 2]
+    assert trials_of(two_cores) == []
+
+
+def test_a_cancel_ends_all_trials_within_two_seconds(two_cores: Service) -> None:
+    run_id = two_cores.upload(P, LONG, trials=10)
+    _running_side_by_side(two_cores, run_id)
+
+    asked = time.monotonic()
+    with two_cores.database.writing() as session:
+        assert runs.request_cancel(session, run_id)
+    view = two_cores.wait(run_id, lambda view: "t_reached" in view.detail)
+    took = time.monotonic() - asked
+
+    assert view.state is RunState.CANCELLED
+    assert took < 2.0
+    assert trials_of(two_cores) == []
+    assert two_cores.files(run_id).row_count() > 0
+
+
+def test_two_runs_at_once_give_the_bytes_of_a_local_run(two_cores: Service) -> None:
+    deaf = Hearing(
+        rows=lambda _: None, log=lambda _: None, progress=lambda _: None, cut=lambda _: None
+    )
+    order = {"seed": 3, "trials": 3, "hearing": deaf}
+    wanted = evaluate_here("currents-v1", SHORT, controller="p", processes=1, **order).digest
+
+    queued = [two_cores.queue(controller="p", trials=3), two_cores.upload(P, trials=3)]
+    views = [two_cores.ended(run_id) for run_id in queued]
+
+    assert [view.digest for view in views] == [wanted, wanted]
