@@ -65,7 +65,8 @@ class Simulator:
         SimulatorBroken
             When the zygote ended before it was ready.
         """
-        self.start()
+        if self._process is None or self._warm:  # one that ended while it starts is not hushed up
+            self.start()
         assert self._control is not None  # noqa: S101 - start made it
         if not self._warm and select.select([self._control], [], [], timeout_s)[0]:
             self._warm = bool(self._control.recv(READY_MAX))
