@@ -14,6 +14,8 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, ValidationIn
 from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
+from sim.quantity import Metric
+
 Role = Literal["scenario", "solution"]
 JSON_TYPES: dict[object, str] = {bool: "boolean", int: "integer", float: "number", str: "string"}
 
@@ -62,6 +64,14 @@ class Configuration(BaseModel, ABC):
     def idle_columns(self) -> frozenset[str]:
         """Return the columns of the telemetry that stay 0 in every such run; none here."""
         return frozenset()
+
+    def headline(self) -> Metric | None:
+        """Return what the score is where it is not the benchmark's own headline; else None."""
+        return None
+
+    @abstractmethod
+    def level_metric(self) -> Metric:
+        """Return what a level's value is; its name is the value's in the metrics of a level."""
 
     @abstractmethod
     def level_values(self) -> tuple[float, ...]:
@@ -145,6 +155,15 @@ def knob(  # noqa: PLR0913  # one keyword per word of the schema
         validate_default=True,
         **bounds,
     )
+
+
+def again(
+    inherited: FieldInfo, default: object, *, tag: str | None = None, role: Role | None = None
+) -> Any:  # as `knob`
+    """Return a setting of another configuration with a default, tag or role of its own."""
+    changes = {"x-tag": tag, "x-role": role}
+    extra = extra_of(inherited) | {key: value for key, value in changes.items() if value}
+    return FieldInfo.merge_field_infos(inherited, default=default, json_schema_extra=extra)
 
 
 def extra_of(field: FieldInfo) -> dict[str, Any]:

@@ -16,9 +16,9 @@ from sim.experiments import OnRows
 from sim.observation import THRUSTERS, empty
 from sim.program import Command, Program
 from sim.sensors import Truth
-from sim.station_keeper import Aim, crossing
+from sim.station_keeper import Aim
 from sim.telemetry import Recorder
-from sim.tracking import Seen
+from sim.tracking import Seen, pictured
 from sim.velocity_controller import Sensed
 from sim.world import World
 
@@ -95,7 +95,7 @@ class LevelLoop:
             *placed,
             *moving,
             *world.plant.current_world().tolist(),
-            *self._pictured(seen, aim),
+            *pictured(seen, aim.error, self._centre, self._station),
             *reference,
             *known.sensed.velocity,
             *thrust,
@@ -164,18 +164,3 @@ class LevelLoop:
         reference = self._program.step(self._observation.copy())
         self._step_us = (time.perf_counter_ns() - began) * 1e-3
         return reference
-
-    def _pictured(self, seen: Seen, aim: Aim) -> tuple[float, ...]:
-        """Return the columns from `target_x` to `distance`."""
-        u0, v0 = self._centre
-        x, y, z = (a - b for a, b in zip(seen.camera_m, self._station, strict=True))
-        off_x, off_y = seen.target[0] - u0, seen.target[1] - v0
-        return (
-            *seen.target,
-            *crossing(seen.corners),
-            *seen.corners,
-            *(seen.ok, seen.error_px),
-            *aim.error,
-            *(off_x, off_y, math.sqrt(off_x * off_x + off_y * off_y)),
-            math.sqrt(x * x + y * y + z * z),
-        )

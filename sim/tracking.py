@@ -4,6 +4,8 @@
 """
 
 import math
+import time
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -11,6 +13,7 @@ from numpy.typing import NDArray
 
 from sim.camera.camera import Camera
 from sim.experiment_settings import ExperimentSettings
+from sim.station_keeper import crossing
 from sim.streams import Streams
 from sim.trackers import TRACKERS, Tracker, make
 
@@ -38,17 +41,25 @@ class Tracking:
         start_error: NDArray[np.float64],
         *,
         tracker: Tracker | None = None,
+        reference: Camera | None = None,
     ) -> None:
         """Set up the tracker: the given one, else the configured one.
 
-        `start_error`, (4, 2) [px], is added to its first corners.
+        Parameters
+        ----------
+        start_error : (4, 2) [px]
+            Added to its first corners.
+        reference
+            Takes the first picture, from which the tracker learns the target, in place of `camera`.
         """
         self._camera = camera
+        self._reference = reference or camera
         self._start_error = start_error
         self._uwsim = config.target_truth == "uwsim"
         self._pose: Pose = np.zeros(6)
         self._tracker = tracker or self._configured(config)
         self._seen = Seen()
+        self.step_us = 0.0  # wall time of the tracker's last answer; never part of a result
 
     def _configured(self, config: ExperimentSettings) -> Tracker:
         wanted = {"warp": config.warp, "criterion": config.criterion, "method": config.method}
@@ -63,14 +74,17 @@ class Tracking:
         """Show the first picture and tell where the target is in it."""
         self._pose = pose
         corners = self._camera.corners(pose) + self._start_error
-        self._tracker.start(self._camera.grey(pose, frame), corners)
+        self._tracker.start(self._reference.grey(pose, frame), corners)
         self._seen.corners, self._seen.ok = corners.ravel().tolist(), True
         return self._judged(pose)
 
     def update(self, pose: Pose, frame: int) -> Seen:
         """Show the next picture and return what the tracker makes of it, beside the truth."""
         self._pose = pose
-        track = self._tracker.update(self._camera.region(pose, frame, self._tracker.window()))
+        picture = self._camera.region(pose, frame, self._tracker.window())
+        began = time.perf_counter_ns()
+        track = self._tracker.update(picture)
+        self.step_us = (time.perf_counter_ns() - began) * 1e-3
         self._seen.ok = track.ok
         if track.ok:
             self._seen.corners = track.corners.ravel().tolist()
@@ -89,9 +103,44 @@ class Tracking:
         return seen
 
 
+def pictured(
+    seen: Seen,
+    error: Sequence[float],
+    centre: tuple[float, float],
+    station: Sequence[float],
+) -> tuple[float, ...]:
+    """Return the columns of the telemetry from `target_x` to `distance`.
+
+    Parameters
+    ----------
+    error : (3,) [m]
+        As the program saw it.
+    centre [px]
+        Principal point of the picture.
+    station : (3,) [m]
+        Where the camera should be, NED.
+    """
+    x, y, z = (a - b for a, b in zip(seen.camera_m, station, strict=True))
+    off_x, off_y = seen.target[0] - centre[0], seen.target[1] - centre[1]
+    return (
+        *seen.target,
+        *crossing(seen.corners),
+        *seen.corners,
+        *(seen.ok, seen.error_px),
+        *error,
+        *(off_x, off_y, math.sqrt(off_x * off_x + off_y * off_y)),
+        math.sqrt(x * x + y * y + z * z),
+    )
+
+
 def tracking_of(
-    config: ExperimentSettings, camera: Camera, random: Streams, *, tracker: Tracker | None = None
+    config: ExperimentSettings,
+    camera: Camera,
+    random: Streams,
+    *,
+    tracker: Tracker | None = None,
+    reference: Camera | None = None,
 ) -> Tracking:
     """Return the given or else the configured tracker, its start perturbed as configured."""
-    noise = random.start.standard_normal((4, 2))
-    return Tracking(camera, config, config.start_error_px * noise, tracker=tracker)
+    error = config.start_error_px * random.start.standard_normal((4, 2))
+    return Tracking(camera, config, error, tracker=tracker, reference=reference)

@@ -121,12 +121,22 @@ def summarise(
         "score_high": interval[1] if interval else None,
         "rankable": rankable,
         "level_held": _lowest(held),
+        "overall": _mean_overall([result.standing.overall for result in results]),
         "trials": [_entry(result) for result in results],
         "levels": [
             mean_over_trials([_plain(level) for level in same])
             for same in zip(*(result.levels for result in results), strict=True)
         ],
     }
+
+
+def _mean_overall(trials: Sequence[Mapping[str, float | None]]) -> dict[str, float | None]:
+    """Return the mean of each metric over the trials that have it; None if none has."""
+    result: dict[str, float | None] = {}
+    for name in trials[0] if trials else ():
+        known = [value for trial in trials if (value := trial[name]) is not None]
+        result[name] = mean(known) if known else None
+    return result
 
 
 def _lowest(held: Sequence[float | None]) -> float | None:
@@ -147,6 +157,7 @@ def _entry(result: TrialResult) -> dict[str, Any]:
         "trial": result.trial,
         "score": result.score if math.isfinite(result.score) else None,
         "level_held": result.standing.level_held,
+        "overall": dict(result.standing.overall),
         "rankable": result.standing.rankable,
         "digest": result.digest,
         "levels": [_plain(level) for level in result.levels],

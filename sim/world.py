@@ -44,6 +44,7 @@ class Conditions:
 
     current: Current
     water: Water
+    reference: Water | None = None  # of the picture from which the tracker learns the target
 
 
 @dataclass(slots=True, kw_only=True)
@@ -67,7 +68,7 @@ class World:
             self.contact.close()
 
 
-def camera_of(config: ExperimentSettings, water: Water, random: Streams) -> Camera:
+def camera_of(config: ExperimentSettings, water: Water, *, noise_seed: int) -> Camera:
     """Return the camera above the target: all that a picture needs of a world."""
     optics = Optics(
         width=config.camera_width_px,
@@ -75,10 +76,10 @@ def camera_of(config: ExperimentSettings, water: Water, random: Streams) -> Came
         focal_px=config.camera_focal_px,
     )
     target = Target(length_m=TARGET_M[0], width_m=TARGET_M[1])
-    return Camera(optics, water, target, noise_seed=_noise_seed(random))
+    return Camera(optics, water, target, noise_seed=noise_seed)
 
 
-def _noise_seed(random: Streams) -> int:
+def noise_seed_of(random: Streams) -> int:
     """Return the seed of a level's noise in the pictures; the first number of its stream."""
     return int(random.camera.integers(2**63))
 
@@ -97,7 +98,11 @@ def world_of(
     tracker
         Takes the place of the configured one.
     """
-    camera = camera_of(config, conditions.water, random)
+    noise_seed = noise_seed_of(random)
+    camera = camera_of(config, conditions.water, noise_seed=noise_seed)
+    reference = None
+    if conditions.reference is not None:
+        reference = camera_of(config, conditions.reference, noise_seed=noise_seed)
     optics, target = camera.optics, camera.target
     start = start_pose(optics, target, config.altitude_m)
     vehicle = load(config.vehicle)
@@ -117,7 +122,7 @@ def world_of(
         camera=camera,
         plant=plant,
         sensors=_sensors(config, random),
-        tracking=tracking_of(config, camera, random, tracker=tracker),
+        tracking=tracking_of(config, camera, random, tracker=tracker, reference=reference),
         keeper=StationKeeper(
             Geometry(
                 focal_px=optics.focal_px,

@@ -11,6 +11,7 @@ from sim.configuration import (
     schema_of,
 )
 from sim.entry import Entry
+from sim.quantity import Metric as Metric
 
 if TYPE_CHECKING:
     from sim.experiments import Experiment
@@ -23,16 +24,6 @@ class Chart:
     title: str
     unit: str
     columns: tuple[str, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class Metric:
-    """A number that a run ends with; `better` is "lower" or "higher"."""
-
-    name: str
-    label: str
-    unit: str
-    better: str
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -50,7 +41,8 @@ class Benchmark:
     charts: tuple[Chart, ...]
     configuration: type[Configuration]
     groups: tuple[str, ...]  # of settings, in the form's order
-    presets: Mapping[str, Mapping[str, object]] = field(default_factory=dict)  # vehicle -> values
+    # setting -> its value -> values of other settings that come with the choice; the later one wins
+    presets: Mapping[str, Mapping[str, Mapping[str, object]]] = field(default_factory=dict)
     shortest: Mapping[str, object] = field(default_factory=dict)  # settings of a quick run
     ranked_trials: int = 10
 
@@ -60,21 +52,26 @@ class Benchmark:
         return loaded
 
     def read(self, values: Mapping[str, object]) -> Configuration:
-        """Return the checked configuration; what is left out comes from the vehicle's preset.
+        """Return the checked configuration; what is left out comes with what was chosen.
 
         Raises
         ------
         ConfigurationInvalid
             One sentence per wrong setting, all at once.
         """
-        preset = self.presets.get(str(values.get("vehicle")), {})
+        preset: dict[str, object] = {}
+        for name, choices in self.presets.items():
+            preset |= choices.get(str(values.get(name)), {})
         return self.configuration.read({**preset, **values})
 
     def schema(self) -> dict[str, Any]:
         """Return the JSON Schema (2020-12) that the form is generated from."""
-        presets = {name: dict(values) for name, values in self.presets.items()}
+        presets = {
+            name: {choice: dict(values) for choice, values in choices.items()}
+            for name, choices in self.presets.items()
+        }
         schema = schema_of(self.configuration, title=self.title, groups=self.groups)
-        return schema | {"x-presets": {"vehicle": presets}}
+        return schema | {"x-presets": presets}
 
     def ranked(self, config: Configuration) -> Configuration:
         """Return what a ranked run uses: the benchmark's scenario, the user's solution.
@@ -96,12 +93,17 @@ class Benchmark:
         return self.configuration.read(solution)
 
     def charts_of(self, config: Configuration) -> tuple[Chart, ...]:
-        """Return the charts of a run, without the columns that its vehicle leaves empty."""
+        """Return the charts of a run, without the columns in which nothing happens."""
         idle = config.idle_columns()
-        return tuple(
+        shown = (
             Chart(chart.title, chart.unit, tuple(c for c in chart.columns if c not in idle))
             for chart in self.charts
         )
+        return tuple(chart for chart in shown if chart.columns)
+
+    def headline_of(self, config: Configuration) -> Metric:
+        """Return what the score of a run with this configuration is."""
+        return config.headline() or self.headline
 
     def trial_duration_s(self, config: Configuration) -> float:
         """Return the simulated length of one trial."""

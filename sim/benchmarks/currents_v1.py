@@ -133,6 +133,10 @@ class CurrentsConfiguration(ExperimentSettings):
             )
         return errors | super().broken_rules()
 
+    def level_metric(self) -> Metric:
+        """Return what a level's value is."""
+        return Metric("speed", "Current", "m/s", "higher")
+
     def level_values(self) -> tuple[float, ...]:
         """Return the mean speeds [m/s]."""
         return self.levels
@@ -196,6 +200,6 @@ BENCHMARK = Benchmark(
         "Sensors",
         "Faults",
     ),
-    presets=_presets(),
+    presets={"vehicle": _presets()},
     shortest={"levels": [0.1], "level_duration_s": 2.0, "settle_s": 1.0},
 )

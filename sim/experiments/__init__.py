@@ -4,7 +4,7 @@ A benchmark names its experiment by path, so that forms need not load the simula
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Protocol
 
 from sim.telemetry import Recorder, Rows
@@ -22,6 +22,7 @@ class Standing:
     score: float  # more is better; the unit is that of the benchmark's headline
     level_held: float | None  # value of the last level up to which all were held; None: not one
     rankable: bool
+    overall: Mapping[str, float | None] = field(default_factory=dict)  # metrics over all levels
 
 
 class Level(Protocol):

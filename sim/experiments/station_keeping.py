@@ -16,7 +16,7 @@ from sim.statistics import mean
 from sim.streams import Streams, streams
 from sim.telemetry import Rows
 from sim.vehicles import load
-from sim.world import Conditions, World, camera_of, water_of, world_of
+from sim.world import Conditions, World, camera_of, noise_seed_of, water_of, world_of
 
 
 class StationKeeping:
@@ -45,7 +45,8 @@ class StationKeeping:
 
     def camera(self, config: CurrentsConfiguration, *, seed: int, trial: int, level: int) -> Camera:
         """Return the camera of a level; the water is the same in all."""
-        return camera_of(config, water_of(config), streams(seed, trial, level))
+        noise_seed = noise_seed_of(streams(seed, trial, level))
+        return camera_of(config, water_of(config), noise_seed=noise_seed)
 
     def metrics(self, config: CurrentsConfiguration, level: int, rows: Rows) -> dict[str, Any]:
         """Return `sim.metrics.level_metrics`."""

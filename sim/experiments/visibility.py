@@ -1,0 +1,127 @@
+"""Visibility: trackers on pictures that get worse from level to level."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sim.benchmarks.visibility_v1 import VisibilityConfiguration
+from sim.camera.camera import Camera
+from sim.camera.target import start_pose
+from sim.camera.water import Water
+from sim.current import Current, Pattern
+from sim.experiments import Level, Standing
+from sim.loop import LevelLoop
+from sim.path import Path
+from sim.path_loop import PathLoop
+from sim.program import BuiltIn
+from sim.streams import Streams, streams
+from sim.telemetry import Rows
+from sim.tracker_metrics import failure_value, held_value, level_metrics, over_levels
+from sim.trackers import Tracker
+from sim.tracking import tracking_of
+from sim.world import Conditions, camera_of, noise_seed_of, water_of, world_of
+
+HEAVE_SHARE = 0.2  # of the path's swing: how far it goes up and down; E
+TILT_SHARE = 0.6  # of the path's turn: how far it rolls and pitches; E
+STEERS = "pi"  # the controller of the free-running mode: all trackers have the same
+
+
+class Visibility:
+    """A `sim.experiments.Experiment` that compares trackers."""
+
+    def built_in(self, name: str, config: VisibilityConfiguration) -> None:
+        """Return nothing: a level then makes the tracker of the configuration."""
+
+    def layout(self, config: VisibilityConfiguration) -> dict[str, Any]:
+        """Return the role of programs."""
+        return {"role": "tracker"}
+
+    def level(
+        self,
+        config: VisibilityConfiguration,
+        solution: Tracker | None,
+        *,
+        seed: int,
+        trial: int,
+        level: int,
+    ) -> Level:
+        """Return a level with the vehicle, or the path, at its start."""
+        random = streams(seed, trial, level)
+        if config.mode == "free":
+            world = world_of(config, _conditions(config, level, random), random, tracker=solution)
+            return LevelLoop(world, BuiltIn(STEERS, config), trial=trial, level=level)
+        noise_seed = noise_seed_of(random)
+        camera, reference = (
+            camera_of(config, water_at(config, at), noise_seed=noise_seed) for at in (level, 0)
+        )
+        tracking = tracking_of(config, camera, random, tracker=solution, reference=reference)
+        station = start_pose(camera.optics, camera.target, config.altitude_m)
+        path = _path(config, station, random)
+        return PathLoop(config, path, camera, tracking, station=station, place=(trial, level))
+
+    def camera(
+        self, config: VisibilityConfiguration, *, seed: int, trial: int, level: int
+    ) -> Camera:
+        """Return the camera in the water of a level."""
+        noise_seed = noise_seed_of(streams(seed, trial, level))
+        return camera_of(config, water_at(config, level), noise_seed=noise_seed)
+
+    def metrics(self, config: VisibilityConfiguration, level: int, rows: Rows) -> dict[str, Any]:
+        """Return `sim.tracker_metrics.level_metrics` beside the level's value."""
+        place = {"level": level, "value": config.level_values()[level]}
+        depth = {"optical_depth": config.optical_depths()[level]}
+        return place | depth | level_metrics(rows)
+
+    def standing(
+        self, config: VisibilityConfiguration, levels: Sequence[Mapping[str, Any]]
+    ) -> Standing:
+        """Return the value of the first level at which the tracker fails.
+
+        A tracker that fails at the first level does not rank.
+        """
+        values = config.score_values()
+        score = failure_value(values, [level["p5_percent"] for level in levels])
+        return Standing(
+            score=score,
+            level_held=held_value(values, [level["held"] for level in levels]),
+            rankable=math.isfinite(score) and score > values[0],
+            overall=over_levels(levels),
+        )
+
+
+def _path(config: VisibilityConfiguration, station: NDArray[np.float64], random: Streams) -> Path:
+    swing, turn = config.path_swing_m, config.path_turn_rad
+    amplitudes = (swing, swing, HEAVE_SHARE * swing, TILT_SHARE * turn, TILT_SHARE * turn, turn)
+    return Path(station.tolist(), amplitudes, period_s=config.path_period_s, random=random.scene)
+
+
+def _conditions(config: VisibilityConfiguration, level: int, random: Streams) -> Conditions:
+    current = Current(
+        config.current_m_s,
+        pattern=Pattern(),
+        rng=random.gust,
+        duration_s=config.level_duration_s,
+    )
+    water, reference = (water_at(config, at) for at in (level, 0))
+    return Conditions(current=current, water=water, reference=reference)
+
+
+def water_at(config: VisibilityConfiguration, level: int) -> Water:
+    """Return the water of a level."""
+    water, value = water_of(config), config.level_values()[level]
+    if config.sweep == "camera_noise":
+        return replace(water, read_sigma_grey=value)
+    if config.sweep == "fog":
+        attenuation = value
+    elif config.water_law == "uwsim":  # its optical depth is (density times distance) squared
+        attenuation = math.sqrt(value) / config.altitude_m
+    else:
+        attenuation = value / config.altitude_m
+    return replace(water, attenuation=(attenuation,) * 3)
+
+
+EXPERIMENT = Visibility()

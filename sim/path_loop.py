@@ -1,0 +1,65 @@
+"""One level on a prescribed path: the tracker sees pictures on which it has no influence."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sim.camera.camera import Camera
+from sim.experiment_settings import ExperimentSettings
+from sim.experiments import OnRows
+from sim.path import Path
+from sim.telemetry import INDEX, Recorder
+from sim.tracking import Tracking, pictured
+
+_KNOWN = slice(INDEX["trial"], INDEX["t"] + 1)
+_MOVING = slice(INDEX["x"], INDEX["r"] + 1)
+_PICTURED = slice(INDEX["target_x"], INDEX["distance"] + 1)
+NO_ERROR = (0.0, 0.0, 0.0)  # nobody steers
+
+
+class PathLoop:
+    """Runs one level picture by picture; what has no part in it stays 0 in the telemetry."""
+
+    def __init__(
+        self,
+        config: ExperimentSettings,
+        path: Path,
+        camera: Camera,
+        tracking: Tracking,
+        *,
+        station: NDArray[np.float64],
+        place: tuple[int, int],
+    ) -> None:
+        """Set up a level.
+
+        Parameters
+        ----------
+        station : (6,) [m, rad]
+            Pose from which the camera looks at the target's middle.
+        place
+            Trial and level.
+        """
+        self._path, self._tracking = path, tracking
+        self._trial, self._level = place
+        self._ticks, self._dt = config.ticks_per_level, config.control_period_s
+        self._began = self._level * config.level_duration_s
+        self._centre = camera.optics.principal_px
+        self._station = camera.truth(station)[-3:]
+
+    def run(self, recorder: Recorder, on_rows: OnRows) -> None:
+        """Run the level; rows go to `on_rows` whenever the recorder is full."""
+        first = self._level * self._ticks
+        for tick in range(self._ticks):
+            row = recorder.next_row()
+            pose, velocity = self._path.at(tick * self._dt)
+            look = self._tracking.update if tick else self._tracking.start
+            seen = look(np.array(pose), first + tick)
+            row[:] = 0.0
+            row[_KNOWN] = self._trial, self._level, self._began + tick * self._dt
+            row[_MOVING] = (*pose, *velocity)
+            row[_PICTURED] = pictured(seen, NO_ERROR, self._centre, self._station)
+            row[INDEX["step_us"]] = self._tracking.step_us
+            if recorder.keep():
+                on_rows(recorder.take())
+
+    def close(self) -> None:
+        """Nothing is held."""
