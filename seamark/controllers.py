@@ -7,9 +7,12 @@ import json
 import tomllib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from seamark.failures import UsageRefused
+
+if TYPE_CHECKING:
+    from sim.configuration import Configuration
 
 ORDER_KEYS = frozenset({"benchmark", "config", "controller", "seed", "trials", "kind", "title"})
 
@@ -32,6 +35,27 @@ def choose(controller: str, built_in: Sequence[str]) -> Path | None:
     raise UsageRefused(
         f"{controller} is neither a file nor a built-in controller ({', '.join(built_in)}).{hint}"
     )
+
+
+def configuration_of(benchmark: str, file: Path | None, pairs: Sequence[str]) -> Configuration:
+    """Return the checked configuration of a benchmark; see `read_settings`.
+
+    Raises
+    ------
+    UsageRefused
+        There is no such benchmark, or a setting is wrong.
+    """
+    from sim import registry
+    from sim.configuration import ConfigurationInvalid
+
+    if benchmark not in registry.BENCHMARKS:
+        known = ", ".join(registry.BENCHMARKS)
+        raise UsageRefused(f"There is no benchmark {benchmark}. There are: {known}.")
+    entry = registry.benchmark(benchmark)
+    try:
+        return entry.read(typed(read_settings(file, pairs), entry.schema()))
+    except ConfigurationInvalid as wrong:
+        raise UsageRefused(str(wrong)) from None
 
 
 def read_settings(file: Path | None, pairs: Sequence[str]) -> dict[str, Any]:

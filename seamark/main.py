@@ -13,6 +13,7 @@ COMMANDS = {  # name -> module:attribute, what it does; the second saves loading
     "init": ("init:init", "Write a controller to start from."),
     "run": ("run:run", "Evaluate a controller here, without a server."),
     "submit": ("submit:submit", "Send a controller to a server."),
+    "dataset": ("dataset:dataset", "Write pictures with their truth, to work on offline."),
     "benchmarks": ("benchmarks:benchmarks", "List the benchmarks and their settings."),
     "doctor": ("doctor:doctor", "Say what this machine can do, and how to mend it."),
     "user": ("user:user", "Make accounts, set passwords."),

@@ -61,7 +61,7 @@ def order_options(command: Command) -> Command:
     for option in reversed(
         (
             click.option("--controller", metavar="FILE|NAME", default="pi", show_default=True),
-            *configuration_options(),
+            configuration_options,
             click.option("--seed", type=click.IntRange(0, SEED_MAX), help="Else drawn, and shown."),
             click.option(
                 "--trials",
@@ -76,16 +76,16 @@ def order_options(command: Command) -> Command:
     return command
 
 
-def configuration_options() -> tuple[Callable[[Command], Command], ...]:
-    """Return --set and --config."""
-    return (
-        click.option("--set", "pairs", metavar="KEY=VALUE", multiple=True, help="May be repeated."),
-        click.option(
-            "--config",
-            type=click.Path(dir_okay=False, path_type=Path),
-            help="TOML or JSON with the keys of the schema; --set wins.",
-        ),
-    )
+def configuration_options(command: Command) -> Command:
+    """Add --set and --config."""
+    command = click.option(
+        "--config",
+        type=click.Path(dir_okay=False, path_type=Path),
+        help="TOML or JSON with the keys of the schema; --set wins.",
+    )(command)
+    return click.option(
+        "--set", "pairs", metavar="KEY=VALUE", multiple=True, help="May be repeated."
+    )(command)
 
 
 def settings_of(data: Path | None, **chosen: object) -> Settings:

@@ -86,19 +86,11 @@ def _order(
     trials: int,
     seed: int | None,
 ) -> Order:
-    from seamark.controllers import choose, read_settings, typed
+    from seamark.controllers import choose, configuration_of
     from sim import registry
-    from sim.configuration import ConfigurationInvalid
     from sim.hidden_seeds import SEED_MAX
 
-    if benchmark not in registry.BENCHMARKS:
-        known = ", ".join(registry.BENCHMARKS)
-        raise UsageRefused(f"There is no benchmark {benchmark}. There are: {known}.")
-    entry = registry.benchmark(benchmark)
-    try:
-        config = entry.read(typed(read_settings(file, pairs), entry.schema()))
-    except ConfigurationInvalid as wrong:
-        raise UsageRefused(str(wrong)) from None
+    config = configuration_of(benchmark, file, pairs)
     return Order(
         benchmark=benchmark,
         config=config.model_dump(mode="json"),

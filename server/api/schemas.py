@@ -109,6 +109,16 @@ class CameraQuery(BaseModel):
     t: float = Field(0.0, ge=0, le=1e7, description="Simulated time [s] since the trial began")
 
 
+class DatasetQuery(BaseModel):
+    """Which pictures."""
+
+    trial: int = Field(0, ge=0, le=10000)
+    every: int = Field(20, ge=1, le=10000, description="Control ticks between two pictures")
+    begin: float = Field(0.0, ge=0, le=1e7, description="Simulated time [s] of the first")
+    until: float | None = Field(None, ge=0, le=1e7, description="Before this time [s]; else all")
+    colour: bool = Field(False, description="Else grey, as the trackers get them")
+
+
 class RankQuery(BaseModel):
     """Which part of the leaderboard, in which form."""
 

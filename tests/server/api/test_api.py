@@ -2,6 +2,7 @@
 
 import io
 import json
+import zipfile
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,7 @@ from hypothesis import strategies as st
 
 from server import live, runs
 from server.api.series import thin
-from server.states import RunState
+from server.states import Kind, RunState
 from sim.telemetry import NAMES, from_bytes, from_csv
 from tests.server.api.conftest import Site
 
@@ -306,3 +307,49 @@ def test_a_failed_run_says_why(site: Site) -> None:
 
     assert shown["failure"] == {"cause": "user_error", **detail}
     assert shown["state"] == "failed"
+
+
+def test_a_data_set_holds_a_picture_for_every_chosen_row(site: Site) -> None:
+    run_id = site.finished()
+
+    answer = site.call("owner", "GET", f"{RUNS}/{run_id}/dataset.zip?every=10&begin=0.5")
+
+    with zipfile.ZipFile(io.BytesIO(answer.data)) as file:
+        names = [name for name in file.namelist() if name.endswith(".png")]
+        assert file.testzip() is None
+    assert len(names) == 3  # rows at 0.5, 1.0 and 1.5 s of 2 s
+
+
+@pytest.mark.parametrize(
+    ("query", "status", "slug"),
+    [
+        ("every=0", 422, "invalid-request"),
+        ("begin=9", 404, "not-found"),
+        ("trial=3", 404, "not-found"),
+    ],
+)
+def test_a_data_set_without_pictures_is_refused(
+    site: Site, query: str, status: int, slug: str
+) -> None:
+    answer = site.call("owner", "GET", f"{RUNS}/{site.finished()}/dataset.zip?{query}")
+
+    problem_of(answer, status, slug)
+
+
+def test_a_data_set_has_no_more_pictures_than_a_web_server_can_draw(site: Site) -> None:
+    run_id = site.finished()
+    site.record(run_id, rows=2000)
+
+    answer = site.call("owner", "GET", f"{RUNS}/{run_id}/dataset.zip?every=1")
+
+    assert "2040 pictures" in problem_of(answer, 422, "invalid-request")["detail"]
+
+
+def test_a_ranked_run_has_no_data_set(site: Site) -> None:
+    run_id = site.queue(kind=Kind.RANKED)
+    site.end()
+    site.record(run_id, rows=40)
+
+    answer = site.call("owner", "GET", f"{RUNS}/{run_id}/dataset.zip")
+
+    assert "hidden seeds" in problem_of(answer, 409, "conflict")["detail"]

@@ -38,6 +38,7 @@ TABLE: dict[tuple[str, str], tuple[str, dict[str, Any], tuple[int, ...]]] = {
     ("GET", "/api/v1/runs/<int:run_id>/log"): ("private", {}, PRIVATE),
     ("GET", "/api/v1/runs/<int:run_id>/program"): ("private", {}, PRIVATE),
     ("GET", "/api/v1/runs/<int:run_id>/camera.jpg"): ("private", {}, PRIVATE),
+    ("GET", "/api/v1/runs/<int:run_id>/dataset.zip"): ("private", {}, PRIVATE),
     ("GET", "/api/v1/tokens"): ("", {}, (401, 200, 200, 200, 200, 403)),
     ("POST", "/api/v1/tokens"): ("", JSON, (401, 201, 201, 201, 403, 403)),
     ("DELETE", "/api/v1/tokens/<int:token_id>"): ("", {}, (401, 404, 204, 404, 403, 204)),
