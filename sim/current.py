@@ -11,6 +11,9 @@ force
     pushes: 410 k V² on sway, 410 k (V sin(a - azimuth))² on surge. It never changes sign, and the
     azimuth itself plays no part.
 
+Over the bottom the water may be slower (`Shear`): V (h/h0)^n with the height h of the vehicle. A
+level then gives the speed at h0. All of the pattern scales with it, gusts too.
+
 A level of zero is still water: no gust, whose size is a share of the level, and no sinusoid either
 (the published law would leave 5 mm/s, or 0.001 N), so that the first level shows the chain alone.
 """
@@ -21,12 +24,14 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numba import njit
 
-from sim.elementary import PI, exp, sin, sincos
+from sim.elementary import PI, exp, log, sin, sincos
 from sim.vehicles import Array
 
 GUST_GRID_S = 0.05  # the gust is drawn on this grid, whatever the integration step
 # S: UWSim BenchmarkROSInterfaces.cpp, half of 1000 kg/m³ times CdA 0.82 m²
 FORCE_PER_SPEED_SQUARED = 500.0 * 0.82  # [N s²/m²]
+
+LEAST_HEIGHT_M = 0.1  # the law has no end at the bottom: below this the profile is constant; E
 
 _RELATIVE, _FORCE = 0, 1
 
@@ -55,6 +60,25 @@ class Pattern:
                 raise ValueError(f"{name} must not be negative, not {getattr(self, name)}")
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Shear:
+    """A power law over the bottom: at the height h the speed is (h/h0)^n of the level's.
+
+    S: DNV-RP-C205 (2010) 4.1.4, tidal current; n = 1/7 is typical.
+    """
+
+    exponent: float
+    bottom_m: float  # [m] depth of the bottom
+    height_m: float  # [m] h0
+
+    def __post_init__(self) -> None:
+        """Refuse values without a meaning."""
+        if not 0.0 <= self.exponent <= 1.0:
+            raise ValueError(f"the exponent must be from 0 to 1, not {self.exponent}")
+        if not self.height_m > LEAST_HEIGHT_M:
+            raise ValueError(f"height_m must be above {LEAST_HEIGHT_M} m, not {self.height_m}")
+
+
 class Water(NamedTuple):
     """A current as the compiled code reads it."""
 
@@ -67,6 +91,9 @@ class Water(NamedTuple):
     speed_rate: float
     force: float
     gust: Array
+    shear: float = 0.0
+    bottom: float = 0.0
+    height: float = 1.0
 
 
 class Current:
@@ -77,6 +104,7 @@ class Current:
         level: float,
         *,
         pattern: Pattern | None = None,
+        shear: Shear | None = None,
         rng: np.random.Generator | None = None,
         duration_s: float = 120.0,
     ) -> None:
@@ -86,6 +114,8 @@ class Current:
         ----------
         level : float [m/s]
             Mean speed, not negative.
+        shear : Shear, optional
+            Only with the relative law; without it the water is as fast at every depth.
         rng : Generator, optional
             The stream of the gust; without it there is no gust.
         duration_s : float
@@ -95,6 +125,9 @@ class Current:
         if not level >= 0.0:
             raise ValueError(f"a current's level must not be negative, not {level}")
         law = pattern or Pattern()
+        if shear is not None and law.law == "force":
+            raise ValueError("under the force law the water rests: there is nothing to shear")
+        over = shear or Shear(exponent=0.0, bottom_m=0.0, height_m=1.0)
         sigma = law.gust_share * level
         self.duration_s = float("inf") if rng is None else duration_s
         self.water = Water(
@@ -107,6 +140,9 @@ class Current:
             speed_rate=2.0 * PI / law.speed_period_s,
             force=FORCE_PER_SPEED_SQUARED * law.force_share,
             gust=np.zeros(2) if rng is None else _gust(rng, sigma, law.gust_time_s, duration_s),
+            shear=float(over.exponent),
+            bottom=float(over.bottom_m),
+            height=float(over.height_m),
         )
 
     @property
@@ -114,10 +150,14 @@ class Current:
         """Whether the water itself moves."""
         return self.water.law == _RELATIVE
 
-    def velocity(self, t_s: float) -> Array:
-        """Return the water's velocity at a time, (3,) NED [m/s]; zero under the force law."""
+    def velocity(self, t_s: float, depth_m: float = 0.0) -> Array:
+        """Return the water's velocity at a time and a depth, (3,) NED [m/s].
+
+        Zero under the force law. Without shear the depth makes no difference.
+        """
         x, y, *_rest = flow(t_s, self.water, segment_at(t_s, self.water))
-        return np.array([x, y, 0.0])
+        share, _slope = profile(depth_m, self.water)
+        return np.array([share * x, share * y, 0.0])
 
 
 def _gust(rng: np.random.Generator, sigma: float, time_s: float, duration_s: float) -> Array:
@@ -137,6 +177,20 @@ def _gust(rng: np.random.Generator, sigma: float, time_s: float, duration_s: flo
 def segment_at(t: float, water: Water) -> int:
     """Return the interval of the gust's grid that holds time t [s]; the last one after the end."""
     return min(max(int(t / GUST_GRID_S), 0), water.gust.size - 2)
+
+
+@njit(cache=True, error_model="numpy")
+def profile(depth: float, water: Water) -> tuple[float, float]:
+    """Return the share of the level's speed at a depth [m], and how it changes with depth [1/m].
+
+    Nearer to the bottom than LEAST_HEIGHT_M it stays what it is there.
+    """
+    if water.shear == 0.0:
+        return 1.0, 0.0
+    height = water.bottom - depth
+    share = exp(water.shear * log(max(height, LEAST_HEIGHT_M) / water.height))
+    slope = -water.shear * share / height if height > LEAST_HEIGHT_M else 0.0
+    return share, slope
 
 
 @njit(cache=True, error_model="numpy")

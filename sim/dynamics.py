@@ -15,10 +15,10 @@ import numpy as np
 from numba import njit
 
 from sim.contact import Contact, add_push, lowest_point, world_motion
-from sim.current import Current, Water, flow, segment_at
-from sim.elementary import asin, atan2, sincos
+from sim.current import Current, Water, flow, profile, segment_at
 from sim.faults import ThrusterFault
 from sim.hydrodynamics import add_coriolis, add_drag, add_restoring, inverse, write_rotation
+from sim.pose import read_pose, write_pose
 from sim.thrusters import command_of, commands_for, force_of, packed, steady_thrust
 from sim.vehicles import STANDARD_GRAVITY, Array, Vehicle, load
 
@@ -31,6 +31,7 @@ class Body(NamedTuple):
 
     mass: Array
     inverse_mass: Array
+    added: Array
     linear: Array
     quadratic: Array
     allocation: Array
@@ -47,6 +48,7 @@ def body_of(vehicle: Vehicle) -> Body:
     return Body(
         mass=mass,
         inverse_mass=inverse(mass),
+        added=vehicle.mass_added(),
         linear=vehicle.linear_drag(),
         quadratic=vehicle.quadratic_drag(),
         allocation=vehicle.allocation(),
@@ -208,6 +210,24 @@ def _write_thrust(allocation: Array, x: Array, wrench: Array) -> None:
 
 
 @njit(cache=True, error_model="numpy", inline="always")
+def _add_carried(
+    shear_x: float, shear_y: float, x: Array, frame: tuple[Array, Array], wrench: Array
+) -> None:
+    """Add what the added mass feels when the hull sinks into slower water, to `wrench`, (6,).
+
+    The water around the hull follows the velocity relative to it, which changes with depth; the
+    hull itself and its buoyancy feel only the water's own acceleration. S: Auton, Hunt and
+    Prud'homme 1988 (J. Fluid Mech. 197), sphere in a weak shear; its lift along z is left out.
+    `shear` is the change of the water's velocity with depth [1/s], `frame` added mass and rotation.
+    """
+    added, rotation = frame
+    sinking = rotation[2, 0] * x[7] + rotation[2, 1] * x[8] + rotation[2, 2] * x[9]
+    s0, s1, s2 = _into_body(rotation, sinking * shear_x, sinking * shear_y)
+    for i in range(6):
+        wrench[i] += added[i, 0] * s0 + added[i, 1] * s1 + added[i, 2] * s2
+
+
+@njit(cache=True, error_model="numpy", inline="always")
 def _write_kinematics(x: Array, rotation: Array, out: Array) -> None:
     """Write the rates of position and quaternion to the first seven places of `out`."""
     p, q, r = x[10], x[11], x[12]
@@ -225,6 +245,7 @@ def _derivative(
     target: Array,
     water: tuple[float, float, float, float, float, float],
     body: Body,
+    sea: Water,
     room: tuple[Array, Array, Array, Array],
     out: Array,
 ) -> None:
@@ -232,12 +253,17 @@ def _derivative(
     rotation, relative, momentum, wrench = room
     stream_x, stream_y, rise_x, rise_y, surge, sway = water
     write_rotation(x[3], x[4], x[5], x[6], rotation)
+    _write_thrust(body.allocation, x, wrench)
+    if sea.shear > 0.0:
+        share, slope = profile(x[2], sea)
+        _add_carried(slope * stream_x, slope * stream_y, x, (body.added, rotation), wrench)
+        stream_x, stream_y = share * stream_x, share * stream_y
+        rise_x, rise_y = share * rise_x, share * rise_y
     c0, c1, c2 = _into_body(rotation, stream_x, stream_y)
     a0, a1, a2 = _into_body(rotation, rise_x, rise_y)
     p, q, r = x[10], x[11], x[12]
     relative[0], relative[1], relative[2] = x[7] - c0, x[8] - c1, x[9] - c2
     relative[3], relative[4], relative[5] = p, q, r
-    _write_thrust(body.allocation, x, wrench)
     wrench[0] += surge
     wrench[1] += sway
     add_coriolis(body.mass, relative, momentum, wrench)
@@ -288,16 +314,16 @@ def integrate(
         middle = t + 0.5 * step
         segment = segment_at(middle, water)
         halfway = flow(middle, water, segment)
-        _derivative(state, target, flow(t, water, segment), body, room, k1)
+        _derivative(state, target, flow(t, water, segment), body, water, room, k1)
         for i in range(size):
             y[i] = state[i] + 0.5 * step * k1[i]
-        _derivative(y, target, halfway, body, room, k2)
+        _derivative(y, target, halfway, body, water, room, k2)
         for i in range(size):
             y[i] = state[i] + 0.5 * step * k2[i]
-        _derivative(y, target, halfway, body, room, k3)
+        _derivative(y, target, halfway, body, water, room, k3)
         for i in range(size):
             y[i] = state[i] + step * k3[i]
-        _derivative(y, target, flow(t + step, water, segment), body, room, k4)
+        _derivative(y, target, flow(t + step, water, segment), body, water, room, k4)
         for i in range(size):
             state[i] += step / 6.0 * (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i])
         _normalise(state)
@@ -320,34 +346,12 @@ def add_impulse(state: Array, inverse_mass: Array, impulse: Array) -> None:
 
 
 @njit(cache=True, error_model="numpy")
-def write_pose(pose: Array, state: Array) -> None:
-    """Write (x, y, z, roll, pitch, yaw) as position and quaternion to `state`."""
-    state[0], state[1], state[2] = pose[0], pose[1], pose[2]
-    sr, cr = sincos(0.5 * pose[3])
-    sp, cp = sincos(0.5 * pose[4])
-    sy, cy = sincos(0.5 * pose[5])
-    state[3] = cr * cp * cy + sr * sp * sy
-    state[4] = sr * cp * cy - cr * sp * sy
-    state[5] = cr * sp * cy + sr * cp * sy
-    state[6] = cr * cp * sy - sr * sp * cy
-
-
-@njit(cache=True, error_model="numpy")
-def read_pose(state: Array, out: Array) -> None:
-    """Write (x, y, z, roll, pitch, yaw) of `state` to `out`; pitch is within ±pi/2."""
-    w, x, y, z = state[3], state[4], state[5], state[6]
-    out[0], out[1], out[2] = state[0], state[1], state[2]
-    out[3] = atan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y))
-    out[4] = asin(min(max(2.0 * (w * y - z * x), -1.0), 1.0))
-    out[5] = atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
-
-
-@njit(cache=True, error_model="numpy")
 def write_current(t: float, plain_water: tuple[Any, ...], state: Array, out: Array) -> None:
     """Write the water's velocity at time t [s] to `out`, (3,) NED; see `Plant.current_world`."""
     water = Water(*plain_water)
     stream_x, stream_y, _rise_x, _rise_y, surge, sway = flow(t, water, segment_at(t, water))
-    out[0], out[1], out[2] = stream_x, stream_y, 0.0
+    share, _slope = profile(state[2], water)
+    out[0], out[1], out[2] = share * stream_x, share * stream_y, 0.0
     if surge > 0.0 or sway > 0.0:
         forward = math.sqrt(surge / water.force)
         starboard = math.sqrt(sway / water.force)

@@ -68,14 +68,19 @@ class World:
             self.contact.close()
 
 
-def camera_of(config: ExperimentSettings, water: Water, *, noise_seed: int) -> Camera:
-    """Return the camera above the target: all that a picture needs of a world."""
+def scene_of(config: ExperimentSettings) -> tuple[Target, Optics]:
+    """Return what the camera looks at, and how."""
     optics = Optics(
         width=config.camera_width_px,
         height=config.camera_height_px,
         focal_px=config.camera_focal_px,
     )
-    target = Target(length_m=TARGET_M[0], width_m=TARGET_M[1])
+    return Target(length_m=TARGET_M[0], width_m=TARGET_M[1]), optics
+
+
+def camera_of(config: ExperimentSettings, water: Water, *, noise_seed: int) -> Camera:
+    """Return the camera above the target: all that a picture needs of a world."""
+    target, optics = scene_of(config)
     return Camera(optics, water, target, noise_seed=noise_seed)
 
 

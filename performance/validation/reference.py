@@ -26,11 +26,17 @@ class Leg(NamedTuple):
 
 
 class Water(NamedTuple):
-    """The current without gusts: its level [m/s], where it comes from [rad], and its law."""
+    """The current without gusts: its level [m/s], where it comes from [rad], and its law.
+
+    With an exponent n it is ((bottom - z) / height)^n of that at the depth z [m].
+    """
 
     level: float
     azimuth: float
     force: bool
+    exponent: float = 0.0
+    bottom: float = 0.0
+    height: float = 1.0
 
 
 def cross(vector: Array) -> Array:
@@ -125,6 +131,13 @@ def _rate_of(vehicle: Vehicle, target: Array, water: Water) -> Callable[[float, 
         angles, nu, thrust = y[3:6], y[6:12], y[12:]
         rotation = turn(angles)
         flow, rise, push = stream(t, water)
+        slipping = np.zeros(3)
+        if water.exponent:
+            over = water.bottom - y[2]
+            share = (over / water.height) ** water.exponent
+            sinking = (rotation @ nu[:3])[2]
+            slipping = -flow * water.exponent * share / over * sinking
+            flow, rise = share * flow, share * rise
         carried = np.concatenate((rotation.T @ flow, np.zeros(3)))
         relative = nu - carried
         down = rotation.T @ (np.array([0.0, 0.0, 1.0]) - rise / STANDARD_GRAVITY)
@@ -133,6 +146,8 @@ def _rate_of(vehicle: Vehicle, target: Array, water: Water) -> Callable[[float, 
         drag = vehicle.linear_drag() + vehicle.quadratic_drag() * np.abs(relative)
         total = vehicle.allocation() @ thrust + push + restoring - drag * relative
         total -= skewed(rigid, relative) @ relative + skewed(added, relative) @ relative
+        # The added mass goes with the water along the hull's own path, the hull does not.
+        total += added @ np.concatenate((rotation.T @ slipping, np.zeros(3)))
         speeding = solve @ total
         speeding[:3] += rotation.T @ rise - np.cross(nu[3:], carried[:3])
         lag = (target - thrust) / vehicle.lag.scalar

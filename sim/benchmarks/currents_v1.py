@@ -111,6 +111,16 @@ class CurrentsConfiguration(ExperimentSettings):
         high=120,
         tag="E",
     )
+    current_shear: float = current(
+        0.0,
+        title="Shear over the bottom",
+        says="Exponent n: at height h the water has (h/h0)^n of its speed at the start's height "
+        "h0. 1/7 is usual, 0 is the same at every depth.",
+        low=0,
+        high=1,
+        tag="S",
+        advanced=True,
+    )
     current_force_share: float = current(
         0.134,
         title="Share of the body force",
@@ -130,6 +140,11 @@ class CurrentsConfiguration(ExperimentSettings):
             errors["settle_s"] = (
                 f"settle_s (Settle window) must be shorter than a level of "
                 f"{self.level_duration_s:g} s, not {self.settle_s:g} s."
+            )
+        if self.current_shear and self.current_law == "force":
+            errors["current_shear"] = (
+                "current_shear (Shear over the bottom) must be 0 where the current acts as a body "
+                "force: the water itself rests there."
             )
         return errors | super().broken_rules()
 

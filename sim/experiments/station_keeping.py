@@ -6,7 +6,8 @@ from typing import Any
 
 from sim.benchmarks.currents_v1 import CurrentsConfiguration
 from sim.camera.camera import Camera
-from sim.current import Current, Pattern
+from sim.camera.target import start_pose
+from sim.current import Current, Pattern, Shear
 from sim.experiments import Standing
 from sim.loop import LevelLoop
 from sim.metrics import LevelFacts, level_metrics
@@ -16,7 +17,7 @@ from sim.statistics import mean
 from sim.streams import Streams, streams
 from sim.telemetry import Rows
 from sim.vehicles import load
-from sim.world import Conditions, World, camera_of, noise_seed_of, water_of, world_of
+from sim.world import Conditions, World, camera_of, noise_seed_of, scene_of, water_of, world_of
 
 
 class StationKeeping:
@@ -102,8 +103,22 @@ def _current(config: CurrentsConfiguration, level: int, random: Streams) -> Curr
         force_share=config.current_force_share,
     )
     return Current(
-        config.levels[level], pattern=pattern, rng=random.gust, duration_s=config.level_duration_s
+        config.levels[level],
+        pattern=pattern,
+        shear=_shear(config),
+        rng=random.gust,
+        duration_s=config.level_duration_s,
     )
+
+
+def _shear(config: CurrentsConfiguration) -> Shear | None:
+    """Return the current's profile: at the height of the start the level's own speed."""
+    if not config.current_shear:
+        return None
+    target, optics = scene_of(config)
+    start = float(start_pose(optics, target, config.altitude_m)[2])
+    bottom = target.seabed_m
+    return Shear(exponent=config.current_shear, bottom_m=bottom, height_m=bottom - start)
 
 
 EXPERIMENT = StationKeeping()

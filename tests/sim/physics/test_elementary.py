@@ -12,7 +12,7 @@ from sim import elementary
 
 angles = st.floats(-2000.0, 2000.0)
 finite = st.floats(-1e6, 1e6)
-DISPATCHERS = ["sincos", "sin", "cos", "exp", "atan2", "asin"]
+DISPATCHERS = ["sincos", "sin", "cos", "exp", "log", "atan2", "asin"]
 
 
 @given(x=angles)
@@ -43,6 +43,19 @@ def test_exponential_handles_the_ends_of_its_range() -> None:
     assert elementary.exp(710.0) == math.inf
     assert elementary.exp(-746.0) == 0.0
     assert math.isnan(elementary.exp(math.nan))
+
+
+@given(x=st.floats(1e-300, 1e300))
+def test_logarithm_has_the_precision_of_the_library(x: float) -> None:
+    assert elementary.log(x) == pytest.approx(math.log(x), rel=1e-15, abs=2e-16)
+
+
+def test_logarithm_handles_the_ends_of_its_range() -> None:
+    assert elementary.log(1.0) == 0.0
+    assert elementary.log(0.0) == -math.inf
+    assert elementary.log(math.inf) == math.inf
+    assert math.isnan(elementary.log(-1.0))
+    assert math.isnan(elementary.log(math.nan))
 
 
 @given(y=finite, x=finite)
@@ -87,5 +100,5 @@ def test_machine_code_has_no_fused_operations_and_no_library_calls(name: str) ->
     assert "fmadd" not in assembly
     assert "fmsub" not in assembly
     assert "fnmadd" not in assembly
-    for call in ("$sin,", "$cos,", "$exp,", "$atan2,", "$asin,"):
+    for call in ("$sin,", "$cos,", "$exp,", "$log,", "$atan2,", "$asin,"):
         assert call not in assembly

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from performance.validation.reference import Leg, Water, reference
-from sim.current import Current, Pattern
+from sim.current import Current, Pattern, Shear
 from sim.dynamics import Plant, integrate
 from sim.streams import streams
 from sim.vehicles import Array, load
@@ -60,6 +60,23 @@ def test_the_plant_agrees_with_an_independent_reference(name: str, law: str) -> 
     assert plant.pose() == pytest.approx(expected[:6], abs=2e-7)
     assert plant.velocity() == pytest.approx(expected[6:12], abs=2e-7)
     assert plant.thrust() == pytest.approx(expected[12:], abs=1e-6)
+
+
+@pytest.mark.parametrize("name", [*NAMES, "bluerov2-heavy"])
+def test_in_a_sheared_current_too_the_plant_agrees_with_the_reference(name: str) -> None:
+    vehicle = load(name)
+    shear = Shear(exponent=0.5, bottom_m=5.0, height_m=2.0)
+    plant = Plant(vehicle, Current(0.4, pattern=Pattern(azimuth_rad=0.5), shear=shear))
+    plant.place(START)
+    command = np.resize(COMMAND, len(vehicle.thrusters))
+
+    plant.advance(0, command, 300)
+    water = Water(level=0.4, azimuth=0.5, force=False, exponent=0.5, bottom=5.0, height=2.0)
+    expected = reference(vehicle, START, [Leg(3.0, command)], water)
+
+    assert abs(plant.pose()[2] - START[2]) > 0.02
+    assert plant.pose() == pytest.approx(expected[:6], abs=2e-7)
+    assert plant.velocity() == pytest.approx(expected[6:12], abs=2e-7)
 
 
 def test_many_short_calls_give_the_bits_of_one_long_call() -> None:
