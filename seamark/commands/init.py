@@ -9,7 +9,7 @@ import click
 from seamark.failures import UsageRefused
 from seamark.options import say
 
-LANGUAGES = ("python", "c", "c++")
+LANGUAGES = ("python", "c", "c++", "matlab")
 
 
 @click.command()
@@ -28,7 +28,7 @@ def init(*, language: str, folder: Path) -> None:
     from server.pages import templates_for_programs
 
     files = {templates_for_programs.FILES[language]: templates_for_programs.of(language)}
-    if language != "python":
+    if language in ("c", "c++"):
         files["seamark.h"] = templates_for_programs.header()
     taken = [name for name in files if (folder / name).exists()]
     if taken:

@@ -6,7 +6,12 @@ from pathlib import Path
 import sandbox.languages
 import templates
 
-FILES = {"python": "controller.py", "c": "controller.c", "c++": "controller.cpp"}
+FILES = {
+    "python": "controller.py",
+    "c": "controller.c",
+    "c++": "controller.cpp",
+    "matlab": "controller.m",
+}
 _HEADER = Path(sandbox.languages.__file__).parent / "native" / "seamark.h"
 
 

@@ -6,14 +6,12 @@ finished program has no compiler.
 """
 
 import os
-from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
 from sandbox.languages.language import Bind, Runtime
-from sandbox.languages.python_host import interpreter_files
+from sandbox.languages.scripts import script_runtime
 from sandbox.outcome import SandboxBroken
-from sandbox.shelf import shelved
 
 HERE = Path(__file__).parent
 INSIDE = "/box/native"
@@ -41,21 +39,15 @@ def compiling(compiler: str, *options: str) -> Runtime:
     """Return what the box of the compiler needs; SandboxBroken if the compiler is missing."""
     tools = [_tool(name) for name in dict.fromkeys((*TOOLS, compiler))]
     trees = [Bind(Path(tree), tree) for tree in TREES if Path(tree).is_dir()]
-    arguments = ("compile", f"/usr/bin/{compiler}", *OPTIONS, *options, "--")
-    return _runtime(arguments, [*tools, *trees, *_ours("runner.c", "seamark.h")])
+    arguments = ("compile", f"/usr/bin/{compiler}", *OPTIONS, *options)
+    binds = [*tools, *trees, *_ours("runner.c", "seamark.h")]
+    return script_runtime("native", arguments=arguments, binds=binds, environment=ENVIRONMENT)
 
 
 @cache
 def running() -> Runtime:
     """Return what the box of a finished program needs."""
-    return _runtime(("start", "--"), [])
-
-
-def _runtime(arguments: tuple[str, ...], binds: list[Bind]) -> Runtime:
-    command, files = interpreter_files()
-    found = [*files, *_ours("inside.py"), *binds]
-    reached = tuple(replace(bind, source=shelved(bind.source)) for bind in found)
-    return Runtime((*command, f"{INSIDE}/inside.py", *arguments), ENVIRONMENT, reached)
+    return script_runtime("native", arguments=("start",), environment=ENVIRONMENT)
 
 
 def _ours(*names: str) -> list[Bind]:

@@ -9,20 +9,12 @@ once more (docs/protocol.md). Nothing here is trusted by the other side.
 import json
 import os
 import re
-import resource
-import struct
 import subprocess
 import sys
 from pathlib import Path
 from typing import NoReturn
 
-VERSION = 1
-HEADER = struct.Struct("<cB2xI")
-SIZES = struct.Struct("<II")
-ERROR = struct.Struct("<cH")
-MOST_BYTES = 65536  # [B] one frame
-MOST_SENTENCE, MOST_TEXT = 1500, 16000  # [B]
-DESCRIPTORS = 4096  # above the limit of open files
+from .connection import MOST_TEXT, Connection, connected
 
 NATIVE = Path("/box/native")
 SOURCE, OBJECT, RUNNER = Path("/tmp/source"), "/tmp/program.o", "/tmp/runner.o"  # noqa: S108
@@ -38,41 +30,6 @@ INTERFACE = (
 )
 
 
-class Connection:
-    """The program's end of the protocol."""
-
-    def __init__(self, descriptor: int) -> None:
-        self.fd = descriptor
-        self.sequence = 0
-
-    def send(self, kind: bytes, body: bytes = b"") -> None:
-        """Send one frame that answers the present question."""
-        os.write(self.fd, HEADER.pack(kind, VERSION, self.sequence) + body)
-
-    def receive(self) -> bytes:
-        """Return the body of the next question; ends the process when the other side is gone."""
-        data = os.read(self.fd, MOST_BYTES)
-        if not data:
-            os._exit(0)
-        _, _, self.sequence = HEADER.unpack_from(data)
-        return data[HEADER.size :]
-
-    def program(self) -> tuple[dict[str, object], bytes]:
-        """Receive header and program."""
-        header_size, source_size = SIZES.unpack(self.receive())
-        data = bytearray()
-        while len(data) < header_size + source_size:
-            data += self.receive()
-        return json.loads(data[:header_size]), bytes(data[header_size:])
-
-    def give_up(self, kind: bytes, sentence: str, text: str = "") -> NoReturn:
-        """Send the last frame and end."""
-        words = sentence.encode("utf-8", "replace")[:MOST_SENTENCE]
-        trace = text.encode("utf-8", "replace")[:MOST_TEXT]
-        self.send(b"x", ERROR.pack(kind, len(words)) + words + trace)
-        os._exit(1)
-
-
 def compile_source(connection: Connection, command: list[str], runner_command: list[str]) -> None:
     """Compile and link; the program leaves over the standard output, nothing else does."""
     header, source = connection.program()
@@ -86,7 +43,7 @@ def compile_source(connection: Connection, command: list[str], runner_command: l
     sys.stdout.buffer.flush()
     connection.send(b"k")
     connection.receive()
-    connection.send(b"q")
+    connection.leave()
 
 
 def run(connection: Connection, command: list[str], name: str) -> None:
@@ -115,40 +72,29 @@ def first_error(text: str, name: str) -> str:
     return (errors or lines or [f"{name} cannot be compiled."])[0]
 
 
-def start(connection: Connection, descriptor: int) -> NoReturn:
+def start(connection: Connection) -> NoReturn:
     """Put the program where it can run and become it; layout and configuration go by a file."""
     header, program = connection.program()
     layout = header["layout"]
-    lines = [f"{name} {count}" for name, count in layout["observation"]]  # type: ignore[index]
+    lines = [f"{name} {count}" for name, count in layout["observation"]]
     BEGIN.write_text("\n".join([*lines, json.dumps(header["config"])]), encoding="ascii")
     LINKED.write_bytes(program)
     LINKED.chmod(0o700)
-    arguments = [str(descriptor), str(connection.sequence), str(BEGIN)]
+    arguments = [str(connection.fd), str(connection.sequence), str(BEGIN)]
     try:
         os.execve(LINKED, ["controller", *arguments], dict(os.environ))  # noqa: S606
     except OSError as error:
         connection.give_up(b"u", f"The compiled program cannot be started: {error.strerror}.")
 
 
-def limit(which: int, value: int) -> None:
-    """Lower a limit for good; 0 leaves it."""
-    if value:
-        resource.setrlimit(which, (value, value))
-
-
 def main() -> None:
-    """Close what is not needed, set the limits, do what the first argument says."""
+    """Do what the first argument says."""
     split = sys.argv.index("--")
-    descriptor, processes, memory_mib = (int(word) for word in sys.argv[split + 1 :])
-    os.closerange(3, descriptor)
-    os.closerange(descriptor + 1, DESCRIPTORS)
-    limit(resource.RLIMIT_NPROC, processes)
-    limit(resource.RLIMIT_AS, memory_mib << 20)
-    os.set_inheritable(descriptor, sys.argv[1] == "start")
-    connection = Connection(descriptor)
+    action = sys.argv[1]
+    connection = connected(sys.argv[split + 1 :], inherited=action == "start")
     connection.send(b"k")
-    if sys.argv[1] == "start":
-        start(connection, descriptor)
+    if action == "start":
+        start(connection)
     compile_source(connection, sys.argv[2:split], ["/usr/bin/gcc", "-O2", "-std=c11"])
 
 

@@ -1,9 +1,13 @@
-"""Hostile programs in C and C++: at the compiler, at the start, while they run, at the end."""
+"""Hostile programs in other languages: at the compiler, at the start, while they run, at the end.
+
+A folder of programs and a table of the same name for each kind; see native.toml.
+"""
 
 import re
 import tomllib
 from collections.abc import Callable
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -12,40 +16,50 @@ from sandbox.box import Box
 from sandbox.compilation import compiled
 from sandbox.languages import language_of
 from sandbox.level import Level
-from sandbox.limits import COMPILING
+from sandbox.limits import COMPILING, Limits
 from sandbox.outcome import Outcome, ProgramEnded
 from sandbox.self_test import why_not
 from tests.hostile.conftest import LAYOUT, LIMITS, STEPS
 
 pytestmark = pytest.mark.host
 
-TABLE = tomllib.loads(Path(__file__).with_name("native.toml").read_text(encoding="utf-8"))
-PROGRAMS = Path(__file__).with_name("native")
+HERE = Path(__file__).parent
+KINDS = ("native", "octave")
+TABLES = {
+    kind: tomllib.loads((HERE / f"{kind}.toml").read_text(encoding="utf-8")) for kind in KINDS
+}
+CASES = [(kind, name) for kind in KINDS for name in sorted(TABLES[kind])]
+ENOUGH = {"octave": replace(LIMITS, memory_mib=256)}  # it has 180 MiB of address space by itself
 COMPILER = replace(COMPILING, cpu_s=3.0)  # the bombs would take all that they are given
 
-Run = Callable[[str], Outcome]
+Run = Callable[[str, str], Outcome]
 
 
 @pytest.fixture(scope="module")
 def run_native(level: Level) -> Run:
     """Return a function that compiles and runs one program and tells how it ended."""
-    if why := why_not("c++", level):
-        pytest.skip(why)
 
-    def run_one(name: str) -> Outcome:
+    def run_one(kind: str, name: str) -> Outcome:
+        source = (HERE / kind / name).read_bytes()
         language = language_of(name)
-        source = (PROGRAMS / name).read_bytes()
+        if why := missing(language, level):
+            pytest.skip(why)
         try:
             program = compiled(language, source, name, level=level, limits=COMPILER)
-            return stepped(language, program, name, level)
+            return stepped(language, program, name, level, ENOUGH.get(kind, LIMITS))
         except ProgramEnded as end:
             return end.outcome
 
     return run_one
 
 
-def stepped(language: str, program: bytes, name: str, level: Level) -> Outcome:
-    with Box(language, limits=LIMITS, level=level) as box:
+@cache
+def missing(language: str, level: Level) -> str:
+    return why_not(language, level)
+
+
+def stepped(language: str, program: bytes, name: str, level: Level, limits: Limits) -> Outcome:
+    with Box(language, limits=limits, level=level) as box:
         box.load(program, name, {"kp": 0.5}, LAYOUT)
         box.reset({"index": 0})
         for tick in range(STEPS):
@@ -53,18 +67,19 @@ def stepped(language: str, program: bytes, name: str, level: Level) -> Outcome:
         return box.finish()
 
 
-def test_every_program_has_an_expectation_and_every_expectation_a_program() -> None:
-    assert {path.name for path in PROGRAMS.iterdir()} == set(TABLE)
+@pytest.mark.parametrize("kind", KINDS)
+def test_every_program_has_an_expectation_and_every_expectation_a_program(kind) -> None:
+    assert {path.name for path in (HERE / kind).iterdir()} == set(TABLES[kind])
 
 
-@pytest.mark.parametrize("name", sorted(TABLE))
-def test_a_hostile_program_ends_as_the_table_says(name, run_native, level, secret) -> None:
-    expected = TABLE[name]
+@pytest.mark.parametrize(("kind", "name"), CASES)
+def test_a_hostile_program_ends_as_the_table_says(kind, name, run_native, level, secret) -> None:
+    expected = TABLES[kind][name]
     # Without control groups nobody counts for the box: stopped all the same, but named by what the
     # program made of the refusal.
     named = expected.get("medium") if level is Level.MEDIUM else None
 
-    outcome = run_native(name)
+    outcome = run_native(kind, name)
 
     assert outcome.verdict == (named or expected["verdict"]), outcome
     assert b"GOT" not in outcome.output

@@ -1,0 +1,27 @@
+"""MATLAB: one file of functions, run by GNU Octave."""
+
+from sandbox.languages.language import Calls, Language, Runtime
+
+CALLS = Calls(
+    "The program (reading it and controller_setup)", "controller_reset", "controller_step"
+)
+
+SELF_TEST = """\
+function state = controller_setup(config)
+    state.gain = 0.5;
+end
+
+function [command, state] = controller_step(state, observation)
+    command = [state.gain * observation.error; 0.0];
+end
+"""
+
+
+def running() -> Runtime:
+    """Return what Octave needs in its box."""
+    from sandbox.languages.octave.host import running  # noqa: PLC0415  (looks at the host)
+
+    return running()
+
+
+MATLAB = Language("matlab", "MATLAB (by GNU Octave)", (".m",), running, SELF_TEST, calls=CALLS)

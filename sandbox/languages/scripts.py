@@ -1,0 +1,30 @@
+"""Boxes whose first process is a script of `sandbox/languages/inside`."""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+from pathlib import Path
+
+from sandbox.languages.language import Bind, Runtime
+from sandbox.languages.python_host import interpreter_files
+from sandbox.shelf import shelved
+
+PACKAGES = "/box/python"
+PACKAGE = "seamark_inside"  # the package's name inside: an upload is hardly called so
+
+
+def script_runtime(
+    name: str,
+    *,
+    arguments: Iterable[str] = (),
+    binds: Iterable[Bind] = (),
+    environment: Mapping[str, str],
+) -> Runtime:
+    """Return what a box needs to run the script `name` with arguments, then `--`.
+
+    The numbers of the protocol's descriptor, of processes and of MiB follow.
+    """
+    command, files = interpreter_files()
+    ours = Bind(Path(__file__).with_name("inside"), f"{PACKAGES}/{PACKAGE}")
+    reached = tuple(replace(bind, source=shelved(bind.source)) for bind in (*files, ours, *binds))
+    whole = (*command, "-m", f"{PACKAGE}.{name}", *arguments, "--")
+    return Runtime(whole, {**environment, "PYTHONPATH": PACKAGES}, reached)

@@ -1,0 +1,2 @@
+function controller_step(state, observation)
+end

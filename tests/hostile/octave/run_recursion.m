@@ -1,0 +1,7 @@
+function again()
+    again();
+end
+function [command, state] = controller_step(state, observation)
+    command = [0, 0, 0, 0];
+    again();
+end

@@ -1,0 +1,5 @@
+function [command, state] = controller_step(state, observation)
+    command = [0, 0, 0, 0];
+    while true
+    end
+end

@@ -1,0 +1,4 @@
+function [command, state] = controller_step(state, observation)
+    command = [0, 0, 0, 0];
+    command(1) = observation.nothing;
+end

@@ -1,0 +1,3 @@
+class Controller:
+    def step(self, observation):
+        return [0, 0, 0, 0]
