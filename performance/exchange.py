@@ -13,6 +13,8 @@ import sys
 import time
 from array import array
 
+import numpy as np
+
 from performance.table import Row
 from sandbox.box import Box
 from sandbox.languages.python import SELF_TEST
@@ -22,6 +24,8 @@ from sandbox.probes import probe
 
 FIELDS = 29  # float64 values of the real layout
 STEPS = 20_000
+SHOWN = 5_000
+IMAGES = {"320x240": (240, 320), "640x480": (480, 640), "640x480 colour": (480, 640, 3)}
 STARTS = 9
 LAYOUT = {
     "observation": [["t", 0], ["error", 3], ["others", FIELDS - 4]],
@@ -35,6 +39,17 @@ class Controller:
     def step(self, observation):
         t = self.gain * observation.t
         return [t, t, t, 0.0]
+"""
+TRACKER = """\
+class Tracker:
+    def __init__(self, config):
+        self.corners = None
+
+    def start(self, image, corners):
+        self.corners = corners
+
+    def update(self, image):
+        return self.corners if image[0, 0] is not None else None
 """
 ECHO = """\
 import os, struct
@@ -67,6 +82,7 @@ def rows() -> list[Row]:
             )
             for name, program in (("plain Python", PLAIN), ("NumPy", SELF_TEST))
         ] + [
+            *_images(level, core),
             Row(what="first answer, cold", value=cold, unit="ms wall"),
             Row(what="first answer, warm box", value=warm, unit="ms wall"),
         ]
@@ -104,6 +120,29 @@ def _boxed_us(program: str, level: Level, core: int) -> float:
             box.step(values)
         own_s = time.process_time() - begin
         return (own_s + box.finish().cpu_s) / STEPS * 1e6
+
+
+def _images(level: Level, core: int) -> list[Row]:
+    """Return the rows of a tracker that is shown images of three sizes and looks at one pixel."""
+    return [
+        Row(what=f"exchange with a tracker, image {name}", value=value, unit="us CPU")
+        for name, shape in IMAGES.items()
+        for value in (_shown_us(shape, level, core),)
+    ]
+
+
+def _shown_us(shape: tuple[int, ...], level: Level, core: int) -> float:
+    image = np.zeros(shape, np.uint8)
+    with Box(limits=Limits(), level=level, core=core) as box:
+        box.load(TRACKER.encode(), "tracker.py", {}, {"role": "tracker"})
+        box.start(image, [(0.0, 0.0)] * 4)
+        box.update(image)  # the first use of a page costs more
+        box.update(image)
+        begin = time.process_time()
+        for _ in range(SHOWN):
+            box.update(image)
+        own_s = time.process_time() - begin
+        return (own_s + box.finish().cpu_s) / SHOWN * 1e6
 
 
 def _first_answer_ms(level: Level, core: int) -> tuple[float, float]:

@@ -1,10 +1,12 @@
 """The processes of one box: started confined, watched, killed to the last one."""
 
 import contextlib
+import fcntl
 import os
 import select
 import signal
 import socket
+import struct
 import subprocess
 from dataclasses import dataclass
 from typing import Self
@@ -21,6 +23,8 @@ from sandbox.pictures import Pictures
 from sandbox.slots import Slot
 
 END_WITHIN_S = 5.0  # [s] measured 1-7 ms; a busy host may take longer
+OUTPUT_BYTES = 1 << 20  # [B] what a program may print before it has to wait until we read
+QUICK_US = 20_000  # [us] an answer that comes within it costs one system call
 START_WITHIN_S = 2.0  # [s] until bubblewrap tells the pid of its inner init
 
 
@@ -57,7 +61,9 @@ class Confined:
         self._init_pidfd = -1
         self._cpu_s = self._memory_mib = 0.0
         self.socket, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
-        self.socket.setblocking(False)
+        # Waiting is cut into slices by the kernel: one system call for an answer that comes soon.
+        timeout = struct.pack("@ll", 0, QUICK_US)
+        self.socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVTIMEO, timeout)
         try:
             with theirs, contextlib.ExitStack() as opened:
                 self._start(runtime, limits, layers, core, theirs.fileno(), opened)
@@ -77,6 +83,8 @@ class Confined:
         self.group = ControlGroup(limits) if layers.groups else None
         self._slot = Slot() if layers.own_uid else None
         self.output, printing = _pipe(opened)
+        with contextlib.suppress(OSError):  # a user may have only so much of it
+            fcntl.fcntl(self.output, fcntl.F_SETPIPE_SZ, OUTPUT_BYTES)
         telling, informing = _pipe(opened)
         self._information = Information(telling)
         filters = _filter(opened) if layers.seccomp else None

@@ -30,14 +30,15 @@ class Conversation:
         for descriptor in (self._socket.fileno(), cage.pidfd, cage.output):
             self._poll.register(descriptor, select.POLLIN)
         self._socket_fd = self._socket.fileno()
-        self._answer_only = [(self._socket_fd, select.POLLIN)]
-        self._cpu_every_s = cage.cpu_every_s
+        self._look_every_s = cage.cpu_every_s
+        self._look_at = 0.0
         self._buffer = bytearray(frames.MOST_BYTES)
+        self._view = memoryview(self._buffer)
         self._printed = HeadTail(limits.output_kib << 10)
         self._news = HeadTail(limits.output_kib << 10)
         self._sequence = 0
         self._loaded = False
-        self._waited_s = self._cpu_before_s = self._cpu_seen_s = self._cpu_at = 0.0
+        self._waited_s = self._cpu_before_s = self._cpu_seen_s = 0.0
 
     def begin(self) -> None:
         """From now on time and blame are the program's: it arrives."""
@@ -70,54 +71,73 @@ class Conversation:
         return text
 
     def ask(self, kind: bytes, body: bytes = b"") -> None:
-        """Send one frame, after a look whether the program spoke without being asked."""
+        """Send one frame."""
         if self.outcome is not None:
             raise ProgramEnded(self.outcome)
-        if self._poll.poll(0):
-            self._look_between()
         self._sequence += 1
         message = frames.frame(kind, self._sequence, body)
-        deadline = time.monotonic() + self.limits.start_wall_s
-        while not self._sent(message):
-            self._look_at_limits()
-            if time.monotonic() > deadline:
-                self._late("The program", self.limits.start_wall_s, since_cpu_s=self._cpu_seen_s)
-            writable = select.poll()
-            writable.register(self._socket.fileno(), select.POLLOUT)
-            writable.poll(SLICE_S * 1000)
-            self._drain()
-
-    def _sent(self, message: bytes) -> bool:
         try:
-            self._socket.send(message)
+            self._socket.send(message, socket.MSG_DONTWAIT)
         except BlockingIOError:
-            return False
+            self._send_slowly(message)
         except (BrokenPipeError, ConnectionResetError):
             self._gone()
-        return True
+
+    def _send_slowly(self, message: bytes) -> None:
+        """Send a frame to a program that has not read those before, as soon as there is room."""
+        writable = select.poll()
+        writable.register(self._socket_fd, select.POLLOUT)
+        begin = time.monotonic()
+        while True:
+            writable.poll(SLICE_S * 1000)
+            self._look_around()
+            try:
+                self._socket.send(message, socket.MSG_DONTWAIT)
+                return
+            except BlockingIOError:
+                if time.monotonic() - begin > self.limits.start_wall_s:
+                    wall_s = self.limits.start_wall_s
+                    self._late("The program", wall_s, since_cpu_s=self._cpu_seen_s)
+            except (BrokenPipeError, ConnectionResetError):
+                self._gone()
 
     def answer(self, kind: bytes, patience: Patience, waited_for: str) -> memoryview:
-        """Return the program's answer; drains its output and minds all limits meanwhile."""
-        begin = now = time.monotonic()
+        """Return the program's answer; drains its output and minds all limits meanwhile.
+
+        Most answers come at once: one system call waits for them a little while. Only what takes
+        longer is waited for with an eye on everything else.
+        """
+        begin = time.monotonic()
+        try:
+            size = self._socket.recv_into(self._buffer, 0, socket.MSG_TRUNC)
+        except BlockingIOError:
+            size = self._wait(patience, waited_for, begin)
+        except ConnectionResetError:
+            size = 0
+        now = time.monotonic()
+        self._waited_s += now - begin
+        if now > self._look_at:
+            self._look_at = now + self._look_every_s
+            self._look_around()
+            if self._waited_s > self.limits.wall_s:
+                self._late(waited_for, 0.0, since_cpu_s=self._cpu_before_s)
+        return self._received(kind, size)
+
+    def _wait(self, patience: Patience, waited_for: str, begin: float) -> int:
+        """Return the size of an answer that takes long; ends the run if it takes too long."""
         seen_s = self._cpu_seen_s
         deadline = begin + min(patience.wall_s, max(self.limits.wall_s - self._waited_s, 0.0))
         while True:
-            ready = self._poll.poll(min(deadline - now, SLICE_S) * 1000) if now < deadline else []
             now = time.monotonic()
-            if now - self._cpu_at > self._cpu_every_s:
-                self._cpu_at = now
-                self._look_at_limits()
-            if not ready:
-                seen_s = self._mind_answer(patience, waited_for, seen_s, now - begin)
-            if ready != self._answer_only:  # it prints, it ended, or it is late
-                self._drain()
-            descriptors = dict(ready)
+            seen_s = self._mind_answer(patience, waited_for, seen_s, now - begin)
+            left_s = min(deadline - now, SLICE_S)
+            descriptors = dict(self._poll.poll(left_s * 1000 if left_s > 0 else 0))
+            self._drain()
             if self._socket_fd in descriptors:
-                self._waited_s += now - begin
-                return self._received(kind)
+                return self._received_bytes()
             if self._cage.pidfd in descriptors:
                 self._gone()
-            if now >= deadline:
+            if left_s <= 0:
                 self._late(waited_for, patience.wall_s, since_cpu_s=seen_s)
 
     def _mind_answer(
@@ -134,38 +154,35 @@ class Conversation:
             self.end(verdicts.answer_limit(waited_for, patience.cpu_s))
         return begin_s
 
-    def _received(self, kind: bytes) -> memoryview:
-        """Return the waiting frame if it is the answer to the present question."""
-        size = self._received_bytes()
+    def _received(self, kind: bytes, size: int) -> memoryview:
+        """Return the frame that came if it is the answer to the present question.
+
+        One that came before its question was asked has the number of another, or the answer to
+        the question has: the next frame then ends the run.
+        """
         if size == 0:
             self._gone()
+        data = self._view[:size]
         try:
             if size > len(self._buffer):
                 raise FrameInvalid(f"The program sent a frame of {size} bytes past its runner.")
-            data = memoryview(self._buffer)[:size]
             if frames.check(data, kind + frames.FAILED, self._sequence) == frames.FAILED:
                 self._failed(frames.failure(data))
         except FrameInvalid as reason:
             self.end(verdicts.misbehaved(str(reason)))
         return data
 
-    def _received_bytes(self, flags: int = 0) -> int:
+    def _received_bytes(self) -> int:
         """Return the size of the waiting frame, also if it is cut; 0 at the connection's end."""
         try:
-            return self._socket.recv_into(self._buffer, 0, socket.MSG_TRUNC | flags)
+            return self._socket.recv_into(self._buffer, 0, socket.MSG_TRUNC)
         except ConnectionResetError:
             return 0
 
-    def _look_between(self) -> None:
-        """Nothing but print may come from the program while nobody asks it."""
+    def _look_around(self) -> None:
+        """Take what was printed and read the clock of the box, now and then."""
         self._drain()
-        descriptors = [descriptor for descriptor, _ in self._poll.poll(0)]
-        if self._socket_fd in descriptors:
-            if self._received_bytes(socket.MSG_PEEK):
-                self.end(verdicts.misbehaved("The program answered a question nobody asked."))
-            self._gone()
-        if self._cage.pidfd in descriptors:
-            self._gone()
+        self._look_at_limits()
 
     def _drain(self) -> None:
         """Take what the program printed; ends the run if it is too much."""
@@ -198,14 +215,11 @@ class Conversation:
     def _late(self, waited_for: str, wall_s: float, *, since_cpu_s: float) -> NoReturn:
         """End the run for its wall time; the host is suspected if little CPU time was used."""
         self._look_at_limits()
-        whole_run = self._waited_s + wall_s > self.limits.wall_s
-        said = (
-            verdicts.run_limit(self.limits)
-            if whole_run
-            else verdicts.wall_limit(waited_for, wall_s)
-        )
-        used_s = self._cpu_seen_s - (self._cpu_before_s if whole_run else since_cpu_s)
-        self.end(said, suspect_host=used_s < wall_s / 2)
+        said = verdicts.wall_limit(waited_for, wall_s)
+        if self._waited_s + wall_s > self.limits.wall_s:
+            said, wall_s = verdicts.run_limit(self.limits), self.limits.wall_s
+            since_cpu_s = self._cpu_before_s
+        self.end(said, suspect_host=self._cpu_seen_s - since_cpu_s < wall_s / 2)
 
     def _failed(self, failure: Failure) -> NoReturn:
         """End the run for what the runner reports, seen in the light of the kernel's counters."""

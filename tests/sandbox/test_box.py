@@ -8,6 +8,7 @@ import subprocess
 import sys
 import textwrap
 import threading
+from collections import deque
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -333,6 +334,19 @@ def test_an_answer_may_take_long_while_others_have_the_processor(level: Level) -
 
     with Box(limits=limits, level=level) as box:
         assert printed(box, waits) == ""
+
+
+def test_many_short_answers_may_take_no_longer_together_than_the_run(level: Level) -> None:
+    limits = Limits(cpu_s=0.2, wall_s=0.3)
+
+    with Box(limits=limits, level=level) as box:
+        box.load(program(step="import time; time.sleep(0.005)"), "a.py", {}, LAYOUT)
+        with pytest.raises(ProgramEnded) as end:
+            deque((box.step(VALUES) for _ in range(200)), maxlen=0)
+
+    assert end.value.outcome.verdict is Verdict.TIME_LIMIT
+    assert "all its answers together" in end.value.outcome.sentence
+    assert end.value.outcome.suspect_host
 
 
 def test_an_answer_that_computes_too_long_ends_by_its_cpu_time(level: Level) -> None:

@@ -3,13 +3,14 @@
 import itertools
 import math
 import struct
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from numbers import Real
 from typing import Any
 
 import numpy as np
 
 HEADER = struct.Struct("<cB2xI")
+NUMBER = struct.Struct("<d")
 FLOAT64 = np.float64
 MOST_FIELD = 1e6  # [m/s, rad/s, px] a number beyond is a mistake, not a wish
 
@@ -31,16 +32,19 @@ class Observation(Mapping):  # type: ignore[type-arg]
     _cache: dict[str, object]
 
     def __init__(self, data: bytes) -> None:
-        object.__setattr__(self, "_data", data)
-        object.__setattr__(self, "_cache", {})
+        set_data(self, data)
+        set_cache(self, {})
 
     def __getitem__(self, name: str) -> object:
         """Return a field; vectors as read-only arrays."""
         cache = self._cache
         if name not in cache:
             offset, count, boolean = self._fields[name]
-            value = np.frombuffer(self._data, "<f8", count or 1, offset)
-            cache[name] = value if count else (bool if boolean else float)(value[0])
+            if count:
+                cache[name] = np.frombuffer(self._data, FLOAT64, count, offset)
+            else:
+                (value,) = NUMBER.unpack_from(self._data, offset)
+                cache[name] = bool(value) if boolean else value
         return cache[name]
 
     def __getattr__(self, name: str) -> object:
@@ -70,6 +74,12 @@ class Observation(Mapping):  # type: ignore[type-arg]
     def __repr__(self) -> str:
         """Return all fields with their values."""
         return "Observation(" + ", ".join(f"{name}={self[name]}" for name in self) + ")"
+
+
+# `__setattr__` refuses, and object's own is slower than these.
+set_data: Callable[[Observation, bytes], None] = Observation._data.__set__  # type: ignore[attr-defined]
+set_cache: Callable[[Observation, dict[str, object]], None]
+set_cache = Observation._cache.__set__  # type: ignore[attr-defined]
 
 
 def observe_by(layout: dict[str, list]) -> None:  # type: ignore[type-arg]
