@@ -36,7 +36,8 @@ class Limits:
     shared_mib: int = 16  # [MiB] files under /dev/shm
     file_mib: int = 16  # [MiB] one file
     open_files: int = 64  # descriptors of one process
-    source_kib: int = 2048  # [KiB] text of the program
+    source_kib: int = 8192  # [KiB] text of the program, or all files of its archive unpacked
+    archive_files: int = 256  # files and folders of an archive
     binary_mib: int = 8  # [MiB] what a compiler made of it
 
     @property
@@ -77,7 +78,8 @@ MEANING = {  # limit -> what the program sees when it meets it; shown on the for
     "shared_mib": "writing fails with OSError: no space left on device",
     "file_mib": "writing fails with OSError: file too large",
     "open_files": "opening fails with OSError: too many open files",
-    "source_kib": "the program is refused before it starts",
+    "source_kib": "the program is refused before it starts; an archive counts unpacked",
+    "archive_files": "the archive is refused when it is uploaded",
     "binary_mib": "the compiled program (C, C++) is refused before it starts",
 }
 

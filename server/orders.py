@@ -120,6 +120,14 @@ def quota(session: Session, viewer: Viewer, settings: Settings) -> Quota:
     return Quota(live=live_now, live_max=settings.quota_live, day=day, day_max=day_max)
 
 
+def role_of(benchmark: str) -> str:
+    """Return what programs have to be in a benchmark; "controller" if there is no such one."""
+    from sim import registry  # noqa: PLC0415 - the web process starts without reading benchmarks
+
+    known = benchmark in registry.BENCHMARKS
+    return registry.benchmark(benchmark).role if known else "controller"
+
+
 def upload_refusal(session: Session, language: str, settings: Settings) -> str | None:
     """Return why uploads in `language` cannot be run now, or None if they can.
 
@@ -144,7 +152,7 @@ def upload_refusal(session: Session, language: str, settings: Settings) -> str |
 
 def _configuration(order: Order) -> dict[str, object]:
     """Return the complete configuration; a ranked run gets the benchmark's scenario."""
-    from sim import registry  # noqa: PLC0415 - the web process starts without reading benchmarks
+    from sim import registry  # noqa: PLC0415 - as above
 
     if order.benchmark not in registry.BENCHMARKS:
         raise OrderRejected(f"There is no benchmark {order.benchmark}.")

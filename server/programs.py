@@ -1,20 +1,27 @@
 """Uploaded programs: checked while they are read, kept under their SHA-256, never executed here."""
 
-import ast
+import fcntl
 import hashlib
 import os
 import re
 import secrets
+import time
 import unicodedata
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import BinaryIO
 
-from sandbox.languages import language_of
+from sandbox.languages import LANGUAGES, language_of
+from sandbox.limits import Limits
+from server import archives, python_source
+from server.archives import ArchiveRefused
+from server.flaws import Flaw
 
 _CHUNK = 64 * 1024
-_SYNTAX_MAX = 256 * 1024  # [byte] a longer source is checked in its box only
 _SHA256 = re.compile(r"[0-9a-f]{64}")
+_LIMITS = Limits()
 
 
 class UploadRejected(Exception):
@@ -31,7 +38,19 @@ class StoredProgram:
     size: int
 
 
-def store(stream: BinaryIO, filename: str, *, limit: int, data: Path) -> StoredProgram:
+@dataclass(frozen=True, slots=True)
+class Prepared:
+    """An upload in normal form, and what is wrong with it as far as reading shows."""
+
+    name: str
+    language: str
+    content: bytes  # a text, or a plain zip archive (see server/archives)
+    flaws: tuple[Flaw, ...] = ()
+
+
+def store(
+    stream: BinaryIO, filename: str, *, limit: int, data: Path, role: str = "controller"
+) -> StoredProgram:
     """Check an upload, keep it and return its key; raises UploadRejected with a sentence.
 
     Parameters
@@ -40,14 +59,43 @@ def store(stream: BinaryIO, filename: str, *, limit: int, data: Path) -> StoredP
         A longer upload is refused without being read to its end.
     data : Path
         The data folder of the settings.
+    role
+        What the benchmark asks for: a key of `server.roles.ROLES`.
     """
+    prepared = receive(stream, filename, limit=limit, role=role)
+    if prepared.flaws:
+        raise UploadRejected(" ".join(_said(flaw) for flaw in prepared.flaws[:3]))
+    return keep(prepared, data)
+
+
+def receive(stream: BinaryIO, filename: str, *, limit: int, role: str) -> Prepared:
+    """Return an upload as it would be kept; raises UploadRejected if it is none at all."""
     name = _clean(filename)
-    _language(name)  # before anything is read
-    source = _read(stream, limit)
-    language = check(source, name)
-    sha256 = hashlib.sha256(source).hexdigest()
-    _keep(source, path(data, sha256))
-    return StoredProgram(sha256, name, language, len(source))
+    _known(name)  # before anything is read
+    return prepare(_read(stream, limit), name, role=role)
+
+
+def prepare(source: bytes, filename: str, *, role: str = "controller") -> Prepared:
+    """Return an upload as it would be kept. Runs nothing of it; raises UploadRejected."""
+    name = _clean(filename)
+    language = _known(name)
+    if not source.strip():
+        raise UploadRejected(f"{name} is empty.")
+    if language is None or LANGUAGES[language].packed:
+        return _prepared_archive(source, name, language, role)
+    files = {name: source}
+    flaws = python_source.flaws_of(files, name, role) if language == "python" else []
+    if language != "python":
+        _check_text(name, source)
+    return Prepared(name, language, source, tuple(flaws))
+
+
+def keep(prepared: Prepared, data: Path) -> StoredProgram:
+    """Put a program into the store and return its key."""
+    sha256 = hashlib.sha256(prepared.content).hexdigest()
+    with _store_lock(data, fcntl.LOCK_SH):
+        _write(prepared.content, path(data, sha256))
+    return StoredProgram(sha256, prepared.name, prepared.language, len(prepared.content))
 
 
 def path(data: Path, sha256: str) -> Path:
@@ -62,55 +110,69 @@ def read(data: Path, sha256: str) -> bytes:
     return path(data, sha256).read_bytes()
 
 
-def check(source: bytes, name: str) -> str:
-    """Return the language of a program; UploadRejected if it cannot be one. Runs nothing of it."""
-    language = _language(name)
-    if not source.strip():
-        raise UploadRejected(f"{name} is empty.")
-    try:
-        text = source.decode("utf-8")
-    except UnicodeDecodeError as error:
-        line = source[: error.start].count(b"\n") + 1
-        raise UploadRejected(f"{name}, line {line}: the text is not UTF-8.") from None
-    if language == "python":
-        _check_python(text, name)
-    return language
+def forget_unused(data: Path, *, older_than_s: float, used: Callable[[str], bool]) -> int:
+    """Delete the programs that nothing refers to; return their number.
+
+    A young one may belong to an order that is being written, therefore the age: it is counted from
+    the last time that somebody sent it.
+    """
+    gone = 0
+    limit = time.time() - older_than_s
+    with _store_lock(data, fcntl.LOCK_EX):
+        for place in (data / "programs").glob("*"):
+            if place.stat().st_mtime < limit and not used(place.name):
+                place.unlink()
+                gone += 1
+    return gone
 
 
-def _language(name: str) -> str:
-    """Return the language by the file's suffix."""
+def _known(name: str) -> str | None:
+    """Return the language by the file's suffix; None for an archive, whose files will tell."""
     language = language_of(name)
-    if language is None:
+    if language is None and not archives.is_archive(name):
         raise UploadRejected(f"{name}: no language is known for this kind of file.")
     return language
 
 
-def _check_python(text: str, name: str) -> None:
-    """Raise UploadRejected with the line if this cannot be a controller."""
-    if len(text) > _SYNTAX_MAX:
-        return
+def _prepared_archive(source: bytes, name: str, language: str | None, role: str) -> Prepared:
     try:
-        tree = ast.parse(text, filename=name)
-    except SyntaxError as error:
-        raise UploadRejected(f"{name}, line {error.lineno}: {error.msg}.") from None
-    except (ValueError, RecursionError, MemoryError):
-        raise UploadRejected(f"{name}: this is not a Python text that can be read.") from None
-    if not _defines_controller(tree):
-        raise UploadRejected(
-            f"{name} has no class named Controller. The documentation has a template to start from."
-        )
+        files = archives.files_of(source, name, limits=_LIMITS)
+        content = archives.normal_form(files, limits=_LIMITS)
+    except ArchiveRefused as reason:
+        raise UploadRejected(f"{name}: {reason}") from None
+    if language is not None:
+        return Prepared(name, language, content)
+    language, main = _main_of(files, name)
+    flaws = python_source.flaws_of(files, main, role) if language == "python" else []
+    return Prepared(name, language, content, tuple(flaws))
 
 
-def _defines_controller(tree: ast.Module) -> bool:
-    """Return whether the name may exist: a class, an assignment or an import, at any depth."""
-    for node in ast.walk(tree):
-        if isinstance(node, ast.ClassDef) and node.name == "Controller":
-            return True
-        if isinstance(node, ast.Name) and node.id == "Controller":
-            return True
-        if isinstance(node, ast.alias) and (node.asname or node.name) in {"Controller", "*"}:
-            return True
-    return False
+def _main_of(files: dict[str, bytes], name: str) -> tuple[str, str]:
+    """Return language and path of the file by which an archive is known."""
+    for language in LANGUAGES.values():
+        for main in language.mains:
+            if main in files:
+                return language.name, main
+    known = ", ".join(f"{main} ({one.label})" for one in LANGUAGES.values() for main in one.mains)
+    near = sorted(path for path in files if "/" not in path)[:5]
+    raise UploadRejected(
+        f"{name}: the archive needs one of {known} at its top; it has "
+        f"{', '.join(near) or 'only folders'}."
+    )
+
+
+def _check_text(name: str, source: bytes) -> None:
+    try:
+        source.decode("utf-8")
+    except UnicodeDecodeError as error:
+        line = source[: error.start].count(b"\n") + 1
+        raise UploadRejected(f"{name}, line {line}: the text is not UTF-8.") from None
+
+
+def _said(flaw: Flaw) -> str:
+    """Return a flaw as a sentence of a refusal."""
+    where = f"{flaw.file}, line {flaw.line}" if flaw.line else str(flaw.file)
+    return f"{where}: {flaw.sentence}"
 
 
 def _clean(filename: str) -> str:
@@ -133,11 +195,21 @@ def _read(stream: BinaryIO, limit: int) -> bytes:
     return b"".join(parts)
 
 
-def _keep(source: bytes, place: Path) -> None:
-    """Write the file whole or not at all; who is second finds it there already."""
+@contextmanager
+def _store_lock(data: Path, kind: int) -> Iterator[None]:
+    """Keep what is being written from being deleted as unused, and the other way round."""
+    folder = data / "programs"
+    folder.mkdir(parents=True, exist_ok=True)
+    with (data / "programs.lock").open("a") as lock:
+        fcntl.flock(lock, kind)
+        yield
+
+
+def _write(source: bytes, place: Path) -> None:
+    """Write the file whole or not at all; who is second finds it there already, and young again."""
     if place.exists():
+        os.utime(place)
         return
-    place.parent.mkdir(parents=True, exist_ok=True)
     draft = place.with_name(f"{place.name}.{secrets.token_hex(8)}")
     with draft.open("wb") as file:
         file.write(source)

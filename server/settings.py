@@ -50,7 +50,7 @@ class Settings(BaseModel):
     )
     ranked_trials: int = Field(10, ge=1, le=100, description="Hidden seeds of a ranked run")
     practice_trials_max: int = Field(10, ge=1, le=100, description="Trials of a practice run")
-    upload_max_bytes: int = Field(2 * 2**20, ge=1024, le=2**30, description="Size of an upload")
+    upload_max_bytes: int = Field(8 * 2**20, ge=1024, le=2**30, description="Size of an upload")
     quota_live: int = Field(5, ge=1, description="Runs a user may have queued or running")
     quota_day: int = Field(200, ge=1, description="Runs a user may complete in 24 h")
     guest_quota_day: int = Field(50, ge=0, description="Runs a guest may complete in 24 h")

@@ -5,8 +5,9 @@ The same trials, boxes and digest as on the server, so the same bytes.
 
 import os
 import tempfile
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +15,7 @@ from numpy.typing import NDArray
 
 from sandbox.languages import language_of
 from sandbox.level import Level
+from server.programs import Prepared
 from sim import registry
 from sim.warm_up import warm_up
 from worker.boxed import real_boxes, real_compiler
@@ -21,6 +23,7 @@ from worker.job import Job, Place
 from worker.trials import Ending, Evaluation
 
 Rows = NDArray[np.float64]
+Controller = str | tuple[bytes, str] | Prepared
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,7 +50,7 @@ def evaluate_here(
     *,
     seed: int,
     trials: int = 1,
-    controller: str | tuple[bytes, str] = "pi",
+    controller: Controller = "pi",
     hearing: Hearing,
     level: Level = Level.NONE,
     processes: int | None = None,
@@ -57,7 +60,8 @@ def evaluate_here(
     Parameters
     ----------
     controller
-        Name of a built-in one, or (source, file name) of a program, which runs in a box.
+        Name of a built-in one, or a program, which runs in a box: (source, file name) of a single
+        file, or what `server.programs.prepare` made of any upload.
     level
         Isolation of the box; see `sandbox.probes.probe`.
     processes
@@ -72,28 +76,39 @@ def evaluate_here(
     entry = registry.benchmark(benchmark)
     duration = entry.trial_duration_s(entry.read(config))
     listener = _Listener(hearing, duration, trials)
-    with tempfile.TemporaryDirectory(prefix="seamark-") as folder:
-        source, name = controller if isinstance(controller, tuple) else (None, controller)
-        program = None
-        if source is not None:
-            program = Path(folder, "program")
-            program.write_bytes(source)
-        job = Job(
-            benchmark=benchmark,
-            config=dict(config),
-            seeds=(seed,) * trials,
-            shown_seed=seed,
-            controller="upload" if source is not None else name,
-            program=program,
-            filename=name if source is not None else "",
-            language=(language_of(name) or "python") if source is not None else "python",
-        )
+    with job_of(benchmark, config, controller, seeds=(seed,) * trials) as job:
         place = Place(level, None, share=tuple(sorted(os.sched_getaffinity(0))[:processes]))
         make, compile_ = real_boxes(place), real_compiler(place)
         cores = place.cores_for(trials)
         if cores is not None:
             warm_up()  # once, and not in each of the trials' processes
         return Evaluation(job, listener, make, compile_program=compile_, cores=cores).run()
+
+
+@contextmanager
+def job_of(
+    benchmark: str, config: Mapping[str, object], controller: Controller, *, seeds: tuple[int, ...]
+) -> Iterator[Job]:
+    """Give a job, with the program in a file that is gone afterwards."""
+    plain = Job(
+        benchmark=benchmark,
+        config=dict(config),
+        seeds=seeds,
+        shown_seed=seeds[0],
+        controller=controller if isinstance(controller, str) else "upload",
+    )
+    if isinstance(controller, str):
+        yield plain
+        return
+    if isinstance(controller, Prepared):
+        source, name, language = controller.content, controller.name, controller.language
+    else:
+        source, name = controller
+        language = language_of(name) or "python"
+    with tempfile.TemporaryDirectory(prefix="seamark-") as folder:
+        program = Path(folder, "program")
+        program.write_bytes(source)
+        yield replace(plain, program=program, filename=name, language=language)
 
 
 class _Listener:

@@ -50,3 +50,5 @@ class Language:
     self_test: str  # a program that must answer half the error (see sandbox/self_test.py)
     compiler: Callable[[], Runtime] | None = None
     calls: Calls = PYTHON_CALLS
+    mains: tuple[str, ...] = ()  # files at the top of an archive that make it one of this language
+    packed: bool = False  # its files are zip archives themselves

@@ -22,4 +22,4 @@ def runtime() -> Runtime:
     return python_runtime()
 
 
-PYTHON = Language("python", "Python", (".py",), runtime, SELF_TEST)
+PYTHON = Language("python", "Python", (".py",), runtime, SELF_TEST, mains=("main.py",))

@@ -9,11 +9,10 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from seamark.failures import PlatformFailed, UsageRefused
+from seamark.failures import PlatformFailed
 from seamark.options import answer, end, json_option, order_options, say
 
 if TYPE_CHECKING:
-    from sandbox.level import Level
     from seamark.recording import Recording
     from worker.trials import Ending
 
@@ -104,11 +103,14 @@ def _order(
 def _evaluate(order: Order, recording: Recording, *, quiet: bool) -> Ending:
     from sandbox.level import Level
     from sandbox.outcome import SandboxBroken
+    from seamark.programs import isolation, program_of
     from seamark.progress import Progress
     from worker.single import Hearing, evaluate_here
 
-    source = None if order.program is None else _source(order.program)
-    level = Level.NONE if source is None else _isolation()
+    program = (
+        None if order.program is None else program_of(order.program, benchmark=order.benchmark)
+    )
+    level = Level.NONE if program is None else isolation()
     with Progress(order.benchmark, quiet=quiet) as bar:
         hearing = Hearing(
             rows=recording.add_rows,
@@ -122,7 +124,7 @@ def _evaluate(order: Order, recording: Recording, *, quiet: bool) -> Ending:
                 order.config,
                 seed=order.seed,
                 trials=order.trials,
-                controller=order.controller if source is None else source,
+                controller=program or order.controller,
                 hearing=hearing,
                 level=level,
             )
@@ -130,36 +132,6 @@ def _evaluate(order: Order, recording: Recording, *, quiet: bool) -> Ending:
             raise PlatformFailed(
                 f"The sandbox failed: {broken}. `seamark doctor` says what this machine can do."
             ) from None
-
-
-def _source(path: Path) -> tuple[bytes, str]:
-    """Return the program's text and name, checked as an upload is."""
-    from sandbox.languages import language_of
-    from server.programs import UploadRejected, check
-
-    if language_of(path.name) is None:
-        raise UsageRefused(f"{path}: no language is known for this kind of file.")
-    try:
-        source = path.read_bytes()
-        check(source, path.name)
-    except OSError as error:
-        raise UsageRefused(f"{path} cannot be read: {error.strerror}.") from None
-    except UploadRejected as reason:
-        raise click.ClickException(str(reason)) from None
-    return source, path.name
-
-
-def _isolation() -> Level:
-    from sandbox.level import Level
-    from sandbox.probes import probe
-
-    found = probe()
-    if found.level is Level.NONE:
-        raise PlatformFailed(
-            f"Programs cannot be run here: {found.sentence()}. `seamark doctor` says how to "
-            "mend it."
-        )
-    return found.level
 
 
 def _report(order: Order, ending: Ending, out: Path | None, *, as_json: bool) -> None:

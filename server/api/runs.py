@@ -15,6 +15,7 @@ from server.access import READ, SUBMIT, Action, can
 from server.api import gate, reading
 from server.api.schemas import RunAnswer, RunOrder, RunPath, RunsAnswer, RunsQuery, run_answer
 from server.listing import RunView
+from server.orders import role_of
 from server.problems import Problem
 from server.programs import StoredProgram, UploadRejected
 from server.services import services
@@ -50,11 +51,12 @@ def create() -> Response:
         raise Problem("account-needed", "Uploading a program needs an account.")
     if order.kind == "ranked" and not can(viewer, Action.SUBMIT_RANKED):
         raise Problem("account-needed", "A ranked run needs an account: it shows your name.")
-    program = None if file is None else _store(file)
+    program = None if file is None else store(file, order.benchmark)
     return _accepted(_enqueue(order, program))
 
 
-def _store(file: FileStorage) -> StoredProgram:
+def store(file: FileStorage, benchmark: str) -> StoredProgram:
+    """Return the stored program of a request; Problem if it is refused."""
     settings = services().settings
     try:
         return programs.store(
@@ -62,6 +64,7 @@ def _store(file: FileStorage) -> StoredProgram:
             file.filename or "",
             limit=settings.upload_max_bytes,
             data=settings.data,
+            role=role_of(benchmark),
         )
     except UploadRejected as reason:
         raise Problem("upload-rejected", str(reason), errors={"program": str(reason)}) from None

@@ -69,34 +69,35 @@ def _order(benchmark: Benchmark, values: dict[str, object], answers: dict[str, s
         config=config.model_dump(mode="json"),
         kind=kind,
         controller=controller,
-        program=_program(answers) if controller == runs.UPLOAD else None,
+        program=_program(benchmark, answers) if controller == runs.UPLOAD else None,
         seed=None if kind is runs.Kind.RANKED else _whole(answers, "seed", "A seed"),
         trials=_whole(answers, "trials", "The number of trials") or 1,
         title=answers.get("title", ""),
     )
 
 
-def _program(answers: dict[str, str]) -> StoredProgram | None:
+def _program(benchmark: Benchmark, answers: dict[str, str]) -> StoredProgram | None:
     """Return the stored upload: the file if one was chosen, else the text of the editor."""
     if not can(g.viewer, Action.UPLOAD):
         raise runs.OrderRejected("Running a program of your own needs an account.")
     settings = services().settings
+    keeping: Any = {
+        "limit": settings.upload_max_bytes,
+        "data": settings.data,
+        "role": benchmark.role,
+    }
     file = request.files.get("program")
     if answers.get("source") != "editor":
         if file is None or not file.filename:
             raise UploadRejected("Choose a file, or write the program in the editor.")
         stream = cast(BinaryIO, file.stream)
-        return programs.store(
-            stream, file.filename, limit=settings.upload_max_bytes, data=settings.data
-        )
+        return programs.store(stream, file.filename, **keeping)
     name = templates_for_programs.FILES.get(answers.get("language", "python"))
     if name is None:
         raise UploadRejected("Choose one of the languages of the list.")
     # A browser sends line ends as CR LF; the program keeps those that its author typed.
     text = answers.get("program_text", "").replace("\r\n", "\n").encode()
-    return programs.store(
-        io.BytesIO(text), name, limit=settings.upload_max_bytes, data=settings.data
-    )
+    return programs.store(io.BytesIO(text), name, **keeping)
 
 
 def _whole(answers: dict[str, str], name: str, what: str) -> int | None:

@@ -207,7 +207,7 @@ def test_a_program_with_a_wrong_syntax_is_the_programs_failure(tmp_path: Path) -
     answer = seamark("run", "currents-v1", *SHORT, "--controller", str(program))
 
     assert answer.exit_code == 1
-    assert "broken.py, line 1" in answer.output
+    assert "broken.py:1:" in answer.output
 
 
 @pytest.mark.parametrize(

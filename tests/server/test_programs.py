@@ -6,7 +6,7 @@ import pytest
 from server import programs
 from server.programs import UploadRejected
 
-GOOD = b"class Controller:\n    pass\n"
+GOOD = b"class Controller(Base):\n    pass\n"
 
 
 def _store(source: bytes, data: Path, name: str = "mine.py") -> programs.StoredProgram:

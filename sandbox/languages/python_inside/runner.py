@@ -7,7 +7,6 @@ control groups do it.
 import contextlib
 import errno
 import json
-import linecache
 import os
 import resource
 import struct
@@ -15,8 +14,9 @@ import sys
 import traceback
 import types
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, NoReturn
 
+from .files import ArchiveUnusable, Files
 from .images import Images, as_detections, as_track, corners_of
 from .values import HEADER, AnswerInvalid, Observation, as_command, observe_by
 
@@ -70,7 +70,7 @@ class Runner:
     def __init__(self, descriptor: int) -> None:
         self.fd = descriptor
         self.sequence = 0
-        self.filename = "program"
+        self.files: Any = None  # of the program, as soon as they are there
         self.role = ROLES["controller"]
         self.program: Any = None  # the object of the stranger's class
         self.images: Any = None
@@ -107,15 +107,16 @@ class Runner:
             text += self.receive()[1][HEADER.size :]
         header = json.loads(text[:header_size])
         source = bytes(text[header_size:])
-        self.filename = header["filename"]
         self.prepare(header)
-        lines = source.decode("utf-8", "replace").splitlines(keepends=True)
-        linecache.cache[self.filename] = (len(source), None, lines, self.filename)
+        try:
+            self.files = files = Files(source, header["filename"])
+        except ArchiveUnusable as reason:
+            self.give_up(b"s", str(reason))
         module = types.ModuleType("controller")
-        module.__file__ = self.filename
+        module.__file__ = files.path
         sys.modules["controller"] = module
         self.doing = "compile"
-        code = compile(source, self.filename, "exec", dont_inherit=True)
+        code = compile(files.source, files.path, "exec", dont_inherit=True)
         self.doing = "the program"
         exec(code, module.__dict__)  # noqa: S102  (this is what the box is for)
         self.program = self.make(module, header["config"])
@@ -135,7 +136,7 @@ class Runner:
         role = self.role
         maker: Any = getattr(module, role.maker, None)
         if maker is None:
-            self.give_up(b"u", f"{self.filename} has no class {role.maker}. {role.interface}")
+            self.give_up(b"u", f"{self.files.name} has no class {role.maker}. {role.interface}")
         for method in role.methods:
             if not callable(getattr(maker, method, None)):
                 self.give_up(b"u", f"{role.maker} has no method {method}. {role.interface}")
@@ -210,7 +211,7 @@ class Runner:
         waiting = [own]
         while waiting:
             one = waiting.pop()
-            frames = [frame for frame in one.stack if frame.filename == self.filename]
+            frames = [frame for frame in one.stack if self.files.own(frame.filename)]
             if len(frames) > MOST_FRAMES:
                 frames = frames[: MOST_FRAMES // 2] + frames[-MOST_FRAMES // 2 :]
             one.stack = traceback.StackSummary.from_list(frames)
@@ -224,21 +225,24 @@ class Runner:
         what = "".join(own.format_exception_only()).strip().splitlines()[-1]
         if self.doing == "compile":
             line = getattr(error, "lineno", None)
-            return b"s", f"{what} (line {line} of {self.filename})" if line else what
+            return b"s", f"{what} (line {line} of {self.files.name})" if line else what
         if isinstance(error, AnswerInvalid):
             name = self.role.methods[0]
-            line = getattr(self.program, name).__code__.co_firstlineno
-            where = f"{name} begins in line {line} of {self.filename}"
+            code = getattr(self.program, name).__code__
+            where = f"{name} begins in line {code.co_firstlineno} of {code.co_filename}"
             return b"p", f"{error}; {self.role.answer} ({where})"
         if what == "MemoryError":
             what = "MemoryError: the program asked for more memory than it may use"
         if not own.stack:
             return kind_of(error), f"{what} (called as {self.doing}). {self.role.interface}"
-        return kind_of(error), f"{what} (line {own.stack[-1].lineno} of {self.filename})"
+        last = own.stack[-1]
+        return kind_of(error), f"{what} (line {last.lineno} of {last.filename})"
 
-    def give_up(self, kind: bytes, sentence: str, text: str = "") -> None:
+    def give_up(self, kind: bytes, sentence: str, text: str = "") -> NoReturn:
         """Send the last frame and end."""
         flush()
+        if self.files is not None:
+            sentence, text = self.files.shown(sentence), self.files.shown(text)
         words = sentence.encode("utf-8", "replace")[:MOST_SENTENCE]
         trace = text.encode("utf-8", "replace")[:MOST_TRACEBACK]
         with contextlib.suppress(OSError):

@@ -23,7 +23,11 @@ from server.states import RunState
 from server.tables import Run
 from sim.telemetry import INDEX, WIDTH
 
-PROGRAM = b"class Controller:\n    def __init__(self, config): ...\n"
+PROGRAM = b"""
+class Controller:
+    def __init__(self, config): ...
+    def step(self, observation): ...
+"""
 ROLES = {  # role -> account, scopes, days
     "other": ("ben", ("read", "submit"), 1.0),
     "owner": ("ann", ("read", "submit"), 1.0),

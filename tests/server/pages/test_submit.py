@@ -9,7 +9,12 @@ from server import runs
 from tests.server.pages.conftest import Browser, Site
 
 FORM = "/submit/currents-v1"
-PROGRAM = "class Controller:\n    def step(self, observation):\n        return [0, 0, 0, 0]\n"
+PROGRAM = """
+class Controller:
+    def __init__(self, config): ...
+    def step(self, observation):
+        return [0, 0, 0, 0]
+"""
 
 
 def _new_run(browser: Browser, **answers: object) -> int:
@@ -143,9 +148,9 @@ def test_a_guest_may_not_upload(site: Site) -> None:
     assert "needs an account" in answer.text
 
 
-def test_three_megabytes_are_refused_with_the_limit_in_a_sentence(site: Site) -> None:
+def test_nine_megabytes_are_refused_with_the_limit_in_a_sentence(site: Site) -> None:
     head = b'--x\r\nContent-Disposition: form-data; name="program"; filename="big.py"\r\n\r\n'
-    body = head + b"#" * 3_000_000 + b"\r\n--x--\r\n"
+    body = head + b"#" * 9_000_000 + b"\r\n--x--\r\n"
 
     answer = site.browser("ann").client.post(
         FORM, data=body, content_type="multipart/form-data; boundary=x"
@@ -153,7 +158,7 @@ def test_three_megabytes_are_refused_with_the_limit_in_a_sentence(site: Site) ->
 
     assert answer.status_code == 413
     assert "The upload is too large" in answer.text
-    assert "up to 2 MiB" in answer.text
+    assert "up to 8 MiB" in answer.text
 
 
 def test_a_ranked_run_has_the_scenario_of_the_benchmark(site: Site) -> None:

@@ -1,0 +1,246 @@
+"""Hostile uploads: each goes through POST /runs and has a sentence that it must get."""
+
+import io
+import json
+import tarfile
+import tracemalloc
+import zipfile
+from collections.abc import Callable
+
+import pytest
+from sqlalchemy import func, select
+
+from server.tables import Run
+from tests.hostile.uploads import archives as make
+from tests.hostile.uploads.archives import MAIN, Entry, beside_main, named, tar_entry, zipped
+from tests.server.api.conftest import Site
+
+DEFLATED = zipfile.ZIP_DEFLATED
+NESTED = zipped(Entry(b"main.py", MAIN))
+UNICODE_NAME = b"\x75\x70\x0d\x00\x01\0\0\0\0other.py"
+GOOD = zipped(Entry(b"main.py", MAIN))
+Made = Callable[[], bytes]
+
+ZIPS: dict[str, tuple[Made, str]] = {
+    "leads out": (lambda: named("../out.py"), "leads out of the archive"),
+    "leads out in the middle": (lambda: named("a/../../out.py"), "leads out of the archive"),
+    "absolute": (lambda: named("/etc/passwd"), "is absolute"),
+    "a drive": (lambda: named("C:evil.py"), "is absolute"),
+    "a backslash": (lambda: named("..\\out.py"), "has a backslash"),
+    "a zero byte": (lambda: named("a\0.py"), "cannot be seen"),
+    "a line break": (lambda: named("a\n.py"), "cannot be seen"),
+    "a name from right to left": (lambda: named("a\u202egpj.py"), "cannot be seen"),
+    "a hidden space": (lambda: named("ma\u200bin.py"), "cannot be seen"),
+    "a dot that is none": (lambda: named("\uff0e\uff0e/out.py"), "look like others"),
+    "a slash that is none": (lambda: named("a\uff0fb.py"), "look like others"),
+    "reserved": (lambda: named("aux.py"), "reserved on Windows"),
+    "a dot at the end": (lambda: named("main.py."), "space or dot at its end"),
+    "an empty part": (lambda: named("a//b.py"), "has an empty part"),
+    "a stream of NTFS": (lambda: named("main.py:evil"), "one of the characters"),
+    "too long": (lambda: named("a" * 300), "longer than 180"),
+    "too deep": (lambda: named("a/" * 12 + "b.py"), "folders deep"),
+    "twice": (lambda: named("main.py"), "main.py is in the archive twice"),
+    "differs in case": (lambda: named("Main.py"), "differ only in upper and lower case"),
+    "differs in its accents": (
+        lambda: beside_main(Entry("\u00e9.py".encode()), Entry("e\u0301.py".encode())),
+        "differ only",
+    ),
+    "a file and a folder": (
+        lambda: beside_main(Entry(b"a", b"x"), Entry(b"a/b.py", b"x")),
+        "a is a file and a folder at once",
+    ),
+    "no UTF-8": (lambda: named(b"\xff.py"), "is not in UTF-8"),
+    "in an old code page": (lambda: named(b"\x82.py", flags=0), "is not in UTF-8"),
+    "two names": (lambda: named("a.py", extra=UNICODE_NAME), "has two names"),
+    "a link": (lambda: named("a.py", mode=make.LINK), "is a link"),
+    "a device": (lambda: named("a.py", mode=make.DEVICE), "is a device"),
+    "a pipe": (lambda: named("a.py", mode=make.PIPE), "is a device or a pipe"),
+    "encrypted": (lambda: named("a.py", flags=make.ENCRYPTED), "is encrypted"),
+    "an archive in it": (lambda: beside_main(Entry(b"a.bin", NESTED)), "is an archive itself"),
+    "a tar in it": (
+        lambda: beside_main(Entry(b"a.dat", bytes(257) + b"ustar\x0000" + bytes(248))),
+        "is an archive itself (tar)",
+    ),
+    "a bomb": (lambda: make.bomb(4 << 20), "as a bomb does"),
+    "a bomb that lies about its size": (
+        lambda: beside_main(
+            Entry(b"a", bytes(4 << 20), DEFLATED, local={"size": 9}, central={"size": 9})
+        ),
+        "as a bomb does",
+    ),
+    "many small bombs": (
+        lambda: beside_main(*(Entry(b"%d" % n, bytes(250_000), DEFLATED) for n in range(40))),
+        "more than 8 MiB",
+    ),
+    "too many": (
+        lambda: beside_main(*(Entry(b"%d.py" % n) for n in range(300))),
+        "more than 256 entries",
+    ),
+    "cut in the middle": (lambda: GOOD[: len(GOOD) // 2], "it was cut"),
+    "cut at the end": (lambda: GOOD[:-3], "it was cut"),
+    "a file that is cut": (
+        lambda: beside_main(Entry(b"a", b"\x4b", 8, local={"packed": 1}, central={"packed": 1})),
+        "ends in the middle",
+    ),
+    "overlapping": (make.overlapping, "overlaps the one before it"),
+    "one inside of the other": (make.quoted, "overlaps the one before it"),
+    "another name inside": (
+        lambda: beside_main(Entry(b"a.py", b"x", local={"name": b"b.py"})),
+        "described in two ways",
+    ),
+    "another size inside": (
+        lambda: beside_main(Entry(b"a.py", b"x", local={"size": 7})),
+        "described in two ways",
+    ),
+    "a wrong checksum": (
+        lambda: beside_main(Entry(b"a.py", b"x", local={"crc": 1}, central={"crc": 1})),
+        "its checksum is wrong",
+    ),
+    "another method": (lambda: named("a.py", method=14), "packed by method 14"),
+    "something in front": (lambda: b"#!/bin/sh\n" + GOOD, "not a .zip archive"),
+    "something behind": (lambda: GOOD + b"evil", "bytes behind the end"),
+    "a list elsewhere": (
+        lambda: zipped(Entry(b"main.py", MAIN), end={"start": 3}),
+        "not where the archive says",
+    ),
+    "more files than it lists": (
+        lambda: zipped(Entry(b"main.py", MAIN), Entry(b"a.py"), end={"count": 1}),
+        "damaged",
+    ),
+    "one of several": (
+        lambda: GOOD[:-18] + b"\1\0" + GOOD[-16:],
+        "one part of several",
+    ),
+    "of more than 4 GiB": (
+        lambda: zipped(Entry(b"main.py", MAIN), end={"count": 0xFFFF}),
+        "Zip64",
+    ),
+    "no main.py": (lambda: zipped(Entry(b"a.py", MAIN)), "needs one of main.py (Python)"),
+    "nothing": (lambda: zipped(), "has no file in it"),
+    "only leftovers": (lambda: zipped(Entry(b"__MACOSX/main.py", MAIN)), "has no file in it"),
+    "no zip": (lambda: MAIN, "not a .zip archive"),
+    "an error of syntax": (
+        lambda: beside_main(Entry(b"pid.py", b"def f(:\n")),
+        "pid.py, line 1: invalid syntax",
+    ),
+}
+TARS: dict[str, tuple[Made, str]] = {
+    "leads out": (lambda: make.tarred(tar_entry("../out.py")), "leads out of the archive"),
+    "absolute": (lambda: make.tarred(tar_entry("/etc/x")), "is absolute"),
+    "a link out": (
+        lambda: make.tarred(tar_entry("a.py", tarfile.SYMTYPE, "/etc/shadow")),
+        "is a link",
+    ),
+    "a hard link": (
+        lambda: make.tarred(tar_entry("a.py", tarfile.LNKTYPE, "main.py")),
+        "is a link",
+    ),
+    "a device": (lambda: make.tarred(tar_entry("a", tarfile.CHRTYPE)), "is a device"),
+    "a pipe": (lambda: make.tarred(tar_entry("a", tarfile.FIFOTYPE)), "is a pipe"),
+    "a file in a file": (
+        lambda: make.tarred(tar_entry("main.py/a.py")),
+        "a file and a folder at once",
+    ),
+    "a bomb": (lambda: make.gzip_bomb(100 << 20), "more than 8 MiB"),
+    "cut": (lambda: make.tarred()[:-20], "was cut"),
+    "something behind": (lambda: make.tarred() + b"evil", "bytes behind the end"),
+    "no tar": (lambda: make.gzip_bomb(3000), "no file in it"),
+    "no gzip": (lambda: b"hello", "not a .tar.gz archive"),
+}
+CASES = [("mine.zip", name, *case) for name, case in ZIPS.items()]
+CASES += [("mine.tar.gz", name, *case) for name, case in TARS.items()]
+
+
+def sent(site: Site, content: bytes, name: str) -> tuple[int, str]:
+    """Return the status and the sentence for an upload."""
+    order = {"run": json.dumps({"benchmark": "currents-v1"})}
+    form = order | {"program": (io.BytesIO(content), name)}
+    answer = site.call("owner", "POST", "/api/v1/runs", data=form)
+    return answer.status_code, answer.get_json().get("detail", "")
+
+
+@pytest.mark.parametrize(
+    ("file", "made", "says"),
+    [(file, made, says) for file, _, made, says in CASES],
+    ids=[f"{file.split('.')[1]}: {name}" for file, name, *_ in CASES],
+)
+def test_a_hostile_upload_is_refused_in_words_and_leaves_nothing(
+    site: Site, file: str, made: Made, says: str
+) -> None:
+    status, sentence = sent(site, made(), file)
+
+    assert (status, says in sentence) == (422, True), sentence
+    assert sentence.startswith(f"{file}: ") or "line" in sentence
+    assert not list(site.settings.data.glob("programs/*"))
+    with site.database.reading() as session:
+        assert session.scalar(select(func.count()).select_from(Run)) == 0
+
+
+def test_a_bomb_never_takes_more_memory_than_the_limit(site: Site) -> None:
+    upload = make.gzip_bomb(200 << 20)
+    sent(site, upload, "warm.tar.gz")
+
+    tracemalloc.start()
+    status, _ = sent(site, upload, "bomb.tar.gz")
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+
+    assert status == 422
+    assert peak < 40 << 20
+
+
+def usual(kind: str) -> bytes:
+    """Return an archive as the tools of the field make it."""
+    target = io.BytesIO()
+    files = {"main.py": MAIN, "lib/gains.py": b"KP = 0.5\n", "__pycache__/a.pyc": b"x"}
+    if kind == "tar.gz":
+        with tarfile.open(fileobj=target, mode="w:gz") as archive:
+            archive.addfile(make.tar_entry(".", tarfile.DIRTYPE))
+            for name, content in files.items():
+                entry = tarfile.TarInfo(f"./robot/{name}")
+                entry.size = len(content)
+                archive.addfile(entry, io.BytesIO(content))
+        return target.getvalue()
+    with zipfile.ZipFile(target, "w", DEFLATED) as packed:
+        for name, content in files.items():
+            packed.writestr(f"robot/{name}", content)
+        packed.writestr("__MACOSX/._main.py", b"junk")
+    return target.getvalue()
+
+
+def streamed() -> bytes:
+    """Return a zip archive written without going back, as browsers and macOS write them."""
+
+    class Pipe(io.RawIOBase):
+        def __init__(self) -> None:
+            self.all = bytearray()
+
+        def writable(self) -> bool:
+            return True
+
+        def write(self, data: bytes) -> int:  # type: ignore[override]
+            self.all += bytes(data)
+            return len(data)
+
+    pipe = Pipe()
+    with zipfile.ZipFile(pipe, "w", DEFLATED) as packed:  # type: ignore[arg-type]
+        packed.writestr("main.py", MAIN)
+        packed.writestr("lib/gains.py", b"KP = 0.5\n")
+    return bytes(pipe.all)
+
+
+def test_the_same_files_are_kept_under_one_hash_however_they_were_packed(site: Site) -> None:
+    for content, name in (
+        (usual("zip"), "a.zip"),
+        (usual("tar.gz"), "b.tar.gz"),
+        (usual("tar.gz"), "c.tgz"),
+        (streamed(), "d.zip"),
+    ):
+        status, said = sent(site, content, name)
+        assert status == 202, said
+
+    kept = {path.name for path in (site.settings.data / "programs").iterdir()}
+    assert len(kept) == 1
+    with site.database.reading() as session:
+        assert set(session.scalars(select(Run.program_sha256))) == kept
+        assert set(session.scalars(select(Run.language))) == {"python"}
