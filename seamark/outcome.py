@@ -23,6 +23,7 @@ def explain(run: Mapping[str, Any]) -> str:
 
 def _success(result: Mapping[str, Any], metrics: Mapping[str, Any]) -> list[str]:
     lines = [f"Score {_figure(result.get('score'))}{_interval(result)}"]
+    lines += own_score(metrics)
     lines += table(metrics)
     if result.get("digest"):
         lines.append(f"Digest {result['digest']}")
@@ -34,6 +35,14 @@ def _interval(result: Mapping[str, Any]) -> str:
     if low is None or high is None or low == high:
         return ""
     return f" (95 % interval {_figure(low)} to {_figure(high)})"
+
+
+def own_score(metrics: Mapping[str, Any]) -> list[str]:
+    """Return the line about the user's own expression, if there is one."""
+    own = metrics.get("own_score")
+    if not own:
+        return []
+    return [f"{own['expression']} = {_figure(own['value'])} {own['why']}".rstrip()]
 
 
 def table(metrics: Mapping[str, Any]) -> list[str]:

@@ -15,8 +15,15 @@ from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
 from sim.quantity import Metric
+from sim.score_expression import LONGEST, ExpressionInvalid, check
 
 Role = Literal["scenario", "solution"]
+_LIMITS = (  # pydantic's name, its attribute, JSON Schema's word
+    ("Ge", "ge", "minimum"),
+    ("Gt", "gt", "exclusiveMinimum"),
+    ("Le", "le", "maximum"),
+    ("MaxLen", "max_length", "maxLength"),
+)
 JSON_TYPES: dict[object, str] = {bool: "boolean", int: "integer", float: "number", str: "string"}
 
 
@@ -69,6 +76,22 @@ class Configuration(BaseModel, ABC):
         """Return what the score is where it is not the benchmark's own headline; else None."""
         return None
 
+    def own_score(self) -> str:
+        """Return the user's own expression over measures; empty without one."""
+        return str(getattr(self, "score", ""))
+
+    def _broken_expressions(self) -> dict[str, str]:
+        """Return setting -> sentence for expressions over names that cannot be worked out."""
+        errors: dict[str, str] = {}
+        for name, field in type(self).model_fields.items():
+            text = getattr(self, name)
+            if text and "x-names" in extra_of(field):
+                try:
+                    check(text, extra_of(field)["x-names"])
+                except ExpressionInvalid as refusal:
+                    errors[name] = f"{name} ({field.title}): {refusal}"
+        return errors
+
     @abstractmethod
     def level_metric(self) -> Metric:
         """Return what a level's value is; its name is the value's in the metrics of a level."""
@@ -94,7 +117,7 @@ class Configuration(BaseModel, ABC):
             configuration = cls(**{str(key): value for key, value in values.items()})
         except ValidationError as refusal:
             raise ConfigurationInvalid(_sentences(cls, refusal)) from None
-        errors = configuration.broken_rules()
+        errors = configuration.broken_rules() | configuration._broken_expressions()
         if errors:
             raise ConfigurationInvalid(errors)
         return configuration
@@ -115,6 +138,7 @@ def knob(  # noqa: PLR0913  # one keyword per word of the schema
     tag: str = "",
     advanced: bool = False,
     length: tuple[int, int] | None = None,
+    names: Sequence[str] | None = None,
 ) -> Any:  # pydantic's own Field says Any, so that it fits every annotation
     """Return one setting.
 
@@ -132,6 +156,8 @@ def knob(  # noqa: PLR0913  # one keyword per word of the schema
     tag
         Where the default comes from: S sourced, D derived, E estimated.
     length : (least, most) items of a list
+    names
+        Of what an expression may name; the setting is then the text of one, which may be empty.
     """
     extra: dict[str, Any] = {"x-group": group, "x-role": role, "x-advanced": advanced}
     if unit:
@@ -140,8 +166,12 @@ def knob(  # noqa: PLR0913  # one keyword per word of the schema
         extra["x-tag"] = tag
     if choices is not None:
         extra |= {"enum": list(choices), "x-labels": dict(choices)}
+    if names is not None:
+        extra["x-names"] = list(names)
     bounds: dict[str, Any] = {}
-    if length is None:
+    if names is not None:
+        bounds = {"max_length": LONGEST}
+    elif length is None:
         bounds = {"ge": low, "gt": above, "le": high}
     else:
         items = {"minimum": low, "exclusiveMinimum": above, "maximum": high}
@@ -184,6 +214,8 @@ def allowed(field: FieldInfo) -> str:
         return "one of " + ", ".join(extra["enum"])
     if field.annotation is bool:
         return "true or false"
+    if "x-names" in extra:
+        return f"a text of at most {LONGEST} characters"
     unit = f" {extra['x-unit']}" if "x-unit" in extra else ""
     limits = {type(entry).__name__: entry for entry in field.metadata}
     items = extra.get("x-items")
@@ -287,8 +319,7 @@ def _property(name: str, field: FieldInfo) -> dict[str, Any]:
         entry["maxItems"] = limits["MaxLen"].max_length
     else:
         entry["type"] = JSON_TYPES[field.annotation]
-        names = (("Ge", "ge", "minimum"), ("Gt", "gt", "exclusiveMinimum"), ("Le", "le", "maximum"))
-        for kind_name, attribute, word in names:
+        for kind_name, attribute, word in _LIMITS:
             if kind_name in limits:
                 entry[word] = getattr(limits[kind_name], attribute)
     return entry | extra

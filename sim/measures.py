@@ -1,40 +1,45 @@
 """The measures of the original benchmark module (uwsimbenchmarks), from telemetry rows.
 
-Same names and definitions; where the original is wrong, the corrected one is here:
-
-time
-    Simulated seconds. The original takes wall time, so that a slow computer scored worse.
-collision
-    1 - sum of mean speeds / (ticks * 0.5) - greatest speed / 0.5, not below 0, over the ticks in
-    contact. The original reads one body's speed twice.
-positionError
-    Distance to a wanted place, whole and by axis, mean over the rows.
-distance
-    Length of the path.
-euclideanNorm
-    Euclidean distance of tracked corners (all eight numbers) and centroid from the true ones, mean
-    over the rows with the target. The original counts -1 for a failure, which lowers its mean.
-objectCenteredOnCam
-    Distance of the true target from the image centre, whole and by axis.
-pathFollowing
-    Distance to a path of straight pieces. What the original publishes as "ISE" adds distance times
-    dt: it is the IAE and has that name here, beside the true ISE.
-
-The original's triggers compare squared distances with 0.2 and 0.3, which makes them 0.45 m and
-0.55 m; nothing here has a threshold.
+Same definitions; where the original is wrong, the corrected one is here. `docs/measures.md` has all
+formulas and names each error.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from itertools import pairwise
 
 import numpy as np
 
+from sim.quantity import Metric
 from sim.statistics import mean
 from sim.telemetry import INDEX, Rows
 
 COLLISION_SPEED_M_S = 0.5  # S: uwsimbenchmarks, the speed at which a collision costs all
 Points = Sequence[tuple[float, float, float]]
+MEASURES: tuple[Metric, ...] = (
+    Metric("time", "Simulated time", "s", "lower", "sum"),
+    Metric("collision", "Collision: 1 without any", "", "higher"),
+    Metric("contactTicks", "Control ticks in contact", "", "lower", "sum"),
+    Metric("contactSpeedMean", "Mean speed in contact", "m/s", "lower"),
+    Metric("contactSpeedMax", "Greatest speed in contact", "m/s", "lower", "max"),
+    Metric("positionError", "Mean distance from the wanted place", "m", "lower"),
+    Metric("positionErrorX", "Mean error along north", "m", "lower"),
+    Metric("positionErrorY", "Mean error along east", "m", "lower"),
+    Metric("positionErrorZ", "Mean error along down", "m", "lower"),
+    Metric("positionErrorAngle", "Mean angle from the wanted attitude", "rad", "lower"),
+    Metric("distance", "Travelled distance", "m", "lower", "sum"),
+    Metric("corners", "Tracked corners to true corners, norm of all eight numbers", "px", "lower"),
+    Metric("centroid", "Tracked centre to true centre", "px", "lower"),
+    Metric("seenTicks", "Control ticks with a tracked target", "", "higher", "sum"),
+    Metric("objectCenteredOnCam", "Target to image centre", "px", "lower"),
+    Metric("objectCenteredOnCamX", "Target to image centre along X", "px", "lower"),
+    Metric("objectCenteredOnCamY", "Target to image centre along Y", "px", "lower"),
+    Metric("pathFollowingIAE", "Integral of the distance to the path", "m s", "lower", "sum"),
+    Metric("pathFollowingISE", "Integral of its square", "m² s", "lower", "sum"),
+    Metric("distanceToPath", "Mean distance to the path", "m", "lower"),
+)
+NAMES = tuple(measure.name for measure in MEASURES)
+SUMS = tuple(measure.name for measure in MEASURES if measure.over == "sum")
 
 
 def time(rows: Rows) -> float:
@@ -43,14 +48,22 @@ def time(rows: Rows) -> float:
     return t[-1] - t[0] if t else math.nan
 
 
-def collision(rows: Rows) -> float:
-    """Return 1 for no collision, down to 0."""
-    touching = rows[:, INDEX["contact_n"]] > 0.0
-    speeds = _lengths(rows[touching, INDEX["u"] : INDEX["w"] + 1])
-    if not speeds:
+def contacts(rows: Rows) -> dict[str, float]:
+    """Return the number of ticks in contact, and mean and greatest speed [m/s] during them."""
+    touching = rows[rows[:, INDEX["contact_n"]] > 0.0]
+    speeds = _lengths(touching[:, INDEX["u"] : INDEX["w"] + 1])
+    return {
+        "ticks": float(len(speeds)),
+        "mean_speed": mean(speeds) if speeds else 0.0,
+        "max_speed": max(speeds, default=0.0),
+    }
+
+
+def collision(*, ticks: float, mean_speed: float, max_speed: float) -> float:
+    """Return 1 for no collision, down to 0, from what `contacts` gives."""
+    if not ticks:
         return 1.0
-    lost = math.fsum(speeds) / (len(speeds) * COLLISION_SPEED_M_S)
-    return max(0.0, 1.0 - lost - max(speeds) / COLLISION_SPEED_M_S)
+    return max(0.0, 1.0 - (mean_speed + max_speed) / COLLISION_SPEED_M_S)
 
 
 def position_error(rows: Rows, target: tuple[float, float, float]) -> dict[str, float]:
@@ -58,6 +71,13 @@ def position_error(rows: Rows, target: tuple[float, float, float]) -> dict[str, 
     off = rows[:, INDEX["x"] : INDEX["z"] + 1] - np.array(target)
     axes = {axis: mean(np.abs(off[:, i]).tolist()) for i, axis in enumerate("xyz")}
     return {"total": mean(_lengths(off))} | axes
+
+
+def attitude_error(rows: Rows) -> float:
+    """Return the mean angle [rad] by which the vehicle is turned from how the level starts."""
+    turned = [_rotation(*angles) for angles in rows[:, _columns("roll", "pitch", "yaw")].tolist()]
+    first = turned[0]
+    return mean([_angle_between(first, rotation) for rotation in turned])
 
 
 def distance(rows: Rows) -> float:
@@ -103,16 +123,64 @@ def path_following(rows: Rows, path: Points, dt: float) -> dict[str, float]:
     }
 
 
-def named(rows: Rows) -> dict[str, float]:
-    """Return the measures that need nothing but rows, by the names a score's expression uses."""
-    centred = object_centered_on_cam(rows)
+def of_level(rows: Rows) -> dict[str, float]:
+    """Return all measures of one level by name; nan where there is none.
+
+    Wanted is the pose at which the level starts, above the target; it is the path too.
+    """
+    if not len(rows):
+        return dict.fromkeys(NAMES, math.nan)
+    dt = round(time(rows) / max(len(rows) - 1, 1), 9)
+    start = rows[0, INDEX["x"] : INDEX["z"] + 1].tolist()
+    place, path = (start[0], start[1], start[2]), [(start[0], start[1], start[2])] * 2
+    wanted, followed = position_error(rows, place), path_following(rows, path, dt)
+    seen, centred, hit = euclidean_norm(rows), object_centered_on_cam(rows), contacts(rows)
     return {
-        "time": time(rows),
+        "time": time(rows) + dt,  # the last row stands for a whole tick
+        "collision": collision(**hit),
+        "contactTicks": hit["ticks"],
+        "contactSpeedMean": hit["mean_speed"],
+        "contactSpeedMax": hit["max_speed"],
+        "positionError": wanted["total"],
+        "positionErrorX": wanted["x"],
+        "positionErrorY": wanted["y"],
+        "positionErrorZ": wanted["z"],
+        "positionErrorAngle": attitude_error(rows),
         "distance": distance(rows),
-        "collision": collision(rows),
+        "corners": seen["corners"],
+        "centroid": seen["centroid"],
+        "seenTicks": float((rows[:, INDEX["tracker_ok"]] == 1.0).sum()),
         "objectCenteredOnCam": centred["total"],
-        **euclidean_norm(rows),
+        "objectCenteredOnCamX": centred["x"],
+        "objectCenteredOnCamY": centred["y"],
+        "pathFollowingIAE": followed["iae"],
+        "pathFollowingISE": followed["ise"],
+        "distanceToPath": followed["distanceToPath"],
     }
+
+
+def of_run(levels: Sequence[Mapping[str, float]]) -> dict[str, float]:
+    """Return the measures over all levels of a trial, from those of each."""
+    whole = {name: mean([level[name] for level in levels]) for name in NAMES}
+    for name in SUMS:
+        whole[name] = math.fsum(level[name] for level in levels)
+    for name in ("corners", "centroid"):
+        whole[name] = _weighted(levels, name, "seenTicks")
+    whole["contactSpeedMean"] = _weighted(levels, "contactSpeedMean", "contactTicks")
+    whole["contactSpeedMax"] = max((level["contactSpeedMax"] for level in levels), default=0.0)
+    whole["collision"] = collision(
+        ticks=whole["contactTicks"],
+        mean_speed=whole["contactSpeedMean"],
+        max_speed=whole["contactSpeedMax"],
+    )
+    return whole
+
+
+def _weighted(levels: Sequence[Mapping[str, float]], name: str, weight: str) -> float:
+    """Return the mean over all rows that count, where a level without any has none."""
+    found = [(level[name], level[weight]) for level in levels if level[weight]]
+    total = math.fsum(count for _, count in found)
+    return math.fsum(value * count for value, count in found) / total if total else math.nan
 
 
 def _to_piece(place: Sequence[float], start: Sequence[float], end: Sequence[float]) -> float:
@@ -122,6 +190,23 @@ def _to_piece(place: Sequence[float], start: Sequence[float], end: Sequence[floa
     share = math.fsum(a * b for a, b in zip(along, off, strict=True)) / square if square else 0.0
     share = min(max(share, 0.0), 1.0)
     return math.dist(off, [share * value for value in along])
+
+
+def _rotation(roll: float, pitch: float, yaw: float) -> tuple[float, ...]:
+    """Return the rotation from body to world, row by row (Fossen 2021)."""
+    (sr, cr), (sp, cp) = ((math.sin(a), math.cos(a)) for a in (roll, pitch))
+    sy, cy = math.sin(yaw), math.cos(yaw)
+    return (
+        *(cy * cp, cy * sp * sr - sy * cr, sy * sr + cy * cr * sp),
+        *(sy * cp, cy * cr + sr * sp * sy, sp * sy * cr - cy * sr),
+        *(-sp, cp * sr, cp * cr),
+    )
+
+
+def _angle_between(one: Sequence[float], other: Sequence[float]) -> float:
+    """Return the angle [rad] of the rotation between two: its trace is 1 + 2 cos(angle)."""
+    trace = math.fsum(a * b for a, b in zip(one, other, strict=True))
+    return math.acos(min(max(0.5 * (trace - 1.0), -1.0), 1.0))
 
 
 def _columns(*names: str) -> list[int]:

@@ -4,16 +4,16 @@ Every metric exists for the settled part of a level and, with the prefix `whole_
 """
 
 import math
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.benchmarks import Metric
 from sim.observation import THRUSTERS
+from sim.quantity import Metric
 from sim.statistics import mean, percentile, root_mean_square
 from sim.telemetry import INDEX, Rows
 
@@ -30,34 +30,41 @@ REBOUND_S = 0.5  # S: ExperimentMeasurer, contacts closer than this are one coll
 VRX_BASE = 0.75  # VRX StationkeepingScoringPlugin
 
 METRICS: tuple[Metric, ...] = (
-    Metric("rmse_m", "RMSE of the distance", "m", "lower"),
+    Metric("rmse_m", "RMSE of the distance", "m", "lower", "rms"),
     Metric("mae_m", "Mean distance", "m", "lower"),
-    Metric("p95_m", "Distance, 95th percentile", "m", "lower"),
-    Metric("max_m", "Largest distance", "m", "lower"),
-    Metric("rmse_px", "RMSE of the distance in the picture", "px", "lower"),
+    Metric("p95_m", "Distance, 95th percentile", "m", "lower", "max"),
+    Metric("max_m", "Largest distance", "m", "lower", "max"),
+    Metric("rmse_px", "RMSE of the distance in the picture", "px", "lower", "rms"),
     Metric("mae_px", "Mean distance in the picture", "px", "lower"),
-    Metric("p95_px", "Distance in the picture, 95th percentile", "px", "lower"),
-    Metric("max_px", "Largest distance in the picture", "px", "lower"),
+    Metric("p95_px", "Distance in the picture, 95th percentile", "px", "lower", "max"),
+    Metric("max_px", "Largest distance in the picture", "px", "lower", "max"),
     Metric("mean_x_px", "Mean X error", "px", "lower"),
     Metric("mean_y_px", "Mean Y error", "px", "lower"),
     Metric("in_0_1_m_percent", "Time within 0.1 m", "%", "higher"),
     Metric("in_0_25_m_percent", "Time within 0.25 m", "%", "higher"),
     Metric("in_0_5_m_percent", "Time within 0.5 m", "%", "higher"),
-    Metric("iae_m_s", "Integral of the absolute error", "m s", "lower"),
-    Metric("ise_m2_s", "Integral of the squared error", "m² s", "lower"),
-    Metric("itae_m_s2", "Integral of time times absolute error", "m s²", "lower"),
-    Metric("heading_rmse_rad", "RMSE of the heading", "rad", "lower"),
+    Metric("iae_m_s", "Integral of the absolute error", "m s", "lower", "sum"),
+    Metric("ise_m2_s", "Integral of the squared error", "m² s", "lower", "sum"),
+    Metric("itae_m_s2", "Integral of time times absolute error", "m s²", "lower", "sum"),
+    Metric("heading_rmse_rad", "RMSE of the heading", "rad", "lower", "rms"),
     Metric("vrx_m", "VRX station-keeping error", "m", "lower"),
-    Metric("thrust_rms_n", "RMS thrust of all thrusters", "N", "lower"),
-    Metric("energy_n15_s", "Energy proxy, integral of thrust^1.5", "N^1.5 s", "lower"),
-    Metric("variation_m_s", "Total variation of the references", "m/s", "lower"),
-    Metric("saturated_s", "Time with a thruster at its limit", "s", "lower"),
+    Metric("thrust_rms_n", "RMS thrust of all thrusters", "N", "lower", "rms"),
+    Metric("energy_n15_s", "Energy proxy, integral of thrust^1.5", "N^1.5 s", "lower", "sum"),
+    Metric("variation_m_s", "Total variation of the references", "m/s", "lower", "sum"),
+    Metric("saturated_s", "Time with a thruster at its limit", "s", "lower", "sum"),
     Metric("lost_percent", "Time with the target lost", "%", "lower"),
-    Metric("collisions", "Collisions", "", "lower"),
-    Metric("contact_s", "Time in contact", "s", "lower"),
-    Metric("contact_max_n", "Greatest contact force", "N", "lower"),
+    Metric("collisions", "Collisions", "", "lower", "sum"),
+    Metric("contact_s", "Time in contact", "s", "lower", "sum"),
+    Metric("contact_max_n", "Greatest contact force", "N", "lower", "max"),
 )
-SETTLING = Metric("settling_s", "Settling time to 0.1 m", "s", "lower")
+SETTLING = Metric("settling_s", "Settling time to 0.1 m", "s", "lower", "max")
+POINTS = Metric("points", "Points of the level", "of 100", "higher")
+OVERALL = (  # what there is over a whole run
+    POINTS,
+    SETTLING,
+    *METRICS,
+    *(replace(metric, name=f"whole_{metric.name}") for metric in METRICS),
+)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -198,14 +205,39 @@ def _percent(flags: Sequence[bool]) -> float:
     return 100.0 * sum(flags) / len(flags) if flags else math.nan
 
 
-def mean_over_trials(levels: Sequence[dict[str, Any]]) -> dict[str, Any]:
-    """Return the mean of each metric of one level over trials; None where a trial has none."""
-    merge: Callable[[str], float | None] = lambda name: (  # noqa: E731
-        None
-        if any(level[name] is None for level in levels)
-        else mean([float(level[name]) for level in levels])
-    )
-    result: dict[str, Any] = {name: merge(name) for name in levels[0]}
-    result["level"] = levels[0]["level"]
-    result["held"] = all(level["held"] for level in levels)
+def over_run(levels: Sequence[Mapping[str, Any]]) -> dict[str, float | None]:
+    """Return metrics over all levels of a trial from those of each level, which are equally long.
+
+    Means, roots of mean squares, sums and maxima are those of all rows together. Only of the 95th
+    percentiles it is the greatest. None where a level has none.
+    """
+    result: dict[str, float | None] = {}
+    for metric in OVERALL:
+        values = [level[metric.name] for level in levels]
+        result[metric.name] = None if None in values else _OVER[metric.over](values)
+    return result
+
+
+_OVER: Mapping[str, Callable[[Sequence[float]], float]] = {
+    "mean": mean,
+    "rms": root_mean_square,
+    "sum": math.fsum,
+    "max": lambda values: math.nan if any(map(math.isnan, values)) else max(values),
+}
+
+
+def mean_over_trials(trials: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    """Return the mean of each metric over trials, also of those within; None where one has none."""
+    result: dict[str, Any] = {}
+    for name, first in trials[0].items():
+        values = [trial[name] for trial in trials]
+        if isinstance(first, Mapping):
+            result[name] = mean_over_trials(values)
+        elif name == "held":
+            result[name] = all(values)
+        elif name == "level" or isinstance(first, str):
+            result[name] = first
+        else:
+            none = any(value is None for value in values)
+            result[name] = None if none else mean([float(value) for value in values])
     return result

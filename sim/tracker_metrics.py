@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.benchmarks import Metric
+from sim.quantity import Metric
 from sim.statistics import mean
 from sim.telemetry import INDEX, Rows
 

@@ -8,10 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from sim import registry
+from sim import measures, registry
 from sim.configuration import Configuration
 from sim.experiments import OnRows, Standing
 from sim.metrics import mean_over_trials
+from sim.score_expression import ExpressionInvalid, score_of
 from sim.statistics import bootstrap_interval, mean
 from sim.telemetry import Digest, Recorder, Rows
 
@@ -27,6 +28,16 @@ class TrialResult:
     standing: Standing
     digest: str  # SHA-256 of this trial's telemetry
     rows: int
+
+    @property
+    def overall(self) -> dict[str, Any]:
+        """Return the metrics over all levels."""
+        return _plain(self.standing.overall)
+
+    @property
+    def measures(self) -> dict[str, Any]:
+        """Return the original benchmark module's measures over all levels."""
+        return _plain(measures.of_run([level["measures"] for level in self.levels]))
 
     @property
     def score(self) -> float:
@@ -82,8 +93,10 @@ def run_trial(
             with closing(begun):
                 begun.run(recorder, deliver)
             _deliver_rest(recorder, deliver)
-            levels.append(experiment.metrics(config, level, np.concatenate(kept)))
-            rows += sum(map(len, kept))
+            whole = np.concatenate(kept)
+            original = measures.of_level(whole)
+            levels.append(experiment.metrics(config, level, whole) | {"measures": original})
+            rows += len(whole)
             kept.clear()
     finally:
         _deliver_rest(recorder, deliver)
@@ -105,8 +118,9 @@ def _deliver_rest(recorder: Recorder, deliver: OnRows) -> None:
 def summarise(
     benchmark: str, config: Configuration, results: Sequence[TrialResult]
 ) -> dict[str, Any]:
-    """Return metrics.json: the score with its interval, every trial, the mean per level.
+    """Return metrics.json: the score with its interval, every trial, the means over the trials.
 
+    `overall` and `measures` are over all levels, `levels` of each.
     `score_low` and `score_high` are the 95 % bootstrap interval of the mean; None for one trial.
     `rankable` is false when a trial gave no number or lost its target for a whole level.
     """
@@ -121,7 +135,9 @@ def summarise(
         "score_high": interval[1] if interval else None,
         "rankable": rankable,
         "level_held": _lowest(held),
-        "overall": _mean_overall([result.standing.overall for result in results]),
+        "overall": _mean_overall([result.overall for result in results]),
+        "own_score": own_score(config.own_score(), [_named(result) for result in results]),
+        "measures": _mean_overall([result.measures for result in results]),
         "trials": [_entry(result) for result in results],
         "levels": [
             mean_over_trials([_plain(level) for level in same])
@@ -139,6 +155,27 @@ def _mean_overall(trials: Sequence[Mapping[str, float | None]]) -> dict[str, flo
     return result
 
 
+def _named(result: TrialResult) -> dict[str, Any]:
+    """Return what an expression can name of a trial."""
+    return {"score": result.score} | result.overall | result.measures
+
+
+def own_score(
+    expression: str, trials: Sequence[Mapping[str, float | None]]
+) -> dict[str, Any] | None:
+    """Return what the user's own expression gives, as the mean over trials; None without one.
+
+    `value` is None where it gives no number, and `why` says so.
+    """
+    if not expression:
+        return None
+    try:
+        values = [score_of(expression, trial) for trial in trials]
+    except ExpressionInvalid as refusal:
+        return {"expression": expression, "value": None, "why": str(refusal)}
+    return {"expression": expression, "value": mean(values), "why": ""}
+
+
 def _lowest(held: Sequence[float | None]) -> float | None:
     known = [speed for speed in held if speed is not None]
     return min(known) if known and len(known) == len(held) else None
@@ -147,7 +184,11 @@ def _lowest(held: Sequence[float | None]) -> float | None:
 def _plain(level: Mapping[str, Any]) -> dict[str, Any]:
     """Return metrics as JSON knows them: None for what is no number."""
     return {
-        name: None if isinstance(value, float) and not math.isfinite(value) else value
+        name: _plain(value)
+        if isinstance(value, Mapping)
+        else None
+        if isinstance(value, float) and not math.isfinite(value)
+        else value
         for name, value in level.items()
     }
 
@@ -157,8 +198,9 @@ def _entry(result: TrialResult) -> dict[str, Any]:
         "trial": result.trial,
         "score": result.score if math.isfinite(result.score) else None,
         "level_held": result.standing.level_held,
-        "overall": dict(result.standing.overall),
+        "overall": result.overall,
         "rankable": result.standing.rankable,
         "digest": result.digest,
+        "measures": result.measures,
         "levels": [_plain(level) for level in result.levels],
     }

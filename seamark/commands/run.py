@@ -37,8 +37,13 @@ class Order:
 @click.option(
     "--out", type=click.Path(path_type=Path), metavar="DIR", help="Where to put the data."
 )
+@click.option(
+    "--score",
+    metavar="EXPRESSION",
+    help="A score of your own over the measures, as --set score=EXPRESSION.",
+)
 @json_option
-def run(
+def run(  # noqa: PLR0913  # one argument per option
     *,
     benchmark: str,
     controller: str,
@@ -47,6 +52,7 @@ def run(
     seed: int | None,
     trials: int,
     out: Path | None,
+    score: str | None,
     as_json: bool,
 ) -> None:
     """Evaluate a controller here, without a server: the same code, the same bytes.
@@ -61,6 +67,8 @@ def run(
     """
     from seamark.recording import Recording
 
+    if score is not None:
+        pairs = (*pairs, f"score={score}")
     order = _order(benchmark, controller, pairs, config, trials=trials, seed=seed)
     recording = Recording(out)
     if not as_json:
@@ -135,7 +143,7 @@ def _evaluate(order: Order, recording: Recording, *, quiet: bool) -> Ending:
 
 
 def _report(order: Order, ending: Ending, out: Path | None, *, as_json: bool) -> None:
-    from seamark.outcome import table
+    from seamark.outcome import own_score, table
 
     metrics = ending.metrics or {}
     if as_json:
@@ -149,6 +157,7 @@ def _report(order: Order, ending: Ending, out: Path | None, *, as_json: bool) ->
                 "sentence": ending.sentence,
                 "traceback": ending.traceback,
                 "score": metrics.get("score"),
+                "own_score": metrics.get("own_score"),
                 "metrics": ending.metrics,
                 "digest": ending.digest,
                 "out": str(out) if out else None,
@@ -162,6 +171,8 @@ def _report(order: Order, ending: Ending, out: Path | None, *, as_json: bool) ->
         for line in table(metrics):
             say(line)
         say(f"score   {metrics['score']:.4g}")
+        for line in own_score(metrics):
+            say(line)
     say(f"digest  {ending.digest}")
     if out is not None:
         say(f"data    {out}")

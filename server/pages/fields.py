@@ -28,6 +28,7 @@ class Field:
     tag: str
     advanced: bool
     error: str
+    names: tuple[str, ...] = ()  # that an expression may have in it
 
     @property
     def wide(self) -> bool:
@@ -165,6 +166,7 @@ def _field(name: str, entry: Schema, *, shown: object, default: object, error: s
         tag=entry.get("x-tag", ""),
         advanced=bool(entry.get("x-advanced")),
         error=error,
+        names=tuple(entry.get("x-names", ())),
     )
 
 

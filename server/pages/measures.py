@@ -6,10 +6,9 @@ from typing import Any
 
 from server.pages import fields
 from sim.benchmarks import Metric
-from sim.metrics import METRICS, SETTLING
+from sim.metrics import METRICS, POINTS, SETTLING
 
 WHOLE = "whole_"  # prefix of the metrics over a level's whole length
-POINTS = Metric("points", "Points of the level", "of 100", "higher")
 HELD = Metric("held", "Held", "", "higher")
 HEAD = (POINTS, HELD, SETTLING)
 FIRST = ("rmse_m", "p95_m", "max_m", "rmse_px", "mean_x_px", "mean_y_px", "lost_percent")

@@ -10,8 +10,10 @@ from functools import partial
 from sim.benchmarks import Benchmark, Chart, Metric
 from sim.configuration import knob
 from sim.experiment_settings import ExperimentSettings, experiment
+from sim.metrics import OVERALL
 from sim.observation import THRUSTERS
 from sim.registry import CONTROLLERS, VEHICLES, labels
+from sim.score_settings import own_score_knob
 from sim.vehicles import load
 
 current = partial(knob, group="Current", role="scenario")
@@ -39,6 +41,7 @@ class CurrentsConfiguration(ExperimentSettings):
         high=599,
         tag="E",
     )
+    score: str = own_score_knob(OVERALL, group="Experiment")
 
     current_law: str = current(
         "relative",

@@ -15,7 +15,9 @@ from functools import partial
 from sim.benchmarks import Benchmark, Chart, Metric
 from sim.configuration import again, knob
 from sim.experiment_settings import ExperimentSettings, experiment, multiple
+from sim.score_settings import own_score_knob
 from sim.telemetry import NAMES
+from sim.tracker_metrics import METRICS
 
 motion = partial(knob, group="Motion", role="scenario")
 
@@ -76,6 +78,7 @@ class VisibilityConfiguration(ExperimentSettings):
     sweep_step: float = experiment(
         0.25, title="Step", says="From one level to the next.", above=0, high=100, tag="E"
     )
+    score: str = own_score_knob(METRICS, group="Experiment")
     mode: str = motion(
         "fixed",
         title="Who steers",

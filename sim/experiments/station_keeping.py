@@ -10,7 +10,7 @@ from sim.camera.target import start_pose
 from sim.current import Current, Pattern, Shear
 from sim.experiments import Standing
 from sim.loop import LevelLoop
-from sim.metrics import LevelFacts, level_metrics
+from sim.metrics import LevelFacts, level_metrics, over_run
 from sim.observation import layout
 from sim.program import BuiltIn, Program
 from sim.statistics import mean
@@ -66,6 +66,7 @@ class StationKeeping:
             score=score,
             level_held=_held(levels),
             rankable=math.isfinite(score) and not all_lost,
+            overall=over_run(levels),
         )
 
 

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from sim import measures
-from sim.score_expression import score_of
 from sim.telemetry import INDEX, WIDTH, Rows
 
 
@@ -29,12 +28,15 @@ def test_the_path_leaves_out_the_way_back_to_a_levels_start() -> None:
 
 
 def test_a_collision_costs_its_mean_and_its_greatest_speed() -> None:
-    rows = rows_of(3, u=[0.1, 0.0, 9.0], v=[0.0, 0.2, 0.0], contact_n=[50.0, 1.0, 0.0])
+    rows = rows_of(3, u=[0.1, 0.0, 9.0], v=[0.0, 0.2, 0.0], contact_n=[5.0, 1.0, 0.0])
 
-    assert measures.collision(rows) == pytest.approx(1.0 - 0.15 / 0.5 - 0.2 / 0.5)
-    assert measures.collision(rows[2:]) == 1.0
-    rows[2, INDEX["contact_n"]] = 1.0
-    assert measures.collision(rows) == 0.0
+    assert measures.contacts(rows) == pytest.approx(
+        {"ticks": 2.0, "mean_speed": 0.15, "max_speed": 0.2}
+    )
+    score = measures.collision(**measures.contacts(rows))
+    assert score == pytest.approx(1.0 - 0.15 / 0.5 - 0.2 / 0.5)
+    assert measures.collision(**measures.contacts(rows[2:])) == 1.0
+    assert measures.collision(ticks=1.0, mean_speed=9.0, max_speed=9.0) == 0.0
 
 
 def test_the_position_error_is_whole_and_by_axis() -> None:
@@ -59,13 +61,60 @@ def test_a_path_is_followed_with_iae_and_ise_apart() -> None:
     assert result == pytest.approx({"iae": 3.5, "ise": 14.5, "distanceToPath": 7.0 / 3.0})
 
 
-def test_a_score_is_an_expression_over_the_measures() -> None:
-    rows = rows_of(2, tracked_x=[3.0, 3.0], tracker_error=[1.0, 1.0])
-
-    assert score_of("corners + centroid", measures.named(rows)) == 5.0
-
-
 def test_the_target_is_centred_by_axis() -> None:
     rows = rows_of(2, distance_px=[5.0, 5.0], error_x_px=[3.0, -3.0], error_y_px=[4.0, 4.0])
 
     assert measures.object_centered_on_cam(rows) == {"total": 5.0, "x": 3.0, "y": 4.0}
+
+
+@pytest.mark.parametrize("axis", ["roll", "pitch", "yaw"])
+def test_a_turn_about_one_axis_is_the_angle_itself(axis: str) -> None:
+    rows = rows_of(2, **{axis: [0.0, 0.3]})
+
+    assert measures.attitude_error(rows) == pytest.approx(0.15)
+
+
+def test_a_turn_is_measured_from_how_the_level_starts() -> None:
+    rows = rows_of(3, yaw=[3.1, 3.1, 3.4 - 2 * math.pi])
+
+    assert measures.attitude_error(rows) == pytest.approx(0.1)
+
+
+def test_every_measure_of_a_level_is_in_the_table() -> None:
+    rows = rows_of(3, t=[0.0, 0.5, 1.0], x=[0.0, 3.0, 3.0], distance_px=[0.0, 1.0, 2.0])
+
+    result = measures.of_level(rows)
+
+    assert tuple(result) == measures.NAMES
+    assert (result["time"], result["distance"], result["positionError"]) == (1.5, 3.0, 2.0)
+    assert (result["pathFollowingIAE"], result["pathFollowingISE"]) == (3.0, 9.0)
+    assert (result["collision"], result["seenTicks"], result["objectCenteredOnCam"]) == (1, 3, 1)
+
+
+def levels() -> list[Rows]:
+    one = rows_of(4, t=[0.0, 0.5, 1.0, 1.5], x=[0.0, 1.0, 2.0, 4.0], tracker_error=[1.0] * 4)
+    two = rows_of(4, t=[2.0, 2.5, 3.0, 3.5], u=[0.0, 0.1, 0.3, 0.0], tracker_error=[3.0] * 4)
+    two[:, INDEX["level"]] = 1.0
+    two[1:3, INDEX["contact_n"]] = 7.0
+    two[1:, INDEX["tracker_ok"]] = 0.0
+    return [one, two]
+
+
+def test_over_the_run_a_measure_is_what_all_rows_together_give() -> None:
+    one, two = levels()
+    rows = np.concatenate([one, two])
+
+    result = measures.of_run([measures.of_level(one), measures.of_level(two)])
+
+    assert result["time"] == measures.time(rows) + 0.5
+    assert result["distance"] == measures.distance(rows)
+    assert result["corners"] == pytest.approx(measures.euclidean_norm(rows)["corners"])
+    assert result["collision"] == pytest.approx(measures.collision(**measures.contacts(rows)))
+    assert result["positionError"] == pytest.approx(7.0 / 8.0)
+    assert result["pathFollowingIAE"] == pytest.approx(3.5)
+
+
+def test_a_run_that_never_sees_its_target_has_no_norm() -> None:
+    level = measures.of_level(levels()[1][1:])
+
+    assert math.isnan(measures.of_run([level, level])["corners"])

@@ -8,7 +8,16 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sim.metrics import METRICS, SETTLING, LevelFacts, level_metrics, points, settling_time
+from sim.metrics import (
+    METRICS,
+    SETTLING,
+    LevelFacts,
+    level_metrics,
+    mean_over_trials,
+    over_run,
+    points,
+    settling_time,
+)
 from sim.telemetry import INDEX, WIDTH, Rows
 
 FACTS = LevelFacts(level=1, speed=0.2, dt=0.5, settle_s=1.0, limits_n=(100.0, 80.0))
@@ -159,3 +168,40 @@ def test_a_greater_error_never_earns_more_points(values: list[float], factor: fl
     far = level_metrics(rows_of([factor * value for value in values]), FACTS)["points"]
 
     assert far <= near + 1e-9
+
+
+@given(first=distances, second=distances)
+def test_over_the_run_means_sums_and_greatest_are_those_of_all_rows(
+    first: list[float], second: list[float]
+) -> None:
+    length = min(len(first), len(second))
+    one, two = rows_of(first[:length]), rows_of(second[:length])
+    two[:, INDEX["thrust_0"]] = 3.0
+
+    run = over_run([level_metrics(one, FACTS), level_metrics(two, FACTS)])
+
+    all_rows = level_metrics(np.concatenate([one, two]), replace(FACTS, settle_s=0.0))
+    for name in ("rmse_m", "mae_m", "max_m", "iae_m_s", "in_0_25_m_percent", "thrust_rms_n"):
+        assert run[f"whole_{name}"] == pytest.approx(all_rows[f"whole_{name}"], abs=1e-12)
+
+
+def test_a_level_that_does_not_settle_leaves_the_run_without_a_settling_time() -> None:
+    settled, unsettled = (
+        level_metrics(rows_of([0.0] * 3), FACTS),
+        level_metrics(rows_of([1.0] * 3), FACTS),
+    )
+
+    assert over_run([settled, settled])["settling_s"] == 0.0
+    assert over_run([settled, unsettled])["settling_s"] is None
+
+
+def test_the_mean_over_trials_reaches_what_is_within_and_keeps_words() -> None:
+    trials = [
+        {"level": 1, "held": True, "a": 1.0, "measures": {"b": 2.0, "c": None}, "at": "x"},
+        {"level": 1, "held": False, "a": 2.0, "measures": {"b": 4.0, "c": 1.0}, "at": "x"},
+    ]
+
+    merged = mean_over_trials(trials)
+
+    inner = {"b": 3.0, "c": None}
+    assert merged == {"level": 1, "held": False, "a": 1.5, "measures": inner, "at": "x"}

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from sim import telemetry
+from sim import measures, telemetry
 from sim.benchmarks import Benchmark
 from sim.benchmarks.currents_v1 import CurrentsConfiguration
 from sim.configuration import Configuration
@@ -19,7 +19,7 @@ from sim.experiments.station_keeping import EXPERIMENT
 from sim.observation import BOOLEANS, FIELDS, STARTS, empty
 from sim.program import BuiltIn, Command
 from sim.telemetry import INDEX, NAMES, Rows
-from sim.trial import run_trial, summarise
+from sim.trial import own_score, run_trial, summarise
 from tests.sim.conftest import SHORT, RunOf
 
 ONE_RUN = f"""
@@ -285,3 +285,37 @@ def test_a_trial_without_a_number_or_without_its_target_never_ranks(
 
 def _ignore(_rows: Rows) -> None:
     pass
+
+
+def test_a_score_of_ones_own_is_the_mean_of_the_trials_own_scores(
+    run_short: RunOf, currents: Benchmark
+) -> None:
+    config = currents.read({**SHORT, "score": "time + 100 * collision - rmse_m"})
+    result, _rows = run_short({})
+
+    own = summarise("currents-v1", config, [result, result])["own_score"]
+
+    assert own["expression"] == "time + 100 * collision - rmse_m"
+    assert own["value"] == pytest.approx(12.0 + 100.0 - result.overall["rmse_m"])
+    assert own["why"] == ""
+
+
+def test_a_score_of_ones_own_without_a_value_says_why() -> None:
+    own = own_score("2 * settling_s", [{"settling_s": 1.0}, {"settling_s": None}])
+
+    assert own is not None
+    assert own["value"] is None
+    assert "settling_s has no value" in own["why"]
+
+
+def test_the_summary_has_the_measures_of_every_level_and_of_the_run(
+    run_short: RunOf, short: Configuration
+) -> None:
+    result, rows = run_short({})
+
+    summary = summarise("currents-v1", short, [result])
+
+    assert tuple(summary["measures"]) == measures.NAMES
+    assert tuple(summary["levels"][0]["measures"]) == measures.NAMES
+    assert summary["measures"]["distance"] == pytest.approx(measures.distance(rows))
+    assert summary["overall"]["max_m"] == max(level["max_m"] for level in summary["levels"])
