@@ -5,7 +5,6 @@ are /tmp and /dev/shm, both sized. bubblewrap's own `--dev` would be a writable 
 memory, therefore five device nodes are bound into a small one.
 """
 
-import json
 import math
 import os
 import shutil
@@ -103,21 +102,18 @@ def launcher_command(
     command: list[str], limits: Limits, *, groups: list[str], uid: int | None, core: int | None
 ) -> list[str]:
     """Return the command line of the launcher that becomes bubblewrap."""
-    cpu_s = math.ceil(limits.cpu_s) + CPU_GRACE_S
-    orders = {
-        "groups": groups,
-        "uid": uid,
-        "core": core,
-        "command": command,
-        "limits": {
-            "RLIMIT_CORE": 0,
-            "RLIMIT_CPU": cpu_s,
-            "RLIMIT_NOFILE": limits.open_files,
-            "RLIMIT_FSIZE": limits.file_mib << 20,
-            "RLIMIT_MEMLOCK": LOCKED_BYTES,
-            "RLIMIT_MSGQUEUE": 0,
-            "RLIMIT_STACK": STACK_BYTES,
-        },
+    orders = [f"group={entry}" for entry in groups]
+    orders += [] if core is None else [f"core={core}"]
+    resources = {
+        "RLIMIT_CORE": 0,
+        "RLIMIT_CPU": math.ceil(limits.cpu_s) + CPU_GRACE_S,
+        "RLIMIT_NOFILE": limits.open_files,
+        "RLIMIT_FSIZE": limits.file_mib << 20,
+        "RLIMIT_MEMLOCK": LOCKED_BYTES,
+        "RLIMIT_MSGQUEUE": 0,
+        "RLIMIT_STACK": STACK_BYTES,
     }
+    orders += [f"{name}={value}" for name, value in resources.items()]
+    orders += [] if uid is None else [f"uid={uid}"]
     launcher = str(Path(__file__).with_name("launcher.py"))
-    return [sys.executable, "-I", "-S", launcher, json.dumps(orders)]
+    return [sys.executable, "-I", "-S", launcher, *orders, "--", *command]

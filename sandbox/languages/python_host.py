@@ -40,7 +40,9 @@ ENVIRONMENT = {
 def python_runtime() -> Runtime:
     """Return command, environment and files; SandboxBroken if NumPy or SciPy is missing."""
     command, files = interpreter_files()
-    runner = Bind(Path(__file__).with_name("python_inside"), f"{INSIDE}/packages/{RUNNER}")
+    inside = Path(__file__).with_name("python_inside")
+    compileall.compile_dir(inside, quiet=2, workers=1)  # some ms of each start, where we may
+    runner = Bind(inside, f"{INSIDE}/packages/{RUNNER}")
     binds = [*files, *_packages(), runner]
     reached = tuple(replace(bind, source=shelved(bind.source)) for bind in binds)
     start = ("-c", f"from {RUNNER}.runner import main; main()")
