@@ -10,6 +10,7 @@ The target has no drag; its weight is that in water.
 """
 
 import ctypes
+import math
 import os
 import weakref
 from dataclasses import dataclass
@@ -18,6 +19,7 @@ from types import ModuleType
 import numpy as np
 from numba import njit
 
+from sim.bottom import REACH_M, Bottom
 from sim.elementary import cos, sin
 from sim.hydrodynamics import write_rotation
 from sim.vehicles import STANDARD_GRAVITY, Array, Vehicle
@@ -29,6 +31,8 @@ FRICTION = 0.5  # of hull, target and bottom; E
 AWAKE_SPEED = 1e-3  # [m/s, rad/s] a target slower than this lies still
 CLEARANCE_M = 0.1  # a hull that ends this far above everything does not touch within a step
 SOLVER_ITERATIONS = 50  # Bullet's default
+CELL_M = 0.25  # of the mounds as triangles: at most a few mm off the waves that they are made of
+_FAR_M = 1000.0  # how far the bottom reaches beyond the mounds
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -43,28 +47,23 @@ class TargetBox:
 
 
 class Contact:
-    """A flat bottom, maybe a box on it, and the vehicle's hull. Close it after use.
+    """The bottom, maybe a box on it, and the vehicle's hull. Close it after use.
 
     A fixed box stands like the bottom: what hits it feels it, and it stays where pictures show it.
-
-    Parameters
-    ----------
-    seabed_z : float
-        Depth of the bottom [m].
     """
 
-    def __init__(self, vehicle: Vehicle, *, seabed_z: float, box: TargetBox | None = None) -> None:
-        top = seabed_z
+    def __init__(self, vehicle: Vehicle, bottom: Bottom, *, box: TargetBox | None = None) -> None:
+        top = bottom.top_m
         if box is not None:
             top = min(top, box.centre[2] - 0.5 * box.size[2])
         self.gate_depth = top - GATE_M - vehicle.hull_radius()
         self.awake = False
-        self.normal_impulse = 0.0  # [N s] sum of all that pressed on the hull; the plant resets it
+        self.felt = 0.0  # [N s] sum of what all steps gave the hull; the plant resets it
         self._top = top
         self._centres = np.array([piece.centre.value for piece in vehicle.hull])
         self._halves = 0.5 * np.array([piece.size.value for piece in vehicle.hull])
         self._vehicle = vehicle
-        self._seabed_z = seabed_z
+        self._bottom = bottom
         self._box = box
         self._world: _World | None = None
 
@@ -86,9 +85,9 @@ class Contact:
             if lowest < self._top - CLEARANCE_M:
                 return np.zeros(6)
         if self._world is None:
-            self._world = _World(self._vehicle, self._seabed_z, self._box)
-        push, pressed = self._world.step(before, after, step_s)
-        self.normal_impulse += pressed
+            self._world = _World(self._vehicle, self._bottom, self._box)
+        push = self._world.step(before, after, step_s)
+        self.felt += math.sqrt(push[0] * push[0] + push[1] * push[1] + push[2] * push[2])
         self.awake = self._world.box_speed() > AWAKE_SPEED
         return push
 
@@ -117,7 +116,7 @@ class Contact:
 class _World:
     """One PyBullet world of its own: bottom, hull, box."""
 
-    def __init__(self, vehicle: Vehicle, seabed_z: float, box: TargetBox | None) -> None:
+    def __init__(self, vehicle: Vehicle, bottom: Bottom, box: TargetBox | None) -> None:
         bullet = _import_bullet()
         self._bullet = bullet
         self._client = bullet.connect(bullet.DIRECT)
@@ -131,10 +130,13 @@ class _World:
         )
         # No gravity: weight and buoyancy of the vehicle are the plant's business.
         bullet.setGravity(0, 0, 0, physicsClientId=self._client)
-        plane = bullet.createCollisionShape(
-            bullet.GEOM_PLANE, planeNormal=[0, 0, -1], physicsClientId=self._client
-        )
-        self._add(plane, 0.0, (0.0, 0.0, seabed_z))
+        if bottom.relief is None:
+            plane = bullet.createCollisionShape(
+                bullet.GEOM_PLANE, planeNormal=[0, 0, -1], physicsClientId=self._client
+            )
+            self._add(plane, 0.0, (0.0, 0.0, bottom.depth_m))
+        else:
+            self._add_mounds(bottom)
         self._hull = self._add_hull(vehicle)
         self._box = None if box is None else self._add_box(box)
         self._box_moves = box is not None and not box.fixed
@@ -142,6 +144,30 @@ class _World:
         if box is not None:
             displaced = WATER_DENSITY * box.size[0] * box.size[1] * box.size[2]
             self._box_weight = (box.mass - displaced) * STANDARD_GRAVITY
+
+    def _add_mounds(self, bottom: Bottom) -> None:
+        """Add the mounds as a height field, and boxes around it where the bottom is flat again."""
+        bullet, (north, east) = self._bullet, bottom.place
+        # Bullet counts heights upwards: half a turn about north makes depth of them.
+        heights = -bottom.grid(CELL_M)[:, ::-1]
+        field = bullet.createCollisionShape(
+            bullet.GEOM_HEIGHTFIELD,
+            meshScale=[CELL_M, CELL_M, 1.0],
+            heightfieldData=heights.T.ravel().tolist(),
+            numHeightfieldRows=len(heights),
+            numHeightfieldColumns=len(heights),
+            physicsClientId=self._client,
+        )
+        middle = -0.5 * float(heights.min() + heights.max())  # where Bullet puts its origin
+        self._add(field, 0.0, (north, east, middle), (1.0, 0.0, 0.0, 0.0))
+        half, off = 0.5 * _FAR_M, REACH_M + 0.5 * _FAR_M
+        for x, y, size in ((1, 0, (half, _FAR_M)), (0, 1, (REACH_M, half))):
+            shape = bullet.createCollisionShape(
+                bullet.GEOM_BOX, halfExtents=[*size, half], physicsClientId=self._client
+            )
+            for side in (-off, off):
+                place = (north + x * side, east + y * side, bottom.depth_m + half)
+                self._add(shape, 0.0, place)
 
     def _add(
         self,
@@ -202,10 +228,8 @@ class _World:
         turn = (0.0, 0.0, sin(0.5 * box.yaw), cos(0.5 * box.yaw))
         return self._add(shape, 0.0 if box.fixed else box.mass, box.centre, turn)
 
-    def step(self, before: Array, after: Array, step_s: float) -> tuple[Array, float]:
-        """Return the impulse of all contacts on the hull, as `Contact.impulse`, and their pressure.
-
-        The second is the sum [N s] of what every contact gives along its own normal.
+    def step(self, before: Array, after: Array, step_s: float) -> Array:
+        """Return the impulse of all contacts on the hull, as `Contact.impulse`.
 
         The hull stands where the step began and has the velocity it would have at its end: that is
         what Bullet makes of forces before it solves contacts.
@@ -226,16 +250,15 @@ class _World:
         bullet.setTimeStep(step_s, physicsClientId=client)
         bullet.stepSimulation(physicsClientId=client)
         points = bullet.getContactPoints(bodyA=self._hull, physicsClientId=client)
-        push, pressed = np.zeros(6), 0.0
+        push = np.zeros(6)
         for point in points:
-            pressed += step_s * point[9]
             normal, along, across = point[7], point[11], point[13]
             force = [
                 step_s * (point[9] * n + point[10] * a + point[12] * c)
                 for n, a, c in zip(normal, along, across, strict=True)
             ]
             add_push(before, np.array(point[5]), np.array(force), push)
-        return push, pressed
+        return push
 
     def box_pose(self) -> tuple[Array, Array]:
         """Return position (3,) and quaternion w x y z (4,) of the box."""

@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba import njit
 
+from sim.bottom import Bottom, relief_of
 from sim.contact import Contact, add_push, lowest_point, world_motion
 from sim.current import Current, Water, flow, profile, segment_at
 from sim.faults import ThrusterFault
@@ -132,8 +133,8 @@ class Plant:
                 self._advance_in_contact(tick)
                 tick += 1
         if self.contact is not None:
-            pressed, self.contact.normal_impulse = self.contact.normal_impulse, 0.0
-            self._contact_force = pressed / (steps * self.step_s)
+            self._contact_force = self.contact.felt / (steps * self.step_s)
+            self.contact.felt = 0.0
 
     def _advance_freely(self, tick: int, steps: int, *, gate: float | None = None) -> int:
         if gate is None:
@@ -175,7 +176,7 @@ class Plant:
         return self.state[13:].copy()
 
     def contact_force(self) -> float:
-        """Return how hard contacts pressed on the hull, mean over the last `advance` [N]."""
+        """Return the size of the contacts' force on the hull, mean over the last `advance` [N]."""
         return self._contact_force
 
     def current_world(self) -> Array:
@@ -377,3 +378,7 @@ def warm_up() -> None:
     lowest_point(state, np.zeros((1, 3)), np.zeros((1, 3)))
     world_motion(state, state, point, np.zeros(9))
     add_push(state, point, point, np.zeros(6))
+    mounds = relief_of(np.random.Generator(np.random.PCG64(0)), height_m=0.1, flat_m=0.5)
+    bottom = Bottom(5.0, mounds)
+    bottom.sound([0.0] * 6)
+    bottom.grid(1.0)

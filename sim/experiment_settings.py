@@ -71,6 +71,28 @@ class ExperimentSettings(ChainSettings, SceneSettings, FaultSettings):
         says="Whether the vehicle can hit the bottom and the target, which stays where it is.",
         advanced=True,
     )
+    seabed_relief_m: float = experiment(
+        0.0,
+        title="Mounds on the bottom",
+        says="Greatest height of seeded mounds, felt by hull, DVL and altimeter; 0 is flat. "
+        "Pictures show a flat bottom all the same.",
+        unit="m",
+        low=0,
+        high=1,
+        tag="E",
+        advanced=True,
+    )
+    seabed_flat_radius_m: float = experiment(
+        2.0,
+        title="Flat patch around the target",
+        says="Radius without mounds. With 2 m the picture is right at the station, and the DVL's "
+        "beams meet no mound there.",
+        unit="m",
+        low=0.5,
+        high=10,
+        tag="E",
+        advanced=True,
+    )
     start_error_px: float = experiment(
         0.0,
         title="Error of the tracker's start",

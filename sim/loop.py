@@ -121,7 +121,7 @@ class LevelLoop:
 
     def _sense(self, tick: int, pose: list[float], velocity: list[float]) -> Known:
         sensors, physics_tick = self._world.sensors, tick * self._steps
-        truth = Truth(pose, velocity, self._world.target.seabed_m - pose[2])
+        truth = Truth(pose, velocity, *self._world.bottom.sound(pose))
         (surge, sway, heave), valid = sensors.dvl.measure(physics_tick, truth)
         (depth,), _ = sensors.depth.measure(physics_tick, truth)
         (altitude,), _ = sensors.altimeter.measure(physics_tick, truth)

@@ -13,6 +13,8 @@ import numpy as np
 
 from sim.elementary import PI
 
+BEAMS = 4
+LEAST_BEAMS = 3  # three beams give three velocities
 DVL_RANGE_M = (0.5, 81.0)  # S: Stonefish girona500auv_full.scn
 # E: with four beams at 30 degrees one of them looks past the bottom long before this
 DVL_MOST_TILT_RAD = 0.5
@@ -28,6 +30,7 @@ class Truth:
     pose: Sequence[float]  # (6,) x y z roll pitch yaw [m, rad], NED
     velocity: Sequence[float]  # (6,) over ground, body frame [m/s, rad/s]
     altitude: float  # [m] of the body's origin above the bottom
+    echoes: int = BEAMS  # of the DVL's beams
 
 
 class Sensor(ABC):
@@ -118,10 +121,11 @@ class Dvl(Sensor):
 
 
 def sees_bottom(truth: Truth, *, least_altitude_m: float = DVL_RANGE_M[0]) -> bool:
-    """Return whether a DVL has bottom lock: within its range and not tilted too far."""
+    """Return whether a DVL has bottom lock: within range, not tilted too far, enough echoes."""
     high = DVL_RANGE_M[1]
     tilt = max(abs(truth.pose[3]), abs(truth.pose[4]))
-    return bool(least_altitude_m <= truth.altitude <= high and tilt <= DVL_MOST_TILT_RAD)
+    level = tilt <= DVL_MOST_TILT_RAD and truth.echoes >= LEAST_BEAMS
+    return bool(least_altitude_m <= truth.altitude <= high and level)
 
 
 def _noise(rng: np.random.Generator, size: int) -> Iterator[list[float]]:

@@ -1,8 +1,8 @@
 """Random streams of one level: one independent generator per component.
 
 A stream's seed depends on the trial's seed, the trial, the level and the component's fixed place
-in the list, on nothing else: a new sensor never changes the waves, and the order in which streams
-are used does not matter.
+in the list, on nothing else (`OF_THE_TRIAL`: not on the level): a new sensor never changes the
+waves, and the order in which streams are used does not matter.
 """
 
 from dataclasses import dataclass, fields
@@ -23,6 +23,10 @@ class Streams:
     scene: np.random.Generator
     tracker: np.random.Generator
     start: np.random.Generator
+    bottom: np.random.Generator
+
+
+OF_THE_TRIAL = frozenset({"bottom"})  # the same in all levels: the bottom stays what it is
 
 
 def streams(seed: int, trial: int, level: int) -> Streams:
@@ -45,8 +49,9 @@ def streams(seed: int, trial: int, level: int) -> Streams:
     return Streams(
         **{
             field.name: np.random.Generator(
-                np.random.PCG64(np.random.SeedSequence(entropy=seed, spawn_key=(trial, level, i)))
+                np.random.PCG64(np.random.SeedSequence(entropy=seed, spawn_key=(trial, place, i)))
             )
             for i, field in enumerate(fields(Streams))
+            for place in (0 if field.name in OF_THE_TRIAL else level,)
         }
     )

@@ -63,7 +63,7 @@ COLUMNS: tuple[Column, ...] = (
     Column(
         "contact_n",
         "N",
-        "how hard bottom and target press on the hull: normal force, mean since the row before",
+        "force of bottom and target on the hull, mean of its size since the row before",
     ),
     Column("step_us", "us", "wall time that the program took; not part of the digest"),
 )

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from sim.bottom import Bottom, Relief, relief_of
 from sim.camera.camera import Camera
 from sim.camera.optics import Optics
 from sim.camera.target import Target, start_pose
@@ -60,6 +61,7 @@ class World:
     tracking: Tracking
     keeper: StationKeeper
     velocity_controller: VelocityController
+    bottom: Bottom
     contact: Contact | None
 
     def close(self) -> None:
@@ -111,7 +113,9 @@ def world_of(
     optics, target = camera.optics, camera.target
     start = start_pose(optics, target, config.altitude_m)
     vehicle = load(config.vehicle)
-    contact = _contact(vehicle, target) if config.contact else None
+    place = (target.north_m, target.east_m)
+    bottom = Bottom(target.seabed_m, _relief(config, random), place=place)
+    contact = _contact(vehicle, bottom, target) if config.contact else None
     plant = Plant(
         vehicle,
         conditions.current,
@@ -139,7 +143,16 @@ def world_of(
             level_out_tilt=config.level_out_tilt,
         ),
         velocity_controller=VelocityController(vehicle, config),
+        bottom=bottom,
         contact=contact,
+    )
+
+
+def _relief(config: ExperimentSettings, random: Streams) -> Relief | None:
+    if not config.seabed_relief_m:
+        return None
+    return relief_of(
+        random.bottom, height_m=config.seabed_relief_m, flat_m=config.seabed_flat_radius_m
     )
 
 
@@ -176,7 +189,7 @@ def _sensors(config: ExperimentSettings, random: Streams) -> Sensors:
     )
 
 
-def _contact(vehicle: Vehicle, target: Target) -> Contact:
+def _contact(vehicle: Vehicle, bottom: Bottom, target: Target) -> Contact:
     """Return the bottom with the target, which cannot be pushed away.
 
     A picture is a function of the vehicle's pose alone, so the box stays where it is drawn.
@@ -188,7 +201,7 @@ def _contact(vehicle: Vehicle, target: Target) -> Contact:
         size=(target.length_m, target.width_m, target.height_m),
         fixed=True,
     )
-    return Contact(vehicle, seabed_z=target.seabed_m, box=box)
+    return Contact(vehicle, bottom, box=box)
 
 
 def _fault(config: ExperimentSettings) -> ThrusterFault | None:

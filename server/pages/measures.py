@@ -25,7 +25,7 @@ MEANINGS = {
     "vrx_m": "distance plus weighted heading error, as in the VRX competition",
     "energy_n15_s": "an ideal propeller's power grows with thrust^1.5",
     "collisions": "contacts less than 0.5 s apart count as one",
-    "contact_max_n": "mean over one control period, of all that presses on the hull",
+    "contact_max_n": "the net force on the hull, mean over one control period",
     "variation_m_s": "sum of all changes: how restless the controller is",
 }
 

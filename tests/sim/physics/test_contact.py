@@ -11,6 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from sim.bottom import Bottom
 from sim.contact import Contact, TargetBox, lowest_point
 from sim.current import Current
 from sim.dynamics import Plant
@@ -18,6 +19,7 @@ from sim.hydrodynamics import write_rotation
 from sim.vehicles import Array, Quantity, Vehicle, load
 
 SEABED_Z = 4.785
+FLAT = Bottom(SEABED_Z)
 BOX = TargetBox(centre=(0.0, 0.0, SEABED_Z - 0.065))
 
 
@@ -42,8 +44,8 @@ def momentum(plant: Plant) -> Array:
 class Listening(Contact):
     """A contact that remembers what it gave."""
 
-    def __init__(self, vehicle: Vehicle, *, seabed_z: float, box: TargetBox | None = None) -> None:
-        super().__init__(vehicle, seabed_z=seabed_z, box=box)
+    def __init__(self, vehicle: Vehicle, bottom: Bottom, *, box: TargetBox | None = None) -> None:
+        super().__init__(vehicle, bottom, box=box)
         self.pushes: list[Array] = []
 
     def impulse(self, before: Array, after: Array, step_s: float) -> Array:
@@ -61,7 +63,7 @@ def heavy() -> Vehicle:
 
 @pytest.fixture
 def bottom(heavy: Vehicle) -> Iterator[Listening]:
-    contact = Listening(heavy, seabed_z=SEABED_Z)
+    contact = Listening(heavy, FLAT)
     yield contact
     contact.close()
 
@@ -83,7 +85,7 @@ def test_a_hit_passes_the_momentum_on() -> None:
     vehicle = frictionless(load("girona500"))
     size = (0.42, 0.13, 0.13)
     floating = TargetBox(centre=(1.5, 0.0, 2.0), size=size, mass=1000.0 * size[0] * size[1] ** 2)
-    contact = Contact(vehicle, seabed_z=100.0, box=floating)
+    contact = Contact(vehicle, Bottom(100.0), box=floating)
     plant = Plant(vehicle, Current(0.0), contact=contact)
     plant.place(np.array([0.0, 0.0, 2.0 - 0.361, 0.0, 0.0, 0.0]))
     plant.state[7] = 0.4
@@ -102,7 +104,7 @@ def test_a_hit_passes_the_momentum_on() -> None:
 
 def test_a_pushed_box_comes_to_rest_on_the_bottom() -> None:
     vehicle = load("girona500")
-    contact = Contact(vehicle, seabed_z=SEABED_Z, box=BOX)
+    contact = Contact(vehicle, FLAT, box=BOX)
     plant = Plant(vehicle, Current(0.0), contact=contact)
     plant.place(np.array([-1.1, 0.0, SEABED_Z - 0.55, 0.0, 0.0, 0.0]))
     plant.state[7] = 0.5
@@ -119,7 +121,7 @@ def test_a_pushed_box_comes_to_rest_on_the_bottom() -> None:
 
 def test_a_vehicle_that_lands_on_a_fixed_box_rests_on_it_and_the_box_stays(heavy: Vehicle) -> None:
     box = replace(BOX, fixed=True)
-    contact = Listening(heavy, seabed_z=SEABED_Z, box=box)
+    contact = Listening(heavy, FLAT, box=box)
     plant = Plant(heavy, Current(0.0), contact=contact)
     plant.place(np.array([0.049, 0.0, SEABED_Z - 0.13 - 0.53, 0.0, 0.0, 0.0]))
 
@@ -135,7 +137,7 @@ def test_a_vehicle_that_lands_on_a_fixed_box_rests_on_it_and_the_box_stays(heavy
 
 def test_a_fixed_box_stops_what_runs_into_it() -> None:
     vehicle = load("girona500")
-    contact = Contact(vehicle, seabed_z=SEABED_Z, box=replace(BOX, fixed=True))
+    contact = Contact(vehicle, FLAT, box=replace(BOX, fixed=True))
     plant = Plant(vehicle, Current(0.0), contact=contact)
     plant.place(np.array([-1.2, 0.0, SEABED_Z - 0.56, 0.0, 0.0, 0.0]))
     plant.state[7] = 0.5
@@ -151,7 +153,7 @@ def test_a_fixed_box_stops_what_runs_into_it() -> None:
 def test_contact_runs_repeat_to_the_last_bit(heavy: Vehicle) -> None:
     states = []
     for _ in range(2):
-        contact = Contact(heavy, seabed_z=SEABED_Z, box=BOX)
+        contact = Contact(heavy, FLAT, box=BOX)
         plant = Plant(heavy, Current(0.2), contact=contact)
         plant.place(np.array([0.1, 0.05, SEABED_Z - 0.9, 0.0, 0.0, 0.3]))
         plant.advance(0, np.zeros(5), 600)
@@ -201,7 +203,7 @@ def test_a_run_that_ends_on_the_target_is_the_same_in_two_processes() -> None:
 def test_a_free_run_with_contacts_is_the_run_without() -> None:
     vehicle = load("girona500")
     runs = []
-    for contact in (None, Contact(vehicle, seabed_z=SEABED_Z, box=BOX)):
+    for contact in (None, Contact(vehicle, FLAT, box=BOX)):
         plant = Plant(vehicle, Current(0.3), contact=contact)
         plant.place(np.array([0.0, 0.0, 1.5, 0.0, 0.0, 0.0]))
         plant.advance(0, np.full(5, 0.2), 200)
@@ -234,13 +236,14 @@ def test_the_lowest_point_is_that_of_the_lowest_corner(
 FREE_RUN = """
 import sys
 import numpy as np
+from sim.bottom import Bottom
 from sim.contact import Contact, TargetBox
 from sim.current import Current
 from sim.dynamics import Plant
 from sim.vehicles import load
 
 vehicle = load("girona500")
-contact = Contact(vehicle, seabed_z=4.785, box=TargetBox(centre=(0.0, 0.0, 4.72)))
+contact = Contact(vehicle, Bottom(4.785), box=TargetBox(centre=(0.0, 0.0, 4.72)))
 plant = Plant(vehicle, Current(0.3), contact=contact)
 plant.place(np.array([0.0, 0.0, 1.5, 0.0, 0.0, 0.0]))
 plant.advance(0, np.zeros(5), 500)

@@ -287,11 +287,11 @@ def test_a_plant_does_not_outlive_its_gust() -> None:
 
 COMPILED = """
 import numpy as np
-from sim import contact, current, dynamics, thrusters
+from sim import bottom, contact, current, dynamics, streams, thrusters
 from sim.vehicles import load
 
 def compiled():
-    modules = (contact, current, dynamics, thrusters)
+    modules = (bottom, contact, current, dynamics, thrusters)
     found = {f"{m.__name__}.{k}": v for m in modules for k, v in vars(m).items()}
     return {k: len(v.signatures) for k, v in found.items() if hasattr(v, "py_func")}
 
@@ -299,12 +299,14 @@ dynamics.warm_up()
 before = compiled()
 for name in ("girona500-uwsim", "bluerov2-heavy"):
     vehicle = load(name)
-    touching = contact.Contact(vehicle, seabed_z=3.0)
+    mounds = bottom.relief_of(streams.streams(1, 0, 0).bottom, height_m=0.3, flat_m=0.5)
+    ground = bottom.Bottom(3.0, mounds)
+    touching = contact.Contact(vehicle, ground)
     law = current.Pattern(law="force")
     plant = dynamics.Plant(vehicle, current.Current(0.2, pattern=law), contact=touching)
     plant.place(np.array([0, 0, 2.6, 0, 0, 0]))
     plant.advance(0, np.zeros(len(vehicle.thrusters)), 20)
-    plant.pose(), plant.current_world()
+    plant.pose(), plant.current_world(), ground.sound(plant.pose().tolist())
     touching.close()
 print(before == compiled(), min(before["sim.dynamics.integrate"], 1))
 """

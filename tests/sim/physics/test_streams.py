@@ -5,7 +5,7 @@ from dataclasses import fields
 import numpy as np
 import pytest
 
-from sim.streams import Streams, streams
+from sim.streams import OF_THE_TRIAL, Streams, streams
 
 NAMES = [field.name for field in fields(Streams)]
 
@@ -21,9 +21,17 @@ def test_the_same_numbers_give_the_same_streams() -> None:
 def test_every_seed_trial_level_and_name_has_its_own_stream() -> None:
     keys = [(seed, trial, level) for seed in (0, 1) for trial in (0, 1) for level in (0, 1)]
 
-    draws = [getattr(streams(*key), name).random() for key in keys for name in NAMES]
+    names = set(NAMES) - OF_THE_TRIAL
+    draws = [getattr(streams(*key), name).random() for key in keys for name in names]
 
     assert len(set(draws)) == len(draws)
+
+
+@pytest.mark.parametrize("name", OF_THE_TRIAL)
+def test_what_belongs_to_the_trial_is_the_same_in_all_levels(name: str) -> None:
+    draws = [getattr(streams(*key), name).random() for key in ((3, 0, 0), (3, 0, 4), (3, 1, 0))]
+
+    assert draws[0] == draws[1] != draws[2]
 
 
 def test_using_one_stream_does_not_move_another() -> None:
