@@ -7,6 +7,7 @@ from collections.abc import Callable
 from importlib import import_module
 from typing import NamedTuple
 
+from sim.trackers.choices import RANGES
 from sim.trackers.interface import Corners, Track, Tracker, Window
 
 __all__ = ["TRACKERS", "Corners", "Entry", "Track", "Tracker", "Window", "make", "warm_up"]
@@ -20,12 +21,12 @@ class Entry(NamedTuple):
     options: tuple[str, ...]  # which of make()'s options mean something to it
 
 
-_TEMPLATE = ("warp", "criterion", "method", "predict", "margin_px", "search_px")
+_TEMPLATE = ("warp", "criterion", "method", *RANGES, "predict_motion")
 TRACKERS = {
     "esm": Entry(
         "Template alignment (ESM)",
         "sim.trackers.template:TemplateTracker",
-        (*_TEMPLATE, "coarse_iterations", "fine_iterations"),
+        _TEMPLATE,
     ),
     "truth": Entry("Ground truth (perfect tracker)", "sim.trackers.truth:TruthTracker", ()),
 }

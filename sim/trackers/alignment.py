@@ -1,9 +1,10 @@
-"""Aligns a template with an image: Gauss-Newton on the warp, coarse level first.
+"""Aligns a template with an image on one level: Gauss-Newton on the warp.
 
-The update is H <- H N exp(sum d_i A_i) N^-1 where N maps normalised coordinates to template pixels.
-With the mean of both gradients as Jacobian this is ESM (Benhimane & Malis 2007); the template's
-gradient alone gives the inverse compositional, the image's the forward compositional method (Baker
-& Matthews 2004), because for a group the inverse of exp(d) is exp(-d).
+The update is H <- H N E N^-1, where N maps normalised coordinates to template pixels and E is
+exp(sum d_i A_i) for compositional methods, or what adding d to the warp's own parameters comes to
+for the additive one (sim/trackers/warps.py). With the mean of both gradients as Jacobian this is
+ESM (Benhimane & Malis 2007); the template's gradient alone gives the inverse, the image's the
+forward method (Baker & Matthews 2004), because for a group the inverse of exp(d) is exp(-d).
 """
 
 from typing import NamedTuple
@@ -12,35 +13,44 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from sim.trackers.interface import Window
+from sim.lanes import WIDTH
+from sim.trackers.equations import normal_equations
+from sim.trackers.information import FINE, REACH, bins_per_grey, codes, curvature, pull
 from sim.trackers.patches import (
-    TEMPLATE_SIGMA,
+    MASK,
+    NUMBERS,
+    XS,
     Matrix,
+    Picture,
     Plane,
     blur,
-    halve,
+    correlation,
     moments,
-    normal_equations,
     warp_patch,
 )
-from sim.trackers.warps import apply, exponential, multiply, solve
+from sim.trackers.warps import additive, apply, exponential, multiply, reduce, solve
 
 _DAMPING = 1e-5  # of the diagonal: keeps a parameter that the template hardly shows from exploding
 _LEAST_SIGMA = 0.25  # [grey] a flatter patch holds nothing but rounding
+_FARTHEST_PX = 1e4
+
+# A level's planes. A patch has a rim of one pixel; the others start at the first inner pixel.
+TEMPLATE, ALONG, DOWN, CODES, RAW, WORK, PATCH, ERRORS = range(8)
 
 
 class Level(NamedTuple):
     """A template at one resolution, with the work arrays of its alignment."""
 
-    template: Plane  # (rows, columns) grey values times `gain`
-    gradients: Plane  # (2, rows, columns), weighted by the method
-    xs: Plane  # normalised columns
-    ys: Plane  # normalised rows
-    frame: NDArray[np.float64]  # (6,): scale, centre column, centre row, mean, sigma, gain
-    patch: Plane
-    work: Plane
-    places: NDArray[np.int32]
-    fractions: Plane
+    planes: NDArray[np.float32]  # (8, rows + 2, width)
+    columns: Plane  # (3, width), see patches
+    ys: Plane  # (rows,) normalised
+    frame: NDArray[np.float64]  # (8,): see below
+    curvature: Matrix  # (8, 8) of the mutual information
+
+
+# What a level's frame holds: half the longer side, middle column and row [px]; the template's mean
+# and deviation [grey]; grey values of one unit of the picture; columns; and pixels.
+SCALE, COLUMN, ROW, MEAN, SIGMA, UNIT, COLUMNS, COUNT = range(8)
 
 
 class Search(NamedTuple):
@@ -49,38 +59,65 @@ class Search(NamedTuple):
     coarse_basis: Matrix  # (8, n): at most scale, rotation, translation, which cannot shear away
     basis: Matrix  # (8, n) of the warp
     weight: float  # of the image's own gradient: 0.5 ESM, 0 inverse, 1 forward
-    normalised: bool  # zncc: the patch is brought to the template's mean and deviation
+    adds: bool  # whether parameters are added; if not, warps are composed
+    criterion: int  # SSD, ZNCC, MI
+    levels: int
     coarse_iterations: int
     fine_iterations: int
     stop_px: float  # a step that moves every corner less is the last
 
 
+SSD, ZNCC, MI = range(3)
+
+
 @njit(cache=True, nogil=True, error_model="numpy")
-def cut(image: NDArray[np.uint8] | Plane, bounds: Plane, h: Matrix, level: Level) -> None:
+def cut(image: Picture, bounds: NDArray[np.float64], h: Matrix, level: Level) -> None:
     """Fill the level's patch with the smoothed image under the homography."""
-    warp_patch(image, bounds, h, level.patch, level.places, level.fractions)
-    blur(level.patch, level.work)
+    planes = level.planes
+    warp_patch(image, bounds, h, level.frame[UNIT], level.columns, planes[RAW])
+    blur(planes[RAW], planes[WORK], int(level.frame[COLUMNS]) + 2, planes[PATCH])
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _reduce(
-    a: Matrix, g: NDArray[np.float64], basis: Matrix, reduced: Matrix, right: NDArray[np.float64]
-) -> None:
-    """Write the normal equations within the warp's basis, slightly damped."""
-    n = basis.shape[1]
-    for i in range(n):
-        right[i] = 0.0
-        for q in range(8):
-            right[i] += basis[q, i] * g[q]
-        for j in range(n):
-            total = 0.0
-            for q in range(8):
-                row = 0.0
-                for k in range(8):
-                    row += a[q, k] * basis[k, j]
-                total += basis[q, i] * row
-            reduced[i, j] = total
-        reduced[i, i] *= 1.0 + _DAMPING
+def likeness(image: Picture, bounds: NDArray[np.float64], h: Matrix, level: Level) -> float:
+    """Return the normalised correlation of the template with the image under the homography."""
+    cut(image, bounds, h, level)
+    own = (level.frame[MEAN], level.frame[SIGMA])
+    planes = level.planes
+    count = int(level.frame[COUNT])
+    return correlation(planes[PATCH], planes[TEMPLATE], level.columns, count, own)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _equations(level: Level, search: Search, a: Matrix, g: NDArray[np.float64]) -> None:
+    """Write the equations of the next step by the chosen criterion."""
+    planes, frame = level.planes, level.frame
+    patch, template, gain, bias = planes[PATCH], planes[TEMPLATE], 1.0, 0.0
+    half = 0.5 * search.weight
+    if search.criterion != SSD:
+        m, s = moments(patch, level.columns, int(frame[COUNT]))
+        gain = frame[SIGMA] / max(s, _LEAST_SIGMA)
+        bias = frame[MEAN] - gain * m
+        half *= gain
+    if search.criterion == MI:
+        scale = bins_per_grey(frame[SIGMA])
+        errors = planes[ERRORS, : level.ys.shape[0]]
+        fine = _fine_values(frame)
+        codes(patch, 1, (fine[0] * gain, fine[0] * bias + fine[1]), errors)
+        own = planes[CODES, : level.ys.shape[0]]
+        pull(own, errors, int(frame[COLUMNS]), search.weight, scale, errors)
+        template, gain, bias = errors, 0.0, 0.0
+    gradients = (patch, template, planes[ALONG], planes[DOWN])
+    normal_equations(gradients, (level.columns, level.ys), (half, gain, bias), a, g)
+    if search.criterion == MI:
+        a[:] = level.curvature
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _fine_values(frame: NDArray[np.float64]) -> tuple[float, float]:
+    """Return factor and offset from the template's grey values to fine values."""
+    factor = (FINE - 1.0) / (2.0 * REACH * frame[SIGMA])
+    return factor, 0.5 * (FINE - 1.0) - factor * frame[MEAN]
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -89,7 +126,9 @@ def _step(a: Matrix, g: NDArray[np.float64], basis: Matrix, d: NDArray[np.float6
     n = basis.shape[1]
     reduced = np.empty((n, n))
     right = np.empty(n)
-    _reduce(a, g, basis, reduced, right)
+    reduce(a, g, basis, reduced, right)
+    for i in range(n):
+        reduced[i, i] *= 1.0 + _DAMPING
     if not solve(reduced, right):
         return False
     for q in range(8):
@@ -100,51 +139,58 @@ def _step(a: Matrix, g: NDArray[np.float64], basis: Matrix, d: NDArray[np.float6
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _compose(h: Matrix, d: NDArray[np.float64], frame: NDArray[np.float64]) -> None:
-    """Replace h by h N exp(d) N^-1, scaled to h[2, 2] = 1."""
-    scale, column, row = frame[0], frame[1], frame[2]
-    n = np.zeros((3, 3))
-    n[0, 0] = scale
-    n[0, 2] = column
-    n[1, 1] = scale
-    n[1, 2] = row
-    n[2, 2] = 1.0
-    e = np.empty((3, 3))
+def _update(
+    h: Matrix, d: NDArray[np.float64], frame: NDArray[np.float64], search: Search, group: int
+) -> None:
+    """Replace h by h N E(d) N^-1, scaled to h[2, 2] = 1."""
+    scale, column, row = frame[SCALE], frame[COLUMN], frame[ROW]
     t = np.empty((3, 3))
-    u = np.empty((3, 3))
-    exponential(d, e)
-    multiply(h, n, t)
-    multiply(t, e, u)
-    n[0, 0] = 1.0 / scale
-    n[0, 2] = -column / scale
-    n[1, 1] = 1.0 / scale
-    n[1, 2] = -row / scale
-    multiply(u, n, t)
+    e = np.empty((3, 3))
     for i in range(3):
-        for j in range(3):
-            h[i, j] = t[i, j] / t[2, 2]
+        t[i, 0] = h[i, 0] * scale
+        t[i, 1] = h[i, 1] * scale
+        t[i, 2] = h[i, 0] * column + h[i, 1] * row + h[i, 2]
+    if search.adds:
+        additive(d, group, t, e)
+    else:
+        exponential(d, e)
+    u = np.empty((3, 3))
+    multiply(t, e, u)
+    last = u[2, 2] - (u[2, 0] * column + u[2, 1] * row) / scale
+    for i in range(3):
+        h[i, 0] = u[i, 0] / (scale * last)
+        h[i, 1] = u[i, 1] / (scale * last)
+        h[i, 2] = (u[i, 2] - (u[i, 0] * column + u[i, 1] * row) / scale) / last
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def template_corners(level: Level, out: Matrix) -> None:
+def _template_corners(level: Level, out: Matrix) -> None:
     """Write the template's outermost pixel centres (4, 2) in reading order."""
-    rows, columns = level.template.shape
     out[:] = 0.0
-    out[1, 0] = columns - 1.0
-    out[2, 0] = columns - 1.0
-    out[2, 1] = rows - 1.0
-    out[3, 1] = rows - 1.0
+    out[1, 0] = out[2, 0] = level.frame[COLUMNS] - 1.0
+    out[2, 1] = out[3, 1] = level.ys.shape[0] - 1.0
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _farthest(before: Matrix, after: Matrix) -> float:
+    """Return how far the corners moved at most, as |du| + |dv|; inf if one is not a number."""
+    largest = 0.0
+    for k in range(4):
+        moved = abs(after[k, 0] - before[k, 0]) + abs(after[k, 1] - before[k, 1])
+        if not moved < _FARTHEST_PX:
+            return np.inf
+        largest = max(largest, moved)
+    return largest
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def align(
-    image: NDArray[np.uint8] | Plane,
-    bounds: Plane,
+    image: Picture,
+    bounds: NDArray[np.float64],
     h: Matrix,
     level: Level,
     search: Search,
-    basis: Matrix,
-    iterations: int,
+    coarse: bool,
 ) -> tuple[int, bool]:
     """Improve h (template px -> image px) in place; return iterations and whether it is sane."""
     a = np.empty((8, 8))
@@ -153,134 +199,79 @@ def align(
     rim = np.empty((4, 2))
     before = np.empty((4, 2))
     after = np.empty((4, 2))
-    template_corners(level, rim)
+    basis = search.coarse_basis if coarse else search.basis
+    iterations = search.coarse_iterations if coarse else search.fine_iterations
+    _template_corners(level, rim)
     apply(h, rim, before)
-    mean, sigma, own = level.frame[3], level.frame[4], level.frame[5]
     for done in range(1, iterations + 1):
         cut(image, bounds, h, level)
-        gain = own
-        bias = 0.0
-        if search.normalised:
-            m, s = moments(level.patch)
-            gain = sigma / max(s, _LEAST_SIGMA)
-            bias = mean - gain * m
-        model = (search.weight, gain, bias)
-        normal_equations(
-            level.patch, level.template, level.gradients, (level.xs, level.ys), model, a, g
-        )
+        _equations(level, search, a, g)
         if not _step(a, g, basis, d):
             return done, False
         for q in range(8):
-            d[q] = min(max(d[q] / level.frame[0], -1.0), 1.0)
-        _compose(h, d, level.frame)
+            d[q] = min(max(d[q] / level.frame[SCALE], -1.0), 1.0)
+        _update(h, d, level.frame, search, basis.shape[1])
         apply(h, rim, after)
-        largest = 0.0
-        for k in range(4):
-            moved = abs(after[k, 0] - before[k, 0]) + abs(after[k, 1] - before[k, 1])
-            if not moved < 1e4:
-                return done, False
-            largest = max(largest, moved)
-            before[k, 0] = after[k, 0]
-            before[k, 1] = after[k, 1]
+        largest = _farthest(before, after)
+        if largest == np.inf:
+            return done, False
+        before[:] = after
         if largest < search.stop_px:
             return done, True
     return iterations, True
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def to_coarse(h: Matrix, x0: float, y0: float, out: Matrix) -> None:
-    """Write h for a template and an image of half the resolution; the image starts at x0, y0."""
-    t = np.empty((3, 3))
-    for i in range(3):
-        t[i, 0] = 2.0 * h[i, 0]
-        t[i, 1] = 2.0 * h[i, 1]
-        t[i, 2] = 0.5 * (h[i, 0] + h[i, 1]) + h[i, 2]
-    for j in range(3):
-        out[0, j] = 0.5 * (t[0, j] - (x0 + 0.5) * t[2, j])
-        out[1, j] = 0.5 * (t[1, j] - (y0 + 0.5) * t[2, j])
-        out[2, j] = t[2, j]
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def from_coarse(h: Matrix, x0: float, y0: float, out: Matrix) -> None:
-    """Undo `to_coarse`, scaled to out[2, 2] = 1."""
-    t = np.empty((3, 3))
-    for j in range(3):
-        t[0, j] = 2.0 * h[0, j] + (x0 + 0.5) * h[2, j]
-        t[1, j] = 2.0 * h[1, j] + (y0 + 0.5) * h[2, j]
-        t[2, j] = h[2, j]
-    for i in range(3):
-        out[i, 2] = t[i, 2] - 0.25 * (t[i, 0] + t[i, 1])
-        out[i, 0] = 0.5 * t[i, 0]
-        out[i, 1] = 0.5 * t[i, 1]
-    last = out[2, 2]
-    for i in range(3):
-        for j in range(3):
-            out[i, j] /= last
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def half_image(image: NDArray[np.uint8], window: Window) -> tuple[Plane, NDArray[np.float32]]:
-    """Return the window at half the resolution and the bounds of that picture."""
-    x0, y0, x1, y1 = window
-    small = np.empty(((y1 - y0) // 2, (x1 - x0) // 2), np.float32)
-    halve(image, x0, y0, small)
-    bounds = np.zeros(4, np.float32)
-    bounds[2] = small.shape[1]
-    bounds[3] = small.shape[0]
-    return small, bounds
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def cut_start(
-    image: NDArray[np.uint8],
-    window: Window,
-    h: Matrix,
-    coarse: Level,
-    fine: Level,
-) -> None:
-    """Fill both levels' patches from the picture in which the target is known."""
-    bounds = np.empty(4, np.float32)
-    for k in range(4):
-        bounds[k] = window[k]
-    small, small_bounds = half_image(image, window)
-    low = np.empty((3, 3))
-    to_coarse(h, window[0], window[1], low)
-    cut(small, small_bounds, low, coarse)
-    cut(image, bounds, h, fine)
-
-
-def empty_level(columns: int, rows: int, *, scale: float, column: float, row: float) -> Level:
+def empty_level(columns: int, rows: int, frame: tuple[float, float, float], unit: float) -> Level:
     """Return a level without a template yet.
 
     Parameters
     ----------
-    scale, column, row : float [px]
-        Half the longer side and the centre, in this level's pixels.
+    frame
+        Half the longer side, middle column and middle row [px], in this level's pixels.
+    unit : float
+        Grey values of one unit of the level's picture.
     """
-    xs = ((np.arange(columns) - column) / scale).astype(np.float32)
-    ys = ((np.arange(rows) - row) / scale).astype(np.float32)
-    padded = (rows + 2, columns + 2)
+    scale, column, row = frame
+    width = ((columns + 2 + WIDTH - 1) // WIDTH + 1) * WIDTH
+    across = np.zeros((3, width), np.float32)
+    across[NUMBERS] = np.arange(width)
+    across[XS] = (np.arange(width) - column) / scale
+    across[MASK, :columns] = 1.0
     return Level(
-        template=np.zeros((rows, columns), np.float32),
-        gradients=np.zeros((2, rows, columns), np.float32),
-        xs=xs,
-        ys=ys,
-        frame=np.array([scale, column, row, 0.0, 1.0, 1.0]),
-        patch=np.zeros(padded, np.float32),
-        work=np.zeros(padded, np.float32),
-        places=np.zeros(columns + 2, np.int32),
-        fractions=np.zeros((6, columns + 2), np.float32),
+        planes=np.zeros((8, rows + 2, width), np.float32),
+        columns=across,
+        ys=((np.arange(rows) - row) / scale).astype(np.float32),
+        frame=np.array([scale, column, row, 0.0, 1.0, unit, columns, columns * rows]),
+        curvature=np.zeros((8, 8)),
     )
 
 
-def learn(level: Level, *, weight: float) -> None:
-    """Take the level's patch as the template, scaled to TEMPLATE_SIGMA."""
-    mean, sigma = moments(level.patch)
-    gain = TEMPLATE_SIGMA / max(sigma, _LEAST_SIGMA)
-    patch = level.patch * np.float32(gain)
-    level.template[:] = patch[1:-1, 1:-1]
-    half = np.float32(0.5 * (1.0 - weight))
-    level.gradients[0] = (patch[1:-1, 2:] - patch[1:-1, :-2]) * half
-    level.gradients[1] = (patch[2:, 1:-1] - patch[:-2, 1:-1]) * half
-    level.frame[3:] = mean * gain, sigma * gain, gain
+def learn(level: Level, search: Search) -> None:
+    """Take the level's patch as the template."""
+    rows, columns = len(level.ys), int(level.frame[COLUMNS])
+    patch = level.planes[PATCH]
+    mean, sigma = moments(patch, level.columns, rows * columns)
+    level.frame[MEAN], level.frame[SIGMA] = mean, max(sigma, _LEAST_SIGMA)
+    inner = (slice(rows), slice(columns))
+    gradients = level.planes[[ALONG, DOWN]]
+    level.planes[TEMPLATE][inner] = patch[1:-1, 1 : columns + 1]
+    gradients[0][inner] = (patch[1:-1, 2 : columns + 2] - patch[1:-1, :columns]) * np.float32(0.5)
+    gradients[1][inner] = (patch[2:, 1 : columns + 1] - patch[:-2, 1 : columns + 1]) * np.float32(
+        0.5
+    )
+    level.planes[[ALONG, DOWN]] = gradients * np.float32(1.0 - search.weight)
+    if search.criterion == MI:
+        _learn_information(level, gradients[:, :rows, :columns].astype(np.float64))
+
+
+def _learn_information(level: Level, gradients: NDArray[np.float64]) -> None:
+    rows, columns = gradients.shape[1:]
+    own = level.planes[CODES, :rows]
+    factor, offset = _fine_values(level.frame)
+    codes(level.planes[PATCH], 1, (factor, offset), own)
+    x, y = level.columns[XS, :columns].astype(np.float64), level.ys.astype(np.float64)[:, None]
+    gx, gy = gradients
+    t = gx * x + gy * y
+    jacobian = np.stack([gx * x, gx * y, gy * x, gy * y, -x * t, -y * t, gx, gy], axis=-1)
+    scale = bins_per_grey(level.frame[SIGMA])
+    curvature(own, columns, scale, np.ascontiguousarray(jacobian), level.curvature)

@@ -10,26 +10,24 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from sim.trackers.alignment import (
-    Level,
-    Search,
-    align,
-    cut,
-    from_coarse,
-    half_image,
-    to_coarse,
-)
+from sim.trackers.alignment import Level, Search, align, cut, likeness
 from sim.trackers.interface import Window
-from sim.trackers.patches import Matrix, correlation
+from sim.trackers.patches import Matrix
+from sim.trackers.pyramid import Sums, from_level, pyramid, to_level, whole_of
 from sim.trackers.warps import apply, inverse, is_convex, multiply, signed_area
 
 LOWEST_CORRELATION = 0.5  # E: chance alignments on noise reach 0.3 to 0.4
+# E: the best of some hundred places is alike by chance more often than one place.
+LOWEST_CORRELATION_AFAR = 0.7
 LARGEST_AREA_RATIO = 4.0  # research: area outside [1/4, 4] of the start
 LARGEST_JUMP = 1.0 / 3.0  # of the template's longer side, between two pictures
 # The window need not reach farther than the target may be off its expected place. That is judged
 # by the last picture: E, four times as far as the expectation was off then, and never below 8 px.
 CLOSEST_SEARCH_PX = 8.0
 SURPRISE_FACTOR = 4.0
+GROWTH = 1.5  # E: of the searched reach, from one picture without the target to the next
+
+NOW, MOST, BEYOND, AFAR = range(4)
 
 
 class Memory(NamedTuple):
@@ -39,7 +37,8 @@ class Memory(NamedTuple):
     motion: Matrix  # (3, 3) of the last picture, in template coordinates
     quad: Matrix  # (4, 2) the target's corners in template px
     last: Matrix  # (4, 2) [px] corners where the target was last seen
-    reach: NDArray[np.float64]  # (3,) [px] search margin now, at most, and beyond the template
+    reach: NDArray[np.float64]  # (4,) [px] search margin now, at most, beyond the template, afar
+    lost: NDArray[np.int64]  # (1,) pictures since the target was last seen
     area: float  # [px^2] of the target in the first picture
     predict: bool  # whether the target is expected to move on as it did
 
@@ -68,7 +67,7 @@ def _window(memory: Memory, width: int, height: int) -> Window:
     _expect(memory, h)
     apply(h, memory.quad, expected)
     last = memory.last
-    reach = np.ceil(memory.reach[0]) + memory.reach[2]
+    reach = np.ceil(memory.reach[NOW]) + memory.reach[BEYOND]
     limits = (width, height)
     found = np.empty(4, np.int64)
     for axis in range(2):
@@ -94,41 +93,92 @@ def next_window(memory: tuple[Any, ...], width: int, height: int) -> Window:
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _track(
+def _at(
     image: NDArray[np.uint8],
+    small: tuple[Sums, Sums, Sums],
     window: Window,
     h: Matrix,
-    coarse: Level,
-    fine: Level,
-    search: Search,
-) -> tuple[int, bool, float]:
-    """Improve h on both levels; return iterations, sanity and the final normalised correlation.
+    levels: tuple[Level, Level, Level, Level],
+    k: int,
+) -> float:
+    """Return the normalised correlation of level k with the image under h (of level 0)."""
+    low = np.empty((3, 3))
+    to_level(h, k, window, low)
+    if k == 0:
+        return likeness(image, _bounds(window), low, levels[0])
+    return likeness(small[k - 1], whole_of(small[k - 1]), low, levels[k])
 
-    The correlation is that of the coarse level, where the noise is a quarter as strong. Nothing
-    outside the window is read.
-    """
-    x0, y0 = window[0], window[1]
-    bounds = np.empty(4, np.float32)
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _bounds(window: Window) -> NDArray[np.float64]:
+    bounds = np.empty(4)
     for k in range(4):
         bounds[k] = window[k]
-    small, small_bounds = half_image(image, window)
+    return bounds
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _track(
+    image: NDArray[np.uint8],
+    small: tuple[Sums, Sums, Sums],
+    window: Window,
+    h: Matrix,
+    levels: tuple[Level, Level, Level, Level],
+    search: Search,
+) -> tuple[int, bool, float]:
+    """Improve h on all levels; return iterations, sanity and the final normalised correlation.
+
+    The correlation is that of level 1, where the noise is a quarter as strong. Nothing outside the
+    window is read.
+    """
     low = np.empty((3, 3))
     done = 0
-    if search.coarse_iterations > 0:
-        to_coarse(h, x0, y0, low)
-        done, sane = align(
-            small, small_bounds, low, coarse, search, search.coarse_basis, search.coarse_iterations
-        )
+    for k in range(search.levels - 1, 0, -1):
+        to_level(h, k, window, low)
+        more, sane = align(small[k - 1], whole_of(small[k - 1]), low, levels[k], search, True)
+        done += more
         if not sane:
             return done, False, 0.0
-        from_coarse(low, x0, y0, h)
-    more, sane = align(image, bounds, h, fine, search, search.basis, search.fine_iterations)
+        from_level(low, k, window, h)
+    more, sane = align(image, _bounds(window), h, levels[0], search, False)
     if not sane:
         return done + more, False, 0.0
-    to_coarse(h, x0, y0, low)
-    cut(small, small_bounds, low, coarse)
-    similar = correlation(coarse.patch, coarse.template, coarse.frame[3], coarse.frame[4])
-    return done + more, True, similar
+    return done + more, True, _at(image, small, window, h, levels, min(1, search.levels - 1))
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _look_around(
+    image: NDArray[np.uint8],
+    small: tuple[Sums, Sums, Sums],
+    window: Window,
+    h: Matrix,
+    levels: tuple[Level, Level, Level, Level],
+    search: Search,
+    radius: float,
+) -> None:
+    """Move h to where the target's last appearance fits best, on a grid of places around.
+
+    The grid is a quarter of the template's shorter side wide: from its nearest point the alignment
+    finds the way.
+    """
+    k = min(1, search.levels - 1)
+    pitch = np.sqrt(h[0, 0] * h[0, 0] + h[1, 0] * h[1, 0])  # image px per template px
+    shorter = min(levels[0].ys.shape[0], levels[0].frame[6]) * pitch
+    step = min(max(0.25 * shorter, 2.0), 12.0)
+    count = int(radius / step)
+    best = -2.0
+    start = h.copy()
+    there = np.empty((3, 3))
+    for row in range(-count, count + 1):
+        for column in range(-count, count + 1):
+            for j in range(3):
+                there[0, j] = start[0, j] + column * step * start[2, j]
+                there[1, j] = start[1, j] + row * step * start[2, j]
+                there[2, j] = start[2, j]
+            alike = _at(image, small, window, there, levels, k)
+            if alike > best:
+                best = alike
+                h[:] = there
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -145,35 +195,47 @@ def _largest(a: Matrix, b: Matrix) -> float:
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _plausible(corners: Matrix, memory: Memory, longer_side: float) -> bool:
-    """Return whether a quadrilateral can be the target one picture after the last good one."""
+def _plausible(corners: Matrix, memory: Memory, jump: float) -> bool:
+    """Return whether a quadrilateral can be the target, at most `jump` px off the last good one."""
     if not is_convex(corners):
         return False
     ratio = signed_area(corners) / memory.area
     if not 1.0 / LARGEST_AREA_RATIO <= ratio <= LARGEST_AREA_RATIO:
         return False
-    return _largest(corners, memory.last) <= LARGEST_JUMP * longer_side
+    return _largest(corners, memory.last) <= jump
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _remember(memory: Memory, h: Matrix, corners: Matrix, expected: Matrix) -> None:
     """Take a good place over, and how far it was off the expected one."""
-    back = np.empty((3, 3))
-    inverse(memory.home, back)
-    multiply(back, h, memory.motion)
+    if memory.lost[0] > 0:
+        _stand_still(memory)
+    else:
+        back = np.empty((3, 3))
+        inverse(memory.home, back)
+        multiply(back, h, memory.motion)
     memory.home[:] = h
     memory.last[:] = corners
+    memory.lost[0] = 0
     surprise = SURPRISE_FACTOR * _largest(corners, expected)
-    memory.reach[0] = min(max(surprise, CLOSEST_SEARCH_PX), memory.reach[1])
+    memory.reach[NOW] = min(max(surprise, CLOSEST_SEARCH_PX), memory.reach[MOST])
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _stand_still(memory: Memory) -> None:
+    memory.motion[:] = 0.0
+    for i in range(3):
+        memory.motion[i, i] = 1.0
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _forget_motion(memory: Memory) -> None:
     """Expect the target where it last was, and look for it as far as is allowed."""
-    memory.motion[:] = 0.0
-    for i in range(3):
-        memory.motion[i, i] = 1.0
-    memory.reach[0] = memory.reach[1]
+    _stand_still(memory)
+    reach = memory.reach
+    grown = max(GROWTH * reach[NOW], reach[MOST]) if memory.lost[0] > 0 else reach[MOST]
+    reach[NOW] = min(grown, max(reach[AFAR], reach[MOST]))
+    memory.lost[0] += 1
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -183,25 +245,44 @@ def follow(
     """Find the target in the next picture, of which the window alone is read.
 
     Returns whether it was found, the normalised correlation, the iterations, and the window of
-    the picture after. `memory` and `packed` (coarse level, fine level, search) are plain tuples:
-    Numba takes named ones from Python at five times the cost.
+    the picture after. `memory` and `packed` (four levels, search) are plain tuples: Numba takes
+    named ones from Python at five times the cost.
     """
     known = Memory(*memory)
-    coarse = Level(*packed[0])
-    fine = Level(*packed[1])
+    search = Search(*packed[4])
+    levels = (Level(*packed[0]), Level(*packed[1]), Level(*packed[2]), Level(*packed[3]))
     h = np.empty((3, 3))
     expected = np.empty((4, 2))
     corners = np.empty((4, 2))
+    small = pyramid(image, window, search.levels)
     _expect(known, h)
     apply(h, known.quad, expected)
-    iterations, sane, similar = _track(image, window, h, coarse, fine, Search(*packed[2]))
+    jump = LARGEST_JUMP * 2.0 * levels[0].frame[0]
+    lowest = LOWEST_CORRELATION
+    if known.lost[0] > 0 and known.reach[AFAR] > 0.0:
+        lowest = LOWEST_CORRELATION_AFAR
+        jump += known.reach[NOW]
+        _look_around(image, small, window, h, levels, search, known.reach[NOW])
+    iterations, sane, similar = _track(image, small, window, h, levels, search)
     apply(h, known.quad, corners)
-    found = (
-        sane and similar >= LOWEST_CORRELATION and _plausible(corners, known, 2.0 * fine.frame[0])
-    )
+    found = sane and similar >= lowest and _plausible(corners, known, jump)
     if found:
         _remember(known, h, corners, expected)
     else:
         _forget_motion(known)
     ahead = _window(known, image.shape[1], image.shape[0])
     return found, similar, iterations, ahead
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def cut_start(
+    image: NDArray[np.uint8], window: Window, h: Matrix, levels: tuple[Any, ...], count: int
+) -> None:
+    """Fill all levels' patches from the picture in which the target is known."""
+    small = pyramid(image, window, count)
+    known = (Level(*levels[0]), Level(*levels[1]), Level(*levels[2]), Level(*levels[3]))
+    cut(image, _bounds(window), h, known[0])
+    low = np.empty((3, 3))
+    for k in range(1, count):
+        to_level(h, k, window, low)
+        cut(small[k - 1], whole_of(small[k - 1]), low, known[k])

@@ -3,37 +3,33 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.trackers.alignment import Level, Search, cut_start, empty_level, learn
-from sim.trackers.following import Memory, follow, next_window
+from sim.trackers import alignment
+from sim.trackers.alignment import Level, Search, empty_level, learn
+from sim.trackers.choices import refusals
+from sim.trackers.following import Memory, cut_start, follow, next_window
 from sim.trackers.interface import Corners, Track, Window
-from sim.trackers.warps import WARPS, basis, from_square, is_convex, multiply, signed_area
+from sim.trackers.pyramid import MOST_LEVELS
+from sim.trackers.warps import basis, from_square, is_convex, multiply, signed_area
 
-CRITERIA = {
-    "ssd": "Sum of squared differences",
-    "zncc": "Zero-mean normalised cross-correlation",
+_FEW = ("translation", "rt", "srt")  # warps that the coarse levels take as they are
+_WEIGHTS = {
+    "esm": 0.5,
+    "inverse_compositional": 0.0,
+    "forward_additional": 1.0,
+    "forward_compositional": 1.0,
 }
-METHODS = {
-    "esm": "Efficient second-order minimisation",
-    "inverse_compositional": "Inverse compositional",
-    "forward_compositional": "Forward compositional",
-}
-_FEW = ("translation", "rt", "srt")  # warps that the coarse level takes as they are
-_WEIGHTS = {"esm": 0.5, "inverse_compositional": 0.0, "forward_compositional": 1.0}
-_REASONS = {
-    "mi": "mutual information needs a logarithm with the same bits on every processor, "
-    "which is not there yet",
-    "forward_additional": "for homographies it takes the same steps as forward_compositional to "
-    "first order and is not offered apart",
-}
+_CRITERIA = {"ssd": alignment.SSD, "zncc": alignment.ZNCC, "mi": alignment.MI}
 
-VECTOR = 16  # [px] columns come in multiples of it, so that no pixel is done outside a vector
+# [px] A template's columns and its rim of two come in multiples of it, so that no pixel is done in
+# vain beyond the last.
+VECTOR = 16
 SMALLEST_TEMPLATE_PX = 12  # shorter sides leave too few pixels on the coarse level
 LARGEST_TEMPLATE_PX = 1024
-STOP_PX = 0.1  # after a step of that size about a tenth of it is left: convergence is quadratic
+LEAST_ROWS = 6  # a level with fewer shows nothing
 
 
 class TemplateTracker:
-    """Template tracker with two pyramid levels and a constant-velocity prediction as an option."""
+    """Template tracker with a pyramid and a constant-velocity prediction as an option."""
 
     def __init__(
         self,
@@ -41,29 +37,32 @@ class TemplateTracker:
         warp: str = "homography",
         criterion: str = "zncc",
         method: str = "esm",
+        pyramid_levels: int = 2,
         coarse_iterations: int = 6,
         fine_iterations: int = 5,
-        predict: bool = True,
-        margin_px: int = -2,
+        stop_px: float = 0.1,
+        sampling_px: float = 1.0,
+        template_margin_px: int = -3,
+        predict_motion: bool = True,
         search_px: int = 20,
+        reacquire_px: int = 0,
     ) -> None:
-        _choose("warp", warp, WARPS)
-        _choose("criterion", criterion, CRITERIA)
-        _choose("method", method, METHODS)
-        _within("coarse_iterations", coarse_iterations, 0, 100)
-        _within("fine_iterations", fine_iterations, 1, 100)
-        _within("margin_px", margin_px, -2, 40)
-        _within("search_px", search_px, 4, 200)
+        wanted = {name: value for name, value in locals().items() if name not in ("self",)}
+        for reason in refusals("esm", wanted).values():
+            raise ValueError(reason)
         self._search = Search(
-            basis(warp if warp in _FEW else "srt"),
-            basis(warp),
-            _WEIGHTS[method],
-            criterion == "zncc",
-            coarse_iterations,
-            fine_iterations,
-            STOP_PX,
+            coarse_basis=basis(warp if warp in _FEW else "srt"),
+            basis=basis(warp),
+            weight=_WEIGHTS[method],
+            adds=method == "forward_additional",
+            criterion=_CRITERIA[criterion],
+            levels=pyramid_levels,
+            coarse_iterations=coarse_iterations,
+            fine_iterations=fine_iterations,
+            stop_px=float(stop_px),
         )
-        self._predict, self._margin, self._reach = predict, margin_px, search_px
+        self._predict, self._margin, self._pitch = predict_motion, template_margin_px, sampling_px
+        self._reach = (search_px, search_px, max(template_margin_px, 0), reacquire_px)
         self._shape = (0, 0)
         self._window: Window = (0, 0, 0, 0)
 
@@ -80,23 +79,27 @@ class TemplateTracker:
             motion=np.eye(3),
             quad=quad,
             last=corners.copy(),
-            reach=np.array([self._reach, self._reach, max(self._margin, 0)], dtype=np.float64),
+            reach=np.array(self._reach, dtype=np.float64),
+            lost=np.zeros(1, np.int64),
             area=float(signed_area(corners)),
             predict=self._predict,
         )
         self._last, self._memory = memory.last, tuple(memory)
-        coarse, fine = self._levels(columns, rows)
+        levels = _levels(columns, rows)
+        count = min(self._search.levels, len([1 for each in levels if len(each.ys) >= LEAST_ROWS]))
+        search = self._search._replace(levels=max(count, 1))
         self._window = next_window(self._memory, image.shape[1], image.shape[0])
-        cut_start(image, self._window, home, coarse, fine)
-        for level in (coarse, fine):
-            learn(level, weight=self._search.weight)
-        self._packed = (tuple(coarse), tuple(fine), tuple(self._search))
+        packed = tuple(tuple(level) for level in levels)
+        cut_start(image, self._window, home, packed, search.levels)
+        for level in levels[: search.levels]:
+            learn(level, search)
+        self._packed = (*packed, tuple(search))
 
     def window(self) -> Window:
         """Return the box around the expected target and its search margin, on even pixels.
 
-        The margin is `search_px` at first and after a loss; while the target is where it was
-        expected, it is less.
+        The margin is `search_px` at first and after a loss, when it may grow to `reacquire_px`;
+        while the target is where it was expected, it is less.
         """
         return self._window
 
@@ -119,14 +122,16 @@ class TemplateTracker:
         sides = np.sqrt(((corners[[1, 3]] - corners[0]) ** 2).sum(axis=1))
         width, height = float(sides[0]), float(sides[1])
         if (
-            min(width, height) + 2 * m < SMALLEST_TEMPLATE_PX
+            min(width, height) + 2 * m < SMALLEST_TEMPLATE_PX * self._pitch
             or max(width, height) > LARGEST_TEMPLATE_PX
         ):
             raise ValueError(
-                f"a template of {width:.0f}x{height:.0f} px with a margin of {m} px is not within "
-                f"{SMALLEST_TEMPLATE_PX}..{LARGEST_TEMPLATE_PX} px"
+                f"a template of {width:.0f}x{height:.0f} px with a margin of {m} px and a pixel "
+                f"every {self._pitch:g} px is not within {SMALLEST_TEMPLATE_PX} of these pixels.."
+                f"{LARGEST_TEMPLATE_PX} px"
             )
-        columns = max(VECTOR, round((width + 2 * m) / VECTOR) * VECTOR)
+        blocks = max(1, round((width + 2 * m) / (VECTOR * self._pitch)))
+        columns = blocks * VECTOR - 2
         pitch = (width + 2 * m) / (columns - 1)
         rows = int((height + 2 * m) / pitch) + 1
         unit = np.empty((3, 3))
@@ -142,18 +147,16 @@ class TemplateTracker:
         quad = np.array([[left, top], [far_u, top], [far_u, far_v], [left, far_v]])
         return columns, rows, home / home[2, 2], quad
 
-    @staticmethod
-    def _levels(columns: int, rows: int) -> tuple[Level, Level]:
-        """Return the coarse and the fine level for a template of that size."""
-        scale, column, row = max(columns, rows) / 2, (columns - 1) / 2, (rows - 1) / 2
-        coarse = empty_level(
-            columns // 2,
-            rows // 2,
-            scale=scale / 2,
-            column=(column - 0.5) / 2,
-            row=(row - 0.5) / 2,
-        )
-        return coarse, empty_level(columns, rows, scale=scale, column=column, row=row)
+
+def _levels(columns: int, rows: int) -> list[Level]:
+    """Return the levels of a template of that size, each with half the pixels of the one before."""
+    scale, column, row = max(columns, rows) / 2, (columns - 1) / 2, (rows - 1) / 2
+    levels = []
+    for k in range(MOST_LEVELS):
+        size = (max(columns >> k, 1), max(rows >> k, 1))
+        levels.append(empty_level(*size, (scale, column, row), 0.25**k))
+        scale, column, row = scale / 2, (column - 0.5) / 2, (row - 0.5) / 2
+    return levels
 
 
 def _plain(image: NDArray[np.uint8]) -> NDArray[np.uint8]:
@@ -161,14 +164,3 @@ def _plain(image: NDArray[np.uint8]) -> NDArray[np.uint8]:
     if image.flags.c_contiguous and image.flags.writeable:
         return image
     return np.array(image, dtype=np.uint8, order="C")
-
-
-def _choose(field: str, value: str, offered: dict[str, str]) -> None:
-    if value not in offered:
-        reason = _REASONS.get(value, f"choose one of {', '.join(offered)}")
-        raise ValueError(f"{field} {value!r} is not offered: {reason}")
-
-
-def _within(field: str, value: int, low: int, high: int) -> None:
-    if not low <= value <= high:
-        raise ValueError(f"{field} is {value}; it must be {low}..{high}")

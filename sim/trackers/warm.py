@@ -10,7 +10,7 @@ def run() -> None:
     rows, columns = np.indices((96, 128))
     picture = (((rows // 5 + columns // 7) % 2) * 160 + 40).astype(np.uint8)
     corners = np.array([[34.0, 30.0], [94.0, 30.0], [94.0, 66.0], [34.0, 66.0]])
-    tracker = TemplateTracker(predict=True)
+    tracker = TemplateTracker()
     tracker.start(picture, corners)
     for _ in range(2):
         tracker.update(picture)

@@ -9,15 +9,10 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from sim.elementary import sincos
+
 Matrix = NDArray[np.float64]
 
-WARPS = {
-    "translation": "Translation (2 parameters)",
-    "rt": "Rotation and translation (3)",
-    "srt": "Scale, rotation and translation (4)",
-    "affine": "Affine (6)",
-    "homography": "Homography (8)",
-}
 
 _UNIT = np.eye(8)
 _SCALE, _TURN = _UNIT[0] + _UNIT[3], _UNIT[2] - _UNIT[1]
@@ -91,6 +86,38 @@ def exponential(d: Matrix, out: Matrix) -> None:
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
+def additive(d: Matrix, parameters: int, at: Matrix, out: Matrix) -> None:
+    """Write what h is to be multiplied by so that d is added to the parameters of the warp.
+
+    That h E(d) has the parameters p + dp, with dp linear in d, is: for rotations that the angle
+    grows by d's, for scales that the factor does; for affine warps that h's entries do; and for
+    homographies so too, with h[2, 2] kept at 1. `at` (3, 3) is h in normalised coordinates and
+    `parameters` the warp's number of them (2, 3, 4, 6 or 8).
+    """
+    if parameters < 6:
+        s, c = sincos(d[2])
+        factor = 1.0 + 0.5 * (d[0] + d[3])
+        out[0, 0] = out[1, 1] = factor * c
+        out[1, 0] = factor * s
+        out[0, 1] = -out[1, 0]
+        out[2, 0] = out[2, 1] = 0.0
+    else:
+        out[0, 0] = 1.0 + d[0]
+        out[0, 1] = d[1]
+        out[1, 0] = d[2]
+        out[1, 1] = 1.0 + d[3]
+        out[2, 0] = d[4]
+        out[2, 1] = d[5]
+    out[0, 2] = d[6]
+    out[1, 2] = d[7]
+    out[2, 2] = 1.0
+    if parameters == 8:
+        kept = (at[2, 0] * d[6] + at[2, 1] * d[7]) / at[2, 2]
+        for i in range(3):
+            out[i, i] -= kept
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
 def apply(h: Matrix, points: Matrix, out: Matrix) -> None:
     """Write the images (n, 2) of points (n, 2) under a homography; NaN beyond the horizon."""
     for k in range(points.shape[0]):
@@ -103,6 +130,37 @@ def apply(h: Matrix, points: Matrix, out: Matrix) -> None:
         else:
             out[k, 0] = np.nan
             out[k, 1] = np.nan
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def reduce(
+    a: Matrix, g: NDArray[np.float64], basis: Matrix, reduced: Matrix, right: NDArray[np.float64]
+) -> None:
+    """Write the equations a d = g (8, 8) for a step within a basis (8, n): B' a B, B' g.
+
+    The basis with n = 8 is the identity: nothing is to be done for all homographies.
+    """
+    n = basis.shape[1]
+    if n == 8:
+        reduced[:] = a
+        right[:] = g
+        return
+    part = np.empty((8, n))
+    for q in range(8):
+        for j in range(n):
+            row = 0.0
+            for k in range(8):
+                row += a[q, k] * basis[k, j]
+            part[q, j] = row
+    for i in range(n):
+        right[i] = 0.0
+        for q in range(8):
+            right[i] += basis[q, i] * g[q]
+        for j in range(n):
+            row = 0.0
+            for q in range(8):
+                row += basis[q, i] * part[q, j]
+            reduced[i, j] = row
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

@@ -1,0 +1,283 @@
+"""Sixteen float32 side by side as one value in compiled code: fast, and the same bits everywhere.
+
+LLVM vectorises a float sum only where it may reorder it (`fastmath`), differently for each width of
+the processor's registers. Here the lanes are written out: sums are kept in sixteen fixed parts and
+added in a fixed order, so a processor with narrow registers takes more instructions and gets the
+same bits. Inside `njit` functions `+ - * /` work on `Lanes`, and on `Lanes` alone: `lanes(x)` makes
+one of a scalar. None of these functions can be called outside compiled code.
+"""
+
+import operator
+from typing import TYPE_CHECKING, Any
+
+from llvmlite import ir
+from numba.core import cgutils, types
+from numba.core.imputils import lower_builtin
+from numba.core.typing.templates import ConcreteTemplate, infer_global, signature
+from numba.extending import intrinsic, models, register_model
+
+WIDTH = 16
+_FLOAT, _INT = ir.FloatType(), ir.IntType(32)
+_FLOATS, _INTS = ir.VectorType(_FLOAT, WIDTH), ir.VectorType(_INT, WIDTH)
+
+
+class _LanesType(types.Type):
+    def __init__(self) -> None:
+        super().__init__(name="Lanes")
+
+
+class _PlacesType(types.Type):
+    def __init__(self) -> None:
+        super().__init__(name="Places")
+
+
+_lanes, _places = _LanesType(), _PlacesType()
+
+
+@register_model(_LanesType)
+class _LanesModel(models.PrimitiveModel):  # type: ignore[misc]  # numba has no types
+    def __init__(self, manager: Any, kind: Any) -> None:
+        super().__init__(manager, kind, _FLOATS)
+
+
+@register_model(_PlacesType)
+class _PlacesModel(models.PrimitiveModel):  # type: ignore[misc]  # numba has no types
+    def __init__(self, manager: Any, kind: Any) -> None:
+        super().__init__(manager, kind, _INTS)
+
+
+if TYPE_CHECKING:
+
+    class Lanes:
+        """Sixteen float32; exists in compiled code only."""
+
+        def __add__(self, other: "Lanes") -> "Lanes": ...
+        def __sub__(self, other: "Lanes") -> "Lanes": ...
+        def __mul__(self, other: "Lanes") -> "Lanes": ...
+        def __truediv__(self, other: "Lanes") -> "Lanes": ...
+
+    class Places:
+        """Sixteen int32; exists in compiled code only."""
+
+        def __add__(self, other: "Places") -> "Places": ...
+        def __mul__(self, other: "Places") -> "Places": ...
+
+
+def _operation(symbol: Any, kind: types.Type, instruction: str) -> None:
+    @infer_global(symbol)
+    class _Template(ConcreteTemplate):  # type: ignore[misc]  # numba has no types
+        cases = (signature(kind, kind, kind),)
+
+    @lower_builtin(symbol, kind, kind)
+    def _lower(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        return getattr(builder, instruction)(*args)
+
+
+for _symbol, _instruction in (
+    (operator.add, "fadd"),
+    (operator.sub, "fsub"),
+    (operator.mul, "fmul"),
+    (operator.truediv, "fdiv"),
+):
+    _operation(_symbol, _lanes, _instruction)
+for _symbol, _instruction in ((operator.add, "add"), (operator.mul, "mul")):
+    _operation(_symbol, _places, _instruction)
+
+
+def _spread(builder: Any, scalar: Any, vector: Any) -> Any:
+    one = builder.insert_element(ir.Constant(vector, ir.Undefined), scalar, _INT(0))
+    return builder.shuffle_vector(
+        one, ir.Constant(vector, ir.Undefined), ir.Constant(_INTS, [0] * WIDTH)
+    )
+
+
+def _address(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    """Return the address of array[row, column]."""
+    array = context.make_array(sig.args[0])(context, builder, args[0])
+    pitch = cgutils.unpack_tuple(builder, array.shape)[1]
+    row, column = (
+        context.cast(builder, args[k], sig.args[k], types.intp) for k in (1, 2)
+    )
+    return builder.gep(array.data, [builder.add(builder.mul(row, pitch), column)])
+
+
+def _row_address(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    """Return the address of sixteen int32 from array[column] on."""
+    data = context.make_array(sig.args[0])(context, builder, args[0]).data
+    column = context.cast(builder, args[1], sig.args[1], types.intp)
+    return builder.bitcast(builder.gep(data, [column]), _INTS.as_pointer())
+
+
+def _sixteen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    value = builder.load(_row_address(context, builder, sig, args))
+    value.align = 4
+    return value
+
+
+def _plane(array: types.Type) -> bool:
+    return isinstance(array, types.Array) and array.ndim == 2 and array.layout == "C"
+
+
+@intrinsic  # type: ignore[untyped-decorator]
+def lanes(typing: Any, scalar: Any) -> Any:
+    """Return a float32 in every lane; a wider number is rounded first."""
+
+    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        value = context.cast(builder, args[0], sig.args[0], types.float32)
+        return _spread(builder, value, _FLOATS)
+
+    return _lanes(scalar), generate
+
+
+@intrinsic  # type: ignore[untyped-decorator]
+def places(typing: Any, scalar: Any) -> Any:
+    """Return an int32 in every lane."""
+
+    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        value = context.cast(builder, args[0], sig.args[0], types.int32)
+        return _spread(builder, value, _INTS)
+
+    return _places(scalar), generate
+
+
+@intrinsic  # type: ignore[untyped-decorator]
+def load(typing: Any, array: Any, row: Any, column: Any) -> Any:
+    """Return array[row, column : column + 16] of float32; nothing checks that it is there."""
+    if not _plane(array) or array.dtype != types.float32:
+        return None
+
+    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        address = _address(context, builder, sig, args)
+        value = builder.load(builder.bitcast(address, _FLOATS.as_pointer()))
+        value.align = 4
+        return value
+
+    return _lanes(array, row, column), generate
+
+
+@intrinsic  # type: ignore[untyped-decorator]
+def store(typing: Any, array: Any, row: Any, column: Any, value: Any) -> Any:
+    """Set array[row, column : column + 16] of float32; nothing checks that it is there."""
+    if not _plane(array) or array.dtype != types.float32 or value != _lanes:
+        return None
+
+    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        address = _address(context, builder, sig, args)
+        builder.store(args[3], builder.bitcast(address, _FLOATS.as_pointer())).align = 4
+        return context.get_dummy_value()
+
+    return types.void(array, row, column, value), generate
+
+
+def _choice(comparison: str) -> Any:
+    def typed(typing: Any, a: Any, b: Any) -> Any:
+        def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+            first = builder.fcmp_ordered(comparison, *args)
+            return builder.select(first, *args)
+
+        return (_lanes(a, b), generate) if a == b == _lanes else None
+
+    return typed
+
+
+larger = intrinsic(_choice(">"))  # of two, lane by lane; the second where one is not a number
+smaller = intrinsic(_choice("<"))
+
+
+@intrinsic  # type: ignore[untyped-decorator]
+def whole(typing: Any, value: Any) -> Any:
+    """Return lanes cut to int32; they must be numbers within its range."""
+
+    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        return builder.fptosi(args[0], _INTS)
+
+    return (_places(value), generate) if value == _lanes else None
+
+
+@intrinsic  # type: ignore[untyped-decorator]
+def real(typing: Any, value: Any) -> Any:
+    """Return int32 lanes as float32."""
+
+    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        return builder.sitofp(args[0], _FLOATS)
+
+    return (_lanes(value), generate) if value == _places else None
+
+
+@intrinsic  # type: ignore[untyped-decorator]
+def pair(typing: Any, array: Any, at: Any) -> Any:
+    """Return the element of an array at a flat place and the one after it, as one uint32.
+
+    The array is of uint8 or uint16: one load of twice the size, the first element in the low bits.
+    """
+    if not _plane(array) or array.dtype not in (types.uint8, types.uint16):
+        return None
+    bits = array.dtype.bitwidth
+
+    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        data = context.make_array(sig.args[0])(context, builder, args[0]).data
+        place = context.cast(builder, args[1], sig.args[1], types.intp)
+        address = builder.bitcast(builder.gep(data, [place]), ir.IntType(2 * bits).as_pointer())
+        value = builder.load(address)
+        value.align = 1
+        return value if 2 * bits == _INT.width else builder.zext(value, _INT)
+
+    return types.uint32(array, at), generate
+
+
+@intrinsic  # type: ignore[untyped-decorator]
+def first(typing: Any, array: Any, column: Any, bits: Any) -> Any:
+    """Return the first elements of sixteen pairs, each of that many bits, as lanes."""
+
+    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        found = _sixteen(context, builder, sig, args)
+        size = context.cast(builder, args[2], sig.args[2], types.int32)
+        one = ir.Constant(_INT, 1)
+        mask = builder.sub(builder.shl(one, size), one)
+        return builder.sitofp(builder.and_(found, _spread(builder, mask, _INTS)), _FLOATS)
+
+    return _lanes(array, column, bits), generate
+
+
+@intrinsic  # type: ignore[untyped-decorator]
+def second(typing: Any, array: Any, column: Any, bits: Any) -> Any:
+    """Return the second elements of sixteen pairs, each of that many bits, as lanes."""
+
+    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        found = _sixteen(context, builder, sig, args)
+        size = context.cast(builder, args[2], sig.args[2], types.int32)
+        return builder.sitofp(builder.lshr(found, _spread(builder, size, _INTS)), _FLOATS)
+
+    return _lanes(array, column, bits), generate
+
+
+@intrinsic  # type: ignore[untyped-decorator]
+def store_places(typing: Any, array: Any, column: Any, value: Any) -> Any:
+    """Set array[column : column + 16] of int32; nothing checks that it is there."""
+
+    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        builder.store(args[2], _row_address(context, builder, sig, args)).align = 4
+        return context.get_dummy_value()
+
+    return (types.void(array, column, value), generate) if value == _places else None
+
+
+@intrinsic  # type: ignore[untyped-decorator]
+def total(typing: Any, value: Any) -> Any:
+    """Return the sum over the lanes as float32: halves upon halves, always in this order."""
+
+    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        part, n = args[0], WIDTH
+        while n > 1:
+            n //= 2
+            empty = ir.Constant(part.type, ir.Undefined)
+            low, high = (
+                builder.shuffle_vector(
+                    part, empty, ir.Constant(ir.VectorType(_INT, n), list(range(k, k + n)))
+                )
+                for k in (0, n)
+            )
+            part = builder.fadd(low, high)
+        return builder.extract_element(part, _INT(0))
+
+    return (types.float32(value), generate) if value == _lanes else None
