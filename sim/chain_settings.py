@@ -5,37 +5,16 @@ Tags of the defaults: S sourced, D derived from sourced, E our estimate.
 
 from functools import partial
 
-from sim.configuration import Configuration, knob
-from sim.registry import CRITERIA, METHODS, TRACKERS, TRUTH, WARPS, labels
+from sim.configuration import knob
+from sim.tracker_settings import TrackerSettings
 
 velocity = partial(knob, group="Velocity controller", role="scenario")
-tracking = partial(knob, group="Tracker", role="solution")
 keeping = partial(knob, group="Station keeper", role="scenario")
 position = partial(knob, group="Position controller", role="solution")
 
 
-class ChainSettings(Configuration):
+class ChainSettings(TrackerSettings):
     """Tracker, position controller and velocity controller."""
-
-    tracker: str = tracking(
-        "esm",
-        title="Tracker",
-        says="Finds the target in the camera's picture.",
-        choices=labels(TRACKERS) | {TRUTH: "Ground truth (no tracker; cannot rank)"},
-    )
-    warp: str = tracking(
-        "homography",
-        title="Warp",
-        says="What movement of the target in the picture the tracker can follow.",
-        choices=WARPS,
-    )
-    criterion: str = tracking(
-        "zncc",
-        title="Similarity",
-        says="What the tracker compares pictures by.",
-        choices=CRITERIA,
-    )
-    method: str = tracking("esm", title="Method", says="How the tracker searches.", choices=METHODS)
 
     kp: float = position(
         0.5,

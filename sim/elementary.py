@@ -211,27 +211,3 @@ def asin(x: float) -> float:
     if not abs(x) <= 1.0:
         return math.nan
     return atan2(x, math.sqrt((1.0 - x) * (1.0 + x)))
-
-
-@njit(cache=True, error_model="numpy")
-def log(x: float) -> float:
-    """Return the natural logarithm of x > 0; -inf for 0, nan for less and for nan.
-
-    Exact to 4e-16 relative for normal numbers: the mantissa is brought within [sqrt(1/2), sqrt(2))
-    and log m = 2 artanh((m - 1) / (m + 1)) summed to the 23rd power (next term 1e-20).
-    """
-    if not x > 0.0:
-        return -math.inf if x == 0.0 else math.nan
-    if x == math.inf:
-        return x
-    m, exponent = math.frexp(x)  # exact, so the same everywhere
-    if m < 0.7071067811865476:
-        m *= 2.0
-        exponent -= 1
-    q = (m - 1.0) / (m + 1.0)
-    z = q * q
-    s = 1.0 / 23.0
-    for k in range(21, 1, -2):
-        s = 1.0 / k + z * s
-    e = float(exponent)
-    return e * _LN2_HIGH + (2.0 * q + (2.0 * q * z * s + e * _LN2_LOW))

@@ -22,3 +22,11 @@ class Entry:
         """
         module, _, attribute = self.path.partition(":")
         return getattr(importlib.import_module(module), attribute)
+
+
+@dataclass(frozen=True, slots=True)
+class TrackerEntry(Entry):
+    """A tracker: also which settings it has, and what is to be said of it."""
+
+    options: tuple[str, ...] = ()  # names of settings in sim/tracker_settings.py
+    exact: bool = True  # whether every processor of x86-64 gives the same bits

@@ -122,7 +122,7 @@ class ExperimentSettings(ChainSettings, SceneSettings, FaultSettings):
                 f"physics step of {self.physics_step_s:g} s, such as 5 or 20 Hz, "
                 f"not {self.dvl_rate_hz:g} Hz."
             )
-        return errors | self._fault_rules() | self._picture_rules()
+        return errors | self._fault_rules() | self._picture_rules() | super().broken_rules()
 
     def _fault_rules(self) -> dict[str, str]:
         count = len(load(self.vehicle).thrusters)

@@ -4,11 +4,12 @@ LLVM vectorises a float sum only where it may reorder it (`fastmath`), different
 the processor's registers. Here the lanes are written out: sums are kept in sixteen fixed parts and
 added in a fixed order, so a processor with narrow registers takes more instructions and gets the
 same bits. Inside `njit` functions `+ - * /` work on `Lanes`, and on `Lanes` alone: `lanes(x)` makes
-one of a scalar. None of these functions can be called outside compiled code.
+one of a scalar. None of these functions can be called outside compiled code. Their
+types for mypy are in lanes.pyi.
 """
 
 import operator
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from llvmlite import ir
 from numba.core import cgutils, types
@@ -35,37 +36,20 @@ _lanes, _places = _LanesType(), _PlacesType()
 
 
 @register_model(_LanesType)
-class _LanesModel(models.PrimitiveModel):  # type: ignore[misc]  # numba has no types
+class _LanesModel(models.PrimitiveModel):
     def __init__(self, manager: Any, kind: Any) -> None:
         super().__init__(manager, kind, _FLOATS)
 
 
 @register_model(_PlacesType)
-class _PlacesModel(models.PrimitiveModel):  # type: ignore[misc]  # numba has no types
+class _PlacesModel(models.PrimitiveModel):
     def __init__(self, manager: Any, kind: Any) -> None:
         super().__init__(manager, kind, _INTS)
 
 
-if TYPE_CHECKING:
-
-    class Lanes:
-        """Sixteen float32; exists in compiled code only."""
-
-        def __add__(self, other: "Lanes") -> "Lanes": ...
-        def __sub__(self, other: "Lanes") -> "Lanes": ...
-        def __mul__(self, other: "Lanes") -> "Lanes": ...
-        def __truediv__(self, other: "Lanes") -> "Lanes": ...
-
-    class Places:
-        """Sixteen int32; exists in compiled code only."""
-
-        def __add__(self, other: "Places") -> "Places": ...
-        def __mul__(self, other: "Places") -> "Places": ...
-
-
 def _operation(symbol: Any, kind: types.Type, instruction: str) -> None:
     @infer_global(symbol)
-    class _Template(ConcreteTemplate):  # type: ignore[misc]  # numba has no types
+    class _Template(ConcreteTemplate):
         cases = (signature(kind, kind, kind),)
 
     @lower_builtin(symbol, kind, kind)
@@ -95,9 +79,7 @@ def _address(context: Any, builder: Any, sig: Any, args: Any) -> Any:
     """Return the address of array[row, column]."""
     array = context.make_array(sig.args[0])(context, builder, args[0])
     pitch = cgutils.unpack_tuple(builder, array.shape)[1]
-    row, column = (
-        context.cast(builder, args[k], sig.args[k], types.intp) for k in (1, 2)
-    )
+    row, column = (context.cast(builder, args[k], sig.args[k], types.intp) for k in (1, 2))
     return builder.gep(array.data, [builder.add(builder.mul(row, pitch), column)])
 
 
@@ -118,7 +100,7 @@ def _plane(array: types.Type) -> bool:
     return isinstance(array, types.Array) and array.ndim == 2 and array.layout == "C"
 
 
-@intrinsic  # type: ignore[untyped-decorator]
+@intrinsic
 def lanes(typing: Any, scalar: Any) -> Any:
     """Return a float32 in every lane; a wider number is rounded first."""
 
@@ -129,7 +111,7 @@ def lanes(typing: Any, scalar: Any) -> Any:
     return _lanes(scalar), generate
 
 
-@intrinsic  # type: ignore[untyped-decorator]
+@intrinsic
 def places(typing: Any, scalar: Any) -> Any:
     """Return an int32 in every lane."""
 
@@ -140,7 +122,7 @@ def places(typing: Any, scalar: Any) -> Any:
     return _places(scalar), generate
 
 
-@intrinsic  # type: ignore[untyped-decorator]
+@intrinsic
 def load(typing: Any, array: Any, row: Any, column: Any) -> Any:
     """Return array[row, column : column + 16] of float32; nothing checks that it is there."""
     if not _plane(array) or array.dtype != types.float32:
@@ -155,7 +137,7 @@ def load(typing: Any, array: Any, row: Any, column: Any) -> Any:
     return _lanes(array, row, column), generate
 
 
-@intrinsic  # type: ignore[untyped-decorator]
+@intrinsic
 def store(typing: Any, array: Any, row: Any, column: Any, value: Any) -> Any:
     """Set array[row, column : column + 16] of float32; nothing checks that it is there."""
     if not _plane(array) or array.dtype != types.float32 or value != _lanes:
@@ -184,7 +166,7 @@ larger = intrinsic(_choice(">"))  # of two, lane by lane; the second where one i
 smaller = intrinsic(_choice("<"))
 
 
-@intrinsic  # type: ignore[untyped-decorator]
+@intrinsic
 def whole(typing: Any, value: Any) -> Any:
     """Return lanes cut to int32; they must be numbers within its range."""
 
@@ -194,7 +176,7 @@ def whole(typing: Any, value: Any) -> Any:
     return (_places(value), generate) if value == _lanes else None
 
 
-@intrinsic  # type: ignore[untyped-decorator]
+@intrinsic
 def real(typing: Any, value: Any) -> Any:
     """Return int32 lanes as float32."""
 
@@ -204,7 +186,7 @@ def real(typing: Any, value: Any) -> Any:
     return (_lanes(value), generate) if value == _places else None
 
 
-@intrinsic  # type: ignore[untyped-decorator]
+@intrinsic
 def pair(typing: Any, array: Any, at: Any) -> Any:
     """Return the element of an array at a flat place and the one after it, as one uint32.
 
@@ -225,7 +207,7 @@ def pair(typing: Any, array: Any, at: Any) -> Any:
     return types.uint32(array, at), generate
 
 
-@intrinsic  # type: ignore[untyped-decorator]
+@intrinsic
 def first(typing: Any, array: Any, column: Any, bits: Any) -> Any:
     """Return the first elements of sixteen pairs, each of that many bits, as lanes."""
 
@@ -239,7 +221,7 @@ def first(typing: Any, array: Any, column: Any, bits: Any) -> Any:
     return _lanes(array, column, bits), generate
 
 
-@intrinsic  # type: ignore[untyped-decorator]
+@intrinsic
 def second(typing: Any, array: Any, column: Any, bits: Any) -> Any:
     """Return the second elements of sixteen pairs, each of that many bits, as lanes."""
 
@@ -251,7 +233,7 @@ def second(typing: Any, array: Any, column: Any, bits: Any) -> Any:
     return _lanes(array, column, bits), generate
 
 
-@intrinsic  # type: ignore[untyped-decorator]
+@intrinsic
 def store_places(typing: Any, array: Any, column: Any, value: Any) -> Any:
     """Set array[column : column + 16] of int32; nothing checks that it is there."""
 
@@ -262,7 +244,7 @@ def store_places(typing: Any, array: Any, column: Any, value: Any) -> Any:
     return (types.void(array, column, value), generate) if value == _places else None
 
 
-@intrinsic  # type: ignore[untyped-decorator]
+@intrinsic
 def total(typing: Any, value: Any) -> Any:
     """Return the sum over the lanes as float32: halves upon halves, always in this order."""
 

@@ -4,9 +4,10 @@ Light on purpose: importing it loads neither Numba nor OpenCV. Adding a thing is
 line here; an entry that does not load stops the start (`load_all`), it does not warn.
 """
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from sim.entry import Entry
+from sim.entry import Entry, TrackerEntry
 
 if TYPE_CHECKING:
     from sim.benchmarks import Benchmark
@@ -27,30 +28,29 @@ CONTROLLERS = {
     "pi": Entry("PI", "sim.controllers.pi:Controller"),
     "p": Entry("P", "sim.controllers.p:Controller"),
 }
-TRACKERS = {
-    "esm": Entry("Template tracker (ESM family)", "sim.trackers.template:TemplateTracker"),
-}
 TRUTH = "truth"  # not a tracker: the true corners, to look at a controller alone; never ranks
-
-WARPS = {
-    "translation": "Translation",
-    "rt": "Rotation + translation",
-    "srt": "Scale + rotation + translation",
-    "affine": "Affine",
-    "homography": "Homography",
+_TEMPLATE = (
+    "warp",
+    "criterion",
+    "method",
+    "pyramid_levels",
+    "coarse_iterations",
+    "fine_iterations",
+    "stop_px",
+    "sampling_px",
+    "template_margin_px",
+    "predict_motion",
+    "search_px",
+    "reacquire_px",
+)
+TRACKERS = {
+    "esm": TrackerEntry(
+        "Template tracker (ESM family)", "sim.trackers.template:TemplateTracker", _TEMPLATE
+    ),
 }
-CRITERIA = {
-    "zncc": "Zero-mean normalised cross-correlation",
-    "ssd": "Sum of squared differences",
-}
-METHODS = {
-    "esm": "Efficient second-order minimisation",
-    "inverse_compositional": "Inverse compositional",
-    "forward_compositional": "Forward compositional",
-}
 
 
-def labels(entries: dict[str, Entry]) -> dict[str, str]:
+def labels(entries: Mapping[str, Entry]) -> dict[str, str]:
     """Return name -> label, as the form shows them."""
     return {name: entry.label for name, entry in entries.items()}
 

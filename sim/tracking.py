@@ -15,7 +15,7 @@ from sim.camera.camera import Camera
 from sim.experiment_settings import ExperimentSettings
 from sim.station_keeper import crossing
 from sim.streams import Streams
-from sim.trackers import TRACKERS, Tracker, make
+from sim.trackers import Tracker, make
 
 Pose = NDArray[np.float64]  # (6,)
 
@@ -62,12 +62,7 @@ class Tracking:
         self.step_us = 0.0  # wall time of the tracker's last answer; never part of a result
 
     def _configured(self, config: ExperimentSettings) -> Tracker:
-        wanted = {"warp": config.warp, "criterion": config.criterion, "method": config.method}
-        options = {
-            name: value
-            for name, value in wanted.items()
-            if name in TRACKERS[config.tracker].options
-        }
+        options = config.tracker_options()
         return make(config.tracker, truth=lambda: self._camera.corners(self._pose), **options)
 
     def start(self, pose: Pose, frame: int) -> Seen:

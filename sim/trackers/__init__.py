@@ -5,44 +5,23 @@ Importing this package loads neither Numba nor OpenCV; `make` loads what the cho
 
 from collections.abc import Callable
 from importlib import import_module
-from typing import NamedTuple
 
-from sim.trackers.choices import RANGES
+from sim.registry import TRACKERS, TRUTH
+from sim.trackers.choices import options_of, refusals
 from sim.trackers.interface import Corners, Track, Tracker, Window
 
-__all__ = ["TRACKERS", "Corners", "Entry", "Track", "Tracker", "Window", "make", "warm_up"]
+__all__ = ["Corners", "Track", "Tracker", "Window", "make", "warm_up"]
 
 
-class Entry(NamedTuple):
-    """A tracker people can choose."""
-
-    label: str
-    path: str  # module:class
-    options: tuple[str, ...]  # which of make()'s options mean something to it
-
-
-_TEMPLATE = ("warp", "criterion", "method", *RANGES, "predict_motion")
-TRACKERS = {
-    "esm": Entry(
-        "Template alignment (ESM)",
-        "sim.trackers.template:TemplateTracker",
-        _TEMPLATE,
-    ),
-    "truth": Entry("Ground truth (perfect tracker)", "sim.trackers.truth:TruthTracker", ()),
-}
-
-
-def make(
-    name: str, *, truth: Callable[[], Corners] | None = None, **options: str | float | bool
-) -> Tracker:
+def make(name: str, *, truth: Callable[[], Corners] | None = None, **options: object) -> Tracker:
     """Return a new tracker.
 
     Parameters
     ----------
     name : str
-        One of TRACKERS.
+        One of the registry's TRACKERS, or TRUTH.
     truth : callable
-        Gives the true corners (4, 2) [px] of the picture at hand; `truth` alone asks it.
+        Gives the true corners (4, 2) [px] of the picture at hand; TRUTH alone asks it.
     options
         Those in the entry's `options`; others are refused, so that no choice is silently ignored.
 
@@ -51,19 +30,26 @@ def make(
     ValueError
         The name, an option or their combination is not offered; the text says why.
     """
-    entry = TRACKERS.get(name)
-    if entry is None:
-        raise ValueError(f"tracker {name!r} is none of {', '.join(TRACKERS)}")
-    unknown = sorted(set(options) - set(entry.options))
+    if name != TRUTH and name not in TRACKERS:
+        raise ValueError(f"tracker {name!r} is none of {', '.join([*TRACKERS, TRUTH])}")
+    unknown = sorted(set(options) - set(options_of(name)))
     if unknown:
         raise ValueError(f"tracker {name!r} has no option {', '.join(unknown)}")
-    if name == "truth":
-        if truth is None:
-            raise ValueError("tracker 'truth' needs a source of the true corners")
-        options = {**options, "truth": truth}  # type: ignore[dict-item]
-    module, _, attribute = entry.path.partition(":")
-    tracker: Tracker = getattr(import_module(module), attribute)(**options)
+    errors = refusals(name, options)
+    if errors:
+        raise ValueError(" ".join(errors.values()))
+    if name == TRUTH:
+        return _truth(truth)
+    tracker: Tracker = TRACKERS[name].load()(**options)
     return tracker
+
+
+def _truth(truth: Callable[[], Corners] | None) -> Tracker:
+    if truth is None:
+        raise ValueError("tracker 'truth' needs a source of the true corners")
+    from sim.trackers.truth import TruthTracker  # noqa: PLC0415  # light, but not for every form
+
+    return TruthTracker(truth=truth)
 
 
 def warm_up() -> None:

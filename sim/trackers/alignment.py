@@ -60,6 +60,7 @@ class Search(NamedTuple):
     basis: Matrix  # (8, n) of the warp
     weight: float  # of the image's own gradient: 0.5 ESM, 0 inverse, 1 forward
     adds: bool  # whether parameters are added; if not, warps are composed
+    coarse_criterion: int  # SSD or ZNCC
     criterion: int  # SSD, ZNCC, MI
     levels: int
     coarse_iterations: int
@@ -89,27 +90,29 @@ def likeness(image: Picture, bounds: NDArray[np.float64], h: Matrix, level: Leve
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _equations(level: Level, search: Search, a: Matrix, g: NDArray[np.float64]) -> None:
-    """Write the equations of the next step by the chosen criterion."""
+def _equations(
+    level: Level, weight: float, criterion: int, a: Matrix, g: NDArray[np.float64]
+) -> None:
+    """Write the equations of the next step by a criterion."""
     planes, frame = level.planes, level.frame
     patch, template, gain, bias = planes[PATCH], planes[TEMPLATE], 1.0, 0.0
-    half = 0.5 * search.weight
-    if search.criterion != SSD:
+    half = 0.5 * weight
+    if criterion != SSD:
         m, s = moments(patch, level.columns, int(frame[COUNT]))
         gain = frame[SIGMA] / max(s, _LEAST_SIGMA)
         bias = frame[MEAN] - gain * m
         half *= gain
-    if search.criterion == MI:
+    if criterion == MI:
         scale = bins_per_grey(frame[SIGMA])
         errors = planes[ERRORS, : level.ys.shape[0]]
         fine = _fine_values(frame)
         codes(patch, 1, (fine[0] * gain, fine[0] * bias + fine[1]), errors)
         own = planes[CODES, : level.ys.shape[0]]
-        pull(own, errors, int(frame[COLUMNS]), search.weight, scale, errors)
+        pull(own, errors, int(frame[COLUMNS]), weight, scale, errors)
         template, gain, bias = errors, 0.0, 0.0
     gradients = (patch, template, planes[ALONG], planes[DOWN])
     normal_equations(gradients, (level.columns, level.ys), (half, gain, bias), a, g)
-    if search.criterion == MI:
+    if criterion == MI:
         a[:] = level.curvature
 
 
@@ -126,7 +129,11 @@ def _step(a: Matrix, g: NDArray[np.float64], basis: Matrix, d: NDArray[np.float6
     n = basis.shape[1]
     reduced = np.empty((n, n))
     right = np.empty(n)
-    reduce(a, g, basis, reduced, right)
+    if n == 8:  # all homographies: the basis is the identity
+        reduced[:] = a
+        right[:] = g
+    else:
+        reduce(a, g, basis, reduced, right)
     for i in range(n):
         reduced[i, i] *= 1.0 + _DAMPING
     if not solve(reduced, right):
@@ -200,12 +207,13 @@ def align(
     before = np.empty((4, 2))
     after = np.empty((4, 2))
     basis = search.coarse_basis if coarse else search.basis
+    criterion = search.coarse_criterion if coarse else search.criterion
     iterations = search.coarse_iterations if coarse else search.fine_iterations
     _template_corners(level, rim)
     apply(h, rim, before)
     for done in range(1, iterations + 1):
         cut(image, bounds, h, level)
-        _equations(level, search, a, g)
+        _equations(level, search.weight, criterion, a, g)
         if not _step(a, g, basis, d):
             return done, False
         for q in range(8):
@@ -246,7 +254,7 @@ def empty_level(columns: int, rows: int, frame: tuple[float, float, float], unit
     )
 
 
-def learn(level: Level, search: Search) -> None:
+def learn(level: Level, weight: float, criterion: int) -> None:
     """Take the level's patch as the template."""
     rows, columns = len(level.ys), int(level.frame[COLUMNS])
     patch = level.planes[PATCH]
@@ -259,8 +267,8 @@ def learn(level: Level, search: Search) -> None:
     gradients[1][inner] = (patch[2:, 1 : columns + 1] - patch[:-2, 1 : columns + 1]) * np.float32(
         0.5
     )
-    level.planes[[ALONG, DOWN]] = gradients * np.float32(1.0 - search.weight)
-    if search.criterion == MI:
+    level.planes[[ALONG, DOWN]] = gradients * np.float32(1.0 - weight)
+    if criterion == MI:
         _learn_information(level, gradients[:, :rows, :columns].astype(np.float64))
 
 

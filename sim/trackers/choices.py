@@ -5,6 +5,8 @@ Light: importing this loads neither Numba nor OpenCV.
 
 from collections.abc import Mapping
 
+from sim.registry import TRACKERS, TRUTH
+
 WARPS = {
     "translation": "Translation (2 parameters)",
     "rt": "Rotation and translation (3)",
@@ -37,20 +39,28 @@ RANGES: dict[str, tuple[float, float]] = {
 }
 
 
+def options_of(tracker: str) -> tuple[str, ...]:
+    """Return the names of a tracker's options; ground truth has none."""
+    return () if tracker == TRUTH else TRACKERS[tracker].options
+
+
 def refusals(tracker: str, options: Mapping[str, object]) -> dict[str, str]:
     """Return option -> why the tracker does not take it; empty if all is well.
 
-    `tracker` decides which combinations there are; options that it does not have are not looked at
-    here.
+    Looks at the values and at combinations of them, for the options that the tracker has.
     """
     errors: dict[str, str] = {}
-    for name, value in options.items():
-        if name in _TABLES and value not in _TABLES[name]:
-            errors[name] = f"{name} {value!r} is not offered: choose one of " + ", ".join(
-                _TABLES[name]
-            )
-        if name in RANGES:
-            low, high = RANGES[name]
-            if not (isinstance(value, int | float) and low <= value <= high):
-                errors[name] = f"{name} is {value}; it must be {low:g}..{high:g}"
+    for name in options_of(tracker):
+        if name in options and (reason := _refusal(name, options[name])):
+            errors[name] = reason
     return errors
+
+
+def _refusal(name: str, value: object) -> str:
+    if name in _TABLES and value not in _TABLES[name]:
+        return f"{name} {value!r} is not offered: choose one of {', '.join(_TABLES[name])}."
+    if name in RANGES:
+        low, high = RANGES[name]
+        if not (isinstance(value, int | float) and low <= value <= high):
+            return f"{name} must be from {low:g} to {high:g}, not {value!r}."
+    return ""

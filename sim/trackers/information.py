@@ -169,56 +169,67 @@ def curvature(
     jacobian : (rows, columns, 8)
         Of the template.
     """
-    rows = template.shape[0]
-    count = rows * columns
+    count = template.shape[0] * columns
     pairs = np.empty((FINE, FINE), np.int32)
     p, over_patch, over_template = (
         np.empty((BINS, BINS)),
         np.empty((BINS, BINS)),
         np.empty((BINS, BINS)),
     )
+    by_value = np.zeros((FINE, 8))
+    slopes = np.zeros((BINS, BINS, 8))
     _count(template, template, columns, pairs)
     _joint(pairs, count, p)
     _logarithms(p, over_patch, over_template)
-    bend = np.zeros(FINE)
-    by_code = np.zeros((FINE, 8))
-    slopes = np.zeros((BINS, BINS, 8))
-    for code in range(FINE):
-        for t in range(BINS):
-            for k in range(BINS):
-                bend[code] += _BENDS[code, t] * _WEIGHTS[code, k] * over_template[t, k]
     out[:] = 0.0
-    for r in range(rows):
-        for c in range(columns):
-            code = np.int32(template[r, c])
-            for i in range(8):
-                by_code[code, i] += jacobian[r, c, i]
-                for j in range(8):
-                    out[i, j] -= bend[code] * jacobian[r, c, i] * jacobian[r, c, j]
-    for code in range(FINE):
-        for t in range(BINS):
-            for k in range(BINS):
-                for i in range(8):
-                    slopes[t, k, i] += (
-                        _SLOPES[code, t] * _WEIGHTS[code, k] * by_code[code, i] / count
-                    )
-    _subtract_spread(slopes, p, count, out)
+    _bend(template, over_template, jacobian, by_value, out)
+    for value in range(FINE):
+        for t in range(_FIRST[value], _FIRST[value] + 3):
+            for k in range(_FIRST[value], _FIRST[value] + 3):
+                weight = _SLOPES[value, t] * _WEIGHTS[value, k] / count
+                slopes[t, k] += weight * by_value[value]
+    _spread(slopes, p, count, out)
     out *= scale * scale
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _subtract_spread(slopes: NDArray[np.float64], p: Matrix, count: int, out: Matrix) -> None:
-    """Subtract the Hessian's first part: squared slopes of p over p, less those of its margin."""
+def _add_square(vector: NDArray[np.float64], factor: float, out: Matrix) -> None:
+    """Add the factor times the outer product of a vector (8,) with itself."""
+    for i in range(8):
+        for j in range(8):
+            out[i, j] += factor * vector[i] * vector[j]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _bend(
+    template: Plane,
+    logs: Matrix,
+    jacobian: NDArray[np.float64],
+    by_value: Matrix,
+    out: Matrix,
+) -> None:
+    """Subtract the part with second derivatives of the bins; sum the Jacobian by fine value."""
+    bend = np.zeros(FINE)
+    for value in range(FINE):
+        for t in range(_FIRST[value], _FIRST[value] + 3):
+            for k in range(_FIRST[value], _FIRST[value] + 3):
+                bend[value] += _BENDS[value, t] * _WEIGHTS[value, k] * logs[t, k]
+    for r in range(jacobian.shape[0]):
+        for c in range(jacobian.shape[1]):
+            value = int(template[r, c])
+            by_value[value] += jacobian[r, c]
+            _add_square(jacobian[r, c], -bend[value], out)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _spread(slopes: NDArray[np.float64], p: Matrix, count: int, out: Matrix) -> None:
+    """Subtract the part with squared slopes of p over p, less the same of the template's bins."""
     for t in range(BINS):
         margin, slope = 0.0, np.zeros(8)
         for k in range(BINS):
             margin += p[t, k]
             slope += slopes[t, k]
             if p[t, k] > 1e-9:
-                for i in range(8):
-                    for j in range(8):
-                        out[i, j] -= count * slopes[t, k, i] * slopes[t, k, j] / p[t, k]
+                _add_square(slopes[t, k], -count / p[t, k], out)
         if margin > 1e-9:
-            for i in range(8):
-                for j in range(8):
-                    out[i, j] += count * slope[i] * slope[j] / margin
+            _add_square(slope, count / margin, out)

@@ -136,15 +136,8 @@ def apply(h: Matrix, points: Matrix, out: Matrix) -> None:
 def reduce(
     a: Matrix, g: NDArray[np.float64], basis: Matrix, reduced: Matrix, right: NDArray[np.float64]
 ) -> None:
-    """Write the equations a d = g (8, 8) for a step within a basis (8, n): B' a B, B' g.
-
-    The basis with n = 8 is the identity: nothing is to be done for all homographies.
-    """
+    """Write the equations a d = g (8, 8) for a step within a basis (8, n): B' a B, B' g."""
     n = basis.shape[1]
-    if n == 8:
-        reduced[:] = a
-        right[:] = g
-        return
     part = np.empty((8, n))
     for q in range(8):
         for j in range(n):

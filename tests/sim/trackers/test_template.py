@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sim.trackers import TRACKERS, make
-from sim.trackers.template import CRITERIA, METHODS
-from sim.trackers.warps import WARPS
+from sim.registry import TRACKERS
+from sim.trackers import make
+from sim.trackers.choices import CRITERIA, METHODS, WARPS
 
 Sequence = Any  # conftest's class; a test folder is no package
 
@@ -128,11 +128,12 @@ def test_truth_tracker_says_the_true_corners(clear: Sequence) -> None:
 @pytest.mark.parametrize(
     ("name", "options", "reason"),
     [
-        ("esm", {"criterion": "mi"}, "logarithm"),
-        ("esm", {"method": "forward_additional"}, "first order"),
+        ("esm", {"criterion": "ncc"}, "choose one of zncc"),
+        ("esm", {"method": ""}, "choose one of esm"),
         ("esm", {"warp": "spline"}, "choose one of translation"),
         ("esm", {"colour": "red"}, "has no option colour"),
-        ("esm", {"margin_px": 1000}, r"must be -2\.\.40"),
+        ("esm", {"template_margin_px": 1000}, "must be from -3 to 40"),
+        ("esm", {"stop_px": float("nan")}, "must be from"),
         ("truth", {}, "source of the true corners"),
         ("truth", {"warp": "affine"}, "has no option warp"),
         ("visp", {}, "is none of esm"),

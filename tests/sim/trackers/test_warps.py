@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from sim.trackers import warps
+from sim.trackers.choices import WARPS
 
 Array = NDArray[np.float64]
 
@@ -48,7 +49,7 @@ def test_inverse_undoes_a_homography(d: Array) -> None:
     assert h @ back == pytest.approx(np.eye(3), abs=1e-10)
 
 
-@pytest.mark.parametrize("warp", warps.WARPS)
+@pytest.mark.parametrize("warp", WARPS)
 @given(first=steps, second=steps)
 @settings(max_examples=20, deadline=None)
 def test_warps_are_closed_under_composition(warp: str, first: Array, second: Array) -> None:

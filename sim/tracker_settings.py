@@ -1,0 +1,112 @@
+"""Settings of the tracker. A setting that the chosen tracker does not have is left alone.
+
+The names are those of the trackers' own options (sim/trackers), so nothing is translated between.
+Tags of the defaults: S sourced, D derived from sourced, E our estimate.
+"""
+
+from functools import partial
+from typing import Any
+
+from sim.configuration import Configuration, knob
+from sim.registry import TRACKERS, TRUTH, labels
+from sim.trackers.choices import CRITERIA, METHODS, RANGES, WARPS, options_of, refusals
+
+tracking = partial(knob, group="Tracker", role="solution")
+
+
+def _number(name: str, default: float, *, title: str, says: str, unit: str = "") -> Any:
+    low, high = RANGES[name]
+    return tracking(
+        default, title=title, says=says, unit=unit, low=low, high=high, tag="E", advanced=True
+    )
+
+
+class TrackerSettings(Configuration):
+    """Which tracker, and how it works."""
+
+    tracker: str = tracking(
+        "esm",
+        title="Tracker",
+        says="Finds the target in the camera's picture.",
+        choices=labels(TRACKERS) | {TRUTH: "Ground truth (no tracker; cannot rank)"},
+    )
+    warp: str = tracking(
+        "homography",
+        title="Warp",
+        says="What movement of the target in the picture the tracker can follow.",
+        choices=WARPS,
+    )
+    criterion: str = tracking(
+        "zncc",
+        title="Similarity",
+        says="What the tracker compares pictures by.",
+        choices=CRITERIA,
+    )
+    method: str = tracking("esm", title="Method", says="How the tracker searches.", choices=METHODS)
+    pyramid_levels: int = _number(
+        "pyramid_levels",
+        2,
+        title="Pyramid levels",
+        says="Resolutions at most, each half the one before; more reach farther.",
+    )
+    coarse_iterations: int = _number(
+        "coarse_iterations",
+        6,
+        title="Iterations on coarse levels",
+        says="At most, on each level but the finest.",
+    )
+    fine_iterations: int = _number(
+        "fine_iterations",
+        5,
+        title="Iterations on the finest level",
+        says="At most, on the picture itself.",
+    )
+    stop_px: float = _number(
+        "stop_px",
+        0.1,
+        title="Stop below",
+        says="A step that moves every corner less is the last.",
+        unit="px",
+    )
+    sampling_px: float = _number(
+        "sampling_px",
+        1.0,
+        title="Sampling",
+        says="Distance between the template's pixels in the first picture.",
+        unit="px",
+    )
+    template_margin_px: int = _number(
+        "template_margin_px",
+        -3,
+        title="Margin of the template",
+        says="How far it reaches beyond the target; a target without texture needs its edges.",
+        unit="px",
+    )
+    predict_motion: bool = tracking(
+        True,
+        title="Predict the motion",
+        says="Whether the search starts where the target would be at constant speed.",
+        advanced=True,
+    )
+    search_px: int = _number(
+        "search_px",
+        20,
+        title="Search margin",
+        says="How far around the last place the picture is looked at, at most.",
+        unit="px",
+    )
+    reacquire_px: int = _number(
+        "reacquire_px",
+        0,
+        title="Look again within",
+        says="How far a lost target is looked for, farther with each picture; 0 does not.",
+        unit="px",
+    )
+
+    def tracker_options(self) -> dict[str, object]:
+        """Return the options of the chosen tracker."""
+        return {name: getattr(self, name) for name in options_of(self.tracker)}
+
+    def broken_rules(self) -> dict[str, str]:
+        """Return setting -> sentence for combinations that the tracker does not do."""
+        return refusals(self.tracker, self.tracker_options())
