@@ -24,6 +24,7 @@ class ChainSettings(TrackerSettings):
         low=0,
         high=5,
         tag="S",
+        source="Pérez et al., the published experiment",
     )
     ki: float = position(
         0.02,
@@ -33,6 +34,7 @@ class ChainSettings(TrackerSettings):
         low=0,
         high=2,
         tag="S",
+        source="Pérez et al., the published experiment",
     )
     control_heave: bool = position(
         False,
@@ -58,6 +60,7 @@ class ChainSettings(TrackerSettings):
         above=0,
         high=5,
         tag="E",
+        source="the real vehicle's greatest speed ahead",
         advanced=True,
     )
     velocity_bandwidth_1_s: float = velocity(
@@ -68,6 +71,7 @@ class ChainSettings(TrackerSettings):
         low=0,
         high=5,
         tag="E",
+        source="well below the thrusters' 5 1/s",
         advanced=True,
     )
     velocity_observer_1_s: float = velocity(
@@ -78,6 +82,7 @@ class ChainSettings(TrackerSettings):
         low=0,
         high=5,
         tag="E",
+        source="off: the integral term of the position controller is compared",
         advanced=True,
     )
     paper_gain_surge: float = velocity(
@@ -88,6 +93,7 @@ class ChainSettings(TrackerSettings):
         low=0,
         high=50,
         tag="S",
+        source="benchmark_software_launcher ea65b39, velocity controller",
         advanced=True,
     )
     paper_gain_sway: float = velocity(
@@ -98,6 +104,7 @@ class ChainSettings(TrackerSettings):
         low=0,
         high=50,
         tag="S",
+        source="benchmark_software_launcher ea65b39, velocity controller",
         advanced=True,
     )
     heading_hold: bool = velocity(

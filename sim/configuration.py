@@ -136,6 +136,7 @@ def knob(  # noqa: PLR0913  # one keyword per word of the schema
     high: float | None = None,
     choices: Mapping[str, str] | None = None,
     tag: str = "",
+    source: str = "",
     advanced: bool = False,
     length: tuple[int, int] | None = None,
     names: Sequence[str] | None = None,
@@ -154,7 +155,8 @@ def knob(  # noqa: PLR0913  # one keyword per word of the schema
         Allowed range, `above` exclusive; of the items if the setting is a list.
     choices : mapping of value -> label
     tag
-        Where the default comes from: S sourced, D derived, E estimated.
+        Where the default comes from: S sourced, D derived, E estimated; `source` names the source
+        or says why.
     length : (least, most) items of a list
     names
         Of what an expression may name; the setting is then the text of one, which may be empty.
@@ -163,7 +165,7 @@ def knob(  # noqa: PLR0913  # one keyword per word of the schema
     if unit:
         extra["x-unit"] = unit
     if tag:
-        extra["x-tag"] = tag
+        extra |= {"x-tag": tag, "x-source": source}
     if choices is not None:
         extra |= {"enum": list(choices), "x-labels": dict(choices)}
     if names is not None:
@@ -188,10 +190,15 @@ def knob(  # noqa: PLR0913  # one keyword per word of the schema
 
 
 def again(
-    inherited: FieldInfo, default: object, *, tag: str | None = None, role: Role | None = None
+    inherited: FieldInfo,
+    default: object,
+    *,
+    tag: str | None = None,
+    source: str | None = None,
+    role: Role | None = None,
 ) -> Any:  # as `knob`
-    """Return a setting of another configuration with a default, tag or role of its own."""
-    changes = {"x-tag": tag, "x-role": role}
+    """Return a setting of another configuration with a default, source or role of its own."""
+    changes = {"x-tag": tag, "x-source": source, "x-role": role}
     extra = extra_of(inherited) | {key: value for key, value in changes.items() if value}
     return FieldInfo.merge_field_infos(inherited, default=default, json_schema_extra=extra)
 

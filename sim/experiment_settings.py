@@ -37,6 +37,7 @@ class ExperimentSettings(ChainSettings, SceneSettings, FaultSettings):
         low=2,
         high=600,
         tag="S",
+        source="uwsimbenchmarks 988deda, trackingBenchmarkDynamics.xml",
     )
     control_period_s: float = experiment(
         0.05,
@@ -64,6 +65,7 @@ class ExperimentSettings(ChainSettings, SceneSettings, FaultSettings):
         low=0.8,
         high=6,
         tag="D",
+        source="uwsimbenchmarks 988deda, dynamicsTrackingScene.xml: poses of camera and box",
     )
     contact: bool = experiment(
         True,
@@ -80,6 +82,7 @@ class ExperimentSettings(ChainSettings, SceneSettings, FaultSettings):
         low=0,
         high=1,
         tag="E",
+        source="an option: the published scene is flat",
         advanced=True,
     )
     seabed_flat_radius_m: float = experiment(
@@ -91,6 +94,7 @@ class ExperimentSettings(ChainSettings, SceneSettings, FaultSettings):
         low=0.5,
         high=10,
         tag="E",
+        source="what the camera sees from the station",
         advanced=True,
     )
     start_error_px: float = experiment(

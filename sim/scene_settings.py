@@ -38,6 +38,7 @@ class SceneSettings(Configuration):
         says="Colour of the attenuation.",
         choices=WATER_TYPES,
         tag="S",
+        source="attenuation by Williamson & Hollins 2022 and Solonenko & Mobley 2015",
     )
     water_attenuation_1_m: float = water(
         0.2,
@@ -55,6 +56,7 @@ class SceneSettings(Configuration):
         low=0.8,
         high=64,
         tag="E",
+        source="UWSim's 0.005 of full scale is 1.3 grey levels",
         advanced=True,
     )
     camera_width_px: int = water(
@@ -65,6 +67,7 @@ class SceneSettings(Configuration):
         low=160,
         high=1280,
         tag="S",
+        source="uwsimbenchmarks 988deda, dynamicsTrackingScene.xml",
         advanced=True,
     )
     camera_height_px: int = water(
@@ -75,6 +78,7 @@ class SceneSettings(Configuration):
         low=120,
         high=960,
         tag="S",
+        source="uwsimbenchmarks 988deda, dynamicsTrackingScene.xml",
         advanced=True,
     )
     camera_focal_px: float = water(
@@ -85,6 +89,7 @@ class SceneSettings(Configuration):
         low=50,
         high=5000,
         tag="S",
+        source="uwsimbenchmarks 988deda, dynamicsTrackingScene.xml: 50° vertical field of view",
         advanced=True,
     )
     target_truth: str = water(
@@ -106,6 +111,7 @@ class SceneSettings(Configuration):
         low=0.5,
         high=20,
         tag="S",
+        source="UWSim DVLSensor and COLA2; Stonefish has 20 Hz",
         advanced=True,
     )
     dvl_sigma_m_s: float = sensor(
@@ -116,6 +122,7 @@ class SceneSettings(Configuration):
         low=0,
         high=0.2,
         tag="S",
+        source="UWSim cirs.xml, COLA2, Stonefish girona500auv_full.scn",
         advanced=True,
     )
     dvl_bias_m_s: float = sensor(
@@ -126,6 +133,7 @@ class SceneSettings(Configuration):
         low=-0.1,
         high=0.1,
         tag="E",
+        source="off; 0.002 m/s is a usual size, the data sheet was not found",
         advanced=True,
     )
     dvl_scale_error: float = sensor(
@@ -135,6 +143,7 @@ class SceneSettings(Configuration):
         low=-0.1,
         high=0.1,
         tag="E",
+        source="off; 0.003 is a usual size, the data sheet was not found",
         advanced=True,
     )
     dvl_dropout: float = sensor(
@@ -144,6 +153,7 @@ class SceneSettings(Configuration):
         low=0,
         high=0.9,
         tag="E",
+        source="off",
         advanced=True,
     )
     dvl_least_altitude_m: float = sensor(
@@ -154,6 +164,7 @@ class SceneSettings(Configuration):
         low=0,
         high=10,
         tag="S",
+        source="Stonefish girona500auv_full.scn, 0.5 to 81 m",
         advanced=True,
     )
     depth_sigma_m: float = sensor(
@@ -164,6 +175,7 @@ class SceneSettings(Configuration):
         low=0,
         high=0.5,
         tag="S",
+        source="COLA2 sim_auv_nav_sensors.yaml",
         advanced=True,
     )
     ahrs_sigma_rad: float = sensor(
@@ -174,5 +186,6 @@ class SceneSettings(Configuration):
         low=0,
         high=0.1,
         tag="S",
+        source="COLA2 sim_auv_nav_sensors.yaml",
         advanced=True,
     )

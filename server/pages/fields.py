@@ -26,6 +26,7 @@ class Field:
     step: str
     range: str
     tag: str
+    source: str
     advanced: bool
     error: str
     names: tuple[str, ...] = ()  # that an expression may have in it
@@ -164,6 +165,7 @@ def _field(name: str, entry: Schema, *, shown: object, default: object, error: s
         step="1" if entry["type"] == "integer" else "any",
         range=_range(entry),
         tag=entry.get("x-tag", ""),
+        source=entry.get("x-source", ""),
         advanced=bool(entry.get("x-advanced")),
         error=error,
         names=tuple(entry.get("x-names", ())),

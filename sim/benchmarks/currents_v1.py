@@ -31,6 +31,7 @@ class CurrentsConfiguration(ExperimentSettings):
         high=1,
         length=(1, 12),
         tag="S",
+        source="Pérez et al., the published experiment",
     )
     settle_s: float = experiment(
         30.0,
@@ -40,6 +41,7 @@ class CurrentsConfiguration(ExperimentSettings):
         low=0,
         high=599,
         tag="E",
+        source="the first seconds after a start are the same for most controllers",
     )
     score: str = own_score_knob(OVERALL, group="Experiment")
 
@@ -60,6 +62,7 @@ class CurrentsConfiguration(ExperimentSettings):
         low=-math.pi,
         high=math.pi,
         tag="E",
+        source="the published direction overpowers the real vehicle's one sway thruster",
     )
     current_swing_rad: float = current(
         0.7,
@@ -69,6 +72,7 @@ class CurrentsConfiguration(ExperimentSettings):
         low=0,
         high=1.57,
         tag="S",
+        source="uwsimbenchmarks 988deda, trackingBenchmarkDynamics.xml",
     )
     current_swing_period_s: float = current(
         30.0,
@@ -78,6 +82,7 @@ class CurrentsConfiguration(ExperimentSettings):
         low=1,
         high=600,
         tag="S",
+        source="uwsimbenchmarks 988deda, trackingBenchmarkDynamics.xml",
     )
     current_wave_m_s: float = current(
         0.005,
@@ -87,6 +92,7 @@ class CurrentsConfiguration(ExperimentSettings):
         low=0,
         high=0.5,
         tag="S",
+        source="uwsimbenchmarks 988deda, trackingBenchmarkDynamics.xml",
     )
     current_wave_period_s: float = current(
         4.0,
@@ -96,6 +102,7 @@ class CurrentsConfiguration(ExperimentSettings):
         low=1,
         high=600,
         tag="S",
+        source="uwsimbenchmarks 988deda, trackingBenchmarkDynamics.xml",
     )
     current_gust: float = current(
         0.05,
@@ -104,6 +111,7 @@ class CurrentsConfiguration(ExperimentSettings):
         low=0,
         high=0.5,
         tag="E",
+        source="the original draws 1 % white noise at every call, which depends on the call rate",
     )
     current_gust_time_s: float = current(
         10.0,
@@ -113,6 +121,7 @@ class CurrentsConfiguration(ExperimentSettings):
         low=0.1,
         high=120,
         tag="E",
+        source="some of them within a level",
     )
     current_shear: float = current(
         0.0,
@@ -122,6 +131,7 @@ class CurrentsConfiguration(ExperimentSettings):
         low=0,
         high=1,
         tag="S",
+        source="law and 1/7: DNV-RP-C205 (2010) 4.1.4; off in the published experiment",
         advanced=True,
     )
     current_force_share: float = current(
@@ -131,6 +141,7 @@ class CurrentsConfiguration(ExperimentSettings):
         low=0,
         high=1,
         tag="D",
+        source="fitted to one published number, 18 px at 0.4 m/s",
         advanced=True,
     )
 

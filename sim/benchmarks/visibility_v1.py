@@ -22,6 +22,7 @@ from sim.tracker_metrics import METRICS
 motion = partial(knob, group="Motion", role="scenario")
 
 INHERITED = ExperimentSettings.model_fields
+_SCENE = "uwsimbenchmarks 988deda, visionBenchmarkScene.xml"
 MOST_LEVELS = 200
 # Columns in which nothing happens while nobody steers.
 STEERING = ("current_", "error_x", "error_y", "error_z", "ref_", "dvl_", "thrust_", "contact_n")
@@ -53,12 +54,16 @@ SWEEPS = {
 class VisibilityConfiguration(ExperimentSettings):
     """Settings of visibility-v1. Seed, trials and program are not part of it."""
 
-    level_duration_s: float = again(INHERITED["level_duration_s"], 5.0, tag="S")
-    altitude_m: float = again(INHERITED["altitude_m"], 1.27)
-    camera_width_px: int = again(INHERITED["camera_width_px"], 320)
-    camera_height_px: int = again(INHERITED["camera_height_px"], 240)
-    camera_focal_px: float = again(INHERITED["camera_focal_px"], 257.3)
-    water_type: str = again(INHERITED["water_type"], "grey")
+    level_duration_s: float = again(
+        INHERITED["level_duration_s"], 5.0, source="uwsimbenchmarks: 5 s per level"
+    )
+    altitude_m: float = again(INHERITED["altitude_m"], 1.27, source=_SCENE)
+    camera_width_px: int = again(INHERITED["camera_width_px"], 320, source=_SCENE)
+    camera_height_px: int = again(INHERITED["camera_height_px"], 240, source=_SCENE)
+    camera_focal_px: float = again(INHERITED["camera_focal_px"], 257.3, source=_SCENE)
+    water_type: str = again(
+        INHERITED["water_type"], "grey", tag="E", source="so that one number says how turbid it is"
+    )
     kp: float = again(INHERITED["kp"], 0.5, role="scenario")
     ki: float = again(INHERITED["ki"], 0.02, role="scenario")
     control_heave: bool = again(INHERITED["control_heave"], False, role="scenario")
@@ -73,10 +78,22 @@ class VisibilityConfiguration(ExperimentSettings):
         0.0, title="First level", says="Value at the first level.", low=0, high=100
     )
     sweep_to: float = experiment(
-        7.0, title="Last level", says="Value at the last level.", low=0, high=100, tag="S"
+        7.0,
+        title="Last level",
+        says="Value at the last level.",
+        low=0,
+        high=100,
+        tag="E",
+        source="nothing can be tracked there any more",
     )
     sweep_step: float = experiment(
-        0.25, title="Step", says="From one level to the next.", above=0, high=100, tag="E"
+        0.25,
+        title="Step",
+        says="From one level to the next.",
+        above=0,
+        high=100,
+        tag="E",
+        source="fine enough to tell trackers apart",
     )
     score: str = own_score_knob(METRICS, group="Experiment")
     mode: str = motion(
@@ -96,6 +113,7 @@ class VisibilityConfiguration(ExperimentSettings):
         low=0,
         high=1,
         tag="E",
+        source="the target stays in the picture",
     )
     path_turn_rad: float = motion(
         0.05,
@@ -105,6 +123,7 @@ class VisibilityConfiguration(ExperimentSettings):
         low=0,
         high=0.5,
         tag="E",
+        source="a few degrees, as a vehicle in a current",
     )
     path_period_s: float = motion(
         5.0,
@@ -114,6 +133,7 @@ class VisibilityConfiguration(ExperimentSettings):
         low=1,
         high=120,
         tag="E",
+        source="about a station-keeping vehicle's own",
     )
     current_m_s: float = motion(
         0.15,
@@ -123,6 +143,7 @@ class VisibilityConfiguration(ExperimentSettings):
         low=0,
         high=1,
         tag="E",
+        source="one that every vehicle can hold",
     )
 
     def broken_rules(self) -> dict[str, str]:

@@ -11,7 +11,8 @@ from hypothesis import strategies as st
 
 from sim.benchmarks import Benchmark
 from sim.configuration import ConfigurationInvalid
-from sim.registry import benchmark
+from sim.registry import BENCHMARKS, benchmark
+from sim.vehicles import TAGS
 
 CURRENTS = benchmark("currents-v1")
 
@@ -139,3 +140,13 @@ def test_what_is_accepted_obeys_the_schema(name: str, value: object) -> None:
 
     with contextlib.suppress(ConfigurationInvalid):
         check.validate(CURRENTS.read({name: value}).model_dump(mode="json"))
+
+
+@pytest.mark.parametrize("name", BENCHMARKS)
+def test_every_setting_with_a_tag_says_where_its_number_is_from(name: str) -> None:
+    properties = benchmark(name).schema()["properties"]
+
+    tagged = {key: entry for key, entry in properties.items() if "x-tag" in entry}
+    assert len(tagged) > 20
+    assert [key for key, entry in tagged.items() if not entry["x-source"]] == []
+    assert {entry["x-tag"] for entry in tagged.values()} <= set(TAGS)
