@@ -46,10 +46,14 @@ def compile_source(connection: Connection, command: list[str], runner_command: l
     connection.leave()
 
 
-def run(connection: Connection, command: list[str], name: str) -> None:
+def run(
+    connection: Connection, command: list[str], name: str, *, folder: Path | None = None
+) -> None:
     """Run one step of the compilation; give up with its messages if it fails."""
     with MESSAGES.open("wb") as messages:
-        code = subprocess.call(command, stdin=subprocess.DEVNULL, stdout=messages, stderr=messages)
+        code = subprocess.call(
+            command, stdin=subprocess.DEVNULL, stdout=messages, stderr=messages, cwd=folder
+        )
     if not code:
         return
     with MESSAGES.open("rb") as messages:

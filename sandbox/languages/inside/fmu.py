@@ -1,0 +1,197 @@
+"""Runs an FMU as a controller: unpacked, read and loaded in a box, never outside.
+
+Arguments: `compile` with the compiler's command (only for FMUs that bring nothing but sources), or
+`start`; then `--` and the numbers of the connection.
+"""
+
+import io
+import json
+import struct
+import sys
+import zipfile
+from pathlib import Path
+from typing import Any, NoReturn
+
+from .connection import COMMAND, MOST_FIELD, Connection, connected
+from .fmu_description import DESCRIPTION, Description, Unusable, read
+from .fmu_library import LIBRARIES, Group, Library
+from .fmu_wiring import Wiring, wired
+from .names import COMMAND as COMMAND_NAMES
+from .native import run
+
+FOLDER = Path("/tmp/fmu")  # noqa: S108  (inside the box)
+DT_S = 0.05  # [s] where neither level nor observation has the step
+
+
+class Model:
+    """One instance with its connections."""
+
+    def __init__(self, description: Description, header: dict[str, Any]) -> None:
+        self._wiring: Wiring = wired(description, header["layout"], header["config"])
+        unpack(description)
+        made = LIBRARIES[description.version]
+        self._library: Library = made(FOLDER / description.library, description, FOLDER / "resources")
+        self._library.instantiate()
+        self._used = self._ready = False
+        self._t, self._dt = 0.0, DT_S
+        self._inputs = self._groups("Set", self._wiring.inputs)
+        self._outputs = self._groups("Get", self._wiring.outputs)
+        self._constants = self._groups("Set", self._wiring.constants)
+
+    def _groups(self, action: str, ends: list[Any]) -> list[tuple[Group, list[Any]]]:
+        """Return one call for each type of variables, with what they are connected to."""
+        kinds: dict[str, list[Any]] = {}
+        for end in ends:
+            kinds.setdefault(end.variable.kind, []).append(end)
+        return [
+            (self._library.group(action, kind, [end.variable for end in same]), same)
+            for kind, same in kinds.items()
+        ]
+
+    def reset(self, level: dict[str, Any]) -> None:
+        """Begin anew at the time of the level."""
+        self._t, self._dt = float(level.get("t", 0.0)), float(level.get("dt", DT_S))
+        if self._used:
+            self._library.call("Reset")
+        self._library.initialize(self._t, self._set_constants)
+        self._used = self._ready = True
+
+    def step(self, values: tuple[float, ...]) -> list[float]:
+        """Set the inputs, step, return the command."""
+        if not self._ready:
+            self.reset({})
+        for group, ends in self._inputs:
+            at = 0
+            for _, place in ends:
+                for value in values[place.offset : place.offset + place.count]:
+                    group.values[at] = value if group.real else int(value)
+                    at += 1
+            group.move()
+        self._library.step(self._t, self._dt)
+        self._t += self._dt
+        command = [self._wiring.fixed.get(index, 0.0) for index in range(len(COMMAND_NAMES))]
+        for group, ends in self._outputs:
+            group.move()
+            at = 0
+            for _, place in ends:
+                command[place.offset : place.offset + place.count] = [
+                    float(value) for value in group.values[at : at + place.count]
+                ]
+                at += place.count
+        return command
+
+    def _set_constants(self) -> None:
+        for group, ends in self._constants:
+            for at, constant in enumerate(ends):
+                group.values[at] = constant.value if group.real else int(constant.value)
+            group.move()
+
+
+def unpack(description: Description) -> None:
+    """Put library and resources where they can be reached; nothing else is needed."""
+    (FOLDER / "resources").mkdir(parents=True)
+    archive = description.archive
+    for name in archive.namelist():
+        if name == description.library or name.startswith("resources/"):
+            archive.extract(name, FOLDER)
+    (FOLDER / description.library).chmod(0o700)
+
+
+def start(connection: Connection) -> NoReturn:
+    """Load the FMU and answer until the end."""
+    header, data = connection.program()
+    try:
+        description = checked(read(data), str(header["filename"]))
+        model = Model(description, header)
+        connection.send(b"k")
+        answer(connection, model)
+    except Unusable as reason:
+        connection.give_up(b"p", str(reason))
+
+
+def answer(connection: Connection, model: Model) -> NoReturn:
+    """Answer question after question."""
+    while True:
+        kind, body = connection.receive()
+        if kind == b"O":
+            command = model.step(struct.unpack(f"<{len(body) // 8}d", body))
+            if not all(abs(value) <= MOST_FIELD for value in command):  # also catches NaN
+                words = ", ".join(f"{name} = {v:g}" for name, v in zip(COMMAND_NAMES, command))
+                raise Unusable(f"The outputs of the FMU are {words}; they must be finite.")
+            connection.send(b"c", COMMAND.pack(*command))
+        elif kind == b"R":
+            model.reset(json.loads(body))
+            connection.send(b"k")
+        else:
+            connection.leave()
+
+
+def checked(description: Description, filename: str) -> Description:
+    """Return the description if there is a program for this machine."""
+    if description.library in description.archive.namelist():
+        return description
+    has = ", ".join(description.platforms) or "none"
+    raise Unusable(
+        f"{filename} has no {description.library} and no sources (platforms: {has}). Export it for "
+        "64-bit Linux, or with its source code."
+    )
+
+
+def compile_sources(connection: Connection, command: list[str]) -> NoReturn:
+    """Compile an FMU that brings sources and no program for this machine; pass on others."""
+    header, data = connection.program()
+    name = str(header["filename"])
+    try:
+        description = read(data)
+        sources = sources_of(description)
+        if description.library not in description.archive.namelist() and sources:
+            data = with_library(connection, description, [*command, *sources], name)
+        else:
+            checked(description, name)
+    except Unusable as reason:
+        connection.give_up(b"s", str(reason))
+    sys.stdout.buffer.write(data)
+    sys.stdout.buffer.flush()
+    connection.send(b"k")
+    connection.receive()
+    connection.leave()
+
+
+def sources_of(description: Description) -> list[str]:
+    """Return the C files: those that the description lists, else all."""
+    members = [name for name in description.archive.namelist() if name.startswith("sources/")]
+    listed = [f"sources/{name}" for name in description.sources]
+    return [name for name in listed or sorted(members) if name in members and name[-2:] == ".c"]
+
+
+def with_library(
+    connection: Connection, description: Description, command: list[str], name: str
+) -> bytes:
+    """Return the FMU with a program made of its sources."""
+    archive = description.archive
+    for member in archive.namelist():
+        if member.startswith("sources/"):
+            archive.extract(member, FOLDER)
+    library = FOLDER / "made.so"
+    run(connection, [*command, "-o", str(library), "-lm"], name, folder=FOLDER)
+    made = io.BytesIO()
+    with zipfile.ZipFile(made, "w") as whole:
+        for member in archive.namelist():
+            if member == DESCRIPTION or member.startswith(("resources/", "extra/")):
+                whole.writestr(member, archive.read(member))
+        whole.writestr(description.library, library.read_bytes())
+    return made.getvalue()
+
+
+def main() -> None:
+    """Do what the first argument says."""
+    split = sys.argv.index("--")
+    connection = connected(sys.argv[split + 1 :])
+    connection.send(b"k")
+    if sys.argv[1] == "start":
+        start(connection)
+    compile_sources(connection, sys.argv[2:split])
+
+
+if __name__ == "__main__":
+    main()
