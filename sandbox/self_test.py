@@ -21,7 +21,9 @@ def why_not(language: str, level: Level) -> str:
     known = LANGUAGES[language]
     name = f"self_test{known.suffixes[0]}"
     try:
-        program = compiled(language, known.self_test.encode(), name, level=level)
+        test = known.self_test
+        source = test.encode() if isinstance(test, str) else test()
+        program = compiled(language, source, name, level=level)
         with Box(language, limits=LIMITS, level=level) as box:
             box.load(program, name, {}, LAYOUT)
             answer = box.step(OBSERVATION)

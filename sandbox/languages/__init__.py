@@ -4,11 +4,14 @@ from pathlib import PurePosixPath
 
 from sandbox.languages.c import C
 from sandbox.languages.cpp import CPP
+from sandbox.languages.fmu import FMU
 from sandbox.languages.language import Language
 from sandbox.languages.matlab import MATLAB
 from sandbox.languages.python import PYTHON
 
-LANGUAGES: dict[str, Language] = {language.name: language for language in (PYTHON, C, CPP, MATLAB)}
+LANGUAGES: dict[str, Language] = {
+    language.name: language for language in (PYTHON, C, CPP, MATLAB, FMU)
+}
 
 
 def language_of(filename: str) -> str | None:

@@ -9,7 +9,7 @@ import click
 from seamark.failures import UsageRefused
 from seamark.options import say
 
-LANGUAGES = ("python", "c", "c++", "matlab")
+LANGUAGES = ("python", "c", "c++", "matlab", "fmu")  # as in templates_for_programs.KINDS
 
 
 @click.command()
@@ -18,7 +18,8 @@ LANGUAGES = ("python", "c", "c++", "matlab")
 def init(*, language: str, folder: Path) -> None:
     """Write a controller that runs as it is into DIR, to start from.
 
-    For C and C++ the header seamark.h comes along, for your editor: the sandbox has its own.
+    For C and C++ the header seamark.h comes along, for your editor: the sandbox has its own. For
+    an FMU there are its sources too: it is a zip archive of them.
 
     \b
     Examples:
@@ -27,16 +28,15 @@ def init(*, language: str, folder: Path) -> None:
     """
     from server.pages import templates_for_programs
 
-    files = {templates_for_programs.FILES[language]: templates_for_programs.of(language)}
-    if language in ("c", "c++"):
-        files["seamark.h"] = templates_for_programs.header()
+    files = templates_for_programs.start(language)
     taken = [name for name in files if (folder / name).exists()]
     if taken:
         raise UsageRefused(f"{folder / taken[0]} is there already; nothing was written.")
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        for name, text in files.items():
-            (folder / name).write_text(text, encoding="utf-8")
+        for name, content in files.items():
+            (folder / name).parent.mkdir(exist_ok=True)
+            (folder / name).write_bytes(content)
     except OSError as error:
         raise UsageRefused(f"{folder} cannot be written: {error.strerror}.") from None
     main = folder / next(iter(files))

@@ -150,7 +150,11 @@ def _show(
         controllers=registry.labels(registry.CONTROLLERS),
         languages=[LANGUAGES[name] for name, refusal in refusals.items() if not refusal],
         refused=[LANGUAGES[name] for name, refusal in refusals.items() if refusal],
-        examples={name: templates_for_programs.of(name) for name in templates_for_programs.FILES},
+        examples={
+            name: templates_for_programs.of(name)
+            for name in templates_for_programs.FILES
+            if not refusals[name]
+        },
         file_names=templates_for_programs.FILES,
         uploads=can(g.viewer, Action.UPLOAD),
         ranked=can(g.viewer, Action.SUBMIT_RANKED),

@@ -1,28 +1,60 @@
 """The programs that the editor, the documentation and `seamark init` begin with."""
 
+import io
+import zipfile
 from functools import cache
 from pathlib import Path
 
 import sandbox.languages
 import templates
 
-FILES = {
+FILES = {  # of the editor: languages whose programs are one text
     "python": "controller.py",
     "c": "controller.c",
     "c++": "controller.cpp",
     "matlab": "controller.m",
 }
 _HEADER = Path(sandbox.languages.__file__).parent / "native" / "seamark.h"
+_FOLDER = Path(templates.__file__).parent / "submit"
+_LONG_AGO = (1980, 1, 1, 0, 0, 0)  # the same bytes whenever an archive is made
 
 
 @cache
 def of(language: str) -> str:
     """Return a controller that works as it stands: PI on the position error."""
-    folder = Path(templates.__file__).parent / "submit"
-    return (folder / f"{FILES[language]}.txt").read_text("utf-8")
+    return (_FOLDER / f"{FILES[language]}.txt").read_text("utf-8")
 
 
 @cache
 def header() -> str:
     """Return seamark.h, the interface of programs in C and C++."""
     return _HEADER.read_text("utf-8")
+
+
+def start(kind: str) -> dict[str, bytes]:
+    """Return the files that somebody begins with, first the one to upload."""
+    if kind == "fmu":
+        return _fmu()
+    files = {FILES[kind]: of(kind).encode()}
+    if kind in ("c", "c++"):
+        files["seamark.h"] = header().encode()
+    return files
+
+
+def _fmu() -> dict[str, bytes]:
+    source, description = (
+        (_FOLDER / "fmu" / name).read_bytes() for name in ("controller.c", "modelDescription.xml")
+    )
+    members = {"modelDescription.xml": description, "sources/controller.c": source}
+    return {"controller.fmu": _zipped(members), **members}
+
+
+def _zipped(members: dict[str, bytes]) -> bytes:
+    whole = io.BytesIO()
+    with zipfile.ZipFile(whole, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, content in members.items():
+            archive.writestr(zipfile.ZipInfo(name, _LONG_AGO), content)
+    return whole.getvalue()
+
+
+KINDS = (*FILES, "fmu")  # what `seamark init` can write

@@ -20,11 +20,12 @@ from sandbox.limits import COMPILING, Limits
 from sandbox.outcome import Outcome, ProgramEnded
 from sandbox.self_test import why_not
 from tests.hostile.conftest import LAYOUT, LIMITS, STEPS
+from tests.worker.built import zipped
 
 pytestmark = pytest.mark.host
 
 HERE = Path(__file__).parent
-KINDS = ("native", "octave")
+KINDS = ("native", "octave", "fmu")
 TABLES = {
     kind: tomllib.loads((HERE / f"{kind}.toml").read_text(encoding="utf-8")) for kind in KINDS
 }
@@ -40,7 +41,7 @@ def run_native(level: Level) -> Run:
     """Return a function that compiles and runs one program and tells how it ended."""
 
     def run_one(kind: str, name: str) -> Outcome:
-        source = (HERE / kind / name).read_bytes()
+        name, source = packed(kind, name)
         language = language_of(name)
         if why := missing(language, level):
             pytest.skip(why)
@@ -51,6 +52,21 @@ def run_native(level: Level) -> Run:
             return end.outcome
 
     return run_one
+
+
+def packed(kind: str, name: str) -> tuple[str, bytes]:
+    """Return an upload: the file as it is, or an FMU with it as its source."""
+    text = (HERE / kind / name).read_bytes()
+    if kind != "fmu":
+        return name, text
+    common = HERE / kind / "common"
+    members = {
+        "modelDescription.xml": (common / "modelDescription.xml").read_bytes(),
+        "sources/fmu.h": (common / "fmu.h").read_bytes(),
+        "sources/model.c": (common / "model.c").read_bytes(),
+        f"sources/{name}": text,
+    }
+    return f"{name.removesuffix('.c')}.fmu", zipped(members)
 
 
 @cache
@@ -69,7 +85,7 @@ def stepped(language: str, program: bytes, name: str, level: Level, limits: Limi
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_every_program_has_an_expectation_and_every_expectation_a_program(kind) -> None:
-    assert {path.name for path in (HERE / kind).iterdir()} == set(TABLES[kind])
+    assert {path.name for path in (HERE / kind).iterdir() if path.is_file()} == set(TABLES[kind])
 
 
 @pytest.mark.parametrize(("kind", "name"), CASES)

@@ -216,6 +216,8 @@ def test_a_program_with_a_wrong_syntax_is_the_programs_failure(tmp_path: Path) -
         ("python", {"controller.py"}),
         ("c", {"controller.c", "seamark.h"}),
         ("c++", {"controller.cpp", "seamark.h"}),
+        ("matlab", {"controller.m"}),
+        ("fmu", {"controller.fmu", "modelDescription.xml", "sources"}),
     ],
 )
 def test_init_writes_a_controller_and_never_over_one(language: str, files: set[str]) -> None:

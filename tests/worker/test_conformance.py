@@ -11,6 +11,7 @@ from sandbox.probes import probe
 from sandbox.self_test import why_not
 from server import programs
 from server.pages import templates_for_programs
+from tests.worker import built
 from tests.worker.conftest import SHORT
 from worker.single import Hearing, evaluate_here
 from worker.trials import Ending
@@ -60,11 +61,23 @@ def test_a_pi_in_another_language_gives_the_built_in_trajectory(name, heave, lev
     assert upload.digest == built_in.digest
 
 
+@pytest.mark.parametrize("name", ["fmi2", "fmi3"])
+def test_a_pi_as_an_fmu_gives_the_built_in_trajectory(name, level, tmp_path) -> None:
+    skip_without("pi.fmu", level)
+    config = STRONG_CURRENT | {"control_heave": True}
+
+    built_in = evaluated("pi", config, level)
+    upload = evaluated((built.fmu(name, tmp_path), "pi.fmu"), config, level)
+
+    assert (upload.verdict, upload.sentence) == ("ok", "")
+    assert upload.digest == built_in.digest
+
+
 def test_the_templates_give_one_trajectory_and_hold_station(level) -> None:
     endings = []
-    for language, name in templates_for_programs.FILES.items():
+    for kind in templates_for_programs.KINDS:
+        name, source = next(iter(templates_for_programs.start(kind).items()))
         skip_without(name, level)
-        source = templates_for_programs.of(language).encode()
         endings.append(evaluated((source, name), SHORT, level))
 
     assert {ending.verdict for ending in endings} == {"ok"}

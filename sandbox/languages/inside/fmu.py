@@ -30,7 +30,9 @@ class Model:
         self._wiring: Wiring = wired(description, header["layout"], header["config"])
         unpack(description)
         made = LIBRARIES[description.version]
-        self._library: Library = made(FOLDER / description.library, description, FOLDER / "resources")
+        self._library: Library = made(
+            FOLDER / description.library, description, FOLDER / "resources"
+        )
         self._library.instantiate()
         self._used = self._ready = False
         self._t, self._dt = 0.0, DT_S
@@ -63,7 +65,7 @@ class Model:
         for group, ends in self._inputs:
             at = 0
             for _, place in ends:
-                for value in values[place.offset : place.offset + place.count]:
+                for value in values[place.offset : place.offset + place.size]:
                     group.values[at] = value if group.real else int(value)
                     at += 1
             group.move()
@@ -74,10 +76,10 @@ class Model:
             group.move()
             at = 0
             for _, place in ends:
-                command[place.offset : place.offset + place.count] = [
-                    float(value) for value in group.values[at : at + place.count]
+                command[place.offset : place.offset + place.size] = [
+                    float(value) for value in group.values[at : at + place.size]
                 ]
-                at += place.count
+                at += place.size
         return command
 
     def _set_constants(self) -> None:
@@ -116,7 +118,8 @@ def answer(connection: Connection, model: Model) -> NoReturn:
         if kind == b"O":
             command = model.step(struct.unpack(f"<{len(body) // 8}d", body))
             if not all(abs(value) <= MOST_FIELD for value in command):  # also catches NaN
-                words = ", ".join(f"{name} = {v:g}" for name, v in zip(COMMAND_NAMES, command))
+                named = zip(COMMAND_NAMES, command, strict=True)
+                words = ", ".join(f"{name} = {v:g}" for name, v in named)
                 raise Unusable(f"The outputs of the FMU are {words}; they must be finite.")
             connection.send(b"c", COMMAND.pack(*command))
         elif kind == b"R":

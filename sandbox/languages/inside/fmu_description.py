@@ -9,7 +9,7 @@ import zipfile
 import zlib
 from dataclasses import dataclass, field
 from typing import Any
-from xml.etree import ElementTree as XML
+from xml.etree import ElementTree
 
 DESCRIPTION = "modelDescription.xml"
 PLATFORMS = {"2": "linux64", "3": "x86_64-linux"}
@@ -77,8 +77,8 @@ def read(data: bytes) -> Description:
     except NOT_XML as error:
         raise Unusable(f"An FMU is a zip archive, and this is none: {error}.") from None
     try:
-        root = XML.fromstring(text)  # noqa: S314  (that it may hurt is what the box is for)
-    except XML.ParseError as error:
+        root = ElementTree.fromstring(text)  # noqa: S314  (that it may hurt is what the box is for)
+    except ElementTree.ParseError as error:
         raise Unusable(f"{DESCRIPTION} is not XML: {error}.") from None
     version = root.get("fmiVersion", "")
     if version[:1] not in PLATFORMS:
@@ -93,7 +93,7 @@ def read(data: bytes) -> Description:
     return found
 
 
-def _variables_2(root: XML.Element) -> dict[str, Variable]:
+def _variables_2(root: ElementTree.Element) -> dict[str, Variable]:
     found = {}
     for one in root.iterfind("ModelVariables/ScalarVariable"):
         kind = next((KINDS[child.tag] for child in one if child.tag in KINDS), "other")
@@ -101,7 +101,7 @@ def _variables_2(root: XML.Element) -> dict[str, Variable]:
     return found
 
 
-def _variables_3(root: XML.Element) -> dict[str, Variable]:
+def _variables_3(root: ElementTree.Element) -> dict[str, Variable]:
     found = {}
     for one in root.iterfind("ModelVariables/*"):
         count = 1
@@ -111,7 +111,7 @@ def _variables_3(root: XML.Element) -> dict[str, Variable]:
     return found
 
 
-def _variable(one: XML.Element, kind: str, count: int) -> Variable:
+def _variable(one: ElementTree.Element, kind: str, count: int) -> Variable:
     name, reference = one.get("name", ""), one.get("valueReference", "")
     if not reference.isdecimal():
         raise Unusable(f"The variable {name} has no valueReference that is a whole number.")

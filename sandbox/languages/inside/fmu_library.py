@@ -36,14 +36,15 @@ def _print(message: bytes | None) -> None:
     print((message or b"").decode("utf-8", "replace"), file=sys.stderr, flush=True)
 
 
-@LOG_2
-def _log_2(_: object, name: object, status: object, category: object, message: bytes) -> None:
+def _logged_2(_: object, name: object, status: object, category: object, message: bytes) -> None:
     _print(message)  # as it is: what follows in the call cannot be reached from here
 
 
-@LOG_3
-def _log_3(_: object, status: object, category: object, message: bytes) -> None:
+def _logged_3(_: object, status: object, category: object, message: bytes) -> None:
     _print(message)
+
+
+LOGGER_2, LOGGER_3 = LOG_2(_logged_2), LOG_3(_logged_3)
 
 
 class Group:
@@ -119,7 +120,7 @@ class Library2(Library):
     def _instantiate(self, token: bytes) -> int | None:
         libc = c.CDLL(None)
         memory = [c.cast(function, c.c_void_p) for function in (libc.calloc, libc.free)]
-        self._callbacks = Callbacks2(_log_2, *memory, None, None)
+        self._callbacks = Callbacks2(LOGGER_2, *memory, None, None)
         where = self._resources.as_uri().encode()
         made: int | None = self.function("Instantiate", c.c_void_p)(
             b"controller", CO_SIMULATION, token, where, c.byref(self._callbacks), 0, 0
@@ -157,7 +158,7 @@ class Library3(Library):
         where = str(self._resources).encode() + b"/"
         no = c.c_bool(False)
         made: int | None = self.function("InstantiateCoSimulation", c.c_void_p)(
-            b"controller", token, where, no, no, no, no, None, c.c_size_t(0), None, _log_3, None
+            b"controller", token, where, no, no, no, no, None, c.c_size_t(0), None, LOGGER_3, None
         )
         return made
 

@@ -39,9 +39,7 @@ class Wiring(NamedTuple):
     fixed: dict[int, float]  # numbers of the command that never change
 
 
-def wired(
-    description: Description, layout: dict[str, Any], config: Mapping[str, object]
-) -> Wiring:
+def wired(description: Description, layout: dict[str, Any], config: Mapping[str, object]) -> Wiring:
     """Return the connections; Unusable with the names on both sides if some are missing."""
     mapping = description.mapping()
     inputs, constants = _inputs(description, mapping.get("inputs", {}), layout, config)
@@ -64,7 +62,7 @@ def _inputs(
             constants.append(Constant(_number(variable), float(source)))
         elif source in places:
             place = places[str(source)]
-            inputs.append(Input(_number(variable, place.count), place))
+            inputs.append(Input(_number(variable, place.size), place))
         elif isinstance(value := config.get(str(source)), (int, float)):
             constants.append(Constant(_number(variable), float(value)))
         else:
@@ -110,11 +108,11 @@ def _outputs(
         else:
             names[name] = str(source)
     outputs = [
-        Output(_number(description.variables[source], places[name].count), places[name])
+        Output(_number(description.variables[source], places[name].size), places[name])
         for name, source in names.items()
         if name in places
     ]
-    given = {place.offset + i for _, place in outputs for i in range(place.count)} | set(fixed)
+    given = {place.offset + i for _, place in outputs for i in range(place.size)} | set(fixed)
     lacking = [COMMAND[i] for i in (0, 1) if i not in given]  # heave and yaw rate may be 0
     if lacking:
         raise Unusable(_missing(description, " and ".join(lacking)))

@@ -22,7 +22,7 @@ class Place(NamedTuple):
     """Where a name's numbers stand in an observation or a command."""
 
     offset: int
-    count: int
+    size: int
 
 
 def observed(layout: dict[str, Any]) -> dict[str, Place]:

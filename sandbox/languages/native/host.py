@@ -35,13 +35,16 @@ OPTIONS = (
 
 
 @cache
-def compiling(compiler: str, *options: str) -> Runtime:
-    """Return what the box of the compiler needs; SandboxBroken if the compiler is missing."""
+def compiling(compiler: str, *options: str, script: str = "native") -> Runtime:
+    """Return what the box of the compiler needs; SandboxBroken if the compiler is missing.
+
+    `script` calls it, with its command line as arguments.
+    """
     tools = [_tool(name) for name in dict.fromkeys((*TOOLS, compiler))]
     trees = [Bind(Path(tree), tree) for tree in TREES if Path(tree).is_dir()]
     arguments = ("compile", f"/usr/bin/{compiler}", *OPTIONS, *options)
     binds = [*tools, *trees, *_ours("runner.c", "seamark.h")]
-    return script_runtime("native", arguments=arguments, binds=binds, environment=ENVIRONMENT)
+    return script_runtime(script, arguments=arguments, binds=binds, environment=ENVIRONMENT)
 
 
 @cache

