@@ -50,7 +50,9 @@ def table(metrics: Mapping[str, Any]) -> list[str]:
     levels = metrics.get("levels") or []
     if not levels:
         return []
-    names = [name for name in TABLE if name in levels[0]]
+    levels = [{**level, **(level.get("grid") or {})} for level in levels]
+    grid = [name for name in levels[0].get("grid") or {} if name != "current_speed"]
+    names = [*TABLE[:1], *grid, *(name for name in TABLE[1:] if name in levels[0])]
     rows = [names, *([_figure(level.get(name)) for name in names] for level in levels)]
     widths = [max(len(row[at]) for row in rows) for at in range(len(names))]
     return ["  ".join(cell.rjust(w) for cell, w in zip(row, widths, strict=True)) for row in rows]

@@ -31,6 +31,7 @@ class Recording:
         self._folder = folder
         self._rows: list[NDArray[np.float64]] = []
         self._log: list[bytes] = []
+        self.comments: list[str] = []  # further lines at the head of the telemetry
         if folder is not None:
             _prepare(folder)
 
@@ -56,7 +57,7 @@ class Recording:
             return
         from sim import telemetry
 
-        comments = [f"Seamark {benchmark}"]
+        comments = [f"Seamark {benchmark}", *self.comments]
         with (self._folder / "telemetry.csv").open("w", encoding="utf-8") as table:
             if ending is not None:
                 comments.append(f"digest {ending.digest}")

@@ -71,6 +71,7 @@ def run(  # noqa: PLR0913  # one argument per option
         pairs = (*pairs, f"score={score}")
     order = _order(benchmark, controller, pairs, config, trials=trials, seed=seed)
     recording = Recording(out)
+    recording.comments = _grid_of(order)
     if not as_json:
         say(f"{benchmark}, controller {controller}, seed {order.seed}, trials {trials}")
     try:
@@ -106,6 +107,12 @@ def _order(
         seed=secrets.randbelow(SEED_MAX + 1) if seed is None else seed,
         trials=trials,
     )
+
+
+def _grid_of(order: Order) -> list[str]:
+    from sim import registry, sweep
+
+    return sweep.comments(registry.benchmark(order.benchmark).read(order.config))
 
 
 def _evaluate(order: Order, recording: Recording, *, quiet: bool) -> Ending:

@@ -18,7 +18,7 @@ from server.problems import Problem
 from server.run_files import RunFiles
 from server.services import services
 from server.states import Kind
-from sim import telemetry
+from sim import registry, sweep, telemetry
 
 CHUNK_ROWS = 500
 HIDDEN = "hidden"
@@ -70,6 +70,7 @@ def _comments(view: RunView, rows: int) -> list[str]:
         f"Seamark run {view.id}: {view.benchmark}, controller {controller}",
         f"kind {view.kind}, seed {seed}, trials {view.trials}",
         f"state {view.state.value} at the time of the download, {rows} rows",
+        *sweep.comments(registry.benchmark(view.benchmark).read(view.config)),
         f"columns: {units}",
     ]
 

@@ -1,12 +1,13 @@
 """Metrics and configurations as tables: names, units and values."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from server.pages import fields
 from sim.benchmarks import Metric
 from sim.metrics import METRICS, POINTS, SETTLING
+from sim.sweep import UPDATERS
 
 WHOLE = "whole_"  # prefix of the metrics over a level's whole length
 HELD = Metric("held", "Held", "", "higher")
@@ -68,10 +69,20 @@ def tables(metrics: Mapping[str, Any], settle_s: float) -> list[Table]:
     telling = [metric for metric in METRICS if metric.name in FIRST]
     rest = [metric for metric in METRICS if metric.name not in FIRST]
     return [
-        _table("A" + settled, levels, (*HEAD, *telling), prefix=""),
+        _with_grid(_table("A" + settled, levels, (*HEAD, *telling), prefix=""), levels),
         _table("More metrics, a" + settled, levels, rest, prefix=""),
         _table("Whole levels", levels, METRICS, prefix=WHOLE),
     ]
+
+
+def _with_grid(table: Table, levels: Sequence[Mapping[str, Any]]) -> Table:
+    """Return the table with where in the grid each level is on top, if there is one."""
+    lines = tuple(
+        Line(what.label, what.unit, "", tuple(level["grid"][name] for level in levels))
+        for name in levels[0].get("grid") or {}
+        if (what := UPDATERS[name].quantity)
+    )
+    return replace(table, lines=lines + table.lines)
 
 
 def trials(metrics: Mapping[str, Any]) -> list[Mapping[str, Any]]:

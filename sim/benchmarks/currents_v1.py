@@ -14,12 +14,13 @@ from sim.metrics import OVERALL
 from sim.observation import THRUSTERS
 from sim.registry import CONTROLLERS, VEHICLES, labels
 from sim.score_settings import own_score_knob
+from sim.sweep import SPEED, GridSettings
 from sim.vehicles import load
 
 current = partial(knob, group="Current", role="scenario")
 
 
-class CurrentsConfiguration(ExperimentSettings):
+class CurrentsConfiguration(ExperimentSettings, GridSettings):
     """Settings of currents-v1. Seed, trials and controller are not part of it."""
 
     levels: tuple[float, ...] = experiment(
@@ -160,14 +161,18 @@ class CurrentsConfiguration(ExperimentSettings):
                 "current_shear (Shear over the bottom) must be 0 where the current acts as a body "
                 "force: the water itself rests there."
             )
-        return errors | super().broken_rules()
+        return errors | super().broken_rules() or self.grid_rules()
 
     def level_metric(self) -> Metric:
         """Return what a level's value is."""
         return Metric("speed", "Current", "m/s", "higher")
 
     def level_values(self) -> tuple[float, ...]:
-        """Return the mean speeds [m/s]."""
+        """Return the mean speeds [m/s]; in a grid, of each of its points."""
+        return tuple(point[SPEED] for point in self.points())
+
+    def own_levels(self) -> tuple[float, ...]:
+        """Return the mean speeds [m/s] without a grid."""
         return self.levels
 
 
@@ -222,6 +227,7 @@ BENCHMARK = Benchmark(
         "Experiment",
         "Position controller",
         "Tracker",
+        "Grid",
         "Current",
         "Water and camera",
         "Station keeper",

@@ -40,18 +40,20 @@ class StationKeeping:
 
     def world(self, config: CurrentsConfiguration, *, seed: int, trial: int, level: int) -> World:
         """Return the world of a level."""
-        random = streams(seed, trial, level)
+        config, random = config.at(level), streams(seed, trial, level)
         conditions = Conditions(current=_current(config, level, random), water=water_of(config))
         return world_of(config, conditions, random)
 
     def camera(self, config: CurrentsConfiguration, *, seed: int, trial: int, level: int) -> Camera:
-        """Return the camera of a level; the water is the same in all."""
+        """Return the camera of a level."""
+        config = config.at(level)
         noise_seed = noise_seed_of(streams(seed, trial, level))
         return camera_of(config, water_of(config), noise_seed=noise_seed)
 
     def metrics(self, config: CurrentsConfiguration, level: int, rows: Rows) -> dict[str, Any]:
-        """Return `sim.metrics.level_metrics`."""
-        return level_metrics(rows, _facts(config, level))
+        """Return `sim.metrics.level_metrics`, and where in a grid the level is."""
+        grid = config.coordinates(level)
+        return level_metrics(rows, _facts(config, level)) | ({"grid": grid} if grid else {})
 
     def standing(
         self, config: CurrentsConfiguration, levels: Sequence[Mapping[str, Any]]
@@ -71,12 +73,12 @@ class StationKeeping:
 
 
 def _held(levels: Sequence[Mapping[str, Any]]) -> float | None:
-    """Return the speed [m/s] up to which every level was held; None if not even the first."""
+    """Return the speed [m/s] up to which every level was held; None if not even the least."""
     held: float | None = None
-    for level in levels:
-        if not level["held"]:
+    for speed in sorted({float(level["speed"]) for level in levels}):
+        if not all(level["held"] for level in levels if level["speed"] == speed):
             break
-        held = float(level["speed"])
+        held = speed
     return held
 
 
@@ -84,7 +86,7 @@ def _facts(config: CurrentsConfiguration, level: int) -> LevelFacts:
     forward, reverse = load(config.vehicle).curve.limits.value
     return LevelFacts(
         level=level,
-        speed=config.levels[level],
+        speed=config.level_values()[level],
         dt=config.control_period_s,
         settle_s=config.settle_s,
         limits_n=(forward, reverse),
@@ -104,7 +106,7 @@ def _current(config: CurrentsConfiguration, level: int, random: Streams) -> Curr
         force_share=config.current_force_share,
     )
     return Current(
-        config.levels[level],
+        config.level_values()[level],
         pattern=pattern,
         shear=_shear(config),
         rng=random.gust,
