@@ -61,6 +61,16 @@ class Box:
         """Return how the program ended; None as long as it has not."""
         return self._talk.outcome
 
+    def lives(self) -> bool:
+        """Tell whether the box has not ended by itself."""
+        return self._cage.exit_code(0.0) is None
+
+    def adopt(self, limits: Limits) -> None:
+        """Give a box that has no program yet other limits, which must fit those of its start."""
+        if not limits.fit(self.limits):
+            raise ValueError(f"{limits} do not fit a box that was started with {self.limits}")
+        self.limits = self._talk.limits = limits
+
     def wait_ready(self) -> None:
         """Wait until the interpreter is up; SandboxBroken if it does not come."""
         if not self._ready:

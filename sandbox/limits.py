@@ -5,6 +5,7 @@ from dataclasses import asdict, dataclass
 from typing import NamedTuple
 
 MOST_STEP_WALL_S = 600.0  # [s] above this a lost program would hold a core for too long
+TIMES = ("cpu_s", "wall_s", "start_cpu_s", "start_wall_s", "step_cpu_s", "step_wall_s")
 
 
 class Patience(NamedTuple):
@@ -49,6 +50,15 @@ class Limits:
     def stepping(self) -> Patience:
         """For one answer."""
         return Patience(self.step_cpu_s, self.step_wall_s)
+
+    def fit(self, started: "Limits") -> bool:
+        """Tell whether a box that was started with other limits may still get these.
+
+        Times are watched from outside, but for the kernel's own end of CPU time.
+        """
+        others = {name: value for name, value in asdict(self).items() if name not in TIMES}
+        same = others.items() <= asdict(started).items()
+        return same and self.cpu_s <= started.cpu_s
 
     def __post_init__(self) -> None:
         """Refuse values that make no sense."""

@@ -7,7 +7,7 @@ from typing import Any, Protocol, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from sandbox.outcome import Outcome, ProgramEnded, SandboxBroken
+from sandbox.outcome import Outcome, ProgramEnded
 from server import run_limits
 from sim import registry
 from sim.configuration import Configuration
@@ -50,13 +50,10 @@ class OneTrial:
         job: Job,
         make_box: MakeBox,
         compile_program: Compile,
-        *,
-        warm: BoxLike | None = None,
     ) -> None:
         self._job = job
         self._make_box = make_box
         self._compile = compile_program
-        self._warm = warm  # a box that was started before the job was known
         benchmark = registry.benchmark(job.benchmark)
         self.config: Configuration = benchmark.read(job.config)
         self._experiment = benchmark.load()
@@ -100,14 +97,7 @@ class OneTrial:
             box.close()
 
     def _loaded_box(self, listener: TrialListener) -> BoxLike:
-        """Return a box with the program in it; a warm one that has gone stale is replaced."""
-        warm, self._warm = self._warm, None
-        if warm is not None:
-            try:
-                self._load(warm, listener)
-                return warm
-            except SandboxBroken:
-                warm.close()
+        """Return a box with the program in it."""
         box = self._make_box(self._job.language, self._limits)
         self._load(box, listener)
         return box

@@ -13,15 +13,11 @@ import select
 import socket
 import sys
 import traceback
-from collections.abc import Mapping
 from dataclasses import asdict
 
-from sandbox.box import Box
 from sandbox.level import Level
-from sandbox.limits import Limits
-from sandbox.outcome import SandboxBroken
+from sandbox.pool import Pool
 from server import run_limits
-from sim import registry
 from sim.warm_up import warm_up
 from worker import frames
 from worker.boxed import real_boxes, real_compiler
@@ -34,7 +30,9 @@ from worker.trials import Ending, Evaluation
 READY = b"ready"  # sent once on the control socket when everything is loaded and compiled
 JOB_MAX = 128 * 1024  # [byte]
 CPU_LIMIT_S = 4 * 3600  # [s] of one simulator child
-USUAL_BENCHMARK = "currents-v1"  # whose standard configuration the warm box is made for
+STOCK = {"python": 1}  # the others start in a tenth of the time: they have no NumPy to load
+LONGEST_TRIAL_S = 3600.0  # [s] simulated, for which boxes in stock are good
+LOOK_S = 30.0  # [s] between two looks at the age of what waits
 
 
 class Zygote:
@@ -122,67 +120,38 @@ def _live(channel: socket.socket, place: Place, parent: int) -> None:
 
 
 def _wait_and_run(channel: socket.socket, place: Place) -> None:
-    warm = _warm_box(place)
-    packet, descriptors, _, _ = socket.recv_fds(channel, JOB_MAX, 1)
-    if not packet:
-        return
-    with socket.socket(fileno=descriptors[0]) as out:
-        frames.send(out, Kind.HELLO, {"pid": os.getpid()})
-        try:
-            place.cores().move_in()
-            ending = evaluate(Job.from_json(packet), out, place, warm)
-        finally:
-            if sys.exc_info()[0] is not None:
-                frames.send(out, Kind.ERROR, traceback.format_exc().encode())
-        frames.send(out, Kind.ENDING, asdict(ending))
+    with _pool(place) as pool:
+        pool.refill()
+        while not select.select([channel], [], [], LOOK_S)[0]:
+            pool.refill()  # nobody waits now
+        packet, descriptors, _, _ = socket.recv_fds(channel, JOB_MAX, 1)
+        if not packet:
+            return
+        with socket.socket(fileno=descriptors[0]) as out:
+            frames.send(out, Kind.HELLO, {"pid": os.getpid()})
+            try:
+                place.cores().move_in()
+                ending = evaluate(Job.from_json(packet), out, place, pool)
+            finally:
+                if sys.exc_info()[0] is not None:
+                    frames.send(out, Kind.ERROR, traceback.format_exc().encode())
+            frames.send(out, Kind.ENDING, asdict(ending))
 
 
-def evaluate(job: Job, out: socket.socket, place: Place, warm: Box | None) -> Ending:
+def evaluate(job: Job, out: socket.socket, place: Place, pool: Pool) -> Ending:
     """Evaluate the job, telling everything to `out`."""
     cores = place.cores_for(len(job.seeds))
-    fitting = warm if warm is not None and cores is None and _fits(job) else None
-    try:
-        make, compile_ = real_boxes(place), real_compiler(place)
-        return Evaluation(
-            job, Telling(out), make, compile_program=compile_, warm=fitting, cores=cores
-        ).run()
-    finally:
-        if warm is not None and fitting is None:
-            _discard(warm)
+    # Trials side by side are processes of their own, and a box belongs to the one that made it.
+    make = pool.take if cores is None else real_boxes(place)
+    compile_ = real_compiler(place)
+    return Evaluation(job, Telling(out), make, compile_program=compile_, cores=cores).run()
 
 
-def _discard(warm: Box) -> None:
-    """End a box that was not needed, after its start: before it there is little to take hold of."""
-    try:
-        warm.wait_ready()
-        warm.close()
-    except SandboxBroken as broken:
-        print(f"event=warm_box_broken why={str(broken)!r}", file=sys.stderr)
-
-
-def _fits(job: Job) -> bool:
-    """Return whether the warm box is what the job needs: the language and the limits."""
-    return (
-        job.program is not None and job.language == "python" and _usual(job.benchmark, job.config)
-    )
-
-
-def _usual(benchmark: str, config: Mapping[str, object]) -> bool:
-    entry = registry.benchmark(benchmark)
-    duration = entry.trial_duration_s(entry.read(config))
-    needed: Limits = run_limits.for_trial(duration)
-    return needed == _usual_limits()
-
-
-def _usual_limits() -> Limits:
-    entry = registry.benchmark(USUAL_BENCHMARK)
-    return run_limits.for_trial(entry.trial_duration_s(entry.read({})))
-
-
-def _warm_box(place: Place) -> Box | None:
-    if place.level is Level.NONE:
-        return None
-    return Box("python", limits=_usual_limits(), level=place.level, core=place.core)
+def _pool(place: Place) -> Pool:
+    """Return the boxes that wait with a simulator child."""
+    limits = run_limits.for_trial(LONGEST_TRIAL_S)
+    stock = {} if place.level is Level.NONE else STOCK
+    return Pool(stock, limits=limits, level=place.level, core=place.core)
 
 
 def main(arguments: list[str]) -> None:

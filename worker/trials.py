@@ -11,7 +11,7 @@ from sandbox.outcome import Outcome, ProgramEnded
 from sim.manifest import manifest
 from sim.telemetry import Digest
 from sim.trial import TrialResult, summarise
-from worker.boxed import BoxLike, Compile, MakeBox, as_it_is
+from worker.boxed import Compile, MakeBox, as_it_is
 from worker.cores import Cores
 from worker.job import Job
 from worker.one_trial import OneTrial, Rows, TrialEnd, TrialListener
@@ -51,12 +51,11 @@ class Evaluation:
         make_box: MakeBox,
         *,
         compile_program: Compile = as_it_is,
-        warm: BoxLike | None = None,
         cores: Cores | None = None,
     ) -> None:
         self._job = job
         self._listener = _Digesting(listener)
-        self._one = OneTrial(job, make_box, compile_program, warm=warm)
+        self._one = OneTrial(job, make_box, compile_program)
         self._cores = cores
         self._outcomes: list[Outcome] = []
 

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sandbox.limits import Limits
-from sandbox.outcome import Outcome, ProgramEnded, SandboxBroken, Verdict
+from sandbox.outcome import Outcome, ProgramEnded, Verdict
 from sim.program import Command
 
 SLOW = Outcome(verdict=Verdict.TIME_LIMIT, sentence="too slow", suspect_host=True)
@@ -21,10 +21,9 @@ class FakeBox:
         ends_at: int = -1,
         outcome: Outcome = SLOW,
         *,
-        stale: bool = False,
         command: Command = (0.0, 0.0, 0.0, 0.0),
     ) -> None:
-        self.ends_at, self.outcome, self.stale = ends_at, outcome, stale
+        self.ends_at, self.outcome = ends_at, outcome
         self.command = command
         self.steps, self.closed = 0, False
 
@@ -34,9 +33,7 @@ class FakeBox:
         filename: str,
         config: Mapping[str, object],
         layout: Mapping[str, object],
-    ) -> None:
-        if self.stale:
-            raise SandboxBroken("stale")
+    ) -> None: ...
 
     def reset(self, level: Mapping[str, object]) -> None: ...
 

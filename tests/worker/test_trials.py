@@ -67,15 +67,6 @@ def test_a_program_that_fails_by_itself_is_not_tried_again(job: Job) -> None:
     assert (ending.verdict, listener.cuts) == ("time_limit", [])
 
 
-def test_a_warm_box_gone_stale_is_replaced(job: Job) -> None:
-    stale = FakeBox(stale=True)
-
-    ending = Evaluation(job, FakeListener(), FakeBoxes(FakeBox(), FakeBox()), warm=stale).run()
-
-    assert ending.verdict == "ok"
-    assert stale.closed
-
-
 def test_numbers_that_are_not_finite_end_the_trial_at_once(job: Job) -> None:
     ending, listener = _evaluate(job, FakeBox(command=(math.nan, 0.0, 0.0, 0.0)))
 

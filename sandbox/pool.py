@@ -1,0 +1,122 @@
+"""Boxes that were started before anybody knew what runs in them: the first answer comes at once.
+
+Each is used once. Stock is refilled only when its owner says so, which is when nobody waits for an
+answer: between runs. Starting a box takes a few milliseconds of ours; it warms up by itself.
+"""
+
+import contextlib
+import time
+from collections.abc import Mapping
+from types import TracebackType
+from typing import NamedTuple, Self
+
+from sandbox.box import Box
+from sandbox.level import Level
+from sandbox.limits import Limits
+from sandbox.outcome import SandboxBroken
+
+OLDEST_S = 600.0  # [s] then a box that nobody needed is replaced by a new one
+
+
+class Waiting(NamedTuple):
+    """A box in stock."""
+
+    box: Box
+    since_s: float  # monotonic
+
+
+class Pool:
+    """Boxes of one thread, which has to live as long as they do."""
+
+    def __init__(
+        self,
+        stock: Mapping[str, int],
+        *,
+        limits: Limits,
+        level: Level,
+        core: int | None = None,
+        oldest_s: float = OLDEST_S,
+    ) -> None:
+        """Start nothing yet.
+
+        Parameters
+        ----------
+        stock
+            Language -> how many boxes wait.
+        limits
+            Of the boxes in stock. Whoever takes one may have shorter and longer times, but not
+            more CPU time.
+        """
+        self._stock = dict(stock)
+        self._limits = limits
+        self._level = level
+        self._core = core
+        self._oldest_s = oldest_s
+        self._waiting: dict[str, list[Waiting]] = {language: [] for language in stock}
+
+    def refill(self) -> None:
+        """Start what is missing in stock, and replace what is too old; waits for none of it.
+
+        What cannot be started is missing: whoever takes a box then hears why.
+        """
+        for language, count in self._stock.items():
+            waiting = self._waiting[language]
+            old = [one for one in waiting if time.monotonic() - one.since_s >= self._oldest_s]
+            for one in old:
+                waiting.remove(one)
+                _end(one.box)
+            with contextlib.suppress(SandboxBroken):
+                while len(waiting) < count:
+                    waiting.append(Waiting(self._new(language, self._limits), time.monotonic()))
+
+    def take(self, language: str, limits: Limits) -> Box:
+        """Return a box that is the caller's from now on: from the stock, or a new one."""
+        waiting = self._waiting.get(language, [])
+        while waiting and limits.fit(self._limits):
+            box = waiting.pop(0).box  # the oldest: it is warm most likely
+            if _is_ready(box):
+                box.adopt(limits)
+                return box
+            _end(box)
+        return self._new(language, limits)
+
+    def waiting(self) -> int:
+        """Return how many boxes are in stock."""
+        return sum(map(len, self._waiting.values()))
+
+    def close(self) -> None:
+        """End all boxes in stock."""
+        for waiting in self._waiting.values():
+            while waiting:
+                _end(waiting.pop().box)
+
+    def __enter__(self) -> Self:
+        """Return the pool itself."""
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        """Close the pool."""
+        self.close()
+
+    def _new(self, language: str, limits: Limits) -> Box:
+        return Box(language, limits=limits, level=self._level, core=self._core)
+
+
+def _is_ready(box: Box) -> bool:
+    """Tell whether a box is up, which it may have been and died."""
+    try:
+        box.wait_ready()
+    except SandboxBroken:
+        return False
+    return box.lives()
+
+
+def _end(box: Box) -> None:
+    """End a box that nobody used: nothing ran in it, so nobody needs to hear how it went."""
+    with contextlib.suppress(SandboxBroken):
+        box.close()
