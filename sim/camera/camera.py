@@ -8,14 +8,13 @@ from numpy.typing import NDArray
 from sim.camera import raycast
 from sim.camera.geometry import look, project
 from sim.camera.optics import Optics
-from sim.camera.rows import NODE
+from sim.camera.rows import CHUNK, interleave
+from sim.camera.scene import Channel, Grain, Scene, work_for
 from sim.camera.seabed import seabed
 from sim.camera.target import Target, skin
-from sim.camera.water import LAWS, Water
+from sim.camera.water import Water
 
 Window = raycast.Window
-Texels = raycast.Texels
-Prepared = tuple[tuple[Texels, float, NDArray[np.float64], Texels, Texels], raycast.Law]
 GREEN = 1
 SEABED_SEED = 7  # the same sea floor in all runs: a trial's luck is not in its pebbles
 
@@ -25,7 +24,7 @@ def _noise_bank(seed: int, width: int) -> NDArray[np.float32]:
     """Return standard normal samples; the first `width` follow again at the end for long rows."""
     generator = np.random.Generator(np.random.PCG64(seed))
     bank = generator.standard_normal(raycast.NOISE_LENGTH, dtype=np.float32)
-    return np.concatenate([bank, bank[:width]])
+    return np.concatenate([bank, bank[: width + CHUNK]])
 
 
 class Camera:
@@ -45,15 +44,20 @@ class Camera:
         self._origin = target.origin()[None]
         self._points = np.concatenate([self._corners, self._centre, self._origin])
         self._images = np.empty((len(self._points), 2))
-        rows, columns = optics.height // NODE + 2, optics.width // NODE + 2
-        self._work = (
-            np.zeros((7, optics.width), np.float32),
-            np.zeros(optics.width, np.int32),
-            np.zeros((rows, columns), np.float32),
+        self._scene = tuple(self._scene_of())
+        self._grain = tuple(
+            Grain(
+                self._noise,
+                self._noise_seed,
+                float(water.read_sigma_grey) ** 2,
+                float(water.shot_gain),
+            )
         )
+        self._work = tuple(work_for(optics.width))
+        self._channels = {GREEN: tuple(self._channel(GREEN))}
+        self._whole = (0, 0, optics.width, optics.height)
         self._canvas = np.zeros((optics.height, optics.width), np.uint8)
         self._rotation, self._place, self._pose = np.empty((3, 3)), np.empty(3), np.empty(6)
-        self._prepared = {GREEN: self._prepare(GREEN)}
 
     def region(self, pose: NDArray[np.float64], frame: int, window: Window) -> NDArray[np.uint8]:
         """Return the camera's own canvas (H, W), drawn inside the window x0, y0, x1, y1 alone.
@@ -69,16 +73,17 @@ class Camera:
     def grey(self, pose: NDArray[np.float64], frame: int) -> NDArray[np.uint8]:
         """Return a new picture (H, W): the one the trackers work on."""
         picture = np.empty_like(self._canvas)
-        self._draw(pose, frame, (0, 0, self.optics.width, self.optics.height), GREEN, picture)
+        self._draw(pose, frame, self._whole, GREEN, picture)
         return picture
 
     def colour(self, pose: NDArray[np.float64], frame: int) -> NDArray[np.uint8]:
         """Return a new picture (H, W, 3) in blue, green, red, for people."""
+        planes = [np.empty_like(self._canvas) for _ in range(3)]
+        for channel, plane in enumerate(planes):
+            self._draw(pose, frame, self._whole, channel, plane)
         picture = np.empty((*self._canvas.shape, 3), np.uint8)
-        plane = np.empty_like(self._canvas)
-        for channel in range(3):
-            self._draw(pose, frame, (0, 0, self.optics.width, self.optics.height), channel, plane)
-            picture[:, :, 2 - channel] = plane
+        red, green, blue = (plane.ravel() for plane in planes)
+        interleave(blue, green, red, picture.ravel())
         return picture
 
     def corners(self, pose: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -122,34 +127,41 @@ class Camera:
         project(points, self._rotation, self._place, self._lens[0], out)
         return out
 
-    def _prepare(self, channel: int) -> Prepared:
-        """Return what the ray-caster needs for one channel besides pose, noise and window."""
-        water, target = self.water, self.target
-        surface = skin(target.length_m, target.width_m, target.height_m, channel)
-        tile = seabed(SEABED_SEED, channel)
-        scene = (tile, float(target.seabed_m), self._faces, surface.quads, surface.layout)
-        law = (
-            list(LAWS).index(water.law),
-            float(water.attenuation[channel]),
-            255.0 * water.veil[channel],
-            float(water.read_sigma_grey) ** 2,
-            float(water.shot_gain),
+    def _scene_of(self) -> Scene:
+        """Return what all channels share."""
+        target = self.target
+        layout = skin(target.length_m, target.width_m, target.height_m, GREEN).layout
+        return Scene(
+            intrinsics=self._lens[0],
+            mount=self._lens[1],
+            seabed_m=float(target.seabed_m),
+            faces=self._faces,
+            layout=layout,
+            fog=self.water.law == "uwsim",
         )
-        return scene, law
+
+    def _channel(self, number: int) -> Channel:
+        """Return what one channel has of its own."""
+        water, target = self.water, self.target
+        return Channel(
+            tile=seabed(SEABED_SEED, number),
+            skin=skin(target.length_m, target.width_m, target.height_m, number).quads,
+            attenuation=float(water.attenuation[number]),
+            veil=255.0 * water.veil[number],
+            number=number,
+        )
 
     def _draw(
         self,
         pose: NDArray[np.float64],
         frame: int,
         window: Window,
-        channel: int,
+        number: int,
         out: NDArray[np.uint8],
     ) -> None:
-        prepared = self._prepared.get(channel)
-        if prepared is None:
-            prepared = self._prepared[channel] = self._prepare(channel)
-        scene, law = prepared
-        grain = (self._noise, self._noise_seed, frame, channel)
+        channel = self._channels.get(number)
+        if channel is None:
+            channel = self._channels[number] = tuple(self._channel(number))
         # A copy: a read-only or strided pose would have the ray-caster compiled once more.
         self._pose[:] = pose
-        raycast.draw(self._pose, self._lens, scene, law, grain, window, self._work, out)
+        raycast.draw(self._pose, self._scene, channel, self._grain, frame, window, self._work, out)

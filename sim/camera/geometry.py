@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from sim.elementary import sincos
 
 Array = NDArray[np.float64]
+Line = tuple[np.float32, np.float32, np.float32, np.float32, np.float32, np.float32]
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -116,3 +117,16 @@ def faces_seen(faces: Array, centre: Array) -> NDArray[np.bool_]:
             d += (centre[j] - faces[k, j]) * faces[k, 9 + j]
         seen[k] = d > 1e-6
     return seen
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def row_of(g: Array, v: float) -> Line:
+    """Return a plane's map along row v, float32: value at column 0 and change per column."""
+    return (
+        np.float32(g[0, 1] * v + g[0, 2]),
+        np.float32(g[1, 1] * v + g[1, 2]),
+        np.float32(g[2, 1] * v + g[2, 2]),
+        np.float32(g[0, 0]),
+        np.float32(g[1, 0]),
+        np.float32(g[2, 0]),
+    )

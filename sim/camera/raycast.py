@@ -1,23 +1,38 @@
-"""Draws a window of the picture row by row: seabed, box faces, water, noise."""
+"""Draws a window of the picture row by row: seabed, box faces, water, noise.
+
+A row's buffers begin at a column that is a multiple of NODE and have whole CHUNKs, so that no loop
+has a scalar remainder; what is computed beyond the window is dropped.
+"""
+
+from typing import Any, NamedTuple
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
 from sim.camera import rows
-from sim.camera.geometry import faces_seen, look, plane_map, project
+from sim.camera.faces import Outlines, draw_faces, outlines
+from sim.camera.geometry import look, plane_map
+from sim.camera.rows import CHUNK, NODE
+from sim.camera.scene import MARGIN, STRIP, Channel, Grain, Scene, Work
 from sim.camera.seabed import TEXEL_M
 from sim.elementary import exp
 
 NOISE_LENGTH = 1 << 18  # [samples] of the bank, a power of two
 Array = NDArray[np.float64]
 Row = NDArray[np.float32]
-Texels = NDArray[np.int32]
 Window = tuple[int, int, int, int]
-Law = tuple[int, float, float, float, float]
-
 _F = np.float32
-_NODE = rows.NODE
+
+
+class View(NamedTuple):
+    """One pose of the camera."""
+
+    ground: Array  # (3, 3) pixel -> texel/z, texel/z, 1/z of the seabed
+    north: int
+    east: int
+    nodes: NDArray[np.float32]  # (rows, columns) transmission to the seabed
+    outlines: Outlines
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -53,248 +68,142 @@ def _seabed_map(
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _nodes(g: Array, intrinsics: Array, water: Law, window: Window, out: Row) -> None:
-    """Write the seabed's transmission at the nodes (row, column) that the window needs."""
-    f = intrinsics[0]
-    for j in range(window[1] // _NODE, (window[3] - 1) // _NODE + 2):
-        v = float(j * _NODE)
-        y = (v - intrinsics[2]) / f
-        for i in range(window[0] // _NODE, (window[2] - 1) // _NODE + 2):
-            u = float(i * _NODE)
-            x = (u - intrinsics[1]) / f
+def _nodes(g: Array, scene: Scene, attenuation: float, window: Window) -> NDArray[np.float32]:
+    """Return the seabed's transmission at the nodes that the window needs.
+
+    (rows, columns) for the whole picture; node (0, 0) stands at (-MARGIN, -MARGIN) px.
+    """
+    x0, y0, x1, y1 = window
+    f = scene.intrinsics[0]
+    last_row, last_column = (y1 + MARGIN - 1) // NODE + 2, (x1 + MARGIN + CHUNK) // NODE + 2
+    out = np.empty((last_row, last_column), np.float32)
+    for j in range((y0 + MARGIN) // NODE, last_row):
+        v = float(j * NODE - MARGIN)
+        y = (v - scene.intrinsics[2]) / f
+        for i in range((x0 + MARGIN) // NODE, last_column):
+            u = float(i * NODE - MARGIN)
+            x = (u - scene.intrinsics[1]) / f
             depth = 1.0 / max(g[2, 0] * u + g[2, 1] * v + g[2, 2], 1e-3)
-            if water[0] == 1:
-                out[j, i] = exp(-min((water[1] * depth) ** 2, 40.0))
+            if scene.fog:
+                out[j, i] = exp(-min((attenuation * depth) ** 2, 40.0))
             else:
-                out[j, i] = exp(-min(water[1] * depth * np.sqrt(1.0 + x * x + y * y), 40.0))
+                out[j, i] = exp(-min(attenuation * depth * np.sqrt(1.0 + x * x + y * y), 40.0))
+    return out
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _row_of(g: Array, v: float, line: Row) -> None:
-    """Write a plane's map along row v: value at column 0 and change per column."""
-    for k in range(3):
-        line[k] = g[k, 1] * v + g[k, 2]
-        line[3 + k] = g[k, 0]
+def view_of(pose: Array, scene: Scene, attenuation: float, window: Window) -> View:
+    """Return what a pose (6,) makes of the scene, for the rows of a window."""
+    rotation = np.empty((3, 3))
+    centre = np.empty(3)
+    look(pose, scene.mount, rotation, centre)
+    g = np.empty((3, 3))
+    north, east = _seabed_map(scene.seabed_m, rotation, centre, scene.intrinsics, g)
+    return View(
+        g,
+        north - rows.BIAS,
+        east - rows.BIAS,
+        _nodes(g, scene, attenuation, window),
+        outlines(scene.faces, scene.layout, rotation, centre, scene.intrinsics),
+    )
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _outline(
-    plane: Array, rotation: Array, centre: Array, intrinsics: Array, edges: Array, box: Array
-) -> bool:
-    """Write a face's four edges as lines and its bounding box; False if a corner has no image."""
-    corners = np.empty((4, 3))
-    for j in range(3):
-        corners[0, j] = plane[j]
-        corners[1, j] = plane[j] + plane[3 + j]
-        corners[2, j] = corners[1, j] + plane[6 + j]
-        corners[3, j] = plane[j] + plane[6 + j]
-    q = np.empty((4, 2))
-    project(corners, rotation, centre, intrinsics, q)
-    for k in range(4):
-        if not abs(q[k, 0]) + abs(q[k, 1]) < 1e5:
-            return False
-    area = 0.0
-    for k in range(4):
-        n = (k + 1) % 4
-        area += q[k, 0] * q[n, 1] - q[n, 0] * q[k, 1]
-    if abs(area) < 1e-3:
-        return False
-    turn = 1.0 if area > 0 else -1.0
-    for k in range(4):
-        n = (k + 1) % 4
-        dx = q[n, 0] - q[k, 0]
-        dy = q[n, 1] - q[k, 1]
-        length = max(np.sqrt(dx * dx + dy * dy), 1e-9)
-        edges[k, 0] = turn * dy / length
-        edges[k, 1] = -turn * dx / length
-        edges[k, 2] = -(edges[k, 0] * q[k, 0] + edges[k, 1] * q[k, 1])
-    box[0] = np.floor(q[:, 0].min() - 1.0)
-    box[1] = np.floor(q[:, 1].min() - 1.0)
-    box[2] = np.floor(q[:, 0].max() + 2.0)
-    box[3] = np.floor(q[:, 1].max() + 2.0)
-    return True
+def columns_of(x0: int, x1: int) -> tuple[int, int]:
+    """Return start and width of the rows that are computed for the columns x0..x1."""
+    start = (x0 + MARGIN) // NODE * NODE - MARGIN
+    return start, (x1 - start + CHUNK - 1) // CHUNK * CHUNK
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _span(edges: Array, y: float, low: int, high: int, slack: float) -> tuple[int, int]:
-    """Return the columns of a row at most `slack` px outside a polygon, low <= column < high."""
-    first = float(low)
-    last = float(high - 1)
-    for k in range(4):
-        nx = edges[k, 0]
-        rest = edges[k, 1] * y + edges[k, 2] - slack
-        if abs(nx) < 1e-6:
-            if rest > 0.0:
-                return low, low
-        elif nx > 0.0:
-            last = min(last, np.floor(-rest / nx))
-        else:
-            first = max(first, np.ceil(-rest / nx))
-    if last < first:
-        return low, low
-    return int(first), int(last) + 1
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def _cover(edges: Array, y: float, x0: int, x1: int, share: Row) -> None:
-    """Write the coverage of the columns x0..x1: 1 inside, computed along the edges alone."""
-    inner0, inner1 = _span(edges, y, x0, x1, -0.75)
-    if inner1 <= inner0:
-        rows.coverage(edges, y, x0, share)
-        return
-    share[inner0 - x0 : inner1 - x0] = _F(1.0)
-    if inner0 > x0:
-        rows.coverage(edges, y, x0, share[: inner0 - x0])
-    if inner1 < x1:
-        rows.coverage(edges, y, inner1, share[inner1 - x0 :])
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def _draw_face(
-    part: tuple[Row, Array, tuple[int, int, int], int, int],
+def light_strip(
+    view: View,
     row: int,
-    buffers: Row,
-    index: Texels,
-    intrinsics: Array,
-    water: Law,
-    quads: Texels,
+    columns: tuple[int, int],
+    scene: Scene,
+    channel: Channel,
+    work: Work,
+    light: Row,
 ) -> None:
-    """Blend one face into the row. `part`: its line (6,), edges, place in the skin and span."""
-    line, edges, place, x0, x1 = part
-    n = x1 - x0
-    texels = index[:n]
-    fu = buffers[2, :n]
-    fv = buffers[3, :n]
-    light = buffers[4, :n]
-    depth = buffers[5, :n]
-    share = buffers[6, :n]
-    rows.face_places(line, x0, place, texels, fu, fv, depth)
-    rows.fetch(quads, texels)
-    rows.sample(texels, fu, fv, light)
-    y = (row - intrinsics[2]) / intrinsics[0]
-    rows.face_transmission(depth, x0, (intrinsics[0], intrinsics[1]), y, water[:2], share)
-    rows.attenuate(light, share, water[2])
-    _cover(edges, float(row), x0, x1, share)
-    rows.blend(buffers[0, x0:x1], buffers[1, x0:x1], light, share)
+    """Write the light [grey] of a strip of rows, (rows * width,), from `row` on.
+
+    `columns` is the window's first column and the one behind its last.
+    """
+    start, width = columns_of(columns[0], columns[1])
+    n = light.shape[0]
+    index = work.numbers[:n]
+    texels = work.texels[:n]
+    fu = work.places[0, :n]
+    fv = work.places[1, :n]
+    transmission = work.places[2, :n]
+    rows.seabed_places(view.ground, (row, start, width), (view.north, view.east), index, fu, fv)
+    rows.fetch(channel.tile, index, texels)
+    rows.spread(view.nodes, (row + MARGIN, start + MARGIN, width), transmission)
+    rows.sample_through(texels, fu, fv, transmission, channel.veil, light)
+    place = (row, start, width, columns[0], columns[1])
+    draw_faces(view.outlines, place, scene, channel, work, light)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _face_maps(
-    box: tuple[Array, Texels],
-    rotation: Array,
-    centre: Array,
-    intrinsics: Array,
-    maps: Array,
-    edges: Array,
-    bounds: Array,
-) -> NDArray[np.bool_]:
-    """Write maps in texels, edges and bounding boxes; return which faces are to be drawn."""
-    faces, layout = box
-    seen = faces_seen(faces, centre)
-    for k in range(faces.shape[0]):
-        if not seen[k]:
-            continue
-        seen[k] = plane_map(faces[k], rotation, centre, intrinsics, maps[k]) and _outline(
-            faces[k], rotation, centre, intrinsics, edges[k], bounds[k]
-        )
-        for c in range(3):
-            maps[k, 0, c] = maps[k, 0, c] * layout[k, 1] - 0.5 * maps[k, 2, c]
-            maps[k, 1, c] = maps[k, 1, c] * layout[k, 2] - 0.5 * maps[k, 2, c]
-    return seen
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def _between(nodes: Row, row: int, x0: int, x1: int, out: Row) -> None:
-    """Write the transmission of a row at its nodes' columns, from the nodes above and below."""
-    j = row // _NODE
-    share = _F((row - j * _NODE) / _NODE)
-    for i in range(x0 // _NODE, (x1 - 1) // _NODE + 2):
-        out[i] = nodes[j, i] + share * (nodes[j + 1, i] - nodes[j, i])
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def _draw_ground(
-    line: Row,
-    x0: int,
-    ground: tuple[Texels, int, int, float],
-    transmission: Row,
-    places: tuple[Texels, Row, Row],
-    out: Row,
+def expose_strip(
+    light: Row,
+    place: tuple[int, int, int, int],
+    grain: Grain,
+    stamp: tuple[int, int],
+    levels: NDArray[np.uint8],
+    out: NDArray[np.uint8],
 ) -> None:
-    """Write a row of seabed through the water. `ground`: tile, its shift north and east, veil."""
-    tile, north, east, veil = ground
-    texels, fu, fv = places
-    rows.seabed_places(line, x0, north, east, texels, fu, fv)
-    rows.fetch(tile, texels)
-    rows.sample(texels, fu, fv, out)
-    rows.spread(transmission, x0, fu)
-    rows.attenuate(out, fu, veil)
+    """Write the grey levels of a strip's window into the picture.
+
+    `place` is row and column of the strip's first pixel and the window's columns, `stamp` the
+    number of frame and channel.
+    """
+    row, start, x0, x1 = place
+    width = columns_of(x0, x1)[1]
+    for r in range(light.shape[0] // width):
+        first = noise_start(grain.seed, stamp[0], row + r, stamp[1]) + start
+        noise = grain.bank[first : first + width]
+        part = light[r * width : (r + 1) * width]
+        rows.expose(part, noise, grain.read_variance, grain.shot_gain, levels[:width])
+        rows.copy(levels[x0 - start : x1 - start], out[row + r, x0:x1])
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _draw(
+    pose: Array,
+    scene: Scene,
+    channel: Channel,
+    grain: Grain,
+    frame: int,
+    window: Window,
+    work: Work,
+    out: NDArray[np.uint8],
+) -> None:
+    x0, y0, x1, y1 = window
+    view = view_of(pose, scene, channel.attenuation, window)
+    start, width = columns_of(x0, x1)
+    height = max(1, STRIP // width)
+    for row in range(y0, y1, height):
+        light = work.light[: min(height, y1 - row) * width]
+        light_strip(view, row, (x0, x1), scene, channel, work, light)
+        stamp = (frame, channel.number)
+        expose_strip(light, (row, start, x0, x1), grain, stamp, work.levels, out)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def draw(
     pose: Array,
-    optics: tuple[Array, Array],
-    scene: tuple[Texels, float, Array, Texels, Texels],
-    water: Law,
-    grain: tuple[Row, int, int, int],
+    scene: tuple[Any, ...],
+    channel: tuple[Any, ...],
+    grain: tuple[Any, ...],
+    frame: int,
     window: Window,
-    work: tuple[Row, Texels, Row],
+    work: tuple[Any, ...],
     out: NDArray[np.uint8],
 ) -> None:
-    """Draw the window x0, y0, x1, y1 into `out` (H, W) uint8.
+    """Draw the window x0, y0, x1, y1 of one channel into `out` (H, W) uint8.
 
-    Parameters
-    ----------
-    optics : tuple
-        intrinsics (3,), mount (3,).
-    scene : tuple
-        seabed tile, depth of the seabed [m], faces (5, 12), the faces' packed textures and where
-        each lies in them (5, 3).
-    water : tuple
-        law (0 beer, 1 uwsim), attenuation, veil [grey], read variance [grey^2], shot gain [grey].
-    grain : tuple
-        noise bank, noise seed, frame, channel.
-    work : tuple
-        buffers (7, W) float32, index (W,) int32, nodes (rows, columns) float32.
+    The tuples are Scene, Channel, Grain and Work without their names: Numba's dispatcher takes
+    microseconds longer to tell the type of a named tuple.
     """
-    intrinsics, mount = optics
-    tile, depth, faces, skin, layout = scene
-    noise, seed, frame, channel = grain
-    buffers, index, nodes = work
-    x0, y0, x1, y1 = window
-    rotation = np.empty((3, 3))
-    centre = np.empty(3)
-    look(pose, mount, rotation, centre)
-    g = np.empty((3, 3))
-    texel = _seabed_map(depth, rotation, centre, intrinsics, g)
-    _nodes(g, intrinsics, water, window, nodes)
-    count = faces.shape[0]
-    maps = np.empty((count, 3, 3))
-    edges = np.empty((count, 4, 3))
-    boxes = np.empty((count, 4))
-    seen = _face_maps((faces, layout), rotation, centre, intrinsics, maps, edges, boxes)
-    line = np.empty(6, np.float32)
-    ground = (tile, texel[0] - 4096, texel[1] - 4096, water[2])
-    total = buffers[0, x0:x1]
-    places = (index[: x1 - x0], buffers[2, : x1 - x0], buffers[3, : x1 - x0])
-    between = np.empty(nodes.shape[1], np.float32)
-    for row in range(y0, y1):
-        _row_of(g, float(row), line)
-        _between(nodes, row, x0, x1, between)
-        _draw_ground(line, x0, ground, between, places, total)
-        copied = False
-        for k in range(count):
-            if not seen[k] or row < boxes[k, 1] or row >= boxes[k, 3]:
-                continue
-            a, b = _span(edges[k], float(row), x0, x1, 0.75)
-            if b <= a:
-                continue
-            if not copied:
-                buffers[1, x0:x1] = total
-                copied = True
-            _row_of(maps[k], float(row), line)
-            part = (line, edges[k], (layout[k, 0], layout[k, 1], layout[k, 2]), a, b)
-            _draw_face(part, row, buffers, index, intrinsics, water, skin)
-        start = noise_start(seed, frame, row, channel) + x0
-        rows.expose(total, noise[start : start + x1 - x0], water[3], water[4], out[row, x0:x1])
+    _draw(pose, Scene(*scene), Channel(*channel), Grain(*grain), frame, window, Work(*work), out)

@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from sim.camera import CURRENTS, VISIBILITY, Camera, Optics, Target, Water, lettering, start_pose
 from sim.camera.camera import SEABED_SEED
-from sim.camera.seabed import TEXEL_M, TILE, seabed
+from sim.camera.seabed import TEXEL_M
+from sim.camera.seabed import texels as seabed_texels
 from sim.camera.target import SHADES
 from sim.camera.target import TEXEL_M as FACE_TEXEL_M
 
@@ -72,7 +73,7 @@ class Reference:
         return depth, face, a, b
 
     def shade(self, face: NDArray[np.int64], a: Array, b: Array) -> Array:
-        ground = (seabed(SEABED_SEED, 1) & 255).reshape(TILE, TILE).astype(float)
+        ground = seabed_texels(SEABED_SEED, 1).astype(float)
         out = bilinear(ground, a / TEXEL_M - 0.5, b / TEXEL_M - 0.5, wrap=True)
         t = self.target
         sizes = [(t.length_m, t.width_m)] + [(t.length_m, t.height_m)] * 2
