@@ -14,19 +14,16 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from sim.elementary import PI, sincos
+from sim import constants
+from sim.elementary import PI, cos, sin, sincos
 from sim.vehicles import Array
 
 WAVES = 5
-WAVELENGTHS_M = (4.0, 10.0)  # E: shortest and longest wave of the mounds
-RISE_M = 2.0  # E: from the flat patch to mounds of full size
-REACH_M = 20.0  # beyond this the bottom is flat again
-BEAM_M = 81.0  # longest range of a beam, S: Stonefish girona500auv_full.scn
-# S: four beams 30 degrees off the body's z axis (Stonefish, same file); E: between its x and y axes
-_BEAM_SIDE, _BEAM_DOWN = 0.35355339059327373, 0.8660254037844386  # sin 30° cos 45°, cos 30°
-# E: cosine of 30° + 0.5 rad, the flattest angle at which a beam still meets a flat bottom within
-# the tilt that a DVL bears
-_FLATTEST = 0.5204
+WAVELENGTHS_M = constants.MOUND_LENGTHS_M.value
+RISE_M = constants.MOUND_RISE_M.scalar
+REACH_M = constants.MOUND_REACH_M.scalar
+BEAM_M = constants.DVL_RANGE_M.value[1]
+_BEAM_RAD = constants.DVL_BEAM_RAD.scalar
 _CLOSE_M = 1e-7  # a ray this near to the bottom has met it
 _MOST_STEPS = 200
 
@@ -41,6 +38,9 @@ class Mounds(NamedTuple):
     east: float
     steepest: float
     waves: Array
+    beam_side: float  # a beam's unit vector: along the body's x and y axes each, and along z
+    beam_down: float
+    flattest: float  # cosine of the flattest angle with an echo
 
 
 class Sounding(NamedTuple):
@@ -102,6 +102,10 @@ class Bottom:
                 east=self.place[1],
                 steepest=relief.height_m * steepest,
                 waves=relief.waves,
+                beam_side=sin(_BEAM_RAD) * sin(0.25 * PI),  # E: all beams between the axes
+                beam_down=cos(_BEAM_RAD),
+                # That of a beam on a flat bottom at the largest tilt that the DVL bears.
+                flattest=cos(_BEAM_RAD + constants.DVL_MOST_TILT_RAD.scalar),
             )
 
     @property
@@ -219,13 +223,13 @@ def sounding(pose: Array, mounds: Mounds) -> tuple[float, int]:
     total, echoes = 0.0, 0
     for forward in (1.0, -1.0):
         for starboard in (1.0, -1.0):
-            a, b = forward * _BEAM_SIDE, starboard * _BEAM_SIDE
-            across = cr * b - sr * _BEAM_DOWN  # roll, then pitch, then yaw
-            down = sr * b + cr * _BEAM_DOWN
+            a, b = forward * mounds.beam_side, starboard * mounds.beam_side
+            across = cr * b - sr * mounds.beam_down  # roll, then pitch, then yaw
+            down = sr * b + cr * mounds.beam_down
             along, sinking = cp * a + sp * down, cp * down - sp * a
             way = (cy * along - sy * across, sy * along + cy * across, sinking)
             far, facing = cast(start, way, mounds)
-            if facing >= _FLATTEST:
+            if facing >= mounds.flattest:
                 total += far * sinking
                 echoes += 1
     if echoes == 0:

@@ -19,15 +19,14 @@ from types import ModuleType
 import numpy as np
 from numba import njit
 
+from sim import constants
 from sim.bottom import REACH_M, Bottom
 from sim.elementary import cos, sin
 from sim.hydrodynamics import write_rotation
 from sim.vehicles import STANDARD_GRAVITY, Array, Vehicle
 from sim.vehicles.urdf import urdf_of
 
-GATE_M = 0.5  # nothing can touch while the hull's sphere is farther away than this
-WATER_DENSITY = 1000.0  # [kg/m³] fresh water, as in the test pool
-FRICTION = 0.5  # of hull, target and bottom; E
+GATE_M = constants.GATE_M.scalar
 AWAKE_SPEED = 1e-3  # [m/s, rad/s] a target slower than this lies still
 CLEARANCE_M = 0.1  # a hull that ends this far above everything does not touch within a step
 SOLVER_ITERATIONS = 50  # Bullet's default
@@ -41,8 +40,12 @@ class TargetBox:
 
     centre: tuple[float, float, float]  # [m] NED
     yaw: float = 0.0  # [rad]
-    size: tuple[float, float, float] = (0.42, 0.13, 0.13)  # [m] S, S: UWSim; height E
-    mass: float = 15.0  # [kg] S: UWSim cirs.xml
+    size: tuple[float, float, float] = (
+        constants.TARGET_SIZE_M.value[0],
+        constants.TARGET_SIZE_M.value[1],
+        constants.TARGET_HEIGHT_M.scalar,
+    )  # [m]
+    mass: float = constants.TARGET_MASS_KG.scalar  # [kg]
     fixed: bool = False
 
 
@@ -142,7 +145,7 @@ class _World:
         self._box_moves = box is not None and not box.fixed
         self._box_weight = 0.0
         if box is not None:
-            displaced = WATER_DENSITY * box.size[0] * box.size[1] * box.size[2]
+            displaced = constants.WATER_DENSITY.scalar * box.size[0] * box.size[1] * box.size[2]
             self._box_weight = (box.mass - displaced) * STANDARD_GRAVITY
 
     def _add_mounds(self, bottom: Bottom) -> None:
@@ -191,7 +194,7 @@ class _World:
             -1,
             linearDamping=0.0,  # 0.04 unless told otherwise
             angularDamping=0.0,
-            lateralFriction=FRICTION,
+            lateralFriction=constants.FRICTION.scalar,
             restitution=0.0,
             activationState=bullet.ACTIVATION_STATE_DISABLE_SLEEPING,
             physicsClientId=self._client,

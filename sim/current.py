@@ -24,14 +24,13 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numba import njit
 
+from sim import constants
 from sim.elementary import PI, exp, log, sin, sincos
 from sim.vehicles import Array
 
-GUST_GRID_S = 0.05  # the gust is drawn on this grid, whatever the integration step
-# S: UWSim BenchmarkROSInterfaces.cpp, half of 1000 kg/m³ times CdA 0.82 m²
-FORCE_PER_SPEED_SQUARED = 500.0 * 0.82  # [N s²/m²]
+GUST_GRID_S = constants.GUST_GRID_S.scalar  # whatever the integration step
 
-LEAST_HEIGHT_M = 0.1  # the law has no end at the bottom: below this the profile is constant; E
+LEAST_HEIGHT_M = constants.LEAST_HEIGHT_M.scalar
 
 _RELATIVE, _FORCE = 0, 1
 
@@ -138,7 +137,7 @@ class Current:
             azimuth_rate=2.0 * PI / law.azimuth_period_s,
             speed_swing=float(law.speed_swing) if level > 0.0 else 0.0,
             speed_rate=2.0 * PI / law.speed_period_s,
-            force=FORCE_PER_SPEED_SQUARED * law.force_share,
+            force=constants.FORCE_PER_SPEED_SQUARED.scalar * law.force_share,
             gust=np.zeros(2) if rng is None else _gust(rng, sigma, law.gust_time_s, duration_s),
             shear=float(over.exponent),
             bottom=float(over.bottom_m),

@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba import njit
 
+from sim import constants
 from sim.bottom import Bottom, relief_of
 from sim.contact import Contact, add_push, lowest_point, world_motion
 from sim.current import Current, Water, flow, profile, segment_at
@@ -23,7 +24,7 @@ from sim.pose import read_pose, write_pose
 from sim.thrusters import command_of, commands_for, force_of, packed, steady_thrust
 from sim.vehicles import STANDARD_GRAVITY, Array, Vehicle, load
 
-STEP_S = 0.01  # RK4 at 100 Hz is within 1e-6 mm of the limit after 600 s
+STEP_S = constants.STEP_S.scalar
 _RIGID = 13  # position 3, quaternion 4, velocity 6; thrusts follow
 
 

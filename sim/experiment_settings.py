@@ -5,6 +5,7 @@ Tags of the defaults: S sourced, D derived from sourced, E our estimate.
 
 from functools import partial
 
+from sim import constants
 from sim.chain_settings import ChainSettings
 from sim.configuration import knob
 from sim.fault_settings import FaultSettings
@@ -15,7 +16,7 @@ from sim.vehicles import load
 
 experiment = partial(knob, group="Experiment", role="scenario")
 
-TARGET_M = (0.42, 0.13)  # [m] length and width of the black box's top, S: UWSim
+TARGET_M = constants.TARGET_SIZE_M.value  # [m] length and width of the black box's top
 SMALLEST_SIDE_PX = 16.0  # [px] a smaller target gives a tracker nothing to start from
 START_ERROR_SHARE = 0.1  # of the shorter side: the corners still make a convex figure
 

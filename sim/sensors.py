@@ -11,13 +11,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from sim import constants
 from sim.elementary import PI
 
 BEAMS = 4
-LEAST_BEAMS = 3  # three beams give three velocities
-DVL_RANGE_M = (0.5, 81.0)  # S: Stonefish girona500auv_full.scn
-# E: with four beams at 30 degrees one of them looks past the bottom long before this
-DVL_MOST_TILT_RAD = 0.5
+LEAST_BEAMS = round(constants.DVL_LEAST_BEAMS.scalar)
+DVL_RANGE_M = constants.DVL_RANGE_M.value
+DVL_MOST_TILT_RAD = constants.DVL_MOST_TILT_RAD.scalar
 NOISE_BLOCK = 256  # readings whose noise is drawn at once; the stream gives the same numbers
 
 Reading = tuple[float, ...]
@@ -138,9 +138,13 @@ class Altimeter(Sensor):
     """Height above the bottom from the DVL's beams, (1,) [m]."""
 
     def __init__(
-        self, rng: np.random.Generator, *, period_ticks: int = 20, sigma: float = 0.001
+        self,
+        rng: np.random.Generator,
+        *,
+        period_ticks: int = 20,
+        sigma: float = constants.ALTIMETER_SIGMA_M.scalar,
     ) -> None:
-        """Set up an altimeter; sigma [m] S: Stonefish girona500auv_full.scn."""
+        """Set up an altimeter; sigma [m]."""
         super().__init__(1, rng=rng, period_ticks=period_ticks)
         self._sigma = sigma
         self._noise = _noise(rng, 1)
@@ -173,7 +177,7 @@ class Ahrs(Sensor):
         *,
         period_ticks: int = 5,
         sigma: float = 1e-4,
-        rate_sigma: float = 1.7e-5,
+        rate_sigma: float = constants.AHRS_RATE_SIGMA.scalar,
     ) -> None:
         """Set up an AHRS.
 

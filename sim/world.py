@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from sim import constants
 from sim.bottom import Bottom, Relief, relief_of
 from sim.camera.camera import Camera
 from sim.camera.optics import Optics
@@ -23,10 +24,6 @@ from sim.trackers import Tracker
 from sim.tracking import Tracking, tracking_of
 from sim.vehicles import Vehicle, load
 from sim.velocity_controller import VelocityController
-
-DEPTH_PERIOD_TICKS = 20  # S: 5 Hz at 100 physics steps a second, COLA2
-AHRS_PERIOD_TICKS = 5  # S: 20 Hz, COLA2
-NOMINAL_STEP_S = 0.01  # the step that the periods above are given for
 
 
 @dataclass(slots=True, kw_only=True)
@@ -167,8 +164,10 @@ def water_of(config: ExperimentSettings) -> Water:
 
 
 def _sensors(config: ExperimentSettings, random: Streams) -> Sensors:
-    per_step = NOMINAL_STEP_S / config.physics_step_s
-    slow = max(1, round(DEPTH_PERIOD_TICKS * per_step))
+    slow, fast = (
+        max(1, round(period.scalar / config.physics_step_s))
+        for period in (constants.DEPTH_PERIOD_S, constants.AHRS_PERIOD_S)
+    )
     return Sensors(
         dvl=Dvl(
             random.dvl,
@@ -182,7 +181,7 @@ def _sensors(config: ExperimentSettings, random: Streams) -> Sensors:
         depth=DepthGauge(random.depth, period_ticks=slow, sigma=config.depth_sigma_m),
         ahrs=Ahrs(
             random.ahrs,
-            period_ticks=max(1, round(AHRS_PERIOD_TICKS * per_step)),
+            period_ticks=fast,
             sigma=config.ahrs_sigma_rad,
         ),
         altimeter=Altimeter(random.altimeter, period_ticks=slow),
