@@ -9,7 +9,9 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from sandbox.languages import LANGUAGES, language_of
 from seamark.failures import UsageRefused
+from sim import registry
 
 if TYPE_CHECKING:
     from sim.configuration import Configuration
@@ -17,24 +19,40 @@ if TYPE_CHECKING:
 ORDER_KEYS = frozenset({"benchmark", "config", "controller", "seed", "trials", "kind", "title"})
 
 
-def choose(controller: str, built_in: Sequence[str]) -> Path | None:
-    """Return the file that `controller` names, or None for a built-in one.
+def choose(controller: str | None, benchmark: str) -> tuple[str, Path | None]:
+    """Return the name of what takes part, and its file; None for what is built in.
+
+    What is not said is the benchmark's first; a benchmark that is not known here may be a newer
+    server's.
 
     Raises
     ------
     UsageRefused
-        It is neither.
+        It is neither a file nor built in, or a file in a language that cannot be.
     """
-    if controller in built_in:
-        return None
+    known = benchmark if benchmark in registry.BENCHMARKS else next(iter(registry.BENCHMARKS))
+    entry = registry.benchmark(known)
+    built_in = list(entry.built_in)
+    if controller is None or controller in built_in:
+        return controller or built_in[0], None
     path = Path(controller)
     if path.is_file():
-        return path
+        _check_language(path, entry.role)
+        return controller, path
     near = difflib.get_close_matches(controller, built_in, n=1)
     hint = f" Did you mean {near[0]}?" if near else ""
     raise UsageRefused(
-        f"{controller} is neither a file nor a built-in controller ({', '.join(built_in)}).{hint}"
+        f"{controller} is neither a file nor a built-in {entry.role} ({', '.join(built_in)}).{hint}"
     )
+
+
+def _check_language(path: Path, role: str) -> None:
+    name = language_of(path.name)
+    if name is not None and role not in LANGUAGES[name].roles:
+        able = ", ".join(each.label for each in LANGUAGES.values() if role in each.roles)
+        raise UsageRefused(
+            f"{path}: a {role} is written in {able}, not in {LANGUAGES[name].label}."
+        )
 
 
 def configuration_of(benchmark: str, file: Path | None, pairs: Sequence[str]) -> Configuration:

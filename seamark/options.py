@@ -60,7 +60,11 @@ def order_options(command: Command) -> Command:
 
     for option in reversed(
         (
-            click.option("--controller", metavar="FILE|NAME", default="pi", show_default=True),
+            click.option(
+                "--controller",
+                metavar="FILE|NAME",
+                help="A program, or what is built in.  [default: the benchmark's first]",
+            ),
             configuration_options,
             click.option("--seed", type=click.IntRange(0, SEED_MAX), help="Else drawn, and shown."),
             click.option(

@@ -9,6 +9,7 @@ from typing import Any
 TABLE = (
     *("level", "speed", "rmse_m", "p95_m", "rmse_px", "mean_x_px", "mean_y_px"),
     *("settling_s", "lost_percent", "points"),
+    *("value", "optical_depth", "p5_percent", "p1_percent", "corner_px", "not_admitted_percent"),
 )
 
 

@@ -1,6 +1,6 @@
 """The built-in entries of the leaderboard: ordinary ranked runs of users that nobody can be.
 
-A user stands on the leaderboard once, with the best run; so each built-in controller has its own.
+A user stands on the leaderboard once, with the best run; so each built-in entry has its own.
 """
 
 import time
@@ -18,7 +18,6 @@ from server.states import Kind, RunState
 from server.tables import Run, User
 from sim import registry
 
-CONTROLLERS = ("p", "pi")
 _LOCK = 0x5EA_0003
 _log = structlog.get_logger()
 
@@ -31,26 +30,19 @@ def ensure(session: Session, settings: Settings) -> list[int]:
     """
     exclusive(session, _LOCK)
     made: list[int] = []
-    for controller in CONTROLLERS:
-        user = _user(session, f"{RESERVED_PREFIX}-{controller}")
-        viewer = Viewer(user_id=user.id, name=user.name)
-        for benchmark in registry.BENCHMARKS:
-            if not _there(session, user.id, benchmark, controller):
-                title = registry.CONTROLLERS[controller].label
-                made.append(
-                    enqueue(
-                        session,
-                        Order(
-                            viewer=viewer,
-                            benchmark=benchmark,
-                            config={},
-                            kind=Kind.RANKED,
-                            controller=controller,
-                            title=f"{title}, as it comes",
-                        ),
-                        settings,
-                    )
+    for name in registry.BENCHMARKS:
+        for ending, baseline in registry.benchmark(name).baselines.items():
+            user = _user(session, f"{RESERVED_PREFIX}-{ending}")
+            if not _there(session, user.id, name):
+                order = Order(
+                    viewer=Viewer(user_id=user.id, name=user.name),
+                    benchmark=name,
+                    config=baseline.config,
+                    kind=Kind.RANKED,
+                    controller=baseline.built_in,
+                    title=baseline.title,
                 )
+                made.append(enqueue(session, order, settings))
     if made:
         _log.info("baselines_queued", runs=made)
     return made
@@ -65,11 +57,8 @@ def _user(session: Session, name: str) -> User:
     return user
 
 
-def _there(session: Session, user_id: int, benchmark: str, controller: str) -> bool:
+def _there(session: Session, user_id: int, benchmark: str) -> bool:
     query = select(Run.id).where(
-        Run.user_id == user_id,
-        Run.benchmark == benchmark,
-        Run.controller == controller,
-        Run.state != RunState.CANCELLED,
+        Run.user_id == user_id, Run.benchmark == benchmark, Run.state != RunState.CANCELLED
     )
     return session.scalar(query.limit(1)) is not None

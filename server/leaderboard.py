@@ -1,7 +1,7 @@
 """The leaderboard: `best` rows are kept up to date, so a page costs the same at any depth."""
 
 from dataclasses import dataclass
-from typing import Self
+from typing import Any, Self
 
 from sqlalchemy import ColumnElement, Select, and_, delete, func, or_, select
 from sqlalchemy.orm import Session
@@ -39,6 +39,8 @@ class Rank:
     user: str
     is_baseline: bool
     run_id: int
+    benchmark: str
+    config: dict[str, Any]
     controller: str
     program_name: str | None
     title: str
@@ -171,6 +173,8 @@ def _rank(best: Best, run: Run, user: User, *, rank: int, tied: bool) -> Rank:
         user=user.name,
         is_baseline=user.is_baseline,
         run_id=best.run_id,
+        benchmark=run.benchmark,
+        config=run.config,
         controller=run.controller,
         program_name=run.program_name,
         title=run.title,

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from sqlalchemy import func, or_, select
 from sqlalchemy.orm import Session
 
+from sandbox.languages import LANGUAGES
 from sandbox.level import Level
 from server.access import Action, Viewer, can
 from server.causes import UNCHARGED
@@ -174,10 +175,11 @@ def _check_rules(session: Session, order: Order, settings: Settings) -> None:
     if (order.controller == UPLOAD) != (order.program is not None):
         raise OrderRejected("Choose either a built-in controller or a program of your own.")
     if order.program is None:
-        _check_built_in(order.controller)
+        _check_built_in(order)
         return
     if not can(viewer, Action.UPLOAD):
         raise OrderRejected("Running a program of your own needs an account.")
+    _check_role(order.benchmark, order.program)
     if reason := upload_refusal(session, order.program.language, settings):
         raise OrderRejected(reason)
 
@@ -189,11 +191,27 @@ def _check_practice(order: Order, settings: Settings) -> None:
         raise OrderRejected(f"A seed is a whole number from 0 to {SEED_MAX}.")
 
 
-def _check_built_in(controller: str) -> None:
+def _check_built_in(order: Order) -> None:
     from sim import registry  # noqa: PLC0415 - as above
 
-    if controller not in registry.CONTROLLERS:
-        raise OrderRejected(f"There is no built-in controller {controller}.")
+    benchmark = registry.benchmark(order.benchmark)
+    if order.controller not in benchmark.built_in:
+        raise OrderRejected(
+            f"There is no built-in {benchmark.role} {order.controller} in {order.benchmark}; "
+            f"there is {', '.join(benchmark.built_in)}."
+        )
+
+
+def _check_role(benchmark: str, program: StoredProgram) -> None:
+    """Refuse a language in which there can be no program of the benchmark's role."""
+    from sim import registry  # noqa: PLC0415 - as above
+
+    role, language = registry.benchmark(benchmark).role, LANGUAGES[program.language]
+    if role not in language.roles:
+        able = ", ".join(each.label for each in LANGUAGES.values() if role in each.roles)
+        raise OrderRejected(
+            f"{benchmark} compares {role}s; a {role} is written in {able}, not in {language.label}."
+        )
 
 
 def _check_quota(session: Session, viewer: Viewer, settings: Settings) -> None:

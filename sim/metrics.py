@@ -30,40 +30,127 @@ REBOUND_S = 0.5  # S: ExperimentMeasurer, contacts closer than this are one coll
 VRX_BASE = 0.75  # VRX StationkeepingScoringPlugin
 
 METRICS: tuple[Metric, ...] = (
-    Metric("rmse_m", "RMSE of the distance", "m", "lower", "rms"),
+    Metric(
+        "rmse_m",
+        "RMSE of the distance",
+        "m",
+        "lower",
+        "rms",
+        meaning="root of the mean square: large errors weigh more",
+    ),
     Metric("mae_m", "Mean distance", "m", "lower"),
-    Metric("p95_m", "Distance, 95th percentile", "m", "lower", "max"),
+    Metric(
+        "p95_m",
+        "Distance, 95th percentile",
+        "m",
+        "lower",
+        "max",
+        meaning="95 % of the time the distance is smaller",
+    ),
     Metric("max_m", "Largest distance", "m", "lower", "max"),
     Metric("rmse_px", "RMSE of the distance in the picture", "px", "lower", "rms"),
     Metric("mae_px", "Mean distance in the picture", "px", "lower"),
     Metric("p95_px", "Distance in the picture, 95th percentile", "px", "lower", "max"),
     Metric("max_px", "Largest distance in the picture", "px", "lower", "max"),
-    Metric("mean_x_px", "Mean X error", "px", "lower"),
-    Metric("mean_y_px", "Mean Y error", "px", "lower"),
+    Metric(
+        "mean_x_px",
+        "Mean X error",
+        "px",
+        "lower",
+        meaning="what a constant current leaves behind along image X (starboard)",
+    ),
+    Metric(
+        "mean_y_px",
+        "Mean Y error",
+        "px",
+        "lower",
+        meaning="what a constant current leaves behind along image Y (aft)",
+    ),
     Metric("in_0_1_m_percent", "Time within 0.1 m", "%", "higher"),
     Metric("in_0_25_m_percent", "Time within 0.25 m", "%", "higher"),
     Metric("in_0_5_m_percent", "Time within 0.5 m", "%", "higher"),
     Metric("iae_m_s", "Integral of the absolute error", "m s", "lower", "sum"),
     Metric("ise_m2_s", "Integral of the squared error", "m² s", "lower", "sum"),
-    Metric("itae_m_s2", "Integral of time times absolute error", "m s²", "lower", "sum"),
+    Metric(
+        "itae_m_s2",
+        "Integral of time times absolute error",
+        "m s²",
+        "lower",
+        "sum",
+        meaning="late errors cost more",
+    ),
     Metric("heading_rmse_rad", "RMSE of the heading", "rad", "lower", "rms"),
-    Metric("vrx_m", "VRX station-keeping error", "m", "lower"),
+    Metric(
+        "vrx_m",
+        "VRX station-keeping error",
+        "m",
+        "lower",
+        meaning="distance plus weighted heading error, as in the VRX competition",
+    ),
     Metric("thrust_rms_n", "RMS thrust of all thrusters", "N", "lower", "rms"),
-    Metric("energy_n15_s", "Energy proxy, integral of thrust^1.5", "N^1.5 s", "lower", "sum"),
-    Metric("variation_m_s", "Total variation of the references", "m/s", "lower", "sum"),
+    Metric(
+        "energy_n15_s",
+        "Energy proxy, integral of thrust^1.5",
+        "N^1.5 s",
+        "lower",
+        "sum",
+        meaning="an ideal propeller's power grows with thrust^1.5",
+    ),
+    Metric(
+        "variation_m_s",
+        "Total variation of the references",
+        "m/s",
+        "lower",
+        "sum",
+        meaning="sum of all changes: how restless the controller is",
+    ),
     Metric("saturated_s", "Time with a thruster at its limit", "s", "lower", "sum"),
     Metric("lost_percent", "Time with the target lost", "%", "lower"),
-    Metric("collisions", "Collisions", "", "lower", "sum"),
+    Metric(
+        "collisions",
+        "Collisions",
+        "",
+        "lower",
+        "sum",
+        meaning="contacts less than 0.5 s apart count as one",
+    ),
     Metric("contact_s", "Time in contact", "s", "lower", "sum"),
-    Metric("contact_max_n", "Greatest contact force", "N", "lower", "max"),
+    Metric(
+        "contact_max_n",
+        "Greatest contact force",
+        "N",
+        "lower",
+        "max",
+        meaning="the net force on the hull, mean over one control period",
+    ),
 )
-SETTLING = Metric("settling_s", "Settling time to 0.1 m", "s", "lower", "max")
-POINTS = Metric("points", "Points of the level", "of 100", "higher")
+SETTLING = Metric(
+    "settling_s",
+    "Settling time to 0.1 m",
+    "s",
+    "lower",
+    "max",
+    meaning="time from which the distance stays within 0.1 m",
+)
+POINTS = Metric(
+    "points",
+    "Points of the level",
+    "of 100",
+    "higher",
+    meaning="100 / (1 + RMSE / 0.25 m) x (1 - share of the time lost)",
+)
+HELD = Metric(
+    "held", "Held", "", "higher", meaning="95 % of the time within 0.5 m, and the target never lost"
+)
+HEAD = (POINTS, HELD, SETTLING)
+WHOLE = "whole_"  # prefix of the metrics over a level's whole length
+_FIRST = ("rmse_m", "p95_m", "max_m", "rmse_px", "mean_x_px", "mean_y_px", "lost_percent")
+TELLING = tuple(metric for metric in METRICS if metric.name in _FIRST)
 OVERALL = (  # what there is over a whole run
     POINTS,
     SETTLING,
     *METRICS,
-    *(replace(metric, name=f"whole_{metric.name}") for metric in METRICS),
+    *(replace(metric, name=f"{WHOLE}{metric.name}") for metric in METRICS),
 )
 
 
@@ -85,7 +172,7 @@ def level_metrics(rows: Rows, facts: LevelFacts) -> dict[str, Any]:
     settled = _window(rows[first:], facts)
     whole = _window(rows, facts)
     result: dict[str, Any] = {"level": facts.level, "speed": facts.speed}
-    result |= settled | {f"whole_{name}": value for name, value in whole.items()}
+    result |= settled | {f"{WHOLE}{name}": value for name, value in whole.items()}
     result["settling_s"] = settling_time(_column(rows, "distance"), facts.dt)
     result["points"] = points(settled["rmse_m"], whole["lost_percent"] / 100.0)
     result["held"] = bool(whole["p95_m"] < HELD_P95_M and whole["lost_percent"] == 0.0)

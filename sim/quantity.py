@@ -16,3 +16,4 @@ class Metric:
     unit: str
     better: str
     over: str = "mean"
+    meaning: str = ""  # one more sentence where the label alone does not say it

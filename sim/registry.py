@@ -16,6 +16,9 @@ BENCHMARKS = {
     "currents-v1": Entry(
         "Position controllers in changing currents", "sim.benchmarks.currents_v1:BENCHMARK"
     ),
+    "visibility-v1": Entry(
+        "Trackers in water that gets worse", "sim.benchmarks.visibility_v1:BENCHMARK"
+    ),
 }
 VEHICLES = {
     "girona500": Entry("Girona 500", "sim.vehicles.girona500:VEHICLE"),

@@ -26,8 +26,15 @@ METRICS: tuple[Metric, ...] = (
     Metric("p1_percent", "Pictures within 1 px (p@1)", "%", "higher"),
     Metric("corner_px", "Mean corner error where within 5 px", "px", "lower"),
     Metric("admitted_percent", "Pictures in which it says that the target is lost", "%", "lower"),
-    Metric("not_admitted_percent", "Pictures lost but not admitted", "%", "lower"),
+    Metric(
+        "not_admitted_percent",
+        "Pictures lost but not admitted",
+        "%",
+        "lower",
+        "more than 10 px off",
+    ),
 )
+HELD = Metric("held", "Held", "", "higher", meaning="p@5 of at least 95 %")
 
 
 def level_metrics(rows: Rows) -> dict[str, Any]:

@@ -89,11 +89,14 @@ class OneTrial:
             listener.rows(rows)
             _pass_output(box, listener)
 
+        solution = self._wrap(box)
         try:
-            result = self._simulate(trial, self._wrap(box), on_rows)
+            result = self._simulate(trial, solution, on_rows)
             return TrialEnd(result=result, outcome=box.finish())
         finally:
             _pass_output(box, listener)
+            if remark := solution.remark():
+                listener.log(remark.encode())
             box.close()
 
     def _loaded_box(self, listener: TrialListener) -> BoxLike:

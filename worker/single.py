@@ -50,7 +50,7 @@ def evaluate_here(
     *,
     seed: int,
     trials: int = 1,
-    controller: Controller = "pi",
+    controller: Controller,
     hearing: Hearing,
     level: Level = Level.NONE,
     processes: int | None = None,

@@ -52,3 +52,4 @@ class Language:
     calls: Calls = PYTHON_CALLS
     mains: tuple[str, ...] = ()  # files at the top of an archive that make it one of this language
     packed: bool = False  # its files are zip archives themselves
+    roles: tuple[str, ...] = ("controller",)  # what its programs may be

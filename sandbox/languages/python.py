@@ -22,4 +22,12 @@ def runtime() -> Runtime:
     return python_runtime()
 
 
-PYTHON = Language("python", "Python", (".py",), runtime, SELF_TEST, mains=("main.py",))
+PYTHON = Language(
+    "python",
+    "Python",
+    (".py",),
+    runtime,
+    SELF_TEST,
+    mains=("main.py",),
+    roles=("controller", "tracker", "detector"),
+)

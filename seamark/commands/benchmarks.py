@@ -30,7 +30,8 @@ def benchmarks(name: str | None, as_json: bool) -> None:
     if name not in registry.BENCHMARKS:
         known = ", ".join(registry.BENCHMARKS)
         raise UsageRefused(f"There is no benchmark {name}. There are: {known}.")
-    schema = registry.benchmark(name).schema()
+    found = registry.benchmark(name)
+    schema = found.schema()
     if as_json:
         answer(schema)
         return
@@ -38,7 +39,7 @@ def benchmarks(name: str | None, as_json: bool) -> None:
     for key, field in schema["properties"].items():
         say(f"  --set {key}={_text(field['default'])}")
         say(f"      {field['title']}: {field['description']}{_range(field)}")
-    say("\nBuilt-in controllers: " + ", ".join(registry.CONTROLLERS))
+    say(f"\nBuilt-in {found.role}s: " + ", ".join(found.built_in))
 
 
 def _list_all(*, as_json: bool) -> None:

@@ -1,4 +1,4 @@
-"""`seamark init`: a controller to start from, in any of the languages."""
+"""`seamark init`: a program to start from, in any of the languages."""
 
 from __future__ import annotations
 
@@ -14,9 +14,15 @@ LANGUAGES = ("python", "c", "c++", "matlab", "fmu")  # as in templates_for_progr
 
 @click.command()
 @click.option("--language", type=click.Choice(LANGUAGES), default="python", show_default=True)
+@click.option(
+    "--benchmark",
+    default="currents-v1",
+    show_default=True,
+    help="What it is to take part in: visibility-v1 compares trackers.",
+)
 @click.argument("folder", type=click.Path(path_type=Path), metavar="[DIR]", default=".")
-def init(*, language: str, folder: Path) -> None:
-    """Write a controller that runs as it is into DIR, to start from.
+def init(*, language: str, benchmark: str, folder: Path) -> None:
+    """Write a program that runs as it is into DIR, to start from.
 
     For C and C++ the header seamark.h comes along, for your editor: the sandbox has its own. For
     an FMU there are its sources too: it is a zip archive of them.
@@ -25,10 +31,20 @@ def init(*, language: str, folder: Path) -> None:
     Examples:
       seamark init
       seamark init --language c++ my_controller
+      seamark init --benchmark visibility-v1 my_tracker
     """
     from server.pages import templates_for_programs
+    from sim import registry
 
-    files = templates_for_programs.start(language)
+    if benchmark not in registry.BENCHMARKS:
+        known = ", ".join(registry.BENCHMARKS)
+        raise UsageRefused(f"There is no benchmark {benchmark}. There are: {known}.")
+    role, short = registry.benchmark(benchmark).role, registry.benchmark(benchmark).shortest
+    try:
+        files = templates_for_programs.start(language, role)
+    except KeyError:
+        able = ", ".join(templates_for_programs.FILES[role])
+        raise UsageRefused(f"A {role} is written in {able}, not in {language}.") from None
     taken = [name for name in files if (folder / name).exists()]
     if taken:
         raise UsageRefused(f"{folder / taken[0]} is there already; nothing was written.")
@@ -41,4 +57,9 @@ def init(*, language: str, folder: Path) -> None:
         raise UsageRefused(f"{folder} cannot be written: {error.strerror}.") from None
     main = folder / next(iter(files))
     say(f"Wrote {', '.join(str(folder / name) for name in files)}. Try it:")
-    say(f"  seamark run currents-v1 --controller {main} --set levels=0,0.2")
+    quick = " ".join(f"--set {key}={_text(value)}" for key, value in short.items())
+    say(f"  seamark run {benchmark} --controller {main} {quick}")
+
+
+def _text(value: object) -> str:
+    return ",".join(map(str, value)) if isinstance(value, list) else str(value)

@@ -26,6 +26,7 @@ class Order:
     benchmark: str
     config: dict[str, Any]
     controller: str
+    role: str
     program: Path | None
     seed: int
     trials: int
@@ -46,7 +47,7 @@ class Order:
 def run(  # noqa: PLR0913  # one argument per option
     *,
     benchmark: str,
-    controller: str,
+    controller: str | None,
     pairs: tuple[str, ...],
     config: Path | None,
     seed: int | None,
@@ -55,7 +56,7 @@ def run(  # noqa: PLR0913  # one argument per option
     score: str | None,
     as_json: bool,
 ) -> None:
-    """Evaluate a controller here, without a server: the same code, the same bytes.
+    """Evaluate a controller or tracker here, without a server: the same code, the same bytes.
 
     --out DIR gets manifest.json, metrics.json, telemetry.csv and log.txt.
 
@@ -64,6 +65,8 @@ def run(  # noqa: PLR0913  # one argument per option
       seamark run currents-v1 --controller pi --set kp=0.5 --set ki=0.02 --seed 7 --out result
       seamark run currents-v1 --controller my_controller.py --set levels=0,0.2 --trials 3
       seamark run currents-v1 --config config.json --json
+      seamark run visibility-v1 --set tracker=esm --set warp=srt
+      seamark run visibility-v1 --controller my_tracker.py
     """
     from seamark.recording import Recording
 
@@ -73,7 +76,7 @@ def run(  # noqa: PLR0913  # one argument per option
     recording = Recording(out)
     recording.comments = _grid_of(order)
     if not as_json:
-        say(f"{benchmark}, controller {controller}, seed {order.seed}, trials {trials}")
+        say(f"{benchmark}, {order.controller}, seed {order.seed}, trials {trials}")
     try:
         ending = _evaluate(order, recording, quiet=as_json)
     except KeyboardInterrupt:
@@ -87,7 +90,7 @@ def run(  # noqa: PLR0913  # one argument per option
 
 def _order(
     benchmark: str,
-    controller: str,
+    controller: str | None,
     pairs: tuple[str, ...],
     file: Path | None,
     *,
@@ -99,11 +102,13 @@ def _order(
     from sim.hidden_seeds import SEED_MAX
 
     config = configuration_of(benchmark, file, pairs)
+    name, program = choose(controller, benchmark)
     return Order(
         benchmark=benchmark,
         config=config.model_dump(mode="json"),
-        controller=controller,
-        program=choose(controller, list(registry.CONTROLLERS)),
+        controller=name,
+        role=registry.benchmark(benchmark).role,
+        program=program,
         seed=secrets.randbelow(SEED_MAX + 1) if seed is None else seed,
         trials=trials,
     )

@@ -23,7 +23,7 @@ from seamark.outcome import explain
 def submit(  # noqa: PLR0913 (one argument per option is click's way)
     *,
     benchmark: str,
-    controller: str,
+    controller: str | None,
     pairs: tuple[str, ...],
     config: Path | None,
     seed: int | None,
@@ -35,7 +35,7 @@ def submit(  # noqa: PLR0913 (one argument per option is click's way)
     token: str | None,
     as_json: bool,
 ) -> None:
-    """Send a controller (a file, or the name of a built-in one) to a server.
+    """Send a controller or tracker (a file, or the name of a built-in one) to a server.
 
     \b
     Examples:
@@ -45,9 +45,8 @@ def submit(  # noqa: PLR0913 (one argument per option is click's way)
     """
     from seamark.client import Client, ServerAway, ServerRefused
     from seamark.controllers import choose, read_settings
-    from sim import registry
 
-    program = choose(controller, list(registry.CONTROLLERS))
+    name, program = choose(controller, benchmark)
     order: dict[str, Any] = {
         "config": _typed(benchmark, read_settings(config, pairs)),
         "kind": "ranked" if ranked else "practice",
@@ -57,7 +56,7 @@ def submit(  # noqa: PLR0913 (one argument per option is click's way)
     }
     try:
         with Client(server, token) as client:
-            run = client.submit(benchmark, controller=controller, program=program, **order)
+            run = client.submit(benchmark, controller=name, program=program, **order)
             _announce(run, server, as_json=as_json)
             if wait:
                 run = _follow(client, run, quiet=as_json)
@@ -66,7 +65,7 @@ def submit(  # noqa: PLR0913 (one argument per option is click's way)
     except ServerRefused as refusal:
         raise _failure(refusal.status)(str(refusal)) from None
     except OSError as error:
-        raise UsageRefused(f"{controller} cannot be read: {error.strerror}.") from None
+        raise UsageRefused(f"{name} cannot be read: {error.strerror}.") from None
     _finish(run, waited=wait, as_json=as_json)
 
 

@@ -43,7 +43,8 @@ def show(path: BenchmarkPath) -> dict[str, Any]:
             {"title": chart.title, "unit": chart.unit, "columns": list(chart.columns)}
             for chart in found.charts
         ],
-        "controllers": registry.labels(registry.CONTROLLERS),
+        "role": found.role,
+        "controllers": dict(found.built_in),
         "ranked_trials": found.ranked_trials,
         "schema": found.schema(),
     }

@@ -20,6 +20,7 @@ from server.problems import Problem
 from server.programs import StoredProgram, UploadRejected
 from server.services import services
 from server.states import Kind, RunState
+from sim import registry
 from sim.configuration import ConfigurationInvalid
 
 RUNNING_RETRY_S, QUEUED_RETRY_S = 1, 2  # how soon it is worth to look again
@@ -58,6 +59,8 @@ def create() -> Response:
 def store(file: FileStorage, benchmark: str) -> StoredProgram:
     """Return the stored program of a request; Problem if it is refused."""
     settings = services().settings
+    if benchmark not in registry.BENCHMARKS:
+        raise Problem("invalid-request", f"There is no benchmark {benchmark}.")
     try:
         return programs.store(
             cast("BinaryIO", file.stream),

@@ -11,10 +11,10 @@ from flask.typing import ResponseReturnValue
 from sandbox.limits import COMPILING, MEANING, Limits
 from server import run_limits
 from server.causes import WORDS
-from server.pages import benchmarks, measures, templates_for_programs
+from server.pages import benchmarks, templates_for_programs
 from server.pages import fields as form_fields
 from server.services import services
-from sim import metrics, observation, registry, telemetry, vehicles
+from sim import metrics, observation, registry, telemetry, tracker_metrics, vehicles
 
 page = Blueprint("docs", __name__, url_prefix="/docs")
 _UNITS = {"_s": "s", "_mib": "MiB", "_kib": "KiB"}
@@ -62,6 +62,21 @@ def limits_of(limits: Limits) -> Iterator[Limit]:
         yield Limit(label, values[field.name], _UNITS.get(end, ""), meaning)
 
 
+def _tracker() -> dict[str, Any]:
+    benchmark = next(
+        found for found in map(registry.benchmark, registry.BENCHMARKS) if found.role == "tracker"
+    )
+    duration = benchmark.trial_duration_s(benchmark.read({}))
+    return {
+        "benchmark": benchmark,
+        "example": templates_for_programs.of("python", "tracker"),
+        "limits": list(limits_of(run_limits.for_trial(duration))),
+        "duration_s": duration,
+        "far_px": tracker_metrics.FAR_PX,
+        "lost_px": tracker_metrics.LOST_PX,
+    }
+
+
 def _native() -> dict[str, Any]:
     return {
         "header": templates_for_programs.header(),
@@ -88,10 +103,12 @@ def _physics() -> dict[str, Any]:
 
 def _metrics() -> dict[str, Any]:
     return {
-        "metrics": (*measures.HEAD, *metrics.METRICS),
-        "meanings": measures.MEANINGS,
+        "metrics": (*metrics.HEAD, *metrics.METRICS),
         "held_m": metrics.HELD_P95_M,
         "score_m": metrics.SCORE_LENGTH_M,
+        "of_trackers": tracker_metrics.METRICS,
+        "failed_percent": tracker_metrics.FAILED_PERCENT,
+        "tracker_held_percent": tracker_metrics.HELD_PERCENT,
     }
 
 
@@ -103,6 +120,7 @@ def _telemetry() -> dict[str, Any]:
 PAGES: Mapping[str, tuple[str, Callable[[], dict[str, Any]]]] = {
     "start": ("Start here", _start),
     "controller": ("Write a controller", _controller),
+    "tracker": ("Write a tracker", _tracker),
     "native": ("C and C++", _native),
     "runs": ("Runs, limits and causes", _runs),
     "metrics": ("Metrics and score", _metrics),

@@ -68,7 +68,7 @@ def groups(
     errors
         Setting -> sentence, shown at the field.
     """
-    preset = preset_of(schema, str(values.get("vehicle", "")))
+    preset = preset_of(schema, values)
     found: dict[tuple[bool, str], list[Field]] = {}
     for name, entry in schema["properties"].items():
         default = preset.get(name, entry.get("default"))
@@ -110,10 +110,11 @@ def solution(schema: Schema, values: Mapping[str, object]) -> dict[str, object]:
     return {name: v for name, v in values.items() if entries[name].get("x-role") == "solution"}
 
 
-def preset_of(schema: Schema, vehicle: str) -> Mapping[str, object]:
-    """Return the values that come with the choice of a vehicle."""
-    presets: Mapping[str, Any] = schema.get("x-presets", {}).get("vehicle", {})
-    preset: Mapping[str, object] = presets.get(vehicle, {})
+def preset_of(schema: Schema, values: Mapping[str, object]) -> Mapping[str, object]:
+    """Return the values that come with the choices among others, such as a vehicle's."""
+    preset: dict[str, object] = {}
+    for name, choices in schema.get("x-presets", {}).items():
+        preset |= choices.get(str(values.get(name, "")), {})
     return preset
 
 

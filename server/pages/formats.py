@@ -6,13 +6,35 @@ from datetime import UTC, datetime
 
 from flask import Flask
 
+from server.leaderboard import Rank
+from server.listing import RunView
+from sim import registry
+
 _STEPS = ((86_400, "day"), (3600, "hour"), (60, "minute"))
 
 
 def register(app: Flask) -> None:
     """Make the functions below filters of the templates."""
-    for function in (number, plain, utc, iso, ago, duration, size, words):
+    for function in (solution, score_unit, number, plain, utc, iso, ago, duration, size, words):
         app.add_template_filter(function)
+
+
+def solution(run: RunView | Rank) -> str:
+    """Return what took part in a run: the program's name, or what is built in."""
+    if run.program_name:
+        return run.program_name
+    if run.benchmark not in registry.BENCHMARKS:  # of an earlier version
+        return run.controller
+    return registry.benchmark(run.benchmark).solution(run.controller, run.config)
+
+
+def score_unit(run: RunView) -> str:
+    """Return what the score of a run is."""
+    if run.benchmark not in registry.BENCHMARKS:
+        return ""
+    benchmark = registry.benchmark(run.benchmark)
+    headline = benchmark.headline_of(benchmark.read(run.config))
+    return headline.unit if headline.label == "Score" else headline.label
 
 
 def number(value: object, digits: int = 3) -> str:

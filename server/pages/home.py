@@ -11,19 +11,22 @@ from server.orders import ALIVE_S
 from server.pages import benchmarks
 from server.services import services
 from server.tables import Run, Worker
+from sim import registry
 
 NEWEST = 8
-BEST = 5
+BEST = 3
 page = Blueprint("home", __name__)
 
 
 @page.get("/")
 def show() -> ResponseReturnValue:
     """Show the start page."""
-    first = benchmarks.first()
     with services().database.reading() as session:
         public = runs.listing(session, g.viewer, which="public", limit=NEWEST)
-        best = leaderboard.page(session, first.name, limit=BEST)
+        boards = [
+            (registry.benchmark(name), leaderboard.page(session, name, limit=BEST))
+            for name in registry.BENCHMARKS
+        ]
         ended = func.count().filter(Run.state == runs.RunState.SUCCEEDED)
         live = func.count().filter(Run.state.in_(runs.LIVE))
         simulated = func.coalesce(func.sum(Run.t_simulated), 0.0)
@@ -32,9 +35,9 @@ def show() -> ResponseReturnValue:
         workers = session.scalar(select(func.count()).where(alive)) or 0
     return render_template(
         "home/index.html",
-        benchmark=first,
+        benchmark=benchmarks.first(),
         public=public.runs,
-        best=best,
+        boards=boards,
         done=done,
         live=waiting,
         simulated_h=simulated_s / 3600,

@@ -5,30 +5,11 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from server.pages import fields
-from sim.benchmarks import Metric
-from sim.metrics import METRICS, POINTS, SETTLING
+from sim import benchmarks
+from sim.benchmarks import Benchmark, Metric
 from sim.sweep import UPDATERS
 
-WHOLE = "whole_"  # prefix of the metrics over a level's whole length
-HELD = Metric("held", "Held", "", "higher")
-HEAD = (POINTS, HELD, SETTLING)
-FIRST = ("rmse_m", "p95_m", "max_m", "rmse_px", "mean_x_px", "mean_y_px", "lost_percent")
-# Metric -> one more sentence where the label alone does not say it.
-MEANINGS = {
-    "points": "100 / (1 + RMSE / 0.25 m) x (1 - share of the time lost)",
-    "held": "95 % of the time within 0.5 m, and the target never lost",
-    "settling_s": "time from which the distance stays within 0.1 m",
-    "rmse_m": "root of the mean square: large errors weigh more",
-    "p95_m": "95 % of the time the distance is smaller",
-    "mean_x_px": "what a constant current leaves behind along image X (starboard)",
-    "mean_y_px": "what a constant current leaves behind along image Y (aft)",
-    "itae_m_s2": "late errors cost more",
-    "vrx_m": "distance plus weighted heading error, as in the VRX competition",
-    "energy_n15_s": "an ideal propeller's power grows with thrust^1.5",
-    "collisions": "contacts less than 0.5 s apart count as one",
-    "contact_max_n": "the net force on the hull, mean over one control period",
-    "variation_m_s": "sum of all changes: how restless the controller is",
-}
+MOST_COLUMNS = 12
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,11 +24,17 @@ class Line:
 
 @dataclass(frozen=True, slots=True)
 class Table:
-    """The metrics of all levels, one line per metric and one column per level."""
+    """The metrics of all levels, one line per metric."""
 
     title: str
-    speeds: tuple[float, ...]  # [m/s]
+    value: Metric  # what a level's value is
+    levels: tuple[float, ...]  # the value of each
     lines: tuple[Line, ...]
+
+    @property
+    def tall(self) -> bool:
+        """Whether there are too many levels for a column each: they are the rows then."""
+        return len(self.levels) > MOST_COLUMNS
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,18 +47,25 @@ class Option:
     changed: bool
 
 
-def tables(metrics: Mapping[str, Any], settle_s: float) -> list[Table]:
-    """Return the most telling metrics, all of them, and those of whole levels; empty without."""
+def tables(
+    benchmark: Benchmark, config: Mapping[str, Any], metrics: Mapping[str, Any]
+) -> list[Table]:
+    """Return the benchmark's tables of a run's metrics; empty without."""
     levels: Sequence[Mapping[str, Any]] = metrics.get("levels") or []
     if not levels:
         return []
-    settled = f"fter the settle window of {fields.text_of(settle_s)} s"
-    telling = [metric for metric in METRICS if metric.name in FIRST]
-    rest = [metric for metric in METRICS if metric.name not in FIRST]
+    value = benchmark.read(config).level_metric()
+    first, *more = (_table(table, levels, value, config) for table in benchmark.tables)
+    return [_with_grid(first, levels), *more]
+
+
+def facts(benchmark: Benchmark, metrics: Mapping[str, Any]) -> list[Line]:
+    """Return the metrics over all levels."""
+    overall: Mapping[str, Any] = metrics.get("overall") or {}
     return [
-        _with_grid(_table("A" + settled, levels, (*HEAD, *telling), prefix=""), levels),
-        _table("More metrics, a" + settled, levels, rest, prefix=""),
-        _table("Whole levels", levels, METRICS, prefix=WHOLE),
+        Line(metric.label, metric.unit, metric.meaning, (overall[metric.name],))
+        for metric in benchmark.overall
+        if metric.name in overall
     ]
 
 
@@ -92,8 +86,8 @@ def trials(metrics: Mapping[str, Any]) -> list[Mapping[str, Any]]:
 
 
 def options(schema: Mapping[str, Any], config: Mapping[str, Any]) -> dict[str, list[Option]]:
-    """Return group -> chosen settings; `changed` marks those that are not the vehicle's default."""
-    preset = fields.preset_of(schema, str(config.get("vehicle", "")))
+    """Return group -> chosen settings; `changed` marks those that are not the default."""
+    preset = fields.preset_of(schema, config)
     chosen: dict[str, list[Option]] = {}
     for name, entry in schema["properties"].items():
         if name not in config:
@@ -108,12 +102,17 @@ def options(schema: Mapping[str, Any], config: Mapping[str, Any]) -> dict[str, l
 
 
 def _table(
-    title: str, levels: Sequence[Mapping[str, Any]], metrics: Sequence[Metric], *, prefix: str
+    table: benchmarks.Table,
+    levels: Sequence[Mapping[str, Any]],
+    value: Metric,
+    config: Mapping[str, Any],
 ) -> Table:
     lines = []
-    for metric in metrics:
-        if prefix + metric.name in levels[0]:
-            values = tuple(level.get(prefix + metric.name) for level in levels)
-            meaning = MEANINGS.get(metric.name, "")
-            lines.append(Line(metric.label, metric.unit, meaning, values))
-    return Table(title, tuple(level["speed"] for level in levels), tuple(lines))
+    for metric in table.metrics:
+        name = table.prefix + metric.name
+        if name in levels[0]:
+            values = tuple(level.get(name) for level in levels)
+            lines.append(Line(metric.label, metric.unit, metric.meaning, values))
+    title = table.title.format(**config)
+    at = tuple(level[value.name] for level in levels)
+    return Table(title, value, at, tuple(lines))

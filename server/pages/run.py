@@ -37,7 +37,11 @@ def show(run_id: int) -> ResponseReturnValue:
         may=may,
         log=log,
         has_rows=files.row_count() > 0,
-        tables=measures.tables(run.metrics or {}, run.config.get("settle_s", 0.0)),
+        tables=measures.tables(benchmark, run.config, run.metrics or {}),
+        facts=measures.facts(benchmark, run.metrics or {}),
+        level=config.level_metric(),
+        headline=benchmark.headline_of(config),
+        held_unit=benchmark.held_unit_of(config),
         trials=measures.trials(run.metrics or {}),
         options=measures.options(benchmark.schema(), run.config),
         page_data={
@@ -46,7 +50,8 @@ def show(run_id: int) -> ResponseReturnValue:
             "trials": run.trials,
             "trial_s": benchmark.trial_duration_s(config),
             "level_s": run.config.get("level_duration_s"),
-            "levels": run.config.get("levels", []),
+            "levels": config.level_values(),
+            "level": {"label": config.level_metric().label, "unit": config.level_metric().unit},
             "tick_s": run.config.get("control_period_s", SECONDS_BETWEEN_PICTURES),
             "charts": [
                 {"title": chart.title, "unit": chart.unit, "columns": chart.columns}

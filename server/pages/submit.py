@@ -14,7 +14,6 @@ from server.pages import benchmarks, fields, templates_for_programs
 from server.programs import StoredProgram, UploadRejected
 from server.rate_limits import ORDER, limiter
 from server.services import services
-from sim import registry
 from sim.benchmarks import Benchmark
 from sim.configuration import ConfigurationInvalid
 
@@ -92,7 +91,7 @@ def _program(benchmark: Benchmark, answers: dict[str, str]) -> StoredProgram | N
             raise UploadRejected("Choose a file, or write the program in the editor.")
         stream = cast(BinaryIO, file.stream)
         return programs.store(stream, file.filename, **keeping)
-    name = templates_for_programs.FILES.get(answers.get("language", "python"))
+    name = templates_for_programs.FILES[benchmark.role].get(answers.get("language", "python"))
     if name is None:
         raise UploadRejected("Choose one of the languages of the list.")
     # A browser sends line ends as CR LF; the program keeps those that its author typed.
@@ -117,8 +116,17 @@ def _start_values(benchmark: Benchmark) -> dict[str, object]:
             run = runs.show(session, earlier)
         if run is not None and run.benchmark == benchmark.name and can(g.viewer, Action.VIEW, run):
             return dict(run.config)
-    vehicle = request.args.get("vehicle", "")
-    return {"vehicle": vehicle} if vehicle in registry.VEHICLES else {}
+    return {
+        name: request.args[name]
+        for name, choices in benchmark.presets.items()
+        if request.args.get(name) in choices
+    }
+
+
+def _first_choice(benchmark: Benchmark) -> str:
+    """Return what is chosen on an empty form: what the address says, else the first."""
+    wanted = request.args.get("controller", "")
+    return wanted if wanted in benchmark.built_in else next(iter(benchmark.built_in))
 
 
 def _show(
@@ -135,6 +143,7 @@ def _show(
         refusals = {
             language.name: upload_refusal(session, language.name, held.settings)
             for language in LANGUAGES.values()
+            if benchmark.role in language.roles
         }
         quota = None if g.viewer.owner is None else runs.quota(session, g.viewer, held.settings)
     return render_template(
@@ -144,18 +153,16 @@ def _show(
         groups=fields.groups(schema, values, errors, order=benchmark.groups),
         presets=schema.get("x-presets", {}),
         defaults={name: entry["default"] for name, entry in schema["properties"].items()},
-        answers=answers or {"controller": request.args.get("controller", "pi")},
+        answers=answers or {"controller": _first_choice(benchmark)},
         errors=errors,
         general=" ".join(unknown.values()),
-        controllers=registry.labels(registry.CONTROLLERS),
         languages=[LANGUAGES[name] for name, refusal in refusals.items() if not refusal],
         refused=[LANGUAGES[name] for name, refusal in refusals.items() if refusal],
         examples={
-            name: templates_for_programs.of(name)
-            for name in templates_for_programs.FILES
+            name: templates_for_programs.of(name, benchmark.role)
+            for name in templates_for_programs.FILES[benchmark.role]
             if not refusals[name]
         },
-        file_names=templates_for_programs.FILES,
         uploads=can(g.viewer, Action.UPLOAD),
         ranked=can(g.viewer, Action.SUBMIT_RANKED),
         upload_refusal=None if None in refusals.values() else refusals["python"],

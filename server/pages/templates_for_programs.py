@@ -8,11 +8,15 @@ from pathlib import Path
 import sandbox.languages
 import templates
 
-FILES = {  # of the editor: languages whose programs are one text
-    "python": "controller.py",
-    "c": "controller.c",
-    "c++": "controller.cpp",
-    "matlab": "controller.m",
+# Of the editor: role -> language whose programs are one text -> name of the file.
+FILES = {
+    "controller": {
+        "python": "controller.py",
+        "c": "controller.c",
+        "c++": "controller.cpp",
+        "matlab": "controller.m",
+    },
+    "tracker": {"python": "tracker.py"},
 }
 _HEADER = Path(sandbox.languages.__file__).parent / "native" / "seamark.h"
 _FOLDER = Path(templates.__file__).parent / "submit"
@@ -20,9 +24,12 @@ _LONG_AGO = (1980, 1, 1, 0, 0, 0)  # the same bytes whenever an archive is made
 
 
 @cache
-def of(language: str) -> str:
-    """Return a controller that works as it stands: PI on the position error."""
-    return (_FOLDER / f"{FILES[language]}.txt").read_text("utf-8")
+def of(language: str, role: str = "controller") -> str:
+    """Return a program that works as it stands.
+
+    A controller is PI on the position error, a tracker correlates and aligns a patch.
+    """
+    return (_FOLDER / f"{FILES[role][language]}.txt").read_text("utf-8")
 
 
 @cache
@@ -31,11 +38,17 @@ def header() -> str:
     return _HEADER.read_text("utf-8")
 
 
-def start(kind: str) -> dict[str, bytes]:
-    """Return the files that somebody begins with, first the one to upload."""
-    if kind == "fmu":
+def start(kind: str, role: str = "controller") -> dict[str, bytes]:
+    """Return the files that somebody begins with, first the one to upload.
+
+    Raises
+    ------
+    KeyError
+        If there is no program of that role in that language.
+    """
+    if kind == "fmu" and role == "controller":
         return _fmu()
-    files = {FILES[kind]: of(kind).encode()}
+    files = {FILES[role][kind]: of(kind, role).encode()}
     if kind in ("c", "c++"):
         files["seamark.h"] = header().encode()
     return files
@@ -57,4 +70,4 @@ def _zipped(members: dict[str, bytes]) -> bytes:
     return whole.getvalue()
 
 
-KINDS = (*FILES, "fmu")  # what `seamark init` can write
+KINDS = (*FILES["controller"], "fmu")  # what `seamark init` can write

@@ -26,6 +26,27 @@ class Chart:
     columns: tuple[str, ...]
 
 
+@dataclass(frozen=True, slots=True)
+class Baseline:
+    """A built-in entry of the leaderboard: title, what is built in, and its settings."""
+
+    title: str
+    built_in: str
+    config: Mapping[str, object] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class Table:
+    """A table of the run page: metrics by level, their names in the metrics with a prefix.
+
+    Settings in braces in the title are filled in.
+    """
+
+    title: str
+    metrics: tuple[Metric, ...]
+    prefix: str = ""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Benchmark:
     """A benchmark version. Its numbers never change after release; a change is a new version."""
@@ -38,7 +59,14 @@ class Benchmark:
     built_in: Mapping[str, str]  # name -> label of what takes part without a program
     experiment: str  # path, module:attribute, of a sim.experiments.Experiment
     headline: Metric
+    full_score: float  # where a bar of the score ends
+    held_unit: str  # of the highest level held
     charts: tuple[Chart, ...]
+    tables: tuple[Table, ...]
+    telling: tuple[Metric, ...]  # of the tables, at each level of each trial and in short lists
+    overall: tuple[Metric, ...] = ()  # metrics over all levels
+    baselines: Mapping[str, Baseline] = field(default_factory=dict)  # by the end of the user's name
+    told_by: tuple[str, ...] = ()  # settings that tell what is built in apart
     configuration: type[Configuration]
     groups: tuple[str, ...]  # of settings, in the form's order
     # setting -> its value -> values of other settings that come with the choice; the later one wins
@@ -100,6 +128,17 @@ class Benchmark:
             for chart in self.charts
         )
         return tuple(chart for chart in shown if chart.columns)
+
+    def solution(self, controller: str, config: Mapping[str, object]) -> str:
+        """Return what people call the built-in solution of a run."""
+        if self.told_by:
+            return " ".join(str(config.get(name, "")) for name in self.told_by)
+        return self.built_in.get(controller, controller)
+
+    def held_unit_of(self, config: Configuration) -> str:
+        """Return the unit of the highest level held."""
+        own = config.headline()
+        return self.held_unit if own is None else own.unit
 
     def headline_of(self, config: Configuration) -> Metric:
         """Return what the score of a run with this configuration is."""

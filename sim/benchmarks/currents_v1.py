@@ -7,10 +7,10 @@ corners. Tags of the defaults: S sourced, D derived from sourced, E our estimate
 import math
 from functools import partial
 
-from sim.benchmarks import Benchmark, Chart, Metric
+from sim.benchmarks import Baseline, Benchmark, Chart, Metric, Table
 from sim.configuration import knob
 from sim.experiment_settings import ExperimentSettings, experiment
-from sim.metrics import OVERALL
+from sim.metrics import HEAD, METRICS, OVERALL, TELLING, WHOLE
 from sim.observation import THRUSTERS
 from sim.registry import CONTROLLERS, VEHICLES, labels
 from sim.score_settings import own_score_knob
@@ -207,6 +207,8 @@ BENCHMARK = Benchmark(
     built_in=labels(CONTROLLERS),
     experiment="sim.experiments.station_keeping:EXPERIMENT",
     headline=Metric("score", "Score", "of 100", "higher"),
+    full_score=100.0,
+    held_unit="m/s",
     charts=(
         Chart("Distance to the target", "px", ("distance_px",)),
         Chart("X error", "px", ("error_x_px",)),
@@ -235,6 +237,16 @@ BENCHMARK = Benchmark(
         "Sensors",
         "Faults",
     ),
+    tables=(
+        Table("After the settle window of {settle_s:g} s", (*HEAD, *TELLING)),
+        Table(
+            "More metrics, after the settle window of {settle_s:g} s",
+            tuple(metric for metric in METRICS if metric not in TELLING),
+        ),
+        Table("Whole levels", METRICS, prefix=WHOLE),
+    ),
+    telling=TELLING[:1],
+    baselines={"p": Baseline("P, as it comes", "p"), "pi": Baseline("PI, as it comes", "pi")},
     presets={"vehicle": _presets()},
     shortest={"levels": [0.1], "level_duration_s": 2.0, "settle_s": 1.0},
 )

@@ -12,12 +12,12 @@ Tags of the defaults: S sourced, D derived from sourced, E our estimate.
 from dataclasses import dataclass
 from functools import partial
 
-from sim.benchmarks import Benchmark, Chart, Metric
+from sim.benchmarks import Baseline, Benchmark, Chart, Metric, Table
 from sim.configuration import again, knob
 from sim.experiment_settings import ExperimentSettings, experiment, multiple
 from sim.score_settings import own_score_knob
 from sim.telemetry import NAMES
-from sim.tracker_metrics import METRICS
+from sim.tracker_metrics import HELD, METRICS
 
 motion = partial(knob, group="Motion", role="scenario")
 
@@ -247,6 +247,18 @@ SWEEP_PRESETS: dict[str, dict[str, object]] = {
     },
 }
 
+OPTICAL_DEPTH = Metric("optical_depth", "Optical depth", "", "higher")
+# Of the built-in trackers, those that stand on the leaderboard: criterion, warp.
+RANKED_TRACKERS = (
+    ("zncc", "homography"),
+    ("zncc", "affine"),
+    ("zncc", "srt"),
+    ("zncc", "translation"),
+    ("mi", "homography"),
+    ("mi", "srt"),
+    ("ssd", "homography"),
+)
+
 BENCHMARK = Benchmark(
     name="visibility-v1",
     title="Trackers in water that gets worse",
@@ -259,6 +271,8 @@ BENCHMARK = Benchmark(
     built_in={"built-in": "Built-in tracker"},
     experiment="sim.experiments.visibility:EXPERIMENT",
     headline=Metric("tau50", "τ50", "optical depth", "higher"),
+    full_score=7.25,
+    held_unit="optical depth",
     charts=(
         Chart("Corner error", "px", ("tracker_error",)),
         Chart("The tracker says that it has the target", "1 = yes", ("tracker_ok",)),
@@ -284,6 +298,18 @@ BENCHMARK = Benchmark(
         "Sensors",
         "Faults",
     ),
+    tables=(Table("Metrics per level", (OPTICAL_DEPTH, *METRICS, HELD)),),
+    telling=METRICS[:1],
+    overall=METRICS,
+    baselines={
+        f"{criterion}-{warp}": Baseline(
+            f"Template tracker, {criterion.upper()}, {warp}",
+            "built-in",
+            {"criterion": criterion, "warp": warp},
+        )
+        for criterion, warp in RANKED_TRACKERS
+    },
+    told_by=("tracker", "criterion", "warp"),
     presets={"sweep": SWEEP_PRESETS},
     shortest={"sweep_to": 0.25, "level_duration_s": 2.0},
 )

@@ -67,7 +67,10 @@ def test_help_loads_no_heavy_module() -> None:
 @pytest.mark.parametrize(
     ("arguments", "told"),
     [
-        (("run", "nothing"), "There is no benchmark nothing. There are: currents-v1."),
+        (
+            ("run", "nothing"),
+            "There is no benchmark nothing. There are: currents-v1,",
+        ),
         (("run", "currents-v1", "--set", "kp"), "write it as key=value"),
         (("run", "currents-v1", "--set", "kp=-1"), "from 0 to"),
         (("run", "currents-v1", "--set", "kp=nan"), "from 0 to"),

@@ -12,7 +12,6 @@ import numpy as np
 import pytest
 
 from sim import telemetry
-from sim.program import BuiltIn
 from sim.registry import BENCHMARKS, VEHICLES, benchmark
 from sim.telemetry import NAMES, Rows
 from sim.trial import run_trial
@@ -27,9 +26,17 @@ SHORT: dict[str, dict[str, object]] = {
         "settle_s": 1.0,
         "tracker": "truth",
     },
+    "visibility-v1": {
+        "mode": "free",
+        "sweep_to": 2.0,
+        "sweep_step": 2.0,
+        "level_duration_s": 2.0,
+        "tracker": "truth",
+    },
 }
 FURTHER: dict[str, tuple[str, dict[str, object]]] = {
     "currents-v1-girona500-esm": ("currents-v1", {"vehicle": "girona500", "tracker": "esm"}),
+    "visibility-v1-fixed-esm": ("visibility-v1", {"mode": "fixed", "tracker": "esm"}),
 }
 
 
@@ -52,7 +59,8 @@ def trajectory(case: str) -> Rows:
     name, settings = CASES[case]
     config = benchmark(name).read(settings)
     rows: list[Rows] = []
-    run_trial(name, config, BuiltIn("pi", config), seed=SEED, trial=0, on_rows=rows.append)
+    solution = benchmark(name).load().built_in(next(iter(benchmark(name).built_in)), config)
+    run_trial(name, config, solution, seed=SEED, trial=0, on_rows=rows.append)
     return np.concatenate(rows)
 
 

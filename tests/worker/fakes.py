@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from sandbox.answers import Corners
 from sandbox.limits import Limits
 from sandbox.outcome import Outcome, ProgramEnded, Verdict
 from sim.program import Command
@@ -42,6 +43,11 @@ class FakeBox:
             raise ProgramEnded(self.outcome)
         self.steps += 1
         return self.command
+
+    def start(self, image: Any, corners: Any) -> None: ...
+
+    def update(self, image: Any) -> Corners | None:
+        return None
 
     def finish(self) -> Outcome:
         return Outcome(verdict=Verdict.OK, sentence="fine")

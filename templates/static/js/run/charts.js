@@ -34,16 +34,20 @@ function levelPlugin(data, owner) {
         ctx.textAlign = "left";
         ctx.textBaseline = "alphabetic";
         const room = plot.valToPos(data.level_s, "x", true) - plot.valToPos(0, "x", true);
-        const fits = ctx.measureText("0.4 m/s ").width < room;
+        const named = `0.4 ${data.level.unit} `;
+        const fits = ctx.measureText(named).width < room;
+        // Of many levels only so many are named that the names do not touch.
+        const every = Math.ceil(ctx.measureText("0.25 ").width / room);
         ctx.setLineDash([4 * devicePixelRatio, 4 * devicePixelRatio]);
-        data.levels.forEach((speed, index) => {
+        data.levels.forEach((value, index) => {
           const x = Math.round(plot.valToPos(index * data.level_s, "x", true));
           if (x < bbox.left || x > bbox.left + bbox.width) return;
           ctx.beginPath();
           ctx.moveTo(x, bbox.top);
           ctx.lineTo(x, bbox.top + bbox.height);
           if (index) ctx.stroke();
-          ctx.fillText(fits ? `${speed} m/s` : `${speed}`, x + 5 * devicePixelRatio, bbox.top + 12 * devicePixelRatio);
+          if (index % every) return;
+          ctx.fillText(fits ? `${value} ${data.level.unit}` : `${value}`, x + 5 * devicePixelRatio, bbox.top + 12 * devicePixelRatio);
         });
         ctx.restore();
       },

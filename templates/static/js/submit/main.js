@@ -26,11 +26,15 @@ function markChanged(input) {
   label?.classList.toggle("changed", valueOf(input).trim() !== input.dataset.default);
 }
 
-// A field that was not touched follows the vehicle's preset; one that was keeps its value.
-function applyVehicle(vehicle) {
-  const preset = presets.vehicle?.[vehicle] ?? {};
+// A field that was not touched follows what was chosen elsewhere, such as the vehicle; one that was
+// keeps its value.
+function applyPresets() {
+  const preset = {};
+  for (const [name, choices] of Object.entries(presets)) {
+    Object.assign(preset, choices[valueOf(form.elements[name])] ?? {});
+  }
   for (const input of inputs) {
-    if (input.name === "vehicle") continue;
+    if (input.name in presets) continue;
     const before = input.dataset.default;
     const untouched = valueOf(input).trim() === before;
     input.dataset.default = textOf(preset[input.name] ?? defaults[input.name]);
@@ -75,7 +79,7 @@ function download(name) {
 
 function resetAll() {
   for (const input of inputs) {
-    if (input.name !== "vehicle") setValue(input, input.dataset.default);
+    if (!(input.name in presets)) setValue(input, input.dataset.default);
     markChanged(input);
   }
 }
@@ -84,7 +88,7 @@ form.addEventListener("input", (event) => {
   if (event.target.dataset.default !== undefined) markChanged(event.target);
 });
 form.addEventListener("change", (event) => {
-  if (event.target.name === "vehicle") applyVehicle(event.target.value);
+  if (event.target.name in presets) applyPresets();
   if (event.target.name === "kind") lockScenario();
 });
 form.addEventListener("submit", () => {
