@@ -68,6 +68,10 @@ class Configuration(BaseModel, ABC):
         """Return setting -> sentence for what keeps this out of a ranked run; nothing here."""
         return {}
 
+    def exact(self) -> bool:
+        """Return whether every processor of x86-64 gives the same bits; so unless overridden."""
+        return True
+
     def idle_columns(self) -> frozenset[str]:
         """Return the columns of the telemetry that stay 0 in every such run; none here."""
         return frozenset()

@@ -53,6 +53,7 @@ def manifest(
         "code_sha256": code_sha256(),
         "versions": versions(),
         "cpu": cpu_class(),
+        "same_bits_on_every_cpu": config.exact(),
     } | more
 
 

@@ -50,6 +50,24 @@ TRACKERS = {
     "esm": TrackerEntry(
         "Template tracker (ESM family)", "sim.trackers.template:TemplateTracker", _TEMPLATE
     ),
+    "klt": TrackerEntry(
+        "Corners and optical flow (KLT + RANSAC, OpenCV)",
+        "sim.trackers.klt:KltTracker",
+        ("warp", "klt_points", "klt_from"),
+        exact=False,
+    ),
+    "ecc": TrackerEntry(
+        "Enhanced correlation coefficient (ECC, OpenCV)",
+        "sim.trackers.ecc:EccTracker",
+        ("warp", "ecc_iterations"),
+        exact=False,
+    ),
+    "box": TrackerEntry(
+        "Upright box by correlation (OpenCV; a baseline)",
+        "sim.trackers.box:BoxTracker",
+        ("search_px",),
+        exact=False,
+    ),
 }
 
 

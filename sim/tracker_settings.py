@@ -8,8 +8,16 @@ from functools import partial
 from typing import Any
 
 from sim.configuration import Configuration, knob
-from sim.registry import TRACKERS, TRUTH, labels
-from sim.trackers.choices import CRITERIA, METHODS, RANGES, WARPS, options_of, refusals
+from sim.registry import TRACKERS, TRUTH
+from sim.trackers.choices import (
+    CRITERIA,
+    KLT_FROM,
+    METHODS,
+    RANGES,
+    WARPS,
+    options_of,
+    refusals,
+)
 
 tracking = partial(knob, group="Tracker", role="solution")
 
@@ -29,6 +37,13 @@ def _number(name: str, default: float, *, title: str, says: str, unit: str = "")
     )
 
 
+def _offered() -> dict[str, str]:
+    """Return tracker -> label, with what is to be said of it."""
+    marks = {True: "", False: "; bits depend on the processor"}
+    found = {name: entry.label + marks[entry.exact] for name, entry in TRACKERS.items()}
+    return found | {TRUTH: "Ground truth (no tracker; cannot rank)"}
+
+
 class TrackerSettings(Configuration):
     """Which tracker, and how it works."""
 
@@ -36,7 +51,7 @@ class TrackerSettings(Configuration):
         "esm",
         title="Tracker",
         says="Finds the target in the camera's picture.",
-        choices=labels(TRACKERS) | {TRUTH: "Ground truth (no tracker; cannot rank)"},
+        choices=_offered(),
     )
     warp: str = tracking(
         "homography",
@@ -111,9 +126,27 @@ class TrackerSettings(Configuration):
         unit="px",
     )
 
+    klt_points: int = _number(
+        "klt_points", 80, title="Points", says="KLT: how many corners are followed at most."
+    )
+    klt_from: str = tracking(
+        "first",
+        title="Flow from",
+        says="KLT: the first picture does not drift, the one before stands larger changes.",
+        choices=KLT_FROM,
+        advanced=True,
+    )
+    ecc_iterations: int = _number(
+        "ecc_iterations", 20, title="Iterations of ECC", says="ECC: at most, for each picture."
+    )
+
     def tracker_options(self) -> dict[str, object]:
         """Return the options of the chosen tracker."""
         return {name: getattr(self, name) for name in options_of(self.tracker)}
+
+    def exact(self) -> bool:
+        """Return whether every processor gives the same bits."""
+        return self.tracker == TRUTH or TRACKERS[self.tracker].exact
 
     def broken_rules(self) -> dict[str, str]:
         """Return setting -> sentence for combinations that the tracker does not do."""

@@ -25,7 +25,8 @@ METHODS = {
     "forward_additional": "Forward additional",
     "forward_compositional": "Forward compositional",
 }
-_TABLES = {"warp": WARPS, "criterion": CRITERIA, "method": METHODS}
+KLT_FROM = {"first": "The first picture", "previous": "The picture before"}
+_TABLES = {"warp": WARPS, "criterion": CRITERIA, "method": METHODS, "klt_from": KLT_FROM}
 # Of numbers: allowed range of each option, the ends included.
 RANGES: dict[str, tuple[float, float]] = {
     "pyramid_levels": (1, 4),
@@ -36,6 +37,22 @@ RANGES: dict[str, tuple[float, float]] = {
     "template_margin_px": (-3, 40),
     "search_px": (4, 200),
     "reacquire_px": (0, 400),
+    "klt_points": (8, 1000),
+    "ecc_iterations": (1, 200),
+}
+
+
+# Warps that a tracker does not have, with the reason.
+_WITHOUT = {
+    "klt": (
+        ("translation", "rt"),
+        "OpenCV fits no rotation and translation without a scale to points: "
+        "choose srt, affine or homography",
+    ),
+    "ecc": (
+        ("srt",),
+        "OpenCV's ECC has no warp with one scale: choose rt, affine or homography",
+    ),
 }
 
 
@@ -53,6 +70,10 @@ def refusals(tracker: str, options: Mapping[str, object]) -> dict[str, str]:
     for name in options_of(tracker):
         if name in options and (reason := _refusal(name, options[name])):
             errors[name] = reason
+    if tracker in _WITHOUT and options.get("warp") in _WITHOUT[tracker][0]:
+        errors["warp"] = (
+            f"warp {options['warp']} does not go with {tracker}: {_WITHOUT[tracker][1]}."
+        )
     return errors
 
 

@@ -22,3 +22,21 @@ def test_the_code_has_one_hash_and_the_libraries_have_versions() -> None:
     assert {"python", "numpy", "numba", "pybullet"} <= set(versions())
     assert all(versions().values())
     assert set(cpu_class()) == {"machine", "level", "model"}
+
+
+def test_a_tracker_that_depends_on_the_processor_is_named_in_the_manifest() -> None:
+    currents = benchmark("currents-v1")
+
+    made = [
+        manifest(
+            "currents-v1",
+            currents.read({"tracker": name}),
+            seed=5,
+            trials=1,
+            controller="pi",
+            digest="00",
+        )
+        for name in ("esm", "ecc")
+    ]
+
+    assert [entry["same_bits_on_every_cpu"] for entry in made] == [True, False]

@@ -64,6 +64,11 @@ def clear() -> Sequence:
 
 
 @pytest.fixture(scope="session")
+def short() -> Sequence:
+    return visibility(Water(), motion(25, speed=1.0))
+
+
+@pytest.fixture(scope="session")
 def turbid() -> Sequence:
     return visibility(Water.grey(0.8), motion(400, speed=1.0))
 

@@ -1,0 +1,70 @@
+"""`box`: an upright box moved to where its pixels correlate best (OpenCV): a baseline.
+
+OpenCV's own trackers of boxes are not used: MIL draws its samples from a generator that cannot be
+seeded, so the same run would not give the same bytes; KCF and CSRT are in another package.
+"""
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from sim.trackers.interface import Corners, Track, Window
+from sim.trackers.judging import Judge
+
+LOWEST_CORRELATION = 0.5  # E: as for the template tracker
+SMALLEST_PX = 6
+
+
+class BoxTracker:
+    """Moves the target's corners with an upright box, which neither turns nor grows."""
+
+    def __init__(self, *, search_px: int = 20) -> None:
+        self._search = search_px
+        self._shape = (0, 0)
+
+    def start(self, image: NDArray[np.uint8], corners: Corners) -> None:
+        """Learn the box around the corners (4, 2) of a whole picture (H, W)."""
+        self._judge = Judge(corners)
+        self._shape = image.shape
+        low = np.maximum(np.floor(corners.min(axis=0)).astype(int), 0)
+        high = np.minimum(np.ceil(corners.max(axis=0)).astype(int) + 1, image.shape[::-1])
+        if (high - low).min() < SMALLEST_PX:
+            raise ValueError("the target is too small or outside the picture")
+        self._template = image[low[1] : high[1], low[0] : high[0]].copy()
+        self._start, self._place = low, low
+        self._corners = self._judge.last.copy()
+
+    def window(self) -> Window:
+        """Return the box and the search margin around it, inside the picture."""
+        height, width = self._template.shape
+        x, y = (int(value) for value in self._place)
+        return (
+            max(x - self._search, 0),
+            max(y - self._search, 0),
+            min(x + width + self._search, self._shape[1]),
+            min(y + height + self._search, self._shape[0]),
+        )
+
+    def update(self, image: NDArray[np.uint8]) -> Track:
+        """Move the box to where it fits best in the next picture (H, W)."""
+        x0, y0, x1, y1 = self.window()
+        found = cv2.matchTemplate(image[y0:y1, x0:x1], self._template, cv2.TM_CCOEFF_NORMED)
+        scores = np.nan_to_num(np.asarray(found, dtype=np.float64))
+        row, column = np.unravel_index(int(scores.argmax()), scores.shape)
+        alike = float(scores[row, column])
+        place = np.array([x0 + column, y0 + row])
+        part = np.array([_peak(scores[row], int(column)), _peak(scores[:, column], int(row))])
+        ok = alike >= LOWEST_CORRELATION
+        ok = ok and self._judge.believes(self._corners + (place - self._start) + part)
+        if ok:
+            self._place = place
+        return Track(self._judge.last.copy(), ok, 1.0 - alike, 1)
+
+
+def _peak(line: NDArray[np.float64], at: int) -> float:
+    """Return where between neighbours the peak of a line is, by a parabola, -0.5..0.5."""
+    if not 0 < at < len(line) - 1:
+        return 0.0
+    before, top, after = line[at - 1 : at + 2]
+    bend = before - 2.0 * top + after
+    return 0.0 if bend >= 0.0 else float(np.clip(0.5 * (before - after) / bend, -0.5, 0.5))

@@ -1,0 +1,73 @@
+"""Trackers made of OpenCV's parts, on the same sequences as our own."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from sim.registry import TRACKERS, benchmark
+from sim.trackers import make
+
+Sequence = Any  # conftest's class; a test folder is no package
+
+
+@pytest.mark.parametrize(
+    ("name", "options", "limit_px"),
+    [
+        ("klt", {}, 1.5),
+        ("klt", {"klt_from": "previous"}, 2.0),
+        ("klt", {"warp": "affine"}, 1.5),
+        ("klt", {"warp": "srt"}, 1.5),
+        ("ecc", {}, 1.5),
+        ("ecc", {"warp": "affine"}, 1.5),
+    ],
+)
+def test_the_target_is_followed(
+    short: Sequence, name: str, options: dict[str, Any], limit_px: float
+) -> None:
+    errors, sure = short.follow(make(name, **options))
+
+    assert sure.all()
+    assert errors.max() < limit_px
+
+
+@pytest.mark.parametrize("name", ["klt", "ecc"])
+def test_a_target_out_of_the_picture_is_lost_and_found_where_it_was(
+    blackout: Sequence, name: str
+) -> None:
+    errors, sure = blackout.follow(make(name))
+
+    assert sure[:19].all()
+    assert not sure[19:39].any()
+    assert sure[40:].all()
+    assert errors[40:].max() < 1.5
+
+
+def test_an_upright_box_follows_to_some_pixels(short: Sequence) -> None:
+    errors, _ = short.follow(make("box"))
+
+    assert errors.max() < 10.0
+
+
+@pytest.mark.parametrize(("name", "warp"), [("klt", "rt"), ("klt", "translation"), ("ecc", "srt")])
+def test_warps_that_opencv_does_not_have_are_refused_with_the_reason(name: str, warp: str) -> None:
+    with pytest.raises(ValueError, match=f"warp {warp} does not go with {name}: OpenCV"):
+        make(name, warp=warp)
+
+
+@pytest.mark.parametrize("name", ["klt", "ecc", "box"])
+def test_one_tracker_twice_says_the_same(short: Sequence, name: str) -> None:
+    first, second = (short.follow(make(name))[0] for _ in range(2))
+
+    assert np.array_equal(first, second)
+
+
+@pytest.mark.parametrize("name", TRACKERS)
+def test_who_depends_on_the_processor_says_so_in_form_and_configuration(name: str) -> None:
+    currents = benchmark("currents-v1")
+    labels = currents.configuration.model_fields["tracker"].json_schema_extra["x-labels"]
+
+    config = currents.read({"tracker": name, "warp": "affine"})
+
+    assert config.exact() == TRACKERS[name].exact
+    assert ("bits depend on the processor" in labels[name]) == (not config.exact())
