@@ -11,6 +11,7 @@ import click
 COMMANDS = {  # name -> module:attribute, what it does; the second saves loading all for --help
     "up": ("up:up", "Start everything on this machine and keep it running."),
     "init": ("init:init", "Write a controller to start from."),
+    "check": ("check:check", "Say what is wrong with a program, in seconds."),
     "run": ("run:run", "Evaluate a controller here, without a server."),
     "submit": ("submit:submit", "Send a controller to a server."),
     "dataset": ("dataset:dataset", "Write pictures with their truth, to work on offline."),

@@ -151,6 +151,12 @@ def upload_refusal(session: Session, language: str, settings: Settings) -> str |
     return None
 
 
+def worker_alive(session: Session) -> bool:
+    """Return whether any worker has said lately that it lives."""
+    alive = select(Worker.name).where(Worker.seen_at > time.time() - ALIVE_S)
+    return session.scalar(alive.limit(1)) is not None
+
+
 def _configuration(order: Order) -> dict[str, object]:
     """Return the complete configuration; a ranked run gets the benchmark's scenario."""
     from sim import registry  # noqa: PLC0415 - as above

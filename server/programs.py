@@ -110,17 +110,28 @@ def read(data: Path, sha256: str) -> bytes:
     return path(data, sha256).read_bytes()
 
 
+def touch(data: Path, sha256: str) -> bool:
+    """Keep a program for another while; False if it is gone."""
+    with _store_lock(data, fcntl.LOCK_SH):
+        place = path(data, sha256)
+        if not place.exists():
+            return False
+        os.utime(place)
+    return True
+
+
 def forget_unused(data: Path, *, older_than_s: float, used: Callable[[str], bool]) -> int:
     """Delete the programs that nothing refers to; return their number.
 
     A young one may belong to an order that is being written, therefore the age: it is counted from
     the last time that somebody sent it.
     """
-    gone = 0
-    limit = time.time() - older_than_s
-    with _store_lock(data, fcntl.LOCK_EX):
-        for place in (data / "programs").glob("*"):
-            if place.stat().st_mtime < limit and not used(place.name):
+    gone, limit = 0, time.time() - older_than_s
+    for place in (data / "programs").glob("*"):
+        if place.stat().st_mtime >= limit or used(place.name):
+            continue
+        with _store_lock(data, fcntl.LOCK_EX):  # it may just have been sent again
+            if place.stat().st_mtime < limit:
                 place.unlink()
                 gone += 1
     return gone

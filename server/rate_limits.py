@@ -13,6 +13,7 @@ from server.settings import Settings
 SIGN_IN = "10 per minute; 100 per hour"
 SIGN_UP = "10 per hour"
 ORDER = "30 per minute"
+CHECK = "20 per minute; 300 per hour"
 
 _RETRY_AFTER = "X-RateLimit-Retry-After"  # what the limiter says; it would say it with each answer
 

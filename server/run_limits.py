@@ -3,6 +3,7 @@
 from sandbox.limits import Limits
 
 _BASE = Limits()
+CHECK = Limits(cpu_s=20.0, wall_s=60.0)  # of the box of a check, which simulates two seconds
 CPU_PER_SIMULATED_S = 0.1  # [s/s] 5 ms for each of 20 answers per simulated second
 WALL_PER_SIMULATED_S = 0.2  # [s/s] only the time in which the simulator waits counts
 

@@ -128,6 +128,7 @@ class Run(Base):
         ),
         Index("ix_runs_owner_id", "owner", "id"),
         Index("ix_runs_public_id", "public", "id"),
+        Index("ix_runs_program_sha256", "program_sha256"),  # for who looks for unused programs
         Index("ix_runs_benchmark_state_id", "benchmark", "state", "id"),
     )
 
@@ -185,6 +186,33 @@ class Best(Base):
         CheckConstraint(_FINITE.format("score"), name="finite"),
         UniqueConstraint("run_id"),
         Index("ix_best_rank", "benchmark", text("score DESC"), "reached_at", "user_id"),
+    )
+
+
+class Check(Base):
+    """Two seconds of a program before it is submitted; gone after an hour (server/checks.py)."""
+
+    __tablename__ = "checks"
+
+    id: Mapped[int] = mapped_column(_Id, primary_key=True)
+    user_id: Mapped[int] = mapped_column(ForeignKey("users.id", ondelete="CASCADE"), index=True)
+    benchmark: Mapped[str] = mapped_column(String(80))
+    config: Mapped[dict[str, Any]] = mapped_column(_Json)
+    program_sha256: Mapped[str] = mapped_column(String(64))
+    program_name: Mapped[str] = mapped_column(String(255))
+    language: Mapped[str] = mapped_column(String(40))
+    state: Mapped[str] = mapped_column(String(10))
+    queued_at: Mapped[float]
+    finished_at: Mapped[float | None]
+    attempt: Mapped[int] = mapped_column(default=0)  # fencing token: one more at each claim
+    lease_until: Mapped[float | None]
+    answer: Mapped[dict[str, Any] | None] = mapped_column(_Json)
+
+    __table_args__ = (
+        CheckConstraint("state IN ('queued', 'running', 'done')", name="state"),
+        CheckConstraint("(state = 'done') = (answer IS NOT NULL)", name="answer"),
+        Index("ix_checks_state_id", "state", "id"),
+        {"sqlite_autoincrement": True},  # rows are deleted: an old number must not come again
     )
 
 

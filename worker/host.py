@@ -60,9 +60,12 @@ class Host:
         return Place(self.box_level, home, share=share, locks=self.core_locks)
 
     def supervise(self) -> None:
-        """Start the process that sweeps and says that this worker lives."""
-        command = [sys.executable, "-s", "-P", "-m", "worker.supervise", self.name]
-        subprocess.Popen(command, stdin=subprocess.DEVNULL)
+        """Start what works beside the pool: who sweeps and says that this worker lives; checks."""
+        _start("worker.supervise", self.name)
+        if self.languages:
+            last = max(os.sched_getaffinity(0))
+            place = Place(self.box_level, last)
+            _start("worker.check_lane", place.to_text(), ",".join(self.languages))
 
     def leave(self) -> None:
         """Take this worker off the list."""
@@ -87,6 +90,11 @@ class Host:
                 )
             )
         database.close()  # before the pool forks: connections must not be shared
+
+
+def _start(module: str, *arguments: str) -> None:
+    command = [sys.executable, "-s", "-P", "-m", module, *arguments]
+    subprocess.Popen(command, stdin=subprocess.DEVNULL)
 
 
 def _languages(isolation: Isolation, settings: Settings) -> tuple[str, ...]:

@@ -21,6 +21,7 @@ class Job:
     program: Path | None = None  # the source's file; None: the built-in `controller`
     filename: str = ""  # as the user named it
     language: str = "python"
+    check: bool = False  # two simulated seconds only (worker/checking.py)
 
     def to_json(self) -> bytes:
         """Return the job as it travels."""

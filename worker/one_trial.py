@@ -7,6 +7,7 @@ from typing import Any, Protocol, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from sandbox.limits import Limits
 from sandbox.outcome import Outcome, ProgramEnded
 from server import run_limits
 from sim import registry
@@ -50,6 +51,8 @@ class OneTrial:
         job: Job,
         make_box: MakeBox,
         compile_program: Compile,
+        *,
+        limits: Limits | None = None,
     ) -> None:
         self._job = job
         self._make_box = make_box
@@ -58,7 +61,8 @@ class OneTrial:
         self.config: Configuration = benchmark.read(job.config)
         self._experiment = benchmark.load()
         self._wrap = SOLUTIONS[benchmark.role]
-        self._limits = run_limits.for_trial(benchmark.trial_duration_s(self.config))
+        trial_s = benchmark.trial_duration_s(self.config)
+        self._limits = limits or run_limits.for_trial(trial_s)
         self.source = job.program.read_bytes() if job.program is not None else b""
         self._compiled = b""
 

@@ -21,6 +21,7 @@ from server import run_limits
 from sim.warm_up import warm_up
 from worker import frames
 from worker.boxed import real_boxes, real_compiler
+from worker.checking import check
 from worker.frames import Kind
 from worker.job import Job, Place
 from worker.process_control import die_with_parent, limit_simulator, pin
@@ -144,6 +145,8 @@ def evaluate(job: Job, out: socket.socket, place: Place, pool: Pool) -> Ending:
     # Trials side by side are processes of their own, and a box belongs to the one that made it.
     make = pool.take if cores is None else real_boxes(place)
     compile_ = real_compiler(place)
+    if job.check:
+        return check(job, Telling(out), make, compile_)
     return Evaluation(job, Telling(out), make, compile_program=compile_, cores=cores).run()
 
 

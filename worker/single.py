@@ -9,16 +9,19 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sandbox.languages import language_of
 from sandbox.level import Level
+from server import checks
 from server.programs import Prepared
 from sim import registry
 from sim.warm_up import warm_up
 from worker.boxed import real_boxes, real_compiler
+from worker.checking import Glimpse, answer_of, check
 from worker.job import Job, Place
 from worker.trials import Ending, Evaluation
 
@@ -83,6 +86,22 @@ def evaluate_here(
         if cores is not None:
             warm_up()  # once, and not in each of the trials' processes
         return Evaluation(job, listener, make, compile_program=compile_, cores=cores).run()
+
+
+def check_here(
+    benchmark: str, config: Mapping[str, object], program: Prepared, *, level: Level
+) -> dict[str, Any]:
+    """Return what `server.check_answer` says of a program after two simulated seconds.
+
+    Raises
+    ------
+    SandboxBroken
+        The box failed, not the program.
+    """
+    place, glimpse = Place(level, None), Glimpse()
+    with job_of(benchmark, config, program, seeds=(checks.SEED,)) as job:
+        ending = check(job, glimpse, real_boxes(place), real_compiler(place))
+    return answer_of(job, glimpse.end(ending.verdict, ending.sentence, ending.traceback))
 
 
 @contextmanager

@@ -21,7 +21,9 @@ from server.db import Database
 from server.tables import Worker
 from worker.app import app, settings
 from worker.process_control import die_with_parent
-from worker.sweeping import sweep_once
+from worker.sweeping import forget_programs, sweep_once
+
+TIDY_S = 3600.0  # [s] between two looks for programs that nobody needs
 
 _log = structlog.get_logger()
 
@@ -32,8 +34,12 @@ def main(name: str) -> None:
     ended = threading.Event()
     signal.signal(signal.SIGTERM, lambda *_: ended.set())
     database, redis = Database(settings.database_url), broker.connect(settings)
+    tidy_at = time.monotonic()
     while not ended.wait(settings.sweep_s):
         try:
+            if time.monotonic() >= tidy_at:
+                tidy_at += TIDY_S
+                forget_programs(database, settings)
             with database.writing() as session:
                 seen = update(Worker).where(Worker.name == name).values(seen_at=time.time())
                 session.execute(seen)

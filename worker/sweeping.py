@@ -5,11 +5,12 @@ from celery import Celery
 from redis import Redis
 from redis.exceptions import RedisError
 
-from server import broker, live, runs
+from server import broker, checks, live, programs, runs
 from server.db import Database
 from server.runs import RunState
 from server.settings import Settings
 
+UNUSED_S = 86_400.0  # [s] a program is kept that nothing refers to
 _log = structlog.get_logger()
 
 
@@ -17,6 +18,7 @@ def sweep_once(app: Celery, database: Database, redis: "Redis", settings: Settin
     """Sweep, tell those who watch, and top up the tickets; a broker that is away is no failure."""
     with database.writing() as session:
         report = runs.sweep(session, settings)
+        checks.sweep(session)
     try:
         for run_id in report.returned:
             _tell(redis, run_id, RunState.QUEUED)
@@ -29,6 +31,18 @@ def sweep_once(app: Celery, database: Database, redis: "Redis", settings: Settin
         return
     if report.returned or report.given_up or tickets:
         _log.info("swept", returned=report.returned, given_up=report.given_up, tickets=tickets)
+
+
+def forget_programs(database: Database, settings: Settings) -> None:
+    """Delete the programs that only a refused order or an old check has brought."""
+
+    def used(sha256: str) -> bool:
+        with database.reading() as session:
+            return checks.refers_to(session, sha256)
+
+    gone = programs.forget_unused(settings.data, older_than_s=UNUSED_S, used=used)
+    if gone:
+        _log.info("programs_forgotten", count=gone)
 
 
 def _tell(redis: "Redis", run_id: int, state: RunState) -> None:

@@ -8,6 +8,7 @@ from server.api import (
     account,
     actions,
     benchmarks,
+    checks,
     datasets,
     document,
     events,
@@ -22,6 +23,7 @@ from server.problems import Problem
 RESOURCES = (
     benchmarks.api,
     runs.api,
+    checks.api,
     actions.api,
     events.api,
     files.api,

@@ -98,16 +98,15 @@ def _add_bodies(paths: dict[str, Any], schemas: dict[str, Any]) -> None:
             "program": {"type": "string", "format": "binary", "description": "The controller"},
         },
     }
-    paths["/api/v1/runs"]["post"]["requestBody"] = {
-        "required": True,
-        "content": {
-            "application/json": {"schema": order},
-            "multipart/form-data": {
-                "schema": form,
-                "encoding": {"run": {"contentType": "application/json"}},
-            },
-        },
+    as_form = {
+        "multipart/form-data": {
+            "schema": form,
+            "encoding": {"run": {"contentType": "application/json"}},
+        }
     }
+    both = {"application/json": {"schema": order}} | as_form
+    paths["/api/v1/runs"]["post"]["requestBody"] = {"required": True, "content": both}
+    paths["/api/v1/checks"]["post"]["requestBody"] = {"required": True, "content": as_form}
 
 
 def _complete(operation: dict[str, Any]) -> None:

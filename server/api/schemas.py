@@ -190,6 +190,47 @@ class RunAnswer(Answer):
     links: dict[str, str]
 
 
+class CheckPath(BaseModel):
+    """Which check."""
+
+    check_id: int = Field(ge=1, le=ID_MAX, description="The check's number")
+
+
+class CheckQuery(BaseModel):
+    """How long to wait."""
+
+    wait: float = Field(
+        15.0, ge=0, le=15, description="Seconds to wait for the answer before 202 is answered"
+    )
+
+
+class FlawAnswer(Answer):
+    """One thing that is wrong with a program; `warning`: it runs all the same."""
+
+    sentence: str
+    stage: Literal["read", "compile", "start", "run"]
+    file: str | None
+    line: int | None
+    column: int | None
+    warning: bool
+
+
+class CheckAnswer(Answer):
+    """A check; what it says is there when `state` is done. `id` is null if nothing had to run."""
+
+    id: int | None
+    state: Literal["queued", "running", "done"]
+    benchmark: str
+    program_name: str
+    language: str
+    ok: bool | None
+    problems: list[FlawAnswer]
+    traceback: str
+    output: str
+    t_simulated: float
+    step_us: dict[str, float] | None
+
+
 class RunsAnswer(Answer):
     """A page of runs, newest first."""
 

@@ -1,3 +1,4 @@
+import os
 from io import BytesIO
 from pathlib import Path
 
@@ -87,3 +88,23 @@ def test_an_upload_too_large_is_not_read_to_its_end(tmp_path: Path) -> None:
 def test_only_a_hash_is_a_key(tmp_path: Path, key: str) -> None:
     with pytest.raises(ValueError, match="SHA-256"):
         programs.path(tmp_path, key)
+
+
+def test_only_old_programs_that_nothing_refers_to_are_forgotten(tmp_path: Path) -> None:
+    kept = [_store(GOOD + b"# %d" % number, tmp_path).sha256 for number in range(3)]
+    for sha256 in kept[:2]:
+        os.utime(programs.path(tmp_path, sha256), (0, 0))
+
+    gone = programs.forget_unused(tmp_path, older_than_s=60, used=lambda key: key == kept[0])
+
+    assert gone == 1
+    assert [programs.touch(tmp_path, sha256) for sha256 in kept] == [True, False, True]
+
+
+def test_a_program_sent_again_is_young_again(tmp_path: Path) -> None:
+    sha256 = _store(GOOD, tmp_path).sha256
+    os.utime(programs.path(tmp_path, sha256), (0, 0))
+
+    _store(GOOD, tmp_path)
+
+    assert programs.forget_unused(tmp_path, older_than_s=60, used=lambda _: False) == 0

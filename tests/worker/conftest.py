@@ -9,11 +9,12 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from io import BytesIO
 from pathlib import Path
+from typing import Any
 
 import pytest
 from redis import Redis
 
-from server import accounts, broker, programs, runs
+from server import accounts, broker, checks, programs, runs
 from server.access import Viewer
 from server.db import Database
 from server.migrate import upgrade
@@ -65,6 +66,24 @@ class Service:
         stream = BytesIO(source.encode())
         program = programs.store(stream, "mine.py", limit=10**6, data=self.settings.data)
         return self.queue(config, controller="upload", program=program, **wishes)
+
+    def check(self, source: bytes, name: str = "mine.py", **config: object) -> dict[str, Any]:
+        """Return what a check of a program says."""
+        program = programs.store(BytesIO(source), name, limit=10**6, data=self.settings.data)
+        user_id = self.viewer.user_id
+        assert user_id is not None
+        with self.database.writing() as session:
+            check_id = checks.order(session, user_id, "currents-v1", dict(config), program)
+        checks.ring(self.redis)
+        deadline = time.monotonic() + START_S
+        while True:
+            with self.database.reading() as session:
+                view = checks.show(session, check_id, user_id)
+            assert view is not None
+            if view.answer is not None:
+                return view.answer
+            assert time.monotonic() < deadline, f"still {view.state}"
+            time.sleep(0.02)  # the database announces nothing
 
     def show(self, run_id: int) -> runs.RunView:
         with self.database.reading() as session:

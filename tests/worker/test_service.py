@@ -164,3 +164,55 @@ def test_those_who_watch_see_the_state_the_telemetry_and_the_end(running: Servic
     assert {live.TELEMETRY, live.LOG} <= set(kinds)
     rows = [row for event in seen if event.kind == live.TELEMETRY for row in event.data["rows"]]
     assert len(rows) == 2 * 4 * SHOWN_HZ  # two levels of 4 s
+
+
+def test_a_check_is_answered_while_long_runs_have_all_places(running: Service) -> None:
+    run_id = running.queue(LONG, trials=10)
+    running.wait(run_id, lambda view: view.t_simulated > 0)
+
+    answer = running.check(UPLOADED_P.encode())
+
+    assert (answer["ok"], answer["problems"]) == (True, [])
+    assert (answer["step_us"]["count"], answer["output"][:5]) == (40, "gains")
+    assert running.show(run_id).state is RunState.RUNNING
+    with running.database.writing() as session:
+        assert runs.request_cancel(session, run_id)
+
+
+@pytest.mark.parametrize(
+    ("step", "stage", "says", "line"),
+    [
+        ("  return [0, 0]\n", "run", "step returned 2 values", 4),
+        ("  return [1 / 0, 0, 0, 0]\n", "run", "ZeroDivisionError", 5),
+        ("  while True: pass\n", "run", "CPU time", None),
+        ("  return [0, 0, 0, 0]\nraise ValueError('at once')\n", "start", "at once", 6),
+        ("  return [0, 0, 0, 0]\nreturn\n", "compile", "outside function", 6),
+    ],
+)
+def test_a_check_names_what_is_wrong_with_its_line(
+    running: Service, step: str, stage: str, says: str, line: int | None
+) -> None:
+    answer = running.check((STEP + step).encode())
+
+    [problem] = answer["problems"]
+    assert (answer["ok"], problem["stage"], problem["line"]) == (False, stage, line)
+    assert says in problem["sentence"]
+
+
+def test_a_check_of_c_shows_each_message_of_the_compiler(running: Service) -> None:
+    source = b'#include "seamark.h"\nint f(void) { return nothing; }\nint g(void) { return 1 }\n'
+
+    answer = running.check(source, "mine.c")
+
+    places = [(p["stage"], p["file"], p["line"]) for p in answer["problems"]]
+    assert places == [("compile", "mine.c", 2), ("compile", "mine.c", 3)]
+
+
+def test_a_check_leaves_no_run_and_takes_nothing_of_the_quota(running: Service) -> None:
+    with running.database.reading() as session:
+        before = runs.quota(session, running.viewer, running.settings)
+
+    running.check(UPLOADED_P.encode())
+
+    with running.database.reading() as session:
+        assert runs.quota(session, running.viewer, running.settings) == before

@@ -12,7 +12,7 @@ from flask.testing import FlaskClient
 from sqlalchemy import select
 from werkzeug.test import TestResponse
 
-from server import accounts, programs, runs
+from server import accounts, checks, programs, runs
 from server.access import Viewer
 from server.app import create_app
 from server.db import Database
@@ -79,6 +79,15 @@ class Site:
         data, limit = self.settings.data, self.settings.upload_max_bytes
         program = programs.store(io.BytesIO(PROGRAM), "mine.py", limit=limit, data=data)
         return self.queue(controller="upload", program=program)
+
+    def check(self, name: str = "ann") -> int:
+        """Order a check that nobody carries out."""
+        limit, data = self.settings.upload_max_bytes, self.settings.data
+        program = programs.store(io.BytesIO(PROGRAM), "mine.py", limit=limit, data=data)
+        user_id = self.viewers[name].user_id
+        assert user_id is not None
+        with self.database.writing() as session:
+            return checks.order(session, user_id, "currents-v1", {}, program)
 
     def end(self, **changes: Any) -> None:
         with self.database.writing() as session:

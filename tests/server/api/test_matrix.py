@@ -23,6 +23,8 @@ TABLE: dict[tuple[str, str], tuple[str, dict[str, Any], tuple[int, ...]]] = {
     ("GET", "/api/v1/me"): ("", {}, ANYBODY),
     ("GET", "/api/v1/runs"): ("", {}, (200, 200, 200, 200, 200, 403)),
     ("POST", "/api/v1/runs"): ("", ORDER, (202, 202, 202, 202, 403, 202)),
+    ("POST", "/api/v1/checks"): ("", ORDER, (403, 422, 422, 422, 403, 422)),
+    ("GET", "/api/v1/checks/<int:check_id>"): ("", {}, (401, 404, 200, 404, 200, 403)),
     ("GET", "/api/v1/runs/<int:run_id>"): ("private", {}, PRIVATE),
     ("POST", "/api/v1/runs/<int:run_id>/cancel"): ("queued", {}, CHANGE),
     ("POST", "/api/v1/runs/<int:run_id>/publish"): ("private", {}, CHANGE),
@@ -76,6 +78,7 @@ def statuses(site: Site, role: str) -> dict[tuple[str, str], int]:
     for (method, rule), (kind, body, _) in TABLE.items():
         path = (
             rule.replace("<int:run_id>", str(run_of(site, kind)))
+            .replace("<int:check_id>", str(site.check() if "check_id" in rule else 0))
             .replace("<string:benchmark>", "currents-v1")
             .replace("<int:token_id>", str(spare_token(site) if "token_id" in rule else 0))
         )

@@ -1,0 +1,161 @@
+"""Checks: compile a program and simulate two seconds with it, outside of every quota."""
+
+from __future__ import annotations
+
+import time
+from typing import Any, BinaryIO, cast
+
+from flask import Response, jsonify
+from flask_openapi3.blueprint import APIBlueprint
+from flask_openapi3.models.tag import Tag
+from werkzeug.datastructures import FileStorage
+
+from server import check_answer, checks, programs, rate_limits
+from server.access import READ, SUBMIT, Action, can
+from server.api import gate, reading
+from server.api.schemas import CheckAnswer, CheckPath, CheckQuery, RunOrder
+from server.checks import CheckRefused, CheckState, CheckView
+from server.orders import role_of, upload_refusal, worker_alive
+from server.problems import Problem
+from server.programs import Prepared, UploadRejected
+from server.services import services
+from sim import registry
+from sim.configuration import ConfigurationInvalid
+
+LOOKS_S = (0.05, 0.05, 0.1, 0.1)  # [s] between looks at a check; then the last of:
+LOOK_S = 0.2
+RETRY_S = 1
+_GONE = "There is no check {}; they are kept for an hour, and a new one replaces one that waits."
+
+api = APIBlueprint(
+    "api_checks",
+    __name__,
+    url_prefix="/api/v1",
+    abp_tags=[Tag(name="Checks", description="Try a program before it is submitted.")],
+)
+
+
+@api.post("/checks", responses={200: CheckAnswer, 202: CheckAnswer})
+@rate_limits.limiter.limit(rate_limits.CHECK, key_func=gate.who)
+def create(query: CheckQuery) -> Response:
+    """Check a program: read it, compile it, run two simulated seconds of the configuration.
+
+    The form is that of `POST /runs`. What is wrong comes as `problems` with status 200; with 202
+    it is not known yet: ask `Location` again. Costs nothing of the quota; one check at a time.
+    """
+    order, file = reading.body_or_form(
+        RunOrder,
+        json_part="run",
+        file_part="program",
+        file_max_bytes=services().settings.upload_max_bytes,
+    )
+    gate.need_scope(SUBMIT)
+    if not can(gate.viewer(), Action.UPLOAD):
+        raise Problem("account-needed", "Checking a program needs an account, as uploading does.")
+    if file is None:
+        needed = "Send the program to be checked."
+        raise Problem("invalid-request", needed, errors={"program": needed})
+    config = _configuration(order)
+    prepared = _received(file, order.benchmark)
+    if prepared.flaws:
+        return jsonify(_done(order.benchmark, prepared))
+    check_id = _order(order.benchmark, config, prepared)
+    return _answer(_waited_for(check_id, query.wait))
+
+
+@api.get("/checks/<int:check_id>", responses={200: CheckAnswer})
+def show(path: CheckPath) -> Response:
+    """Show one of your checks; `state` is done when there is an answer."""
+    gate.need_scope(READ)
+    view = _view(path.check_id)
+    answer = jsonify(_document(view))
+    if view.state is not CheckState.DONE:
+        answer.headers["Retry-After"] = str(RETRY_S)
+    answer.headers["Cache-Control"] = "no-store"
+    return answer
+
+
+def _configuration(order: RunOrder) -> dict[str, Any]:
+    if order.benchmark not in registry.BENCHMARKS:
+        unknown = f"There is no benchmark {order.benchmark}."
+        raise Problem("invalid-request", unknown, errors={"benchmark": unknown})
+    try:
+        config = registry.benchmark(order.benchmark).read(order.config)
+    except ConfigurationInvalid as wrong:
+        raise Problem("invalid-configuration", str(wrong), errors=wrong.errors) from None
+    return dict(config.model_dump(mode="json"))
+
+
+def _received(file: FileStorage, benchmark: str) -> Prepared:
+    stream, limit = cast("BinaryIO", file.stream), services().settings.upload_max_bytes
+    try:
+        return programs.receive(stream, file.filename or "", limit=limit, role=role_of(benchmark))
+    except UploadRejected as reason:
+        raise Problem("upload-rejected", str(reason), errors={"program": str(reason)}) from None
+
+
+def _order(benchmark: str, config: dict[str, Any], prepared: Prepared) -> int:
+    held = services()
+    with held.database.reading() as session:
+        refusal = upload_refusal(session, prepared.language, held.settings)
+    if refusal:
+        raise Problem("invalid-request", refusal)
+    program = programs.keep(prepared, held.settings.data)
+    try:
+        with held.database.writing() as session:
+            check_id = checks.order(session, gate.need_user(), benchmark, config, program)
+    except CheckRefused as reason:
+        wait = {"Retry-After": str(reason.retry_after_s)}
+        raise Problem("rate-limited", str(reason), headers=wait) from None
+    checks.ring(held.redis)
+    return check_id
+
+
+def _waited_for(check_id: int, seconds: float) -> CheckView:
+    """Return the check when it is done, or after some seconds; at once if no worker is there."""
+    with services().database.reading() as session:
+        if not worker_alive(session):
+            seconds = 0.0
+    deadline = time.monotonic() + seconds
+    looks = iter(LOOKS_S)
+    while True:
+        view = _view(check_id)
+        left = deadline - time.monotonic()
+        if view.state is CheckState.DONE or left <= 0:
+            return view
+        time.sleep(min(next(looks, LOOK_S), left))
+
+
+def _view(check_id: int) -> CheckView:
+    with services().database.reading() as session:
+        view = checks.show(session, check_id, gate.need_user())
+    if view is None:
+        raise Problem("not-found", _GONE.format(check_id))
+    return view
+
+
+def _answer(view: CheckView) -> Response:
+    answer = jsonify(_document(view))
+    if view.state is not CheckState.DONE:
+        answer.status_code = 202
+        answer.headers["Location"] = f"/api/v1/checks/{view.id}"
+        answer.headers["Retry-After"] = str(RETRY_S)
+    return answer
+
+
+def _document(view: CheckView) -> dict[str, Any]:
+    said = view.answer or check_answer.of_reading([]) | {"ok": None}
+    names = ("id", "benchmark", "program_name", "language")
+    return {name: getattr(view, name) for name in names} | {"state": view.state.value} | said
+
+
+def _done(benchmark: str, prepared: Prepared) -> dict[str, Any]:
+    """Return the document of a program whose text says enough."""
+    about = {
+        "id": None,
+        "benchmark": benchmark,
+        "program_name": prepared.name,
+        "language": prepared.language,
+        "state": CheckState.DONE.value,
+    }
+    return about | check_answer.of_reading(prepared.flaws)

@@ -1,0 +1,113 @@
+"""A check of a program: compile, start, two simulated seconds, and what was seen."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sandbox.outcome import ProgramEnded
+from server import check_answer, run_limits
+from server.check_answer import Seen
+from sim import registry
+from sim.telemetry import INDEX, STEP_US
+from worker.boxed import Compile, MakeBox
+from worker.job import Job
+from worker.one_trial import OneTrial, TrialListener
+from worker.trials import BENCHMARK_ERROR, Ending
+
+SIMULATED_S = 1.9  # [s] rows come by the second: those of two seconds end just above
+LOG_MAX = 64 * 1024  # [B] kept of what the program prints
+Rows = NDArray[np.float64]
+
+
+class Enough(Exception):
+    """The program has run for long enough."""
+
+
+class Glimpse:
+    """A listener that keeps what a check shows; it may stand before another one."""
+
+    def __init__(self) -> None:
+        self.seen = Seen()
+        self._log = bytearray()
+
+    def rows(self, rows: Rows) -> None:
+        """Keep how long each answer took."""
+        self.seen.step_us += rows[:, STEP_US].tolist()
+        self.seen.t_simulated = float(rows[-1, INDEX["t"]])
+
+    def log(self, text: bytes) -> None:
+        """Keep the end of what is printed."""
+        self._log += text
+        del self._log[:-LOG_MAX]
+
+    def cut(self, trial: int, why: str) -> None:
+        """Forget all: the host was slow and it is done again."""
+        self.seen, self._log = Seen(), bytearray()
+
+    def end(self, verdict: str, sentence: str, traceback: str) -> Seen:
+        """Return everything."""
+        self.seen.verdict, self.seen.sentence, self.seen.traceback = verdict, sentence, traceback
+        self.seen.output = self._log.decode("utf-8", "replace")
+        return self.seen
+
+
+class _Brief:
+    """Passes on what a listener hears until it is enough."""
+
+    def __init__(self, listener: TrialListener) -> None:
+        self._listener = listener
+        self._over = False
+
+    def rows(self, rows: Rows) -> None:
+        """Pass the rows on; raise Enough after two seconds of them."""
+        if self._over:  # the rest that a trial delivers on its way out
+            return
+        self._listener.rows(rows)
+        if rows[-1, INDEX["t"]] >= SIMULATED_S:
+            self._over = True
+            raise Enough
+
+    def log(self, text: bytes) -> None:
+        """Pass on what the program printed."""
+        self._listener.log(text)
+
+    def cut(self, trial: int, why: str) -> None:
+        """Pass on that it is done again."""
+        self._over = False
+        self._listener.cut(trial, why)
+
+
+def check(job: Job, listener: TrialListener, make_box: MakeBox, compile_program: Compile) -> Ending:
+    """Run the first two simulated seconds of a job's first trial; no metrics, no manifest."""
+    brief = _Brief(listener)
+    one = OneTrial(job, make_box, compile_program, limits=run_limits.CHECK)
+    try:
+        one.prepare(brief)
+        end = one.run(0, brief)
+    except Enough:
+        return Ending()
+    except ProgramEnded as ended:
+        return _ending(ended)
+    if end.outcome is not None and end.result is None:
+        return _ending(ProgramEnded(end.outcome))
+    return (
+        Ending() if end.result is not None else Ending(verdict=BENCHMARK_ERROR, sentence=end.lost)
+    )
+
+
+def _ending(ended: ProgramEnded) -> Ending:
+    outcome = ended.outcome
+    return Ending(
+        verdict=str(outcome.verdict), sentence=outcome.sentence, traceback=outcome.traceback
+    )
+
+
+def answer_of(job: Job, seen: Seen) -> dict[str, Any]:
+    """Return the document for what was seen, measured against what a whole run may use."""
+    entry = registry.benchmark(job.benchmark)
+    config = entry.read(job.config)
+    trial_s = entry.trial_duration_s(config)
+    steps_per_s = len(seen.step_us) / max(seen.t_simulated, 1.0)
+    allowed_s = run_limits.for_trial(trial_s).cpu_s / max(trial_s * steps_per_s, 1.0)
+    return check_answer.of_running(seen, step_allowed_us=allowed_s * 1e6)
