@@ -14,7 +14,16 @@ from server.causes import WORDS
 from server.pages import benchmarks, templates_for_programs
 from server.pages import fields as form_fields
 from server.services import services
-from sim import metrics, observation, registry, telemetry, tracker_metrics, vehicles
+from sim import (
+    definitions,
+    metrics,
+    observation,
+    registry,
+    telemetry,
+    tracker_metrics,
+    vehicles,
+)
+from sim.score_expression import FUNCTIONS
 
 page = Blueprint("docs", __name__, url_prefix="/docs")
 _UNITS = {"_s": "s", "_mib": "MiB", "_kib": "KiB"}
@@ -112,6 +121,16 @@ def _metrics() -> dict[str, Any]:
     }
 
 
+def _measures() -> dict[str, Any]:
+    return {
+        "tables": definitions.TABLES,
+        "formulas": definitions.FORMULAS,
+        "over": definitions.OVER,
+        "original": definitions.ORIGINAL,
+        "functions": FUNCTIONS,
+    }
+
+
 def _telemetry() -> dict[str, Any]:
     return {"columns": telemetry.COLUMNS}
 
@@ -124,6 +143,7 @@ PAGES: Mapping[str, tuple[str, Callable[[], dict[str, Any]]]] = {
     "native": ("C and C++", _native),
     "runs": ("Runs, limits and causes", _runs),
     "metrics": ("Metrics and score", _metrics),
+    "measures": ("All measures and their formulas", _measures),
     "telemetry": ("Telemetry", _telemetry),
     "physics": ("Physics and numbers", _physics),
 }

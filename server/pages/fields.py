@@ -17,7 +17,7 @@ class Field:
     title: str
     help: str
     unit: str
-    kind: str  # "choice", "check", "number" or "text"
+    kind: str  # "choice", "check", "number", "list" or "text"
     value: str
     default: str
     options: tuple[tuple[str, str], ...]  # value, label
@@ -176,7 +176,7 @@ def _field(name: str, entry: Schema, *, shown: object, default: object, error: s
 def _kind(entry: Schema) -> str:
     if "enum" in entry:
         return "choice"
-    kinds = {"boolean": "check", "number": "number", "integer": "number"}
+    kinds = {"boolean": "check", "number": "number", "integer": "number", "array": "list"}
     return kinds.get(entry["type"], "text")
 
 

@@ -59,7 +59,7 @@ function configuration() {
   for (const input of inputs) {
     const text = valueOf(input).trim();
     if (input.type === "checkbox") values[input.name] = input.checked;
-    else if (input.dataset.default.includes(",") || input.name === "levels") {
+    else if (input.dataset.list !== undefined) {
       values[input.name] = text.split(/[\s,;]+/).filter(Boolean).map(Number);
     } else if (input.inputMode === "decimal" && text !== "" && Number.isFinite(Number(text))) {
       values[input.name] = Number(text);
