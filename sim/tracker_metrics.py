@@ -31,7 +31,7 @@ METRICS: tuple[Metric, ...] = (
         "Pictures lost but not admitted",
         "%",
         "lower",
-        "more than 10 px off",
+        meaning="more than 10 px off",
     ),
 )
 HELD = Metric("held", "Held", "", "higher", meaning="p@5 of at least 95 %")
