@@ -9,7 +9,7 @@ import math
 import os
 import shutil
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -51,14 +51,21 @@ def bubblewrap() -> str:
 
 
 def bwrap_command(
-    runtime: Runtime, limits: Limits, use: Descriptors, *, limit_inside: bool
+    runtime: Runtime,
+    limits: Limits,
+    use: Descriptors,
+    *,
+    limit_inside: bool,
+    namespaces: Sequence[str] = NAMESPACES,
 ) -> list[str]:
     """Return bubblewrap's command line.
 
-    `limit_inside` lets the runner limit processes and memory, where no control group does.
+    `namespaces` are fewer only in tests. `limit_inside` lets the runner limit processes and
+    memory, where no control group does.
     """
-    command = [bubblewrap(), *(f"--unshare-{name}" for name in NAMESPACES)]
-    command += ["--disable-userns", "--uid", "1000", "--gid", "1000", "--hostname", "sandbox"]
+    command = [bubblewrap(), *(f"--unshare-{name}" for name in namespaces)]
+    command += ["--hostname", "sandbox"] if "uts" in namespaces else []
+    command += ["--disable-userns", "--uid", "1000", "--gid", "1000"]
     command += ["--die-with-parent", "--new-session", "--cap-drop", "ALL", "--clearenv"]
     command += ["--info-fd", str(use.information)]
     for name, value in runtime.environment.items():

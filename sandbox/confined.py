@@ -13,7 +13,7 @@ from typing import Self
 
 from sandbox import accounting, seccomp
 from sandbox.cgroups import ControlGroup
-from sandbox.command import Descriptors, bwrap_command, launcher_command
+from sandbox.command import NAMESPACES, Descriptors, bwrap_command, launcher_command
 from sandbox.information import Information
 from sandbox.languages.language import Runtime
 from sandbox.level import Level
@@ -35,6 +35,7 @@ class Layers:
     groups: bool
     own_uid: bool
     seccomp: bool = True
+    namespaces: tuple[str, ...] = NAMESPACES
 
     @classmethod
     def of(cls, level: Level) -> Self:
@@ -92,7 +93,13 @@ class Confined:
         images = self.pictures.descriptor if self.pictures else None
         use = Descriptors(protocol, informing, filters, images)
         command = launcher_command(
-            bwrap_command(runtime, limits, use, limit_inside=self.group is None),
+            bwrap_command(
+                runtime,
+                limits,
+                use,
+                limit_inside=self.group is None,
+                namespaces=layers.namespaces,
+            ),
             limits,
             groups=self.group.entries() if self.group else [],
             uid=self._slot.uid if self._slot else None,

@@ -48,23 +48,36 @@ def level(isolation: Isolation) -> Level:
 
 @pytest.fixture(scope="session")
 def run(level: Level) -> Run:
-    """Return a function that runs one program and tells how it ended."""
+    """Return a function that runs one program of the corpus and tells how it ended."""
 
     def run_one(
         name: str, *, at: Level = level, layers: Layers | None = None, limits: Limits = LIMITS
     ) -> Outcome:
-        source = (PROGRAMS / f"{name}.py").read_bytes()
-        with Box(limits=limits, level=at, layers=layers) as box:
-            try:
-                box.load(source, f"{name}.py", {"kp": 0.5}, LAYOUT)
-                box.reset({"index": 0})
-                for tick in range(STEPS):
-                    box.step([tick / 20, 0.1, 0.2, 0.3, 5.0, 1.0])
-                return box.finish()
-            except ProgramEnded as end:
-                return end.outcome
+        return stepped(PROGRAMS / f"{name}.py", Box(limits=limits, level=at, layers=layers))
 
     return run_one
+
+
+@pytest.fixture(scope="session")
+def run_file(level: Level) -> Run:
+    """Return a function that runs one program anywhere and tells how it ended."""
+
+    def run_one(path: Path, *, layers: Layers | None = None, **config: object) -> Outcome:
+        return stepped(path, Box(limits=LIMITS, level=level, layers=layers), **config)
+
+    return run_one
+
+
+def stepped(path: Path, started: Box, **config: object) -> Outcome:
+    with started as box:
+        try:
+            box.load(path.read_bytes(), path.name, {"kp": 0.5} | config, LAYOUT)
+            box.reset({"index": 0})
+            for tick in range(STEPS):
+                box.step([tick / 20, 0.1, 0.2, 0.3, 5.0, 1.0])
+            return box.finish()
+        except ProgramEnded as end:
+            return end.outcome
 
 
 @pytest.fixture

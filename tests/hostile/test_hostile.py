@@ -6,7 +6,6 @@ from pathlib import Path
 
 import pytest
 
-from sandbox.confined import Layers
 from sandbox.level import Level
 from sandbox.limits import Limits
 from sandbox.outcome import Outcome, Verdict
@@ -15,17 +14,6 @@ pytestmark = pytest.mark.host
 
 TABLE = tomllib.loads(Path(__file__).with_name("expectations.toml").read_text(encoding="utf-8"))
 PROGRAMS = Path(__file__).with_name("programs")
-
-# Held by the filter alone: with it switched off the suite has to notice.
-HELD_BY_FILTER = (
-    "network_unix",
-    "network_udp",
-    "network_vsock",
-    "network_file_lock",
-    "secrets_symlink",
-    "secrets_fifo",
-    "exhaustion_memfd",
-)
 
 
 def got(outcome: Outcome) -> str:
@@ -60,16 +48,6 @@ def test_it_gets_nothing_at_level_medium_either(name, run) -> None:
 
     assert got(outcome) == ""
     assert outcome.verdict == expected, outcome
-
-
-@pytest.mark.parametrize("name", HELD_BY_FILTER)
-def test_the_suite_notices_when_the_filter_is_off(name, run, level) -> None:
-    layers = Layers.of(level)
-    without = Layers(groups=layers.groups, own_uid=layers.own_uid, seccomp=False)
-
-    outcome = run(name, layers=without)
-
-    assert got(outcome) != ""
 
 
 @pytest.mark.parametrize(

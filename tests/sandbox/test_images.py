@@ -144,7 +144,7 @@ def test_an_image_cannot_be_written_by_a_program(box) -> None:
     [
         ("7", "type int"),
         ("[]", r"shape \(0,\)"),
-        ("[1, 2, 3, 4, 5, 6, 7, 8]", r"shape \(8,\)"),
+        ("[1, 2, 3, 4, 5, 6, 7, 8]", "no array"),
         ("np.zeros((4, 3))", r"shape \(4, 3\)"),
         ("[[1, 2], [3, 4], [5, 6], [7]]", "no array"),
         ("np.full((4, 2), np.nan)", "coordinate nan"),

@@ -63,9 +63,11 @@ class Service:
         return run_id
 
     def upload(self, source: str, config: dict[str, object] = SHORT, **wishes: object) -> int:
+        return self.queue(config, controller="upload", program=self.keep(source), **wishes)
+
+    def keep(self, source: str) -> programs.StoredProgram:
         stream = BytesIO(source.encode())
-        program = programs.store(stream, "mine.py", limit=10**6, data=self.settings.data)
-        return self.queue(config, controller="upload", program=program, **wishes)
+        return programs.store(stream, "mine.py", limit=10**6, data=self.settings.data)
 
     def check(self, source: bytes, name: str = "mine.py", **config: object) -> dict[str, Any]:
         """Return what a check of a program says."""

@@ -121,11 +121,11 @@ def test_a_configuration_that_became_invalid_ends_at_once_and_blames_no_program(
 
 
 def test_what_breaks_on_our_side_is_tried_three_times_and_blames_nobody(running: Service) -> None:
-    run_id = running.upload(UPLOADED_P)
+    program = running.keep(UPLOADED_P)
     for path in (running.settings.data / "programs").iterdir():
         path.unlink()
 
-    view = running.ended(run_id)
+    view = running.ended(running.queue(SHORT, controller="upload", program=program))
 
     assert (view.state, view.cause, view.attempt) == (RunState.FAILED, "platform_error", 3)
     assert "FileNotFoundError" not in str(view)

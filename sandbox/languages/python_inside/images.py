@@ -53,8 +53,8 @@ def as_corners(answer: Any, what: str) -> list[float]:
     if not isinstance(answer, (np.ndarray, list, tuple)):
         raise AnswerInvalid(f"{what} a value of type {type(answer).__name__}, not {FOUR_POINTS}")
     try:
-        points = np.asarray(answer)
-    except ValueError:  # rows of different lengths
+        points = answer if isinstance(answer, np.ndarray) else np.asarray(bounded(answer))
+    except (TypeError, ValueError):  # no rows, or of different lengths
         raise AnswerInvalid(f"{what} points that are no array of shape (4, 2)") from None
     if points.shape != (4, 2):
         raise AnswerInvalid(f"{what} an array of shape {points.shape}, not (4, 2)")
@@ -65,6 +65,11 @@ def as_corners(answer: Any, what: str) -> list[float]:
         if not abs(number) <= MOST_FIELD:  # also catches NaN
             raise AnswerInvalid(f"{what} a corner with the coordinate {number}")
     return numbers
+
+
+def bounded(rows: Any) -> list[list[Any]]:
+    """Return no more rows and columns than say what is wrong: a list may have no end."""
+    return [list(itertools.islice(row, 3)) for row in itertools.islice(rows, 5)]
 
 
 def as_detections(answer: Any) -> bytes:

@@ -1,0 +1,107 @@
+"""With one layer switched off the suite notices: each holds something that no other one does."""
+
+import os
+import socket
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from sandbox.command import NAMESPACES
+from sandbox.confined import Layers
+from sandbox.level import Level
+from sandbox.outcome import Outcome
+
+pytestmark = pytest.mark.host
+
+LAYERS = Path(__file__).with_name("layers")
+PROGRAMS = Path(__file__).with_name("programs")
+as_root = pytest.mark.skipif(os.geteuid() != 0, reason="needs root")
+
+# Held by the filter alone.
+HELD_BY_FILTER = (
+    "network_unix",
+    "network_udp",
+    "network_vsock",
+    "network_file_lock",
+    "secrets_symlink",
+    "secrets_fifo",
+    "exhaustion_memfd",
+    "regression_judge0_cve_2024_28185",
+    "regression_judge0_cve_2024_28189",
+    "regression_judge0_cve_2024_29021",
+)
+# Namespace -> what sees that it is missing. The filter holds all of the network's and of System
+# V's calls too: they are tried without it.
+HELD_BY_NAMESPACE = {"pid": "sees_processes", "uts": "sees_name"}
+
+Attack = Callable[[Path, Layers], Outcome]
+
+
+@pytest.fixture
+def all_layers(level: Level) -> Layers:
+    return Layers.of(level)
+
+
+@pytest.fixture
+def strong(level: Level) -> None:
+    if level is not Level.STRONG:
+        pytest.skip("needs control groups")
+
+
+def without(name: str) -> tuple[str, ...]:
+    return tuple(namespace for namespace in NAMESPACES if namespace != name)
+
+
+@pytest.mark.parametrize("program", sorted(LAYERS.glob("*.py")), ids=lambda path: path.stem)
+def test_with_all_layers_nothing_is_got(program, run_file, level) -> None:
+    if program.stem == "memory_together" and level is not Level.STRONG:
+        pytest.skip("nobody counts for the whole box without control groups")
+
+    outcome = run_file(program, port=9)
+
+    assert b"GOT" not in outcome.output
+
+
+@pytest.mark.parametrize("name", HELD_BY_FILTER)
+def test_the_suite_notices_when_the_filter_is_off(name, run_file, all_layers) -> None:
+    outcome = run_file(PROGRAMS / f"{name}.py", layers=replace(all_layers, seccomp=False))
+
+    assert b"GOT" in outcome.output
+
+
+@pytest.mark.parametrize(("namespace", "name"), HELD_BY_NAMESPACE.items())
+def test_the_suite_notices_when_a_namespace_is_off(namespace, name, run_file, all_layers) -> None:
+    layers = replace(all_layers, namespaces=without(namespace))
+
+    assert b"GOT" in run_file(LAYERS / f"{name}.py", layers=layers).output
+
+
+def test_the_network_is_held_twice_by_its_namespace_and_by_the_filter(run_file, all_layers) -> None:
+    program = LAYERS / "reaches_network.py"
+    open_network = replace(all_layers, namespaces=without("net"))
+    no_filter = replace(all_layers, seccomp=False)
+    neither = replace(open_network, seccomp=False)
+
+    with socket.create_server(("127.0.0.1", 0)) as service:
+        port = service.getsockname()[1]
+        assert b"held" in run_file(program, layers=open_network, port=port).output
+        assert b"held" in run_file(program, layers=no_filter, port=port).output
+        assert b"GOT" in run_file(program, layers=neither, port=port).output
+
+
+@pytest.mark.usefixtures("strong")
+def test_the_suite_notices_when_the_control_groups_are_off(run_file, all_layers) -> None:
+    program = LAYERS / "memory_together.py"
+
+    assert b"GOT" in run_file(program, layers=replace(all_layers, groups=False)).output
+
+
+@as_root
+def test_the_suite_notices_when_a_box_keeps_the_workers_uid(run_file, all_layers) -> None:
+    program = PROGRAMS / "regression_bubblewrap_root_keeps_uid_0.py"
+
+    outcome = run_file(program, layers=replace(all_layers, own_uid=False))
+
+    assert b"GOT a uid without limits" in outcome.output
