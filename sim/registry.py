@@ -62,6 +62,20 @@ TRACKERS = {
         ("warp", "ecc_iterations"),
         exact=False,
     ),
+    "visp": TrackerEntry(
+        "ViSP's template trackers",
+        "sim.trackers.visp.tracker:VispTracker",
+        (
+            "warp",
+            "criterion",
+            "method",
+            "pyramid_levels",
+            "sampling_px",
+            "visp_iterations",
+            "visp_sl3",
+        ),
+        exact=False,
+    ),
     "box": TrackerEntry(
         "Upright box by correlation (OpenCV; a baseline)",
         "sim.trackers.box:BoxTracker",

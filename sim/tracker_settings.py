@@ -9,6 +9,7 @@ from typing import Any
 
 from sim.configuration import Configuration, knob
 from sim.registry import TRACKERS, TRUTH
+from sim.trackers import visp
 from sim.trackers.choices import (
     CRITERIA,
     KLT_FROM,
@@ -41,6 +42,8 @@ def _offered() -> dict[str, str]:
     """Return tracker -> label, with what is to be said of it."""
     marks = {True: "", False: "; bits depend on the processor"}
     found = {name: entry.label + marks[entry.exact] for name, entry in TRACKERS.items()}
+    if visp.why_not():
+        found["visp"] += "; not on this machine"
     return found | {TRUTH: "Ground truth (no tracker; cannot rank)"}
 
 
@@ -138,6 +141,16 @@ class TrackerSettings(Configuration):
     )
     ecc_iterations: int = _number(
         "ecc_iterations", 20, title="Iterations of ECC", says="ECC: at most, for each picture."
+    )
+
+    visp_iterations: int = _number(
+        "visp_iterations", 60, title="Iterations of ViSP", says="ViSP: at most, for each picture."
+    )
+    visp_sl3: bool = tracking(
+        True,
+        title="Homography as SL(3)",
+        says="ViSP: the group's eight parameters; if not, the entries of the matrix.",
+        advanced=True,
     )
 
     def tracker_options(self) -> dict[str, object]:

@@ -163,6 +163,13 @@ def _languages(level: Level) -> Iterable[Check]:
         yield Check(name, "warning" if why else "ok", why or "pass their self-test", remedy)
 
 
+def _visp(_: Settings) -> Iterable[Check]:
+    from sim.trackers.visp import REMEDY, program, why_not
+
+    why = why_not()
+    yield Check("tracker visp", "warning" if why else "ok", why or program().name, f"{REMEDY}.")
+
+
 def _machine(settings: Settings) -> Iterable[Check]:
     cores = len(os.sched_getaffinity(0))
     yield Check("cores", "ok", f"{cores}, so {settings.workers} runs at the same time")
@@ -182,5 +189,6 @@ LOOKS: tuple[Callable[[Settings], Iterable[Check]], ...] = (
     _database,
     _broker,
     _sandbox,
+    _visp,
     _machine,
 )

@@ -6,6 +6,7 @@ Light: importing this loads neither Numba nor OpenCV.
 from collections.abc import Mapping
 
 from sim.registry import TRACKERS, TRUTH
+from sim.trackers import visp
 
 WARPS = {
     "translation": "Translation (2 parameters)",
@@ -39,6 +40,7 @@ RANGES: dict[str, tuple[float, float]] = {
     "reacquire_px": (0, 400),
     "klt_points": (8, 1000),
     "ecc_iterations": (1, 200),
+    "visp_iterations": (1, 1000),
 }
 
 
@@ -71,9 +73,10 @@ def refusals(tracker: str, options: Mapping[str, object]) -> dict[str, str]:
         if name in options and (reason := _refusal(name, options[name])):
             errors[name] = reason
     if tracker in _WITHOUT and options.get("warp") in _WITHOUT[tracker][0]:
-        errors["warp"] = (
-            f"warp {options['warp']} does not go with {tracker}: {_WITHOUT[tracker][1]}."
-        )
+        why = _WITHOUT[tracker][1]
+        errors["warp"] = f"warp {options['warp']} does not go with {tracker}: {why}."
+    if tracker == "visp":
+        errors |= _visp(options)
     return errors
 
 
@@ -85,3 +88,24 @@ def _refusal(name: str, value: object) -> str:
         if not (isinstance(value, int | float) and low <= value <= high):
             return f"{name} must be from {low:g} to {high:g}, not {value!r}."
     return ""
+
+
+def _visp(options: Mapping[str, object]) -> dict[str, str]:
+    """Return what ViSP does not have, beginning with ViSP itself."""
+    if reason := visp.why_not():
+        return {"tracker": f"tracker visp is not offered: {reason}."}
+    errors: dict[str, str] = {}
+    method = options.get("method", "inverse_compositional")
+    if options.get("criterion") == "zncc" and method in ("esm", "forward_compositional"):
+        errors["criterion"] = (
+            f"criterion zncc does not go with {method} in ViSP: it has zncc as "
+            "inverse_compositional and forward_additional alone."
+        )
+    warp = options.get("warp", "homography")
+    sl3 = warp == "homography" and options.get("visp_sl3", True)
+    if method == "esm" and warp != "translation" and not sl3:
+        errors["method"] = (
+            "method esm in ViSP takes the warps translation and homography (SL3) alone, "
+            f"not {warp}."
+        )
+    return errors

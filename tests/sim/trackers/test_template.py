@@ -9,7 +9,7 @@ import pytest
 
 from sim.registry import TRACKERS
 from sim.trackers import make
-from sim.trackers.choices import CRITERIA, METHODS, WARPS
+from sim.trackers.choices import CRITERIA, METHODS, WARPS, refusals
 
 Sequence = Any  # conftest's class; a test folder is no package
 
@@ -136,7 +136,7 @@ def test_truth_tracker_says_the_true_corners(clear: Sequence) -> None:
         ("esm", {"stop_px": float("nan")}, "must be from"),
         ("truth", {}, "source of the true corners"),
         ("truth", {"warp": "affine"}, "has no option warp"),
-        ("visp", {}, "is none of esm"),
+        ("surf", {}, "is none of esm"),
     ],
 )
 def test_choices_that_are_not_offered_are_refused_with_a_reason(
@@ -169,10 +169,11 @@ def test_a_flat_picture_is_lost_and_not_an_error() -> None:
 
 
 @pytest.mark.parametrize("name", TRACKERS)
-def test_every_tracker_in_the_registry_can_be_made(name: str) -> None:
-    tracker = make(name, truth=lambda: np.zeros((4, 2)))
+def test_every_tracker_that_is_on_this_machine_can_be_made(name: str) -> None:
+    if errors := refusals(name, {}):
+        pytest.skip(" ".join(errors.values()))
 
-    assert callable(tracker.update)
+    assert callable(make(name).update)
 
 
 def test_registry_loads_neither_numba_nor_opencv() -> None:

@@ -1,0 +1,46 @@
+"""Builds the bridge to ViSP where its headers are: `python -m sim.trackers.visp.build`."""
+
+import shutil
+import subprocess
+import sys
+
+from sim.trackers.visp import PACKAGE, SOURCE, program
+
+_LIBRARIES = ("-lvisp_tt_mi", "-lvisp_tt", "-lvisp_core")
+_TRIES_S = 120
+
+
+def build() -> str:
+    """Build the bridge if it is not there yet; return why it cannot be, or nothing.
+
+    It takes its place in one step, so that nobody ever starts half a program.
+    """
+    if program().exists():
+        return ""
+    compiler = shutil.which("g++")
+    if compiler is None:
+        return "g++ is missing: apt-get install g++"
+    made = program().with_suffix(".new")
+    command = [compiler, "-O2", "-std=c++17", "-w", "-o", str(made), str(SOURCE), *_LIBRARIES]
+    try:
+        done = subprocess.run(
+            command, capture_output=True, text=True, timeout=_TRIES_S, check=False
+        )
+    except subprocess.TimeoutExpired:
+        return f"g++ took longer than {_TRIES_S} s"
+    except OSError as error:
+        return f"g++ could not be started: {error}"
+    if done.returncode != 0:
+        first = next(iter(done.stderr.splitlines()), "g++ said nothing")
+        return f"ViSP's headers are missing or of another version ({first}): {PACKAGE}"
+    made.replace(program())
+    for old in SOURCE.parent.glob("bridge-*"):
+        if old != program():
+            old.unlink()
+    return ""
+
+
+if __name__ == "__main__":
+    reason = build()
+    if reason:
+        sys.exit(f"ViSP is not offered: {reason}")

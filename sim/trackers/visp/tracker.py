@@ -1,0 +1,149 @@
+"""`visp`: ViSP's template trackers behind the same interface, in a child process."""
+
+import struct
+import subprocess
+import weakref
+from typing import IO
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sim.trackers.interface import Corners, Track, Window
+from sim.trackers.judging import Judge
+from sim.trackers.visp import program, why_not
+
+_CRITERIA = {"ssd": 0, "zncc": 1, "mi": 2}
+_METHODS = {
+    "esm": 0,
+    "inverse_compositional": 1,
+    "forward_additional": 2,
+    "forward_compositional": 3,
+}
+_WARPS = {"translation": 0, "rt": 1, "srt": 2, "affine": 3, "homography": 4}
+_SL3 = 5
+_ANSWER = struct.Struct("=8did")  # corners u, v; iterations; CPU seconds
+
+
+class VispTracker:
+    """One of ViSP's trackers, with the settings that treat it fairly (bridge.cpp)."""
+
+    def __init__(
+        self,
+        *,
+        warp: str = "homography",
+        criterion: str = "ssd",
+        method: str = "inverse_compositional",
+        pyramid_levels: int = 2,
+        sampling_px: float = 1.0,
+        visp_iterations: int = 60,
+        visp_sl3: bool = True,
+    ) -> None:
+        if reason := why_not():
+            raise ValueError(f"ViSP is not offered: {reason}.")
+        kind = _SL3 if warp == "homography" and visp_sl3 else _WARPS[warp]
+        self._settings = (
+            _CRITERIA[criterion],
+            _METHODS[method],
+            kind,
+            pyramid_levels,
+            round(sampling_px),
+            visp_iterations,
+        )
+        self._shape = (0, 0)
+        self._bridge: _Bridge | None = None
+        self.spent_s = 0.0  # CPU time of ViSP's own part of the last answer
+
+    def start(self, image: NDArray[np.uint8], corners: Corners) -> None:
+        """Hand ViSP a whole picture (H, W) in which the target's corners (4, 2) are known."""
+        self._judge = Judge(corners)
+        self._shape = image.shape
+        if self._bridge is None or self._bridge.ended:
+            self._bridge = _Bridge()
+        settings = struct.pack("=8i", *self._settings, image.shape[1], image.shape[0])
+        self._bridge.send(b"S" + settings + self._judge.last.tobytes() + _pixels(image))
+        self._bridge.answer(0)
+
+    def window(self) -> Window:
+        """Return the whole picture: ViSP smooths all of it."""
+        return 0, 0, self._shape[1], self._shape[0]
+
+    def update(self, image: NDArray[np.uint8]) -> Track:
+        """Have ViSP find the target in the next picture (H, W)."""
+        bridge = self._bridge
+        if bridge is None:
+            raise ValueError("a tracker has to be started before it can go on")
+        if image.shape != self._shape:
+            raise ValueError(f"a picture of {image.shape} after one of {self._shape}")
+        bridge.send(b"T" + _pixels(image))
+        answer = bridge.answer(_ANSWER.size)
+        if not answer:
+            return Track(self._judge.last.copy(), False, 1.0, 0)
+        *places, iterations, self.spent_s = _ANSWER.unpack(answer)
+        ok = self._judge.believes(np.array(places).reshape(4, 2))
+        return Track(self._judge.last.copy(), ok, 0.0 if ok else 1.0, iterations)
+
+
+class _Bridge:
+    """The child process. Once it ended, it answers nothing: the target is lost, not the run."""
+
+    def __init__(self) -> None:
+        process = subprocess.Popen(
+            [program()],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+            env={"OMP_NUM_THREADS": "1"},
+        )
+        if process.stdin is None or process.stdout is None:
+            raise RuntimeError("a process was started without its pipes")
+        self._in: IO[bytes] = process.stdin
+        self._out: IO[bytes] = process.stdout
+        self.ended = False
+        self.process = process.pid
+        self._end = weakref.finalize(self, _end, process)
+
+    def send(self, message: bytes) -> None:
+        """Send a message; to a process that ended it goes nowhere."""
+        if self.ended:
+            return
+        try:
+            self._in.write(message)
+            self._in.flush()
+        except BrokenPipeError:
+            self._stop()
+
+    def answer(self, size: int) -> bytes:
+        """Return the answer of that size; empty if ViSP refused the picture or ended."""
+        if self.ended:
+            return b""
+        kind = self._out.read(1)
+        if kind == b"K":
+            found = self._out.read(size)
+            if len(found) == size:
+                return found
+        elif kind == b"E":
+            (length,) = struct.unpack("=i", self._out.read(4))
+            self._out.read(length)  # why it could not go on; the target is lost
+            return b""
+        self._stop()
+        return b""
+
+    def _stop(self) -> None:
+        self.ended = True
+        self._end()
+
+
+def _end(process: subprocess.Popen[bytes]) -> None:
+    """End a bridge and leave neither a process nor an open file behind."""
+    process.kill()
+    process.wait()
+    for pipe in (process.stdin, process.stdout):
+        if pipe is not None:
+            try:
+                pipe.close()
+            except BrokenPipeError:  # what was still to be sent goes nowhere
+                continue
+
+
+def _pixels(image: NDArray[np.uint8]) -> bytes:
+    return np.ascontiguousarray(image, dtype=np.uint8).tobytes()

@@ -1,0 +1,102 @@
+"""ViSP itself, by way of the bridge, where its library is installed."""
+
+import os
+import signal
+from typing import Any
+
+import numpy as np
+import pytest
+
+from sim.registry import benchmark
+from sim.trackers import make, visp
+from sim.trackers.visp.build import build
+
+Sequence = Any  # conftest's class; a test folder is no package
+
+IC = {"criterion": "ssd", "method": "inverse_compositional"}
+here = pytest.mark.skipif(bool(build()), reason=f"ViSP is not installed: {visp.REMEDY}")
+
+
+@here
+@pytest.mark.parametrize(
+    ("options", "limit_px"),
+    [
+        (IC, 0.5),
+        (IC | {"visp_sl3": False}, 1.0),
+        (IC | {"warp": "affine"}, 1.0),
+        (IC | {"warp": "srt"}, 1.0),
+        (IC | {"warp": "rt"}, 8.0),
+        (IC | {"warp": "translation"}, 10.0),
+        ({"criterion": "ssd", "method": "forward_additional"}, 0.5),
+        ({"criterion": "ssd", "method": "forward_compositional"}, 0.5),
+        ({"criterion": "ssd", "method": "esm"}, 0.5),
+        ({"criterion": "zncc", "method": "inverse_compositional", "visp_iterations": 20}, 3.0),
+        ({"criterion": "zncc", "method": "forward_additional", "visp_iterations": 20}, 3.0),
+        ({"criterion": "mi", "method": "inverse_compositional", "visp_iterations": 20}, 1.5),
+    ],
+)
+def test_visp_follows_the_target(short: Sequence, options: dict[str, Any], limit_px: float) -> None:
+    errors, sure = short.follow(make("visp", sampling_px=2, **options))
+
+    assert sure.all()
+    assert errors.max() < limit_px
+
+
+@here
+@pytest.mark.parametrize(
+    ("options", "reason"),
+    [
+        ({"criterion": "zncc", "method": "esm"}, "zncc does not go with esm in ViSP"),
+        ({"criterion": "ssd", "method": "esm", "warp": "affine"}, "not affine"),
+        ({"criterion": "ssd", "method": "esm", "visp_sl3": False}, "SL3"),
+    ],
+)
+def test_what_visp_does_not_have_is_refused_by_name(options: dict[str, Any], reason: str) -> None:
+    with pytest.raises(ValueError, match=reason):
+        make("visp", **options)
+
+
+@here
+def test_a_bridge_that_dies_loses_the_target_and_not_the_run(short: Sequence) -> None:
+    tracker = make("visp", **IC)
+    tracker.start(short.camera.grey(short.poses[0], 0), short.truth[0])
+    os.kill(tracker._bridge.process, signal.SIGKILL)
+
+    tracks = [tracker.update(short.camera.grey(short.poses[k], k)) for k in (1, 2)]
+    tracker.start(short.camera.grey(short.poses[0], 0), short.truth[0])
+
+    assert [track.ok for track in tracks] == [False, False]
+    assert tracker.update(short.camera.grey(short.poses[1], 1)).ok
+
+
+@here
+def test_no_bridge_outlives_its_tracker(short: Sequence) -> None:
+    tracker = make("visp", **IC)
+    tracker.start(short.camera.grey(short.poses[0], 0), short.truth[0])
+    process = tracker._bridge.process
+    os.kill(process, 0)
+
+    del tracker
+
+    with pytest.raises(ProcessLookupError):
+        os.kill(process, 0)
+
+
+@here
+def test_pictures_of_nothing_lose_the_target(short: Sequence) -> None:
+    tracker = make("visp", sampling_px=2, visp_iterations=10, **IC)
+    tracker.start(short.camera.grey(short.poses[0], 0), short.truth[0])
+    noise = np.random.default_rng(1).integers(0, 255, (3, 240, 320)).astype(np.uint8)
+
+    sure = [tracker.update(picture).ok for picture in (np.zeros_like(noise[0]), *noise)]
+
+    assert not sure[-1]
+
+
+@here
+def test_the_form_offers_visp_and_refuses_what_it_lacks() -> None:
+    currents = benchmark("currents-v1")
+    labels = currents.configuration.model_fields["tracker"].json_schema_extra["x-labels"]
+
+    assert labels["visp"].startswith("ViSP")
+    assert currents.read({"tracker": "visp"} | IC).tracker == "visp"
