@@ -57,15 +57,14 @@ def level_metrics(rows: Rows) -> dict[str, Any]:
 
 
 def failure_value(values: Sequence[float], p5_percent: Sequence[float]) -> float:
-    """Return the first of the rising values at which p@5 is below half.
+    """Return the first of the rising values, two or more, at which p@5 is below half.
 
     A tracker that never fails gets the value that would come next: more than one that fails last.
     """
     for value, share in zip(values, p5_percent, strict=True):
         if share < FAILED_PERCENT:
             return value
-    step = values[-1] - values[-2] if len(values) > 1 else 0.0
-    return round(values[-1] + step, 9)
+    return round(2.0 * values[-1] - values[-2], 9)
 
 
 def held_value(values: Sequence[float], held: Sequence[bool]) -> float | None:
