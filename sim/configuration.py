@@ -197,14 +197,23 @@ def again(
     inherited: FieldInfo,
     default: object,
     *,
-    tag: str | None = None,
-    source: str | None = None,
-    role: Role | None = None,
+    says: str | None = None,
+    **changes: str,
 ) -> Any:  # as `knob`
-    """Return a setting of another configuration with a default, source or role of its own."""
-    changes = {"x-tag": tag, "x-source": source, "x-role": role}
-    extra = extra_of(inherited) | {key: value for key, value in changes.items() if value}
-    return FieldInfo.merge_field_infos(inherited, default=default, json_schema_extra=extra)
+    """Return a setting of another configuration with a default and words of its own.
+
+    Parameters
+    ----------
+    says
+        What the form shows, if it is something else here.
+    changes
+        Group, tag, source or role, as `knob` takes them.
+    """
+    extra = extra_of(inherited) | {f"x-{word}": value for word, value in changes.items()}
+    description = says or inherited.description
+    return FieldInfo.merge_field_infos(
+        inherited, default=default, description=description, json_schema_extra=extra
+    )
 
 
 def extra_of(field: FieldInfo) -> dict[str, Any]:

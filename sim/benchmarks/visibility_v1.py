@@ -14,11 +14,12 @@ from functools import partial
 
 from sim.benchmarks import Baseline, Benchmark, Chart, Metric, Table
 from sim.configuration import again, knob
-from sim.experiment_settings import ExperimentSettings, experiment, multiple
+from sim.experiment_settings import ExperimentSettings, multiple
 from sim.score_settings import own_score_knob
 from sim.telemetry import NAMES
 from sim.tracker_metrics import HELD, METRICS
 
+sweeping = partial(knob, group="Sweep", role="scenario")
 motion = partial(knob, group="Motion", role="scenario")
 
 INHERITED = ExperimentSettings.model_fields
@@ -54,8 +55,12 @@ SWEEPS = {
 class VisibilityConfiguration(ExperimentSettings):
     """Settings of visibility-v1. Seed, trials and program are not part of it."""
 
+    vehicle: str = again(INHERITED["vehicle"], "girona500", group="Motion")
     level_duration_s: float = again(
-        INHERITED["level_duration_s"], 5.0, source="uwsimbenchmarks: 5 s per level"
+        INHERITED["level_duration_s"],
+        5.0,
+        says="Simulated time before the tracker starts anew and the next level begins.",
+        source="uwsimbenchmarks: 5 s per level",
     )
     altitude_m: float = again(INHERITED["altitude_m"], 1.27, source=_SCENE)
     camera_width_px: int = again(INHERITED["camera_width_px"], 320, source=_SCENE)
@@ -64,20 +69,25 @@ class VisibilityConfiguration(ExperimentSettings):
     water_type: str = again(
         INHERITED["water_type"], "grey", tag="E", source="so that one number says how turbid it is"
     )
+    water_attenuation_1_m: float = again(
+        INHERITED["water_attenuation_1_m"],
+        0.2,
+        says="Grey water whose levels change something else: attenuation, or the fog's density.",
+    )
     kp: float = again(INHERITED["kp"], 0.5, role="scenario")
     ki: float = again(INHERITED["ki"], 0.02, role="scenario")
     control_heave: bool = again(INHERITED["control_heave"], False, role="scenario")
 
-    sweep: str = experiment(
+    sweep: str = sweeping(
         "turbidity",
         title="What gets worse",
         says="What changes from level to level; it brings its own range.",
         choices={name: sweep.label for name, sweep in SWEEPS.items()},
     )
-    sweep_from: float = experiment(
+    sweep_from: float = sweeping(
         0.0, title="First level", says="Value at the first level.", low=0, high=100
     )
-    sweep_to: float = experiment(
+    sweep_to: float = sweeping(
         7.0,
         title="Last level",
         says="Value at the last level.",
@@ -86,7 +96,7 @@ class VisibilityConfiguration(ExperimentSettings):
         tag="E",
         source="nothing can be tracked there any more",
     )
-    sweep_step: float = experiment(
+    sweep_step: float = sweeping(
         0.25,
         title="Step",
         says="From one level to the next.",
@@ -288,8 +298,9 @@ BENCHMARK = Benchmark(
     ),
     configuration=VisibilityConfiguration,
     groups=(
-        "Experiment",
         "Tracker",
+        "Sweep",
+        "Experiment",
         "Motion",
         "Water and camera",
         "Position controller",
