@@ -47,6 +47,8 @@ class ExperimentSettings(ChainSettings, SceneSettings, FaultSettings):
         unit="s",
         low=0.01,
         high=0.5,
+        tag="E",
+        source="20 pictures a second; the original's tracker waits 40 ms for each",
         advanced=True,
     )
     physics_step_s: float = experiment(
@@ -56,6 +58,8 @@ class ExperimentSettings(ChainSettings, SceneSettings, FaultSettings):
         unit="s",
         low=0.001,
         high=0.02,
+        tag="D",
+        source="within 1e-6 mm of the limit after 600 s",
         advanced=True,
     )
     altitude_m: float = experiment(

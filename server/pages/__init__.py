@@ -4,6 +4,7 @@ from flask import Flask
 
 from server.pages import (
     account,
+    benchmarks,
     docs,
     errors,
     formats,
@@ -18,6 +19,7 @@ from server.pages import (
 PAGES = (
     home.page,
     submit.page,
+    benchmarks.page,
     run.page,
     runs.page,
     leaderboard.page,

@@ -1,9 +1,37 @@
-"""Benchmarks by the names that stand in addresses."""
+"""Benchmarks by the names that stand in addresses, and a page for each: what it is made of."""
 
-from flask import abort
+from flask import Blueprint, abort, redirect, render_template, url_for
+from flask.typing import ResponseReturnValue
 
-from sim import registry
+from server.pages import fields
+from sim import constants, registry, vehicles
 from sim.benchmarks import Benchmark
+
+page = Blueprint("benchmark", __name__, url_prefix="/benchmarks")
+
+
+@page.get("/")
+def index() -> ResponseReturnValue:
+    """Go to the first benchmark."""
+    return redirect(url_for("benchmark.show", name=first().name))
+
+
+@page.get("/<name>")
+def show(name: str) -> ResponseReturnValue:
+    """Show every number of a benchmark, with its unit, its tag and its source."""
+    benchmark = by_name(name)
+    config = benchmark.read({})
+    return render_template(
+        "benchmark/show.html",
+        benchmark=benchmark,
+        benchmarks=labels(),
+        levels=len(config.level_values()),
+        duration_s=config.trial_duration_s(),
+        groups=fields.groups(benchmark.schema(), {}, {}, order=benchmark.groups),
+        tags=vehicles.TAGS,
+        vehicles=[vehicles.load(entry) for entry in registry.VEHICLES],
+        constants_of=constants.GROUPS,
+    )
 
 
 def first() -> Benchmark:

@@ -5,16 +5,16 @@ from dataclasses import asdict, dataclass
 from dataclasses import fields as fields_of
 from typing import Any
 
-from flask import Blueprint, abort, redirect, render_template, url_for
+from flask import Blueprint, Response, abort, redirect, render_template, url_for
 from flask.typing import ResponseReturnValue
 
 from sandbox.limits import COMPILING, MEANING, Limits
 from server import run_limits
 from server.causes import WORDS
 from server.pages import benchmarks, templates_for_programs
-from server.pages import fields as form_fields
 from server.services import services
 from sim import (
+    constants,
     definitions,
     metrics,
     observation,
@@ -24,6 +24,7 @@ from sim import (
     vehicles,
 )
 from sim.score_expression import FUNCTIONS
+from sim.vehicles.urdf import urdf_of
 
 page = Blueprint("docs", __name__, url_prefix="/docs")
 _UNITS = {"_s": "s", "_mib": "MiB", "_kib": "KiB"}
@@ -101,12 +102,11 @@ def _runs() -> dict[str, Any]:
 
 
 def _physics() -> dict[str, Any]:
-    benchmark = benchmarks.first()
     return {
         "vehicles": [vehicles.load(name) for name in registry.VEHICLES],
         "tags": vehicles.TAGS,
-        "benchmark": benchmark,
-        "groups": form_fields.groups(benchmark.schema(), {}, {}, order=benchmark.groups),
+        "constants_of": constants.GROUPS,
+        "benchmarks": benchmarks.labels(),
     }
 
 
@@ -163,3 +163,13 @@ def show(name: str) -> ResponseReturnValue:
     title, values = PAGES[name]
     titles = {key: entry[0] for key, entry in PAGES.items()}
     return render_template(f"docs/{name}.html", title=title, titles=titles, here=name, **values())
+
+
+@page.get("/physics/<name>.urdf")
+def urdf(name: str) -> ResponseReturnValue:
+    """Give a vehicle's URDF, as the contact engine loads it."""
+    if name not in registry.VEHICLES:
+        abort(404)
+    answer = Response(urdf_of(vehicles.load(name)), mimetype="application/xml")
+    answer.headers["Content-Disposition"] = f'attachment; filename="{name}.urdf"'
+    return answer

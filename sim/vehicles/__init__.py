@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 Tag = Literal["S", "D", "E"]
 
 TAGS: Mapping[Tag, str] = {
-    "S": "sourced: published for this vehicle",
+    "S": "sourced: published elsewhere",
     "D": "derived from sourced numbers",
     "E": "our estimate",
 }

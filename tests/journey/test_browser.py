@@ -179,7 +179,8 @@ def test_an_upload_of_three_megabytes_ends_with_a_clear_sentence(visitor: Visito
 @pytest.mark.parametrize(
     "path",
     ["/", "/submit/currents-v1", "/runs/", "/leaderboards/currents-v1", "/sign-up", "/status",
-     "/docs/start", "/docs/controller", "/docs/physics", "/docs/telemetry", "/api/docs"],
+     "/docs/start", "/docs/controller", "/docs/physics", "/docs/telemetry", "/api/docs",
+     "/benchmarks/currents-v1"],
 )  # fmt: skip
 def test_a_phone_never_scrolls_sideways(chromium: Browser, service: Service, path: str) -> None:
     context = chromium.new_context(viewport={"width": 375, "height": 800})

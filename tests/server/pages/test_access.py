@@ -9,7 +9,8 @@ from tests.server.pages.conftest import Site
 ROLES = ("stranger", "ben", "ann", "root")
 OPEN = ("/", "/submit/currents-v1", "/runs/", "/leaderboards/currents-v1", "/sign-up", "/sign-in",
         "/status", "/docs/start", "/docs/controller", "/docs/runs", "/docs/metrics",
-        "/docs/telemetry", "/docs/physics")  # fmt: skip
+        "/docs/telemetry", "/docs/physics", "/docs/physics/girona500.urdf",
+        "/benchmarks/currents-v1")  # fmt: skip
 # what is asked for -> answers to stranger, ben, ann (the owner), root (the admin)
 OF_PRIVATE_RUN = {
     ("GET", "/runs/{}"): (404, 404, 200, 200),

@@ -20,7 +20,16 @@ def test_every_answer_forbids_inline_code_frames_and_guessing(site: Site, path: 
 
 
 @pytest.mark.parametrize(
-    "path", ["/", "/submit/currents-v1", "/docs/controller", "/status", "/leaderboards/currents-v1"]
+    "path",
+    [
+        "/",
+        "/submit/currents-v1",
+        "/docs/controller",
+        "/status",
+        "/leaderboards/currents-v1",
+        "/benchmarks/currents-v1",
+        "/docs/physics",
+    ],
 )
 def test_no_page_has_inline_code_or_loads_from_elsewhere(site: Site, path: str) -> None:
     page = site.browser("ann").get(path).text
@@ -38,6 +47,8 @@ def test_no_page_has_inline_code_or_loads_from_elsewhere(site: Site, path: str) 
         "/docs/nope",
         "/submit/nope",
         "/leaderboards/nope",
+        "/benchmarks/nope",
+        "/docs/physics/nope.urdf",
         "/leaderboards/currents-v1?after=x",
     ],
 )

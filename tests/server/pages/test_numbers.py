@@ -1,0 +1,46 @@
+"""Every number of the physics is shown with its source, from what the simulator uses."""
+
+from html import unescape
+
+import pytest
+
+from sim import constants, registry
+from sim.vehicles import Quantity, load
+from tests.server.pages.conftest import Site
+
+QUANTITIES = [quantity for group in constants.GROUPS.values() for quantity in group]
+QUANTITIES += [
+    quantity for name in registry.VEHICLES for _place, quantity in load(name).quantities()
+]
+
+
+def missing(page: str, quantities: list[Quantity]) -> set[str]:
+    text = unescape(page)
+    return {q.meaning for q in quantities if q.meaning not in text or q.source not in text}
+
+
+@pytest.mark.parametrize("path", ["/docs/physics", "/benchmarks/currents-v1"])
+def test_every_number_stands_there_with_meaning_and_source(site: Site, path: str) -> None:
+    assert missing(site.browser().get(path).text, QUANTITIES) == set()
+
+
+@pytest.mark.parametrize("name", registry.BENCHMARKS)
+def test_a_benchmark_shows_every_setting_with_its_source(site: Site, name: str) -> None:
+    page = unescape(site.browser().get(f"/benchmarks/{name}").text)
+
+    for key, entry in registry.benchmark(name).schema()["properties"].items():
+        assert f"<code>{key}</code>" in page
+        assert entry.get("x-source", "") in page
+
+
+def test_the_benchmarks_address_leads_to_the_first_one(site: Site) -> None:
+    answer = site.browser().get("/benchmarks/")
+
+    assert answer.location == f"/benchmarks/{next(iter(registry.BENCHMARKS))}"
+
+
+def test_a_vehicle_can_be_downloaded_as_urdf(site: Site) -> None:
+    answer = site.browser().get("/docs/physics/bluerov2-heavy.urdf")
+
+    assert answer.mimetype == "application/xml"
+    assert '<robot name="bluerov2-heavy">' in answer.text
