@@ -47,8 +47,9 @@ class Box:
         """
         self.limits = limits
         self._language = LANGUAGES[language]
-        compiled = self._language.compiler is not None and runtime is None
-        self._most_kib = limits.binary_mib << 10 if compiled else limits.source_kib
+        made = self._language.compiler is not None or self._language.refusal is not None
+        binary = made and runtime is None
+        self._most_kib = limits.binary_mib << 10 if binary else limits.source_kib
         self._cage = Confined(
             runtime or self._language.runtime(), limits, layers or Layers.of(level), core=core
         )

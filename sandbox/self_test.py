@@ -23,7 +23,7 @@ def why_not(language: str, level: Level) -> str:
     try:
         test = known.self_test
         source = test.encode() if isinstance(test, str) else test()
-        program = compiled(language, source, name, level=level)
+        program = compiled(known.tested_by or language, source, name, level=level)
         with Box(language, limits=LIMITS, level=level) as box:
             box.load(program, name, {}, LAYOUT)
             answer = box.step(OBSERVATION)

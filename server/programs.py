@@ -86,7 +86,7 @@ def prepare(source: bytes, filename: str, *, role: str = "controller") -> Prepar
     files = {name: source}
     flaws = python_source.flaws_of(files, name, role) if language == "python" else []
     if language != "python":
-        _check_text(name, source)
+        _check_kind(name, source, language)
     return Prepared(name, language, source, tuple(flaws))
 
 
@@ -170,6 +170,15 @@ def _main_of(files: dict[str, bytes], name: str) -> tuple[str, str]:
         f"{name}: the archive needs one of {known} at its top; it has "
         f"{', '.join(near) or 'only folders'}."
     )
+
+
+def _check_kind(name: str, source: bytes, language: str) -> None:
+    """Raise UploadRejected if these bytes cannot be a program of this language."""
+    refusal = LANGUAGES[language].refusal
+    if refusal is None:
+        _check_text(name, source)
+    elif reason := refusal(source):
+        raise UploadRejected(f"{name}: {reason}")
 
 
 def _check_text(name: str, source: bytes) -> None:

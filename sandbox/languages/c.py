@@ -1,4 +1,4 @@
-"""C: one file for seamark.h, compiled by GCC in a box of its own."""
+"""C: for seamark.h, or as Embedded Coder generates it; compiled by GCC in a box of its own."""
 
 from sandbox.languages.language import Language, Runtime
 from sandbox.languages.native import CALLS, SELF_TEST
@@ -24,4 +24,10 @@ def running() -> Runtime:
     return running()
 
 
-C = Language("c", "C", (".c",), running, SELF_TEST, compiler=compiling, calls=CALLS)
+# What Embedded Coder generates is C too: an archive of it has rtwtypes.h beside the model.
+C = Language(
+    *("c", "C", (".c",), running, SELF_TEST),
+    compiler=compiling,
+    calls=CALLS,
+    mains=("controller.c", "rtwtypes.h", "ert_main.c"),
+)

@@ -13,4 +13,9 @@ def compiling() -> Runtime:
 
 
 SOURCE = "#include <vector>\n" + SELF_TEST  # the library of C++ must be there too
-CPP = Language("c++", "C++", (".cpp", ".cc"), running, SOURCE, compiler=compiling, calls=CALLS)
+CPP = Language(
+    *("c++", "C++", (".cpp", ".cc"), running, SOURCE),
+    compiler=compiling,
+    calls=CALLS,
+    mains=("controller.cpp", "controller.cc"),
+)

@@ -53,3 +53,5 @@ class Language:
     mains: tuple[str, ...] = ()  # files at the top of an archive that make it one of this language
     packed: bool = False  # its files are zip archives themselves
     roles: tuple[str, ...] = ("controller",)  # what its programs may be
+    refusal: Callable[[bytes], str] | None = None  # its files are no text: why one cannot be run
+    tested_by: str = ""  # the language whose compiler makes the self-test, if not its own

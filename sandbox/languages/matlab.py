@@ -1,4 +1,4 @@
-"""MATLAB: one file of functions, run by GNU Octave."""
+"""MATLAB: one file of functions, or an archive with more beside it, run by GNU Octave."""
 
 from sandbox.languages.language import Calls, Language, Runtime
 
@@ -24,4 +24,8 @@ def running() -> Runtime:
     return running()
 
 
-MATLAB = Language("matlab", "MATLAB (by GNU Octave)", (".m",), running, SELF_TEST, calls=CALLS)
+MATLAB = Language(
+    *("matlab", "MATLAB (by GNU Octave)", (".m",), running, SELF_TEST),
+    calls=CALLS,
+    mains=("controller.m",),
+)

@@ -9,7 +9,8 @@ import click
 from seamark.failures import UsageRefused
 from seamark.options import say
 
-LANGUAGES = ("python", "c", "c++", "matlab", "fmu")  # as in templates_for_programs.KINDS
+LANGUAGES = ("python", "c", "c++", "matlab", "fmu", "embedded-c", "executable")
+COMPILE = "gcc -O2 -static {source} -o {program}"  # for a program that speaks the protocol itself
 
 
 @click.command()
@@ -25,7 +26,8 @@ def init(*, language: str, benchmark: str, folder: Path) -> None:
     """Write a program that runs as it is into DIR, to start from.
 
     For C and C++ the header seamark.h comes along, for your editor: the sandbox has its own. For
-    an FMU there are its sources too: it is a zip archive of them.
+    an FMU there are its sources too: it is a zip archive of them. An executable is compiled by
+    you, of any language that speaks the protocol of docs/protocol.md; this one is C.
 
     \b
     Examples:
@@ -57,6 +59,9 @@ def init(*, language: str, benchmark: str, folder: Path) -> None:
         raise UsageRefused(f"{folder} cannot be written: {error.strerror}.") from None
     main = folder / next(iter(files))
     say(f"Wrote {', '.join(str(folder / name) for name in files)}. Try it:")
+    if language == "executable":
+        source, main = main, main.with_suffix(".elf")
+        say(f"  {COMPILE.format(source=source, program=main)}")
     quick = " ".join(f"--set {key}={_text(value)}" for key, value in short.items())
     say(f"  seamark run {benchmark} --controller {main} {quick}")
 

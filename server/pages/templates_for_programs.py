@@ -18,6 +18,10 @@ FILES = {
     },
     "tracker": {"python": "tracker.py"},
 }
+OTHERS = {  # written in C too; an executable is compiled by its author
+    "embedded-c": "embedded_c/controller.c",
+    "executable": "executable.c.txt",
+}
 _HEADER = Path(sandbox.languages.__file__).parent / "native" / "seamark.h"
 _FOLDER = Path(templates.__file__).parent / "submit"
 _LONG_AGO = (1980, 1, 1, 0, 0, 0)  # the same bytes whenever an archive is made
@@ -39,15 +43,17 @@ def header() -> str:
 
 
 def start(kind: str, role: str = "controller") -> dict[str, bytes]:
-    """Return the files that somebody begins with, first the one to upload.
+    """Return the files that somebody begins with, first the one to upload or to compile.
 
     Raises
     ------
     KeyError
         If there is no program of that role in that language.
     """
-    if kind == "fmu" and role == "controller":
+    if role == "controller" and kind == "fmu":
         return _fmu()
+    if role == "controller" and kind in OTHERS:
+        return {"controller.c": (_FOLDER / OTHERS[kind]).read_bytes()}
     files = {FILES[role][kind]: of(kind, role).encode()}
     if kind in ("c", "c++"):
         files["seamark.h"] = header().encode()
@@ -70,4 +76,4 @@ def _zipped(members: dict[str, bytes]) -> bytes:
     return whole.getvalue()
 
 
-KINDS = (*FILES["controller"], "fmu")  # what `seamark init` can write
+KINDS = (*FILES["controller"], "fmu", *OTHERS)  # what `seamark init` can write

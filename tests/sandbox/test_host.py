@@ -199,7 +199,13 @@ def test_the_status_line_names_what_is_missing() -> None:
 
 @pytest.mark.parametrize(
     ("filename", "name"),
-    [("a.py", "python"), ("A.PY", "python"), ("a.pyc", None), ("py", None), ("a.exe", None)],
+    [
+        ("a.py", "python"),
+        ("A.PY", "python"),
+        ("a.pyc", None),
+        ("py", "executable"),
+        ("a.exe", None),
+    ],
 )
 def test_the_language_is_known_by_the_suffix(filename, name) -> None:
     assert language_of(filename) == name

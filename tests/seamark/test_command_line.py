@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 from click.testing import CliRunner, Result
 
+from seamark.commands import init
 from seamark.commands.token import SCOPES as OFFERED
 from seamark.controllers import read_settings, typed
 from seamark.main import COMMANDS, cli
@@ -16,6 +17,7 @@ from seamark.options import settings_of
 from server import accounts
 from server.access import SCOPES
 from server.db import Database
+from server.pages import templates_for_programs
 from sim import registry
 
 SHORT = ("--set", "levels=0", "--set", "level_duration_s=40", "--seed", "7")
@@ -213,6 +215,10 @@ def test_a_program_with_a_wrong_syntax_is_the_programs_failure(tmp_path: Path) -
     assert "broken.py:1:" in answer.output
 
 
+def test_init_knows_every_template() -> None:
+    assert init.LANGUAGES == templates_for_programs.KINDS
+
+
 @pytest.mark.parametrize(
     ("language", "files"),
     [
@@ -220,6 +226,8 @@ def test_a_program_with_a_wrong_syntax_is_the_programs_failure(tmp_path: Path) -
         ("c", {"controller.c", "seamark.h"}),
         ("c++", {"controller.cpp", "seamark.h"}),
         ("matlab", {"controller.m"}),
+        ("embedded-c", {"controller.c"}),
+        ("executable", {"controller.c"}),
         ("fmu", {"controller.fmu", "modelDescription.xml", "sources"}),
     ],
 )

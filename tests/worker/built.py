@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 FMUS = Path(__file__).with_name("fmus")
+MODEL = Path(__file__).with_name("embedded_coder")  # as the coder lays its files out
 PLATFORM = {"fmi2": "linux64", "fmi3": "x86_64-linux"}
 
 

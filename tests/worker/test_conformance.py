@@ -13,7 +13,7 @@ from server import programs
 from server.pages import templates_for_programs
 from tests.worker import built
 from tests.worker.conftest import SHORT
-from worker.single import Hearing, evaluate_here
+from worker.single import Controller, Hearing, evaluate_here
 from worker.trials import Ending
 
 pytestmark = pytest.mark.host
@@ -31,7 +31,7 @@ def level() -> Level:
 
 
 def evaluated(
-    controller: str | tuple[bytes, str], config: dict[str, object], level: Level, trials: int = 1
+    controller: Controller, config: dict[str, object], level: Level, trials: int = 1
 ) -> Ending:
     deaf = Hearing(
         rows=lambda rows: None,
@@ -73,10 +73,27 @@ def test_a_pi_as_an_fmu_gives_the_built_in_trajectory(name, level, tmp_path) -> 
     assert upload.digest == built_in.digest
 
 
-def test_the_templates_give_one_trajectory_and_hold_station(level) -> None:
+def test_a_pi_as_embedded_coder_writes_it_gives_the_built_in_trajectory(level) -> None:
+    skip_without("pi.c", level)
+    config = STRONG_CURRENT | {"control_heave": True}
+    files = {path.name: path.read_bytes() for path in built.MODEL.iterdir()}
+
+    built_in = evaluated("pi", config, level)
+    program = programs.prepare(built.zipped(files), "pi.zip")
+    upload = evaluated(program, config, level)
+
+    assert (upload.verdict, upload.sentence) == ("ok", "")
+    assert upload.digest == built_in.digest
+
+
+def test_the_templates_give_one_trajectory_and_hold_station(level, tmp_path) -> None:
     endings = []
     for kind in templates_for_programs.KINDS:
         name, source = next(iter(templates_for_programs.start(kind).items()))
+        if kind == "executable":
+            (tmp_path / name).write_bytes(source)
+            target = tmp_path / "controller.elf"
+            name, source = target.name, built.compiled_here([tmp_path / name], target, "-static")
         skip_without(name, level)
         endings.append(evaluated((source, name), SHORT, level))
 

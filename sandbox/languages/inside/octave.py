@@ -10,11 +10,13 @@ the kind and as many as an observation has; a level is the size of a text and th
 From Octave come five float64: a command, or an error with the sizes of its two texts.
 """
 
+import io
 import json
 import os
 import re
 import struct
 import sys
+import zipfile
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -25,10 +27,11 @@ OCTAVE = (
     *("--quiet", "/box/octave/runner.m"),
 )
 FOLDER = Path("/tmp/program")  # noqa: S108  (inside the box)
+ARCHIVE, MAIN = b"PK\x03\x04", "controller.m"
 NUMBER = struct.Struct("<d")
 ANSWER = struct.Struct("<5d")
 READY, FAILED = ord("k"), ord("x")
-NAME = re.compile(r"[A-Za-z]\w{0,62}")  # what may be the name of a field
+NAME = re.compile(r"[A-Za-z]\w{0,62}", re.ASCII)  # what may be the name of a field
 
 
 def start(connection: Connection) -> NoReturn:
@@ -62,8 +65,16 @@ def relay(connection: Connection) -> NoReturn:
 
 
 def _placed(filename: str, source: bytes) -> str:
-    """Write the program where Octave reads it, after a line that makes it a file of functions."""
+    """Write the program, or the files of an archive, where Octave reads them; return the main one.
+
+    That gets a line before its first, which makes it a file of functions.
+    """
     FOLDER.mkdir()
+    if source.startswith(ARCHIVE):
+        with zipfile.ZipFile(io.BytesIO(source)) as archive:
+            archive.extractall(FOLDER)
+        filename = MAIN
+        source = (FOLDER / MAIN).read_bytes()
     (FOLDER / filename).write_bytes(b"1;\n" + source)
     return filename
 

@@ -79,6 +79,9 @@ static void give_up(char verdict, const char *sentence) {
     _exit(1);
 }
 
+/* For the file that connects the code of a model (inside/embedded.py); not part of seamark.h. */
+void seamark_refuse(const char *sentence) { give_up('p', sentence); }
+
 /* Skip a JSON string that begins at `at`; the layout of what comes is json.dumps of Python. */
 static const char *after_string(const char *at) {
     for (at++; *at && *at != '"'; at++)

@@ -11,6 +11,7 @@ function seamark_serve(relay)
     state = [];
     try
         path = ["/tmp/program/", filename];
+        addpath("/tmp/program");
         if exist("__parse_file__") == 5
             __parse_file__(path);  % source alone does not always say where the text is wrong
         end
@@ -111,12 +112,16 @@ function seamark_report(to, err, filename, stage)
     text = ["error: ", message, "\n"];
     where = sprintf(" (called as %s). %s", stage, seamark_interface());
     for k = numel(frames):-1:1
-        if frames(k).line > 1  % an error at the call itself has no line
-            where = sprintf(" (line %d of %s)", frames(k).line - 1, filename);
+        main = strcmp(frames(k).file, ["/tmp/program/", filename]);
+        lines{k} = frames(k).line - main;
+        names{k} = strrep(frames(k).file, "/tmp/program/", "");
+        if lines{k} > 0  % an error at the call itself has no line
+            where = sprintf(" (line %d of %s)", lines{k}, names{k});
         end
     end
     for k = 1:min(numel(frames), 30)
-        text = [text, sprintf("    %s at line %d of %s\n", frames(k).name, max(frames(k).line - 1, 1), filename)];
+        line = sprintf("    %s at line %d of %s\n", frames(k).name, max(lines{k}, 1), names{k});
+        text = [text, line];
     end
     letter = "um"(1 + ! isempty(strfind(message, "out of memory")));
     seamark_fail(to, letter, [strtok(message, "\n"), where], text);

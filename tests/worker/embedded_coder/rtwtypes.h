@@ -1,0 +1,5 @@
+#ifndef RTWTYPES_H
+#define RTWTYPES_H
+typedef double real_T;
+typedef unsigned char boolean_T;
+#endif
