@@ -1,8 +1,10 @@
 """Question and answer with the processes of one box, while all its limits are minded."""
 
+import contextlib
 import os
 import select
 import socket
+import struct
 import time
 from typing import NoReturn
 
@@ -113,7 +115,7 @@ class Conversation:
         except BlockingIOError:
             size = self._wait(patience, waited_for, begin)
         except ConnectionResetError:
-            size = 0
+            size = self._received_bytes()
         now = time.monotonic()
         self._waited_s += now - begin
         if now > self._look_at:
@@ -173,11 +175,16 @@ class Conversation:
         return data
 
     def _received_bytes(self) -> int:
-        """Return the size of the waiting frame, also if it is cut; 0 at the connection's end."""
-        try:
-            return self._socket.recv_into(self._buffer, 0, socket.MSG_TRUNC)
-        except ConnectionResetError:
-            return 0
+        """Return the size of the waiting frame, also if it is cut; 0 at the connection's end.
+
+        A peer that left without reading everything is told of once, before what it sent last.
+        """
+        for _ in range(2):
+            with contextlib.suppress(ConnectionResetError):
+                return self._socket.recv_into(
+                    self._buffer, 0, socket.MSG_TRUNC | socket.MSG_DONTWAIT
+                )
+        return 0
 
     def _look_around(self) -> None:
         """Take what was printed and read the clock of the box, now and then."""
@@ -237,7 +244,17 @@ class Conversation:
         self._look_at_limits()
         if self._cage.out_of_memory():
             self.end(verdicts.memory_limit(self.limits))
-        self._failed(verdicts.died(code))
+        self._failed(self._last_words() or verdicts.died(code))
+
+    def _last_words(self) -> Failure | None:
+        """Return the error that the program sent while we were still asking, if there is one."""
+        try:
+            data = self._view[: self._received_bytes()]
+            *_, answered = frames.HEADER.unpack_from(data)
+            frames.check(data, frames.FAILED, min(answered, self._sequence))
+            return frames.failure(data)
+        except (BlockingIOError, FrameInvalid, struct.error):
+            return None
 
     def end(self, failure: Failure, *, suspect_host: bool = False) -> NoReturn:
         """Kill the box, keep what is known, raise it."""
