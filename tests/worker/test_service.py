@@ -1,6 +1,12 @@
 """The whole way of a run, with the real broker, worker, simulator and sandbox."""
 
+import json
+import os
+import subprocess
+import sys
 import time
+from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 
@@ -42,6 +48,7 @@ OUTSIDE = {  # what a program may not reach -> the words that it is told
     "open('/etc/shadow')": "FileNotFoundError",
     "__import__('socket').create_connection(('192.0.2.1', 80))": "PermissionError",
 }
+PI = Path(__file__).with_name("conformance") / "pi.py"
 _DEAF = Hearing(
     rows=lambda _: None, log=lambda _: None, progress=lambda _: None, cut=lambda _: None
 )
@@ -71,6 +78,43 @@ def test_the_server_gives_the_bytes_of_a_local_run(running: Service) -> None:
         assert (files.manifest() or {})["digest"] == view.digest
         assert (files.metrics() or {})["score"] == view.score
     assert "gains" in running.files(made["upload"]).log_text()
+
+
+@pytest.fixture
+def load() -> Iterator[None]:
+    """Four processes that do nothing but compute."""
+    command = [sys.executable, "-S", "-c", "while True: pass"]
+    busy = [subprocess.Popen(command) for _ in range(4)]
+    yield
+    for process in busy:
+        process.kill()
+        process.wait()
+
+
+@pytest.fixture
+def elsewhere() -> str:
+    """The digest that the command line gives, in a process with another seed for hashes."""
+    values = ("levels=0,0.2", "level_duration_s=4", "settle_s=1")
+    settings = [word for value in values for word in ("--set", value)]
+    arguments = ["run", "currents-v1", "--controller", str(PI), "--seed", "3", "--json", *settings]
+    answer = subprocess.run(
+        [sys.executable, "-m", "seamark.main", *arguments],
+        stdout=subprocess.PIPE,
+        env=os.environ | {"PYTHONHASHSEED": "7"},
+        check=True,
+    )
+    return str(json.loads(answer.stdout)["digest"])
+
+
+def test_the_bytes_are_those_of_the_command_line_under_load_and_beside_another_run(
+    running: Service, elsewhere: str, load: None
+) -> None:
+    queued = [running.queue(controller="pi"), running.upload(PI.read_text(encoding="utf-8"))]
+    in_this_process = evaluate_here("currents-v1", SHORT, seed=3, controller="pi", hearing=_DEAF)
+
+    digests = [running.ended(run_id).digest for run_id in queued]
+
+    assert {elsewhere, in_this_process.digest, *digests} == {elsewhere}
 
 
 def test_every_bad_program_gets_its_cause_and_words(running: Service) -> None:
