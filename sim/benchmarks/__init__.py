@@ -1,6 +1,6 @@
 """What a benchmark is; one file per benchmark beside this one."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -66,7 +66,7 @@ class Benchmark:
     telling: tuple[Metric, ...]  # of the tables, at each level of each trial and in short lists
     overall: tuple[Metric, ...] = ()  # metrics over all levels
     baselines: Mapping[str, Baseline] = field(default_factory=dict)  # by the end of the user's name
-    told_by: tuple[str, ...] = ()  # settings that tell what is built in apart
+    called: Callable[[Mapping[str, object]], str] | None = None  # settings -> what they make
     configuration: type[Configuration]
     groups: tuple[str, ...]  # of settings, in the form's order
     # setting -> its value -> values of other settings that come with the choice; the later one wins
@@ -131,8 +131,8 @@ class Benchmark:
 
     def solution(self, controller: str, config: Mapping[str, object]) -> str:
         """Return what people call the built-in solution of a run."""
-        if self.told_by:
-            return " ".join(str(config.get(name, "")) for name in self.told_by)
+        if self.called is not None:
+            return self.called(config)
         return self.built_in.get(controller, controller)
 
     def held_unit_of(self, config: Configuration) -> str:

@@ -65,9 +65,10 @@ class Service:
     def upload(self, source: str, config: dict[str, object] = SHORT, **wishes: object) -> int:
         return self.queue(config, controller="upload", program=self.keep(source), **wishes)
 
-    def keep(self, source: str) -> programs.StoredProgram:
+    def keep(self, source: str, role: str = "controller") -> programs.StoredProgram:
         stream = BytesIO(source.encode())
-        return programs.store(stream, "mine.py", limit=10**6, data=self.settings.data)
+        data = self.settings.data
+        return programs.store(stream, "mine.py", limit=10**6, data=data, role=role)
 
     def check(self, source: bytes, name: str = "mine.py", **config: object) -> dict[str, Any]:
         """Return what a check of a program says."""

@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 from server import broker, live, runs
+from server.pages import templates_for_programs
 from server.runs import RunState
 from server.tables import Run
 from sim.telemetry import digest
@@ -31,6 +32,7 @@ class Controller:
         u, v = (min(max(self.kp * e, -self.limit), self.limit) for e in observation.error[:2])
         return [u, v, 0.0, 0.0]
 """
+VISIBILITY = {"sweep_to": 0.5, "sweep_step": 0.5, "level_duration_s": 2.0}
 STEP = "class Controller:\n def __init__(s, c): pass\n def reset(s, l): pass\n def step(s, o):\n"
 PROGRAMS = {
     "user_error": STEP + "  return [1 / 0, 0, 0, 0]\n",
@@ -57,6 +59,24 @@ _DEAF = Hearing(
 def _here(controller: str) -> str:
     ending = evaluate_here("currents-v1", SHORT, seed=3, controller=controller, hearing=_DEAF)
     return ending.digest
+
+
+def test_trackers_give_the_server_the_bytes_of_a_local_run_too(running: Service) -> None:
+    source = templates_for_programs.of("python", "tracker")
+    order = {"benchmark": "visibility-v1", "config": VISIBILITY}
+    wanted = evaluate_here(
+        "visibility-v1", VISIBILITY, seed=3, controller="built-in", hearing=_DEAF
+    )
+    program = running.keep(source, "tracker")
+    built_in = running.queue(controller="built-in", **order)
+    upload = running.queue(controller="upload", program=program, **order)
+
+    ours, theirs = (running.ended(run_id) for run_id in (built_in, upload))
+
+    assert (ours.state, theirs.state) == (RunState.SUCCEEDED, RunState.SUCCEEDED)
+    assert ours.digest == wanted.digest
+    assert digest(running.files(upload).rows()) == theirs.digest
+    assert theirs.score == 1.0  # the level after the last: it fails at none
 
 
 def test_the_server_gives_the_bytes_of_a_local_run(running: Service) -> None:
