@@ -5,7 +5,8 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.camera import raycast
+from sim.camera import raycast, special
+from sim.camera.effects import Disturbance, Effects
 from sim.camera.geometry import look, project
 from sim.camera.optics import Optics
 from sim.camera.rows import CHUNK, interleave
@@ -13,6 +14,7 @@ from sim.camera.scene import Channel, Grain, Scene, work_for
 from sim.camera.seabed import seabed
 from sim.camera.target import Target, skin
 from sim.camera.water import Water
+from sim.elementary import cos, sin
 
 Window = raycast.Window
 GREEN = 1
@@ -30,11 +32,22 @@ def _noise_bank(seed: int, width: int) -> NDArray[np.float32]:
 class Camera:
     """Draws what the vehicle's camera sees, and knows where the target truly is in the picture.
 
-    The grey picture is the green channel of the coloured one, noise included.
+    The grey picture is the green channel of the coloured one, noise included. A pose is (6,) north,
+    east, down [m], roll, pitch, yaw [rad]; for motion blur the body's velocities u, v, w [m/s] and
+    p, q, r [rad/s] follow, (12,).
     """
 
-    def __init__(self, optics: Optics, water: Water, target: Target, *, noise_seed: int) -> None:
+    def __init__(
+        self,
+        optics: Optics,
+        water: Water,
+        target: Target,
+        *,
+        noise_seed: int,
+        effects: Effects | None = None,
+    ) -> None:
         self.optics, self.water, self.target = optics, water, target
+        self.effects = effects or Effects()
         self._noise_seed = noise_seed & 0x7FFFFFFFFFFFFFFF  # one integer type, so one compilation
         self._noise = _noise_bank(self._noise_seed, optics.width)
         self._lens = (optics.intrinsics(), np.array(optics.mount_m))
@@ -53,11 +66,13 @@ class Camera:
                 float(water.shot_gain),
             )
         )
+        self._disturbance = self._disturbance_of()
         self._work = tuple(work_for(optics.width))
         self._channels = {GREEN: tuple(self._channel(GREEN))}
         self._whole = (0, 0, optics.width, optics.height)
         self._canvas = np.zeros((optics.height, optics.width), np.uint8)
         self._rotation, self._place, self._pose = np.empty((3, 3)), np.empty(3), np.empty(6)
+        self._motion = np.zeros(12)
 
     def region(self, pose: NDArray[np.float64], frame: int, window: Window) -> NDArray[np.uint8]:
         """Return the camera's own canvas (H, W), drawn inside the window x0, y0, x1, y1 alone.
@@ -112,7 +127,7 @@ class Camera:
 
         The numbers of the methods above in one call, for every tick.
         """
-        self._pose[:] = pose
+        self._pose[:] = pose[:6]
         look(self._pose, self._lens[1], self._rotation, self._place)
         project(self._points, self._rotation, self._place, self._lens[0], self._images)
         images: list[float] = self._images.ravel().tolist()
@@ -122,7 +137,7 @@ class Camera:
         self, pose: NDArray[np.float64], points: NDArray[np.float64]
     ) -> NDArray[np.float64]:
         out = np.empty((len(points), 2))
-        self._pose[:] = pose
+        self._pose[:] = pose[:6]
         look(self._pose, self._lens[1], self._rotation, self._place)
         project(points, self._rotation, self._place, self._lens[0], out)
         return out
@@ -138,6 +153,28 @@ class Camera:
             faces=self._faces,
             layout=layout,
             fog=self.water.law == "uwsim",
+        )
+
+    def _disturbance_of(self) -> tuple[float, ...] | None:
+        """Return the effects for the kernels; None when all are off."""
+        effects = self.effects
+        if not effects.any:
+            return None
+        sine, cosine = sin(effects.lamp_cone_rad), cos(effects.lamp_cone_rad)
+        return tuple(
+            Disturbance(
+                exposure_s=float(effects.exposure_s),
+                level=float(effects.light_level),
+                lamp=float(effects.lamp),
+                cone=(cosine / sine) ** 2,
+                lit=effects.lit,
+                snow=float(effects.snow_per_m3),
+                scatter=float(effects.scatter_rad),
+                fish=effects.fish_per_min / 60.0,
+                fish_m=float(effects.fish_length_m),
+                frame_s=float(effects.frame_s),
+                seed=self._noise_seed & 0x7FFFFFFF,
+            )
         )
 
     def _channel(self, number: int) -> Channel:
@@ -163,5 +200,12 @@ class Camera:
         if channel is None:
             channel = self._channels[number] = tuple(self._channel(number))
         # A copy: a read-only or strided pose would have the ray-caster compiled once more.
-        self._pose[:] = pose
+        if self._disturbance is not None:
+            self._motion[6:] = 0.0
+            self._motion[: len(pose)] = pose
+            scene, grain, disturbance = self._scene, self._grain, self._disturbance
+            shot = (frame, window)
+            special.draw(self._motion, scene, channel, grain, disturbance, shot, self._work, out)
+            return
+        self._pose[:] = pose[:6]
         raycast.draw(self._pose, self._scene, channel, self._grain, frame, window, self._work, out)

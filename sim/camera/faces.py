@@ -252,6 +252,7 @@ def _draw_face(
     work: Work,
     light: Row,
     ground: Row,
+    gain: Row,
 ) -> None:
     """Blend one face into a strip of rows; `ground` is the strip before all faces.
 
@@ -279,11 +280,15 @@ def _draw_face(
         face_places(row_of(pixel_map, v), a, corner, index, fu, fv, depth)
         rows.fetch(skin, index, texels)
         face_transmission(depth, a, (f, u0), (v - v0) / f, water, transmission)
-        rows.sample_through(texels, fu, fv, transmission, veil, radiance)
         _cover(edges, v, a, b, share)
         # What a short row has too much is cut off, or it would reach into the next row.
         begin = r * width + a - start
         end = min(begin + n, (r + 1) * width)
+        if gain.shape[0]:
+            rows.sample(texels, fu, fv, radiance)
+            rows.shine(radiance, gain[begin:end], transmission, veil)
+        else:
+            rows.sample_through(texels, fu, fv, transmission, veil, radiance)
         blend(light[begin:end], ground[begin:end], radiance, share)
 
 
@@ -295,10 +300,12 @@ def draw_faces(
     channel: Channel,
     work: Work,
     light: Row,
+    gain: Row,
 ) -> None:
     """Blend the faces into a strip of rows, (rows * width,) [grey].
 
     `place` is row and column of the strip's first pixel, its width, and the window's columns.
+    `gain` is the light on the faces if it is not the usual daylight, else empty.
     """
     row, start, width, x0, x1 = place
     height = light.shape[0] // width
@@ -322,4 +329,5 @@ def draw_faces(
             work,
             light[part[0] : part[1]],
             work.ground[part[0] : part[1]],
+            gain[part[0] : part[1]],
         )

@@ -32,6 +32,7 @@ class View(NamedTuple):
     north: int
     east: int
     nodes: NDArray[np.float32]  # (rows, columns) transmission to the seabed
+    lamp: NDArray[np.float32]  # (3, rows, columns) light on ground and top, glow; (0, 0, 0): none
     outlines: Outlines
 
 
@@ -104,6 +105,7 @@ def view_of(pose: Array, scene: Scene, attenuation: float, window: Window) -> Vi
         north - rows.BIAS,
         east - rows.BIAS,
         _nodes(g, scene, attenuation, window),
+        np.empty((0, 0, 0), np.float32),
         outlines(scene.faces, scene.layout, rotation, centre, scene.intrinsics),
     )
 
@@ -139,9 +141,18 @@ def light_strip(
     rows.seabed_places(view.ground, (row, start, width), (view.north, view.east), index, fu, fv)
     rows.fetch(channel.tile, index, texels)
     rows.spread(view.nodes, (row + MARGIN, start + MARGIN, width), transmission)
-    rows.sample_through(texels, fu, fv, transmission, channel.veil, light)
+    gain = work.gain[1, :0]
+    if view.lamp.shape[0]:
+        ground_gain = work.gain[0, :n]
+        gain = work.gain[1, :n]
+        rows.spread(view.lamp[0], (row + MARGIN, start + MARGIN, width), ground_gain)
+        rows.spread(view.lamp[1], (row + MARGIN, start + MARGIN, width), gain)
+        rows.sample(texels, fu, fv, light)
+        rows.shine(light, ground_gain, transmission, channel.veil)
+    else:
+        rows.sample_through(texels, fu, fv, transmission, channel.veil, light)
     place = (row, start, width, columns[0], columns[1])
-    draw_faces(view.outlines, place, scene, channel, work, light)
+    draw_faces(view.outlines, place, scene, channel, work, light, gain)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

@@ -112,6 +112,14 @@ def sample_through(
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
+def shine(light: Row, gain: Row, transmission: Row, veil: float) -> None:
+    """Replace radiances [grey] by what arrives of them when they get `gain` times daylight."""
+    b = _F(veil)
+    for q in range(gain.shape[0]):
+        light[q] = (light[q] * gain[q] - b) * transmission[q] + b
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
 def spread(nodes: NDArray[np.float32], place: tuple[int, int, int], out: Row) -> None:
     """Write a strip of values between nodes (rows, columns) that stand every NODE px.
 

@@ -52,6 +52,7 @@ class Work(NamedTuple):
     ground: Row  # [grey] the strip before the faces
     places: Rows  # (3, strip) fractions and transmission
     face: Rows  # (6, width)
+    gain: Rows  # (2, strip) light on ground and faces
     numbers: Texels
     texels: Texels
     levels: NDArray[np.uint8]  # the strip in grey levels
@@ -66,6 +67,7 @@ def work_for(width: int) -> Work:
         ground=np.zeros(strip, np.float32),
         places=np.zeros((3, strip), np.float32),
         face=np.zeros((6, wide), np.float32),
+        gain=np.zeros((2, strip), np.float32),
         numbers=np.zeros(strip, np.int32),
         texels=np.zeros(strip, np.int32),
         levels=np.zeros(strip, np.uint8),

@@ -1,0 +1,81 @@
+"""Light of a lamp beside the camera: on what it shines, and its glow in the water.
+
+In units of daylight and albedo, as all radiances here: E = lamp / d^2 with the distance d, less
+by the cone (1 / (1 + tan^2 / tan^2 of the half angle)), by the slant of what it meets and by the
+water.
+"""
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from sim.camera.effects import LAMP_FORWARD_M, Disturbance
+from sim.camera.rows import CHUNK, NODE
+from sim.camera.scene import MARGIN, Scene
+from sim.elementary import exp
+
+GLOW_STEPS = 8  # of the integral along a ray
+# E: share of the attenuated light that comes straight back: albedo of a flake 0.6, times pi times a
+# phase function of 0.016 per steradian backwards.
+BACKSCATTER = 0.03
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def lamp_light(x: float, y: float, z: float, attenuation: float, light: Disturbance) -> float:
+    """Return the lamp's light at a point [m] in the camera frame, before the slant of a surface."""
+    if z < 0.02:
+        return 0.0
+    ahead = y + LAMP_FORWARD_M  # image down is aft
+    across = x * x + ahead * ahead
+    square = across + z * z
+    cone = 1.0 / (1.0 + across / (z * z) * light.cone)
+    return light.lamp * cone / square * exp(-min(attenuation * np.sqrt(square), 40.0))
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def lamp_nodes(
+    g: NDArray[np.float64],
+    scene: Scene,
+    water: tuple[float, float],
+    light: Disturbance,
+    window: tuple[int, int, int, int],
+) -> NDArray[np.float32]:
+    """Return (3, rows, columns): light on the seabed, on the box's top, and the glow [albedo].
+
+    `water` is the attenuation and how much nearer the top is than the seabed, as a share.
+    """
+    attenuation, nearer = water
+    x0, y0, x1, y1 = window
+    f = scene.intrinsics[0]
+    last_row, last_column = (y1 + MARGIN - 1) // NODE + 2, (x1 + MARGIN + CHUNK) // NODE + 2
+    out = np.zeros((3, last_row, last_column), np.float32)
+    for j in range((y0 + MARGIN) // NODE, last_row):
+        v = float(j * NODE - MARGIN)
+        y = (v - scene.intrinsics[2]) / f
+        for i in range((x0 + MARGIN) // NODE, last_column):
+            u = float(i * NODE - MARGIN)
+            x = (u - scene.intrinsics[1]) / f
+            depth = 1.0 / max(g[2, 0] * u + g[2, 1] * v + g[2, 2], 1e-3)
+            for k in range(2):
+                z = depth * (1.0 if k == 0 else nearer)
+                ahead = y * z + LAMP_FORWARD_M
+                slant = z / np.sqrt(x * z * x * z + ahead * ahead + z * z)
+                e = lamp_light(x * z, y * z, z, attenuation, light)
+                out[k, j, i] = light.level + slant * e
+            out[2, j, i] = _glow(x, y, depth, attenuation, light)
+    return out
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _glow(x: float, y: float, depth: float, attenuation: float, light: Disturbance) -> float:
+    """Return the lamp's light that the water sends back along a ray, by the midpoint rule."""
+    if light.lamp == 0.0:
+        return 0.0
+    stretch = np.sqrt(1.0 + x * x + y * y)
+    step = min(depth, 6.0) / GLOW_STEPS
+    total = 0.0
+    for k in range(GLOW_STEPS):
+        z = (k + 0.5) * step
+        back = exp(-min(attenuation * z * stretch, 40.0))
+        total += lamp_light(x * z, y * z, z, attenuation, light) * back
+    return float(BACKSCATTER * attenuation * total * step * stretch)

@@ -1,0 +1,153 @@
+"""Marine snow: flakes that hang in the water and drift; a fish that swims over the target.
+
+Flakes live in cubes of a grid that drifts as a whole; a cube's flakes are a hash of its place. The
+order in which flakes are painted is that of the cubes, whatever the window.
+"""
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from sim.camera.effects import Disturbance
+from sim.camera.lamp import lamp_light
+from sim.camera.scene import Channel, Scene
+from sim.camera.seabed import hash01
+from sim.elementary import exp
+
+Array = NDArray[np.float64]
+Plane = NDArray[np.float32]  # (rows, columns)
+
+CUBE_M = 0.25
+DRIFT_M_S = (0.03, 0.02, 0.004)  # E: slow water, and flakes that sink some 300 m a day
+NEAREST_M, FARTHEST_M = 0.15, 3.0  # of the camera; a flake farther off is smaller than a pixel
+SMALLEST_M, LARGEST_M = 0.001, 0.005  # E: diameters; small ones are more
+ALBEDO = 0.8  # E
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def flakes_in(i: int, j: int, k: int, density: float, seed: int) -> int:
+    """Return how many flakes a cube has; over many cubes `density` per cubic metre."""
+    expected = density * (CUBE_M * CUBE_M * CUBE_M)
+    return int(expected + hash01(i, j, seed + 7919 * k))
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def through_water(
+    radiance: float, x: float, y: float, z: float, channel: Channel, fog: bool
+) -> float:
+    """Return what arrives of a radiance [grey] at a point [m] in the camera frame, less the veil."""
+    path = channel.attenuation * z
+    if fog:
+        path = path * path
+    else:
+        path = channel.attenuation * np.sqrt(x * x + y * y + z * z)
+    return (radiance - channel.veil) * exp(-min(path, 40.0))
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def paint_disc(
+    plane: Plane, corner: tuple[int, int], disc: tuple[float, float, float], value: float
+) -> None:
+    """Blend a disc (column, row, radius) [px] of one grey level into a plane; soft at its rim."""
+    u, v, radius = disc
+    # A flake smaller than a pixel covers a part of one.
+    strength = min(1.0, 4.0 * radius * radius)
+    radius = max(radius, 0.5)
+    first_row, last_row = int(np.floor(v - radius)), int(np.floor(v + radius)) + 2
+    first, last = int(np.floor(u - radius)), int(np.floor(u + radius)) + 2
+    for row in range(max(first_row, corner[0]), min(last_row, corner[0] + plane.shape[0])):
+        for column in range(max(first, corner[1]), min(last, corner[1] + plane.shape[1])):
+            dx, dy = column - u, row - v
+            share = radius + 0.5 - np.sqrt(dx * dx + dy * dy)
+            if share > 0.0:
+                old = plane[row - corner[0], column - corner[1]]
+                mixed = old + strength * min(share, 1.0) * (value - old)
+                plane[row - corner[0], column - corner[1]] = np.float32(mixed)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def add_snow(
+    plane: Plane,
+    corner: tuple[int, int],
+    size: tuple[int, int],
+    look_at: tuple[Array, Array],
+    scene: Scene,
+    channel: Channel,
+    light: Disturbance,
+    time_s: float,
+) -> None:
+    """Paint the flakes into a plane whose first pixel is at `corner` (row, column).
+
+    `size` is the whole picture's (W, H) and `look_at` the camera's axes (3, 3) and place (3,).
+    """
+    rotation, centre = look_at
+    low, high = _reach(size, rotation, centre, scene)
+    place, moved = np.empty(3), np.empty(3)
+    for axis in range(3):
+        moved[axis] = DRIFT_M_S[axis] * time_s
+        low[axis] = np.floor((low[axis] - moved[axis]) / CUBE_M)
+        high[axis] = np.floor((high[axis] - moved[axis]) / CUBE_M)
+    for k in range(int(low[2]), int(high[2]) + 1):
+        for j in range(int(low[1]), int(high[1]) + 1):
+            for i in range(int(low[0]), int(high[0]) + 1):
+                for m in range(flakes_in(i, j, k, light.snow, light.seed)):
+                    own = light.seed + 7919 * k + 16 * m
+                    place[0] = (i + hash01(i, j, own + 1)) * CUBE_M + moved[0]
+                    place[1] = (j + hash01(i, j, own + 2)) * CUBE_M + moved[1]
+                    place[2] = (k + hash01(i, j, own + 3)) * CUBE_M + moved[2]
+                    if place[2] < scene.seabed_m:
+                        shape = hash01(i, j, own + 4)
+                        wide = SMALLEST_M + (LARGEST_M - SMALLEST_M) * shape * shape
+                        _paint_flake(plane, corner, look_at, (place, wide), scene, channel, light)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _paint_flake(
+    plane: Plane,
+    corner: tuple[int, int],
+    look_at: tuple[Array, Array],
+    flake: tuple[Array, float],
+    scene: Scene,
+    channel: Channel,
+    light: Disturbance,
+) -> None:
+    rotation, centre = look_at
+    place, wide = flake
+    x, y, z = 0.0, 0.0, 0.0
+    for axis in range(3):
+        d = place[axis] - centre[axis]
+        x += rotation[0, axis] * d
+        y += rotation[1, axis] * d
+        z += rotation[2, axis] * d
+    if z < NEAREST_M or z > FARTHEST_M:
+        return
+    f = scene.intrinsics[0]
+    disc = (f * x / z + scene.intrinsics[1], f * y / z + scene.intrinsics[2], 0.5 * wide * f / z)
+    reach = disc[2] + 2.0
+    if disc[0] < corner[1] - reach or disc[0] > corner[1] + plane.shape[1] + reach:
+        return
+    if disc[1] < corner[0] - reach or disc[1] > corner[0] + plane.shape[0] + reach:
+        return
+    e = light.level + lamp_light(x, y, z, channel.attenuation, light)
+    value = through_water(255.0 * ALBEDO * e, x, y, z, channel, scene.fog) + channel.veil
+    paint_disc(plane, corner, disc, value)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _reach(
+    size: tuple[int, int], rotation: Array, centre: Array, scene: Scene
+) -> tuple[Array, Array]:
+    """Return the corners of the box in the world that holds all that the camera can see."""
+    low, high = centre.copy(), centre.copy()
+    f = scene.intrinsics[0]
+    for corner in range(4):
+        x = ((size[0] if corner & 1 else 0.0) - scene.intrinsics[1]) / f * FARTHEST_M
+        y = ((size[1] if corner & 2 else 0.0) - scene.intrinsics[2]) / f * FARTHEST_M
+        for axis in range(3):
+            far = centre[axis] + rotation[0, axis] * x + rotation[1, axis] * y
+            far += rotation[2, axis] * FARTHEST_M
+            low[axis] = min(low[axis], far)
+            high[axis] = max(high[axis], far)
+    low[2] = max(low[2], centre[2] - FARTHEST_M)
+    high[2] = min(high[2], scene.seabed_m)
+    return low, high
