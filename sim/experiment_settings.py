@@ -5,18 +5,17 @@ Tags of the defaults: S sourced, D derived from sourced, E our estimate.
 
 from functools import partial
 
-from sim import constants
 from sim.chain_settings import ChainSettings
 from sim.configuration import knob
 from sim.fault_settings import FaultSettings
 from sim.observation import THRUSTERS
 from sim.registry import TRUTH, VEHICLES, labels
 from sim.scene_settings import SceneSettings
+from sim.targets import TARGETS
 from sim.vehicles import load
 
 experiment = partial(knob, group="Experiment", role="scenario")
 
-TARGET_M = constants.TARGET_SIZE_M.value  # [m] length and width of the black box's top
 SMALLEST_SIDE_PX = 16.0  # [px] a smaller target gives a tracker nothing to start from
 START_ERROR_SHARE = 0.1  # of the shorter side: the corners still make a convex figure
 
@@ -151,8 +150,11 @@ class ExperimentSettings(ChainSettings, SceneSettings, FaultSettings):
     def _picture_rules(self) -> dict[str, str]:
         """Refuse pictures in which no tracker could start."""
         errors: dict[str, str] = {}
-        long, short = (side * self.camera_focal_px / self.altitude_m for side in TARGET_M)
-        highest = TARGET_M[1] * self.camera_focal_px / SMALLEST_SIDE_PX
+        box = TARGETS[self.target]
+        long, short = (
+            side * self.camera_focal_px / self.altitude_m for side in (box.length_m, box.width_m)
+        )
+        highest = box.width_m * self.camera_focal_px / SMALLEST_SIDE_PX
         if short < SMALLEST_SIDE_PX:
             errors["altitude_m"] = (
                 f"altitude_m (Camera above the target) must be at most {highest:.2f} m with this "
@@ -162,6 +164,11 @@ class ExperimentSettings(ChainSettings, SceneSettings, FaultSettings):
             errors["camera_focal_px"] = (
                 f"camera_focal_px (Focal length) makes the target {long:.0f} x {short:.0f} px; it "
                 f"must fit into {self.camera_width_px} x {self.camera_height_px} px."
+            )
+        if self.camera_exposure_s > self.control_period_s:
+            errors["camera_exposure_s"] = (
+                f"camera_exposure_s (Exposure time) must be at most the control period of "
+                f"{self.control_period_s:g} s, not {self.camera_exposure_s:g} s."
             )
         if self.start_error_px > START_ERROR_SHARE * short:
             errors["start_error_px"] = (

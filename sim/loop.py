@@ -77,7 +77,7 @@ class LevelLoop:
         pose = world.plant.pose()
         placed, moving = pose.tolist(), world.plant.velocity().tolist()
         self._check(tick, "the vehicle's state", placed + moving)
-        seen = self._look(tick, pose)
+        seen = self._look(tick, pose, moving)
         known = self._sense(tick, placed, moving)
         aim = world.keeper.step(
             seen.corners if seen.ok else None,
@@ -113,7 +113,9 @@ class LevelLoop:
             t = self._began + tick * self._dt
             raise StateInvalid(f"At {t:g} s of simulated time {what} is no longer finite.")
 
-    def _look(self, tick: int, pose: Row) -> Seen:
+    def _look(self, tick: int, pose: Row, velocity: list[float]) -> Seen:
+        if self._world.camera.effects.exposure_s > 0:  # motion blur
+            pose = np.array([*pose.tolist(), *velocity])
         tracking = self._world.tracking
         if tick == 0:
             return tracking.start(pose, self._first_frame)

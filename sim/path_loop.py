@@ -52,7 +52,7 @@ class PathLoop:
             row = recorder.next_row()
             pose, velocity = self._path.at(tick * self._dt)
             look = self._tracking.update if tick else self._tracking.start
-            seen = look(np.array(pose), first + tick)
+            seen = look(np.array([*pose, *velocity]), first + tick)
             row[:] = 0.0
             row[_KNOWN] = self._trial, self._level, self._began + tick * self._dt
             row[_MOVING] = (*pose, *velocity)

@@ -19,7 +19,7 @@ from sim.telemetry import INDEX
 Picture = NDArray[np.uint8]
 Row = NDArray[np.float64]
 
-_POSE = slice(INDEX["x"], INDEX["yaw"] + 1)
+_MOTION = slice(INDEX["x"], INDEX["r"] + 1)
 _CAMERAS = 12  # kept; each is one level's
 
 
@@ -28,7 +28,7 @@ class Shot:
     """What the camera saw at one row of the telemetry."""
 
     camera: Camera
-    pose: Row  # (6,) x, y, z [m], roll, pitch, yaw [rad]
+    pose: Row  # (12,) x, y, z [m], roll, pitch, yaw [rad], u, v, w [m/s], p, q, r [rad/s]
     frame: int  # number of the picture in the trial
 
     def grey(self) -> Picture:
@@ -68,5 +68,5 @@ class Replay:
         """Return what the camera saw at a row of the telemetry, (WIDTH,)."""
         trial, level = int(row[INDEX["trial"]]), int(row[INDEX["level"]])
         tick = round((float(row[INDEX["t"]]) - level * self._level_s) / self._dt)
-        pose = np.ascontiguousarray(row[_POSE])
+        pose = np.ascontiguousarray(row[_MOTION])
         return Shot(self.camera(trial, level), pose, level * self._ticks + tick)

@@ -5,7 +5,9 @@ Tags of the defaults: S sourced, D derived from sourced, E our estimate.
 
 from functools import partial
 
-from sim.configuration import Configuration, knob
+from sim.configuration import knob
+from sim.effect_settings import EffectSettings
+from sim.targets import TARGETS
 
 water = partial(knob, group="Water and camera", role="scenario")
 sensor = partial(knob, group="Sensors", role="scenario")
@@ -23,8 +25,18 @@ WATER_TYPES = {
 }
 
 
-class SceneSettings(Configuration):
-    """Water, camera and sensors."""
+class SceneSettings(EffectSettings):
+    """Water, camera, target and sensors."""
+
+    target: str = water(
+        "lettered",
+        title="Target",
+        says="The box on the bottom that the camera looks at.",
+        choices={name: shape.label for name, shape in TARGETS.items()},
+        tag="S",
+        source="a black box of this size: benchmark_software_launcher ea65b39; the others are ours",
+        advanced=True,
+    )
 
     water_law: str = water(
         "beer",
@@ -51,7 +63,8 @@ class SceneSettings(Configuration):
     camera_noise_grey: float = water(
         1.2,
         title="Camera noise",
-        says="Standard deviation of the read noise in grey levels of 255.",
+        says="Standard deviation of the read noise in grey levels of 255; with less than 0.8, "
+        "rounding to whole levels would decide which tracker fails.",
         unit="grey",
         low=0.8,
         high=64,

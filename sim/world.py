@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from sim import constants
 from sim.bottom import Bottom, Relief, relief_of
 from sim.camera.camera import Camera
+from sim.camera.effects import Effects
 from sim.camera.optics import Optics
 from sim.camera.target import Target, start_pose
 from sim.camera.water import JERLOV, Water
@@ -15,11 +16,12 @@ from sim.contact import Contact, TargetBox
 from sim.current import Current
 from sim.dynamics import Plant
 from sim.elementary import PI
-from sim.experiment_settings import TARGET_M, ExperimentSettings
+from sim.experiment_settings import ExperimentSettings
 from sim.faults import ThrusterFault
 from sim.sensors import Ahrs, Altimeter, DepthGauge, Dvl
 from sim.station_keeper import Geometry, StationKeeper
 from sim.streams import Streams
+from sim.targets import TARGETS
 from sim.trackers import Tracker
 from sim.tracking import Tracking, tracking_of
 from sim.vehicles import Vehicle, load
@@ -74,13 +76,36 @@ def scene_of(config: ExperimentSettings) -> tuple[Target, Optics]:
         height=config.camera_height_px,
         focal_px=config.camera_focal_px,
     )
-    return Target(length_m=TARGET_M[0], width_m=TARGET_M[1]), optics
+    box = TARGETS[config.target]
+    target = Target(
+        length_m=box.length_m,
+        width_m=box.width_m,
+        height_m=box.height_m,
+        lettered=box.lettered,
+    )
+    return target, optics
 
 
 def camera_of(config: ExperimentSettings, water: Water, *, noise_seed: int) -> Camera:
     """Return the camera above the target: all that a picture needs of a world."""
     target, optics = scene_of(config)
-    return Camera(optics, water, target, noise_seed=noise_seed)
+    effects = effects_of(config)
+    return Camera(optics, water, target, noise_seed=noise_seed, effects=effects)
+
+
+def effects_of(config: ExperimentSettings) -> Effects:
+    """Return what disturbs the pictures of a configuration."""
+    return Effects(
+        exposure_s=config.camera_exposure_s,
+        light_level=config.light_level,
+        lamp=config.lamp,
+        lamp_cone_rad=config.lamp_cone_rad,
+        snow_per_m3=config.snow_per_m3,
+        scatter_rad=1e-3 * config.scatter_mrad,
+        fish_per_min=config.fish_per_min,
+        fish_length_m=config.fish_length_m,
+        frame_s=config.control_period_s,
+    )
 
 
 def noise_seed_of(random: Streams) -> int:
@@ -196,6 +221,7 @@ def _contact(vehicle: Vehicle, bottom: Bottom, target: Target) -> Contact:
     north, east, down = target.origin().tolist()
     box = TargetBox(
         centre=(north, east, down),
+        size=target.size_m,
         yaw=target.heading_rad + 0.5 * PI,  # the length lies across the heading
         size=(target.length_m, target.width_m, target.height_m),
         fixed=True,

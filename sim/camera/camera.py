@@ -145,7 +145,7 @@ class Camera:
     def _scene_of(self) -> Scene:
         """Return what all channels share."""
         target = self.target
-        layout = skin(target.length_m, target.width_m, target.height_m, GREEN).layout
+        layout = skin(target.size_m, GREEN, lettered=target.lettered).layout
         return Scene(
             intrinsics=self._lens[0],
             mount=self._lens[1],
@@ -182,7 +182,7 @@ class Camera:
         water, target = self.water, self.target
         return Channel(
             tile=seabed(SEABED_SEED, number),
-            skin=skin(target.length_m, target.width_m, target.height_m, number).quads,
+            skin=skin(target.size_m, number, lettered=target.lettered).quads,
             attenuation=float(water.attenuation[number]),
             veil=255.0 * water.veil[number],
             number=number,

@@ -98,7 +98,9 @@ def _ink(
 
 
 @lru_cache(maxsize=32)
-def face(length_m: float, width_m: float, texel_m: float, channel: int) -> NDArray[np.float64]:
+def face(
+    length_m: float, width_m: float, texel_m: float, channel: int, *, lettered: bool = True
+) -> NDArray[np.float64]:
     """Return the albedo (rows, columns) of a face, with the text when there is room for it.
 
     Parameters
@@ -109,11 +111,15 @@ def face(length_m: float, width_m: float, texel_m: float, channel: int) -> NDArr
         Wanted texel size; the real one divides the face evenly.
     channel : int
         0 red, 1 green, 2 blue.
+    lettered : bool
+        False leaves nothing but the black plastic.
     """
     columns, rows = round(length_m / texel_m), round(width_m / texel_m)
     u, v = _grid(length_m, width_m, columns, rows)
     wide = length_m / width_m
     out = np.full(u.shape, BLACK)
+    if not lettered:
+        return _averaged(out)
     rim = np.minimum(np.minimum(u, wide - u), np.minimum(v, 1 - v))
     out = np.where(rim < 0.05, 0.11, out)  # worn edges are lighter
     for x in (0.16, wide - 0.16):

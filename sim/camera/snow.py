@@ -35,7 +35,7 @@ def flakes_in(i: int, j: int, k: int, density: float, seed: int) -> int:
 def through_water(
     radiance: float, x: float, y: float, z: float, channel: Channel, fog: bool
 ) -> float:
-    """Return what arrives of a radiance [grey] at a point [m] in the camera frame, less the veil."""
+    """Return what arrives of a radiance [grey] from a point in the camera frame, less the veil."""
     path = channel.attenuation * z
     if fog:
         path = path * path

@@ -34,11 +34,17 @@ class Target:
     east_m: float = 0.0
     seabed_m: float = 5.0  # [m] depth of the seabed, E: the CIRS pool
     heading_rad: float = 0.0
+    lettered: bool = True  # otherwise one dark tone
 
     def __post_init__(self) -> None:
         """Refuse a box without volume."""
         if min(self.length_m, self.width_m, self.height_m) <= 0:
             raise ValueError("the target's length, width and height must be positive")
+
+    @property
+    def size_m(self) -> tuple[float, float, float]:
+        """Length, width and height."""
+        return self.length_m, self.width_m, self.height_m
 
     def axes(self) -> tuple[Vector, Vector]:
         """Return two unit vectors (3,): to the right and downwards as one reads the letters."""
@@ -86,12 +92,15 @@ class Skin:
 
 
 @lru_cache(maxsize=12)
-def skin(length_m: float, width_m: float, height_m: float, channel: int) -> Skin:
-    """Return the textures of a box of that size; the sides are the darker for their shade."""
+def skin(size_m: tuple[float, float, float], channel: int, *, lettered: bool = True) -> Skin:
+    """Return the textures of a box (length, width, height); its sides are darker."""
+    length_m, width_m, height_m = size_m
     sizes = [(length_m, width_m)] + [(length_m, height_m)] * 2 + [(width_m, height_m)] * 2
     parts, layout, offset = [], [], 0
     for (length, width), shade in zip(sizes, SHADES, strict=True):
-        texels = quantise(lettering.face(length, width, TEXEL_M, channel) * shade)
+        texels = quantise(
+            lettering.face(length, width, TEXEL_M, channel, lettered=lettered) * shade
+        )
         parts.append(packed(texels, wrap=False))
         layout.append((offset, texels.shape[1], texels.shape[0]))
         offset += texels.size
