@@ -221,7 +221,6 @@ def _contact(vehicle: Vehicle, bottom: Bottom, target: Target) -> Contact:
     north, east, down = target.origin().tolist()
     box = TargetBox(
         centre=(north, east, down),
-        size=target.size_m,
         yaw=target.heading_rad + 0.5 * PI,  # the length lies across the heading
         size=(target.length_m, target.width_m, target.height_m),
         fixed=True,
