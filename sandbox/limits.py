@@ -88,7 +88,7 @@ MEANING = {  # limit -> what the program sees when it meets it; shown on the for
     "shared_mib": "writing fails with OSError: no space left on device",
     "file_mib": "writing fails with OSError: file too large",
     "open_files": "opening fails with OSError: too many open files",
-    "source_kib": "the program is refused before it starts; an archive counts unpacked",
+    "source_kib": "the upload is refused; an archive counts unpacked",
     "archive_files": "the archive is refused when it is uploaded",
     "binary_mib": "the compiled program (C, C++) is refused before it starts",
 }

@@ -114,9 +114,7 @@ class Lane:
             while True:
                 for frame in simulation.read(WAIT_S):
                     if frame.kind is FrameKind.ENDING:
-                        end = frame.json()
-                        told = (end["verdict"], end["sentence"], end["traceback"])
-                        return answer_of(job, glimpse.end(*told))
+                        return answer_of(job, glimpse.end(frame.json()))
                     _take(glimpse, frame)
                 self._mind(deadline)
 

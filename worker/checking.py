@@ -1,27 +1,24 @@
 """A check of a program: compile, start, two simulated seconds, and what was seen."""
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from sandbox.outcome import ProgramEnded
+from sandbox.outcome import Outcome, ProgramEnded, Verdict
 from server import check_answer, run_limits
 from server.check_answer import Seen
 from sim import registry
 from sim.telemetry import INDEX, STEP_US
 from worker.boxed import Compile, MakeBox
 from worker.job import Job
-from worker.one_trial import OneTrial, TrialListener
+from worker.one_trial import Enough, OneTrial, TrialListener
 from worker.trials import BENCHMARK_ERROR, Ending
 
 SIMULATED_S = 1.9  # [s] rows come by the second: those of two seconds end just above
 LOG_MAX = 64 * 1024  # [B] kept of what the program prints
 Rows = NDArray[np.float64]
-
-
-class Enough(Exception):
-    """The program has run for long enough."""
 
 
 class Glimpse:
@@ -45,9 +42,10 @@ class Glimpse:
         """Forget all: the host was slow and it is done again."""
         self.seen, self._log = Seen(), bytearray()
 
-    def end(self, verdict: str, sentence: str, traceback: str) -> Seen:
-        """Return everything."""
-        self.seen.verdict, self.seen.sentence, self.seen.traceback = verdict, sentence, traceback
+    def end(self, ending: Mapping[str, Any]) -> Seen:
+        """Return everything; `ending` has the fields of `worker.trials.Ending`."""
+        for name in ("verdict", "sentence", "traceback", "usage"):
+            setattr(self.seen, name, ending[name])
         self.seen.output = self._log.decode("utf-8", "replace")
         return self.seen
 
@@ -84,22 +82,20 @@ def check(job: Job, listener: TrialListener, make_box: MakeBox, compile_program:
     one = OneTrial(job, make_box, compile_program, limits=run_limits.CHECK)
     try:
         one.prepare(brief)
-        end = one.run(0, brief)
-    except Enough:
-        return Ending()
     except ProgramEnded as ended:
-        return _ending(ended)
-    if end.outcome is not None and end.result is None:
-        return _ending(ProgramEnded(end.outcome))
-    return (
-        Ending() if end.result is not None else Ending(verdict=BENCHMARK_ERROR, sentence=end.lost)
-    )
+        return _ending(ended.outcome)
+    end = one.run(0, brief)
+    if end.outcome is None:
+        return Ending(verdict=BENCHMARK_ERROR, sentence=end.lost)
+    return _ending(end.outcome)
 
 
-def _ending(ended: ProgramEnded) -> Ending:
-    outcome = ended.outcome
+def _ending(outcome: Outcome) -> Ending:
     return Ending(
-        verdict=str(outcome.verdict), sentence=outcome.sentence, traceback=outcome.traceback
+        verdict=str(outcome.verdict),
+        sentence="" if outcome.verdict is Verdict.OK else outcome.sentence,
+        traceback=outcome.traceback,
+        usage={"cpu_s": outcome.cpu_s, "memory_mib": outcome.memory_mib},
     )
 
 

@@ -21,6 +21,10 @@ Rows = NDArray[np.float64]
 _T = TypeVar("_T")
 
 
+class Enough(Exception):
+    """A listener has seen all that it wants of a trial: the program is told to end."""
+
+
 class TrialListener(Protocol):
     """Who hears what happens during a trial."""
 
@@ -97,6 +101,8 @@ class OneTrial:
         try:
             result = self._simulate(trial, solution, on_rows)
             return TrialEnd(result=result, outcome=box.finish())
+        except Enough:
+            return TrialEnd(outcome=box.finish())
         finally:
             _pass_output(box, listener)
             if remark := solution.remark():

@@ -7,7 +7,7 @@ import os
 import tempfile
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -101,7 +101,7 @@ def check_here(
     place, glimpse = Place(level, None), Glimpse()
     with job_of(benchmark, config, program, seeds=(checks.SEED,)) as job:
         ending = check(job, glimpse, real_boxes(place), real_compiler(place))
-    return answer_of(job, glimpse.end(ending.verdict, ending.sentence, ending.traceback))
+    return answer_of(job, glimpse.end(asdict(ending)))
 
 
 @contextmanager

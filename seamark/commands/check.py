@@ -79,7 +79,7 @@ def _report(file: Path, found: dict[str, Any]) -> None:
     if found["output"]:
         say(f"It printed:\n{found['output'][-SHOWN_OUTPUT:].rstrip()}")
     if found["ok"]:
-        steps = found["step_us"]
-        took = f", {steps['median'] / 1000:.2f} ms each" if steps else ""
-        count = steps["count"] if steps else 0
-        say(f"{file.name} is fine: {count} steps{took}.")
+        count = found["step_us"]["count"] if found["step_us"] else 0
+        used = found["usage"] or {"cpu_s": 0.0, "memory_mib": 0.0}
+        cost = f"{used['cpu_s']:.2f} s of CPU time, {used['memory_mib']:.0f} MiB"
+        say(f"{file.name} runs: {count} steps, {cost}.")

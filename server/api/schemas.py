@@ -228,6 +228,7 @@ class CheckAnswer(Answer):
     traceback: str
     output: str
     t_simulated: float
+    usage: dict[str, float] | None
     step_us: dict[str, float] | None
 
 

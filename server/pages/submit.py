@@ -1,16 +1,15 @@
 """Order a run: the form of a benchmark, and what comes back from it."""
 
-import io
-from typing import Any, BinaryIO, cast
+from typing import Any
 
 from flask import Blueprint, g, redirect, render_template, request, url_for
 from flask.typing import ResponseReturnValue
 
 from sandbox.languages import LANGUAGES
-from server import identity, programs, run_limits, runs
+from server import archives, identity, run_limits, runs
 from server.access import Action, can
 from server.orders import upload_refusal
-from server.pages import benchmarks, fields, templates_for_programs
+from server.pages import benchmarks, fields, sent_programs, templates_for_programs
 from server.programs import StoredProgram, UploadRejected
 from server.rate_limits import ORDER, limiter
 from server.services import services
@@ -40,63 +39,60 @@ def create(name: str) -> ResponseReturnValue:
     benchmark = benchmarks.by_name(name)
     answers = request.form.to_dict()
     values = fields.read(benchmark.schema(), answers)
+    program: StoredProgram | None = None
+    refused: dict[str, str] = {}
+    status = 422
     try:
-        order = _order(benchmark, values, answers)
-        with services().database.writing() as session:
-            run_id = runs.enqueue(session, order, services().settings)
+        if answers.get("controller") == runs.UPLOAD:
+            program, refused = _sent(benchmark, answers)
+        order = _order(benchmark, values, answers, program)
+        if not refused:
+            with services().database.writing() as session:
+                run_id = runs.enqueue(session, order, services().settings)
     except ConfigurationInvalid as refusal:
-        return _show(benchmark, values, answers=answers, errors=refusal.errors), 422
-    except UploadRejected as refusal:
-        return _show(benchmark, values, answers=answers, errors={"program": str(refusal)}), 422
+        refused = refusal.errors | refused
     except (runs.OrderRejected, runs.QuotaExceeded) as refusal:
         status = 429 if isinstance(refusal, runs.QuotaExceeded) else 422
-        return _show(benchmark, values, answers=answers, errors={"": str(refusal)}), status
+        refused = {"": str(refusal)}
+    if refused:
+        kept = program if answers.get("source") != "editor" else None
+        return _show(benchmark, values, answers=answers, errors=refused, kept=kept), status
     services().ring()  # only after the commit: the worker must find the row
     return redirect(url_for("run.show", run_id=run_id), code=303)
 
 
-def _order(benchmark: Benchmark, values: dict[str, object], answers: dict[str, str]) -> runs.Order:
-    """Return the order in a posted form; the configuration is checked before the program."""
+def _sent(
+    benchmark: Benchmark, answers: dict[str, str]
+) -> tuple[StoredProgram | None, dict[str, str]]:
+    """Return the program of a form, or why it is none, beside what else is wrong."""
+    try:
+        return sent_programs.take(benchmark, answers), {}
+    except UploadRejected as refusal:
+        return None, {"program": str(refusal)}
+
+
+def _order(
+    benchmark: Benchmark,
+    values: dict[str, object],
+    answers: dict[str, str],
+    program: StoredProgram | None,
+) -> runs.Order:
+    """Return the order in a posted form."""
     kind = runs.Kind.RANKED if answers.get("kind") == runs.Kind.RANKED else runs.Kind.PRACTICE
     if kind is runs.Kind.RANKED:  # the scenario is the benchmark's, whatever the form says
         values = fields.solution(benchmark.schema(), values)
     config = benchmark.read(values)
-    controller = answers.get("controller", "")
     return runs.Order(
         viewer=identity.become_guest(),
         benchmark=benchmark.name,
         config=config.model_dump(mode="json"),
         kind=kind,
-        controller=controller,
-        program=_program(benchmark, answers) if controller == runs.UPLOAD else None,
+        controller=answers.get("controller", ""),
+        program=program,
         seed=None if kind is runs.Kind.RANKED else _whole(answers, "seed", "A seed"),
         trials=_whole(answers, "trials", "The number of trials") or 1,
         title=answers.get("title", ""),
     )
-
-
-def _program(benchmark: Benchmark, answers: dict[str, str]) -> StoredProgram | None:
-    """Return the stored upload: the file if one was chosen, else the text of the editor."""
-    if not can(g.viewer, Action.UPLOAD):
-        raise runs.OrderRejected("Running a program of your own needs an account.")
-    settings = services().settings
-    keeping: Any = {
-        "limit": settings.upload_max_bytes,
-        "data": settings.data,
-        "role": benchmark.role,
-    }
-    file = request.files.get("program")
-    if answers.get("source") != "editor":
-        if file is None or not file.filename:
-            raise UploadRejected("Choose a file, or write the program in the editor.")
-        stream = cast(BinaryIO, file.stream)
-        return programs.store(stream, file.filename, **keeping)
-    name = templates_for_programs.FILES[benchmark.role].get(answers.get("language", "python"))
-    if name is None:
-        raise UploadRejected("Choose one of the languages of the list.")
-    # A browser sends line ends as CR LF; the program keeps those that its author typed.
-    text = answers.get("program_text", "").replace("\r\n", "\n").encode()
-    return programs.store(io.BytesIO(text), name, **keeping)
 
 
 def _whole(answers: dict[str, str], name: str, what: str) -> int | None:
@@ -135,6 +131,7 @@ def _show(
     *,
     answers: dict[str, str],
     errors: dict[str, str],
+    kept: StoredProgram | None = None,
 ) -> str:
     held = services()
     schema = benchmark.schema()
@@ -155,6 +152,9 @@ def _show(
         defaults={name: entry["default"] for name, entry in schema["properties"].items()},
         answers=answers or {"controller": _first_choice(benchmark)},
         errors=errors,
+        kept=kept and {"program": kept, "token": sent_programs.token(benchmark, kept)},
+        archives=archives.SUFFIXES,
+        file_names=templates_for_programs.FILES[benchmark.role],
         general=" ".join(unknown.values()),
         languages=[LANGUAGES[name] for name, refusal in refusals.items() if not refusal],
         refused=[LANGUAGES[name] for name, refusal in refusals.items() if refusal],

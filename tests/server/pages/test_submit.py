@@ -115,7 +115,10 @@ def test_the_editor_takes_other_languages_and_the_page_has_their_templates(
     run = site.show(_new_run(browser, language=language, **wishes))
 
     assert (run.program_name, run.language) == (name, language)
-    assert f'<template data-program-template="{language}">' in browser.get(FORM).text
+    assert (
+        f'<template data-program-template="{language}" data-file="{name}">'
+        in browser.get(FORM).text
+    )
 
 
 def test_a_language_that_nobody_knows_is_refused(site: Site) -> None:
@@ -187,3 +190,46 @@ def test_running_again_makes_a_new_run_of_the_same_order(site: Site) -> None:
     again = site.show(int(answer.headers["Location"].rsplit("/", 1)[-1]))
     assert (again.rerun_of, again.config["kp"], again.seed) == (first, 0.4, 11)
     assert again.state is runs.RunState.QUEUED
+
+
+def _kept(text: str) -> str:
+    found = re.search(r'name="kept_program" value="([^"]+)"', text)
+    assert found is not None
+    return found.group(1)
+
+
+def _refused(site: Site, name: str = "ann", **answers: object) -> str:
+    file = (io.BytesIO(PROGRAM.encode()), "mine.py")
+    answer = site.browser(name).post(
+        FORM, {"controller": "upload", "source": "file", "program": file, "kp": "99", **answers}
+    )
+    assert answer.status_code == 422
+    return answer.text
+
+
+def test_a_file_is_not_lost_when_another_field_is_wrong(site: Site) -> None:
+    page = _refused(site)
+
+    again = {"controller": "upload", "source": "file", "kept_program": _kept(page)}
+    run = site.show(_new_run(site.browser("ann"), **again))
+
+    assert "mine.py" in page
+    assert (run.program_name, run.language) == ("mine.py", "python")
+
+
+def test_a_kept_file_is_its_senders_alone_and_cannot_be_made_up(site: Site) -> None:
+    kept = _kept(_refused(site))
+
+    for name, text in (("ben", kept), ("ann", kept[:-2] + "xx"), ("ann", "e30.x.y")):
+        answer = site.browser(name).post(
+            FORM, {"controller": "upload", "source": "file", "kept_program": text}
+        )
+        assert (answer.status_code, "Choose a file" in answer.text) == (422, True)
+
+
+def test_a_wrong_file_and_a_wrong_field_are_said_together(site: Site) -> None:
+    page = _refused(site, program=(io.BytesIO(b"def f(:"), "mine.py"))
+
+    assert "mine.py, line 1: invalid syntax" in page
+    assert 'id="kp-error"' in page
+    assert 'name="kept_program"' not in page

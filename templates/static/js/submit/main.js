@@ -1,5 +1,6 @@
 // The submit page. Without this file the form still works; it adds presets, the editor, dropping a
 // file, the lock of a ranked run and the download of the configuration.
+import { startCheck } from "./check.js";
 import { startEditor } from "./editor.js";
 import { startUpload } from "./upload.js";
 
@@ -108,4 +109,5 @@ for (const input of inputs) markChanged(input);
 lockScenario();
 startEditor(form);
 startUpload(form);
+startCheck(form, configuration);
 document.getElementById("problems")?.focus();
