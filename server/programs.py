@@ -199,7 +199,7 @@ def _clean(filename: str) -> str:
     """Return the last part of a client's file name, without control characters."""
     last = filename.replace("\\", "/").rsplit("/", 1)[-1]
     name = "".join(c for c in last if unicodedata.category(c)[0] != "C").strip()[-120:]
-    if not name:
+    if not name.strip("."):
         raise UploadRejected("The file has no name.")
     return name
 

@@ -30,7 +30,7 @@ def test_a_program_is_kept_under_its_hash_and_once(tmp_path: Path) -> None:
         (b"x" * 1001, "a.py", "larger"),
         (GOOD, "a.exe", "no language"),
         (GOOD, "", "no name"),
-        (GOOD, "a/..", "no language"),
+        (GOOD, "a/..", "no name"),
         (b"\n\xff" + GOOD, "a.py", "line 2.*UTF-8"),
         (b"def f(:\n", "a.py", "line 1"),
         (b"x = 1\n", "a.py", "Controller"),
