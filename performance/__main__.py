@@ -5,7 +5,7 @@ import sys
 
 from performance.table import text
 
-TABLES = ("physics", "camera", "exchange", "full_run", "growth", "scaling")
+TABLES = ("physics", "camera", "exchange", "leftovers", "full_run", "growth", "scaling")
 
 
 def main(names: list[str]) -> int:

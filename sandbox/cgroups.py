@@ -42,11 +42,14 @@ class Places:
         return Places(self.memory / name, self.pids / name, self.cpu / name, unified)
 
 
+PROC = Path("/proc/self")
+
+
 @cache
-def places() -> Places:
+def places(proc: Path = PROC) -> Places:
     """Return where groups can be made; SandboxBroken with the reason if nowhere."""
-    mounts = _mounts()
-    own = _own_groups()
+    mounts = _mounts(proc)
+    own = _own_groups(proc)
     v1 = {
         name: _below(mounts[name], own.get(name, "/"))
         for name in ("memory", "pids", "cpuacct")
@@ -65,10 +68,10 @@ def places() -> Places:
     return found
 
 
-def _mounts() -> dict[str, tuple[Path, str]]:
+def _mounts(proc: Path) -> dict[str, tuple[Path, str]]:
     """Return controller (or "unified") -> mount point and the group that is mounted there."""
     mounts: dict[str, tuple[Path, str]] = {}
-    for line in Path("/proc/self/mountinfo").read_text().splitlines():
+    for line in (proc / "mountinfo").read_text().splitlines():
         left, _, right = line.partition(" - ")
         root, point = left.split()[3:5]
         kind, _, options = right.split(" ", 2)
@@ -79,9 +82,9 @@ def _mounts() -> dict[str, tuple[Path, str]]:
     return mounts
 
 
-def _own_groups() -> dict[str, str]:
+def _own_groups(proc: Path) -> dict[str, str]:
     groups: dict[str, str] = {}
-    for line in Path("/proc/self/cgroup").read_text().splitlines():
+    for line in (proc / "cgroup").read_text().splitlines():
         _, controllers, path = line.split(":", 2)
         groups |= dict.fromkeys(controllers.split(",") if controllers else ["unified"], path)
     return groups
@@ -160,18 +163,30 @@ def _kill(group: Path) -> None:
             os.kill(int(pid), signal.SIGKILL)
 
 
+class Kernel:
+    """What makes a group's files and takes them away; tests of another version have their own."""
+
+    make = staticmethod(Path.mkdir)
+    remove = staticmethod(Path.rmdir)
+
+
 class ControlGroup:
     """The groups of one box."""
 
-    def __init__(self, limits: Limits) -> None:
-        sweep()
+    def __init__(
+        self, limits: Limits, *, under: Places | None = None, kernel: type[Kernel] = Kernel
+    ) -> None:
+        """Make the groups; `under` other places than this host's only in tests."""
+        if under is None:
+            sweep()
         self.name = f"{PREFIX}{os.getpid()}-{next(_serial)}"
-        self._at = places().named(self.name)
+        self._kernel = kernel
+        self._at = (under or places()).named(self.name)
         self._version = 2 if self._at.memory == self._at.unified else 1
         self._usage = -1
         try:
             for folder in self._at.folders():
-                folder.mkdir()
+                kernel.make(folder)
             self._set_limits(limits)
             usage = "cpu.stat" if self._version == 2 else "cpuacct.usage"
             self._usage = os.open(self._at.cpu / usage, os.O_RDONLY | os.O_CLOEXEC)
@@ -230,16 +245,16 @@ class ControlGroup:
             self._usage = -1
         deadline = time.monotonic() + REMOVE_WITHIN_S
         for folder in self._at.folders():
-            while not _removed(folder):
+            while not _removed(folder, self._kernel):
                 if time.monotonic() > deadline:
                     raise SandboxBroken(f"processes survive in {folder}")
                 self.kill()
                 time.sleep(0.002)  # nothing announces an empty group of version 1
 
 
-def _removed(folder: Path) -> bool:
+def _removed(folder: Path, kernel: type[Kernel] = Kernel) -> bool:
     try:
-        folder.rmdir()
+        kernel.remove(folder)
     except FileNotFoundError:
         return True
     except OSError:
