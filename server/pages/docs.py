@@ -8,6 +8,7 @@ from typing import Any
 from flask import Blueprint, Response, abort, redirect, render_template, url_for
 from flask.typing import ResponseReturnValue
 
+from sandbox.languages import LANGUAGES
 from sandbox.limits import COMPILING, MEANING, Limits
 from server import run_limits
 from server.causes import WORDS
@@ -97,6 +98,16 @@ def _native() -> dict[str, Any]:
     }
 
 
+def _languages() -> dict[str, Any]:
+    first = {
+        kind: next(iter(templates_for_programs.start(kind).values())).decode()
+        for kind in ("matlab", "embedded-c", "executable")
+    }
+    members = templates_for_programs.start("fmu")
+    first["fmu"] = members["modelDescription.xml"].decode()
+    return {"examples": first, "languages": LANGUAGES.values()}
+
+
 def _runs() -> dict[str, Any]:
     return {"causes": WORDS, "settings": services().settings}
 
@@ -141,6 +152,7 @@ PAGES: Mapping[str, tuple[str, Callable[[], dict[str, Any]]]] = {
     "controller": ("Write a controller", _controller),
     "tracker": ("Write a tracker", _tracker),
     "native": ("C and C++", _native),
+    "languages": ("MATLAB, FMU and others", _languages),
     "runs": ("Runs, limits and causes", _runs),
     "metrics": ("Metrics and score", _metrics),
     "measures": ("All measures and their formulas", _measures),

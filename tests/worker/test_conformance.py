@@ -67,7 +67,8 @@ def test_a_pi_as_an_fmu_gives_the_built_in_trajectory(name, level, tmp_path) -> 
     config = STRONG_CURRENT | {"control_heave": True}
 
     built_in = evaluated("pi", config, level)
-    upload = evaluated((built.fmu(name, tmp_path), "pi.fmu"), config, level)
+    program = programs.prepare(built.fmu(name, tmp_path), "pi.fmu")
+    upload = evaluated(program, config, level)
 
     assert (upload.verdict, upload.sentence) == ("ok", "")
     assert upload.digest == built_in.digest
