@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from sim.registry import benchmark
 from sim.sensors import Ahrs, Altimeter, DepthGauge, Dvl, Sensor, Truth, wrapped
 from sim.streams import streams
 
@@ -122,3 +123,19 @@ def test_another_sensor_never_changes_this_one() -> None:
 def test_a_sensor_without_a_period_is_refused() -> None:
     with pytest.raises(ValueError, match="at least one tick"):
         Dvl(streams(1, 0, 0).dvl, period_ticks=0)
+
+
+RATES = [(5.0, 0.01, 20), (20.0, 0.01, 5), (20.0, 0.005, 10)]
+
+
+@pytest.mark.parametrize(("rate", "step", "ticks"), RATES)
+def test_a_dvl_measures_as_often_as_its_rate_says_at_every_physics_step(
+    rate: float, step: float, ticks: int
+) -> None:
+    config = benchmark("currents-v1").read({"dvl_rate_hz": rate, "physics_step_s": step})
+    device = Dvl(streams(1, 0, 0).dvl, period_ticks=config.dvl_period_ticks)
+
+    readings = [device.measure(tick, TRUTH)[0] for tick in range(4 * ticks)]
+
+    assert len(set(readings)) == 4
+    assert all(len(set(readings[i * ticks : (i + 1) * ticks])) == 1 for i in range(4))
