@@ -155,7 +155,8 @@ class Current:
         Zero under the force law. Without shear the depth makes no difference.
         """
         x, y, *_rest = flow(t_s, self.water, segment_at(t_s, self.water))
-        share, _slope = profile(depth_m, self.water)
+        water = self.water
+        share, _slope = profile(depth_m, water.shear, water.bottom, water.height)
         return np.array([share * x, share * y, 0.0])
 
 
@@ -179,16 +180,18 @@ def segment_at(t: float, water: Water) -> int:
 
 
 @njit(cache=True, error_model="numpy")
-def profile(depth: float, water: Water) -> tuple[float, float]:
+def profile(depth: float, exponent: float, bottom: float, reference: float) -> tuple[float, float]:
     """Return the share of the level's speed at a depth [m], and how it changes with depth [1/m].
 
-    Nearer to the bottom than LEAST_HEIGHT_M it stays what it is there.
+    The last three are `Water`'s shear, bottom and height, by themselves: a tuple that holds an
+    array costs a count of references per call. Nearer to the bottom than LEAST_HEIGHT_M the share
+    stays what it is there.
     """
-    if water.shear == 0.0:
+    if exponent == 0.0:
         return 1.0, 0.0
-    height = water.bottom - depth
-    share = exp(water.shear * log(max(height, LEAST_HEIGHT_M) / water.height))
-    slope = -water.shear * share / height if height > LEAST_HEIGHT_M else 0.0
+    height = bottom - depth
+    share = exp(exponent * log(max(height, LEAST_HEIGHT_M) / reference))
+    slope = -exponent * share / height if height > LEAST_HEIGHT_M else 0.0
     return share, slope
 
 

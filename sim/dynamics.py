@@ -213,16 +213,15 @@ def _write_thrust(allocation: Array, x: Array, wrench: Array) -> None:
 
 @njit(cache=True, error_model="numpy", inline="always")
 def _add_carried(
-    shear_x: float, shear_y: float, x: Array, frame: tuple[Array, Array], wrench: Array
+    shear_x: float, shear_y: float, x: Array, added: Array, rotation: Array, wrench: Array
 ) -> None:
     """Add what the added mass feels when the hull sinks into slower water, to `wrench`, (6,).
 
     The water around the hull follows the velocity relative to it, which changes with depth; the
     hull itself and its buoyancy feel only the water's own acceleration. S: Auton, Hunt and
     Prud'homme 1988 (J. Fluid Mech. 197), sphere in a weak shear; its lift along z is left out.
-    `shear` is the change of the water's velocity with depth [1/s], `frame` added mass and rotation.
+    `shear` is the change of the water's velocity with depth [1/s].
     """
-    added, rotation = frame
     sinking = rotation[2, 0] * x[7] + rotation[2, 1] * x[8] + rotation[2, 2] * x[9]
     s0, s1, s2 = _into_body(rotation, sinking * shear_x, sinking * shear_y)
     for i in range(6):
@@ -247,20 +246,23 @@ def _derivative(
     target: Array,
     water: tuple[float, float, float, float, float, float],
     body: Body,
-    sea: Water,
+    depth: tuple[float, float],
     room: tuple[Array, Array, Array, Array],
     out: Array,
 ) -> None:
-    """Write the state's rate of change (13 + n,) to `out`; `water` is what `flow` returns."""
+    """Write the state's rate of change (13 + n,) to `out`; `water` is what `flow` returns.
+
+    `depth` is what `profile` returns: there is no branch here for water without shear, since one
+    around arrays doubles the time of a step; its share of 1 and slope of 0 change no bit.
+    """
     rotation, relative, momentum, wrench = room
     stream_x, stream_y, rise_x, rise_y, surge, sway = water
     write_rotation(x[3], x[4], x[5], x[6], rotation)
     _write_thrust(body.allocation, x, wrench)
-    if sea.shear > 0.0:
-        share, slope = profile(x[2], sea)
-        _add_carried(slope * stream_x, slope * stream_y, x, (body.added, rotation), wrench)
-        stream_x, stream_y = share * stream_x, share * stream_y
-        rise_x, rise_y = share * rise_x, share * rise_y
+    share, slope = depth
+    _add_carried(slope * stream_x, slope * stream_y, x, body.added, rotation, wrench)
+    stream_x, stream_y = share * stream_x, share * stream_y
+    rise_x, rise_y = share * rise_x, share * rise_y
     c0, c1, c2 = _into_body(rotation, stream_x, stream_y)
     a0, a1, a2 = _into_body(rotation, rise_x, rise_y)
     p, q, r = x[10], x[11], x[12]
@@ -305,6 +307,7 @@ def integrate(
     """
     body = Body(*plain_body)
     water = Water(*plain_water)
+    shear = (water.shear, water.bottom, water.height)
     size = state.size
     k1, k2, k3, k4 = np.empty(size), np.empty(size), np.empty(size), np.empty(size)
     y = np.empty(size)
@@ -316,16 +319,20 @@ def integrate(
         middle = t + 0.5 * step
         segment = segment_at(middle, water)
         halfway = flow(middle, water, segment)
-        _derivative(state, target, flow(t, water, segment), body, water, room, k1)
+        depth = profile(state[2], *shear)
+        _derivative(state, target, flow(t, water, segment), body, depth, room, k1)
         for i in range(size):
             y[i] = state[i] + 0.5 * step * k1[i]
-        _derivative(y, target, halfway, body, water, room, k2)
+        depth = profile(y[2], *shear)
+        _derivative(y, target, halfway, body, depth, room, k2)
         for i in range(size):
             y[i] = state[i] + 0.5 * step * k2[i]
-        _derivative(y, target, halfway, body, water, room, k3)
+        depth = profile(y[2], *shear)
+        _derivative(y, target, halfway, body, depth, room, k3)
         for i in range(size):
             y[i] = state[i] + step * k3[i]
-        _derivative(y, target, flow(t + step, water, segment), body, water, room, k4)
+        depth = profile(y[2], *shear)
+        _derivative(y, target, flow(t + step, water, segment), body, depth, room, k4)
         for i in range(size):
             state[i] += step / 6.0 * (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i])
         _normalise(state)
@@ -352,7 +359,7 @@ def write_current(t: float, plain_water: tuple[Any, ...], state: Array, out: Arr
     """Write the water's velocity at time t [s] to `out`, (3,) NED; see `Plant.current_world`."""
     water = Water(*plain_water)
     stream_x, stream_y, _rise_x, _rise_y, surge, sway = flow(t, water, segment_at(t, water))
-    share, _slope = profile(state[2], water)
+    share, _slope = profile(state[2], water.shear, water.bottom, water.height)
     out[0], out[1], out[2] = share * stream_x, share * stream_y, 0.0
     if surge > 0.0 or sway > 0.0:
         forward = math.sqrt(surge / water.force)

@@ -60,11 +60,11 @@ def test_at_its_own_height_the_current_has_the_level(exponent: float, height: fl
 @given(depth=st.floats(0.0, 4.9), exponent=st.floats(0.05, 1.0))
 def test_the_profile_is_the_power_law_and_slower_the_deeper(depth: float, exponent: float) -> None:
     shear = Shear(exponent=exponent, bottom_m=BOTTOM, height_m=2.0)
-    water = Current(0.4, shear=shear).water
+    law = (shear.exponent, shear.bottom_m, shear.height_m)
 
-    share, slope = profile(depth, water)
+    share, slope = profile(depth, *law)
     step = 1e-6
-    around = [profile(depth + side, water)[0] for side in (-step, step)]
+    around = [profile(depth + side, *law)[0] for side in (-step, step)]
 
     assert share == pytest.approx(((BOTTOM - depth) / 2.0) ** exponent, rel=1e-14)
     assert slope < 0.0
@@ -73,9 +73,9 @@ def test_the_profile_is_the_power_law_and_slower_the_deeper(depth: float, expone
 
 
 def test_next_to_and_below_the_bottom_the_profile_stays_what_it_is() -> None:
-    water = Current(0.4, shear=SHEAR).water
+    law = (SHEAR.exponent, SHEAR.bottom_m, SHEAR.height_m)
 
-    shares = [profile(depth, water) for depth in (BOTTOM - 0.05, BOTTOM, BOTTOM + 3.0)]
+    shares = [profile(depth, *law) for depth in (BOTTOM - 0.05, BOTTOM, BOTTOM + 3.0)]
 
     assert shares == [shares[0]] * 3
     assert shares[0][0] == pytest.approx((LEAST_HEIGHT_M / 2.0) ** 0.5)
