@@ -15,9 +15,15 @@ def test_each_trial_benchmark_and_secret_has_its_own_seed() -> None:
 
 
 def test_a_hidden_seed_never_changes() -> None:
-    assert hidden_seed(b"secret", "currents-v1", 3) == hidden_seed(b"secret", "currents-v1", 3)
+    # Of RFC 2104 as any HMAC-SHA256 computes it; another number would move every leaderboard.
+    assert hidden_seed(b"secret", "currents-v1", 3) == 4360213739676080182
 
 
 def test_an_empty_secret_is_refused() -> None:
     with pytest.raises(ValueError, match="secret"):
         hidden_seed(b"", "currents-v1", 0)
+
+
+def test_a_trial_before_the_first_is_refused() -> None:
+    with pytest.raises(ValueError, match="negative"):
+        hidden_seed(b"secret", "currents-v1", -1)

@@ -38,6 +38,10 @@ def test_the_interval_does_not_depend_on_the_order_of_the_trials() -> None:
     assert bootstrap_interval(values) == bootstrap_interval(values[::-1])
 
 
+def test_the_interval_of_given_scores_never_changes() -> None:
+    assert bootstrap_interval([70.0, 80.0, 75.0, 90.0, 60.0]) == (66.0, 84.0)
+
+
 def test_the_interval_of_one_trial_is_not_claimed() -> None:
     assert bootstrap_interval([80.0]) is None
 
