@@ -9,6 +9,7 @@ from collections.abc import Mapping, Sequence
 from itertools import pairwise
 
 import numpy as np
+from numpy.typing import NDArray
 
 from sim.quantity import Metric
 from sim.statistics import mean
@@ -16,6 +17,9 @@ from sim.telemetry import INDEX, Rows
 
 COLLISION_SPEED_M_S = 0.5  # S: uwsimbenchmarks, the speed at which a collision costs all
 Points = Sequence[tuple[float, float, float]]
+Column = NDArray[np.float64]  # (k,)
+Turn = tuple[Column, Column]  # sine and cosine
+ANGLES = ("roll", "pitch", "yaw")
 MEASURES: tuple[Metric, ...] = (
     Metric("time", "Simulated time", "s", "lower", "sum"),
     Metric("collision", "Collision: 1 without any", "", "higher"),
@@ -75,9 +79,11 @@ def position_error(rows: Rows, target: tuple[float, float, float]) -> dict[str, 
 
 def attitude_error(rows: Rows) -> float:
     """Return the mean angle [rad] by which the vehicle is turned from how the level starts."""
-    turned = [_rotation(*angles) for angles in rows[:, _columns("roll", "pitch", "yaw")].tolist()]
-    first = turned[0]
-    return mean([_angle_between(first, rotation) for rotation in turned])
+    rotation = _rotation(*(_sine_and_cosine(_column(rows, name)) for name in ANGLES))
+    # The trace of the rotation between two attitudes is 1 + 2 cos(angle).
+    trace = sum(entry * entry[0] for entry in rotation)
+    cosines = np.clip(0.5 * (trace - 1.0), -1.0, 1.0)
+    return mean([math.acos(cosine) for cosine in cosines.tolist()])
 
 
 def distance(rows: Rows) -> float:
@@ -110,12 +116,13 @@ def object_centered_on_cam(rows: Rows) -> dict[str, float]:
 
 
 def path_following(rows: Rows, path: Points, dt: float) -> dict[str, float]:
-    """Return IAE [m s], ISE [m² s] and mean distance [m] to a path of two or more points, NED."""
-    if len(path) < 2:
-        raise ValueError("a path has at least two points")
-    places = rows[:, INDEX["x"] : INDEX["z"] + 1].tolist()
-    pieces = list(pairwise(path))
-    off = [min(_to_piece(place, start, end) for start, end in pieces) for place in places]
+    """Return IAE [m s], ISE [m² s] and mean distance [m] to a path of one or more points, NED."""
+    places = rows[:, INDEX["x"] : INDEX["z"] + 1]
+    if len(path) == 1:
+        off = _lengths(places - np.array(path[0]))
+    else:
+        pieces = list(pairwise(path))
+        off = [min(_to_piece(place, *piece) for piece in pieces) for place in places.tolist()]
     return {
         "iae": math.fsum(off) * dt,
         "ise": math.fsum(value * value for value in off) * dt,
@@ -132,8 +139,8 @@ def of_level(rows: Rows) -> dict[str, float]:
         return dict.fromkeys(NAMES, math.nan)
     dt = round(time(rows) / max(len(rows) - 1, 1), 9)
     start = rows[0, INDEX["x"] : INDEX["z"] + 1].tolist()
-    place, path = (start[0], start[1], start[2]), [(start[0], start[1], start[2])] * 2
-    wanted, followed = position_error(rows, place), path_following(rows, path, dt)
+    place = (start[0], start[1], start[2])
+    wanted, followed = position_error(rows, place), path_following(rows, [place], dt)
     seen, centred, hit = euclidean_norm(rows), object_centered_on_cam(rows), contacts(rows)
     return {
         "time": time(rows) + dt,  # the last row stands for a whole tick
@@ -192,21 +199,18 @@ def _to_piece(place: Sequence[float], start: Sequence[float], end: Sequence[floa
     return math.dist(off, [share * value for value in along])
 
 
-def _rotation(roll: float, pitch: float, yaw: float) -> tuple[float, ...]:
-    """Return the rotation from body to world, row by row (Fossen 2021)."""
-    (sr, cr), (sp, cp) = ((math.sin(a), math.cos(a)) for a in (roll, pitch))
-    sy, cy = math.sin(yaw), math.cos(yaw)
+def _sine_and_cosine(angles: Sequence[float]) -> tuple[Column, Column]:
+    return np.array([math.sin(a) for a in angles]), np.array([math.cos(a) for a in angles])
+
+
+def _rotation(roll: Turn, pitch: Turn, yaw: Turn) -> tuple[Column, ...]:
+    """Return the nine entries of the rotation from body to world, row by row (Fossen 2021)."""
+    (sr, cr), (sp, cp), (sy, cy) = roll, pitch, yaw
     return (
         *(cy * cp, cy * sp * sr - sy * cr, sy * sr + cy * cr * sp),
         *(sy * cp, cy * cr + sr * sp * sy, sp * sy * cr - cy * sr),
         *(-sp, cp * sr, cp * cr),
     )
-
-
-def _angle_between(one: Sequence[float], other: Sequence[float]) -> float:
-    """Return the angle [rad] of the rotation between two: its trace is 1 + 2 cos(angle)."""
-    trace = math.fsum(a * b for a, b in zip(one, other, strict=True))
-    return math.acos(min(max(0.5 * (trace - 1.0), -1.0), 1.0))
 
 
 def _columns(*names: str) -> list[int]:
