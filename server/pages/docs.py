@@ -50,6 +50,7 @@ def _controller() -> dict[str, Any]:
         "observation": observation.FIELDS,
         "booleans": observation.BOOLEANS,
         "command": observation.COMMAND,
+        "archive": Limits(),
         "example": templates_for_programs.of("python"),
         "limits": list(limits_of(run_limits.for_trial(_usual_duration_s()))),
         "duration_s": _usual_duration_s(),

@@ -253,3 +253,21 @@ def test_a_forgotten_password_is_replaced_by_who_runs_the_service(tmp_path: Path
     with database.reading() as session:
         assert accounts.authenticate(session, "ann", drawn) is not None
     database.close()
+
+
+@pytest.mark.parametrize(
+    ("source", "code", "says"),
+    [
+        ("class Controler:\n    pass\n", 1, "mine.py:1: There is no class named Controller, but"),
+        ("x = (\n", 1, "mine.py:1:5: '(' was never closed."),
+    ],
+)
+def test_a_check_says_what_the_text_shows_with_its_line(
+    tmp_path: Path, source: str, code: int, says: str
+) -> None:
+    program = tmp_path / "mine.py"
+    program.write_text(source)
+
+    answer = seamark("check", str(program))
+
+    assert (answer.exit_code, says in answer.output) == (code, True), answer.output
