@@ -3,6 +3,7 @@
 import numpy as np
 
 from sim.camera.camera import Camera
+from sim.camera.effects import Effects
 from sim.camera.optics import CURRENTS, VISIBILITY, Optics
 from sim.camera.target import Target, start_pose
 from sim.camera.water import JERLOV, LAWS, Water
@@ -13,6 +14,7 @@ __all__ = [
     "LAWS",
     "VISIBILITY",
     "Camera",
+    "Effects",
     "Optics",
     "Target",
     "Water",
@@ -28,3 +30,7 @@ def warm_up() -> None:
     camera.region(pose, 0, (0, 0, 32, 32))
     camera.grey(pose, 0)
     camera.corners(np.asarray(pose))
+    disturbed = Camera(
+        VISIBILITY, Water(), Target(), noise_seed=0, effects=Effects(light_level=0.5)
+    )
+    disturbed.region(pose, 0, (0, 0, 32, 32))
