@@ -69,6 +69,20 @@ def short() -> Sequence:
 
 
 @pytest.fixture(scope="session")
+def brief() -> Sequence:
+    return visibility(Water(), motion(9, speed=1.0))
+
+
+@pytest.fixture(scope="session")
+def jump() -> Sequence:
+    """Still for 5 pictures, out of the picture for 10, then back 60 px to the side."""
+    poses = np.zeros((25, 6))
+    poses[5:15, 1] = 2.0
+    poses[15:, 1] = 0.3
+    return visibility(Water(), poses)
+
+
+@pytest.fixture(scope="session")
 def turbid() -> Sequence:
     return visibility(Water.grey(0.8), motion(400, speed=1.0))
 

@@ -195,12 +195,15 @@ from sim.camera import VISIBILITY, Camera, Target, Water, start_pose
 from sim.trackers import make
 camera = Camera(VISIBILITY, Water.grey(1.0), Target(), noise_seed=5)
 start = start_pose(VISIBILITY, Target(), 1.27)
-tracker, digest = make("esm"), hashlib.sha256()
-tracker.start(camera.grey(start, 0), camera.corners(start))
-for k in range(1, 25):
-    pose = start + k * np.array([0.004, -0.006, 0.002, 0.001, -0.001, 0.003])
-    track = tracker.update(camera.region(pose, k, tracker.window()))
-    digest.update(track.corners.tobytes() + np.float64(track.residual).tobytes())
+digest = hashlib.sha256()
+for options in ({}, {"criterion": "mi", "method": "forward_additional", "pyramid_levels": 3}):
+    tracker = make("esm", reacquire_px=60, **options)
+    tracker.start(camera.grey(start, 0), camera.corners(start))
+    for k in range(1, 25):
+        pose = start + k * np.array([0.004, -0.006, 0.002, 0.001, -0.001, 0.003])
+        pose[1] += 3.0 * (k in (12, 13))  # out of sight, and back
+        track = tracker.update(camera.region(pose, k, tracker.window()))
+        digest.update(track.corners.tobytes() + np.float64(track.residual).tobytes())
 print(digest.hexdigest(), track.ok)
 """
 

@@ -1,0 +1,48 @@
+"""Our trackers beside ViSP's and OpenCV's: the same pictures in the same run, one thread.
+
+`python -m performance trackers` prints the table; `python -m performance.trackers` writes it to
+docs/trackers-table.md too.
+"""
+
+import cv2
+
+from performance.trackers.contenders import CONTENDERS, PEER
+from performance.trackers.race import Result, race
+from performance.trackers.sequences import FRAMES, SEQUENCES
+from sim.trackers.visp import why_not
+
+_HEAD = ("tracker", "us a picture", "times", "median px", "95 % px", "lost at picture")
+
+
+def table() -> str:
+    """Measure, and return one Markdown table for each sequence."""
+    cv2.setNumThreads(1)
+    parts = []
+    for name, draw in SEQUENCES.items():
+        sequence = draw()
+        race(CONTENDERS, type(sequence)(sequence.pictures[:3], sequence.corners[:3]))  # warm
+        results = race(CONTENDERS, sequence)
+        parts.append(
+            f"### {name}: {FRAMES} pictures, corners move up to {sequence.fastest_px():.1f} px\n\n"
+            + _markdown(results)
+        )
+    if reason := why_not():
+        parts.append(f"ViSP took no part: {reason}.")
+    return "\n\n".join(parts) + "\n"
+
+
+def _markdown(results: list[Result]) -> str:
+    peers = [result for result in results if result.contender.label == PEER]
+    peer_us = peers[0].median_us() if peers else None
+    lines = ["| " + " | ".join(_HEAD) + " |", "|---|--:|--:|--:|--:|--:|"]
+    for result in results:
+        cells = (
+            result.contender.label,
+            f"{result.median_us():.0f}",
+            "" if peer_us is None else f"{peer_us / result.median_us():.2g}",
+            f"{result.error(50):.3f}",
+            f"{result.error(95):.2f}",
+            "" if result.lost_at is None else f"{result.lost_at}",
+        )
+        lines.append("| " + " | ".join(cells) + " |")
+    return "\n".join(lines)

@@ -1,0 +1,33 @@
+"""`python -m performance.trackers`: measure, print and write docs/trackers-table.md."""
+
+import sys
+from pathlib import Path
+
+from performance.trackers import table
+from sim.manifest import cpu_class
+
+PAGE = Path(__file__).parents[2] / "docs" / "trackers-table.md"
+_INTRODUCTION = """# Trackers beside ViSP and OpenCV
+
+Made by `python -m performance.trackers` on {cpu}.
+The same pictures in the same run, one thread, all trackers in turn, some pictures each. Times are
+medians of CPU time; ViSP's is that of its own `track()`, without the pipe to it; "times" is how
+many times faster than ViSP's fastest, SSD inverse compositional. ViSP has sampling 2, two pyramid
+levels down to full resolution (ZNCC and MI one: they do better), and for its ESM `setGain(2)`.
+Errors are root mean squares over the four corners, of the pictures until the first with more than
+10 px, where a tracker counts as lost. Times differ from machine to machine and with what else runs:
+compare within the table.
+
+"""
+
+
+def main() -> int:
+    """Write the page and print it."""
+    page = _INTRODUCTION.format(cpu=cpu_class()["model"]) + table()
+    PAGE.write_text(page, encoding="utf-8")
+    print(page)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,47 @@
+"""Who takes part, with settings that treat each fairly."""
+
+from dataclasses import dataclass, field
+
+
+@dataclass(frozen=True, slots=True)
+class Contender:
+    """A tracker with its options."""
+
+    label: str
+    tracker: str
+    options: dict[str, object] = field(default_factory=dict)
+
+
+def _visp(label: str, criterion: str, method: str, warp: str, iterations: int) -> Contender:
+    # Sampling 2 is what its own examples and UWSim use; the pyramid goes down to full resolution,
+    # and its ESM gets the gain that undoes its half steps (both in the bridge).
+    options: dict[str, object] = {
+        "criterion": criterion,
+        "method": method,
+        "warp": warp,
+        "sampling_px": 2,
+        "visp_iterations": iterations,
+        "pyramid_levels": 2 if criterion == "ssd" else 1,  # the others lose the target with more
+    }
+    return Contender(f"ViSP {label}", "visp", options)
+
+
+CONTENDERS = (
+    Contender("ours ZNCC ESM homography", "esm"),
+    Contender("ours SSD ESM homography", "esm", {"criterion": "ssd"}),
+    Contender("ours MI ESM homography", "esm", {"criterion": "mi"}),
+    Contender("ours ZNCC ESM affine", "esm", {"warp": "affine"}),
+    Contender("ours ZNCC ESM srt", "esm", {"warp": "srt"}),
+    _visp("SSD IC homography", "ssd", "inverse_compositional", "homography", 200),
+    _visp("SSD FC homography", "ssd", "forward_compositional", "homography", 200),
+    _visp("SSD ESM homography", "ssd", "esm", "homography", 200),
+    _visp("ZNCC IC homography", "zncc", "inverse_compositional", "homography", 60),
+    _visp("MI IC homography", "mi", "inverse_compositional", "homography", 30),
+    _visp("SSD IC affine", "ssd", "inverse_compositional", "affine", 200),
+    _visp("SSD IC srt", "ssd", "inverse_compositional", "srt", 200),
+    Contender("OpenCV ECC homography", "ecc"),
+    Contender("OpenCV KLT homography", "klt"),
+    Contender("OpenCV KLT srt", "klt", {"warp": "srt"}),
+    Contender("OpenCV box by correlation", "box"),
+)
+PEER = "ViSP SSD IC homography"  # its fastest; what the ratios are to

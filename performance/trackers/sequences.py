@@ -1,0 +1,68 @@
+"""Sequences of pictures with true corners, made by our camera, as the literature's tests are.
+
+A vehicle moves in sums of sinusoids over a box whose top is 85x57 px in the first picture of
+320x240; the template is what a tracker takes of it. All pictures are drawn before anything is
+measured, so that drawing disturbs no tracker's cache more than another's.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sim.camera import CURRENTS, VISIBILITY, Camera, Optics, Target, Water, start_pose
+
+FRAMES = 300
+RATE_HZ = 20.0
+HEIGHT_M = 1.27  # S: the paper's visibility scene
+BOX = Target(width_m=0.28)  # E: 85x57 px, the size that the peers are known for
+_DEGREE = np.pi / 180.0
+# E: amplitude, frequency [Hz] and phase of the sinusoids of north, east, down [m], roll, pitch, yaw
+_WAVES = (
+    ((0.15, 0.11, 0.3), (0.04, 0.37, 1.0)),
+    ((0.15, 0.09, 2.0), (0.04, 0.41, 0.2)),
+    ((0.15, 0.07, 0.0), (0.02, 0.33, 0.5)),
+    ((3 * _DEGREE, 0.21, 0.1), (_DEGREE, 0.6, 2.0)),
+    ((3 * _DEGREE, 0.17, 1.3), (_DEGREE, 0.5, 0.7)),
+    ((8 * _DEGREE, 0.05, 0.0),),
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Sequence:
+    """Pictures (n, H, W) and true corners (n, 4, 2) [px]."""
+
+    pictures: NDArray[np.uint8]
+    corners: NDArray[np.float64]
+
+    def fastest_px(self) -> float:
+        """Return the largest way of a corner from one picture to the next."""
+        return float(np.linalg.norm(np.diff(self.corners, axis=0), axis=2).max())
+
+
+def motion(frames: int, *, speed: float) -> NDArray[np.float64]:
+    """Return poses (frames, 6) [m, rad] about the start, `speed` times as fast as the slow ones."""
+    t = np.arange(frames) / RATE_HZ * speed
+    columns = [
+        sum((a * np.sin(2 * np.pi * f * t + p) for a, f, p in waves), np.zeros(frames))
+        for waves in _WAVES
+    ]
+    return np.column_stack(columns)
+
+
+def _drawn(optics: Optics, water: Water, speed: float) -> Sequence:
+    camera = Camera(optics, water, BOX, noise_seed=3)
+    poses = start_pose(optics, BOX, HEIGHT_M) + motion(FRAMES, speed=speed)
+    pictures = np.stack([camera.grey(pose, k) for k, pose in enumerate(poses)])
+    return Sequence(pictures, np.stack([camera.corners(pose) for pose in poses]))
+
+
+# What each shows: the figure to reach, fast motion (over 12 px a picture), little contrast (a fifth
+# of the light arrives), and four times the pixels.
+SEQUENCES: dict[str, Callable[[], Sequence]] = {
+    "clear": lambda: _drawn(VISIBILITY, Water(), 1.0),
+    "fast": lambda: _drawn(VISIBILITY, Water(), 2.6),
+    "turbid": lambda: _drawn(VISIBILITY, Water.grey(1.2), 1.0),
+    "640x480": lambda: _drawn(CURRENTS, Water(), 1.0),
+}

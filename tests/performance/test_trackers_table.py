@@ -1,0 +1,36 @@
+"""The comparison of trackers: its sequences, its fairness, its words."""
+
+import numpy as np
+
+from performance.trackers.contenders import CONTENDERS, PEER, Contender
+from performance.trackers.race import Result, race
+from performance.trackers.sequences import Sequence, motion
+from sim.camera import VISIBILITY, Camera, Target, Water, start_pose
+from sim.registry import TRACKERS
+
+
+def _still(frames: int) -> Sequence:
+    camera = Camera(VISIBILITY, Water(), Target(), noise_seed=1)
+    poses = start_pose(VISIBILITY, Target(), 1.27) + motion(frames, speed=0.1)
+    pictures = np.stack([camera.grey(pose, k) for k, pose in enumerate(poses)])
+    return Sequence(pictures, np.stack([camera.corners(pose) for pose in poses]))
+
+
+def test_every_contender_is_known_and_the_peer_is_one_of_them() -> None:
+    assert {contender.tracker for contender in CONTENDERS} <= set(TRACKERS)
+    assert PEER in {contender.label for contender in CONTENDERS}
+
+
+def test_the_template_tracker_is_timed_and_errs_by_hundredths_of_a_pixel() -> None:
+    (result,) = race((Contender("ours", "esm"),), _still(12))
+
+    assert result.lost_at is None
+    assert len(result.errors_px) == len(result.spent_us) == 11
+    assert result.error(95) < 0.2
+    assert result.median_us() > 0
+
+
+def test_pictures_from_the_lost_one_on_are_not_part_of_the_error() -> None:
+    result = Result(Contender("ours", "esm"), errors_px=[0.1, 0.1, 50.0], lost_at=2)
+
+    assert result.error(95) == 0.1

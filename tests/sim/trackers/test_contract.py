@@ -1,0 +1,114 @@
+"""Every combination of the form works or is refused with a reason, whatever the pictures show."""
+
+import itertools
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from sim.registry import TRACKERS
+from sim.trackers import make
+from sim.trackers.choices import CRITERIA, METHODS, RANGES, WARPS, refusals
+from sim.trackers.visp import why_not
+
+Sequence = Any  # conftest's class; a test folder is no package
+
+# Largest error after 8 pictures: what a warp cannot represent there.
+LIMITS_PX = {"homography": 0.3, "affine": 1.0, "srt": 1.0, "rt": 6.0, "translation": 9.0}
+
+
+@pytest.mark.parametrize("warp", WARPS)
+def test_every_criterion_and_method_follows_the_target_with_every_warp(
+    brief: Sequence, warp: str
+) -> None:
+    for criterion, method in itertools.product(CRITERIA, METHODS):
+        errors, sure = brief.follow(make("esm", warp=warp, criterion=criterion, method=method))
+
+        assert sure.all(), (criterion, method)
+        assert errors.max() < LIMITS_PX[warp], (criterion, method)
+
+
+@pytest.mark.parametrize("name", [name for name in TRACKERS if "warp" in TRACKERS[name].options])
+def test_every_combination_of_choices_is_made_or_refused_with_a_reason(name: str) -> None:
+    options = TRACKERS[name].options
+    tables = {"warp": WARPS, "criterion": CRITERIA, "method": METHODS, "visp_sl3": (True, False)}
+    names = [each for each in tables if each in options]
+
+    for values in itertools.product(*(tables[each] for each in names)):
+        chosen = dict(zip(names, values, strict=True))
+        errors = refusals(name, chosen)
+        if errors:
+            with pytest.raises(ValueError, match=r"does not go|alone|not offered"):
+                make(name, **chosen)
+        else:
+            assert make(name, **chosen).window()
+
+
+@pytest.mark.parametrize("option", [name for name in RANGES if name in TRACKERS["esm"].options])
+def test_the_ends_of_every_range_work(brief: Sequence, option: str) -> None:
+    for value in RANGES[option]:
+        kind = float if option in ("stop_px", "sampling_px") else int
+
+        errors, _ = brief.follow(make("esm", **{option: kind(value)}))
+
+        assert np.isfinite(errors).all()
+
+
+@pytest.mark.parametrize("name", [name for name in TRACKERS if name != "visp" or not why_not()])
+@given(seed=st.integers(0, 10**6), kind=st.sampled_from(["noise", "black", "white", "stripes"]))
+@settings(max_examples=12, deadline=None)
+def test_pictures_of_nothing_neither_crash_nor_move_the_target_out_of_reason(
+    name: str, seed: int, kind: str
+) -> None:
+    random = np.random.default_rng(seed)
+    pictures = {
+        "noise": random.integers(0, 256, (240, 320)),
+        "black": np.zeros((240, 320)),
+        "white": np.full((240, 320), 255),
+        "stripes": np.indices((240, 320))[seed % 2] * 37 % 256,
+    }
+    corners = np.array([[100.0, 100], [180, 102], [181, 140], [99, 138]])
+    options = {"criterion": "ssd", "method": "inverse_compositional", "visp_iterations": 5}
+    tracker = make(name, **(options if name == "visp" else {}))
+    tracker.start(pictures["noise"].astype(np.uint8), corners)
+
+    for _ in range(3):
+        track = tracker.update(pictures[kind].astype(np.uint8))
+
+        assert np.isfinite(track.corners).all()
+        assert np.abs(track.corners - corners).max() < 120
+
+
+@pytest.mark.parametrize("criterion", CRITERIA)
+def test_a_template_of_nothing_is_lost_and_no_error(criterion: str) -> None:
+    corners = np.array([[50.0, 50], [150, 50], [150, 90], [50, 90]])
+    tracker = make("esm", criterion=criterion, reacquire_px=60)
+    tracker.start(np.full((240, 320), 90, np.uint8), corners)
+
+    tracks = [tracker.update(np.full((240, 320), level, np.uint8)) for level in (90, 0, 255)]
+
+    assert not any(track.ok for track in tracks)
+    assert all(np.array_equal(track.corners, corners) for track in tracks)
+
+
+def test_a_lost_target_is_found_again_where_it_came_back(jump: Sequence) -> None:
+    near, far = jump.follow(make("esm")), jump.follow(make("esm", reacquire_px=80))
+
+    assert not near[1][-1]
+    assert far[1][-1]
+    assert far[0][-1] < 0.3
+
+
+def test_what_is_read_grows_while_the_target_is_lost(blackout: Sequence) -> None:
+    tracker = make("esm", reacquire_px=80)
+    tracker.start(blackout.camera.grey(blackout.poses[0], 0), blackout.truth[0])
+    widths = []
+    for k in range(1, 40):
+        tracker.update(blackout.camera.region(blackout.poses[k], k, tracker.window()))
+        x0, _, x1, _ = tracker.window()
+        widths.append(x1 - x0)
+
+    assert widths[19:26] == sorted(widths[19:26])
+    assert widths[25] > widths[19] > widths[17]
