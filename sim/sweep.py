@@ -60,8 +60,8 @@ UPDATERS: Mapping[str, Updater] = {
     ),
     "repeat": Updater(Metric("repeat", "Repetition", "", "higher"), lambda _value: {}),
 }
-CHOICES = {NONE: "-"} | {name: updater.quantity.label for name, updater in UPDATERS.items()}
-looping = partial(knob, group="Grid", role="scenario")
+CHOICES = {NONE: "Nothing"} | {name: updater.quantity.label for name, updater in UPDATERS.items()}
+looping = partial(knob, group="Grid", role="scenario", advanced=True)
 
 
 def _loop(title: str, says: str) -> Any:  # as knob itself
