@@ -22,16 +22,22 @@ FAILED_PERCENT = 50.0  # of p@5: a level with less is the first that the tracker
 HELD_PERCENT = 95.0  # of p@5: a level with at least so much is held
 
 METRICS: tuple[Metric, ...] = (
-    Metric("p5_percent", "Pictures within 5 px (p@5)", "%", "higher"),
-    Metric("p1_percent", "Pictures within 1 px (p@1)", "%", "higher"),
-    Metric("corner_px", "Mean corner error where within 5 px", "px", "lower"),
-    Metric("admitted_percent", "Pictures in which it says that the target is lost", "%", "lower"),
+    Metric("p5_percent", "p@5", "%", "higher", meaning="pictures within 5 px"),
+    Metric("p1_percent", "p@1", "%", "higher", meaning="pictures within 1 px"),
+    Metric("corner_px", "Corner error", "px", "lower", meaning="mean of the pictures within 5 px"),
     Metric(
-        "not_admitted_percent",
-        "Pictures lost but not admitted",
+        "admitted_percent",
+        "Lost and admitted",
         "%",
         "lower",
-        meaning="more than 10 px off",
+        meaning="pictures in which the tracker says that the target is lost",
+    ),
+    Metric(
+        "not_admitted_percent",
+        "Lost, not admitted",
+        "%",
+        "lower",
+        meaning="pictures in which it says that it has the target and is more than 10 px off",
     ),
 )
 HELD = Metric("held", "Held", "", "higher", meaning="p@5 of at least 95 %")

@@ -108,11 +108,11 @@ def _table(
     config: Mapping[str, Any],
 ) -> Table:
     lines = []
+    at = tuple(level[value.name] for level in levels)
     for metric in table.metrics:
         name = table.prefix + metric.name
-        if name in levels[0]:
-            values = tuple(level.get(name) for level in levels)
+        values = tuple(level.get(name) for level in levels)
+        if name in levels[0] and values != at:  # what the levels set is in the head already
             lines.append(Line(metric.label, metric.unit, metric.meaning, values))
     title = table.title.format(**config)
-    at = tuple(level[value.name] for level in levels)
     return Table(title, value, at, tuple(lines))

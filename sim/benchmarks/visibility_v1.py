@@ -28,6 +28,7 @@ motion = partial(knob, group="Motion", role="scenario")
 INHERITED = ExperimentSettings.model_fields
 _SCENE = "uwsimbenchmarks 988deda, visionBenchmarkScene.xml"
 MOST_LEVELS = 200
+DARKEST_STOPS = 5.5  # a camera of 1.2 grey read noise then has 54 grey; 64 is the most
 # Columns in which nothing happens while nobody steers.
 STEERING = ("current_", "error_x", "error_y", "error_z", "ref_", "dvl_", "thrust_", "contact_n")
 SEEN = ("error_x_px", "error_y_px")  # these are not the steering's
@@ -51,6 +52,7 @@ SWEEPS = {
         Metric("value", "Fog density", "1/m", "higher"),
         True,
     ),
+    "light": Sweep("Less and less light", Metric("value", "Light taken away", "stops", "higher")),
     "camera_noise": Sweep("Noise of the camera", Metric("value", "Camera noise", "grey", "higher")),
 }
 
@@ -184,6 +186,11 @@ class VisibilityConfiguration(ExperimentSettings):
             errors["water_type"] = (
                 "water_type (Type of water) must be grey when the levels set the attenuation."
             )
+        if self.sweep == "light" and self.sweep_to > DARKEST_STOPS:
+            errors["sweep_to"] = (
+                f"sweep_to (Last level) must be at most {DARKEST_STOPS:g} stops when the light is "
+                f"swept, not {self.sweep_to:g}: no camera makes up for more."
+            )
         if self.sweep == "camera_noise" and not 0.8 <= self.sweep_from <= self.sweep_to <= 64:
             errors["sweep_from"] = (
                 "sweep_from (First level) and the last must be from 0.8 to 64 grey for the "
@@ -251,6 +258,11 @@ SWEEP_PRESETS: dict[str, dict[str, object]] = {
         "sweep_step": 0.05,
         "path_swing_m": 0.0,
         "path_turn_rad": 0.0,
+    },
+    "light": {
+        "sweep_to": 5.5,
+        "sweep_step": 0.25,
+        "water_attenuation_1_m": 1.5,  # E: as below
     },
     "camera_noise": {
         "sweep_from": 1.0,

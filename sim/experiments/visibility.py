@@ -13,6 +13,7 @@ from sim.camera.camera import Camera
 from sim.camera.target import start_pose
 from sim.camera.water import Water
 from sim.current import Current, Pattern
+from sim.elementary import exp
 from sim.experiments import Level, Standing
 from sim.loop import LevelLoop
 from sim.path import Path
@@ -27,6 +28,8 @@ from sim.world import Conditions, camera_of, noise_seed_of, water_of, world_of
 
 HEAVE_SHARE = 0.2  # of the path's swing: how far it goes up and down; E
 TILT_SHARE = 0.6  # of the path's turn: how far it rolls and pitches; E
+LN_2 = 0.6931471805599453  # a stop is a factor of two
+MOST_GREY = 64.0  # of read noise, as `Water` takes it
 STEERS = "pi"  # the controller of the free-running mode: all trackers have the same
 
 
@@ -115,6 +118,10 @@ def water_at(config: VisibilityConfiguration, level: int) -> Water:
     water, value = water_of(config), config.level_values()[level]
     if config.sweep == "camera_noise":
         return replace(water, read_sigma_grey=value)
+    if config.sweep == "light":  # the camera's gain makes up for it and takes the noise along
+        gain = exp(value * LN_2)
+        sigma, shot = gain * water.read_sigma_grey, gain * water.shot_gain
+        return replace(water, read_sigma_grey=min(sigma, MOST_GREY), shot_gain=shot)
     if config.sweep == "fog":
         attenuation = value
     elif config.water_law == "uwsim":  # its optical depth is (density times distance) squared

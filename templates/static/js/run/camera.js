@@ -73,8 +73,9 @@ export class Camera {
     this.t = t;
     this.slider.value = String(t);
     this.slider.setAttribute("aria-valuetext", `${t.toFixed(1)} seconds`);
-    const speed = this.data.levels[Math.min(Math.floor(t / this.data.level_s), this.data.levels.length - 1)];
-    this.clock.textContent = `${t.toFixed(1)} s` + (speed === undefined ? "" : `, current ${speed} m/s`);
+    const { label, unit } = this.data.level;
+    const value = this.data.levels[Math.min(Math.floor(t / this.data.level_s), this.data.levels.length - 1)];
+    this.clock.textContent = `${t.toFixed(1)} s` + (value === undefined ? "" : `, ${label.toLowerCase()} ${value} ${unit}`.trimEnd());
     this.onTime(t);
     this.wish = { trial: this.trial, t };
     if (!this.busy) this.load();
