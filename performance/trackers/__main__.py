@@ -13,7 +13,8 @@ Made by `python -m performance.trackers` on {cpu}.
 The same pictures in the same run, one thread, all trackers in turn, some pictures each. Times are
 medians of CPU time; ViSP's is that of its own `track()`, without the pipe to it; "times" is how
 many times faster than ViSP's fastest, SSD inverse compositional. ViSP has sampling 2, two pyramid
-levels down to full resolution (ZNCC and MI one: they do better), and for its ESM `setGain(2)`.
+levels down to full resolution (ZNCC and MI one; with two they lose this target as well), and for
+its ESM `setGain(2)`.
 Errors are root mean squares over the four corners, of the pictures until the first with more than
 10 px, where a tracker counts as lost. Times differ from machine to machine and with what else runs:
 compare within the table.
