@@ -62,6 +62,11 @@ REMEDY = {
     "compiled packages": "python -m compileall -q on the folders of numpy and scipy",
 }
 
+UNEXPECTED = (  # of what no setting of a host should make possible
+    "let no strangers upload here, and report it with the output of `seamark doctor`: bubblewrap "
+    "or the kernel does not hold what it should (update both first)"
+)
+
 
 def probe() -> Isolation:
     """Try some mini attacks in real boxes; return the level that held and every finding."""
@@ -111,7 +116,7 @@ def _explained(finding: Finding, why: str) -> Finding:
     """Return a finding with its reason and remedy, if it is a bad one."""
     if finding.ok:
         return finding
-    return replace(finding, why=why, remedy=REMEDY.get(finding.name, "see docs: sandbox"))
+    return replace(finding, why=why, remedy=REMEDY.get(finding.name, UNEXPECTED))
 
 
 def _outcome(source: str, level: Level, config: dict[str, object] | None = None) -> Outcome:

@@ -209,3 +209,10 @@ def test_the_status_line_names_what_is_missing() -> None:
 )
 def test_the_language_is_known_by_the_suffix(filename, name) -> None:
     assert language_of(filename) == name
+
+
+def test_every_finding_that_is_bad_has_a_reason_and_a_remedy(monkeypatch) -> None:
+    monkeypatch.setenv("PATH", "/nonexistent")
+
+    for finding in probe().findings:
+        assert finding.ok or (finding.why and len(finding.remedy.split()) > 2)

@@ -12,7 +12,7 @@ from sandbox.answers import MOST_DETECTIONS
 from sandbox.box import Box
 from sandbox.level import Level
 from sandbox.limits import Limits
-from sandbox.outcome import Outcome, ProgramEnded, SandboxBroken, Verdict
+from sandbox.outcome import Outcome, ProgramEnded, Verdict
 from sandbox.pictures import MOST_BYTES
 
 pytestmark = pytest.mark.host
@@ -256,9 +256,9 @@ def test_a_controller_holds_no_descriptor_of_images(box) -> None:
     assert len(box.finish().output.split(b",")) == 4
 
 
-def test_a_language_without_images_says_so(level) -> None:
-    with (
-        Box("c", limits=Limits(), level=level) as box,
-        pytest.raises(SandboxBroken, match="images"),
-    ):
-        box.load(b"", "a", {}, {"role": "tracker"})
+def test_a_tracker_in_a_language_without_images_is_refused_in_words(level) -> None:
+    with Box("c", limits=Limits(), level=level) as box:
+        with pytest.raises(ProgramEnded, match="tracker cannot be written in C here") as end:
+            box.load(b"", "a", {}, {"role": "tracker"})
+
+    assert end.value.outcome.verdict is Verdict.COMPILE_ERROR
