@@ -13,7 +13,11 @@ from sim.configuration import ConfigurationInvalid
 from tests.server.conftest import Service
 
 GUEST = Viewer(guest="g")
-SOURCE = b"class Controller:\n    pass\n"
+SOURCE = (
+    b"class Controller:\n"
+    b"    def __init__(self, config): pass\n"
+    b"    def step(self, observation): return [0, 0, 0, 0]\n"
+)
 
 
 def _program(both: Service) -> programs.StoredProgram:
