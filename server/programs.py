@@ -22,10 +22,15 @@ from server.flaws import Flaw
 _CHUNK = 64 * 1024
 _SHA256 = re.compile(r"[0-9a-f]{64}")
 _LIMITS = Limits()
+TEXT_MAX_BYTES = 2 * 2**20  # of a program that a person writes; archives may have more
 
 
 class UploadRejected(Exception):
     """The upload breaks a rule. Its text is written for the user and shown on the form."""
+
+
+class UploadTooLarge(UploadRejected):
+    """It is longer than a program of its kind may be."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,7 +61,8 @@ def store(
     Parameters
     ----------
     limit : int [byte]
-        A longer upload is refused without being read to its end.
+        A longer upload is refused without being read to its end, a text already at
+        `TEXT_MAX_BYTES`.
     data : Path
         The data folder of the settings.
     role
@@ -71,7 +77,9 @@ def store(
 def receive(stream: BinaryIO, filename: str, *, limit: int, role: str) -> Prepared:
     """Return an upload as it would be kept; raises UploadRejected if it is none at all."""
     name = _clean(filename)
-    _known(name)  # before anything is read
+    language = _known(name)  # before anything is read
+    if language is not None and LANGUAGES[language].is_text:
+        limit = min(limit, TEXT_MAX_BYTES)
     return prepare(_read(stream, limit), name, role=role)
 
 
@@ -210,7 +218,7 @@ def _read(stream: BinaryIO, limit: int) -> bytes:
     while part := stream.read(_CHUNK):
         size += len(part)
         if size > limit:
-            raise UploadRejected(f"The file is larger than {limit / 2**20:g} MiB.")
+            raise UploadTooLarge(f"The file is larger than {limit / 2**20:g} MiB.")
         parts.append(part)
     return b"".join(parts)
 

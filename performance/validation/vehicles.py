@@ -1,10 +1,9 @@
 """Every vehicle's numbers, read from the vehicle itself."""
 
-import pkgutil
 from pathlib import Path
 
-import sim.vehicles
 from performance.validation.markdown import table
+from sim.registry import VEHICLES
 from sim.vehicles import TAGS, Quantity, Vehicle, load
 
 TITLE = "The vehicles' numbers and where they are from"
@@ -12,8 +11,7 @@ TITLE = "The vehicles' numbers and where they are from"
 
 def names() -> list[str]:
     """Return the names of all vehicles, in the order of the alphabet."""
-    found = pkgutil.iter_modules(sim.vehicles.__path__)
-    return sorted(module.name.replace("_", "-") for module in found)
+    return sorted(VEHICLES)
 
 
 def _value(quantity: Quantity) -> str:

@@ -55,3 +55,8 @@ class Language:
     roles: tuple[str, ...] = ("controller",)  # what its programs may be
     refusal: Callable[[bytes], str] | None = None  # its files are no text: why one cannot be run
     tested_by: str = ""  # the language whose compiler makes the self-test, if not its own
+
+    @property
+    def is_text(self) -> bool:
+        """Whether its files are texts that people write."""
+        return not self.packed and self.refusal is None

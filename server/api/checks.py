@@ -91,7 +91,7 @@ def _received(file: FileStorage, benchmark: str) -> Prepared:
     try:
         return programs.receive(stream, file.filename or "", limit=limit, role=role_of(benchmark))
     except UploadRejected as reason:
-        raise Problem("upload-rejected", str(reason), errors={"program": str(reason)}) from None
+        raise reading.refused(reason) from None
 
 
 def _order(benchmark: str, config: dict[str, Any], prepared: Prepared) -> int:

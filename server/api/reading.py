@@ -10,6 +10,7 @@ from pydantic import BaseModel, ValidationError
 from werkzeug.datastructures import FileStorage
 
 from server.problems import Problem, of_validation
+from server.programs import UploadRejected, UploadTooLarge
 
 JSON_MAX_BYTES = 256 * 1024
 FORM_MARGIN_BYTES = 512 * 1024  # what a form may hold beside the program
@@ -69,3 +70,10 @@ def _check_size(file: FileStorage, limit: int) -> None:
             "payload-too-large",
             f"The program has {size / 2**20:.1f} MiB; at most {limit / 2**20:g} MiB are taken.",
         )
+
+
+def refused(reason: UploadRejected) -> Problem:
+    """Return the problem of an upload that was not accepted."""
+    large = isinstance(reason, UploadTooLarge)
+    slug = "payload-too-large" if large else "upload-rejected"
+    return Problem(slug, str(reason), errors={"program": str(reason)})

@@ -70,7 +70,7 @@ def store(file: FileStorage, benchmark: str) -> StoredProgram:
             role=role_of(benchmark),
         )
     except UploadRejected as reason:
-        raise Problem("upload-rejected", str(reason), errors={"program": str(reason)}) from None
+        raise reading.refused(reason) from None
 
 
 def _enqueue(order: RunOrder, program: StoredProgram | None) -> int:

@@ -10,7 +10,7 @@ from server import archives, identity, run_limits, runs
 from server.access import Action, can
 from server.orders import upload_refusal
 from server.pages import benchmarks, fields, sent_programs, templates_for_programs
-from server.programs import StoredProgram, UploadRejected
+from server.programs import TEXT_MAX_BYTES, StoredProgram, UploadRejected
 from server.rate_limits import ORDER, limiter
 from server.services import services
 from sim.benchmarks import Benchmark
@@ -146,6 +146,7 @@ def _show(
     return render_template(
         "submit/form.html",
         benchmark=benchmark,
+        text_max=TEXT_MAX_BYTES,
         benchmarks=benchmarks.labels(),
         groups=fields.groups(schema, values, errors, order=benchmark.groups),
         presets=schema.get("x-presets", {}),

@@ -173,7 +173,7 @@ def test_an_upload_of_three_megabytes_ends_with_a_clear_sentence(visitor: Visito
 
     page.get_by_role("button", name="Start the run").click()
 
-    expect(page.get_by_role("heading", name="The upload is too large")).to_be_visible()
+    expect(page.locator("#program-error")).to_contain_text("larger than 2 MiB")
 
 
 @pytest.mark.parametrize(

@@ -14,7 +14,7 @@ from server import live, runs
 from server.api.series import thin
 from server.states import Kind, RunState
 from sim.telemetry import NAMES, from_bytes, from_csv
-from tests.server.api.conftest import Site
+from tests.server.api.conftest import PROGRAM, Site
 
 RUNS = "/api/v1/runs"
 
@@ -76,7 +76,7 @@ def test_a_guest_may_not_upload(site: Site) -> None:
 
 
 def test_an_upload_is_queued_under_its_hash(site: Site) -> None:
-    source = b"class Controller: ...\n"
+    source = PROGRAM
     form = {"run": '{"benchmark": "currents-v1"}', "program": (io.BytesIO(source), "c.py")}
 
     answer = site.call("owner", "POST", RUNS, data=form)
