@@ -19,8 +19,10 @@ import numpy as np
 from sim.camera.camera import Camera
 from sim.configuration import Configuration
 from sim.manifest import manifest
-from sim.replay import Replay, Row, Shot
+from sim.replay import Replay, Row, Shot, place_of
 from sim.telemetry import INDEX, Digest, Rows
+
+Line = list[object]
 
 FOLDER = "seamark-dataset"
 _PNG_LEVEL = 1  # noise does not compress; quicker
@@ -31,6 +33,7 @@ COLUMNS = (
     *("centroid_u", "centroid_v", "origin_u", "origin_v"),
     *("camera_x", "camera_y", "camera_z", "in_view"),
 )
+STARTS = ("trial", "level", "value", "t", "file", *_CORNERS)
 README = """\
 # Seamark data set: {benchmark}
 
@@ -40,13 +43,16 @@ Pictures of the vehicle's downward camera, with the truth about them. {count}
 |---|---|
 | images/*.png | {kind} pictures, 8 bit, noise included |
 | groundtruth.csv | one line per picture, see below |
-| camera.json | intrinsics, mount on the vehicle, target, water of each level |
+| starts/*.png, starts.csv | what a tracker is told at the start of each level |
+| camera.json | intrinsics, mount on the vehicle, target; water and effects of each level |
 | configuration.json | all settings |
 | manifest.json | seed, versions, digest of the telemetry behind the pictures |
 
-The same configuration and seed give the same bytes again:
-`seamark dataset {benchmark} --config configuration.json --seed {seed}`, as long as the vehicle was
-moved by a solution that is built in.
+The trackers' grey picture is the green channel of the coloured one, noise included.
+
+The same configuration and seed give the same bytes again with the same version:
+`{command}`. If another solution than the benchmark's own moved the vehicle, `--solution` names it;
+the way of a program that somebody sent is known from its run alone.
 
 ## groundtruth.csv
 SI units, angles in rad; world NED (x north, y east, z down), body frame x forward, y starboard,
@@ -56,13 +62,29 @@ z down. Image points in px: u to the right, v down, pixel centres at whole numbe
 |---|---|
 | picture, file | number from 0, name below images/ |
 | trial, level, t | simulated time [s] since the trial began |
-| x, y, z, roll, pitch, yaw | pose of the vehicle's origin |
+| x, y, z, roll, pitch, yaw | pose of the vehicle's origin; rotation is yaw, then pitch, then roll |
 | u, v, w, p, q, r | its velocity over ground, body frame [m/s, rad/s] |
 | corner_u0 ... corner_v3 | true corners of the top face, clockwise from its letters' upper left |
 | centroid_u, centroid_v | where the diagonals of the top face cross |
 | origin_u, origin_v | projected middle of the box: UWSim's convention |
 | camera_x, camera_y, camera_z | place of the camera in the world [m] |
 | in_view | 1 if all four corners are inside the picture |
+
+## starts.csv
+One line per level: `value` is what the benchmark changes from level to level, `file` the picture
+below starts/ from which a tracker learns the target (in visibility-v1 in the water of the first
+level), the corners those that it is told: the true ones and the configured error of the start. It
+is the level's first picture; a tracker is asked from the second one on.
+
+## camera.json
+- `optics`: `matrix` is the pinhole's; no distortion. `mount_m` is the camera's place in the body
+  frame [m]; it looks along the body's z axis, u runs to starboard, v aft.
+- `target`: box on the seabed; `heading_rad` is where its letters' tops point, from north to east;
+  `top_corners_m` (4, 3) are the corners of groundtruth.csv in the world.
+- `levels`: of each level its `value`; `water` (channels red, green, blue; `beer`: attenuation c
+  [1/m] over the slant range; `uwsim`: density rho [1/m], exp(-(rho z)^2) over the depth; `veil` as
+  a share of full scale; noise variance read_sigma_grey^2 + shot_gain * grey) and `effects`
+  (exposure, light, lamp, snow, scatter, fish; off where they are 0 and light_level is 1).
 """
 
 
@@ -80,6 +102,19 @@ class Choice:
         t = rows[:, INDEX["t"]]
         wanted: Rows = rows[(t >= self.begin_s) & (t < self.end_s)][:: self.every]
         return wanted
+
+    def options(self, trial: int) -> str:
+        """Return the options of `seamark dataset` that make this choice."""
+        given = {
+            "trial": (trial, 0),
+            "every": (self.every, 1),
+            "from": (self.begin_s, 0.0),
+            "until": (self.end_s, float("inf")),
+        }
+        text = "".join(
+            f" --{name} {value}" for name, (value, usual) in given.items() if value != usual
+        )
+        return text + " --colour" * self.colour
 
 
 def archive(
@@ -115,10 +150,13 @@ def _members(
     replay = Replay(benchmark, config, lambda _trial: seed)
     kind = "colour" if choice.colour else "grey"
     count = f"{len(wanted)} pictures."
-    text = README.format(benchmark=benchmark, count=count, kind=kind, seed=seed)
+    trial, _ = place_of(wanted[0])
+    command = f"seamark dataset {benchmark} --config configuration.json --seed {seed}"
+    command += choice.options(trial)
+    text = README.format(benchmark=benchmark, count=count, kind=kind, command=command)
     yield "README.md", text.encode()
     yield "configuration.json", _json(config.model_dump(mode="json"))
-    yield "camera.json", _json(_cameras(replay, wanted))
+    yield "camera.json", _json(_cameras(replay, wanted, config))
     digest = Digest()
     digest.add(rows)
     whole = manifest(
@@ -131,29 +169,64 @@ def _members(
         pictures=asdict(choice) | {"end_s": None if choice.end_s > 1e300 else choice.end_s},
     )
     yield "manifest.json", _json(whole)
-    table = io.StringIO()
-    lines = csv.writer(table, lineterminator="\n")
-    lines.writerow(COLUMNS)
+    yield from _starts(replay, config, rows, wanted, colour=choice.colour)
+    lines: list[Line] = []
     for number, row in enumerate(wanted):
         shot, name = replay.shot(row), f"{number:06d}.png"
-        lines.writerow(_line(number, name, row, shot))
+        lines.append(_line(number, name, row, shot))
         yield f"images/{name}", _png(shot, colour=choice.colour)
-    yield "groundtruth.csv", table.getvalue().encode()
+    yield "groundtruth.csv", _csv(COLUMNS, lines)
 
 
-def _cameras(replay: Replay, wanted: Rows) -> dict[str, Any]:
-    """Return optics and target, and the water of every level in the pictures."""
-    levels = sorted({(int(row[INDEX["trial"]]), int(row[INDEX["level"]])) for row in wanted})
-    cameras = {(trial, level): replay.camera(trial, level) for trial, level in levels}
-    first = cameras[levels[0]]
+def _starts(
+    replay: Replay, config: Any, rows: Rows, wanted: Rows, *, colour: bool
+) -> Iterator[tuple[str, bytes]]:
+    """Return what a tracker is told at the start of every level in the pictures."""
+    values, places = config.level_values(), _places(wanted)
+    lines: list[Line] = []
+    for trial, level in places:
+        here = (rows[:, INDEX["trial"]] == trial) & (rows[:, INDEX["level"]] == level)
+        row = rows[here][0]
+        shot, corners = replay.first(row)
+        name = f"{level:03d}.png"
+        told = [float(value) for value in corners.ravel()]
+        lines.append([trial, level, float(values[level]), float(row[INDEX["t"]]), name, *told])
+        yield f"starts/{name}", _png(shot, colour=colour)
+    yield "starts.csv", _csv(STARTS, lines)
+
+
+def _places(wanted: Rows) -> list[tuple[int, int]]:
+    """Return trial and level of all levels in the pictures."""
+    return sorted({place_of(row) for row in wanted})
+
+
+def _cameras(replay: Replay, wanted: Rows, config: Any) -> dict[str, Any]:
+    """Return optics and target, and what is in the way of light at every level in the pictures."""
+    values = config.level_values()
+    cameras = {place: replay.camera(*place) for place in _places(wanted)}
+    first = next(iter(cameras.values()))
     return {
         "optics": _optics(first),
-        "target": asdict(first.target),
+        "target": asdict(first.target) | {"top_corners_m": first.target.top_corners().tolist()},
         "levels": [
-            {"trial": trial, "level": level, "water": asdict(camera.water)}
+            {
+                "trial": trial,
+                "level": level,
+                "value": float(values[level]),
+                "water": asdict(camera.water),
+                "effects": asdict(camera.effects),
+            }
             for (trial, level), camera in cameras.items()
         ],
     }
+
+
+def _csv(head: tuple[str, ...], lines: Iterable[Line]) -> bytes:
+    table = io.StringIO()
+    writer = csv.writer(table, lineterminator="\n")
+    writer.writerow(head)
+    writer.writerows(lines)
+    return table.getvalue().encode()
 
 
 def _optics(camera: Camera) -> dict[str, Any]:
@@ -162,16 +235,15 @@ def _optics(camera: Camera) -> dict[str, Any]:
     return asdict(camera.optics) | {"matrix": matrix, "distortion": [0.0] * 5}
 
 
-def _line(number: int, name: str, row: Row, shot: Shot) -> list[object]:
+def _line(number: int, name: str, row: Row, shot: Shot) -> Line:
     truth = shot.camera.truth(shot.pose)
     corners, optics = truth[:8], shot.camera.optics
     inside = all(
         -0.5 <= u <= optics.width - 0.5 and -0.5 <= v <= optics.height - 0.5
         for u, v in zip(corners[::2], corners[1::2], strict=True)
     )
-    place = [int(row[INDEX["trial"]]), int(row[INDEX["level"]])]
     state = [float(row[INDEX[column]]) for column in ("t", *_STATE)]
-    return [number, name, *place, *state, *truth, int(inside)]
+    return [number, name, *place_of(row), *state, *truth, int(inside)]
 
 
 def _png(shot: Shot, *, colour: bool) -> bytes:

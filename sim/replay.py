@@ -14,7 +14,9 @@ from numpy.typing import NDArray
 from sim import registry
 from sim.camera.camera import Camera
 from sim.configuration import Configuration
+from sim.streams import streams
 from sim.telemetry import INDEX
+from sim.tracking import start_error_of
 
 Picture = NDArray[np.uint8]
 Row = NDArray[np.float64]
@@ -62,11 +64,42 @@ class Replay:
             )
             return made
 
+        def first_camera(trial: int, level: int) -> Camera:
+            made: Camera = experiment.first_camera(
+                settings, seed=seed_of(trial), trial=trial, level=level
+            )
+            return made
+
+        def start_error(trial: int, level: int) -> Row:
+            return start_error_of(settings, streams(seed_of(trial), trial, level))
+
         self.camera = camera
+        self._first_camera, self._start_error = first_camera, start_error
 
     def shot(self, row: Row) -> Shot:
         """Return what the camera saw at a row of the telemetry, (WIDTH,)."""
-        trial, level = int(row[INDEX["trial"]]), int(row[INDEX["level"]])
+        trial, level = place_of(row)
         tick = round((float(row[INDEX["t"]]) - level * self._level_s) / self._dt)
         pose = np.ascontiguousarray(row[_MOTION])
         return Shot(self.camera(trial, level), pose, level * self._ticks + tick)
+
+    def first(self, row: Row) -> tuple[Shot, Row]:
+        """Return what a level's first row was to its tracker.
+
+        Returns
+        -------
+        Shot
+            The picture from which the tracker learned the target; its water may be another than
+            the level's.
+        (4, 2) [px]
+            The corners that it was told: the true ones and the configured error of the start.
+        """
+        trial, level = place_of(row)
+        shot = self.shot(row)
+        learned = Shot(self._first_camera(trial, level), shot.pose, shot.frame)
+        return learned, shot.corners() + self._start_error(trial, level)
+
+
+def place_of(row: Row) -> tuple[int, int]:
+    """Return trial and level of a row."""
+    return int(row[INDEX["trial"]]), int(row[INDEX["level"]])

@@ -137,5 +137,14 @@ def tracking_of(
     reference: Camera | None = None,
 ) -> Tracking:
     """Return the given or else the configured tracker, its start perturbed as configured."""
-    error = config.start_error_px * random.start.standard_normal((4, 2))
+    error = start_error_of(config, random)
     return Tracking(camera, config, error, tracker=tracker, reference=reference)
+
+
+def start_error_of(config: ExperimentSettings, random: Streams) -> NDArray[np.float64]:
+    """Return by how much (4, 2) [px] the first corners of a level are off, as configured.
+
+    The first numbers of their stream: it must be fresh.
+    """
+    error: NDArray[np.float64] = config.start_error_px * random.start.standard_normal((4, 2))
+    return error

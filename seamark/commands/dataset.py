@@ -25,6 +25,9 @@ if TYPE_CHECKING:
 @configuration_options
 @click.option("--seed", type=click.IntRange(0), default=0, show_default=True)
 @click.option(
+    "--trial", type=click.IntRange(0), default=0, show_default=True, help="Of a run's trials."
+)
+@click.option(
     "--solution",
     metavar="NAME",
     help="The built-in solution that moves the vehicle.  [default: the benchmark's own]",
@@ -47,6 +50,7 @@ def dataset(  # noqa: PLR0913 (one argument per option is click's way)
     pairs: tuple[str, ...],
     config: Path | None,
     seed: int,
+    trial: int,
     solution: str | None,
     every: int,
     begin_s: float,
@@ -69,7 +73,7 @@ def dataset(  # noqa: PLR0913 (one argument per option is click's way)
 
     checked = configuration_of(benchmark, config, pairs)
     end = float("inf") if end_s is None else end_s
-    rows = _rows(benchmark, checked, solution, seed=seed)
+    rows = _rows(benchmark, checked, solution, seed=seed, trial=trial)
     choice = Choice(every=every, begin_s=begin_s, end_s=end, colour=colour)
     try:
         pieces = archive(benchmark, checked, rows, seed=seed, choice=choice)
@@ -84,7 +88,9 @@ def dataset(  # noqa: PLR0913 (one argument per option is click's way)
         say(f"{count} pictures, {size / 2**20:.1f} MiB: {out}")
 
 
-def _rows(benchmark: str, config: Configuration, solution: str | None, *, seed: int) -> Rows:
+def _rows(
+    benchmark: str, config: Configuration, solution: str | None, *, seed: int, trial: int
+) -> Rows:
     """Return the telemetry of one trial, in which a built-in solution takes part."""
     import numpy as np
 
@@ -102,7 +108,7 @@ def _rows(benchmark: str, config: Configuration, solution: str | None, *, seed: 
         config,
         entry.load().built_in(name, config),
         seed=seed,
-        trial=0,
+        trial=trial,
         on_rows=lambda some: rows.append(some.copy()),
     )
     return np.concatenate(rows)

@@ -53,6 +53,9 @@ class Experiment(Protocol):
     def camera(self, config: Any, *, seed: int, trial: int, level: int) -> "Camera":
         """Return the camera of a level: all that a picture needs beside pose and frame number."""
 
+    def first_camera(self, config: Any, *, seed: int, trial: int, level: int) -> "Camera":
+        """Return the camera that takes the first picture of a level, for the tracker to learn."""
+
     def metrics(self, config: Any, level: int, rows: Rows) -> dict[str, Any]:
         """Return the metrics of a level by name, from all of its rows."""
 

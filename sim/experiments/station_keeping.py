@@ -50,6 +50,12 @@ class StationKeeping:
         noise_seed = noise_seed_of(streams(seed, trial, level))
         return camera_of(config, water_of(config), noise_seed=noise_seed)
 
+    def first_camera(
+        self, config: CurrentsConfiguration, *, seed: int, trial: int, level: int
+    ) -> Camera:
+        """Return the camera of the level: all its pictures are of the same water."""
+        return self.camera(config, seed=seed, trial=trial, level=level)
+
     def metrics(self, config: CurrentsConfiguration, level: int, rows: Rows) -> dict[str, Any]:
         """Return `sim.metrics.level_metrics`, and where in a grid the level is."""
         grid = config.coordinates(level)

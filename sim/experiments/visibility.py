@@ -73,6 +73,13 @@ class Visibility:
         noise_seed = noise_seed_of(streams(seed, trial, level))
         return camera_of(config, water_at(config, level), noise_seed=noise_seed)
 
+    def first_camera(
+        self, config: VisibilityConfiguration, *, seed: int, trial: int, level: int
+    ) -> Camera:
+        """Return the camera of a level in the water of the first one."""
+        noise_seed = noise_seed_of(streams(seed, trial, level))
+        return camera_of(config, water_at(config, 0), noise_seed=noise_seed)
+
     def metrics(self, config: VisibilityConfiguration, level: int, rows: Rows) -> dict[str, Any]:
         """Return `sim.tracker_metrics.level_metrics` beside the level's value."""
         place = {"level": level, "value": config.level_values()[level]}

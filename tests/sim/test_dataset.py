@@ -4,16 +4,20 @@ import csv
 import io
 import json
 import zipfile
+from typing import Any
 
 import cv2
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from sim import registry
+from sim.camera import Camera, Effects, Optics, Target, Water
 from sim.configuration import Configuration
-from sim.dataset import COLUMNS, Choice, archive
+from sim.dataset import COLUMNS, STARTS, Choice, archive
 from sim.replay import Replay
 from sim.telemetry import INDEX, Rows
+from sim.trackers import make
 from sim.trial import run_trial
 
 SEED = 4
@@ -25,17 +29,22 @@ def recorded(request: pytest.FixtureRequest) -> tuple[str, Configuration, Rows]:
     """A short trial of each benchmark."""
     entry = registry.benchmark(request.param)
     config = entry.read(entry.shortest)
+    return request.param, config, _rows(request.param, config)
+
+
+def _rows(name: str, config: Configuration) -> Rows:
+    entry = registry.benchmark(name)
     solution = entry.load().built_in(next(iter(entry.built_in)), config)
     kept: list[Rows] = []
     run_trial(
-        request.param,
+        name,
         config,
         solution,
         seed=SEED,
         trial=0,
         on_rows=lambda rows: kept.append(rows.copy()),
     )
-    return request.param, config, np.concatenate(kept)
+    return np.concatenate(kept)
 
 
 def _made(recorded: tuple[str, Configuration, Rows], choice: Choice) -> dict[str, bytes]:
@@ -48,8 +57,18 @@ def _made(recorded: tuple[str, Configuration, Rows], choice: Choice) -> dict[str
         }
 
 
-def _table(files: dict[str, bytes]) -> list[dict[str, str]]:
-    return list(csv.DictReader(io.StringIO(files["groundtruth.csv"].decode())))
+def _table(files: dict[str, bytes], name: str = "groundtruth.csv") -> list[dict[str, str]]:
+    return list(csv.DictReader(io.StringIO(files[name].decode())))
+
+
+def _picture(files: dict[str, bytes], name: str) -> NDArray[np.uint8]:
+    data = np.frombuffer(files[name], np.uint8)
+    return np.asarray(cv2.imdecode(data, cv2.IMREAD_UNCHANGED), dtype=np.uint8)
+
+
+def _corners(line: dict[str, str]) -> NDArray[np.float64]:
+    told = [float(line[f"corner_{axis}{k}"]) for k in range(4) for axis in "uv"]
+    return np.array(told).reshape(4, 2)
 
 
 def test_every_picture_is_the_one_that_the_tracker_had(
@@ -120,11 +139,79 @@ def test_time_and_colour_can_be_chosen(recorded: tuple[str, Configuration, Rows]
     assert picture.ndim == 3
 
 
+def test_a_tracker_that_works_on_the_data_set_is_as_good_as_in_the_benchmark(
+    recorded: tuple[str, Configuration, Rows],
+) -> None:
+    """The starts are those that the benchmark's own tracker had: it does the same again."""
+    _, config, rows = recorded
+    files = _made(recorded, Choice())
+    settings: Any = config
+    tracker = make(settings.tracker, **settings.tracker_options())
+
+    for start in _table(files, "starts.csv"):
+        tracker.start(_picture(files, f"starts/{start['file']}"), _corners(start))
+        found = []
+        lines = [line for line in _table(files) if line["level"] == start["level"]]
+        for line in lines[1:]:
+            track = tracker.update(_picture(files, f"images/{line['file']}"))
+            found.append([track.ok, *track.corners.ravel()])
+        level = rows[rows[:, INDEX["level"]] == float(start["level"])][1:]
+        columns = [INDEX["tracker_ok"], *(INDEX[f"corner_{k}"] for k in range(8))]
+        assert np.array_equal(np.array(found, float), level[:, columns])
+
+
+def test_the_corners_of_a_start_have_the_configured_error() -> None:
+    entry = registry.benchmark("currents-v1")
+    config = entry.read({**entry.shortest, "start_error_px": 1.5})
+    rows = _rows("currents-v1", config)
+    files = _made(("currents-v1", config, rows), Choice(every=10))
+
+    (start,) = _table(files, "starts.csv")[:1]
+    off = _corners(start) - _corners(_table(files)[0])
+    told = rows[0, INDEX["corner_0"] : INDEX["corner_7"] + 1].reshape(4, 2)
+    assert np.array_equal(_corners(start), told)
+    assert 0.1 < np.abs(off).max() < 6.0
+
+
+def test_camera_json_has_all_that_a_camera_is_made_of() -> None:
+    name, entry = "visibility-v1", registry.benchmark("visibility-v1")
+    disturbed = {"light_level": 0.5, "lamp": 2.0, "snow_per_m3": 200.0, "scatter_mrad": 3.0}
+    config = entry.read({**entry.shortest, **disturbed, "target": "plain"})
+    rows = _rows(name, config)
+    files = _made((name, config, rows), Choice(every=25))
+    told = json.loads(files["camera.json"])
+    camera = registry.benchmark(name).load().camera(config, seed=SEED, trial=0, level=1)
+
+    level, target, optics = told["levels"][1], told["target"], told["optics"]
+    assert level["value"] == 0.25
+    corners = target.pop("top_corners_m")
+    made = Camera(
+        Optics(**{key: optics[key] for key in ("width", "height", "focal_px", "mount_m")}),
+        Water(**level["water"]),
+        Target(**target),
+        noise_seed=0,
+        effects=Effects(**level["effects"]),
+    )
+    assert (made.water.law, made.target, made.effects) == ("beer", camera.target, camera.effects)
+    assert made.water.attenuation == list(camera.water.attenuation)
+    assert made.effects.snow_per_m3 == 200.0
+    assert np.array_equal(np.array(corners), camera.target.top_corners())
+
+
+def test_the_readme_says_which_command_makes_the_same_again() -> None:
+    chosen = Choice(every=4, begin_s=2.0, end_s=9.5, colour=True)
+
+    assert chosen.options(3) == " --trial 3 --every 4 --from 2.0 --until 9.5 --colour"
+    assert Choice().options(0) == ""
+
+
 def test_the_readme_names_every_column(recorded: tuple[str, Configuration, Rows]) -> None:
     text = _made(recorded, Choice(every=50))["README.md"].decode()
 
     ranges = {f"corner_{axis}{at}" for axis in "uv" for at in range(4)}
-    assert {name for name in COLUMNS if name not in ranges and name not in text} == set()
+    assert {
+        name for name in {*COLUMNS, *STARTS} if name not in ranges and name not in text
+    } == set()
 
 
 def test_a_choice_without_a_picture_is_refused(recorded: tuple[str, Configuration, Rows]) -> None:
