@@ -99,9 +99,10 @@ class Box:
         if len(source) > self._most_kib << 10:
             limit = f"The program has {len(source)} bytes; the limit is {self._most_kib} KiB."
             self._talk.end(Failure(Verdict.COMPILE_ERROR, limit, ""))
-        if layout.get("role", ROLES[0]) != ROLES[0] and self._cage.pictures is None:
-            label = self._language.label
-            refused = f"A {layout['role']} cannot be written in {label} here: write it in Python."
+        role = str(layout.get("role", ROLES[0]))
+        if role not in self._language.roles:
+            able = ", ".join(each.label for each in LANGUAGES.values() if role in each.roles)
+            refused = f"A {role} is written in {able}, not in {self._language.label}."
             self._talk.end(Failure(Verdict.COMPILE_ERROR, refused, ""))
         fields = cast(Sequence[tuple[str, int]], layout.get("observation", ()))
         self._floats = sum(count or 1 for _, count in fields)

@@ -2,7 +2,7 @@
 
 from sandbox.languages.c import running
 from sandbox.languages.language import Language, Runtime
-from sandbox.languages.native import CALLS, SELF_TEST
+from sandbox.languages.native import CALLS, ROLES, SELF_TEST
 
 
 def compiling() -> Runtime:
@@ -17,5 +17,6 @@ CPP = Language(
     *("c++", "C++", (".cpp", ".cc"), running, SOURCE),
     compiler=compiling,
     calls=CALLS,
+    roles=ROLES,
     mains=("controller.cpp", "controller.cc"),
 )

@@ -4,7 +4,7 @@ import struct
 
 from sandbox.languages.c import running
 from sandbox.languages.language import Calls, Language
-from sandbox.languages.native import SELF_TEST
+from sandbox.languages.native import ROLES, SELF_TEST
 
 CALLS = Calls("The program (its start)", "the program's answer to R", "the program's answer to O")
 IDENTITY = struct.Struct("<4sBBBB8xHH")  # of an ELF file (System V ABI, "ELF Header")
@@ -31,6 +31,7 @@ def refusal(program: bytes) -> str:
 EXECUTABLE = Language(
     *("executable", "Executable (64-bit Linux)", (".elf", ".bin", ".out", ""), running, SELF_TEST),
     calls=CALLS,
+    roles=ROLES,
     refusal=refusal,
     tested_by="c",
 )

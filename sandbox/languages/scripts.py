@@ -18,6 +18,7 @@ def script_runtime(
     arguments: Iterable[str] = (),
     binds: Iterable[Bind] = (),
     environment: Mapping[str, str],
+    images: bool = False,
 ) -> Runtime:
     """Return what a box needs to run the script `name` with arguments, then `--`.
 
@@ -27,4 +28,4 @@ def script_runtime(
     ours = Bind(Path(__file__).with_name("inside"), f"{PACKAGES}/{PACKAGE}")
     reached = tuple(replace(bind, source=shelved(bind.source)) for bind in (*files, ours, *binds))
     whole = (*command, "-m", f"{PACKAGE}.{name}", *arguments, "--")
-    return Runtime(whole, {**environment, "PYTHONPATH": PACKAGES}, reached)
+    return Runtime(whole, {**environment, "PYTHONPATH": PACKAGES}, reached, images=images)

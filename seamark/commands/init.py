@@ -46,7 +46,9 @@ def init(*, language: str, benchmark: str, folder: Path) -> None:
         files = templates_for_programs.start(language, role)
     except KeyError:
         able = ", ".join(templates_for_programs.FILES[role])
-        raise UsageRefused(f"A {role} is written in {able}, not in {language}.") from None
+        raise UsageRefused(
+            f"There is a {role} to start from in {able}, not in {language}."
+        ) from None
     taken = [name for name in files if (folder / name).exists()]
     if taken:
         raise UsageRefused(f"{folder / taken[0]} is there already; nothing was written.")

@@ -16,7 +16,7 @@ FILES = {
         "c++": "controller.cpp",
         "matlab": "controller.m",
     },
-    "tracker": {"python": "tracker.py"},
+    "tracker": {"python": "tracker.py", "c": "tracker.c", "c++": "tracker.cpp"},
 }
 OTHERS = {  # written in C too; an executable is compiled by its author
     "embedded-c": "embedded_c/controller.c",
@@ -31,7 +31,7 @@ _LONG_AGO = (1980, 1, 1, 0, 0, 0)  # the same bytes whenever an archive is made
 def of(language: str, role: str = "controller") -> str:
     """Return a program that works as it stands.
 
-    A controller is PI on the position error, a tracker correlates and aligns a patch.
+    A controller is PI on the position error, a tracker looks for a patch of the first picture.
     """
     return (_FOLDER / f"{FILES[role][language]}.txt").read_text("utf-8")
 

@@ -124,11 +124,14 @@ def test_the_compiler_names_the_uploaded_file_and_its_line(name, level) -> None:
 
 
 def test_a_program_without_a_step_is_told_what_it_needs(level) -> None:
-    with pytest.raises(ProgramEnded) as end:
-        compiled("c", b"int x;\n", "mine.c", level=level)
+    program = compiled("c", b"int x;\n", "mine.c", level=level)
+    with Box("c", limits=Limits(), level=level) as box, pytest.raises(ProgramEnded) as end:
+        box.load(program, "mine.c", {}, LAYOUT)
 
-    assert "mine.c does not define seamark_step" in end.value.outcome.sentence
-    assert '#include "seamark.h"' in end.value.outcome.sentence
+    outcome = end.value.outcome
+    assert outcome.verdict is Verdict.COMPILE_ERROR
+    assert "mine.c does not define seamark_step: a controller defines int" in outcome.sentence
+    assert "seamark.h" in outcome.sentence
 
 
 def test_a_source_in_python_is_not_compiled(level) -> None:

@@ -19,6 +19,8 @@ from worker.trials import Ending
 pytestmark = pytest.mark.host
 
 PROGRAMS = Path(__file__).with_name("conformance")
+TRACKER = Path(__file__).with_name("conforming_trackers") / "differences.py"
+SWEEP = {"sweep_to": 2.0, "sweep_step": 1.0, "level_duration_s": 3.0}
 STRONG_CURRENT = SHORT | {"levels": [0.0, 0.6]}  # the reference meets its limit: anti-windup too
 
 
@@ -31,7 +33,11 @@ def level() -> Level:
 
 
 def evaluated(
-    controller: Controller, config: dict[str, object], level: Level, trials: int = 1
+    controller: Controller,
+    config: dict[str, object],
+    level: Level,
+    trials: int = 1,
+    benchmark: str = "currents-v1",
 ) -> Ending:
     deaf = Hearing(
         rows=lambda rows: None,
@@ -40,7 +46,7 @@ def evaluated(
         cut=lambda trial: None,
     )
     order = {"seed": 3, "trials": trials, "hearing": deaf, "level": level}
-    return evaluate_here("currents-v1", config, controller=controller, **order)
+    return evaluate_here(benchmark, config, controller=controller, **order)
 
 
 def skip_without(name: str, level: Level) -> None:
@@ -100,6 +106,25 @@ def test_the_templates_give_one_trajectory_and_hold_station(level, tmp_path) -> 
 
     assert {ending.verdict for ending in endings} == {"ok"}
     assert len({ending.digest for ending in endings}) == 1
+
+
+@pytest.mark.parametrize("language", ["c", "c++"])
+def test_a_tracker_in_another_language_gives_the_trajectory_of_the_one_in_python(
+    language, level
+) -> None:
+    name = templates_for_programs.FILES["tracker"][language]
+    skip_without(name, level)
+    texts = {TRACKER.name: TRACKER.read_bytes()}
+    texts[name] = templates_for_programs.of(language, "tracker").encode()
+
+    endings = [
+        evaluated((text, file), SWEEP, level, benchmark="visibility-v1")
+        for file, text in texts.items()
+    ]
+
+    assert [(ending.verdict, ending.sentence) for ending in endings] == [("ok", "")] * 2
+    assert endings[0].digest == endings[1].digest
+    assert endings[0].metrics["overall"]["p5_percent"] > 50.0
 
 
 def test_a_program_that_cannot_be_compiled_ends_the_run_with_its_line(level) -> None:

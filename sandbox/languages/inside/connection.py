@@ -6,6 +6,7 @@ import resource
 import struct
 import sys
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import Any, NoReturn
 
 VERSION = 1
@@ -38,6 +39,12 @@ class Connection:
         kind, _, self.sequence = HEADER.unpack_from(data)
         return kind, data[HEADER.size :]
 
+    def close_others(self, *kept: int) -> None:
+        """Close every descriptor but this one, the standard streams and those that are kept."""
+        wanted = sorted({2, self.fd, *kept, DESCRIPTORS})
+        for before, after in pairwise(wanted):
+            os.closerange(before + 1, after)
+
     def program(self) -> tuple[dict[str, Any], bytes]:
         """Receive header and program."""
         header_size, source_size = SIZES.unpack(self.receive()[1])
@@ -60,7 +67,9 @@ class Connection:
         os._exit(0)
 
 
-def connected(numbers: Sequence[str], *, inherited: bool = False) -> Connection:
+def connected(
+    numbers: Sequence[str], *, inherited: bool = False, images: bool = False
+) -> Connection:
     """Close what is not needed, set the limits, say that the box is up.
 
     Parameters
@@ -70,14 +79,17 @@ def connected(numbers: Sequence[str], *, inherited: bool = False) -> Connection:
         do it.
     inherited : bool
         Whether a program that this process becomes keeps the connection.
+    images : bool
+        Whether the descriptor of images may be needed: then `close_others` is the caller's to call.
     """
     descriptor, processes, memory_mib = map(int, numbers)
-    os.closerange(3, descriptor)
-    os.closerange(descriptor + 1, DESCRIPTORS)
+    connection = Connection(descriptor)
+    if not images:
+        connection.close_others()
     _limit(resource.RLIMIT_NPROC, processes)
     _limit(resource.RLIMIT_AS, memory_mib << 20)
     os.set_inheritable(descriptor, inherited)
-    return Connection(descriptor)
+    return connection
 
 
 def _limit(which: int, value: int) -> None:

@@ -18,6 +18,7 @@ OBSERVATION = {  # the fields of seamark_observation that are numbers, 0 for one
 COMMENT = re.compile(r"/\*.*?\*/|//[^\n]*", re.DOTALL)
 FUNCTION = r"\bvoid\s+{name}\s*\(\s*void\s*\)"
 STEP = re.compile(FUNCTION.format(name=r"(\w+)_step"))
+OURS = re.compile(r"\bseamark_(step|tracker_start|tracker_update|detect)\b")
 ANY_STEP = re.compile(r"\bvoid\s+(\w+)_step\s*\(")
 BODY = r"struct\s*\w*\s*\{{([^{{}}]*)\}}\s*({type}\w*)\s*;"
 TAGGED = r"struct\s+({type}\w*?)_?\s*\{{([^{{}}]*)\}}\s*;"
@@ -41,8 +42,8 @@ class Port(NamedTuple):
 
 
 def looks_generated(text: str) -> bool:
-    """Tell whether this may be the code of a model: it has a step function without seamark_step."""
-    return "seamark_step" not in text and ANY_STEP.search(text) is not None
+    """Tell whether this may be the code of a model: it has a step function and none of ours."""
+    return OURS.search(text) is None and ANY_STEP.search(text) is not None
 
 
 def adapter(text: str, headers: Iterable[str]) -> str:

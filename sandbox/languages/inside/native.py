@@ -14,9 +14,9 @@ import subprocess
 import sys
 import zipfile
 import zlib
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import NoReturn
+from typing import Any, NoReturn
 
 from .connection import MOST_TEXT, Connection, connected
 from .embedded import Unfit, adapter, looks_generated
@@ -30,12 +30,7 @@ BEGIN = Path("/tmp/begin")  # noqa: S108  (read and removed by the runner)
 OURS = (f"{SOURCE}/", f"{NATIVE}/", "/usr/bin/ld: ", "collect2: error: ld returned 1 exit status\n")
 ASSEMBLY = re.compile(r"\S*/cc\w+\.s\b")  # what the compiler hands to the assembler
 ERROR_LINE = re.compile(r"error:|Error:|undefined reference|multiple definition")
-UNDEFINED = "undefined reference to `seamark_step'"
 EMPTY: Mapping[str, str] = {}
-INTERFACE = (
-    'A program has #include "seamark.h" and defines int seamark_step(const seamark_observation *, '
-    "seamark_command *)."
-)
 
 
 def compile_source(connection: Connection, command: list[str], runner_command: list[str]) -> None:
@@ -126,8 +121,6 @@ def run(
 
 def first_error(text: str, name: str) -> str:
     """Return the first error as one sentence."""
-    if UNDEFINED in text:
-        return f"{name} does not define seamark_step. {INTERFACE}"
     lines = text.splitlines()
     errors = [line for line in lines if ERROR_LINE.search(line)]
     return (errors or lines or [f"{name} cannot be compiled."])[0]
@@ -136,25 +129,42 @@ def first_error(text: str, name: str) -> str:
 def start(connection: Connection) -> NoReturn:
     """Put the program where it can run and become it; layout and configuration go by a file."""
     header, program = connection.program()
-    layout = header["layout"]
-    lines = [f"{name} {count}" for name, count in layout["observation"]]
+    images = header.get("images")  # of a tracker or detector
+    connection.close_others(*([images["descriptor"]] if images else []))
+    lines = [f"{name} {count}" for name, count in layout_of(header)]
     BEGIN.write_text("\n".join([*lines, json.dumps(header["config"])]), encoding="ascii")
     LINKED.write_bytes(program)
     LINKED.chmod(0o700)
     arguments = [str(connection.fd), str(connection.sequence), str(BEGIN)]
     try:
-        os.execve(LINKED, ["controller", *arguments], dict(os.environ))  # noqa: S606
+        os.execve(LINKED, [str(header["filename"]), *arguments], dict(os.environ))  # noqa: S606
     except OSError as error:
         connection.give_up(b"u", f"The compiled program cannot be started: {error.strerror}.")
+
+
+def layout_of(header: dict[str, Any]) -> Iterator[tuple[str, int]]:
+    """Yield the names and counts that a program reads first, and leave it the images if it has any.
+
+    A controller's are of its observation; others learn what they are and where the images lie.
+    """
+    role, images = header["layout"].get("role", "controller"), header.get("images")
+    if images is None:
+        yield from header["layout"]["observation"]
+        return
+    os.set_inheritable(images["descriptor"], True)
+    yield role, 0
+    yield "images_descriptor", images["descriptor"]
+    yield "images_bytes", images["bytes"]
 
 
 def main() -> None:
     """Do what the first argument says."""
     split = sys.argv.index("--")
     action = sys.argv[1]
-    connection = connected(sys.argv[split + 1 :], inherited=action == "start")
+    starting = action == "start"
+    connection = connected(sys.argv[split + 1 :], inherited=starting, images=starting)
     connection.send(b"k")
-    if action == "start":
+    if starting:
         start(connection)
     compile_source(connection, sys.argv[2:split], ["/usr/bin/gcc", "-O2", "-std=c11"])
 

@@ -4,6 +4,8 @@ from sandbox.languages.language import Calls
 
 CALLS = Calls("The program (constructors and seamark_init)", "seamark_reset", "seamark_step")
 
+ROLES = ("controller", "tracker", "detector")
+
 SELF_TEST = """\
 #include "seamark.h"
 

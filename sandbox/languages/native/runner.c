@@ -1,4 +1,4 @@
-/* The main program of controllers in C and C++: speaks the protocol of docs/protocol.md for the
+/* The main program of programs in C and C++: speaks the protocol of docs/protocol.md for the
  * functions of seamark.h. Arguments: the number of the protocol's descriptor, the sequence number
  * of the question that waits for an answer, the file with layout and configuration.
  */
@@ -10,14 +10,20 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
 #include <unistd.h>
 
 #include "seamark.h"
 
 #pragma weak seamark_init
 #pragma weak seamark_reset
+#pragma weak seamark_step
+#pragma weak seamark_tracker_start
+#pragma weak seamark_tracker_update
+#pragma weak seamark_detect
 
 enum { HEADER_BYTES = 8, MOST_BYTES = 65536, MOST_FIELDS = 64, MOST_SENTENCE = 500 };
+enum { DETECTION_BYTES = 74, MOST_ANSWER = 4 + SEAMARK_MOST_DETECTIONS * (DETECTION_BYTES + 64) };
 enum { DISCONNECTED = 70 }; /* exit code: the connection is gone */
 
 /* Where a field of an observation stands in its struct, and the most numbers that fit there. */
@@ -59,15 +65,19 @@ static seamark_observation observation;
 static struct copy copies[MOST_FIELDS];
 static int copies_count;
 static unsigned char incoming[MOST_BYTES];
+static char role = 'c'; /* controller, tracker or detector: its first letter */
+static const unsigned char *images;
+static double target[8]; /* where the tracker saw it last */
 
 static void send_frame(char kind, const void *body, size_t size) {
-    unsigned char frame[HEADER_BYTES + 3 + MOST_SENTENCE] = {(unsigned char)kind, SEAMARK_PROTOCOL};
+    unsigned char frame[HEADER_BYTES + MOST_ANSWER] = {(unsigned char)kind, SEAMARK_PROTOCOL};
     memcpy(frame + 4, &sequence, sizeof sequence);
     if (size) memcpy(frame + HEADER_BYTES, body, size);
     if (write(connection, frame, HEADER_BYTES + size) < 0) _exit(DISCONNECTED);
 }
 
-/* Say in one sentence why the run cannot go on, and end. `verdict` is u (its error) or p (answer). */
+/* Say in one sentence why the run cannot go on, and end. `verdict` is u (its error), p (its
+ * answer) or s (its text). */
 static void give_up(char verdict, const char *sentence) {
     unsigned char body[3 + MOST_SENTENCE];
     uint16_t length = (uint16_t)strnlen(sentence, MOST_SENTENCE);
@@ -131,16 +141,28 @@ static const struct field *known(const char *name, int count) {
     return NULL;
 }
 
+static void map_images(int descriptor, size_t bytes) {
+    void *memory = mmap(NULL, bytes, PROT_READ, MAP_SHARED, descriptor, 0);
+    if (memory == MAP_FAILED) give_up('m', "There is no memory left for the images.");
+    close(descriptor);
+    images = memory;
+}
+
 /* Read the lines "NAME COUNT" of the layout; the last line is the configuration. */
 static void begin(const char *path) {
     char *line = NULL;
     size_t room = 0;
+    int descriptor = -1;
     FILE *file = fopen(path, "r");
     if (!file) _exit(DISCONNECTED);
     while (getline(&line, &room, file) > 0 && line[0] != '{') {
         char name[64];
         int count;
         if (sscanf(line, "%63s %d", name, &count) != 2 || copies_count == MOST_FIELDS) continue;
+        if (!strcmp(name, "tracker") || !strcmp(name, "detector")) role = name[0];
+        if (!strcmp(name, "images_descriptor")) descriptor = count;
+        if (!strcmp(name, "images_bytes")) map_images(descriptor, (size_t)count);
+        if (role != 'c') continue;
         if (!count) count = 1;
         copies[copies_count].field = known(name, count);
         copies[copies_count++].count = count;
@@ -192,6 +214,83 @@ static void step(size_t size) {
     send_frame('c', answer, sizeof answer);
 }
 
+static seamark_image image_of(const unsigned char *body) {
+    uint32_t words[4]; /* offset, height, width, channels */
+    seamark_image image;
+    memcpy(words, body, sizeof words);
+    image.pixels = images + words[0];
+    image.width = (int)words[2], image.height = (int)words[1], image.channels = (int)words[3];
+    return image;
+}
+
+static void end_with_code(const char *function, int code) {
+    char sentence[MOST_SENTENCE];
+    snprintf(sentence, sizeof sentence, "%s returned %d.", function, code);
+    give_up('u', sentence);
+}
+
+static void check_corners(const char *function, const double *corners) {
+    char sentence[MOST_SENTENCE];
+    for (int i = 0; i < 8; i++) {
+        if (fabs(corners[i]) <= 1e6) continue; /* NaN compares false */
+        snprintf(sentence, sizeof sentence,
+                 "The corners of %s have %g as %s of corner %d; they must be four points in px.",
+                 function, corners[i], i % 2 ? "y" : "x", i / 2 + 1);
+        give_up('p', sentence);
+    }
+}
+
+static void track_from(void) {
+    seamark_image image = image_of(incoming + HEADER_BYTES);
+    memcpy(target, incoming + HEADER_BYTES + 4 * sizeof(uint32_t), sizeof target);
+    int code = seamark_tracker_start(&image, target);
+    if (code) end_with_code("seamark_tracker_start", code);
+    send_frame('k', NULL, 0);
+}
+
+static void track(void) {
+    seamark_image image = image_of(incoming + HEADER_BYTES);
+    double corners[8];
+    memcpy(corners, target, sizeof corners);
+    int code = seamark_tracker_update(&image, corners);
+    if (code < 0) end_with_code("seamark_tracker_update", code);
+    if (code) {
+        check_corners("seamark_tracker_update", corners);
+        memcpy(target, corners, sizeof target);
+    }
+    send_frame('t', target, code ? sizeof target : 0);
+}
+
+/* Put one detection into an answer; return how many bytes it takes. */
+static size_t packed(unsigned char *to, const seamark_detection *one) {
+    uint16_t length = (uint16_t)strnlen(one->label, SEAMARK_LABEL_BYTES);
+    check_corners("seamark_detect", one->corners);
+    if (!(one->confidence >= 0.0 && one->confidence <= 1.0))
+        give_up('p', "A confidence of seamark_detect is no number from 0 to 1.");
+    if (!length || length == SEAMARK_LABEL_BYTES)
+        give_up('p', "A label of seamark_detect is no text of 1 to 64 bytes.");
+    memcpy(to, one->corners, sizeof one->corners);
+    memcpy(to + 64, &one->confidence, sizeof one->confidence);
+    memcpy(to + 72, &length, sizeof length);
+    memcpy(to + DETECTION_BYTES, one->label, length);
+    return DETECTION_BYTES + (size_t)length;
+}
+
+static void detect(void) {
+    static seamark_detection found[SEAMARK_MOST_DETECTIONS];
+    static unsigned char answer[MOST_ANSWER];
+    seamark_image image = image_of(incoming + HEADER_BYTES);
+    size_t size = sizeof(uint32_t);
+    memset(found, 0, sizeof found);
+    int count = seamark_detect(&image, found);
+    if (count < 0) end_with_code("seamark_detect", count);
+    if (count > SEAMARK_MOST_DETECTIONS)
+        give_up('p', "seamark_detect returned more than the 64 detections that fit.");
+    memcpy(answer, &(uint32_t){(uint32_t)count}, sizeof(uint32_t));
+    for (int i = 0; i < count; i++) size += packed(answer + size, &found[i]);
+    send_frame('d', answer, size);
+}
+
 static void reset(const char *json) {
     seamark_level level;
     level.index = (int)number_of(json, "index", 0.0);
@@ -201,6 +300,29 @@ static void reset(const char *json) {
     level.t = number_of(json, "t", 0.0);
     if (seamark_reset) seamark_reset(&level);
     send_frame('k', NULL, 0);
+}
+
+/* Whether the program defines what its role asks for; else end with a sentence that says what. */
+static void check_role(const char *program) {
+    const char *wants = "a controller defines int seamark_step(const seamark_observation *, "
+                        "seamark_command *)";
+    const char *missing = seamark_step ? NULL : "seamark_step";
+    char sentence[MOST_SENTENCE];
+    if (role == 't') {
+        wants = "a tracker defines int seamark_tracker_start(const seamark_image *, const double "
+                "corners[8]) and int seamark_tracker_update(const seamark_image *, double "
+                "corners[8])";
+        missing = seamark_tracker_start ? NULL : "seamark_tracker_start";
+        if (!seamark_tracker_update) missing = "seamark_tracker_update";
+    } else if (role == 'd') {
+        wants = "a detector defines int seamark_detect(const seamark_image *, seamark_detection "
+                "found[])";
+        missing = seamark_detect ? NULL : "seamark_detect";
+    }
+    if (!missing) return;
+    snprintf(sentence, sizeof sentence,
+             "%.100s does not define %s: %s, as seamark.h declares it.", program, missing, wants);
+    give_up('s', sentence);
 }
 
 static void leave(void) {
@@ -214,13 +336,10 @@ int main(int count, char **arguments) {
     connection = atoi(arguments[1]);
     sequence = (uint32_t)strtoul(arguments[2], NULL, 10);
     begin(arguments[3]);
+    check_role(arguments[0]);
     setvbuf(stdout, NULL, _IOLBF, 4096); /* a line is seen as soon as it is printed */
     int code = seamark_init ? seamark_init() : 0;
-    if (code) {
-        char sentence[64];
-        snprintf(sentence, sizeof sentence, "seamark_init returned %d.", code);
-        give_up('u', sentence);
-    }
+    if (code) end_with_code("seamark_init", code);
     send_frame('k', NULL, 0);
     for (;;) {
         ssize_t size = read(connection, incoming, sizeof incoming - 1);
@@ -229,6 +348,12 @@ int main(int count, char **arguments) {
         memcpy(&sequence, incoming + 4, sizeof sequence);
         if (incoming[0] == 'O')
             step((size_t)size);
+        else if (incoming[0] == 'T')
+            track_from();
+        else if (incoming[0] == 'U')
+            track();
+        else if (incoming[0] == 'D')
+            detect();
         else if (incoming[0] == 'R')
             reset((const char *)incoming + HEADER_BYTES);
         else

@@ -1,8 +1,10 @@
-/* The interface of a Seamark controller in C or C++. You may use, change and pass on this file as
+/* The interface of Seamark's programs in C and C++. You may use, change and pass on this file as
  * you like; it comes without any warranty.
  *
- * A controller is one file that defines seamark_step, and seamark_init and seamark_reset if it
- * needs them. Body frame: x forward, y starboard, z down. SI units, angles in rad.
+ * A controller defines seamark_step, a tracker seamark_tracker_start and seamark_tracker_update, a
+ * detector seamark_detect; each also seamark_init and seamark_reset if it needs them. Body frame:
+ * x forward, y starboard, z down. Image: x right, y down, the centre of the first pixel is 0, 0.
+ * SI units, angles in rad, images in px.
  */
 #ifndef SEAMARK_H
 #define SEAMARK_H
@@ -48,10 +50,39 @@ typedef struct seamark_level {
     double t;          /* [s] simulated time at which it begins */
 } seamark_level;
 
-/* You write these. Both that return an int return 0 when all is well; anything else ends the run. */
+/* A picture, for reading alone. The pixel of row y and column x is pixels[(y * width + x) * channels].
+ * That of the last update stays readable during the next one, that of the start until the next. */
+typedef struct seamark_image {
+    const unsigned char *pixels; /* 0 to 255, row after row from the top, without gaps */
+    int width, height;           /* [px] */
+    int channels;                /* 1 (grey) or 3 (red, green, blue) */
+} seamark_image;
+
+enum { SEAMARK_MOST_DETECTIONS = 64, SEAMARK_LABEL_BYTES = 65 };
+
+/* One thing that a detector found. All are 0 before each call. */
+typedef struct seamark_detection {
+    double corners[8];               /* [px] x and y of the four corners */
+    double confidence;               /* 0 to 1 */
+    char label[SEAMARK_LABEL_BYTES]; /* 1 to 64 bytes of printable UTF-8, then 0 */
+} seamark_detection;
+
+/* You write those that you need. seamark_init, seamark_step and seamark_tracker_start return 0 when
+ * all is well; anything else ends the run. */
 int seamark_init(void);                         /* once, before all else; may be left out */
 void seamark_reset(const seamark_level *level); /* at each level; may be left out */
+
 int seamark_step(const seamark_observation *observation, seamark_command *command);
+
+/* The target is at these corners: x and y of upper left, upper right, lower right, lower left. */
+int seamark_tracker_start(const seamark_image *image, const double corners[8]);
+
+/* Return 1 and put into `corners` where the target is, 0 if it is lost; less than 0 ends the run.
+ * What `corners` had last is there at the call: of the start or of the last 1. */
+int seamark_tracker_update(const seamark_image *image, double corners[8]);
+
+/* Return how many things are in `found`; less than 0 ends the run. */
+int seamark_detect(const seamark_image *image, seamark_detection found[SEAMARK_MOST_DETECTIONS]);
 
 /* You may call these, at any time from seamark_init on. */
 
