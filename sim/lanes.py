@@ -64,7 +64,12 @@ for _symbol, _instruction in (
     (operator.truediv, "fdiv"),
 ):
     _operation(_symbol, _lanes, _instruction)
-for _symbol, _instruction in ((operator.add, "add"), (operator.mul, "mul")):
+for _symbol, _instruction in (
+    (operator.add, "add"),
+    (operator.mul, "mul"),
+    (operator.and_, "and_"),
+    (operator.rshift, "lshr"),
+):
     _operation(_symbol, _places, _instruction)
 
 
@@ -231,6 +236,33 @@ def second(typing: Any, array: Any, column: Any, bits: Any) -> Any:
         return builder.sitofp(builder.lshr(found, _spread(builder, size, _INTS)), _FLOATS)
 
     return _lanes(array, column, bits), generate
+
+
+@intrinsic
+def gather(typing: Any, array: Any, at: Any) -> Any:
+    """Return sixteen elements of an int32 array (n,) at places; nothing checks that they are there.
+
+    A processor without such an instruction loads them one by one: the bits are the same.
+    """
+    if not isinstance(array, types.Array) or (array.ndim, array.dtype) != (1, types.int32):
+        return None
+    if array.layout != "C" or at != _places:
+        return None
+
+    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        data = context.make_array(sig.args[0])(context, builder, args[0]).data
+        # llvmlite knows no vectors of addresses: one is made, and then given sixteen places.
+        addresses = builder.gep(data, [_INT(0)])
+        addresses.indices, addresses.type = [args[1]], ir.VectorType(data.type, WIDTH)
+        all_lanes = ir.VectorType(ir.IntType(1), WIDTH)
+        kinds = (_INTS, (addresses.type, _INT, all_lanes, _INTS))
+        load_all = cgutils.get_or_insert_function(
+            builder.module, ir.FunctionType(*kinds), "llvm.masked.gather.v16i32.v16p0"
+        )
+        mask, otherwise = ir.Constant(all_lanes, [1] * WIDTH), ir.Constant(_INTS, ir.Undefined)
+        return builder.call(load_all, [addresses, _INT(4), mask, otherwise])
+
+    return _places(array, at), generate
 
 
 @intrinsic

@@ -133,24 +133,20 @@ def light_strip(
     """
     start, width = columns_of(columns[0], columns[1])
     n = light.shape[0]
-    index = work.numbers[:n]
-    texels = work.texels[:n]
-    fu = work.places[0, :n]
-    fv = work.places[1, :n]
-    transmission = work.places[2, :n]
-    rows.seabed_places(view.ground, (row, start, width), (view.north, view.east), index, fu, fv)
-    rows.fetch(channel.tile, index, texels)
-    rows.spread(view.nodes, (row + MARGIN, start + MARGIN, width), transmission)
+    from_node = (row + MARGIN, start + MARGIN, width)
+    shift = (view.north, view.east)
+    rows.seabed_light(channel.tile, view.ground, (row, start, width), shift, light)
     gain = work.gain[1, :0]
     if view.lamp.shape[0]:
+        transmission = work.transmission[:n]
         ground_gain = work.gain[0, :n]
         gain = work.gain[1, :n]
-        rows.spread(view.lamp[0], (row + MARGIN, start + MARGIN, width), ground_gain)
-        rows.spread(view.lamp[1], (row + MARGIN, start + MARGIN, width), gain)
-        rows.sample(texels, fu, fv, light)
+        rows.spread(view.nodes, from_node, transmission)
+        rows.spread(view.lamp[0], from_node, ground_gain)
+        rows.spread(view.lamp[1], from_node, gain)
         rows.shine(light, ground_gain, transmission, channel.veil)
     else:
-        rows.sample_through(texels, fu, fv, transmission, channel.veil, light)
+        rows.pass_through(view.nodes, from_node, channel.veil, light)
     place = (row, start, width, columns[0], columns[1])
     draw_faces(view.outlines, place, scene, channel, work, light, gain)
 

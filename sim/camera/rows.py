@@ -5,23 +5,28 @@ neither reorders nor contracts, so a vector lane computes the same bits as the s
 pixel's value depends on its absolute column alone, never on where the slice starts.
 """
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from sim.camera.geometry import Line, row_of
-from sim.camera.seabed import TILE
+from sim.camera.geometry import row_of
+from sim.camera.seabed import STRIDE, TILE
+from sim.lanes import gather, lanes, larger, load, places, real, smaller, store, whole
+
+if TYPE_CHECKING:
+    from sim.lanes import Lanes, Places
 
 Row = NDArray[np.float32]
 Texels = NDArray[np.int32]
 
 _F = np.float32
-_MASK = np.int32(TILE - 1)
-_TEN, _FOUR = np.int32(10), np.int32(4)  # a row of STRIDE = 2**10 + 2**4 texels
 BIAS = 4096  # [texel] keeps the coordinates positive, so that int() rounds down
 _REACH = _F(4000.0)  # [texel] 20 m: what lies farther repeats the texture's edge
 _BYTE = np.int32(255)
 NODE = 16  # [px] distance of the points at which the seabed's transmission is computed
+_STEPS = np.arange(NODE, dtype=np.float32)[None]
 CHUNK = 32  # [px] what LLVM makes of a loop is whole vectors for a multiple of this
 
 
@@ -38,18 +43,21 @@ def _mixed(four: np.int32, fu: np.float32, fv: np.float32) -> np.float32:
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def seabed_places(
+def seabed_light(
+    tile: Texels,
     ground: NDArray[np.float64],
     place: tuple[int, int, int],
     shift: tuple[int, int],
-    index: Texels,
-    fu: Row,
-    fv: Row,
+    out: Row,
 ) -> None:
-    """Write texel numbers and fractions of the seabed for a strip of rows.
+    """Write bilinear samples [grey] of the seabed for a strip of rows.
+
+    From a pixel's place on the ground to its grey without memory in between.
 
     Parameters
     ----------
+    tile : (n,)
+        The seabed's packed texels.
     ground : (3, 3)
         Pixel (u, v, 1) -> a/z, b/z, 1/z [texel, 1/m].
     place : tuple
@@ -58,33 +66,36 @@ def seabed_places(
         Texels that a and b are counted from.
     """
     row, start, width = place
-    for r in range(index.shape[0] // width):
-        line = row_of(ground, float(row + r))
-        first, last = r * width, (r + 1) * width
-        _row_places(line, start, shift, index[first:last], fu[first:last], fv[first:last])
+    blocks = out.reshape(out.shape[0] // NODE, NODE)
+    across = width // NODE
+    shift_u, shift_v = places(shift[0]), places(shift[1])
+    steps = load(_STEPS, 0, 0)
+    least, far, near, bias = lanes(1e-3), lanes(_REACH), lanes(-_REACH), lanes(float(BIAS))
+    for r in range(blocks.shape[0] // across):
+        a, b, w, a_slope, b_slope, w_slope = row_of(ground, float(row + r))
+        a0, b0, w0 = lanes(a), lanes(b), lanes(w)
+        a1, b1, w1 = lanes(a_slope), lanes(b_slope), lanes(w_slope)
+        for i in range(across):
+            column = lanes(float(start + i * NODE)) + steps
+            z = lanes(1.0) / larger(w0 + w1 * column, least)
+            u = smaller(larger((a0 + a1 * column) * z, near), far) + bias
+            v = smaller(larger((b0 + b1 * column) * z, near), far) + bias
+            iu, iv = whole(u), whole(v)
+            across_tile = (iu + shift_u) & places(TILE - 1)
+            down_tile = (iv + shift_v) & places(TILE - 1)
+            four = gather(tile, down_tile * places(STRIDE) + across_tile)
+            store(blocks, r * across + i, 0, _mixture(four, u - real(iu), v - real(iv)))
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def _row_places(
-    line: Line, start: int, shift: tuple[int, int], index: Texels, fu: Row, fv: Row
-) -> None:
-    a0, b0, w0, a1, b1, w1 = line
-    first = np.int32(start)
-    su = np.int32(shift[0])
-    sv = np.int32(shift[1])
-    for q in range(index.shape[0]):
-        column = _F(np.int32(first + np.int32(q)))
-        z = _F(1.0) / max(w0 + w1 * column, _F(1e-3))
-        u = min(max((a0 + a1 * column) * z, -_REACH), _REACH) + _F(4096.0)
-        v = min(max((b0 + b1 * column) * z, -_REACH), _REACH) + _F(4096.0)
-        iu = np.int32(u)
-        iv = np.int32(v)
-        fu[q] = u - _F(iu)
-        fv[q] = v - _F(iv)
-        across = np.int32(np.int32(iu + su) & _MASK)
-        down = np.int32(np.int32(iv + sv) & _MASK)
-        line_start = np.int32(np.int32(down << _TEN) + np.int32(down << _FOUR))
-        index[q] = np.int32(line_start + across)
+@njit(cache=True, nogil=True, error_model="numpy", inline="always")
+def _mixture(four: "Places", fu: "Lanes", fv: "Lanes") -> "Lanes":
+    """Return the bilinear mixtures of packed texels: those of `_mixed`, to the bit."""
+    byte = places(255)
+    a, b = real(four & byte), real((four >> places(8)) & byte)
+    c, d = real((four >> places(16)) & byte), real((four >> places(24)) & byte)
+    top = a + fu * (b - a)
+    low = c + fu * (d - c)
+    return top + fv * (low - top)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -130,19 +141,51 @@ def spread(nodes: NDArray[np.float32], place: tuple[int, int, int], out: Row) ->
     first = start // NODE
     blocks = out.reshape(out.shape[0] // NODE, NODE)
     across = width // NODE
+    steps = load(_STEPS, 0, 0)
     k = 0
     for r in range(blocks.shape[0] // across):
         j = (row + r) // NODE
         share = _F((row + r - j * NODE) / NODE)
-        above = nodes[j, first : first + across + 1]
-        below = nodes[j + 1, first : first + across + 1]
-        left = above[0] + share * (below[0] - above[0])
+        left = _between(nodes, j, first, share)
         for i in range(across):
-            right = above[i + 1] + share * (below[i + 1] - above[i + 1])
+            right = _between(nodes, j, first + i + 1, share)
             slope = (right - left) * _F(1.0 / NODE)
-            block = blocks[k]
-            for p in range(NODE):
-                block[p] = left + slope * _F(np.int32(p))
+            store(blocks, k, 0, lanes(left) + lanes(slope) * steps)
+            left = right
+            k += 1
+
+
+@njit(cache=True, nogil=True, error_model="numpy", inline="always")
+def _between(nodes: NDArray[np.float32], row: int, column: int, share: np.float32) -> np.float32:
+    """Return the value on the way from a node to the one below it."""
+    above = nodes[row, column]
+    value: np.float32 = above + share * (nodes[row + 1, column] - above)
+    return value
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def pass_through(
+    nodes: NDArray[np.float32], place: tuple[int, int, int], veil: float, light: Row
+) -> None:
+    """Replace a strip of radiances [grey] by what arrives of them through the water.
+
+    `nodes` are transmissions and `place` what `spread` takes: the two of them in one.
+    """
+    row, start, width = place
+    first = start // NODE
+    blocks = light.reshape(light.shape[0] // NODE, NODE)
+    across = width // NODE
+    steps, b = load(_STEPS, 0, 0), lanes(veil)
+    k = 0
+    for r in range(blocks.shape[0] // across):
+        j = (row + r) // NODE
+        share = _F((row + r - j * NODE) / NODE)
+        left = _between(nodes, j, first, share)
+        for i in range(across):
+            right = _between(nodes, j, first + i + 1, share)
+            slope = (right - left) * _F(1.0 / NODE)
+            transmission = lanes(left) + lanes(slope) * steps
+            store(blocks, k, 0, (load(blocks, k, 0) - b) * transmission + b)
             left = right
             k += 1
 

@@ -50,10 +50,10 @@ class Work(NamedTuple):
 
     light: Row  # [grey] the strip
     ground: Row  # [grey] the strip before the faces
-    places: Rows  # (3, strip) fractions and transmission
+    transmission: Row  # of the strip
     face: Rows  # (6, width)
     gain: Rows  # (2, strip) light on ground and faces
-    numbers: Texels
+    numbers: Texels  # of a row of a face
     texels: Texels
     levels: NDArray[np.uint8]  # the strip in grey levels
 
@@ -65,10 +65,10 @@ def work_for(width: int) -> Work:
     return Work(
         light=np.zeros(strip, np.float32),
         ground=np.zeros(strip, np.float32),
-        places=np.zeros((3, strip), np.float32),
+        transmission=np.zeros(strip, np.float32),
         face=np.zeros((6, wide), np.float32),
         gain=np.zeros((2, strip), np.float32),
-        numbers=np.zeros(strip, np.int32),
-        texels=np.zeros(strip, np.int32),
+        numbers=np.zeros(wide, np.int32),
+        texels=np.zeros(wide, np.int32),
         levels=np.zeros(strip, np.uint8),
     )
