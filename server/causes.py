@@ -31,7 +31,7 @@ class Words:
 WORDS: dict[Cause, Words] = {
     Cause.USER_ERROR: Words(
         "The program raised an error",
-        "The controller stopped with an exception of its own.",
+        "The program stopped with an exception of its own.",
         "Read the traceback below; the last lines of the log show what it printed before.",
     ),
     Cause.COMPILE_ERROR: Words(
@@ -46,22 +46,22 @@ WORDS: dict[Cause, Words] = {
     ),
     Cause.TIME_LIMIT: Words(
         "The program took too long",
-        "The controller used up its time.",
+        "The program used up its time.",
         "Look for endless loops, for sleep() and for work that could be done once in reset().",
     ),
     Cause.MEMORY_LIMIT: Words(
         "The program used too much memory",
-        "The controller asked for more memory than a run may use.",
-        "Keep only what the controller needs; lists that grow at each step are the usual reason.",
+        "The program asked for more memory than a run may use.",
+        "Keep only what the program needs; lists that grow at each step are the usual reason.",
     ),
     Cause.OUTPUT_LIMIT: Words(
         "The program printed too much",
-        "The controller wrote more output than a run may keep.",
+        "The program wrote more output than a run may keep.",
         "Print less: the telemetry of every step is recorded anyway.",
     ),
     Cause.PROCESS_LIMIT: Words(
         "The program started too many processes",
-        "The controller started more processes or threads than a run may have.",
+        "The program started more processes or threads than a run may have.",
         "Do the work in one process; numerical libraries are set to one thread already.",
     ),
     Cause.BENCHMARK_ERROR: Words(

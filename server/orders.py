@@ -143,7 +143,7 @@ def upload_refusal(session: Session, language: str, settings: Settings) -> str |
     if not capable:
         return (
             f"This service cannot isolate uploaded programs well enough (it needs the level "
-            f"{settings.sandbox_min_level}), so it runs the built-in controllers only. "
+            f"{settings.sandbox_min_level}), so it runs only what is built in. "
             "`seamark doctor` tells the operator how to mend it."
         )
     if all(language not in languages for languages in capable):

@@ -59,7 +59,7 @@ _KINDS = (
         "account-needed",
         403,
         "This needs an account",
-        "Without an account the built-in controllers can be tried. Sign up to upload programs, "
+        "Without an account what is built in can be tried. Sign up to upload programs, "
         "to make ranked runs and to publish.",
     ),
     Kind(

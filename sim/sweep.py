@@ -48,6 +48,10 @@ UPDATERS: Mapping[str, Updater] = {
     "turbidity": Updater(
         Metric("turbidity", "Attenuation of grey water", "1/m", "higher"), _turbid
     ),
+    "light": Updater(
+        Metric("light", "Daylight, share of the usual", "", "higher"), _one("light_level")
+    ),
+    "snow": Updater(Metric("snow", "Marine snow", "1/m³", "higher"), _one("snow_per_m3")),
     "camera_noise": Updater(
         Metric("camera_noise", "Camera noise", "grey", "higher"), _one("camera_noise_grey")
     ),
@@ -60,7 +64,13 @@ UPDATERS: Mapping[str, Updater] = {
     ),
     "repeat": Updater(Metric("repeat", "Repetition", "", "higher"), lambda _value: {}),
 }
-CHOICES = {NONE: "Nothing"} | {name: updater.quantity.label for name, updater in UPDATERS.items()}
+
+
+def _choice(what: Metric) -> str:
+    return f"{what.label} [{what.unit}]" if what.unit else what.label
+
+
+CHOICES = {NONE: "Nothing"} | {name: _choice(one.quantity) for name, one in UPDATERS.items()}
 looping = partial(knob, group="Grid", role="scenario", advanced=True)
 
 
@@ -68,13 +78,14 @@ def _loop(title: str, says: str) -> Any:  # as knob itself
     return looping(NONE, title=title, says=says, choices=CHOICES)
 
 
-def _values(title: str) -> Any:  # as knob itself
+def _values(loop: str) -> Any:  # as knob itself
     return looping(
         (),
-        title=title,
-        says="In the order in which they come; a repetition takes one number, how often.",
+        title=f"Values of the {loop}",
+        says="With commas between, in the order in which they come; a repetition takes one number, "
+        "how often.",
         low=-1000,
-        high=1000,
+        high=2000,
         length=(0, COUNT_MAX),
     )
 
@@ -82,12 +93,15 @@ def _values(title: str) -> Any:  # as knob itself
 class GridSettings(Configuration):
     """Up to three loops, one in the other."""
 
-    loop1: str = _loop("Outer loop", "What changes from level to level beside the current levels.")
-    loop1_values: tuple[float, ...] = _values("Its values")
-    loop2: str = _loop("Loop within it", "What changes faster than the outer loop.")
-    loop2_values: tuple[float, ...] = _values("Its values")
-    loop3: str = _loop("Innermost loop", "What changes fastest.")
-    loop3_values: tuple[float, ...] = _values("Its values")
+    loop1: str = _loop(
+        "First loop",
+        "Runs at each of the current levels; a loop over the current itself replaces them.",
+    )
+    loop1_values: tuple[float, ...] = _values("first loop")
+    loop2: str = _loop("Second loop", "Runs at each value of the first loop.")
+    loop2_values: tuple[float, ...] = _values("second loop")
+    loop3: str = _loop("Third loop", "Runs at each value of the second loop.")
+    loop3_values: tuple[float, ...] = _values("third loop")
 
     def own_levels(self) -> tuple[float, ...]:
         """Return the benchmark's levels: mean speeds [m/s] of the current."""
@@ -127,12 +141,12 @@ class GridSettings(Configuration):
     def grid_rules(self) -> dict[str, str]:
         """Return setting -> sentence for loops that make no grid."""
         errors = self._loop_rules()
-        if errors:
+        if errors or not self.has_grid():
             return errors
         count = len(self.points())
         if count > MOST_POINTS:
             return {"loop1_values": f"The grid has {count} points; at most {MOST_POINTS} are run."}
-        if self.has_grid() and self.trial_duration_s() > MOST_S:
+        if self.trial_duration_s() > MOST_S:
             return {
                 "loop1_values": (
                     f"The grid takes {self.trial_duration_s():g} s of simulation; at most "
@@ -162,13 +176,22 @@ class GridSettings(Configuration):
         plain = self.model_dump()
         for i in (1, 2, 3):
             plain |= {f"loop{i}": NONE, f"loop{i}_values": ()}
+        before = self._wrong(plain).keys()  # without the loops: not a loop's fault
         for i in (1, 2, 3):
             for value in getattr(self, f"loop{i}_values"):
                 sets = _settings({getattr(self, f"loop{i}"): value})
-                try:
-                    type(self).read(plain | sets)
-                except ConfigurationInvalid as wrong:
-                    return {f"loop{i}_values": f"loop{i}_values, {value:g}: {wrong}"}
+                wrong = self._wrong(plain | sets)
+                told = " ".join(text for name, text in wrong.items() if name not in before)
+                if told:
+                    return {f"loop{i}_values": f"loop{i}_values, {value:g}: {told}"}
+        return {}
+
+    def _wrong(self, values: Mapping[str, object]) -> dict[str, str]:
+        """Return setting -> sentence for what is wrong with values."""
+        try:
+            type(self).read(values)
+        except ConfigurationInvalid as wrong:
+            return dict(wrong.errors)
         return {}
 
 
@@ -194,6 +217,13 @@ def describe(point: Mapping[str, float]) -> str:
     """Return a point of the grid in words, such as "Current 0.2 m/s, Repetition 2"."""
     parts = ((UPDATERS[name].quantity, value) for name, value in point.items())
     return ", ".join(f"{what.label} {value:g} {what.unit}".strip() for what, value in parts)
+
+
+def level_names(config: Configuration) -> tuple[str, ...]:
+    """Return a point of the grid in short for each level, such as "0.2 · 1.5"; empty without."""
+    if not isinstance(config, GridSettings) or not config.has_grid():
+        return ()
+    return tuple(" · ".join(f"{value:g}" for value in point.values()) for point in config.points())
 
 
 def comments(config: Configuration) -> list[str]:

@@ -15,7 +15,8 @@ _STEPS = ((86_400, "day"), (3600, "hour"), (60, "minute"))
 
 def register(app: Flask) -> None:
     """Make the functions below filters of the templates."""
-    for function in (solution, score_unit, number, plain, utc, iso, ago, duration, size, words):
+    of_runs, of_values = (solution, score, score_unit), (number, plain, duration, size, words)
+    for function in (*of_runs, *of_values, utc, iso, ago):
         app.add_template_filter(function)
 
 
@@ -35,6 +36,11 @@ def score_unit(run: RunView) -> str:
     benchmark = registry.benchmark(run.benchmark)
     headline = benchmark.headline_of(benchmark.read(run.config))
     return headline.unit if headline.label == "Score" else headline.label
+
+
+def score(value: float | None) -> str:
+    """Return a score as leaderboards write it, with two decimals."""
+    return "–" if value is None else f"{value:.2f}".replace("-", "−")
 
 
 def number(value: object, digits: int = 3) -> str:

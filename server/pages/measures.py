@@ -56,7 +56,7 @@ def tables(
         return []
     value = benchmark.read(config).level_metric()
     first, *more = (_table(table, levels, value, config) for table in benchmark.tables)
-    return [_with_grid(first, levels), *more]
+    return [_with_grid(first, levels, value.label), *more]
 
 
 def facts(benchmark: Benchmark, metrics: Mapping[str, Any]) -> list[Line]:
@@ -69,12 +69,12 @@ def facts(benchmark: Benchmark, metrics: Mapping[str, Any]) -> list[Line]:
     ]
 
 
-def _with_grid(table: Table, levels: Sequence[Mapping[str, Any]]) -> Table:
-    """Return the table with where in the grid each level is on top, if there is one."""
+def _with_grid(table: Table, levels: Sequence[Mapping[str, Any]], head: str) -> Table:
+    """Return the table with where in the grid each level is on top, beside what its head says."""
     lines = tuple(
         Line(what.label, what.unit, "", tuple(level["grid"][name] for level in levels))
         for name in levels[0].get("grid") or {}
-        if (what := UPDATERS[name].quantity)
+        if (what := UPDATERS[name].quantity).label != head
     )
     return replace(table, lines=lines + table.lines)
 

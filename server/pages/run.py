@@ -14,6 +14,7 @@ from server.pages import benchmarks, measures
 from server.rate_limits import ORDER, limiter
 from server.run_files import RunFiles
 from server.services import services
+from sim.sweep import level_names
 
 LOG_SHOWN = 64 * 1024  # [character] of the log on the page; the whole of it can be downloaded
 SECONDS_BETWEEN_PICTURES = 0.05
@@ -51,6 +52,7 @@ def show(run_id: int) -> ResponseReturnValue:
             "trial_s": benchmark.trial_duration_s(config),
             "level_s": run.config.get("level_duration_s"),
             "levels": config.level_values(),
+            "names": level_names(config),
             "level": {"label": config.level_metric().label, "unit": config.level_metric().unit},
             "tick_s": run.config.get("control_period_s", SECONDS_BETWEEN_PICTURES),
             "charts": [

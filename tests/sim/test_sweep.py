@@ -126,6 +126,26 @@ def test_what_makes_no_grid_is_refused_at_its_field(
     assert setting in refusal.value.errors
 
 
+def test_a_loop_is_not_blamed_for_what_is_wrong_without_it() -> None:
+    with pytest.raises(ConfigurationInvalid) as refusal:
+        read(loop1="turbidity", loop1_values=[0.5, 99], score="cornres")
+
+    errors = refusal.value.errors
+    assert errors.keys() == {"score", "loop1_values"}
+    assert errors["loop1_values"].startswith("loop1_values, 99: water_attenuation_1_m")
+    with pytest.raises(ConfigurationInvalid) as refusal:
+        read(loop1="turbidity", loop1_values=[0.5], score="cornres")
+    assert refusal.value.errors.keys() == {"score"}
+
+
+def test_a_point_of_a_grid_has_a_short_name_and_other_levels_have_none() -> None:
+    config = read(levels=[0, 0.2], loop1="light", loop1_values=[1, 0.25])
+
+    assert sweep.level_names(config) == ("0 · 1", "0 · 0.25", "0.2 · 1", "0.2 · 0.25")
+    assert config.at(1).light_level == 0.25
+    assert sweep.level_names(read()) == ()
+
+
 def test_a_ranked_run_has_no_grid() -> None:
     config = read(loop1="turbidity", loop1_values=[1.0], tracker="esm")
 

@@ -74,8 +74,9 @@ export class Camera {
     this.slider.value = String(t);
     this.slider.setAttribute("aria-valuetext", `${t.toFixed(1)} seconds`);
     const { label, unit } = this.data.level;
-    const value = this.data.levels[Math.min(Math.floor(t / this.data.level_s), this.data.levels.length - 1)];
-    this.clock.textContent = `${t.toFixed(1)} s` + (value === undefined ? "" : `, ${label.toLowerCase()} ${value} ${unit}`.trimEnd());
+    const level = Math.min(Math.floor(t / this.data.level_s), this.data.levels.length - 1);
+    const named = this.data.names.length ? `level ${level}: ${this.data.names[level]}` : `${label.toLowerCase()} ${this.data.levels[level]} ${unit}`;
+    this.clock.textContent = `${t.toFixed(1)} s, ${named}`.trimEnd();
     this.onTime(t);
     this.wish = { trial: this.trial, t };
     if (!this.busy) this.load();

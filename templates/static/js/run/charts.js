@@ -33,13 +33,16 @@ function levelPlugin(data, owner) {
         ctx.font = `${11 * devicePixelRatio}px system-ui, sans-serif`;
         ctx.textAlign = "left";
         ctx.textBaseline = "alphabetic";
+        // In a grid the value alone would not tell one level from the next.
+        const names = data.names.length ? data.names : data.levels.map(String);
+        const longest = names.reduce((a, b) => (b.length > a.length ? b : a), "");
         const room = plot.valToPos(data.level_s, "x", true) - plot.valToPos(0, "x", true);
         const named = `0.4 ${data.level.unit} `;
-        const fits = ctx.measureText(named).width < room;
+        const fits = !data.names.length && ctx.measureText(named).width < room;
         // Of many levels only so many are named that the names do not touch.
-        const every = Math.ceil(ctx.measureText("0.25 ").width / room);
+        const every = Math.ceil(ctx.measureText(`${longest}  `).width / room);
         ctx.setLineDash([4 * devicePixelRatio, 4 * devicePixelRatio]);
-        data.levels.forEach((value, index) => {
+        names.forEach((value, index) => {
           const x = Math.round(plot.valToPos(index * data.level_s, "x", true));
           if (x < bbox.left || x > bbox.left + bbox.width) return;
           ctx.beginPath();
