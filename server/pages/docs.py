@@ -5,14 +5,22 @@ from dataclasses import asdict, dataclass
 from dataclasses import fields as fields_of
 from typing import Any
 
-from flask import Blueprint, Response, abort, redirect, render_template, url_for
+from flask import (
+    Blueprint,
+    Response,
+    abort,
+    redirect,
+    render_template,
+    request,
+    url_for,
+)
 from flask.typing import ResponseReturnValue
 
 from sandbox.languages import LANGUAGES
 from sandbox.limits import COMPILING, MEANING, Limits
 from server import run_limits
 from server.causes import WORDS
-from server.pages import benchmarks, templates_for_programs
+from server.pages import benchmarks, guides, templates_for_programs
 from server.services import services
 from sim import (
     constants,
@@ -28,6 +36,7 @@ from sim.score_expression import FUNCTIONS
 from sim.vehicles.urdf import urdf_of
 
 page = Blueprint("docs", __name__, url_prefix="/docs")
+_FIGURE_MAX_AGE_S = 3600
 _UNITS = {"_s": "s", "_mib": "MiB", "_kib": "KiB"}
 
 
@@ -174,8 +183,28 @@ def show(name: str) -> ResponseReturnValue:
     if name not in PAGES:
         abort(404)
     title, values = PAGES[name]
+    return _rendered(f"docs/{name}.html", title=title, here=name, **values())
+
+
+@page.get("/guides/<path:name>")
+def guide(name: str) -> ResponseReturnValue:
+    """Show a page of docs/, or a figure or text that such a page refers to by a relative link."""
+    if name in guides.titles():
+        title, html = guides.titles()[name], guides.html(name)
+        return _rendered("docs/guide.html", title=title, here=name, html=html)
+    if name not in guides.attachments():
+        abort(404)
+    data, kind = guides.attachment(name)
+    answer = Response(data, content_type=kind)
+    answer.add_etag()
+    answer.cache_control.max_age = _FIGURE_MAX_AGE_S
+    return answer.make_conditional(request)
+
+
+def _rendered(template: str, **values: Any) -> str:
+    """Return a page beside the list of all pages."""
     titles = {key: entry[0] for key, entry in PAGES.items()}
-    return render_template(f"docs/{name}.html", title=title, titles=titles, here=name, **values())
+    return render_template(template, titles=titles, guides=guides.titles(), **values)
 
 
 @page.get("/physics/<name>.urdf")

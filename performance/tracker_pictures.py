@@ -1,0 +1,201 @@
+"""`python -m performance.tracker_pictures [FOLDER]`: draw the figures of docs/trackers.md anew."""
+
+import sys
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from performance.pictures import FOLDER, Picture
+from performance.trackers.sequences import HEIGHT_M
+from performance.validation.plots import figure
+from sim.camera import VISIBILITY, Camera, Target, Water, start_pose
+from sim.trackers.choices import CRITERIA, METHODS, WARPS
+from sim.trackers.template import TemplateTracker
+
+Corners = NDArray[np.float64]
+
+TRUE, TRACKED, LOST = (90, 200, 90), (40, 120, 255), (60, 60, 230)  # blue, green, red
+SCALE = 16  # OpenCV draws in sixteenths of a pixel
+CROP = (slice(40, 200), slice(40, 280))
+BOX = Target()  # of visibility-v1
+START = start_pose(VISIBILITY, BOX, HEIGHT_M)
+DEPTHS = (0.0, 2.0, 4.0, 5.0, 5.5)
+PX_M = VISIBILITY.focal_px / HEIGHT_M  # pixels that a metre sideways moves the target
+DISTANCES_PX = range(0, 31, 2)
+DIRECTIONS = 12
+NEAR_PX = 1.0
+STEPS = range(1, 13)
+FIRST_PX, FIRST_RAD = 3.0, 0.05  # where the iterations begin
+CLOUD = range(12, 24)  # pictures in which a cloud of sediment hides the target
+DRIFT_PX = 4.0  # of the target, a picture
+
+
+@dataclass(frozen=True, slots=True)
+class Followed:
+    """A picture with what a tracker made of it."""
+
+    picture: Picture  # (H, W)
+    true: Corners
+    corners: Corners
+    ok: bool
+
+    def error_px(self) -> float:
+        """Return the root mean square over the corners."""
+        return float(np.sqrt(((self.corners - self.true) ** 2).sum(axis=1).mean()))
+
+
+def clear() -> Camera:
+    """Return the camera in clear water."""
+    return Camera(VISIBILITY, Water(), BOX, noise_seed=3)
+
+
+def follow(
+    poses: Iterable[NDArray[np.float64]],
+    camera_at: Mapping[int, Camera] | Camera,
+    **options: Any,
+) -> list[Followed]:
+    """Return what the template tracker makes of the pictures after the first, which is in clear."""
+    tracker, done = TemplateTracker(**options), []
+    for k, pose in enumerate(poses):
+        camera = camera_at if isinstance(camera_at, Camera) else camera_at[k]
+        true = camera.corners(pose)
+        if k == 0:
+            tracker.start(clear().grey(pose, 0), true)
+            continue
+        picture = camera.grey(pose, k)
+        track = tracker.update(picture)
+        done.append(Followed(picture, true, track.corners.copy(), track.ok))
+    return done
+
+
+def tile(one: Followed, name: str) -> Picture:
+    """Return the picture (H, W, 3) with the true corners, those tracked, and a name."""
+    drawn = cv2.cvtColor(one.picture, cv2.COLOR_GRAY2BGR)
+    for corners, colour in ((one.true, TRUE), (one.corners, TRACKED if one.ok else LOST)):
+        points = np.round(corners * SCALE).astype(np.int32)[:, None]
+        cv2.polylines(drawn, [points], isClosed=True, color=colour, lineType=cv2.LINE_AA, shift=4)
+    part: Picture = np.array(drawn[CROP], dtype=np.uint8)
+    part[:18] //= 3  # a dark band for white letters
+    text = name + ("" if one.ok else " LOST")
+    white = (255, 255, 255)
+    cv2.putText(part, text, (4, 13), cv2.FONT_HERSHEY_SIMPLEX, 0.4, white, 1, cv2.LINE_AA)
+    return part
+
+
+def rising() -> list[NDArray[np.float64]]:
+    """Return poses of a vehicle that rises by half a metre, turns and tilts meanwhile."""
+    way = np.array([0.08, 0.05, -0.5, 0.10, 0.08, 0.35])
+    return [START + share * way for share in np.linspace(0.0, 1.0, 81)]
+
+
+def warps() -> Picture:
+    """Return the last picture of the rise as each warp has it, the first one before them."""
+    poses = rising()
+    before = follow(poses[:2], clear())[0]
+    tiles = [tile(before, "at the start")]
+    for warp in WARPS:
+        last = follow(poses, clear(), warp=warp)[-1]
+        tiles.append(tile(last, f"{warp}: {last.error_px():.2f} px"))
+    return sheet(tiles, columns=3)
+
+
+def criteria() -> Picture:
+    """Return pictures of ever more turbid water, a row for each criterion."""
+    poses = [START + np.array([0.002 * k, 0.001 * k, 0, 0, 0, 0.002 * k]) for k in range(21)]
+    tiles = []
+    for criterion in CRITERIA:
+        for depth in DEPTHS:
+            camera = Camera(VISIBILITY, Water.grey(depth / HEIGHT_M), BOX, noise_seed=3)
+            last = follow(poses, camera, criterion=criterion)[-1]
+            error = f" {last.error_px():.2f} px" if last.ok else ""
+            tiles.append(tile(last, f"{criterion}, tau {depth:g}:{error}"))
+    return sheet(tiles, columns=len(DEPTHS))
+
+
+def sheet(tiles: list[Picture], *, columns: int) -> Picture:
+    """Return the tiles in rows."""
+    rows = [np.hstack(tiles[k : k + columns]) for k in range(0, len(tiles), columns)]
+    return np.asarray(np.vstack(rows), dtype=np.uint8)
+
+
+def moved(distance_px: float, *, turn_rad: float = 0.0, **options: Any) -> list[Followed]:
+    """Return what becomes of targets that move so far at once, each in another direction."""
+    found = []
+    for k in range(DIRECTIONS):
+        angle = 2.0 * np.pi * k / DIRECTIONS
+        way = distance_px / PX_M * np.array([np.cos(angle), np.sin(angle)])
+        step = np.array([*way, 0.0, 0.0, 0.0, turn_rad])
+        found += follow([START, START + step], clear(), search_px=60, **options)
+    return found
+
+
+def basin(out: Path) -> None:
+    """Draw how far a target may move between two pictures, by pyramid levels."""
+    with figure(out) as axes:
+        for levels in (1, 2, 3):
+            shares = []
+            for px in DISTANCES_PX:
+                good = [a.ok and a.error_px() < NEAR_PX for a in moved(px, pyramid_levels=levels)]
+                shares.append(100.0 * sum(good) / len(good))
+            axes.plot(list(DISTANCES_PX), shares, label=f"{levels} pyramid levels", marker=".")
+        axes.set_xlabel("way of the target from one picture to the next [px]")
+        axes.set_ylabel(f"found within {NEAR_PX:g} px [%]")
+        axes.legend()
+
+
+def iterations(out: Path) -> None:
+    """Draw how the error shrinks with each step of a method, on one level."""
+    with figure(out) as axes:
+        for name, label in METHODS.items():
+            options: dict[str, Any] = {"method": name, "pyramid_levels": 1, "stop_px": 0.0001}
+            errors = [
+                np.median(
+                    [
+                        one.error_px()
+                        for one in moved(FIRST_PX, turn_rad=FIRST_RAD, fine_iterations=n, **options)
+                    ]
+                )
+                for n in STEPS
+            ]
+            axes.semilogy(list(STEPS), errors, label=label, marker=".")
+        axes.set_xlabel("iterations at most")
+        axes.set_ylabel("median corner error [px]")
+        axes.legend()
+
+
+def cloud() -> Picture:
+    """Return a target that drifts behind a cloud, without and with looking for it again."""
+    poses = [START + np.array([0, (60 - k * DRIFT_PX) / PX_M, 0, 0, 0, 0]) for k in range(30)]
+    murky = Camera(VISIBILITY, Water.grey(8.0 / HEIGHT_M), BOX, noise_seed=3)
+    cameras = {k: murky if k in CLOUD else clear() for k in range(len(poses))}
+    tiles = []
+    for reach in (0, 120):
+        found = follow(poses, cameras, reacquire_px=reach)
+        for k in (CLOUD.start - 1, CLOUD.start + 4, CLOUD.stop + 1, len(poses) - 1):
+            tiles.append(tile(found[k - 1], f"reacquire_px {reach}, picture {k}"))
+    return sheet(tiles, columns=4)
+
+
+def main(folder: Path) -> int:
+    """Write the figures."""
+    sheets: dict[str, Callable[[], Picture]] = {
+        "warps": warps,
+        "criteria": criteria,
+        "cloud": cloud,
+    }
+    for name, draw in sheets.items():
+        coarse = draw() // 8 * 8 + 4  # without the noise's last bits: a third of the size
+        path = folder / f"trackers-{name}.png"
+        cv2.imwrite(str(path), coarse, [cv2.IMWRITE_PNG_COMPRESSION, 9])
+    basin(folder / "trackers-basin.png")
+    iterations(folder / "trackers-iterations.png")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(Path(sys.argv[1]) if len(sys.argv) > 1 else FOLDER))

@@ -1,0 +1,106 @@
+"""The Markdown pages of docs/ as parts of the site: one text for readers of either."""
+
+import re
+from collections.abc import Mapping, Sequence
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+from markdown_it import MarkdownIt
+from markdown_it.renderer import RendererHTML
+from markdown_it.token import Token
+from markdown_it.utils import OptionsDict
+
+FOLDER = Path(__file__).parents[2] / "docs"
+# Files that a page may show or link to, by how their names end.
+ATTACHED = {".png": "image/png", ".txt": "text/plain; charset=utf-8"}
+_TITLE = re.compile(r"\A# (.+)\n")
+
+
+@lru_cache(maxsize=1)
+def titles() -> Mapping[str, str]:
+    """Return file name -> title of every page in docs/."""
+    return {path.name: _title(path) for path in sorted(FOLDER.glob("*.md"))}
+
+
+@lru_cache(maxsize=1)
+def attachments() -> frozenset[str]:
+    """Return the paths below docs/ of all figures and texts that pages refer to."""
+    found = (path for path in FOLDER.rglob("*") if path.suffix in ATTACHED)
+    return frozenset(path.relative_to(FOLDER).as_posix() for path in found)
+
+
+def attachment(name: str) -> tuple[bytes, str]:
+    """Return content and type of a path in `attachments`."""
+    return (FOLDER / name).read_bytes(), ATTACHED[Path(name).suffix]
+
+
+@lru_cache(maxsize=32)
+def html(name: str) -> str:
+    """Return the page of a name in `titles`, without its title, as HTML.
+
+    The texts are the project's own, so they are not escaped against themselves; raw HTML in them
+    is shown as text all the same.
+    """
+    text = _TITLE.sub("", (FOLDER / name).read_text(encoding="utf-8"), count=1)
+    return str(_markdown().render(text))
+
+
+def _title(path: Path) -> str:
+    with path.open(encoding="utf-8") as file:
+        return file.readline().removeprefix("# ").strip()
+
+
+@lru_cache(maxsize=1)
+def _markdown() -> MarkdownIt:
+    markdown = MarkdownIt("commonmark", {"html": False}).enable("table")
+    for name, render in _RULES.items():
+        markdown.add_render_rule(name, render)
+    return markdown
+
+
+def _table(
+    renderer: RendererHTML,
+    tokens: Sequence[Token],
+    index: int,
+    options: OptionsDict,
+    env: dict[str, Any],
+) -> str:
+    """Let a wide table scroll by itself, also with the keyboard."""
+    if tokens[index].nesting > 0:
+        return '<div class="table-wrap" tabindex="0" role="region" aria-label="Table"><table>\n'
+    return "</table></div>\n"
+
+
+def _cell(
+    renderer: RendererHTML,
+    tokens: Sequence[Token],
+    index: int,
+    options: OptionsDict,
+    env: dict[str, Any],
+) -> str:
+    """Align numbers by a class: the site's policy takes no style in the page."""
+    token = tokens[index]
+    if token.attrs.pop("style", "") == "text-align:right":
+        token.attrSet("class", "num")
+    return renderer.renderToken(tokens, index, options, env)
+
+
+def _code(
+    renderer: RendererHTML,
+    tokens: Sequence[Token],
+    index: int,
+    options: OptionsDict,
+    env: dict[str, Any],
+) -> str:
+    """Let wide code scroll, also with the keyboard."""
+    return renderer.fence(tokens, index, options, env).replace("<pre>", '<pre tabindex="0">', 1)
+
+
+_RULES = {
+    "table_open": _table,
+    "table_close": _table,
+    "th_open": _cell,
+    "td_open": _cell,
+    "fence": _code,
+}

@@ -1,0 +1,91 @@
+"""The code blocks of docs/datasets.md and docs/trackers.md, run as a reader would run them."""
+
+import re
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from seamark.main import cli
+from sim import registry
+from sim.trackers import Corners, Track, Window
+from sim.trial import run_trial
+
+ROOT = Path(__file__).parents[2]
+DOCS = ROOT / "docs"
+NAME = "visibility-v1"
+SEED = 3
+HARD = {"sweep_from": 0.5, "sweep_to": 6.5, "sweep_step": 3, "level_duration_s": 2}
+BLOCK = re.compile(r"^```python\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+
+
+class AsBuiltIn:
+    """A tracker with the interface of uploads, as the simulator takes one."""
+
+    def __init__(self, tracker: Any) -> None:
+        self._tracker = tracker
+        self._size = (0, 0)
+
+    def start(self, image: Any, corners: Corners) -> None:
+        self._size = image.shape[::-1]
+        self._last = corners
+        self._tracker.start(image, corners)
+
+    def window(self) -> Window:
+        return (0, 0, *self._size)
+
+    def update(self, image: Any) -> Track:
+        found = self._tracker.update(image)
+        self._last = self._last if found is None else found
+        return Track(self._last, found is not None, 0.0, 1)
+
+
+def _settings(values: dict[str, float]) -> list[str]:
+    return [word for key, value in values.items() for word in ("--set", f"{key}={value}")]
+
+
+@pytest.fixture
+def reader(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+    """A folder with a tiny data set in dataset.zip and the template in tracker.py."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.syspath_prepend(str(tmp_path))
+    options = [*_settings(HARD), "--seed", str(SEED)]
+    for order in (["init", "--benchmark", NAME, "."], ["dataset", NAME, *options]):
+        done = CliRunner().invoke(cli, order)
+        assert done.exit_code == 0, done.output
+    yield tmp_path
+    sys.modules.pop("tracker", None)
+
+
+def test_a_tracker_has_on_its_data_set_the_score_that_it_has_in_the_benchmark(
+    reader: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    names: dict[str, Any] = {}
+    for block in BLOCK.findall((DOCS / "datasets.md").read_text(encoding="utf-8")):
+        exec(block, names)  # noqa: S102  # our own documentation
+
+    config = registry.benchmark(NAME).read(HARD)
+    solution = AsBuiltIn(names["Tracker"]({}))
+    result = run_trial(NAME, config, solution, seed=SEED, trial=0, on_rows=lambda _rows: None)
+    assert list(names["shares"].values()) == [level["p5_percent"] for level in result.levels]
+    assert len(set(names["shares"].values())) > 1  # it does not win or lose everywhere
+    truth = [float(names["truth"][0][f"camera_{axis}"]) for axis in "xyz"]
+    assert np.allclose(names["camera_m"], truth, atol=1e-4)
+    assert "tau50:" in capsys.readouterr().out
+
+
+def test_the_tracker_in_the_documentation_takes_part(reader: Path) -> None:
+    (block,) = BLOCK.findall((DOCS / "trackers.md").read_text(encoding="utf-8"))
+    names: dict[str, Any] = {}
+    exec(block, names)  # noqa: S102  # our own documentation
+    still = {"path_swing_m": 0, "path_turn_rad": 0}
+    config = registry.benchmark(NAME).read({"sweep_to": 0.25, "level_duration_s": 2, **still})
+
+    solution = AsBuiltIn(names["Tracker"]({}))
+    result = run_trial(NAME, config, solution, seed=SEED, trial=0, on_rows=lambda _rows: None)
+
+    assert result.levels[0]["p5_percent"] == 100.0  # it stays, as the target does

@@ -1,0 +1,68 @@
+"""The pages of docs/ on the site: all are there, nothing in them leads nowhere."""
+
+import re
+from pathlib import Path
+from urllib.parse import urljoin
+
+import pytest
+
+import server
+from server.pages import guides
+from sim.registry import TRACKERS, benchmark
+from sim.tracker_settings import TrackerSettings
+from sim.trackers.choices import CRITERIA, METHODS, WARPS
+from tests.server.pages.conftest import Browser, Site
+
+DOCS = Path(server.__file__).parents[1] / "docs"
+NAMES = sorted(path.name for path in DOCS.glob("*.md"))
+LINK = re.compile(r'(?:href|src)="([^"]+)"')
+
+
+def _status(browser: Browser, address: str) -> int:
+    with browser.get(address) as answer:
+        return answer.status_code
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_page_is_in_the_list_and_all_its_links_lead_somewhere(site: Site, name: str) -> None:
+    browser = site.browser()
+    address = f"/docs/guides/{name}"
+    assert f'href="{address}"' in browser.get("/docs/start").text
+
+    shown = browser.get(address)
+
+    assert shown.status_code == 200
+    assert shown.text.count("<h1") == 1
+    assert "style=" not in shown.text  # the site's policy takes none
+    inside = shown.text.partition("<article")[2].partition("</article>")[0]
+    targets = {link for link in LINK.findall(inside) if "://" not in link}
+    assert {
+        one for one in targets if browser.get(urljoin(address, one)).status_code != 200
+    } == set()
+
+
+@pytest.mark.parametrize("name", ["nothing.md", "../README.md", "figures", "figures/nothing.png"])
+def test_what_is_no_page_is_not_found(site: Site, name: str) -> None:
+    assert site.browser().get(f"/docs/guides/{name}").status_code == 404
+
+
+def test_raw_html_in_a_page_is_text() -> None:
+    assert guides._markdown().render("<b>bold</b>") == "<p>&lt;b&gt;bold&lt;/b&gt;</p>\n"
+
+
+@pytest.mark.parametrize("name", sorted(TrackerSettings.model_fields))
+def test_the_page_of_trackers_names_every_setting_of_the_tracker(name: str) -> None:
+    assert f"`{name}`" in (DOCS / "trackers.md").read_text(encoding="utf-8")
+    assert name in benchmark("visibility-v1").schema()["properties"]
+
+
+@pytest.mark.parametrize("choice", [*TRACKERS, *WARPS, *CRITERIA, *METHODS])
+def test_the_page_of_trackers_names_every_choice(choice: str) -> None:
+    assert f"`{choice}`" in (DOCS / "trackers.md").read_text(encoding="utf-8")
+
+
+def test_figures_of_trackers_are_small() -> None:
+    figures = (DOCS / "figures").glob("trackers-*.png")
+    sizes = {path.name: path.stat().st_size for path in figures}
+
+    assert {name: size for name, size in sizes.items() if size >= 200_000} == {}
