@@ -129,26 +129,36 @@ def role_of(benchmark: str) -> str:
     return registry.benchmark(benchmark).role if known else "controller"
 
 
+def finding_of(language: str) -> str:
+    """Return the name of the finding by which a worker says why it cannot run a language."""
+    return f"programs in {LANGUAGES[language].label}"
+
+
 def upload_refusal(session: Session, language: str, settings: Settings) -> str | None:
     """Return why uploads in `language` cannot be run now, or None if they can.
 
     Only workers that are alive count; with none alive the run waits and is not refused.
     """
     alive = Worker.seen_at > time.time() - ALIVE_S
-    workers = session.execute(select(Worker.level, Worker.languages).where(alive)).all()
+    workers = session.execute(
+        select(Worker.level, Worker.languages, Worker.findings).where(alive)
+    ).all()
     if not workers:
         return None
     needed = Level[settings.sandbox_min_level.upper()]
-    capable = [languages for level, languages in workers if Level[level.upper()] >= needed]
+    capable = [entry for entry in workers if Level[entry.level.upper()] >= needed]
     if not capable:
         return (
             f"This service cannot isolate uploaded programs well enough (it needs the level "
             f"{settings.sandbox_min_level}), so it runs only what is built in. "
             "`seamark doctor` tells the operator how to mend it."
         )
-    if all(language not in languages for languages in capable):
-        return f"No worker of this service can run {language} programs."
-    return None
+    if any(language in entry.languages for entry in capable):
+        return None
+    told = (found for entry in capable for found in entry.findings)
+    why = next((found["why"] for found in told if found["name"] == finding_of(language)), "")
+    sentence = f"No worker of this service can run {language} programs"
+    return f"{sentence}: {why.rstrip('.')}." if why else f"{sentence}."
 
 
 def worker_alive(session: Session) -> bool:

@@ -227,7 +227,10 @@ def level_names(config: Configuration) -> tuple[str, ...]:
 
 
 def comments(config: Configuration) -> list[str]:
-    """Return a line for each level of a grid, for the head of a table; none without a grid."""
-    if not isinstance(config, GridSettings) or not config.has_grid():
-        return []
-    return [f"level {level}: {describe(point)}" for level, point in enumerate(config.points())]
+    """Return a line for each level, for the head of a table: what it sets."""
+    if isinstance(config, GridSettings) and config.has_grid():
+        told = [describe(point) for point in config.points()]
+    else:
+        what = config.level_metric()
+        told = [f"{what.label} {value:g} {what.unit}".strip() for value in config.level_values()]
+    return [f"level {level}: {text}" for level, text in enumerate(told)]

@@ -126,6 +126,12 @@ def digest(rows: Rows) -> str:
     return whole.hexdigest()
 
 
+def units() -> str:
+    """Return the line for a table's head that says what the columns are in."""
+    told = (f"{one.name} [{one.unit}]" if one.unit else one.name for one in COLUMNS)
+    return "columns: " + ", ".join(told)
+
+
 def header(comments: Iterable[str] = ()) -> str:
     """Return the lines before the data: comments, then the names of the columns."""
     lines = [f"# {line}" for comment in comments for line in comment.splitlines() or [""]]

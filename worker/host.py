@@ -15,6 +15,7 @@ from sandbox.languages import LANGUAGES
 from sandbox.level import Finding, Isolation, Level
 from sandbox.probes import probe
 from server.db import Database
+from server.orders import finding_of
 from server.settings import Settings
 from server.tables import Worker
 from worker.cores import new_locks
@@ -38,9 +39,11 @@ class Host:
     def look(cls, settings: Settings, *, name: str) -> Self:
         """Try what this host can enforce and write it down for the web pages."""
         isolation = probe()
-        host = cls(
-            settings, name, isolation.level, isolation.findings, _languages(isolation, settings)
-        )
+        tried = _tried(isolation, settings)
+        languages = tuple(one for one, why in tried.items() if not why)
+        missing = tuple(_finding(one, why) for one, why in tried.items() if why)
+        findings = isolation.findings + missing
+        host = cls(settings, name, isolation.level, findings, languages)
         host._enlist()
         _log.info(
             "worker_starting", worker=name, isolation=host.level.name, languages=host.languages
@@ -97,15 +100,17 @@ def _start(module: str, *arguments: str) -> None:
     subprocess.Popen(command, stdin=subprocess.DEVNULL)
 
 
-def _languages(isolation: Isolation, settings: Settings) -> tuple[str, ...]:
+def _tried(isolation: Isolation, settings: Settings) -> dict[str, str]:
+    """Return each language with why it cannot be run here, empty if it can; none if too open."""
     if isolation.level < Level[settings.sandbox_min_level.upper()]:
-        return ()
-    return tuple(name for name in LANGUAGES if _passes(name, isolation.level))
+        return {}
+    tried = {name: self_test.why_not(name, isolation.level) for name in LANGUAGES}
+    for name, why in tried.items():
+        if why:
+            _log.warning("language_missing", language=name, why=why)
+    return tried
 
 
-def _passes(language: str, level: Level) -> bool:
-    """Tell whether a language's self-test passes here; if not, the log says why."""
-    why = self_test.why_not(language, level)
-    if why:
-        _log.warning("language_missing", language=language, why=why)
-    return not why
+def _finding(language: str, why: str) -> Finding:
+    remedy = "`seamark doctor` says what is missing; restart the worker when it is there."
+    return Finding(finding_of(language), ok=False, why=why, remedy=remedy)

@@ -74,7 +74,7 @@ def run(  # noqa: PLR0913  # one argument per option
         pairs = (*pairs, f"score={score}")
     order = _order(benchmark, controller, pairs, config, trials=trials, seed=seed)
     recording = Recording(out)
-    recording.comments = _grid_of(order)
+    recording.comments = _head_of(order)
     if not as_json:
         say(f"{benchmark}, {order.controller}, seed {order.seed}, trials {trials}")
     try:
@@ -114,10 +114,18 @@ def _order(
     )
 
 
-def _grid_of(order: Order) -> list[str]:
-    from sim import registry, sweep
+def _head_of(order: Order) -> list[str]:
+    """Return the lines at the head of the telemetry."""
+    from sim import registry, sweep, telemetry
 
-    return sweep.comments(registry.benchmark(order.benchmark).read(order.config))
+    benchmark = registry.benchmark(order.benchmark)
+    program = order.program is not None
+    solution = order.controller if program else benchmark.solution(order.controller, order.config)
+    return [
+        f"{order.role} {solution}, seed {order.seed}, trials {order.trials}",
+        *sweep.comments(benchmark.read(order.config)),
+        telemetry.units(),
+    ]
 
 
 def _evaluate(order: Order, recording: Recording, *, quiet: bool) -> Ending:

@@ -63,15 +63,15 @@ def _csv(files: RunFiles, comments: list[str], start: int, stop: int) -> Iterato
 
 
 def _comments(view: RunView, rows: int) -> list[str]:
-    units = ", ".join(f"{c.name} [{c.unit}]" if c.unit else c.name for c in telemetry.COLUMNS)
-    controller = view.program_name or view.controller
+    benchmark = registry.benchmark(view.benchmark)
+    solution = view.program_name or benchmark.solution(view.controller, view.config)
     seed = HIDDEN if view.seed is None else view.seed
     return [
-        f"Seamark run {view.id}: {view.benchmark}, controller {controller}",
+        f"Seamark run {view.id}: {view.benchmark}, {benchmark.role} {solution}",
         f"kind {view.kind}, seed {seed}, trials {view.trials}",
         f"state {view.state.value} at the time of the download, {rows} rows",
-        *sweep.comments(registry.benchmark(view.benchmark).read(view.config)),
-        f"columns: {units}",
+        *sweep.comments(benchmark.read(view.config)),
+        telemetry.units(),
     ]
 
 
@@ -153,7 +153,7 @@ def program(path: RunPath) -> Response:
     """Download the uploaded program: one's own, or that of a public run."""
     view = gate.run_for(path.run_id, Action.VIEW_PROGRAM)
     if view.program_sha256 is None:
-        raise Problem("not-found", f"Run {view.id} used the built-in controller {view.controller}.")
+        raise Problem("not-found", f"Run {view.id} has no program: what it used is built in.")
     try:
         source = programs.read(services().settings.data, view.program_sha256)
     except FileNotFoundError:

@@ -158,7 +158,7 @@ def _show(
         file_names=templates_for_programs.FILES[benchmark.role],
         general=" ".join(unknown.values()),
         languages=[LANGUAGES[name] for name, refusal in refusals.items() if not refusal],
-        refused=[LANGUAGES[name] for name, refusal in refusals.items() if refusal],
+        refused={LANGUAGES[name].label: refusal for name, refusal in refusals.items() if refusal},
         examples={
             name: templates_for_programs.of(name, benchmark.role)
             for name in templates_for_programs.FILES[benchmark.role]

@@ -4,7 +4,8 @@ from io import BytesIO
 import pytest
 from sqlalchemy import update
 
-from server import baselines, leaderboard, programs, runs
+from sandbox.languages import LANGUAGES
+from server import baselines, leaderboard, orders, programs, runs
 from server.access import Viewer
 from server.runs import Kind, OrderRejected, QuotaExceeded, RunState
 from server.tables import Run, Worker
@@ -179,3 +180,20 @@ def test_baselines_never_take_two_workers_at_a_time(both: Service) -> None:
     claims = [both.claim("w1"), both.claim("w2")]
 
     assert [claim is None for claim in claims] == [False, True]
+
+
+def test_a_missing_language_is_refused_with_the_reason_of_the_worker(both: Service) -> None:
+    _worker(both, "strong", "python")
+    found = {"name": orders.finding_of("matlab"), "ok": False, "why": "octave is not installed."}
+    with both.database.writing() as session:
+        worker = session.get_one(Worker, "strong")
+        worker.findings = [found]
+
+    with both.database.reading() as session:
+        told = {name: orders.upload_refusal(session, name, both.settings) for name in LANGUAGES}
+
+    assert told["python"] is None
+    assert told["matlab"] == (
+        "No worker of this service can run matlab programs: octave is not installed."
+    )
+    assert told["fmu"] == "No worker of this service can run fmu programs."
