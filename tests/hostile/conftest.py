@@ -1,8 +1,10 @@
 """Runs a hostile program for real, as a worker would: one trial of some steps."""
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -10,7 +12,7 @@ from sandbox.box import Box
 from sandbox.confined import Layers
 from sandbox.level import Isolation, Level
 from sandbox.limits import Limits
-from sandbox.outcome import Outcome, ProgramEnded
+from sandbox.outcome import Outcome, ProgramEnded, Verdict
 from sandbox.probes import probe
 
 PROGRAMS = Path(__file__).with_name("programs")
@@ -30,6 +32,11 @@ LIMITS = Limits(
     output_kib=4,
     output_max_mib=1,
 )
+
+# For programs that end by themselves: a busy host must not make sleepers of them.
+PATIENT = replace(LIMITS, start_wall_s=20.0, step_wall_s=10.0)
+# For programs that do nothing until they are stopped: the less they wait, the sooner it is over.
+IMPATIENT = replace(LIMITS, start_wall_s=2.0)
 
 Run = Callable[..., Outcome]
 
@@ -66,6 +73,13 @@ def run_file(level: Level) -> Run:
         return stepped(path, Box(limits=LIMITS, level=level, layers=layers), **config)
 
     return run_one
+
+
+def limits_for(expected: Mapping[str, Any]) -> Limits:
+    """Return the limits under which a program of a table is run."""
+    if expected["verdict"] != Verdict.TIME_LIMIT:
+        return PATIENT
+    return IMPATIENT if expected.get("waits") else LIMITS
 
 
 def stepped(path: Path, started: Box, **config: object) -> Outcome:

@@ -19,7 +19,7 @@ from sandbox.level import Level
 from sandbox.limits import COMPILING, Limits
 from sandbox.outcome import Outcome, ProgramEnded
 from sandbox.self_test import why_not
-from tests.hostile.conftest import LAYOUT, LIMITS, STEPS
+from tests.hostile.conftest import LAYOUT, STEPS, limits_for
 from tests.worker.built import zipped
 
 pytestmark = pytest.mark.host
@@ -30,7 +30,7 @@ TABLES = {
     kind: tomllib.loads((HERE / f"{kind}.toml").read_text(encoding="utf-8")) for kind in KINDS
 }
 CASES = [(kind, name) for kind in KINDS for name in sorted(TABLES[kind])]
-ENOUGH = {"octave": replace(LIMITS, memory_mib=256)}  # it has 180 MiB of address space by itself
+MEMORY_MIB = {"octave": 256}  # it has 180 MiB of address space by itself
 COMPILER = replace(COMPILING, cpu_s=3.0)  # the bombs would take all that they are given
 
 Run = Callable[[str, str], Outcome]
@@ -40,14 +40,16 @@ Run = Callable[[str, str], Outcome]
 def run_native(level: Level) -> Run:
     """Return a function that compiles and runs one program and tells how it ended."""
 
-    def run_one(kind: str, name: str) -> Outcome:
-        name, source = packed(kind, name)
+    def run_one(kind: str, file: str) -> Outcome:
+        name, source = packed(kind, file)
         language = language_of(name)
+        limits = limits_for(TABLES[kind][file])
+        limits = replace(limits, memory_mib=MEMORY_MIB.get(kind, limits.memory_mib))
         if why := missing(language, level):
             pytest.skip(why)
         try:
             program = compiled(language, source, name, level=level, limits=COMPILER)
-            return stepped(language, program, name, level, ENOUGH.get(kind, LIMITS))
+            return stepped(language, program, name, level, limits)
         except ProgramEnded as end:
             return end.outcome
 

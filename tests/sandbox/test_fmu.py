@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from sandbox.languages.inside.fmu_build import BUILD, Build, build_of
 from sandbox.languages.inside.fmu_description import Unusable, read
 from sandbox.languages.inside.fmu_wiring import Wiring, wired
 from sandbox.languages.inside.names import commanded, observed
@@ -132,6 +133,59 @@ def test_an_element_of_a_vector_has_three_names() -> None:
     assert places["yaw"] == places["attitude[3]"]
     assert places["thrust[2]"].offset == 8
     assert commanded()["yaw_rate"] == commanded()["command[4]"]
+
+
+BUILT = """
+<BuildConfiguration modelIdentifier="other" platform="x86_64-linux"/>
+<BuildConfiguration modelIdentifier="m" platform="x86_64-windows"/>
+<BuildConfiguration modelIdentifier="m">
+  <SourceFileSet language="C99">{files}</SourceFileSet>{more}
+</BuildConfiguration>"""
+
+
+def build(text: str) -> Build:
+    whole = io.BytesIO(fmu(version="3.0"))
+    with zipfile.ZipFile(whole, "a") as archive:
+        archive.writestr("sources/a.c", b"")
+        archive.writestr("sources/more/b.c", b"")
+        archive.writestr("sources/unused.c", b"")
+        archive.writestr(BUILD, f"<fmiBuildDescription>{text}</fmiBuildDescription>")
+    return build_of(read(whole.getvalue()))
+
+
+def test_sources_of_fmi_3_are_compiled_as_their_build_description_says() -> None:
+    files = (
+        '<SourceFile name="more/b.c"/><SourceFile name="a.c"/>'
+        '<PreprocessorDefinition name="SIZE" value="3"/><IncludeDirectory name="more"/>'
+    )
+
+    found = build(BUILT.format(files=files, more=""))
+
+    assert found.sources == ["sources/more/b.c", "sources/a.c"]
+    assert found.options == ["-DSIZE=3", "-Isources/more"]
+
+
+@pytest.mark.parametrize(
+    ("files", "more", "says"),
+    [
+        ("", '<Library name="lapack"/>', "libraries lapack"),
+        ('<SourceFile name="c.c"/>', "", "sources/c.c, which is not in the FMU"),
+        ('<SourceFile name="../a.c"/>', "", "outside"),
+        ('<SourceFile name="/etc/passwd"/>', "", "outside"),
+        ('<IncludeDirectory name="../../x"/>', "", "outside"),
+        ('<PreprocessorDefinition name="A -fplugin=x"/>', "", "no name"),
+        ("", '<SourceFileSet language="C++11"/>', r"C\+\+11 sources"),
+        ("", '<SourceFileSet compilerOptions="-ffast-math"/>', "C -ffast-math"),
+    ],
+)
+def test_what_a_build_asks_for_that_is_not_done_is_refused_by_its_name(files, more, says) -> None:
+    with pytest.raises(Unusable, match=says):
+        build(BUILT.format(files=files, more=more))
+
+
+def test_a_build_for_another_machine_is_refused() -> None:
+    with pytest.raises(Unusable, match="no BuildConfiguration for m on x86_64-linux"):
+        build('<BuildConfiguration modelIdentifier="m" platform="aarch64-linux"/>')
 
 
 @given(st.binary(max_size=400))

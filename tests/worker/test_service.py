@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from server import broker, live, runs
+from server import broker, live, programs, runs
 from server.pages import templates_for_programs
 from server.runs import RunState
 from server.tables import Run
@@ -56,6 +56,9 @@ _DEAF = Hearing(
 )
 
 
+PI_C = PI.with_suffix(".c")
+
+
 def _here(controller: str) -> str:
     ending = evaluate_here("currents-v1", SHORT, seed=3, controller=controller, hearing=_DEAF)
     return ending.digest
@@ -98,6 +101,18 @@ def test_the_server_gives_the_bytes_of_a_local_run(running: Service) -> None:
         assert (files.manifest() or {})["digest"] == view.digest
         assert (files.metrics() or {})["score"] == view.score
     assert "gains" in running.files(made["upload"]).log_text()
+
+
+def test_the_server_compiles_a_program_and_gives_the_bytes_of_a_local_run(
+    running: Service,
+) -> None:
+    with PI_C.open("rb") as stream:
+        program = programs.store(stream, PI_C.name, limit=10**6, data=running.settings.data)
+
+    view = running.ended(running.queue(controller="upload", program=program))
+
+    assert (view.state, view.language) == (RunState.SUCCEEDED, "c")
+    assert view.digest == _here("pi")
 
 
 @pytest.fixture

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from .connection import COMMAND, MOST_FIELD, Connection, connected
+from .fmu_build import build_of
 from .fmu_description import DESCRIPTION, Description, Unusable, read
 from .fmu_library import LIBRARIES, Group, Library
 from .fmu_wiring import Wiring, wired
@@ -146,11 +147,12 @@ def compile_sources(connection: Connection, command: list[str]) -> NoReturn:
     name = str(header["filename"])
     try:
         description = read(data)
-        sources = sources_of(description)
-        if description.library not in description.archive.namelist() and sources:
-            data = with_library(connection, description, [*command, *sources], name)
-        else:
-            checked(description, name)
+        if description.library not in description.archive.namelist():
+            build = build_of(description)
+            if not build.sources:
+                checked(description, name)
+            parts = [*build.options, *build.sources]
+            data = with_library(connection, description, [*command, *parts], name)
     except Unusable as reason:
         connection.give_up(b"s", str(reason))
     sys.stdout.buffer.write(data)
@@ -158,13 +160,6 @@ def compile_sources(connection: Connection, command: list[str]) -> NoReturn:
     connection.send(b"k")
     connection.receive()
     connection.leave()
-
-
-def sources_of(description: Description) -> list[str]:
-    """Return the C files: those that the description lists, else all."""
-    members = [name for name in description.archive.namelist() if name.startswith("sources/")]
-    listed = [f"sources/{name}" for name in description.sources]
-    return [name for name in listed or sorted(members) if name in members and name[-2:] == ".c"]
 
 
 def with_library(

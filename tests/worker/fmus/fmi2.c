@@ -109,3 +109,26 @@ int fmi2DoStep(void *instance, double t, double dt, int no_going_back) {
     }
     return OK;
 }
+
+/* An FMU has every function of the standard. These say that the model cannot do it. */
+#define CANNOT(function) \
+    int function(void) { return FAILED; }
+CANNOT(fmi2CancelStep)
+CANNOT(fmi2DeSerializeFMUstate)
+CANNOT(fmi2FreeFMUstate)
+CANNOT(fmi2GetBooleanStatus)
+CANNOT(fmi2GetDirectionalDerivative)
+CANNOT(fmi2GetFMUstate)
+CANNOT(fmi2GetInteger)
+CANNOT(fmi2GetIntegerStatus)
+CANNOT(fmi2GetRealOutputDerivatives)
+CANNOT(fmi2GetRealStatus)
+CANNOT(fmi2GetStatus)
+CANNOT(fmi2GetString)
+CANNOT(fmi2GetStringStatus)
+CANNOT(fmi2SerializeFMUstate)
+CANNOT(fmi2SerializedFMUstateSize)
+CANNOT(fmi2SetFMUstate)
+CANNOT(fmi2SetInteger)
+CANNOT(fmi2SetRealInputDerivatives)
+CANNOT(fmi2SetString)
