@@ -1,16 +1,21 @@
 """One law in every language: the same trajectory, bit for bit."""
 
+import io
+import zipfile
 from functools import cache
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from sandbox.languages import language_of
 from sandbox.level import Level
+from sandbox.limits import Limits
 from sandbox.probes import probe
 from sandbox.self_test import why_not
 from server import programs
 from server.pages import templates_for_programs
+from server.settings import Settings
 from tests.worker import built
 from tests.worker.conftest import SHORT
 from worker.single import Controller, Hearing, evaluate_here
@@ -87,6 +92,23 @@ def test_a_pi_as_an_fmu_gives_the_built_in_trajectory(name, level, tmp_path) -> 
     upload = evaluated(program, config, level)
 
     assert (upload.verdict, upload.sentence) == ("ok", "")
+    assert upload.digest == built_in_digest(level, True)
+
+
+def test_the_largest_uploads_and_an_fmu_of_five_mib_get_into_a_box(level, tmp_path) -> None:
+    skip_without("pi.fmu", level)
+    most = Settings(data=tmp_path).upload_max_bytes
+    assert most == Limits().source_kib << 10 == Limits().binary_mib << 20
+    whole = io.BytesIO(built.fmu("fmi2", tmp_path))
+    with zipfile.ZipFile(whole, "a") as archive:
+        archive.writestr("resources/table.bin", np.random.default_rng(1).bytes(5 << 20))
+    whole.seek(0)
+
+    kept = programs.store(whole, "pi.fmu", limit=most, data=tmp_path)
+    program = (programs.read(tmp_path, kept.sha256), kept.name)
+    upload = evaluated(program, STRONG_CURRENT | {"control_heave": True}, level)
+
+    assert kept.size > 5 << 20
     assert upload.digest == built_in_digest(level, True)
 
 
