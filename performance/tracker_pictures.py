@@ -24,7 +24,7 @@ SCALE = 16  # OpenCV draws in sixteenths of a pixel
 CROP = (slice(40, 200), slice(40, 280))
 BOX = Target()  # of visibility-v1
 START = start_pose(VISIBILITY, BOX, HEIGHT_M)
-DEPTHS = (0.0, 2.0, 4.0, 5.0, 5.5)
+DEPTHS = (0.0, 2.0, 4.0, 5.5)
 PX_M = VISIBILITY.focal_px / HEIGHT_M  # pixels that a metre sideways moves the target
 DISTANCES_PX = range(0, 31, 2)
 DIRECTIONS = 12
@@ -142,7 +142,9 @@ def basin(out: Path) -> None:
             for px in DISTANCES_PX:
                 good = [a.ok and a.error_px() < NEAR_PX for a in moved(px, pyramid_levels=levels)]
                 shares.append(100.0 * sum(good) / len(good))
-            axes.plot(list(DISTANCES_PX), shares, label=f"{levels} pyramid levels", marker=".")
+            axes.plot(
+                list(DISTANCES_PX), shares, label=f"{levels} level{'s' * (levels > 1)}", marker="."
+            )
         axes.set_xlabel("way of the target from one picture to the next [px]")
         axes.set_ylabel(f"found within {NEAR_PX:g} px [%]")
         axes.legend()

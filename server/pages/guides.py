@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from markdown_it import MarkdownIt
+from markdown_it.common.utils import escapeHtml
 from markdown_it.renderer import RendererHTML
 from markdown_it.token import Token
 from markdown_it.utils import OptionsDict
@@ -97,7 +98,34 @@ def _code(
     return renderer.fence(tokens, index, options, env).replace("<pre>", '<pre tabindex="0">', 1)
 
 
+def _heading(
+    renderer: RendererHTML,
+    tokens: Sequence[Token],
+    index: int,
+    options: OptionsDict,
+    env: dict[str, Any],
+) -> str:
+    """Give a heading the name by which the usual viewers of Markdown link to it."""
+    words = re.sub(r"[^\w\- ]", "", tokens[index + 1].content.lower())
+    tokens[index].attrSet("id", words.replace(" ", "-"))
+    return renderer.renderToken(tokens, index, options, env)
+
+
+def _image(
+    renderer: RendererHTML,
+    tokens: Sequence[Token],
+    index: int,
+    options: OptionsDict,
+    env: dict[str, Any],
+) -> str:
+    """Open a figure by itself when it is touched: on a phone its letters are small."""
+    shown = renderer.image(tokens, index, options, env)
+    return f'<a href="{escapeHtml(str(tokens[index].attrs["src"]))}">{shown}</a>'
+
+
 _RULES = {
+    "heading_open": _heading,
+    "image": _image,
     "table_open": _table,
     "table_close": _table,
     "th_open": _cell,

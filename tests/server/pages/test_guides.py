@@ -35,7 +35,9 @@ def test_a_page_is_in_the_list_and_all_its_links_lead_somewhere(site: Site, name
     assert shown.text.count("<h1") == 1
     assert "style=" not in shown.text  # the site's policy takes none
     inside = shown.text.partition("<article")[2].partition("</article>")[0]
-    targets = {link for link in LINK.findall(inside) if "://" not in link}
+    links = [link for link in LINK.findall(inside) if "://" not in link]
+    assert [one for one in links if one[0] == "#" and f'id="{one[1:]}"' not in inside] == []
+    targets = {link for link in links if link[0] != "#"}
     assert {
         one for one in targets if browser.get(urljoin(address, one)).status_code != 200
     } == set()
