@@ -59,7 +59,7 @@ TRACKERS = {
     "ecc": TrackerEntry(
         "Enhanced correlation coefficient (ECC, OpenCV)",
         "sim.trackers.ecc:EccTracker",
-        ("warp", "ecc_iterations"),
+        ("warp", "ecc_iterations", "predict_motion"),
         exact=False,
     ),
     "visp": TrackerEntry(

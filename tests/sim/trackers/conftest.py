@@ -93,6 +93,11 @@ def fast() -> Sequence:
 
 
 @pytest.fixture(scope="session")
+def brisk() -> Sequence:
+    return visibility(Water(), motion(60, speed=1.6))
+
+
+@pytest.fixture(scope="session")
 def climbing() -> Sequence:
     """Straight up from 1.27 m to 2.3 m in 10 s."""
     poses = np.zeros((200, 6))

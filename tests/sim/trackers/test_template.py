@@ -1,12 +1,15 @@
 """The template tracker on generated sequences with ground truth."""
 
+import os
 import subprocess
 import sys
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+from sim.camera import VISIBILITY, Camera, Target, Water, start_pose
 from sim.registry import TRACKERS
 from sim.trackers import make
 from sim.trackers.choices import CRITERIA, METHODS, WARPS, refusals
@@ -189,30 +192,38 @@ def test_every_warp_and_criterion_has_a_label() -> None:
     assert all((WARPS | CRITERIA | METHODS).values())
 
 
+# Of the simulator it compiles the tracker alone: the pictures are drawn before.
 PROGRAM = """
-import hashlib, numpy as np
-from sim.camera import VISIBILITY, Camera, Target, Water, start_pose
+import hashlib, sys, numpy as np
 from sim.trackers import make
-camera = Camera(VISIBILITY, Water.grey(1.0), Target(), noise_seed=5)
-start = start_pose(VISIBILITY, Target(), 1.27)
+seen = np.load(sys.argv[1])
 digest = hashlib.sha256()
 for options in ({}, {"criterion": "mi", "method": "forward_additional", "pyramid_levels": 3}):
     tracker = make("esm", reacquire_px=60, **options)
-    tracker.start(camera.grey(start, 0), camera.corners(start))
-    for k in range(1, 25):
-        pose = start + k * np.array([0.004, -0.006, 0.002, 0.001, -0.001, 0.003])
-        pose[1] += 3.0 * (k in (12, 13))  # out of sight, and back
-        track = tracker.update(camera.region(pose, k, tracker.window()))
+    tracker.start(seen["pictures"][0], seen["corners"])
+    for picture in seen["pictures"][1:]:
+        track = tracker.update(picture)
         digest.update(track.corners.tobytes() + np.float64(track.residual).tobytes())
 print(digest.hexdigest(), track.ok)
 """
 
 
-def _said(**environment: str) -> str:
-    import os
+@pytest.fixture(scope="module")
+def drawn(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A file of pictures in which the target is out of sight for a while, and its corners."""
+    camera = Camera(VISIBILITY, Water.grey(1.0), Target(), noise_seed=5)
+    start = start_pose(VISIBILITY, Target(), 1.27)
+    poses = start + np.arange(25)[:, None] * [0.004, -0.006, 0.002, 0.001, -0.001, 0.003]
+    poses[12:14, 1] += 3.0
+    pictures = [camera.grey(pose, k) for k, pose in enumerate(poses)]
+    path = tmp_path_factory.mktemp("drawn") / "pictures.npz"
+    np.savez(path, pictures=np.stack(pictures), corners=camera.corners(start))
+    return path
 
+
+def _said(drawn: Path, **environment: str) -> str:
     return subprocess.run(
-        [sys.executable, "-c", PROGRAM],
+        [sys.executable, "-c", PROGRAM, str(drawn)],
         capture_output=True,
         text=True,
         check=True,
@@ -220,15 +231,24 @@ def _said(**environment: str) -> str:
     ).stdout
 
 
-def test_two_processes_track_to_the_same_bits() -> None:
-    first, second = _said(), _said()
+@pytest.fixture(scope="module")
+def said(drawn: Path) -> str:
+    return _said(drawn)
 
-    assert first == second
-    assert first.strip().endswith("True")
+
+def test_two_processes_track_to_the_same_bits(drawn: Path, said: str) -> None:
+    assert _said(drawn) == said
+    assert said.strip().endswith("True")
 
 
 @pytest.mark.slow
-def test_a_processor_without_wide_vectors_tracks_to_the_same_bits(tmp_path: Any) -> None:
-    plain = _said(NUMBA_CPU_NAME="generic", NUMBA_CPU_FEATURES="", NUMBA_CACHE_DIR=str(tmp_path))
+def test_a_processor_without_wide_vectors_tracks_to_the_same_bits(
+    drawn: Path, said: str, tmp_path: Path
+) -> None:
+    plain = {
+        "NUMBA_CPU_NAME": "generic",
+        "NUMBA_CPU_FEATURES": "",
+        "NUMBA_CACHE_DIR": str(tmp_path),
+    }
 
-    assert plain == _said()
+    assert _said(drawn, **plain) == said
