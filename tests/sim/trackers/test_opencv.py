@@ -46,9 +46,7 @@ def test_a_target_out_of_the_picture_is_lost_and_found_where_it_was(
 
 
 @pytest.mark.parametrize(("name", "limit_px"), [("klt", 1.5), ("ecc", 0.1)])
-def test_six_pixels_a_picture_are_not_too_fast(
-    brisk: Sequence, name: str, limit_px: float
-) -> None:
+def test_six_pixels_a_picture_are_not_too_fast(brisk: Sequence, name: str, limit_px: float) -> None:
     errors, sure = brisk.follow(make(name))
 
     assert brisk.fastest() > 6.0
