@@ -51,7 +51,7 @@ def test_six_pixels_a_picture_are_not_too_fast(brisk: Sequence, name: str, limit
 
     assert brisk.fastest() > 6.0
     assert sure.all()
-    assert np.sqrt((errors**2).mean()) < limit_px
+    assert np.sqrt((errors[1:] ** 2).mean()) < limit_px  # at the first the motion is unknown
 
 
 def test_ecc_errs_by_hundredths_of_a_pixel(short: Sequence) -> None:
