@@ -239,6 +239,18 @@ def second(typing: Any, array: Any, column: Any, bits: Any) -> Any:
 
 
 @intrinsic
+def root(typing: Any, value: Any) -> Any:
+    """Return the square roots of lanes, rounded as IEEE 754 says."""
+
+    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        kind = ir.FunctionType(_FLOATS, (_FLOATS,))
+        square_root = cgutils.get_or_insert_function(builder.module, kind, "llvm.sqrt.v16f32")
+        return builder.call(square_root, args)
+
+    return (_lanes(value), generate) if value == _lanes else None
+
+
+@intrinsic
 def gather(typing: Any, array: Any, at: Any) -> Any:
     """Return sixteen elements of an int32 array (n,) at places; nothing checks that they are there.
 

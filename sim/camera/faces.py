@@ -9,9 +9,23 @@ from numpy.typing import NDArray
 from sim.camera import rows
 from sim.camera.geometry import Line, faces_seen, plane_map, project, row_of
 from sim.camera.scene import Channel, Scene, Work
+from sim.lanes import (
+    WIDTH,
+    gather,
+    lanes,
+    larger,
+    load,
+    places,
+    real,
+    root,
+    smaller,
+    store,
+    whole,
+)
 
 Array = NDArray[np.float64]
 Row = NDArray[np.float32]
+Rows = NDArray[np.float32]
 Texels = NDArray[np.int32]
 
 LANES = 8  # pixels of one vector
@@ -77,67 +91,53 @@ def span(edges: Array, y: float, low: int, high: int, slack: float) -> tuple[int
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def face_places(
-    line: Line, x0: int, place: tuple[int, int, int], index: Texels, fu: Row, fv: Row, depth: Row
+def face_light(
+    skin: Texels,
+    line: Line,
+    x0: int,
+    layout: tuple[int, int, int],
+    ray: tuple[float, float, float],
+    water: tuple[bool, float],
+    out: Rows,
 ) -> None:
-    """Write texel numbers, fractions and depths [m] of a face along a row; edges are repeated.
+    """Write light [grey] and transmission of a face along a row, (2, n); its edges are repeated.
 
-    `place` is the face in the skin: offset, columns, rows.
-    """
-    a0, b0, w0, a1, b1, w1 = line
-    first = np.int32(x0)
-    offset, columns, rows = place
-    start = np.int32(offset)
-    width = np.int32(columns)
-    right = _F(columns) - _F(1.001)
-    bottom = _F(rows) - _F(1.001)
-    for q in range(index.shape[0]):
-        column = _F(np.int32(first + np.int32(q)))
-        z = _F(1.0) / max(w0 + w1 * column, _F(1e-3))
-        u = min(max((a0 + a1 * column) * z, _F(0.0)), right)
-        v = min(max((b0 + b1 * column) * z, _F(0.0)), bottom)
-        iu = np.int32(u)
-        iv = np.int32(v)
-        fu[q] = u - _F(iu)
-        fv[q] = v - _F(iv)
-        depth[q] = z
-        index[q] = np.int32(start + np.int32(np.int32(iv * width) + iu))
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def face_transmission(
-    depth: Row, x0: int, lens: tuple[float, float], y: float, water: tuple[bool, float], out: Row
-) -> None:
-    """Write the transmission of each pixel's own ray; `water` is whether UWSim's fog, and c.
-
-    `lens` is focal length and principal column [px], `y` the row's slope in the camera frame.
+    `layout` is the face in the skin: offset, columns, rows. `ray` is focal length and principal
+    column [px] and the row's slope in the camera frame, `water` whether UWSim's fog, and c.
 
     exp(x) = p(x / 64)^64 with a polynomial p: for x > -10 the relative error is below 1e-5.
     """
-    inverse = _F(1.0 / lens[0])
-    middle = _F(lens[1])
-    square = _F(1.0 + y * y)
-    first = np.int32(x0)
-    c = _F(water[1])
-    fog = water[0]
-    for q in range(out.shape[0]):
-        x = (_F(np.int32(first + np.int32(q))) - middle) * inverse
-        if fog:
-            path = c * depth[q]
-            path = path * path
-        else:
-            path = c * depth[q] * np.sqrt(square + x * x)
-        t = max(-path, _F(-40.0)) * _F(1.0 / 64.0)
-        p = _F(1.0) + t * (
-            _F(1.0)
-            + t * (_F(0.5) + t * (_F(1.0 / 6.0) + t * (_F(1.0 / 24.0) + t * _F(1.0 / 120.0))))
-        )
+    offset, columns, height = layout
+    a0, b0, w0 = lanes(line[0]), lanes(line[1]), lanes(line[2])
+    a1, b1, w1 = lanes(line[3]), lanes(line[4]), lanes(line[5])
+    right = lanes(_F(columns) - _F(1.001))
+    bottom = lanes(_F(height) - _F(1.001))
+    inverse, middle = lanes(1.0 / ray[0]), lanes(ray[1])
+    square, c = lanes(1.0 + ray[2] * ray[2]), lanes(water[1])
+    zero, one, steps = lanes(0.0), lanes(1.0), load(rows.STEPS, 0, 0)
+    for block in range(out.shape[1] // WIDTH):
+        column = lanes(float(x0 + block * WIDTH)) + steps
+        z = one / larger(w0 + w1 * column, lanes(1e-3))
+        u = smaller(larger((a0 + a1 * column) * z, zero), right)
+        v = smaller(larger((b0 + b1 * column) * z, zero), bottom)
+        iu, iv = whole(u), whole(v)
+        four = gather(skin, places(offset) + (iv * places(columns) + iu))
+        store(out, 0, block * WIDTH, rows.mixture(four, u - real(iu), v - real(iv)))
+        x = (column - middle) * inverse
+        path = c * z
+        path = path * path if water[0] else path * root(square + x * x)
+        t = larger(path * lanes(-1.0), lanes(-40.0)) * lanes(1.0 / 64.0)
+        p = lanes(1.0 / 24.0) + t * lanes(1.0 / 120.0)
+        p = lanes(1.0 / 6.0) + t * p
+        p = lanes(0.5) + t * p
+        p = one + t * p
+        p = one + t * p
         p = p * p
         p = p * p
         p = p * p
         p = p * p
         p = p * p
-        out[q] = p * p
+        store(out, 1, block * WIDTH, p * p)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -265,30 +265,25 @@ def _draw_face(
     f, u0, v0 = lens[0][0], lens[0][1], lens[0][2]
     water = (lens[1], attenuation)
     corner = (layout[0], layout[1], layout[2])
-    all_index, all_texels = work.numbers, work.texels
-    all_fu, all_fv, all_transmission = work.face[0], work.face[1], work.face[2]
-    all_depth, all_radiance, all_share = work.face[3], work.face[4], work.face[5]
     for r in range(light.shape[0] // width):
         v = float(top + r)
         a, b = span(edges, v, x0, x1, 0.75)
         if b <= a:
             continue
         n = (b - a + rows.CHUNK - 1) // rows.CHUNK * rows.CHUNK
-        fu, fv, index, texels = all_fu[:n], all_fv[:n], all_index[:n], all_texels[:n]
-        transmission, depth = all_transmission[:n], all_depth[:n]
-        radiance, share = all_radiance[:n], all_share[:n]
-        face_places(row_of(pixel_map, v), a, corner, index, fu, fv, depth)
-        rows.fetch(skin, index, texels)
-        face_transmission(depth, a, (f, u0), (v - v0) / f, water, transmission)
+        drawn = work.face[: 2 * n].reshape(2, n)
+        share = work.share[:n]
+        ray = (f, u0, (v - v0) / f)
+        face_light(skin, row_of(pixel_map, v), a, corner, ray, water, drawn)
         _cover(edges, v, a, b, share)
         # What a short row has too much is cut off, or it would reach into the next row.
         begin = r * width + a - start
         end = min(begin + n, (r + 1) * width)
+        radiance, transmission = drawn[0], drawn[1]
         if gain.shape[0]:
-            rows.sample(texels, fu, fv, radiance)
             rows.shine(radiance, gain[begin:end], transmission, veil)
         else:
-            rows.sample_through(texels, fu, fv, transmission, veil, radiance)
+            rows.arrive(radiance, transmission, veil)
         blend(light[begin:end], ground[begin:end], radiance, share)
 
 

@@ -24,22 +24,9 @@ Texels = NDArray[np.int32]
 _F = np.float32
 BIAS = 4096  # [texel] keeps the coordinates positive, so that int() rounds down
 _REACH = _F(4000.0)  # [texel] 20 m: what lies farther repeats the texture's edge
-_BYTE = np.int32(255)
 NODE = 16  # [px] distance of the points at which the seabed's transmission is computed
-_STEPS = np.arange(NODE, dtype=np.float32)[None]
+STEPS = np.arange(NODE, dtype=np.float32)[None]
 CHUNK = 32  # [px] what LLVM makes of a loop is whole vectors for a multiple of this
-
-
-@njit(cache=True, nogil=True, error_model="numpy", inline="always")
-def _mixed(four: np.int32, fu: np.float32, fv: np.float32) -> np.float32:
-    """Return the bilinear mixture of a packed texel's four greys."""
-    a = _F(np.int32(four & _BYTE))
-    b = _F(np.int32(np.int32(four >> np.int32(8)) & _BYTE))
-    c = _F(np.int32(np.int32(four >> np.int32(16)) & _BYTE))
-    d = _F(np.int32(np.int32(four >> np.int32(24)) & _BYTE))
-    top = a + fu * (b - a)
-    low = c + fu * (d - c)
-    return top + fv * (low - top)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -69,7 +56,7 @@ def seabed_light(
     blocks = out.reshape(out.shape[0] // NODE, NODE)
     across = width // NODE
     shift_u, shift_v = places(shift[0]), places(shift[1])
-    steps = load(_STEPS, 0, 0)
+    steps = load(STEPS, 0, 0)
     least, far, near, bias = lanes(1e-3), lanes(_REACH), lanes(-_REACH), lanes(float(BIAS))
     for r in range(blocks.shape[0] // across):
         a, b, w, a_slope, b_slope, w_slope = row_of(ground, float(row + r))
@@ -84,12 +71,12 @@ def seabed_light(
             across_tile = (iu + shift_u) & places(TILE - 1)
             down_tile = (iv + shift_v) & places(TILE - 1)
             four = gather(tile, down_tile * places(STRIDE) + across_tile)
-            store(blocks, r * across + i, 0, _mixture(four, u - real(iu), v - real(iv)))
+            store(blocks, r * across + i, 0, mixture(four, u - real(iu), v - real(iv)))
 
 
 @njit(cache=True, nogil=True, error_model="numpy", inline="always")
-def _mixture(four: "Places", fu: "Lanes", fv: "Lanes") -> "Lanes":
-    """Return the bilinear mixtures of packed texels: those of `_mixed`, to the bit."""
+def mixture(four: "Places", fu: "Lanes", fv: "Lanes") -> "Lanes":
+    """Return the bilinear mixtures of packed texels' four greys."""
     byte = places(255)
     a, b = real(four & byte), real((four >> places(8)) & byte)
     c, d = real((four >> places(16)) & byte), real((four >> places(24)) & byte)
@@ -99,27 +86,11 @@ def _mixture(four: "Places", fu: "Lanes", fv: "Lanes") -> "Lanes":
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def fetch(quads: Texels, index: Texels, out: Texels) -> None:
-    """Write the packed texels of texel numbers; apart, so that the arithmetic vectorises."""
-    for q in range(index.shape[0]):
-        out[q] = quads[np.uint32(index[q])]
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def sample(quad: Texels, fu: Row, fv: Row, out: Row) -> None:
-    """Write bilinear samples [grey] of packed texels."""
-    for q in range(out.shape[0]):
-        out[q] = _mixed(quad[q], fu[q], fv[q])
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def sample_through(
-    quad: Texels, fu: Row, fv: Row, transmission: Row, veil: float, out: Row
-) -> None:
-    """Write what arrives of the bilinear samples of packed texels through the water [grey]."""
+def arrive(light: Row, transmission: Row, veil: float) -> None:
+    """Replace radiances [grey] by what arrives of them through the water."""
     b = _F(veil)
-    for q in range(out.shape[0]):
-        out[q] = (_mixed(quad[q], fu[q], fv[q]) - b) * transmission[q] + b
+    for q in range(light.shape[0]):
+        light[q] = (light[q] - b) * transmission[q] + b
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -141,7 +112,7 @@ def spread(nodes: NDArray[np.float32], place: tuple[int, int, int], out: Row) ->
     first = start // NODE
     blocks = out.reshape(out.shape[0] // NODE, NODE)
     across = width // NODE
-    steps = load(_STEPS, 0, 0)
+    steps = load(STEPS, 0, 0)
     k = 0
     for r in range(blocks.shape[0] // across):
         j = (row + r) // NODE
@@ -175,7 +146,7 @@ def pass_through(
     first = start // NODE
     blocks = light.reshape(light.shape[0] // NODE, NODE)
     across = width // NODE
-    steps, b = load(_STEPS, 0, 0), lanes(veil)
+    steps, b = load(STEPS, 0, 0), lanes(veil)
     k = 0
     for r in range(blocks.shape[0] // across):
         j = (row + r) // NODE

@@ -51,10 +51,9 @@ class Work(NamedTuple):
     light: Row  # [grey] the strip
     ground: Row  # [grey] the strip before the faces
     transmission: Row  # of the strip
-    face: Rows  # (6, width)
+    face: Row  # light and transmission of a row of a face
+    share: Row  # and how much of each pixel it covers
     gain: Rows  # (2, strip) light on ground and faces
-    numbers: Texels  # of a row of a face
-    texels: Texels
     levels: NDArray[np.uint8]  # the strip in grey levels
 
 
@@ -66,9 +65,8 @@ def work_for(width: int) -> Work:
         light=np.zeros(strip, np.float32),
         ground=np.zeros(strip, np.float32),
         transmission=np.zeros(strip, np.float32),
-        face=np.zeros((6, wide), np.float32),
+        face=np.zeros(2 * wide, np.float32),
+        share=np.zeros(wide, np.float32),
         gain=np.zeros((2, strip), np.float32),
-        numbers=np.zeros(wide, np.int32),
-        texels=np.zeros(wide, np.int32),
         levels=np.zeros(strip, np.uint8),
     )
