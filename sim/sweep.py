@@ -226,6 +226,13 @@ def level_names(config: Configuration) -> tuple[str, ...]:
     return tuple(" · ".join(f"{value:g}" for value in point.values()) for point in config.points())
 
 
+def axes(config: Configuration) -> str:
+    """Return what the parts of a `level_names` are, with their units; empty without a grid."""
+    if not isinstance(config, GridSettings) or not config.has_grid():
+        return ""
+    return " · ".join(_choice(UPDATERS[name].quantity) for name in config.coordinates(0))
+
+
 def comments(config: Configuration) -> list[str]:
     """Return a line for each level, for the head of a table: what it sets."""
     if isinstance(config, GridSettings) and config.has_grid():

@@ -14,7 +14,7 @@ from server.pages import benchmarks, measures
 from server.rate_limits import ORDER, limiter
 from server.run_files import RunFiles
 from server.services import services
-from sim.sweep import level_names
+from sim.sweep import axes, level_names
 
 LOG_SHOWN = 64 * 1024  # [character] of the log on the page; the whole of it can be downloaded
 SECONDS_BETWEEN_PICTURES = 0.05
@@ -41,6 +41,7 @@ def show(run_id: int) -> ResponseReturnValue:
         tables=measures.tables(benchmark, run.config, run.metrics or {}),
         facts=measures.facts(benchmark, run.metrics or {}),
         level=config.level_metric(),
+        axes=axes(config),
         headline=benchmark.headline_of(config),
         held_unit=benchmark.held_unit_of(config),
         trials=measures.trials(run.metrics or {}),
