@@ -16,7 +16,8 @@ many times faster than ViSP's fastest, SSD inverse compositional. ViSP has sampl
 levels down to full resolution (ZNCC and MI one; with two they lose this target as well), and for
 its ESM `setGain(2)`.
 Errors are root mean squares over the four corners, of the pictures until the first with more than
-10 px, where a tracker counts as lost. Times differ from machine to machine and with what else runs:
+10 px, where a tracker counts as lost. On the plain target, which shows nothing but its edges, all
+are started 6 px beyond it. Times differ from machine to machine and with what else runs:
 compare within the table.
 
 """

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from performance.trackers.contenders import Contender
-from performance.trackers.sequences import Sequence
+from performance.trackers.sequences import Sequence, carried
 from sim.registry import TRACKERS
 from sim.trackers import Tracker
 from sim.trackers.choices import refusals
@@ -43,7 +43,7 @@ def race(contenders: tuple[Contender, ...], sequence: Sequence) -> list[Result]:
     for contender in contenders:
         if not refusals(contender.tracker, contender.options):
             tracker = _made(contender)
-            tracker.start(sequence.pictures[0].copy(), sequence.corners[0])
+            tracker.start(sequence.pictures[0].copy(), sequence.start_corners())
             results.append(Result(contender))
             trackers.append(tracker)
     for first in range(1, len(sequence.pictures), TURN):
@@ -66,7 +66,8 @@ def _one(result: Result, tracker: Tracker, sequence: Sequence, k: int) -> None:
     spent_us = (time.process_time_ns() - began) / 1e3
     own_s = getattr(tracker, "spent_s", None)
     result.spent_us.append(spent_us if own_s is None else 1e6 * own_s)
-    error = float(np.sqrt(((track.corners - sequence.corners[k]) ** 2).sum(axis=1).mean()))
+    found = carried(sequence.start_corners(), track.corners, sequence.corners[0])
+    error = float(np.sqrt(((found - sequence.corners[k]) ** 2).sum(axis=1).mean()))
     result.errors_px.append(error)
     if error > FAILED_PX:
         result.lost_at = k

@@ -6,8 +6,9 @@ measured, so that drawing disturbs no tracker's cache more than another's.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -29,12 +30,33 @@ _WAVES = (
 )
 
 
+_UNIT = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+PLAIN_MARGIN_PX = 6.0  # S: a uniform target's template was grown by as much in our research
+
+
+def carried(
+    old: NDArray[np.float64], new: NDArray[np.float64], points: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Return points (n, 2) under the homography that takes one quadrilateral to another."""
+    h = cv2.getPerspectiveTransform(old.astype(np.float32), new.astype(np.float32))
+    moved = cv2.perspectiveTransform(points[:, None].astype(np.float64), h)
+    return np.asarray(moved[:, 0], dtype=np.float64)
+
+
 @dataclass(frozen=True, slots=True)
 class Sequence:
     """Pictures (n, H, W) and true corners (n, 4, 2) [px]."""
 
     pictures: NDArray[np.uint8]
     corners: NDArray[np.float64]
+    margin_px: float = 0.0  # how far beyond the target all trackers are started
+
+    def start_corners(self) -> NDArray[np.float64]:
+        """Return the corners (4, 2) [px] that trackers are given with the first picture."""
+        quad = self.corners[0]
+        width, height = (float(np.linalg.norm(quad[k] - quad[0])) for k in (1, 3))
+        beyond = np.array([self.margin_px / width, self.margin_px / height])
+        return carried(_UNIT, quad, _UNIT + np.sign(_UNIT - 0.5) * beyond)
 
     def fastest_px(self) -> float:
         """Return the largest way of a corner from one picture to the next."""
@@ -51,18 +73,24 @@ def motion(frames: int, *, speed: float) -> NDArray[np.float64]:
     return np.column_stack(columns)
 
 
-def _drawn(optics: Optics, water: Water, speed: float) -> Sequence:
-    camera = Camera(optics, water, BOX, noise_seed=3)
-    poses = start_pose(optics, BOX, HEIGHT_M) + motion(FRAMES, speed=speed)
+def _drawn(
+    optics: Optics, water: Water, speed: float, box: Target = BOX, margin_px: float = 0.0
+) -> Sequence:
+    camera = Camera(optics, water, box, noise_seed=3)
+    poses = start_pose(optics, box, HEIGHT_M) + motion(FRAMES, speed=speed)
     pictures = np.stack([camera.grey(pose, k) for k, pose in enumerate(poses)])
-    return Sequence(pictures, np.stack([camera.corners(pose) for pose in poses]))
+    truth = np.stack([camera.corners(pose) for pose in poses])
+    return Sequence(pictures, truth, margin_px)
 
 
 # What each shows: the figure to reach, fast motion (over 12 px a picture), little contrast (a fifth
-# of the light arrives), and four times the pixels.
+# of the light arrives), a target without texture, and four times the pixels.
 SEQUENCES: dict[str, Callable[[], Sequence]] = {
     "clear": lambda: _drawn(VISIBILITY, Water(), 1.0),
     "fast": lambda: _drawn(VISIBILITY, Water(), 2.6),
     "turbid": lambda: _drawn(VISIBILITY, Water.grey(1.2), 1.0),
+    "plain": lambda: _drawn(
+        VISIBILITY, Water(), 1.0, replace(BOX, lettered=False), PLAIN_MARGIN_PX
+    ),
     "640x480": lambda: _drawn(CURRENTS, Water(), 1.0),
 }

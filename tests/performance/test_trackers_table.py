@@ -1,6 +1,9 @@
 """The comparison of trackers: its sequences, its fairness, its words."""
 
+from dataclasses import replace
+
 import numpy as np
+import pytest
 
 from performance.trackers.contenders import CONTENDERS, PEER, Contender
 from performance.trackers.race import Result, race
@@ -34,3 +37,13 @@ def test_pictures_from_the_lost_one_on_are_not_part_of_the_error() -> None:
     result = Result(Contender("ours", "esm"), errors_px=[0.1, 0.1, 50.0], lost_at=2)
 
     assert result.error(95) == 0.1
+
+
+def test_a_template_that_reaches_beyond_the_target_is_judged_by_the_target() -> None:
+    still = _still(6)
+    grown = replace(still, margin_px=6.0)
+    (result,) = race((Contender("ours", "esm"),), grown)
+
+    assert np.abs(grown.start_corners() - still.corners[0]).max() == pytest.approx(6.0, abs=0.3)
+    assert np.allclose(still.start_corners(), still.corners[0], atol=1e-3)
+    assert result.error(95) < 0.5
