@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 from server.flaws import Flaw
 from server.roles import ROLES, Role
+from sim.syntax_trees import module_of
 
 PARSED_MAX = 512 * 1024  # [B] over all files; what is longer is read in its box only
 TEMPLATE = "The documentation has a template to start from."
@@ -44,7 +45,7 @@ def _read(path: str, content: bytes) -> tuple[Flaw | None, ast.Module | None]:
     """Return the tree of a text, or what keeps it from having one."""
     try:
         text = content.decode("utf-8-sig")
-        return None, ast.parse(text, filename=path)
+        return None, module_of(text, path)
     except UnicodeDecodeError as error:
         line = content[: error.start].count(b"\n") + 1
         return Flaw(sentence="The text is not UTF-8.", file=path, line=line), None

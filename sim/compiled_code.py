@@ -8,17 +8,19 @@ way of others. A change compiles anew what depends on it and nothing else.
 Numba imports this module by name (NUMBA_CACHE_LOCATOR_CLASSES), set in `sim/__init__.py`.
 """
 
-import ast
 import functools
 import hashlib
 import os
 from collections.abc import Callable, Iterator
+from modulefinder import ModuleFinder
 from pathlib import Path
+from types import CodeType
 from typing import Self
 
 from numba.core.caching import _CacheLocator
 
 ROOT = Path(__file__).resolve().parent.parent
+_FINDER = ModuleFinder()
 _OF_THIS_USER = Path.home() / ".cache" / "seamark"
 
 
@@ -81,7 +83,7 @@ def _closure(file: Path, root: Path) -> set[Path]:
 @functools.cache
 def _imported(file: Path, root: Path) -> tuple[Path, ...]:
     """Return the files below `root` that one file names in its import statements."""
-    names = _names(ast.parse(file.read_bytes()))
+    names = _names(compile(file.read_bytes(), str(file), "exec", dont_inherit=True))
     candidates = (root.joinpath(*name.split(".")) for name in names)
     files = (
         path for base in candidates for path in (base.with_suffix(".py"), base / "__init__.py")
@@ -89,11 +91,17 @@ def _imported(file: Path, root: Path) -> tuple[Path, ...]:
     return tuple(path for path in files if path.is_file() and path != file)
 
 
-def _names(tree: ast.AST) -> Iterator[str]:
-    """Yield the full names that may be modules: `from a import b` names a and a.b."""
-    for node in ast.walk(tree):
-        if isinstance(node, ast.Import):
-            yield from (alias.name for alias in node.names)
-        elif isinstance(node, ast.ImportFrom) and node.module and not node.level:
-            yield node.module
-            yield from (f"{node.module}.{alias.name}" for alias in node.names)
+def _names(code: CodeType) -> Iterator[str]:
+    """Yield the full names that may be modules: `from a import b` names a and a.b.
+
+    From the compiled text, not its syntax tree: trees that two threads make at a time can fail in
+    CPython before 3.11.5 (its issue 106905).
+    """
+    for kind, named in _FINDER.scan_opcodes(code):
+        if kind == "absolute_import":
+            members, module = named
+            yield module
+            yield from (f"{module}.{member}" for member in members or ())
+    for constant in code.co_consts:
+        if isinstance(constant, CodeType):
+            yield from _names(constant)

@@ -14,6 +14,8 @@ from typing import NoReturn
 
 from simpleeval import InvalidExpression, SimpleEval
 
+from sim.syntax_trees import expression_of
+
 LONGEST = 500  # characters
 DEEPEST = 30  # nested operations
 MOST_NODES = 250
@@ -92,7 +94,7 @@ def _parsed(expression: str, names: Collection[str]) -> ast.Expression:
             f"The expression has {len(expression)} characters; at most {LONGEST} are possible."
         )
     try:
-        tree = ast.parse(expression.replace("\n", " ").strip(), mode="eval")
+        tree = expression_of(expression.replace("\n", " ").strip())
     except SyntaxError as error:
         place = max(error.offset or 1, 1)
         raise ExpressionInvalid(
