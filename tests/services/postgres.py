@@ -1,10 +1,11 @@
 """A private PostgreSQL for the tests.
 
 The wheel's own start-up makes system users and opens parent folders when it is root, so its
-binaries are run directly, as root inside a user namespace in which we are user 1000.
+binaries are run directly, as root inside a user namespace in which we are somebody else.
 """
 
 import os
+import pwd
 import subprocess
 import tempfile
 import time
@@ -13,11 +14,16 @@ from contextlib import contextmanager
 from importlib.util import find_spec
 from pathlib import Path
 
-_AS_USER = ["unshare", "-U", "--map-user=1000", "--map-group=1000"]
-
 
 def _prefix() -> list[str]:
-    return _AS_USER if os.geteuid() == 0 else []
+    """Return what makes root somebody else: a user that this machine knows, or initdb refuses."""
+    if os.geteuid() != 0:
+        return []
+    somebody = next(entry for entry in pwd.getpwall() if entry.pw_uid != 0)
+    return [
+        *("unshare", "-U"),
+        *(f"--map-user={somebody.pw_uid}", f"--map-group={somebody.pw_gid}"),
+    ]
 
 
 def binaries() -> Path | None:
