@@ -94,24 +94,14 @@ def _replay(benchmark: str, config: str, seeds: Seeds) -> "Replay":
 
 
 def _row_at(files: RunFiles, trial: int, t: float) -> Row | None:
-    """Return the last row of a trial that is not later than `t`, by halving; else its first."""
-    low, high = 0, files.row_count()
-    while low < high:
-        middle = (low + high) // 2
-        if _place(files.rows(middle, middle + 1)[0]) <= (trial, t + 1e-6):
-            low = middle + 1
-        else:
-            high = middle
-    for at in (low - 1, low):  # before the first row of a trial: that one
+    """Return the last row of a trial that is not later than `t`; else its first."""
+    after = files.rows_until(trial, t + 1e-6)
+    for at in (after - 1, after):  # before the first row of a trial: that one
         found = files.rows(at, at + 1) if at >= 0 else np.empty((0, 0))
         if len(found) and int(found[0, INDEX["trial"]]) == trial:
             row: Row = found[0]
             return row
     return None
-
-
-def _place(row: Row) -> tuple[int, float]:
-    return int(row[INDEX["trial"]]), float(row[INDEX["t"]])
 
 
 def _marked(image: Picture, row: Row, truth: Row) -> Picture:

@@ -8,8 +8,10 @@ writes into the files of the next one.
 """
 
 import json
+import math
 import os
 import secrets
+from bisect import bisect_right
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,7 +20,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.telemetry import NAMES
+from sim.telemetry import INDEX, NAMES
 
 HEAD_MAX = 256 * 1024  # [byte] of the log kept from its start
 TAIL_MAX = 256 * 1024  # [byte] of the log kept from its end
@@ -113,6 +115,19 @@ class RunFiles:
         values = np.fromfile(self.telemetry_path, "<f8", count * len(names), offset=offset)
         rows = values.reshape(count, len(names)).astype(np.float64, copy=False)
         return rows if names == NAMES else _in_present_columns(rows, names)
+
+    def rows_until(self, trial: int, t: float) -> int:
+        """Return how many rows there are up to time t [s] of a trial; trials follow each other."""
+        return bisect_right(range(self.row_count()), (trial, t), key=self._place)
+
+    def rows_of_trial(self, trial: int) -> Rows:
+        """Return the rows of one trial so far, shape (k, number of columns)."""
+        first, after = (self.rows_until(number, -math.inf) for number in (trial, trial + 1))
+        return self.rows(first, after)
+
+    def _place(self, at: int) -> tuple[int, float]:
+        row = self.rows(at, at + 1)[0]
+        return int(row[INDEX["trial"]]), float(row[INDEX["t"]])
 
     def log(self, after: int = 0) -> LogPart:
         """Return what was printed from byte `after` on, as far as it is kept."""

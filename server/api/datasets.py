@@ -16,7 +16,6 @@ from server.problems import Problem
 from server.run_files import RunFiles
 from server.services import services
 from sim import registry
-from sim.telemetry import INDEX, Rows
 
 PICTURES_MAX = 1200  # in one download: a minute of a core, some hundred megabytes
 _BUSY_RETRY_S = 20
@@ -50,7 +49,7 @@ def dataset(path: RunPath, query: DatasetQuery) -> Response:
             "A ranked run's pictures would give its hidden seeds away. Make a practice run with "
             "the same configuration.",
         )
-    rows = _trial(RunFiles(services().settings.data, view.id), query.trial)
+    rows = RunFiles(services().settings.data, view.id).rows_of_trial(query.trial)
     end = float("inf") if query.until is None else query.until
     choice = Choice(every=query.every, begin_s=query.begin, end_s=end, colour=query.colour)
     wanted = len(choice.of(rows))
@@ -74,24 +73,6 @@ def dataset(path: RunPath, query: DatasetQuery) -> Response:
     name = f"seamark-run-{view.id}-dataset.zip"
     answer.headers.set("Content-Disposition", "attachment", filename=name)
     return answer
-
-
-def _trial(files: RunFiles, trial: int) -> Rows:
-    """Return all rows of a trial so far."""
-    first, after = (_first_row(files, number) for number in (trial, trial + 1))
-    return files.rows(first, after)
-
-
-def _first_row(files: RunFiles, trial: int) -> int:
-    """Return where a trial begins, by halving; the number of rows if it has not begun."""
-    low, high = 0, files.row_count()
-    while low < high:
-        middle = (low + high) // 2
-        if files.rows(middle, middle + 1)[0, INDEX["trial"]] < trial:
-            low = middle + 1
-        else:
-            high = middle
-    return low
 
 
 def _alone(pieces: Iterator[bytes]) -> Iterator[bytes]:

@@ -14,7 +14,6 @@ from server.api import gate
 from server.api.files import files_of
 from server.api.schemas import RunPath, SeriesAnswer, SeriesQuery
 from server.problems import Problem
-from server.run_files import RunFiles
 from sim.telemetry import INDEX
 
 COLUMNS_MAX = 16
@@ -33,7 +32,7 @@ def series(path: RunPath, query: SeriesQuery) -> dict[str, Any]:
     """Show columns of one trial on one time axis; thinned, with the peaks kept."""
     names = _names(query.columns)
     view = gate.run_for(path.run_id)
-    rows = _trial(files_of(view), query.trial)
+    rows = files_of(view).rows_of_trial(query.trial)
     t, columns = thin(rows[:, INDEX["t"]], rows[:, [INDEX[n] for n in names]], query.max_points)
     return {
         "t": t.tolist(),
@@ -54,25 +53,6 @@ def _names(text: str) -> list[str]:
         detail = f"1 to {COLUMNS_MAX} of: {', '.join(INDEX)}."
         raise Problem("invalid-request", "No such columns.", errors={"columns": detail})
     return list(dict.fromkeys(names))
-
-
-def _trial(files: RunFiles, trial: int) -> Rows:
-    """Return the rows of one trial; trials follow each other in the file."""
-    total = files.row_count()
-    first, last = _bound(files, total, trial), _bound(files, total, trial + 1)
-    return files.rows(first, last)
-
-
-def _bound(files: RunFiles, total: int, trial: int) -> int:
-    """Return the first row of a trial or of a later one, by halving."""
-    low, high = 0, total
-    while low < high:
-        middle = (low + high) // 2
-        if files.rows(middle, middle + 1)[0, INDEX["trial"]] < trial:
-            low = middle + 1
-        else:
-            high = middle
-    return low
 
 
 def thin(t: Rows, columns: Rows, max_points: int) -> tuple[Rows, Rows]:

@@ -5,6 +5,7 @@ Declarations after the standards (fmi-standard.org: FMI 2.0.4, 2.2 and 4.2; FMI 
 
 import ctypes as c
 import sys
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
@@ -62,7 +63,7 @@ class Group:
         self._call(*self._arguments)
 
 
-class Library:
+class Library(ABC):
     """One instance of an FMU; each function raises Unusable if the FMU says no."""
 
     def __init__(self, path: Path, description: Description, resources: Path) -> None:
@@ -98,20 +99,21 @@ class Library:
                 f"The FMU did not instantiate (the token of its description is {token.decode()})."
             )
 
+    @abstractmethod
     def group(self, action: str, kind: str, variables: Sequence[Variable]) -> Group:
         """Return a call that sets or gets all of these variables."""
-        raise NotImplementedError
 
+    @abstractmethod
     def initialize(self, start_s: float, set_constants: Callable[[], None]) -> None:
         """Bring the instance to where it can step, from a new one."""
-        raise NotImplementedError
 
+    @abstractmethod
     def step(self, t: float, dt: float) -> None:
         """Let the model go on by dt [s]."""
-        raise NotImplementedError
 
+    @abstractmethod
     def _instantiate(self, token: bytes) -> int | None:
-        raise NotImplementedError
+        """Return the pointer to a new instance; None if there is none."""
 
 
 class Library2(Library):
