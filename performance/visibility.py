@@ -30,6 +30,12 @@ CASES: Mapping[str, Mapping[str, object]] = {
     f"esm {criterion} {warp}": {"criterion": criterion, "warp": warp}
     for criterion, warps in WARPS.items()
     for warp in warps
+} | {
+    "klt homography": {"tracker": "klt", "warp": "homography"},
+    "klt srt": {"tracker": "klt", "warp": "srt"},
+    "ecc homography": {"tracker": "ecc", "warp": "homography"},
+    "ecc affine": {"tracker": "ecc", "warp": "affine"},
+    "box": {"tracker": "box", "warp": "translation"},
 }
 DRAWN = ("esm zncc srt", "esm zncc homography", "esm mi homography", "esm ssd homography")
 
