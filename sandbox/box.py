@@ -12,6 +12,7 @@ from typing import Any, Self, TypeVar, cast
 
 from sandbox import answers, frames, verdicts
 from sandbox.answers import Command, Corners, Detection
+from sandbox.command import IMAGES_DESCRIPTOR
 from sandbox.confined import Confined, Layers
 from sandbox.conversation import Conversation
 from sandbox.frames import Failure, FrameInvalid
@@ -124,7 +125,7 @@ class Box:
             "layout": dict(layout),
         }
         if layout.get("role", ROLES[0]) != ROLES[0]:
-            header["images"] = self._pictures.described()
+            header["images"] = self._pictures.described(IMAGES_DESCRIPTOR)
         return header
 
     def reset(self, level: Mapping[str, object]) -> None:

@@ -11,7 +11,9 @@ import shutil
 import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import count
 from pathlib import Path
+from typing import Self
 
 from sandbox.languages.language import Runtime
 from sandbox.limits import Limits
@@ -22,6 +24,8 @@ DEV_BYTES = 65536  # [B] room for the mount points of /dev
 LOCKED_BYTES = 65536  # [B] RLIMIT_MEMLOCK
 STACK_BYTES = 8 << 20  # [B] RLIMIT_STACK
 INNER_PROCESSES = 1  # bubblewrap's own, in the same namespace
+FIRST_DESCRIPTOR = 3  # in the box: the protocol's, after standard input, output and error
+IMAGES_DESCRIPTOR = 4
 CPU_GRACE_S = 2  # [s] RLIMIT_CPU is the backstop of a lost worker, not the limit
 
 NAMESPACES = ("user", "ipc", "pid", "net", "uts", "cgroup")
@@ -37,9 +41,22 @@ class Descriptors:
     images: int | None = None  # and this one, if it is shown images; else its runner closes it
 
     def inherited(self) -> tuple[int, ...]:
-        """Return all of them."""
-        every = (self.protocol, self.information, self.filter, self.images)
+        """Return all of them; the program's own come first."""
+        every = (self.protocol, self.images, self.information, self.filter)
         return tuple(number for number in every if number is not None)
+
+    def inside(self) -> Self:
+        """Return the numbers that the launcher gives them.
+
+        They do not tell how many files the worker has open, and are the same in every run.
+        """
+        moved = dict(zip(self.inherited(), count(FIRST_DESCRIPTOR), strict=False))
+        return type(self)(
+            protocol=moved[self.protocol],
+            information=moved[self.information],
+            filter=None if self.filter is None else moved[self.filter],
+            images=None if self.images is None else moved[self.images],
+        )
 
 
 def bubblewrap() -> str:
@@ -60,8 +77,8 @@ def bwrap_command(
 ) -> list[str]:
     """Return bubblewrap's command line.
 
-    `namespaces` are fewer only in tests. `limit_inside` lets the runner limit processes and
-    memory, where no control group does.
+    `use` has the numbers inside. `namespaces` are fewer only in tests. `limit_inside` lets the
+    runner limit processes and memory, where no control group does.
     """
     command = [bubblewrap(), *(f"--unshare-{name}" for name in namespaces)]
     command += ["--hostname", "sandbox"] if "uts" in namespaces else []
@@ -106,10 +123,17 @@ def _writable(limits: Limits) -> Iterator[str]:
 
 
 def launcher_command(
-    command: list[str], limits: Limits, *, groups: list[str], uid: int | None, core: int | None
+    command: list[str],
+    limits: Limits,
+    inherited: Sequence[int],
+    *,
+    groups: list[str],
+    uid: int | None,
+    core: int | None,
 ) -> list[str]:
     """Return the command line of the launcher that becomes bubblewrap."""
-    orders = [f"group={entry}" for entry in groups]
+    orders = [f"descriptors={','.join(map(str, (FIRST_DESCRIPTOR, *inherited)))}"]
+    orders += [f"group={entry}" for entry in groups]
     orders += [] if core is None else [f"core={core}"]
     resources = {
         "RLIMIT_CORE": 0,

@@ -96,11 +96,12 @@ class Confined:
             bwrap_command(
                 runtime,
                 limits,
-                use,
+                use.inside(),
                 limit_inside=self.group is None,
                 namespaces=layers.namespaces,
             ),
             limits,
+            use.inherited(),
             groups=self.group.entries() if self.group else [],
             uid=self._slot.uid if self._slot else None,
             core=core,

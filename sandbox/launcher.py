@@ -18,7 +18,9 @@ def main() -> None:
     split = sys.argv.index("--")
     for order in sys.argv[1:split]:
         name, _, value = order.partition("=")
-        if name == "group":
+        if name == "descriptors":
+            renumber(*map(int, value.split(",")))
+        elif name == "group":
             write(value, b"0")
         elif name == "core":
             os.sched_setaffinity(0, {int(value)})
@@ -32,6 +34,19 @@ def main() -> None:
     command = sys.argv[split + 1 :]
     # bubblewrap's own start environment can be read inside as /proc/1/environ: it is empty.
     os.execve(command[0], command, {})  # noqa: S606
+
+
+def renumber(first: int, *inherited: int) -> None:
+    """Give the inherited descriptors the numbers from the first on, in their order.
+
+    Each copy's number grows and is at least its final one, so that none is lost under another.
+    """
+    copies = [os.dup(number) for number in inherited]
+    for number in inherited:
+        os.close(number)
+    for final, copy in enumerate(copies, start=first):
+        os.dup2(copy, final)
+        os.set_inheritable(final, True)
 
 
 def become(uid: int) -> None:

@@ -38,9 +38,10 @@ class Pictures:
             os.close(writing)
         self._updates = 0
 
-    def described(self) -> dict[str, int]:
-        """Return what a program has to know to map the memory."""
-        return {"descriptor": self.descriptor, "bytes": PLACES * MOST_BYTES}
+    @staticmethod
+    def described(descriptor: int) -> dict[str, int]:
+        """Return what a program has to know to map the memory; the number is that in the box."""
+        return {"descriptor": descriptor, "bytes": PLACES * MOST_BYTES}
 
     def first(self, image: object) -> bytes:
         """Put an image where it stays until the next first one; return the frame's words on it."""

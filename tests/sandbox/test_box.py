@@ -73,6 +73,23 @@ def test_an_observation_goes_in_and_a_command_comes_out(box, values) -> None:
     assert box.step(values) == (1.0, 2.0, 3.0, 0.5)
 
 
+def test_a_program_sees_the_same_descriptors_however_many_files_the_worker_has_open(level) -> None:
+    source = (
+        b"import os\n\n\ndef is_open(number):\n    try:\n        return bool(os.fstat(number))\n"
+    )
+    source += b"    except OSError:\n        return False\n\n\n"
+    source += program(step="print([number for number in range(256) if is_open(number)])")
+    told = []
+    with contextlib.ExitStack() as held:
+        for _ in range(2):
+            with Box(limits=Limits(), level=level) as box:
+                told.append(printed(box, source))
+            for number in [os.dup(0) for _ in range(40)]:
+                held.callback(os.close, number)
+
+    assert told[0] == told[1] == "[0, 1, 2, 3]\n"
+
+
 @pytest.mark.parametrize(
     ("expression", "expected"),
     [
