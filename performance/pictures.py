@@ -26,10 +26,11 @@ EFFECTS: dict[str, dict[str, Any]] = {
     "daylight 0.05, lamp 4": {"light_level": 0.05, "lamp": 4.0},
     "snow 800 / m3": {"snow_per_m3": 800.0},
     "scatter 10 mrad": {"scatter_rad": 0.010},
+    "caustics 0.4": {"caustics": 0.4},
     "fish": {"fish_per_min": 20.0},
     "all": {
         **{"exposure_s": 0.05, "light_level": 0.4, "lamp": 2.0, "snow_per_m3": 400.0},
-        **{"scatter_rad": 0.003, "fish_per_min": 20.0},
+        **{"caustics": 0.3, "scatter_rad": 0.003, "fish_per_min": 20.0},
     },
 }
 

@@ -2,6 +2,7 @@
 
 from functools import partial
 
+from sim.camera.effects import MOST_CAUSTICS
 from sim.configuration import Configuration, knob
 
 effect = partial(
@@ -27,6 +28,14 @@ class EffectSettings(Configuration):
         says="Light from above as a share of the usual; the camera does not adapt.",
         low=0.01,
         high=2,
+    )
+    caustics: float = effect(
+        0.0,
+        title="Caustics",
+        says="Daylight that the waves above focus into a running net: its standard deviation as a "
+        "share of its mean; 0 is none.",
+        low=0,
+        high=MOST_CAUSTICS,
     )
     lamp: float = effect(
         0.0,

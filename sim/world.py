@@ -98,6 +98,7 @@ def effects_of(config: ExperimentSettings) -> Effects:
     return Effects(
         exposure_s=config.camera_exposure_s,
         light_level=config.light_level,
+        caustics=config.caustics,
         lamp=config.lamp,
         lamp_cone_rad=config.lamp_cone_rad,
         snow_per_m3=config.snow_per_m3,

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sim.camera import raycast, special
+from sim.camera.caustics import WAVES, amplitude_for, waves_of
 from sim.camera.effects import Disturbance, Effects
 from sim.camera.geometry import look, project
 from sim.camera.optics import Optics
@@ -155,16 +156,19 @@ class Camera:
             fog=self.water.law == "uwsim",
         )
 
-    def _disturbance_of(self) -> tuple[float, ...] | None:
+    def _disturbance_of(self) -> tuple[object, ...] | None:
         """Return the effects for the kernels; None when all are off."""
         effects = self.effects
         if not effects.any:
             return None
+        seed = self._noise_seed & 0x7FFFFFFF
         sine, cosine = sin(effects.lamp_cone_rad), cos(effects.lamp_cone_rad)
         return tuple(
             Disturbance(
                 exposure_s=float(effects.exposure_s),
                 level=float(effects.light_level),
+                waves=waves_of(seed)[: WAVES if effects.caustics > 0 else 0],
+                wave=amplitude_for(effects.caustics),
                 lamp=float(effects.lamp),
                 cone=(cosine / sine) ** 2,
                 lit=effects.lit,
@@ -173,7 +177,7 @@ class Camera:
                 fish=effects.fish_per_min / 60.0,
                 fish_m=float(effects.fish_length_m),
                 frame_s=float(effects.frame_s),
-                seed=self._noise_seed & 0x7FFFFFFF,
+                seed=seed,
             )
         )
 

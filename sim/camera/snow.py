@@ -9,7 +9,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from sim.camera.effects import Disturbance
-from sim.camera.lamp import lamp_light
+from sim.camera.light import lamp_light
 from sim.camera.scene import Channel, Scene
 from sim.camera.seabed import hash01
 from sim.elementary import exp

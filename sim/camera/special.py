@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from sim.camera.effects import Disturbance
 from sim.camera.fish import add_fish
 from sim.camera.geometry import look
-from sim.camera.lamp import lamp_nodes
+from sim.camera.light import light_nodes
 from sim.camera.raycast import View, columns_of, expose_strip, light_strip, view_of
 from sim.camera.rows import CHUNK, spread
 from sim.camera.scene import MARGIN, STRIP, Channel, Grain, Scene, Work
@@ -114,12 +114,20 @@ def blurred(plane: Plane, sigma: float) -> Plane:
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _lit(view: View, scene: Scene, channel: Channel, light: Disturbance, window: Window) -> View:
-    """Return the view with the lamp's light at its nodes."""
+def _lit(
+    view: View,
+    scene: Scene,
+    channel: Channel,
+    light: Disturbance,
+    window: Window,
+    eye: tuple[Array, Array],
+    time_s: float,
+) -> View:
+    """Return the view with the light at its nodes."""
     g, u, v = view.ground, scene.intrinsics[1], scene.intrinsics[2]
     depth = 1.0 / max(g[2, 0] * u + g[2, 1] * v + g[2, 2], 1e-3)
     nearer = max(1.0 - (scene.seabed_m - scene.faces[0, 2]) / depth, 0.05)
-    nodes = lamp_nodes(g, scene, (channel.attenuation, nearer), light, window)
+    nodes = light_nodes(g, scene, (channel.attenuation, nearer), light, window, eye, time_s)
     return View(view.ground, view.north, view.east, view.nodes, nodes, view.outlines)
 
 
@@ -171,15 +179,15 @@ def _exposed(
         later = light.exposure_s * ((k + 0.5) / count - 0.5)
         pose = moved(motion, later)
         view = view_of(pose, scene, channel.attenuation, window)
-        if light.lit:
-            view = _lit(view, scene, channel, light, window)
-        _instant(view, window, scene, channel, light, work, plane)
         look(pose, scene.mount, rotation, centre)
+        eye = (rotation, centre)
         time_s = frame * light.frame_s + later
+        if light.lit:
+            view = _lit(view, scene, channel, light, window, eye, time_s)
+        _instant(view, window, scene, channel, light, work, plane)
         if light.fish > 0.0:
-            add_fish(plane, corner, (rotation, centre), scene, channel, light, time_s)
+            add_fish(plane, corner, eye, scene, channel, light, time_s)
         if light.snow > 0.0:
-            eye = (rotation, centre)
             add_snow(plane, corner, size, eye, scene, channel, light, time_s)
         share = _F(1.0 / count)
         for r in range(mean.shape[0]):

@@ -26,6 +26,7 @@ ON: dict[str, dict[str, Any]] = {
     "blur": {"exposure_s": 0.04},
     "dusk": {"light_level": 0.3},
     "lamp": {"light_level": 0.2, "lamp": 3.0},
+    "caustics": {"caustics": 0.4},
     "snow": {"snow_per_m3": 500.0},
     "scatter": {"scatter_rad": 0.004},
     "fish": {"fish_per_min": 20.0, "fish_length_m": 0.5},
@@ -234,8 +235,8 @@ def test_pictures_from_telemetry_are_those_of_the_run_with_every_effect(mode: st
     config = benchmark.read(
         {
             **{"mode": mode, "sweep_from": 0.5, "sweep_to": 1.0, "sweep_step": 0.5},
-            **{"camera_exposure_s": 0.04, "light_level": 0.4, "lamp": 2.0, "snow_per_m3": 200.0},
-            **{"scatter_mrad": 1.4, "fish_per_min": 20.0, "target": "long"},
+            **{"camera_exposure_s": 0.04, "light_level": 0.4, "lamp": 2.0, "caustics": 0.3},
+            **{"snow_per_m3": 200.0, "scatter_mrad": 1.4, "fish_per_min": 20.0, "target": "long"},
         }
         | {"level_duration_s": 2.0}
     )
@@ -258,6 +259,7 @@ def test_pictures_from_telemetry_are_those_of_the_run_with_every_effect(mode: st
         {"exposure_s": 0.06},
         {"light_level": 0.0},
         {"lamp": -1.0},
+        {"caustics": 1.6},
         {"lamp_cone_rad": 1.6},
         {"snow_per_m3": -1.0},
     ],

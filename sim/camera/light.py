@@ -1,14 +1,15 @@
-"""Light of a lamp beside the camera: on what it shines, and its glow in the water.
+"""Light that is not the usual daylight: on what it falls, and a lamp's glow in the water.
 
-In units of daylight and albedo, as all radiances here: E = lamp / d^2 with the distance d, less
-by the cone (1 / (1 + tan^2 / tan^2 of the half angle)), by the slant of what it meets and by the
-water.
+In units of daylight and albedo, as all radiances here. Daylight from above has its level and its
+caustics; a lamp beside the camera gives E = lamp / d^2 with the distance d, less by the cone
+(1 / (1 + tan^2 / tan^2 of the half angle)), by the slant of what it meets and by the water.
 """
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from sim.camera.caustics import focused
 from sim.camera.effects import LAMP_FORWARD_M, Disturbance
 from sim.camera.rows import CHUNK, NODE
 from sim.camera.scene import MARGIN, Scene
@@ -33,16 +34,19 @@ def lamp_light(x: float, y: float, z: float, attenuation: float, light: Disturba
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def lamp_nodes(
+def light_nodes(
     g: NDArray[np.float64],
     scene: Scene,
     water: tuple[float, float],
     light: Disturbance,
     window: tuple[int, int, int, int],
+    eye: tuple[NDArray[np.float64], NDArray[np.float64]],
+    time_s: float,
 ) -> NDArray[np.float32]:
     """Return (3, rows, columns): light on the seabed, on the box's top, and the glow [albedo].
 
-    `water` is the attenuation and how much nearer the top is than the seabed, as a share.
+    `water` is the attenuation and how much nearer the top is than the seabed, as a share; `eye`
+    the camera's axes (3, 3) and place (3,).
     """
     attenuation, nearer = water
     x0, y0, x1, y1 = window
@@ -61,9 +65,28 @@ def lamp_nodes(
                 ahead = y * z + LAMP_FORWARD_M
                 slant = z / np.sqrt(x * z * x * z + ahead * ahead + z * z)
                 e = lamp_light(x * z, y * z, z, attenuation, light)
-                out[k, j, i] = light.level + slant * e
+                day = light.level * _daylight(x * z, y * z, z, eye, light, time_s)
+                out[k, j, i] = day + slant * e
             out[2, j, i] = _glow(x, y, depth, attenuation, light)
     return out
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _daylight(
+    x: float,
+    y: float,
+    z: float,
+    eye: tuple[NDArray[np.float64], NDArray[np.float64]],
+    light: Disturbance,
+    time_s: float,
+) -> float:
+    """Return the daylight at a point [m] in the camera frame as a multiple of its mean."""
+    if light.waves.shape[0] == 0:
+        return 1.0
+    axes, place = eye
+    north = place[0] + axes[0, 0] * x + axes[1, 0] * y + axes[2, 0] * z
+    east = place[1] + axes[0, 1] * x + axes[1, 1] * y + axes[2, 1] * z
+    return focused(north, east, time_s, light.waves, light.wave[0], light.wave[1])
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
