@@ -11,7 +11,14 @@ from typing import Any
 from sim.configuration import Configuration
 
 FORMAT = 1
-LIBRARIES = ("seamark", "numpy", "numba", "llvmlite", "opencv-python-headless", "pybullet")
+LIBRARIES = (
+    "seamark",
+    "numpy",
+    "numba",
+    "llvmlite",
+    "opencv-contrib-python-headless",
+    "pybullet",
+)
 CPUINFO = Path("/proc/cpuinfo")
 # Levels of the x86-64 psABI by one telling flag each, best first.
 X86_LEVELS = (("avx512bw", "x86-64-v4"), ("avx2", "x86-64-v3"), ("sse4_2", "x86-64-v2"))

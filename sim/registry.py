@@ -62,6 +62,16 @@ TRACKERS = {
         ("warp", "ecc_iterations", "predict_motion"),
         exact=False,
     ),
+    "kcf": TrackerEntry(
+        "Kernelised correlation filter (KCF, OpenCV; an upright box)",
+        "sim.trackers.filters:KcfTracker",
+        exact=False,
+    ),
+    "csrt": TrackerEntry(
+        "Filter with channel and spatial reliability (CSRT, OpenCV; an upright box)",
+        "sim.trackers.filters:CsrtTracker",
+        exact=False,
+    ),
     "visp": TrackerEntry(
         "ViSP's template trackers",
         "sim.trackers.visp.tracker:VispTracker",

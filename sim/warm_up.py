@@ -1,5 +1,7 @@
 """Load everything that a run needs, so that a process forked afterwards starts at once."""
 
+import cv2
+
 from sim import dynamics, registry, trackers
 from sim.trial import run_trial
 
@@ -7,6 +9,8 @@ from sim.trial import run_trial
 def warm_up() -> None:
     """Load all registry entries and compiled code, and run each benchmark's shortest trial once."""
     registry.load_all()
+    # A run has one core, and threads that are made before a fork are not there after it.
+    cv2.setNumThreads(1)
     dynamics.warm_up()
     trackers.warm_up()
     for name in registry.BENCHMARKS:

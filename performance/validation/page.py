@@ -25,7 +25,7 @@ SECTIONS: tuple[ModuleType, ...] = (
     determinism,
     vehicles,
 )
-SHOWN_VERSIONS = ("python", "numpy", "numba", "opencv-python-headless")
+SHOWN_VERSIONS = ("python", "numpy", "numba", "opencv-contrib-python-headless")
 
 
 def titles() -> list[str]:

@@ -1,7 +1,9 @@
 """`box`: an upright box moved to where its pixels correlate best (OpenCV): a baseline.
 
-OpenCV's own trackers of boxes are not used: MIL draws its samples from a generator that cannot be
-seeded, so the same run would not give the same bytes; KCF and CSRT are in another package.
+Beside KCF and CSRT (sim/trackers/filters.py) it is what remains of them without learning: it never
+drifts, answers in parts of a pixel and needs a hundredth of their time. OpenCV's MIL is not
+offered: it draws its samples from a generator that cannot be seeded, so the same run would not give
+the same bytes.
 """
 
 import cv2

@@ -2,13 +2,15 @@
 
 from typing import Any
 
+import cv2
 import numpy as np
 import pytest
 
-from sim.camera import VISIBILITY, Camera, Water
+from sim.camera import VISIBILITY, Camera, Water, start_pose
 from sim.registry import TRACKERS, benchmark
 from sim.trackers import make
 from sim.trackers.visp import why_not
+from sim.trackers.warps import signed_area
 
 Sequence = Any  # conftest's class; a test folder is no package
 
@@ -74,10 +76,39 @@ def test_a_target_learnt_in_clear_water_is_followed_at_optical_depth_three(
     assert np.abs(tracks[-1].corners - short.truth[11]).max() < 3.0
 
 
-def test_an_upright_box_follows_to_some_pixels(short: Sequence) -> None:
-    errors, _ = short.follow(make("box"))
+@pytest.mark.parametrize("name", ["box", "kcf", "csrt"])
+def test_an_upright_box_follows_to_some_pixels(short: Sequence, name: str) -> None:
+    errors, sure = short.follow(make(name))
 
+    assert sure.all()
     assert errors.max() < 10.0
+
+
+def test_the_box_of_csrt_grows_with_the_target_and_that_of_kcf_does_not(short: Sequence) -> None:
+    near = start_pose(VISIBILITY, short.camera.target, 1.5)
+    down = np.array([0.0, 0.0, 0.02, 0.0, 0.0, 0.0])
+    areas = {}
+    for name in ("kcf", "csrt"):
+        tracker = make(name)
+        tracker.start(short.camera.grey(near, 0), short.camera.corners(near))
+        for k in range(1, 16):
+            corners = tracker.update(short.camera.grey(near + k * down, k)).corners
+        areas[name] = signed_area(corners) / signed_area(short.camera.corners(near))
+
+    assert areas["kcf"] == pytest.approx(1.0)
+    assert areas["csrt"] > 1.3
+
+
+@pytest.mark.parametrize("name", ["ecc", "klt", "kcf", "csrt"])
+def test_the_number_of_threads_changes_nothing(brief: Sequence, name: str) -> None:
+    before = cv2.getNumThreads()
+    found = []
+    for threads in (1, 4):
+        cv2.setNumThreads(threads)
+        found.append(brief.follow(make(name))[0])
+    cv2.setNumThreads(before)
+
+    assert np.array_equal(*found)
 
 
 @pytest.mark.parametrize(("name", "warp"), [("klt", "rt"), ("klt", "translation"), ("ecc", "srt")])
@@ -86,7 +117,7 @@ def test_warps_that_opencv_does_not_have_are_refused_with_the_reason(name: str, 
         make(name, warp=warp)
 
 
-@pytest.mark.parametrize("name", ["klt", "ecc", "box"])
+@pytest.mark.parametrize("name", ["klt", "ecc", "kcf", "csrt", "box"])
 def test_one_tracker_twice_says_the_same(short: Sequence, name: str) -> None:
     first, second = (short.follow(make(name))[0] for _ in range(2))
 
