@@ -10,7 +10,6 @@ from markdown_it import MarkdownIt
 from markdown_it.common.utils import escapeHtml
 from markdown_it.renderer import RendererHTML
 from markdown_it.token import Token
-from markdown_it.utils import OptionsDict
 
 FOLDER = Path(__file__).parents[2] / "docs"
 # Files that a page may show or link to, by how their names end.
@@ -60,66 +59,38 @@ def _markdown() -> MarkdownIt:
     return markdown
 
 
-def _table(
-    renderer: RendererHTML,
-    tokens: Sequence[Token],
-    index: int,
-    options: OptionsDict,
-    env: dict[str, Any],
-) -> str:
+def _table(renderer: RendererHTML, tokens: Sequence[Token], index: int, *rest: Any) -> str:
     """Let a wide table scroll by itself, also with the keyboard."""
     if tokens[index].nesting > 0:
         return '<div class="table-wrap" tabindex="0" role="region" aria-label="Table"><table>\n'
     return "</table></div>\n"
 
 
-def _cell(
-    renderer: RendererHTML,
-    tokens: Sequence[Token],
-    index: int,
-    options: OptionsDict,
-    env: dict[str, Any],
-) -> str:
+def _cell(renderer: RendererHTML, tokens: Sequence[Token], index: int, *rest: Any) -> str:
     """Align numbers by a class: the site's policy takes no style in the page."""
     token = tokens[index]
+    if token.type == "th_open":
+        token.attrSet("scope", "col")
     if token.attrs.pop("style", "") == "text-align:right":
         token.attrSet("class", "num")
-    return renderer.renderToken(tokens, index, options, env)
+    return renderer.renderToken(tokens, index, *rest)
 
 
-def _code(
-    renderer: RendererHTML,
-    tokens: Sequence[Token],
-    index: int,
-    options: OptionsDict,
-    env: dict[str, Any],
-) -> str:
+def _code(renderer: RendererHTML, tokens: Sequence[Token], index: int, *rest: Any) -> str:
     """Let wide code scroll, also with the keyboard."""
-    return renderer.fence(tokens, index, options, env).replace("<pre>", '<pre tabindex="0">', 1)
+    return renderer.fence(tokens, index, *rest).replace("<pre>", '<pre tabindex="0">', 1)
 
 
-def _heading(
-    renderer: RendererHTML,
-    tokens: Sequence[Token],
-    index: int,
-    options: OptionsDict,
-    env: dict[str, Any],
-) -> str:
+def _heading(renderer: RendererHTML, tokens: Sequence[Token], index: int, *rest: Any) -> str:
     """Give a heading the name by which the usual viewers of Markdown link to it."""
     words = re.sub(r"[^\w\- ]", "", tokens[index + 1].content.lower())
     tokens[index].attrSet("id", words.replace(" ", "-"))
-    return renderer.renderToken(tokens, index, options, env)
+    return renderer.renderToken(tokens, index, *rest)
 
 
-def _image(
-    renderer: RendererHTML,
-    tokens: Sequence[Token],
-    index: int,
-    options: OptionsDict,
-    env: dict[str, Any],
-) -> str:
+def _image(renderer: RendererHTML, tokens: Sequence[Token], index: int, *rest: Any) -> str:
     """Open a figure by itself when it is touched: on a phone its letters are small."""
-    shown = renderer.image(tokens, index, options, env)
+    shown = renderer.image(tokens, index, *rest)
     return f'<a href="{escapeHtml(str(tokens[index].attrs["src"]))}">{shown}</a>'
 
 

@@ -106,7 +106,6 @@ export function startCheck(form, configuration) {
   const button = bar.querySelector("[data-check]");
   const label = button.querySelector("[data-label]");
   const place = document.getElementById("check-answer");
-  bar.hidden = false;
 
   function say(text, kind) {
     const box = element("div", `notice ${kind}`);
@@ -118,7 +117,9 @@ export function startCheck(form, configuration) {
     if (button.getAttribute("aria-disabled") === "true") return;
     const program = programOf(form);
     if (!program) {
-      say("Choose a file first, or write the program in the editor.", "warn");
+      say(form.elements.kept_program
+        ? "Choose the file again to check it; the one that is kept here is for starting the run."
+        : "Choose a file first, or write the program in the editor.", "warn");
       return;
     }
     const before = label.textContent;

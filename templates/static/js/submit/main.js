@@ -108,6 +108,6 @@ for (const button of form.querySelectorAll("[data-reset], [data-download-config]
 for (const input of inputs) markChanged(input);
 lockScenario();
 startEditor(form);
-startUpload(form);
 startCheck(form, configuration);
+startUpload(form);
 document.getElementById("problems")?.focus();

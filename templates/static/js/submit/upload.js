@@ -9,11 +9,13 @@ export function startUpload(form) {
   if (!own) return;
   const input = document.getElementById("program");
   const drop = own.querySelector(".drop");
+  const check = form.querySelector("[data-check-bar]");
   const note = own.querySelector("[data-file-note]");
   const most = Number(form.dataset.uploadMax);
 
   function show() {
     own.hidden = form.elements.controller.value !== "upload";
+    check.hidden = own.hidden;
     for (const part of own.querySelectorAll("[data-source]")) {
       part.hidden = part.dataset.source !== form.elements.source.value;
     }
