@@ -19,7 +19,7 @@ from server.run_files import RunFiles
 from server.settings import Settings
 from sim import registry
 from sim.hidden_seeds import hidden_seed
-from sim.telemetry import INDEX
+from sim.telemetry import INDEX, WIDTH
 
 if TYPE_CHECKING:
     from sim.replay import Replay
@@ -59,12 +59,14 @@ def warm_up() -> threading.Thread:
 
 
 def _warm_up() -> None:
-    from sim.camera import warm_up as warm_camera  # noqa: PLC0415 - as above
+    """Draw one picture of each benchmark, so that all that the first visitor's needs is loaded."""
+    from sim.replay import Replay  # noqa: PLC0415 - as above
 
+    row = np.zeros(WIDTH)
     for name in registry.BENCHMARKS:
-        registry.benchmark(name).load()
-    with _lock:
-        warm_camera()
+        with _lock:
+            shot = Replay(name, registry.benchmark(name).read({}), lambda _trial: 0).shot(row)
+            _jpeg(_marked(shot.colour(), row, shot.corners()))
     _log.info("camera_warm")
 
 
