@@ -157,7 +157,7 @@ def upload_refusal(session: Session, language: str, settings: Settings) -> str |
         return None
     told = (found for entry in capable for found in entry.findings)
     why = next((found["why"] for found in told if found["name"] == finding_of(language)), "")
-    sentence = f"No worker of this service can run {language} programs"
+    sentence = f"No worker of this service can run {finding_of(language)}"
     return f"{sentence}: {why.rstrip('.')}." if why else f"{sentence}."
 
 

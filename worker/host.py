@@ -112,5 +112,5 @@ def _tried(isolation: Isolation, settings: Settings) -> dict[str, str]:
 
 
 def _finding(language: str, why: str) -> Finding:
-    remedy = "`seamark doctor` says what is missing; restart the worker when it is there."
+    remedy = f"{LANGUAGES[language].remedy}, then restart the worker"
     return Finding(finding_of(language), ok=False, why=why, remedy=remedy)

@@ -1,7 +1,7 @@
 """C: for seamark.h, or as Embedded Coder generates it; compiled by GCC in a box of its own."""
 
 from sandbox.languages.language import Language, Runtime
-from sandbox.languages.native import CALLS, ROLES, SELF_TEST
+from sandbox.languages.native import CALLS, GCC, ROLES, SELF_TEST
 
 OPTIONS = (
     "-xc",  # whatever the suffix: `.C` would be C++
@@ -30,5 +30,6 @@ C = Language(
     compiler=compiling,
     calls=CALLS,
     roles=ROLES,
+    packages=GCC,
     mains=("controller.c", "rtwtypes.h", "ert_main.c"),
 )

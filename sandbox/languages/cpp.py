@@ -18,5 +18,6 @@ CPP = Language(
     compiler=compiling,
     calls=CALLS,
     roles=ROLES,
+    packages=("g++",),
     mains=("controller.cpp", "controller.cc"),
 )

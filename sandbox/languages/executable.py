@@ -4,7 +4,7 @@ import struct
 
 from sandbox.languages.c import running
 from sandbox.languages.language import Calls, Language
-from sandbox.languages.native import ROLES, SELF_TEST
+from sandbox.languages.native import GCC, ROLES, SELF_TEST
 
 CALLS = Calls("The program (its start)", "the program's answer to R", "the program's answer to O")
 IDENTITY = struct.Struct("<4sBBBB8xHH")  # of an ELF file (System V ABI, "ELF Header")
@@ -34,4 +34,5 @@ EXECUTABLE = Language(
     roles=ROLES,
     refusal=refusal,
     tested_by="c",
+    packages=GCC,
 )

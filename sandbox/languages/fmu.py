@@ -8,6 +8,7 @@ import io
 import zipfile
 
 from sandbox.languages.language import Calls, Language, Runtime
+from sandbox.languages.native import GCC
 
 CALLS = Calls("The FMU (loading and instantiation)", "the FMU's initialization", "the FMU's step")
 LINKED = ("-shared", "-fPIC", "-Isources", "-DFMI2_FUNCTION_PREFIX=", "-DFMI3_FUNCTION_PREFIX=")
@@ -81,4 +82,5 @@ FMU = Language(
     compiler=compiling,
     calls=CALLS,
     packed=True,
+    packages=GCC,
 )

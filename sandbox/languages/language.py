@@ -55,8 +55,16 @@ class Language:
     roles: tuple[str, ...] = ("controller",)  # what its programs may be
     refusal: Callable[[bytes], str] | None = None  # its files are no text: why one cannot be run
     tested_by: str = ""  # the language whose compiler makes the self-test, if not its own
+    packages: tuple[str, ...] = ()  # of Debian, beside what Seamark itself brings
 
     @property
     def is_text(self) -> bool:
         """Whether its files are texts that people write."""
         return not self.packed and self.refusal is None
+
+    @property
+    def remedy(self) -> str:
+        """What to do where its self-test does not pass."""
+        if not self.packages:
+            return "`./run` sets up all that it needs"
+        return f"apt-get install {' '.join(self.packages)}"

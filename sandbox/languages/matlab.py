@@ -27,5 +27,6 @@ def running() -> Runtime:
 MATLAB = Language(
     *("matlab", "MATLAB (by GNU Octave)", (".m",), running, SELF_TEST),
     calls=CALLS,
+    packages=("octave",),
     mains=("controller.m",),
 )

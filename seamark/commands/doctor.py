@@ -158,7 +158,7 @@ def _languages(level: Level) -> Iterable[Check]:
 
     for language in LANGUAGES.values():
         why = why_not(language.name, level)
-        remedy = "apt-get install gcc g++; without them the others still run."
+        remedy = f"{language.remedy}; without it the other languages still run."
         name = f"programs in {language.label}"
         yield Check(name, "warning" if why else "ok", why or "pass their self-test", remedy)
 

@@ -7,6 +7,7 @@ from flask import Blueprint, render_template
 from flask.typing import ResponseReturnValue
 from sqlalchemy import func, select
 
+from sandbox.languages import LANGUAGES
 from server import runs
 from server.orders import ALIVE_S, upload_refusal
 from server.services import services
@@ -30,6 +31,7 @@ def show() -> ResponseReturnValue:
     return render_template(
         "status/show.html",
         workers=[(worker, worker.seen_at > now - ALIVE_S) for worker in workers],
+        labels={name: language.label for name, language in LANGUAGES.items()},
         counts={state.value: counts[state.value] for state in runs.RunState},
         oldest=oldest,
         refusal=refusal,

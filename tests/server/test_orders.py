@@ -194,6 +194,7 @@ def test_a_missing_language_is_refused_with_the_reason_of_the_worker(both: Servi
 
     assert told["python"] is None
     assert told["matlab"] == (
-        "No worker of this service can run matlab programs: octave is not installed."
+        "No worker of this service can run programs in MATLAB (by GNU Octave): "
+        "octave is not installed."
     )
-    assert told["fmu"] == "No worker of this service can run fmu programs."
+    assert told["c++"] == "No worker of this service can run programs in C++."

@@ -4,6 +4,8 @@ from sandbox.languages.language import Calls
 
 CALLS = Calls("The program (constructors and seamark_init)", "seamark_reset", "seamark_step")
 
+GCC = ("gcc", "libc6-dev")  # packages of Debian; the headers are only recommended by gcc
+
 ROLES = ("controller", "tracker", "detector")
 
 SELF_TEST = """\

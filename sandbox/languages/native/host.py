@@ -61,6 +61,5 @@ def _tool(name: str) -> Bind:
     """Return a program of the system itself: a compiler elsewhere would need other files."""
     path = Path("/usr/bin", name)
     if not path.exists():
-        package = "g++" if name == "g++" else "gcc"
-        raise SandboxBroken(f"{path} is not installed (apt-get install {package})")
+        raise SandboxBroken(f"{path} is not installed")
     return Bind(Path(os.path.realpath(path)), str(path))

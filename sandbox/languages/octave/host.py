@@ -29,7 +29,7 @@ ENVIRONMENT = {
 def running() -> Runtime:
     """Return command, environment and files; SandboxBroken if Octave is missing."""
     if not PROGRAM.exists() or not FUNCTIONS.is_dir():
-        raise SandboxBroken(f"{PROGRAM} is not installed (apt-get install octave)")
+        raise SandboxBroken(f"{PROGRAM} is not installed")
     binds = [
         Bind(Path(os.path.realpath(PROGRAM)), str(PROGRAM)),
         Bind(FUNCTIONS, str(FUNCTIONS)),
