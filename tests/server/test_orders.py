@@ -133,7 +133,7 @@ def test_uploads_wait_while_no_worker_is_there_at_all(both: Service) -> None:
 def test_a_language_that_no_worker_has_is_refused(both: Service) -> None:
     _worker(both, "strong", "c")
 
-    with pytest.raises(OrderRejected, match="python"):
+    with pytest.raises(OrderRejected, match="programs in Python"):
         both.queue(both.user("ann"), controller="upload", program=_program(both))
 
 
