@@ -56,7 +56,10 @@ class Box:
         )
         self._talk = Conversation(self._cage, limits)
         self._ready = self._closed = False
+        self._stepping = limits.stepping
         self._floats = 0
+        self._values: object = None  # what the last observation came in
+        self._body = memoryview(b"")  # its bytes
 
     @property
     def outcome(self) -> Outcome | None:
@@ -72,6 +75,7 @@ class Box:
         if not limits.fit(self.limits):
             raise ValueError(f"{limits} do not fit a box that was started with {self.limits}")
         self.limits = self._talk.limits = limits
+        self._stepping = limits.stepping
 
     def wait_ready(self) -> None:
         """Wait until the interpreter is up; SandboxBroken if it does not come."""
@@ -139,18 +143,25 @@ class Box:
         Parameters
         ----------
         values : (n,) float64 in the order of the layout
-            A buffer of float64 is sent as it is.
+            A buffer of float64 is sent as it is, and looked at once if it comes again and again.
 
         Returns
         -------
         tuple of 4 [m/s, m/s, m/s, rad/s]
             Finite, at most 1e6 in size.
         """
+        if values is not self._values:
+            self._take(values)
+        self._talk.ask(frames.OBSERVE, self._body)
+        return self._checked(frames.ANSWER, answers.command, self._language.calls.step)
+
+    def _take(self, values: Sequence[float]) -> None:
+        """Look at what observations come in; a buffer's bytes are those of its present values."""
         body = _float64(values)
         if len(body) != 8 * self._floats:
             raise ValueError(f"{len(body)} bytes of observation, {8 * self._floats} in the layout")
-        self._talk.ask(frames.OBSERVE, body)
-        return self._checked(frames.ANSWER, answers.command, self._language.calls.step)
+        whose: object = body.obj
+        self._values, self._body = values if whose is values else None, body
 
     def start(self, image: object, corners: object) -> None:
         """Show a tracker the target; wait until it is ready.
@@ -233,19 +244,19 @@ class Box:
         self, kind: bytes, read: Callable[[memoryview], Answer], waited_for: str
     ) -> Answer:
         """Return the answer to a step if it is a good one; else the run ends."""
-        data = self._talk.answer(kind, self.limits.stepping, waited_for)
+        data = self._talk.answer(kind, self._stepping, waited_for)
         try:
             return read(data)
         except FrameInvalid as reason:
             self._talk.end(verdicts.misbehaved(str(reason)))
 
 
-def _float64(values: Sequence[float]) -> bytes:
-    """Return float64 values as bytes, without a copy by element where they are a buffer."""
+def _float64(values: Sequence[float]) -> memoryview:
+    """Return float64 values as bytes, without a copy where they are a buffer of them."""
     try:
         view = memoryview(cast(Any, values))
     except TypeError:
-        return array("d", values).tobytes()
-    if view.format != "d":
-        return array("d", values).tobytes()
-    return view.tobytes()
+        view = memoryview(b"")
+    if view.format != "d" or not view.c_contiguous:
+        view = memoryview(array("d", values))
+    return view.cast("B")

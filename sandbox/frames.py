@@ -67,7 +67,7 @@ class Failure:
     traceback: str
 
 
-def frame(kind: bytes, sequence: int, body: bytes = b"") -> bytes:
+def frame(kind: bytes, sequence: int, body: bytes | memoryview = b"") -> bytes:
     """Return one frame to the program."""
     return HEADER.pack(kind, VERSION, sequence) + body
 

@@ -20,7 +20,10 @@ class Program(Protocol):
         """Hear that a level begins: index, count, duration_s, dt, t; never the current's truth."""
 
     def step(self, values: NDArray[np.float64]) -> Command:
-        """Return surge, sway, heave [m/s] and yaw rate [rad/s] for a packed observation."""
+        """Return surge, sway, heave [m/s] and yaw rate [rad/s] for a packed observation.
+
+        The array is the same at every step, with other values: who keeps it keeps a copy.
+        """
 
 
 class Controller(Protocol):

@@ -90,6 +90,17 @@ def test_a_program_sees_the_same_descriptors_however_many_files_the_worker_has_o
     assert told[0] == told[1] == "[0, 1, 2, 3]\n"
 
 
+@pytest.mark.parametrize("make", [list, np.array])
+def test_what_comes_in_the_same_buffer_again_is_sent_with_its_present_values(box, make) -> None:
+    box.load(program(step="return [*observation.error, observation.thrust[4]]"), "a.py", {}, LAYOUT)
+    values = make(VALUES)
+    box.step(values)
+
+    values[1] = 7.0
+
+    assert box.step(values) == (7.0, 2.0, 3.0, 0.5)
+
+
 @pytest.mark.parametrize(
     ("expression", "expected"),
     [
