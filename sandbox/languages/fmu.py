@@ -67,14 +67,14 @@ def compiling() -> Runtime:
     """Return what the box needs that reads an FMU and compiles it if it must."""
     from sandbox.languages.native.host import compiling  # noqa: PLC0415  (looks at the host)
 
-    return compiling("gcc", *LINKED, script="fmu")
+    return compiling("gcc", *LINKED, script="fmu_compile")
 
 
 def running() -> Runtime:
     """Return what a box needs to load an FMU."""
     from sandbox.languages.scripts import script_runtime  # noqa: PLC0415
 
-    return script_runtime("fmu", arguments=("start",), environment=SETTINGS)
+    return script_runtime("fmu", environment=SETTINGS)
 
 
 FMU = Language(

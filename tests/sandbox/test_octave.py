@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sandbox.box import Box
-from sandbox.languages.inside.octave import octave_value
+from sandbox.languages.inside.octave_relay import octave_value
 from sandbox.level import Level
 from sandbox.limits import Limits
 from sandbox.outcome import Outcome, ProgramEnded

@@ -1,24 +1,19 @@
 """Runs an FMU as a controller: unpacked, read and loaded in a box, never outside.
 
-Arguments: `compile` with the compiler's command (only for FMUs that bring nothing but sources), or
-`start`; then `--` and the numbers of the connection.
+Arguments: `--` and the numbers of the connection.
 """
 
-import io
 import json
 import struct
 import sys
-import zipfile
 from pathlib import Path
 from typing import Any, NoReturn
 
 from .connection import COMMAND, MOST_FIELD, Connection, connected
-from .fmu_build import build_of
-from .fmu_description import DESCRIPTION, Description, Unusable, read
+from .fmu_description import Description, Unusable, checked, read
 from .fmu_library import LIBRARIES, Group, Library
 from .fmu_wiring import Wiring, wired
 from .names import COMMAND as COMMAND_NAMES
-from .native import run
 
 FOLDER = Path("/tmp/fmu")  # noqa: S108  (inside the box)
 DT_S = 0.05  # [s] where neither level nor observation has the step
@@ -130,66 +125,9 @@ def answer(connection: Connection, model: Model) -> NoReturn:
             connection.leave()
 
 
-def checked(description: Description, filename: str) -> Description:
-    """Return the description if there is a program for this machine."""
-    if description.library in description.archive.namelist():
-        return description
-    has = ", ".join(description.platforms) or "none"
-    raise Unusable(
-        f"{filename} has no {description.library} and no sources (platforms: {has}). Export it for "
-        "64-bit Linux, or with its source code."
-    )
-
-
-def compile_sources(connection: Connection, command: list[str]) -> NoReturn:
-    """Compile an FMU that brings sources and no program for this machine; pass on others."""
-    header, data = connection.program()
-    name = str(header["filename"])
-    try:
-        description = read(data)
-        if description.library not in description.archive.namelist():
-            build = build_of(description)
-            if not build.sources:
-                checked(description, name)
-            parts = [*build.options, *build.sources]
-            data = with_library(connection, description, [*command, *parts], name)
-    except Unusable as reason:
-        connection.give_up(b"s", str(reason))
-    sys.stdout.buffer.write(data)
-    sys.stdout.buffer.flush()
-    connection.send(b"k")
-    connection.receive()
-    connection.leave()
-
-
-def with_library(
-    connection: Connection, description: Description, command: list[str], name: str
-) -> bytes:
-    """Return the FMU with a program made of its sources."""
-    archive = description.archive
-    for member in archive.namelist():
-        if member.startswith("sources/"):
-            archive.extract(member, FOLDER)
-    library = FOLDER / "made.so"
-    run(connection, [*command, "-o", str(library), "-lm"], name, folder=FOLDER)
-    made = io.BytesIO()
-    with zipfile.ZipFile(made, "w") as whole:
-        for member in archive.namelist():
-            if member == DESCRIPTION or member.startswith(("resources/", "extra/")):
-                whole.writestr(member, archive.read(member))
-        whole.writestr(description.library, library.read_bytes())
-    return made.getvalue()
-
-
 def main() -> None:
-    """Do what the first argument says."""
+    """Say that the box is up, wait for the FMU."""
     split = sys.argv.index("--")
     connection = connected(sys.argv[split + 1 :])
     connection.send(b"k")
-    if sys.argv[1] == "start":
-        start(connection)
-    compile_sources(connection, sys.argv[2:split])
-
-
-if __name__ == "__main__":
-    main()
+    start(connection)

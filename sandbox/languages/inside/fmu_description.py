@@ -129,3 +129,14 @@ def _mapping(data: bytes, name: str) -> dict[str, Any]:
     ):
         raise Unusable(f"{name} must be an object with the objects {', '.join(parts)}.")
     return mapping
+
+
+def checked(description: Description, filename: str) -> Description:
+    """Return the description if there is a program for this machine."""
+    if description.library in description.archive.namelist():
+        return description
+    has = ", ".join(description.platforms) or "none"
+    raise Unusable(
+        f"{filename} has no {description.library} and no sources (platforms: {has}). Export it for "
+        "64-bit Linux, or with its source code."
+    )

@@ -1,22 +1,18 @@
-"""Runs inside a box: compiles a stranger's source, or starts what came out of another box.
+"""Runs inside a box: compiles a stranger's source.
 
-Arguments: `compile` with the compiler's command, or `start`, then `--`; then the number of the
-protocol's descriptor, and processes and memory [MiB] to limit here, 0 where control groups do it.
-A box holds nothing of ours but this file, runner.c and seamark.h; so the frames' numbers stand here
-once more (docs/protocol.md). Nothing here is trusted by the other side.
+Arguments: `compile` with the compiler's command, then `--`; then the number of the protocol's
+descriptor, and processes and memory [MiB] to limit here, 0 where control groups do it. A box holds
+nothing of ours but this folder, runner.c and seamark.h. Nothing here is trusted by the other side.
 """
 
 import io
-import json
-import os
 import re
 import subprocess
 import sys
 import zipfile
 import zlib
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, NoReturn
 
 from .connection import MOST_TEXT, Connection, connected
 from .embedded import Unfit, adapter, looks_generated
@@ -26,7 +22,6 @@ SOURCE, OBJECTS = Path("/tmp/source"), Path("/tmp/objects")  # noqa: S108
 RUNNER = "/tmp/runner.o"  # noqa: S108
 ARCHIVE, MAIN, ADAPTER = b"PK\x03\x04", "ert_main", "seamark_connection.c"
 LINKED, MESSAGES = Path("/tmp/program"), Path("/tmp/messages")  # noqa: S108
-BEGIN = Path("/tmp/begin")  # noqa: S108  (read and removed by the runner)
 OURS = (f"{SOURCE}/", f"{NATIVE}/", "/usr/bin/ld: ", "collect2: error: ld returned 1 exit status\n")
 ASSEMBLY = re.compile(r"\S*/cc\w+\.s\b")  # what the compiler hands to the assembler
 ERROR_LINE = re.compile(r"error:|Error:|undefined reference|multiple definition")
@@ -126,48 +121,9 @@ def first_error(text: str, name: str) -> str:
     return (errors or lines or [f"{name} cannot be compiled."])[0]
 
 
-def start(connection: Connection) -> NoReturn:
-    """Put the program where it can run and become it; layout and configuration go by a file."""
-    header, program = connection.program()
-    images = header.get("images")  # of a tracker or detector
-    connection.close_others(*([images["descriptor"]] if images else []))
-    lines = [f"{name} {count}" for name, count in layout_of(header)]
-    BEGIN.write_text("\n".join([*lines, json.dumps(header["config"])]), encoding="ascii")
-    LINKED.write_bytes(program)
-    LINKED.chmod(0o700)
-    arguments = [str(connection.fd), str(connection.sequence), str(BEGIN)]
-    try:
-        os.execve(LINKED, [str(header["filename"]), *arguments], dict(os.environ))  # noqa: S606
-    except OSError as error:
-        connection.give_up(b"u", f"The compiled program cannot be started: {error.strerror}.")
-
-
-def layout_of(header: dict[str, Any]) -> Iterator[tuple[str, int]]:
-    """Yield the names and counts that a program reads first, and leave it the images if it has any.
-
-    A controller's are of its observation; others learn what they are and where the images lie.
-    """
-    role, images = header["layout"].get("role", "controller"), header.get("images")
-    if images is None:
-        yield from header["layout"]["observation"]
-        return
-    os.set_inheritable(images["descriptor"], True)
-    yield role, 0
-    yield "images_descriptor", images["descriptor"]
-    yield "images_bytes", images["bytes"]
-
-
 def main() -> None:
-    """Do what the first argument says."""
+    """Compile what comes with the command that stands before `--`."""
     split = sys.argv.index("--")
-    action = sys.argv[1]
-    starting = action == "start"
-    connection = connected(sys.argv[split + 1 :], inherited=starting, images=starting)
+    connection = connected(sys.argv[split + 1 :])
     connection.send(b"k")
-    if starting:
-        start(connection)
     compile_source(connection, sys.argv[2:split], ["/usr/bin/gcc", "-O2", "-std=c11"])
-
-
-if __name__ == "__main__":
-    main()

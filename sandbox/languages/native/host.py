@@ -50,7 +50,7 @@ def compiling(compiler: str, *options: str, script: str = "native") -> Runtime:
 @cache
 def running() -> Runtime:
     """Return what the box of a finished program needs."""
-    return script_runtime("native", arguments=("start",), environment=ENVIRONMENT, images=True)
+    return script_runtime("program", environment=ENVIRONMENT, images=True)
 
 
 def _ours(*names: str) -> list[Bind]:

@@ -6,6 +6,7 @@ control groups do it.
 
 import contextlib
 import errno
+import gc
 import json
 import os
 import resource
@@ -107,6 +108,7 @@ class Runner:
             text += self.receive()[1][HEADER.size :]
         header = json.loads(text[:header_size])
         source = bytes(text[header_size:])
+        gc.enable()  # off since the start
         self.prepare(header)
         try:
             self.files = files = Files(source, header["filename"])
@@ -290,4 +292,5 @@ def main() -> None:
     sys.argv[:] = ["controller"]
     stdout: Any = sys.stdout
     stdout.reconfigure(line_buffering=True, errors="backslashreplace")
+    gc.freeze()  # what is imported by now stays: a program's collections need not look at it
     Runner(descriptor).run()
