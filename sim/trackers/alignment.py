@@ -7,22 +7,35 @@ ESM (Benhimane & Malis 2007); the template's gradient alone gives the inverse, t
 forward method (Baker & Matthews 2004), because for a group the inverse of exp(d) is exp(-d).
 """
 
-from typing import NamedTuple
-
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from sim.lanes import WIDTH
 from sim.trackers.equations import normal_equations
 from sim.trackers.information import FINE, REACH, bins_per_grey, codes, curvature, pull
+from sim.trackers.levels import (
+    ALONG,
+    CODES,
+    COLUMN,
+    COLUMNS,
+    COUNT,
+    DOWN,
+    ERRORS,
+    MEAN,
+    PATCH,
+    RAW,
+    ROW,
+    SCALE,
+    SIGMA,
+    TEMPLATE,
+    UNIT,
+    Level,
+    Search,
+)
 from sim.trackers.patches import (
-    MASK,
-    NUMBERS,
     XS,
     Matrix,
     Picture,
-    Plane,
     blur,
     correlation,
     moments,
@@ -34,40 +47,6 @@ _DAMPING = 1e-5  # of the diagonal: keeps a parameter that the template hardly s
 _LEAST_SIGMA = 0.25  # [grey] a flatter patch holds nothing but rounding
 _FARTHEST_PX = 1e4
 
-# A level's planes. A patch has a rim of one pixel; the others start at the first inner pixel.
-TEMPLATE, ALONG, DOWN, CODES, RAW, WORK, PATCH, ERRORS = range(8)
-
-
-class Level(NamedTuple):
-    """A template at one resolution, with the work arrays of its alignment."""
-
-    planes: NDArray[np.float32]  # (8, rows + 2, width)
-    columns: Plane  # (3, width), see patches
-    ys: Plane  # (rows,) normalised
-    frame: NDArray[np.float64]  # (8,): see below
-    curvature: Matrix  # (8, 8) of the mutual information
-
-
-# What a level's frame holds: half the longer side, middle column and row [px]; the template's mean
-# and deviation [grey]; grey values of one unit of the picture; columns; and pixels.
-SCALE, COLUMN, ROW, MEAN, SIGMA, UNIT, COLUMNS, COUNT = range(8)
-
-
-class Search(NamedTuple):
-    """How the alignment goes on."""
-
-    coarse_basis: Matrix  # (8, n): at most scale, rotation, translation, which cannot shear away
-    basis: Matrix  # (8, n) of the warp
-    weight: float  # of the image's own gradient: 0.5 ESM, 0 inverse, 1 forward
-    adds: bool  # whether parameters are added; if not, warps are composed
-    coarse_criterion: int  # SSD or ZNCC
-    criterion: int  # SSD, ZNCC, MI
-    levels: int
-    coarse_iterations: int
-    fine_iterations: int
-    stop_px: float  # a step that moves every corner less is the last
-
-
 SSD, ZNCC, MI = range(3)
 
 
@@ -76,7 +55,7 @@ def cut(image: Picture, bounds: NDArray[np.float64], h: Matrix, level: Level) ->
     """Fill the level's patch with the smoothed image under the homography."""
     planes = level.planes
     warp_patch(image, bounds, h, level.frame[UNIT], level.columns, planes[RAW])
-    blur(planes[RAW], planes[WORK], int(level.frame[COLUMNS]) + 2, planes[PATCH])
+    blur(planes[RAW], int(level.frame[COLUMNS]) + 2, planes[PATCH])
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -227,31 +206,6 @@ def align(
         if largest < search.stop_px:
             return done, True
     return iterations, True
-
-
-def empty_level(columns: int, rows: int, frame: tuple[float, float, float], unit: float) -> Level:
-    """Return a level without a template yet.
-
-    Parameters
-    ----------
-    frame
-        Half the longer side, middle column and middle row [px], in this level's pixels.
-    unit : float
-        Grey values of one unit of the level's picture.
-    """
-    scale, column, row = frame
-    width = ((columns + 2 + WIDTH - 1) // WIDTH + 1) * WIDTH
-    across = np.zeros((3, width), np.float32)
-    across[NUMBERS] = np.arange(width)
-    across[XS] = (np.arange(width) - column) / scale
-    across[MASK, :columns] = 1.0
-    return Level(
-        planes=np.zeros((8, rows + 2, width), np.float32),
-        columns=across,
-        ys=((np.arange(rows) - row) / scale).astype(np.float32),
-        frame=np.array([scale, column, row, 0.0, 1.0, unit, columns, columns * rows]),
-        curvature=np.zeros((8, 8)),
-    )
 
 
 def learn(level: Level, weight: float, criterion: int) -> None:

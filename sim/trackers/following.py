@@ -1,17 +1,18 @@
 """What happens from one picture to the next: expect, align, judge, and ask for a window.
 
-All of it is one compiled call a picture: at 20 pictures a second the way between Python and
-compiled code would cost as much as the alignment.
+All of it is one compiled call a picture, with few arrays (sim/trackers/levels.py): at 20 pictures a
+second the way between Python and compiled code would cost as much as the alignment.
 """
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from sim.trackers.alignment import Level, Search, align, cut, likeness
+from sim.trackers.alignment import align, cut, likeness
 from sim.trackers.interface import Window
+from sim.trackers.levels import COLUMNS, SCALE, Level, Numbers, Search, Store, level_of, search_of
 from sim.trackers.patches import Matrix
 from sim.trackers.pyramid import Sums, from_level, pyramid, to_level, whole_of
 from sim.trackers.warps import apply, inverse, is_convex, multiply, signed_area
@@ -37,10 +38,25 @@ class Memory(NamedTuple):
     motion: Matrix  # (3, 3) of the last picture, in template coordinates
     quad: Matrix  # (4, 2) the target's corners in template px
     last: Matrix  # (4, 2) [px] corners where the target was last seen
-    reach: NDArray[np.float64]  # (4,) [px] search margin now, at most, beyond the template, afar
-    lost: NDArray[np.int64]  # (1,) pictures since the target was last seen
+    reach: Numbers  # (4,) [px] search margin now, at most, beyond the template, afar
+    lost: Numbers  # (1,) pictures since the target was last seen
     area: float  # [px^2] of the target in the first picture
     predict: bool  # whether the target is expected to move on as it did
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def memory_of(numbers: Numbers) -> Memory:
+    """Return the memory that these numbers are."""
+    return Memory(
+        numbers[:9].reshape(3, 3),
+        numbers[9:18].reshape(3, 3),
+        numbers[18:26].reshape(4, 2),
+        numbers[26:34].reshape(4, 2),
+        numbers[34:38],
+        numbers[38:39],
+        numbers[39],
+        numbers[40] != 0.0,
+    )
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -87,9 +103,9 @@ def _window(memory: Memory, width: int, height: int) -> Window:
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def next_window(memory: tuple[Any, ...], width: int, height: int) -> Window:
+def next_window(memory: Numbers, width: int, height: int) -> Window:
     """Return the box x0, y0, x1, y1 of the next picture that will be read."""
-    return _window(Memory(*memory), width, height)
+    return _window(memory_of(memory), width, height)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -163,7 +179,7 @@ def _look_around(
     """
     k = min(1, search.levels - 1)
     pitch = np.sqrt(h[0, 0] * h[0, 0] + h[1, 0] * h[1, 0])  # image px per template px
-    shorter = min(levels[0].ys.shape[0], levels[0].frame[6]) * pitch
+    shorter = min(levels[0].ys.shape[0], levels[0].frame[COLUMNS]) * pitch
     step = min(max(0.25 * shorter, 2.0), 12.0)
     count = int(radius / step)
     best = -2.0
@@ -239,25 +255,38 @@ def _forget_motion(memory: Memory) -> None:
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def follow(
-    image: NDArray[np.uint8], window: Window, memory: tuple[Any, ...], packed: tuple[Any, ...]
+def _four(facts: Matrix, store: Store) -> tuple[Level, Level, Level, Level]:
+    return (
+        level_of(facts, store, 0),
+        level_of(facts, store, 1),
+        level_of(facts, store, 2),
+        level_of(facts, store, 3),
+    )
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def follow(  # fewer would be packed and unpacked
+    image: NDArray[np.uint8],
+    window: Window,
+    memory: Numbers,
+    search_numbers: Numbers,
+    facts: Matrix,
+    store: Store,
 ) -> tuple[bool, float, int, Window]:
     """Find the target in the next picture, of which the window alone is read.
 
     Returns whether it was found, the normalised correlation, the iterations, and the window of
-    the picture after. `memory` and `packed` (four levels, search) are plain tuples: Numba takes
-    named ones from Python at five times the cost.
+    the picture after.
     """
-    known = Memory(*memory)
-    search = Search(*packed[4])
-    levels = (Level(*packed[0]), Level(*packed[1]), Level(*packed[2]), Level(*packed[3]))
+    known, search = memory_of(memory), search_of(search_numbers)
+    levels = _four(facts, store)
     h = np.empty((3, 3))
     expected = np.empty((4, 2))
     corners = np.empty((4, 2))
     small = pyramid(image, window, search.levels)
     _expect(known, h)
     apply(h, known.quad, expected)
-    jump = LARGEST_JUMP * 2.0 * levels[0].frame[0]
+    jump = LARGEST_JUMP * 2.0 * levels[0].frame[SCALE]
     lowest = LOWEST_CORRELATION
     if known.lost[0] > 0 and known.reach[AFAR] > 0.0:
         lowest = LOWEST_CORRELATION_AFAR
@@ -276,13 +305,12 @@ def follow(
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def cut_start(
-    image: NDArray[np.uint8], window: Window, h: Matrix, levels: tuple[Any, ...], count: int
+    image: NDArray[np.uint8], window: Window, h: Matrix, facts: Matrix, store: Store, count: int
 ) -> None:
     """Fill all levels' patches from the picture in which the target is known."""
     small = pyramid(image, window, count)
-    known = (Level(*levels[0]), Level(*levels[1]), Level(*levels[2]), Level(*levels[3]))
-    cut(image, _bounds(window), h, known[0])
+    cut(image, _bounds(window), h, level_of(facts, store, 0))
     low = np.empty((3, 3))
     for k in range(1, count):
         to_level(h, k, window, low)
-        cut(small[k - 1], whole_of(small[k - 1]), low, known[k])
+        cut(small[k - 1], whole_of(small[k - 1]), low, level_of(facts, store, k))

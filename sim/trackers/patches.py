@@ -5,6 +5,7 @@ numbers of lanes (sim/lanes.py) and one more; what lies beyond the last column i
 """
 
 import math
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numba import njit
@@ -26,6 +27,9 @@ from sim.lanes import (
     total,
     whole,
 )
+
+if TYPE_CHECKING:
+    from sim.lanes import Lanes
 
 Plane = NDArray[np.float32]
 Matrix = NDArray[np.float64]
@@ -94,28 +98,36 @@ def warp_patch(
             store(out, r, c, value * (top + load(fractions, 1, c) * (low - top)))
 
 
+@njit(cache=True, nogil=True, error_model="numpy", inline="always")
+def _smooth(raw: Plane, row: int, column: int) -> "Lanes":
+    """Return sixteen pixels smoothed along their row."""
+    sides = load(raw, row, column - 1) + load(raw, row, column + 1)
+    return lanes(0.25) * sides + lanes(0.5) * load(raw, row, column)
+
+
 @njit(cache=True, nogil=True, error_model="numpy")
-def blur(raw: Plane, work: Plane, width: int, out: Plane) -> None:
+def blur(raw: Plane, width: int, out: Plane) -> None:
     """Write a patch smoothed with the 3x3 binomial mask; its outermost pixels are smoothed less.
 
-    `width` is the patch's own width, rim included. LLVM makes vectors of these loops by itself.
+    `width` is the patch's own width, rim included. The loop goes down the columns: a row that is
+    smoothed along serves three times without memory in between.
     """
-    quarter, half = np.float32(0.25), np.float32(0.5)
-    rows = raw.shape[0]
-    for r in range(rows):
-        left, middle, right = raw[r], raw[r, 1:], raw[r, 2:]
-        row = work[r, 1:]
-        for c in range(width - 2):
-            row[c] = quarter * (left[c] + right[c]) + half * middle[c]
-        work[r, 0] = raw[r, 0]
-        work[r, width - 1] = raw[r, width - 1]
-    for r in range(1, rows - 1):
-        above, middle, under = work[r - 1], work[r], work[r + 1]
-        row = out[r]
-        for c in range(width):
-            row[c] = quarter * (above[c] + under[c]) + half * middle[c]
-    out[0] = work[0]
-    out[rows - 1] = work[rows - 1]
+    quarter, half = lanes(0.25), lanes(0.5)
+    last = raw.shape[0] - 1
+    for c in range(1, width - 1, WIDTH):
+        above, middle = _smooth(raw, 0, c), _smooth(raw, 1, c)
+        store(out, 0, c, above)
+        for r in range(1, last):
+            under = _smooth(raw, r + 1, c)
+            store(out, r, c, quarter * (above + under) + half * middle)
+            above = middle
+            middle = under
+        store(out, last, c, middle)
+    for c in (0, width - 1):
+        out[0, c], out[last, c] = raw[0, c], raw[last, c]
+        for r in range(1, last):
+            ends = np.float32(0.25) * (raw[r - 1, c] + raw[r + 1, c])
+            out[r, c] = ends + np.float32(0.5) * raw[r, c]
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

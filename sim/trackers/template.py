@@ -4,9 +4,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sim.trackers import alignment
-from sim.trackers.alignment import Level, Search, empty_level, learn
-from sim.trackers.following import Memory, cut_start, follow, next_window
+from sim.trackers.alignment import learn
+from sim.trackers.following import cut_start, follow, memory_of, next_window
 from sim.trackers.interface import Corners, Track, Window
+from sim.trackers.levels import Numbers, Search, empty_levels, level_of, packed
 from sim.trackers.pyramid import MOST_LEVELS
 from sim.trackers.warps import basis, from_square, is_convex, multiply, signed_area
 
@@ -74,27 +75,18 @@ class TemplateTracker:
         image = _plain(image)
         self._shape = image.shape
         columns, rows, home, quad = self._frame(corners)
-        memory = Memory(
-            home=home,
-            motion=np.eye(3),
-            quad=quad,
-            last=corners.copy(),
-            reach=np.array(self._reach, dtype=np.float64),
-            lost=np.zeros(1, np.int64),
-            area=float(signed_area(corners)),
-            predict=self._predict,
-        )
-        self._last, self._memory = memory.last, tuple(memory)
-        levels = _levels(columns, rows)
+        self._memory = self._beginning(corners, home, quad)
+        self._last = memory_of(self._memory).last
+        facts, store = empty_levels(columns, rows, MOST_LEVELS)
+        levels = [level_of(facts, store, k) for k in range(MOST_LEVELS)]
         count = min(self._search.levels, len([1 for each in levels if len(each.ys) >= LEAST_ROWS]))
         search = self._search._replace(levels=max(count, 1))
         self._window = next_window(self._memory, image.shape[1], image.shape[0])
-        packed = tuple(tuple(level) for level in levels)
-        cut_start(image, self._window, home, packed, search.levels)
+        cut_start(image, self._window, home, facts, store, search.levels)
         learn(levels[0], search.weight, search.criterion)
         for level in levels[1 : search.levels]:
             learn(level, search.weight, search.coarse_criterion)
-        self._packed = (*packed, tuple(search))
+        self._known = (packed(search), facts, store)
 
     def window(self) -> Window:
         """Return the box around the expected target and its search margin, on even pixels.
@@ -109,9 +101,16 @@ class TemplateTracker:
         if image.shape != self._shape:
             raise ValueError(f"a picture of {image.shape} after one of {self._shape}")
         found, correlation, iterations, self._window = follow(
-            _plain(image), self._window, self._memory, self._packed
+            _plain(image), self._window, self._memory, *self._known
         )
         return Track(self._last.copy(), found, 1.0 - correlation, iterations)
+
+    def _beginning(
+        self, corners: Corners, home: NDArray[np.float64], quad: NDArray[np.float64]
+    ) -> Numbers:
+        """Return what the tracker knows at first, for `memory_of`."""
+        parts = (home, np.eye(3), quad, corners, self._reach, 0.0, signed_area(corners))
+        return np.concatenate([np.ravel(part) for part in (*parts, self._predict)])
 
     def _frame(self, corners: Corners) -> tuple[int, int, NDArray[np.float64], NDArray[np.float64]]:
         """Place the template's pixels on the target.
@@ -150,17 +149,6 @@ class TemplateTracker:
         multiply(unit, to_unit, home)
         quad = np.array([[left, top], [far_u, top], [far_u, far_v], [left, far_v]])
         return columns, rows, home / home[2, 2], quad
-
-
-def _levels(columns: int, rows: int) -> list[Level]:
-    """Return the levels of a template of that size, each with half the pixels of the one before."""
-    scale, column, row = max(columns, rows) / 2, (columns - 1) / 2, (rows - 1) / 2
-    levels = []
-    for k in range(MOST_LEVELS):
-        size = (max(columns >> k, 1), max(rows >> k, 1))
-        levels.append(empty_level(*size, (scale, column, row), 0.25**k))
-        scale, column, row = scale / 2, (column - 0.5) / 2, (row - 0.5) / 2
-    return levels
 
 
 def _plain(image: NDArray[np.uint8]) -> NDArray[np.uint8]:
