@@ -81,6 +81,7 @@ TRACKERS = {
             "method",
             "pyramid_levels",
             "sampling_px",
+            "template_margin_px",
             "visp_iterations",
             "visp_sl3",
         ),

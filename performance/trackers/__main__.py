@@ -12,9 +12,10 @@ _INTRODUCTION = """# Trackers beside ViSP and OpenCV
 Made by `python -m performance.trackers` on {cpu}.
 The same pictures in the same run, one thread, all trackers in turn, some pictures each. Times are
 medians of CPU time; ViSP's is that of its own `track()`, without the pipe to it; "times" is how
-many times faster than ViSP's fastest, SSD inverse compositional. ViSP has sampling 2, two pyramid
-levels down to full resolution (ZNCC and MI one; with two they lose this target as well), and for
-its ESM `setGain(2)`.
+many times faster than ViSP's fastest homography that kept the target (or of all, if none did).
+ViSP's templates leave out 3 px at the rim of the target, as ours do. It has sampling 2 (MI with
+homography 1, or it is lost), two pyramid levels down to full resolution (ZNCC and MI one; with two
+they lose this target), and for its ESM `setGain(2)`.
 Errors are root mean squares over the four corners, of the pictures until the first with more than
 10 px, where a tracker counts as lost. On the plain target, which shows nothing but its edges, all
 are started 6 px beyond it. Times differ from machine to machine and with what else runs:

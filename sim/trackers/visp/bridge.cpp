@@ -3,7 +3,8 @@
 // ViSP is licensed under the GPL; this program only calls its interface, and Seamark talks to this
 // program alone. Messages, all numbers little-endian as the processor has them:
 //   start:  'S', 8 int32 (criterion, method, warp, levels, sampling, iterations, width, height),
-//           8 double (corners u, v), pixels       -> 'K', or 'E' + int32 length + text
+//           8 double (corners u, v), 8 double (corners of the template), pixels
+//                                              -> 'K', or 'E' + int32 length + text
 //   next:   'T', pixels                            -> 'K', 8 double corners, int32 iterations,
 //                                                     double CPU seconds of track(); or 'E' ...
 // The program ends when its input does.
@@ -124,7 +125,8 @@ class Target {
     for (const int side : {settings_[Width], settings_[Height]})
       if (side < 1 || side > kLargestSide) return false;
     picture_.resize(settings_[Height], settings_[Width]);
-    return read_all(corners_, sizeof corners_) && read_picture();
+    return read_all(corners_, sizeof corners_) && read_all(template_, sizeof template_) &&
+           read_picture();
   }
 
   bool read_picture() { return read_all(picture_.bitmap, picture_.getSize()); }
@@ -139,7 +141,7 @@ class Target {
     if (settings_[Criterion] == Ssd && settings_[Method] == Esm) tracker_->setGain(2.0);
     std::vector<vpImagePoint> outline;
     for (const int corner : {0, 1, 2, 0, 2, 3})  // two triangles
-      outline.emplace_back(corners_[2 * corner + 1], corners_[2 * corner]);
+      outline.emplace_back(template_[2 * corner + 1], template_[2 * corner]);
     tracker_->initFromPoints(picture_, outline, false);
   }
 
@@ -171,6 +173,7 @@ class Target {
  private:
   int32_t settings_[Settings];
   double corners_[8];
+  double template_[8];  // corners of what is compared
   vpImage<unsigned char> picture_;
   std::unique_ptr<vpTemplateTrackerWarp> warp_;
   std::unique_ptr<vpTemplateTracker> tracker_;
