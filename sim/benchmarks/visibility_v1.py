@@ -140,6 +140,16 @@ class VisibilityConfiguration(ExperimentSettings):
         tag="E",
         source="a few degrees, as a vehicle in a current",
     )
+    path_heave_share: float = motion(
+        0.2,
+        title="Rise on the path",
+        says="Prescribed path: how far it goes up and down, in shares of the swing; 0 stays level.",
+        low=0,
+        high=1,
+        tag="E",
+        source="a vehicle holds its depth better than its place",
+        advanced=True,
+    )
     path_period_s: float = motion(
         5.0,
         title="Period of the path",

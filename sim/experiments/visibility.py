@@ -26,7 +26,6 @@ from sim.trackers import Tracker
 from sim.tracking import tracking_of
 from sim.world import Conditions, camera_of, noise_seed_of, water_of, world_of
 
-HEAVE_SHARE = 0.2  # of the path's swing: how far it goes up and down; E
 TILT_SHARE = 0.6  # of the path's turn: how far it rolls and pitches; E
 LN_2 = 0.6931471805599453  # a stop is a factor of two
 MOST_GREY = 64.0  # of read noise, as `Water` takes it
@@ -105,7 +104,8 @@ class Visibility:
 
 def _path(config: VisibilityConfiguration, station: NDArray[np.float64], random: Streams) -> Path:
     swing, turn = config.path_swing_m, config.path_turn_rad
-    amplitudes = (swing, swing, HEAVE_SHARE * swing, TILT_SHARE * turn, TILT_SHARE * turn, turn)
+    heave, tilt = config.path_heave_share * swing, TILT_SHARE * turn
+    amplitudes = (swing, swing, heave, tilt, tilt, turn)
     return Path(station.tolist(), amplitudes, period_s=config.path_period_s, random=random.scene)
 
 

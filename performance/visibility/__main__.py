@@ -1,0 +1,75 @@
+"""`python -m performance.visibility [GROUP ...]`: measure, keep, and write the page."""
+
+import json
+import os
+import sys
+from collections.abc import Sequence
+from concurrent.futures import ProcessPoolExecutor
+from pathlib import Path
+from typing import Any
+
+import cv2
+
+from performance.visibility.cases import GROUPS, Case
+from performance.visibility.page import write
+from sim.registry import benchmark
+from sim.statistics import mean
+from sim.trackers.visp import why_not
+from sim.trial import run_trial
+
+NAME = "visibility-v1"
+DOCS = Path(__file__).parents[2] / "docs"
+KEPT = DOCS / "visibility.json"
+METRICS = ("p5_percent", "p1_percent", "corner_px", "not_admitted_percent")
+
+
+def measure(case: Case) -> dict[str, Any]:
+    """Run one tracker over all its seeds."""
+    cv2.setNumThreads(1)
+    config = benchmark(NAME).read(
+        {"sweep_step": case.step, "level_duration_s": case.level_s, **case.config}
+    )
+    results = [
+        run_trial(NAME, config, None, seed=seed, trial=0, on_rows=lambda _rows: None)
+        for seed in range(case.seeds)
+    ]
+    levels = zip(*(result.levels for result in results), strict=True)
+    overall = [result.standing.overall for result in results]
+    return {
+        "label": case.label,
+        "step": case.step,
+        "level_s": case.level_s,
+        "scores": [result.score for result in results],
+        "overall": {name: _mean([one[name] for one in overall]) for name in METRICS},
+        "p5": [round(mean([level["p5_percent"] for level in same]), 3) for same in levels],
+    }
+
+
+def _mean(values: Sequence[float | None]) -> float | None:
+    known = [value for value in values if value is not None]
+    return round(mean(known), 6) if known else None
+
+
+def main(names: list[str]) -> int:
+    """Measure the groups, two cases at a time, and write the page; 2 if a name is unknown."""
+    unknown = [name for name in names if name not in GROUPS]
+    if unknown:
+        print(f"There is no group {', '.join(unknown)}; there are {', '.join(GROUPS)}.")
+        return 2
+    kept: dict[str, Any] = json.loads(KEPT.read_text()) if KEPT.exists() else {}
+    with ProcessPoolExecutor(max_workers=min(2, os.cpu_count() or 1)) as pool:
+        for name in names or GROUPS:
+            if name.startswith("visp") and (reason := why_not()):
+                print(f"{name} is left out: {reason}.")
+                continue
+            kept[name] = []
+            for one in pool.map(measure, GROUPS[name]):
+                print(f"{one['label']:32} {mean(one['scores']):.2f} {one['scores']}", flush=True)
+                kept[name].append(one)
+            KEPT.write_text(json.dumps(kept, indent=1) + "\n", encoding="utf-8")
+    write(kept, DOCS)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

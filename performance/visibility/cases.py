@@ -1,0 +1,112 @@
+"""What is measured: trackers, motions and targets, by group."""
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+from sim.targets import TARGETS
+from sim.trackers.choices import CRITERIA, METHODS, WARPS
+
+SEEDS, STEP = 10, 0.25  # as a ranked run: of the levels, in optical depth
+
+
+class Case(NamedTuple):
+    """One tracker in one experiment."""
+
+    label: str
+    config: Mapping[str, object]
+    seeds: int = SEEDS
+    step: float = STEP
+    level_s: float = 5.0
+
+
+def _ours(criterion: str, warp: str) -> Case:
+    return Case(f"esm {criterion} {warp}", {"criterion": criterion, "warp": warp})
+
+
+def _opencv(tracker: str, warp: str) -> Case:
+    return Case(f"{tracker} {warp}", {"tracker": tracker, "warp": warp})
+
+
+def _visp(criterion: str, method: str, warp: str = "homography", **more: object) -> Case:
+    """One of ViSP's, as performance/trackers has them; these take 2 to 10 ms a picture."""
+    config: dict[str, object] = {
+        "tracker": "visp",
+        "criterion": criterion,
+        "method": method,
+        "warp": warp,
+        "sampling_px": 2,
+        "pyramid_levels": 2 if criterion == "ssd" else 1,
+        "visp_iterations": {"ssd": 200, "zncc": 60, "mi": 30}[criterion],
+    }
+    label = f"visp {criterion} {_SHORT[method]} {warp}"
+    return Case(label, config | more, seeds=3, step=0.5)
+
+
+def _slow(case: Case) -> Case:
+    """The same for a tracker that takes 50 to 200 ms a picture."""
+    return case._replace(seeds=2, step=1.0, level_s=2.0)
+
+
+_SHORT = {
+    "esm": "esm",
+    "inverse_compositional": "ic",
+    "forward_additional": "fa",
+    "forward_compositional": "fc",
+}
+# Every warp can follow this one: the vehicle stays level, at one height and heading.
+IN_PLANE: dict[str, object] = {"path_turn_rad": 0.0, "path_heave_share": 0.0}
+MARGIN = {"template_margin_px": 6}  # for a target that shows nothing but its edges
+ON_TARGETS: Mapping[str, Mapping[str, object]] = {
+    "zncc": {"criterion": "zncc"},
+    "ssd": {"criterion": "ssd"},
+    "mi": {"criterion": "mi"},
+    "klt": {"tracker": "klt"},
+}
+
+GROUPS: Mapping[str, tuple[Case, ...]] = {
+    "ours": tuple(_ours(criterion, warp) for criterion in CRITERIA for warp in WARPS)
+    + tuple(
+        Case(f"esm zncc homography, {_SHORT[method]}", {"method": method})
+        for method in METHODS
+        if method != "esm"
+    ),
+    "opencv": (
+        *(_opencv("klt", warp) for warp in ("srt", "affine", "homography")),
+        *(_opencv("ecc", warp) for warp in ("translation", "rt", "affine", "homography")),
+        Case("box", {"tracker": "box"}),
+        Case("kcf", {"tracker": "kcf"}, seeds=5, step=0.5),
+        Case("csrt", {"tracker": "csrt"}, seeds=3, step=0.5),
+    ),
+    "visp": (
+        *(_visp("ssd", "inverse_compositional", warp) for warp in WARPS),
+        *(_visp("ssd", m) for m in METHODS if m != "inverse_compositional"),
+        *(_visp("zncc", "inverse_compositional", warp) for warp in WARPS),
+        _visp("zncc", "forward_additional"),
+        _visp("mi", "inverse_compositional", "translation"),
+        _visp("mi", "inverse_compositional", "srt"),
+        _visp("mi", "inverse_compositional"),
+        _visp("mi", "forward_compositional"),
+    ),
+    "visp-slow": (
+        _slow(_visp("mi", "inverse_compositional", sampling_px=1))._replace(
+            label="visp mi ic homography, every pixel"
+        ),
+        _slow(_visp("mi", "forward_additional")),
+        _slow(_visp("mi", "esm")),
+    ),
+    "in-plane": tuple(
+        Case(f"{criterion} {warp}", IN_PLANE | {"criterion": criterion, "warp": warp})
+        for criterion in CRITERIA
+        for warp in WARPS
+    ),
+    "targets": tuple(
+        Case(f"{name} on {target}", {"target": target, **config})
+        for target in TARGETS
+        for name, config in ON_TARGETS.items()
+    )
+    + tuple(
+        Case(f"{name} on plain, margin 6", {"target": "plain", **config, **MARGIN})
+        for name, config in ON_TARGETS.items()
+        if name != "klt"
+    ),
+}
