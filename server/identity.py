@@ -10,7 +10,7 @@ from server.access import Viewer
 from server.services import services
 from server.tables import User
 
-BEARER = "Bearer "
+BEARER = "bearer"  # in any case of letters (RFC 9110, 11.1)
 _USER, _KEY, _GUEST = "user", "key", "guest"
 
 
@@ -26,7 +26,7 @@ def register(app: Flask) -> None:
 
 def by_token() -> bool:
     """Return whether the request carries a token; such a request needs no CSRF secret."""
-    return request.headers.get("Authorization", "").startswith(BEARER)
+    return _scheme() == BEARER
 
 
 def sign_in(user_id: int) -> int:
@@ -64,10 +64,15 @@ def become_guest() -> Viewer:
     return viewer
 
 
+def _scheme() -> str:
+    """Return how the request says who asks, such as "bearer"; proxies may use others."""
+    return request.headers.get("Authorization", "").strip().partition(" ")[0].lower()
+
+
 def _viewer() -> Viewer:
     """Return who asks; a wrong token is refused rather than treated as nobody."""
     if by_token():
-        text = request.headers["Authorization"].removeprefix(BEARER).strip()
+        text = request.headers["Authorization"][len(BEARER) :].strip()
         with services().database.reading() as database:
             viewer = accounts.viewer_of_token(database, text)
         if viewer is None:

@@ -1,5 +1,6 @@
 """The leaderboard: `best` rows are kept up to date, so a page costs the same at any depth."""
 
+import math
 from dataclasses import dataclass
 from typing import Any, Self
 
@@ -26,7 +27,10 @@ class Cursor:
     def parse(cls, text: str) -> Self:
         """Read a cursor; raises ValueError if it is none."""
         score, reached_at, user_id = text.split("_")
-        return cls(float.fromhex(score), float.fromhex(reached_at), int(user_id))
+        cursor = cls(float.fromhex(score), float.fromhex(reached_at), int(user_id))
+        if not (math.isfinite(cursor.score + cursor.reached_at) and abs(cursor.user_id) < 2**53):
+            raise ValueError("no row of a leaderboard is there")
+        return cursor
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -57,9 +61,12 @@ class Rank:
 
 
 def page(
-    session: Session, benchmark: str, *, after: Cursor | None = None, limit: int = 50
+    session: Session, benchmark: str, *, after: Cursor | None = None, limit: int | None = 50
 ) -> list[Rank]:
-    """Return the next ranks of one benchmark, best first; equal scores in order of time."""
+    """Return the next ranks of one benchmark, best first; equal scores in order of time.
+
+    All that follow without a limit.
+    """
     order = (Best.score.desc(), Best.reached_at, Best.user_id)
     query = _rows(benchmark).order_by(*order).limit(limit)
     rank, above_low = 1, None

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 from sqlalchemy import Select, select
-from sqlalchemy.orm import Session
+from sqlalchemy.orm import Session, defer
 
 from server import line
 from server.access import Viewer
@@ -117,6 +117,8 @@ def listing(
     if after is not None:
         query = query.where(Run.id < after)
     limit = max(1, min(limit, LIMIT_MAX))
+    # A list shows neither: parsing the metrics of large grids would take most of its time.
+    query = query.options(defer(Result.metrics), defer(Result.manifest))
     found = session.execute(query.order_by(Run.id.desc()).limit(limit + 1)).all()
     views = [_view(*row) for row in found[:limit]]
     return Page(views, views[-1].id if len(found) > limit else None)

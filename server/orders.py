@@ -211,6 +211,10 @@ def _check_built_in(order: Order) -> None:
     from sim import registry  # noqa: PLC0415 - as above
 
     benchmark = registry.benchmark(order.benchmark)
+    if not order.controller:
+        raise OrderRejected(
+            f"Choose a {benchmark.role}: {', '.join(benchmark.built_in)}, or your own program."
+        )
     if order.controller not in benchmark.built_in:
         raise OrderRejected(
             f"There is no built-in {benchmark.role} {order.controller} in {order.benchmark}; "

@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING
 from flask import Response, request
 from werkzeug.exceptions import HTTPException
 
+from server.services import services
+
 if TYPE_CHECKING:
     from pydantic import ValidationError
 
@@ -222,14 +224,29 @@ def of_http(error: HTTPException) -> Problem:
     """Return the problem that says the same as an exception of werkzeug, with Allow kept."""
     status = error.code or 500
     slug = _BY_STATUS.get(status, "bad-request" if status < 500 else "internal-error")
-    if status == 401 and request.headers.get("Authorization", "").startswith("Bearer "):
+    if status == 401 and "Authorization" in request.headers:
         slug = "token-invalid"
+    detail = error.description or ""
+    if detail == type(error).description:  # werkzeug's own words, about addresses typed by hand
+        detail = _own_words(status) or detail
     kept = {
         name: value
         for name, value in error.get_headers(request.environ)
         if name in {"Allow", "Retry-After", "Content-Range"}
     }
-    return Problem(slug, error.description or "", headers=kept)
+    return Problem(slug, detail, headers=kept)
+
+
+def _own_words(status: int) -> str:
+    """Return what is wrong with the present request, empty where the status says it all."""
+    if status == 404:
+        return f"There is no address {request.path}."
+    if status == 405:
+        return f"{request.method} does not work at {request.path}; Allow names what does."
+    if status == 413:
+        limit = services().settings.upload_max_bytes
+        return f"An upload may have {limit} bytes; this request is larger."
+    return KINDS["unsupported-media-type"].remedy if status == 415 else ""
 
 
 def of_validation(error: ValidationError, *, prefix: str = "") -> Problem:
@@ -238,8 +255,8 @@ def of_validation(error: ValidationError, *, prefix: str = "") -> Problem:
     for item in error.errors(include_url=False, include_context=False, include_input=False):
         field = ".".join(str(part) for part in item["loc"]) or "body"
         errors[prefix + field] = item["msg"]
-    names = ", ".join(errors)
-    return Problem("invalid-request", f"Not acceptable: {names}.", errors=errors)
+    named = "; ".join(f"{field}: {text}" for field, text in errors.items())
+    return Problem("invalid-request", f"Not acceptable: {named}.", errors=errors)
 
 
 def wanted() -> bool:

@@ -6,6 +6,7 @@ JSON Schema that the form is generated from, and the text of the refusal, so the
 
 import difflib
 import math
+import re
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from typing import Any, Literal, Self
@@ -18,6 +19,7 @@ from sim.quantity import Metric
 from sim.score_expression import LONGEST, ExpressionInvalid, check
 
 Role = Literal["scenario", "solution"]
+_COMMA = re.compile(r"\s*(-?\d+),(\d+)\s*")  # a number as half of the world writes it
 _LIMITS = (  # pydantic's name, its attribute, JSON Schema's word
     ("Ge", "ge", "minimum"),
     ("Gt", "gt", "exclusiveMinimum"),
@@ -310,7 +312,9 @@ def _sentence(cls: type[Configuration], name: str, error: ErrorDetails) -> str:
         return f"{name} is not a setting of this benchmark; {hint}"
     got = error["input"]
     shown = f"{got:g}" if isinstance(got, float) else repr(got)
-    return f"{name} ({field.title}) must be {allowed(field)}, not {shown}."
+    comma = _COMMA.fullmatch(got) if isinstance(got, str) else None
+    hint = f" Write it with a point: {comma[1]}.{comma[2]}." if comma else ""
+    return f"{name} ({field.title}) must be {allowed(field)}, not {shown}.{hint}"
 
 
 def schema_of(cls: type[Configuration], *, title: str, groups: Sequence[str]) -> dict[str, Any]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 import io
-import math
 from typing import Any
 
 from flask import Response, jsonify, request
@@ -22,6 +21,7 @@ COLUMNS = (
     *("rank", "tied", "user", "controller", "run", "score", "score_low", "score_high"),
     *("level_held", "reached_at", "is_baseline", "title"),
 )
+PAGE = 50  # rows of an answer that does not say how many
 _FORMULA = ("=", "+", "-", "@", "\t")  # a spreadsheet would execute a cell that starts so
 
 api = APIBlueprint(
@@ -36,15 +36,15 @@ api = APIBlueprint(
 def show(path: BenchmarkPath, query: RankQuery) -> Response:
     """Show the ranks of one benchmark, with intervals and ties; JSON or CSV."""
     check(path.benchmark)
+    as_csv, after = _wants_csv(query), _cursor(query.after)
+    limit = query.limit or (None if as_csv else PAGE)
     with services().database.reading() as database:
-        ranks = leaderboard.page(
-            database, path.benchmark, after=_cursor(query.after), limit=query.limit
-        )
-    following = ranks[-1].cursor.text() if len(ranks) == query.limit else None
+        ranks = leaderboard.page(database, path.benchmark, after=after, limit=limit)
     rows = [_row(rank) for rank in ranks]
-    if _wants_csv(query):
+    if as_csv:
         answer = Response(_csv(rows), content_type="text/csv; charset=utf-8")
     else:
+        following = ranks[-1].cursor.text() if len(ranks) == limit else None
         answer = jsonify({"benchmark": path.benchmark, "ranks": rows, "next": following})
     answer.headers["Vary"] = "Accept"
     return answer
@@ -60,16 +60,13 @@ def _cursor(text: str | None) -> Cursor | None:
     if text is None:
         return None
     try:
-        cursor = Cursor.parse(text)
+        return Cursor.parse(text)
     except (ValueError, OverflowError):
-        cursor = Cursor(math.nan, math.nan, 0)
-    if not (math.isfinite(cursor.score + cursor.reached_at) and abs(cursor.user_id) < 2**53):
         raise Problem(
             "invalid-request",
             "This is not the end of a page.",
             errors={"after": "Send `next` of the page before, unchanged."},
-        )
-    return cursor
+        ) from None
 
 
 def _row(rank: Rank) -> dict[str, Any]:

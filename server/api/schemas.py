@@ -123,7 +123,9 @@ class RankQuery(BaseModel):
     """Which part of the leaderboard, in which form."""
 
     after: str | None = Field(None, max_length=120, description="`next` of the page before")
-    limit: int = Field(50, ge=1, le=500)
+    limit: int | None = Field(
+        None, ge=1, le=500, description="50 if left out; a CSV then has all that follow"
+    )
     format: Literal["json", "csv"] | None = Field(
         None, description="Else the header Accept decides"
     )

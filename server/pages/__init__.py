@@ -10,6 +10,7 @@ from server.pages import (
     formats,
     home,
     leaderboard,
+    row_numbers,
     run,
     runs,
     status,
@@ -31,6 +32,7 @@ PAGES = (
 
 def register(app: Flask) -> None:
     """Add all pages, the filters of their templates and the pages of errors."""
+    row_numbers.register(app)
     for page in PAGES:
         app.register_blueprint(page)
     formats.register(app)

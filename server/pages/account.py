@@ -112,7 +112,7 @@ def change_password() -> ResponseReturnValue:
     return redirect(url_for("account.tokens"))
 
 
-@page.post("/tokens/<int:token_id>/revoke")
+@page.post("/tokens/<row:token_id>/revoke")
 def revoke_token(token_id: int) -> ResponseReturnValue:
     """Delete one of the viewer's tokens."""
     if not can(g.viewer, Action.MANAGE_ACCOUNT):

@@ -22,7 +22,7 @@ page = Blueprint("run", __name__, url_prefix="/runs")
 _log = structlog.get_logger()
 
 
-@page.get("/<int:run_id>")
+@page.get("/<row:run_id>")
 def show(run_id: int) -> ResponseReturnValue:
     """Show a run."""
     run = _run_for(run_id)
@@ -65,7 +65,7 @@ def show(run_id: int) -> ResponseReturnValue:
     )
 
 
-@page.post("/<int:run_id>/cancel")
+@page.post("/<row:run_id>/cancel")
 def cancel(run_id: int) -> ResponseReturnValue:
     """Cancel a live run; the data so far is kept."""
     before = _run_for(run_id, Action.CANCEL)
@@ -76,7 +76,7 @@ def cancel(run_id: int) -> ResponseReturnValue:
     return answer
 
 
-@page.post("/<int:run_id>/publish")
+@page.post("/<row:run_id>/publish")
 def publish(run_id: int) -> ResponseReturnValue:
     """Make a run public."""
     _run_for(run_id, Action.PUBLISH)
@@ -84,7 +84,7 @@ def publish(run_id: int) -> ResponseReturnValue:
     return _change(run_id, runs.publish, done, "Only a run that has ended can be published.")
 
 
-@page.post("/<int:run_id>/withdraw")
+@page.post("/<row:run_id>/withdraw")
 def withdraw(run_id: int) -> ResponseReturnValue:
     """Make a run private again."""
     _run_for(run_id, Action.WITHDRAW)
@@ -92,7 +92,7 @@ def withdraw(run_id: int) -> ResponseReturnValue:
     return _change(run_id, runs.withdraw, done, "The run was not public.")
 
 
-@page.post("/<int:run_id>/rerun")
+@page.post("/<row:run_id>/rerun")
 @limiter.limit(ORDER)
 def rerun(run_id: int) -> ResponseReturnValue:
     """Queue the same order again."""

@@ -5,6 +5,7 @@ from flask.typing import ResponseReturnValue
 
 from server import runs
 from server.pages import benchmarks
+from server.pages.row_numbers import row_number
 from server.services import services
 
 SIZE = 25
@@ -24,7 +25,7 @@ def mine() -> ResponseReturnValue:
             g.viewer,
             which="all" if everybody else "mine",
             states=states,
-            after=request.args.get("after", type=int),
+            after=request.args.get("after", type=row_number),
             limit=SIZE,
         )
         quota = None if g.viewer.owner is None else runs.quota(session, g.viewer, settings)

@@ -10,12 +10,14 @@ from server import archives, identity, run_limits, runs
 from server.access import Action, can
 from server.orders import upload_refusal
 from server.pages import benchmarks, fields, sent_programs, templates_for_programs
+from server.pages.row_numbers import row_number
 from server.programs import TEXT_MAX_BYTES, StoredProgram, UploadRejected
 from server.rate_limits import ORDER, limiter
 from server.services import services
 from sim.benchmarks import Benchmark
 from sim.configuration import ConfigurationInvalid
 
+_DIGITS_MAX = 18
 page = Blueprint("submit", __name__, url_prefix="/submit")
 
 
@@ -82,6 +84,7 @@ def _order(
     if kind is runs.Kind.RANKED:  # the scenario is the benchmark's, whatever the form says
         values = fields.solution(benchmark.schema(), values)
     config = benchmark.read(values)
+    trials = _whole(answers, "trials", "The number of trials")
     return runs.Order(
         viewer=identity.become_guest(),
         benchmark=benchmark.name,
@@ -90,7 +93,7 @@ def _order(
         controller=answers.get("controller", ""),
         program=program,
         seed=None if kind is runs.Kind.RANKED else _whole(answers, "seed", "A seed"),
-        trials=_whole(answers, "trials", "The number of trials") or 1,
+        trials=1 if trials is None else trials,
         title=answers.get("title", ""),
     )
 
@@ -99,14 +102,14 @@ def _whole(answers: dict[str, str], name: str, what: str) -> int | None:
     text = answers.get(name, "").strip()
     if not text:
         return None
-    if not text.isdecimal() or len(text) > 12:
+    if not text.isdecimal():
         raise ConfigurationInvalid({name: f"{what} is a whole number, 0 or more, not {text[:20]}."})
-    return int(text)
+    return int(text[:_DIGITS_MAX])  # more digits are out of every range
 
 
 def _start_values(benchmark: Benchmark) -> dict[str, object]:
     """Return what an empty form begins with."""
-    earlier = request.args.get("from", type=int)
+    earlier = request.args.get("from", type=row_number)
     if earlier is not None:
         with services().database.reading() as session:
             run = runs.show(session, earlier)

@@ -50,6 +50,8 @@ def test_no_page_has_inline_code_or_loads_from_elsewhere(site: Site, path: str) 
         "/benchmarks/nope",
         "/docs/physics/nope.urdf",
         "/leaderboards/currents-v1?after=x",
+        "/leaderboards/currents-v1?after=nan_0x1p0_1",
+        f"/runs/{10**40}",
     ],
 )
 def test_what_does_not_exist_is_a_page_that_says_so(site: Site, path: str) -> None:
@@ -57,6 +59,13 @@ def test_what_does_not_exist_is_a_page_that_says_so(site: Site, path: str) -> No
 
     assert answer.status_code == 404
     assert "Nothing here" in answer.text
+
+
+@pytest.mark.parametrize("path", ["/runs/?after={}", "/submit/currents-v1?from={}"])
+def test_a_number_that_no_row_can_have_is_passed_over(site: Site, path: str) -> None:
+    answer = site.browser("ann").get(path.format(10**40))
+
+    assert answer.status_code == 200
 
 
 def test_a_program_gets_errors_as_problem_documents(site: Site) -> None:

@@ -74,6 +74,26 @@ def test_a_wrong_seed_is_refused(site: Site, seed: str) -> None:
     assert "seed" in answer.text
 
 
+@pytest.mark.parametrize("trials", ["0", "-1", "11", "9" * 30])
+def test_a_wrong_number_of_trials_is_refused(site: Site, trials: str) -> None:
+    answer = site.browser().post(FORM, {"controller": "pi", "trials": trials})
+
+    assert answer.status_code == 422
+    assert "trials" in answer.text
+
+
+def test_a_form_without_a_controller_names_the_choices(site: Site) -> None:
+    answer = site.browser().post(FORM, {"controller": ""})
+
+    assert "Choose a controller: pi, p, or your own program." in answer.text
+
+
+def test_a_comma_in_a_number_is_explained(site: Site) -> None:
+    answer = site.browser().post(FORM, {"controller": "pi", "kp": "0,5"})
+
+    assert "Write it with a point: 0.5." in answer.text
+
+
 def test_a_vehicle_brings_its_defaults_also_without_javascript(site: Site) -> None:
     page = site.browser().get(f"{FORM}?vehicle=girona500-uwsim").text
 
