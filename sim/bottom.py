@@ -8,6 +8,7 @@ contact engine's ray casts do.
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -120,14 +121,14 @@ class Bottom:
         height, _north, _east = mound(north, east, self._mounds)
         return self.depth_m - float(height)
 
-    def sound(self, pose: list[float]) -> Sounding:
+    def sound(self, pose: Array | Sequence[float]) -> Sounding:
         """Return what the DVL's four beams say at a pose, (6,) [m, rad].
 
         On a flat bottom that is the height above it. The beams start at the body's origin; the
         target is too small to matter.
         """
         if self._mounds is None:
-            return Sounding(self.depth_m - pose[2], 4)
+            return Sounding(self.depth_m - float(pose[2]), 4)
         altitude, echoes = sounding(np.array(pose), self._mounds)
         return Sounding(altitude, echoes)
 

@@ -25,7 +25,7 @@ from sim.thrusters import command_of, commands_for, force_of, packed, steady_thr
 from sim.vehicles import STANDARD_GRAVITY, Array, Vehicle, load
 
 STEP_S = constants.STEP_S.scalar
-_RIGID = 13  # position 3, quaternion 4, velocity 6; thrusts follow
+RIGID = 13  # position 3, quaternion 4, velocity 6; thrusts follow
 
 
 class Body(NamedTuple):
@@ -90,7 +90,7 @@ class Plant:
         self._command = np.zeros(len(vehicle.thrusters))
         self._tick = 0
         self._contact_force = 0.0
-        self.state = np.zeros(_RIGID + len(vehicle.thrusters))
+        self.state = np.zeros(RIGID + len(vehicle.thrusters))
         self.state[3] = 1.0
 
     def place(self, pose: Array) -> None:
@@ -168,6 +168,16 @@ class Plant:
         read_pose(self.state, out)
         return out
 
+    def read_pose(self, out: Array) -> bool:
+        """Write the pose to `out`, (6,) [m, rad]; tell whether it and the velocity are finite."""
+        finite: bool = read_pose(self.state, out)
+        return finite
+
+    @property
+    def water(self) -> tuple[Any, ...]:
+        """Return the current as a plain tuple, for compiled code."""
+        return self._plain_water
+
     def velocity(self) -> Array:
         """Return the velocity over ground in the body frame, (6,) [m/s, rad/s]."""
         return self.state[7:13].copy()
@@ -207,7 +217,7 @@ def _write_thrust(allocation: Array, x: Array, wrench: Array) -> None:
     for i in range(6):
         push = 0.0
         for j in range(allocation.shape[1]):
-            push += allocation[i, j] * x[_RIGID + j]
+            push += allocation[i, j] * x[RIGID + j]
         wrench[i] = push
 
 
@@ -286,7 +296,7 @@ def _derivative(
     out[8] += a1 - (r * c0 - p * c2)
     out[9] += a2 - (p * c1 - q * c0)
     for j in range(target.size):
-        out[_RIGID + j] = (target[j] - x[_RIGID + j]) * body.lag_rate
+        out[RIGID + j] = (target[j] - x[RIGID + j]) * body.lag_rate
 
 
 @njit(cache=True, error_model="numpy")

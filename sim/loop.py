@@ -6,22 +6,19 @@ that acted at that moment; the new commands work from there on.
 
 import math
 import time
-from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sim.experiments import OnRows
-from sim.observation import THRUSTERS, empty
+from sim.observation import empty
+from sim.perception import perceive
 from sim.program import Command, Program
-from sim.sensors import Truth
-from sim.station_keeper import Aim
-from sim.telemetry import Recorder
-from sim.tracking import Seen, pictured
-from sim.velocity_controller import Sensed
+from sim.telemetry import INDEX, STEP_US, Recorder
 from sim.world import World
 
+_REFERENCE = slice(INDEX["ref_u"], INDEX["ref_r"] + 1)
 Row = NDArray[np.float64]
 
 
@@ -29,13 +26,8 @@ class StateInvalid(Exception):
     """The simulation has left the range in which its numbers are finite: no trial can go on."""
 
 
-class Known(NamedTuple):
-    """What the sensors say at a tick."""
-
-    sensed: Sensed  # the velocity controller's part
-    valid: bool  # whether the DVL's last measurement succeeded
-    altitude: float  # [m]
-    attitude: tuple[float, ...]  # roll, pitch, yaw [rad], p, q, r [rad/s]
+def _invalid(t: float, what: str) -> StateInvalid:
+    return StateInvalid(f"At {t:g} s of simulated time {what} is no longer finite.")
 
 
 class LevelLoop:
@@ -49,13 +41,26 @@ class LevelLoop:
         self._steps = config.steps_per_tick
         self._first_frame = level * self._ticks
         self._began = level * config.level_duration_s
-        thrusters = len(world.plant.vehicle.thrusters)
-        self._observation = empty(thrusters)
-        self._centre = world.camera.optics.principal_px
-        self._station = world.camera.truth(world.start)[-3:]
-        self._below_camera = world.target.height_m + world.camera.optics.mount_m[2]
-        self._no_thrust = [0.0] * (THRUSTERS - thrusters)
+        self._blurred = world.camera.effects.exposure_s > 0.0
+        self._pose = np.zeros(6)
+        self._observation = empty(len(world.plant.vehicle.thrusters))
+        self._known = self._packed()
         self._step_us = 0.0
+
+    def _packed(self) -> tuple[Any, Any, Any, Any, Any, Any]:
+        """Return what `perceive` is given at every tick, but for the first and the last."""
+        world = self._world
+        tracking, plant = world.tracking, world.plant
+        below_camera = world.target.height_m + world.camera.optics.mount_m[2]
+        step = world.config.physics_step_s
+        return (
+            (self._trial, self._level, step, self._dt, below_camera),
+            (tracking.view, world.camera.place(world.start), tracking.corners),
+            (plant.state, self._pose, plant.water),
+            world.sensors.suite(),
+            world.sensors.noises(),
+            world.keeper.record,
+        )
 
     def run(self, recorder: Recorder, on_rows: OnRows) -> None:
         """Run the level; rows go to `on_rows` whenever the recorder is full.
@@ -73,83 +78,38 @@ class LevelLoop:
         self._world.close()
 
     def _tick(self, tick: int, row: Row) -> None:
-        world = self._world
-        pose = world.plant.pose()
-        placed, moving = pose.tolist(), world.plant.velocity().tolist()
-        self._check(tick, "the vehicle's state", placed + moving)
-        seen = self._look(tick, pose, moving)
-        known = self._sense(tick, placed, moving)
-        aim = world.keeper.step(
-            seen.corners if seen.ok else None,
-            height=known.altitude - self._below_camera,
-            tilt=(known.attitude[0], known.attitude[1]),
-            dt=self._dt,
-        )
-        thrust = world.plant.state[13:].tolist()
-        self._tell(tick, aim, known, thrust)
+        world, t = self._world, self._began + tick * self._dt
+        if not world.plant.read_pose(self._pose):
+            raise _invalid(t, "the vehicle's state")
+        self._look(tick)
+        self._perceive(tick, t, row)
         if tick == 0:
-            self._begin(known.sensed)
-        reference = self._ask()
-        row[:] = (
-            *(self._trial, self._level, self._began + tick * self._dt),
-            *placed,
-            *moving,
-            *world.plant.current_world().tolist(),
-            *pictured(seen, aim.error, self._centre, self._station),
-            *reference,
-            *known.sensed.velocity,
-            *thrust,
-            *self._no_thrust,
-            world.plant.contact_force(),
-            self._step_us,
-        )
-        commands = world.velocity_controller.step(reference, known.sensed, self._dt)
-        self._check(tick, "the thrusters' command", commands.tolist())
+            self._begin()
+        row[_REFERENCE] = reference = self._ask()
+        row[STEP_US] = self._step_us
+        commands = world.velocity_controller.step(reference, self._dt)
+        if not all(map(math.isfinite, commands.tolist())):
+            raise _invalid(t, "the thrusters' command")
         world.plant.advance(tick * self._steps, commands, self._steps)
 
-    def _check(self, tick: int, what: str, values: Sequence[float]) -> None:
-        """Raise StateInvalid unless all values are finite."""
-        if not math.isfinite(math.fsum(map(abs, values))):
-            t = self._began + tick * self._dt
-            raise StateInvalid(f"At {t:g} s of simulated time {what} is no longer finite.")
+    def _look(self, tick: int) -> None:
+        pose, tracking = self._pose, self._world.tracking
+        if self._blurred:
+            pose = np.concatenate([pose, self._world.plant.velocity()])
+        look = tracking.update if tick else tracking.start
+        look(pose, self._first_frame + tick)
 
-    def _look(self, tick: int, pose: Row, velocity: list[float]) -> Seen:
-        if self._world.camera.effects.exposure_s > 0:  # motion blur
-            pose = np.array([*pose.tolist(), *velocity])
-        tracking = self._world.tracking
-        if tick == 0:
-            return tracking.start(pose, self._first_frame)
-        return tracking.update(pose, self._first_frame + tick)
+    def _perceive(self, tick: int, t: float, row: Row) -> None:
+        """Measure, judge and aim; fill the row and the observation."""
+        world = self._world
+        altitude, echoes = world.bottom.sound(self._pose)
+        contact_n = world.plant.contact_force()
+        moment = (tick * self._steps, t, world.tracking.ok, altitude, echoes, contact_n)
+        perceive(moment, *self._known, (row, self._observation, world.velocity_controller.measured))
 
-    def _sense(self, tick: int, pose: list[float], velocity: list[float]) -> Known:
-        sensors, physics_tick = self._world.sensors, tick * self._steps
-        truth = Truth(pose, velocity, *self._world.bottom.sound(pose))
-        (surge, sway, heave), valid = sensors.dvl.measure(physics_tick, truth)
-        (depth,), _ = sensors.depth.measure(physics_tick, truth)
-        (altitude,), _ = sensors.altimeter.measure(physics_tick, truth)
-        attitude, _ = sensors.ahrs.measure(physics_tick, truth)
-        fresh = valid and sensors.dvl.age(physics_tick) == 0
-        roll, pitch, yaw, p, q, r = attitude
-        tilt, rates = (roll, pitch), (p, q)
-        sensed = Sensed((surge, sway, heave), depth, yaw, r, fresh, tilt, rates)
-        return Known(sensed, valid, altitude, attitude)
-
-    def _tell(self, tick: int, aim: Aim, known: Known, thrust: list[float]) -> None:
-        """Fill the observation, in the order of `observation.FIELDS`."""
-        self._observation[:] = (
-            *(self._began + tick * self._dt, self._dt),
-            *aim.error,
-            *aim.error_px,
-            *(aim.visible, aim.age_s),
-            *known.sensed.velocity,
-            *(known.valid, known.sensed.depth, known.altitude),
-            *known.attitude,
-            *thrust,
-        )
-
-    def _begin(self, sensed: Sensed) -> None:
+    def _begin(self) -> None:
         config = self._world.config
-        self._world.velocity_controller.reset(sensed)
+        self._world.velocity_controller.reset()
         self._program.reset(
             {
                 "index": self._level,

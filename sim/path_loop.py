@@ -6,14 +6,13 @@ from numpy.typing import NDArray
 from sim.camera.camera import Camera
 from sim.experiment_settings import ExperimentSettings
 from sim.experiments import OnRows
+from sim.judgement import judge
 from sim.path import Path
-from sim.telemetry import INDEX, Recorder
-from sim.tracking import Tracking, pictured
+from sim.telemetry import INDEX, STEP_US, Recorder
+from sim.tracking import Tracking
 
 _KNOWN = slice(INDEX["trial"], INDEX["t"] + 1)
 _MOVING = slice(INDEX["x"], INDEX["r"] + 1)
-_PICTURED = slice(INDEX["target_x"], INDEX["distance"] + 1)
-NO_ERROR = (0.0, 0.0, 0.0)  # nobody steers
 
 
 class PathLoop:
@@ -42,8 +41,7 @@ class PathLoop:
         self._trial, self._level = place
         self._ticks, self._dt = config.ticks_per_level, config.control_period_s
         self._began = self._level * config.level_duration_s
-        self._centre = camera.optics.principal_px
-        self._station = camera.truth(station)[-3:]
+        self._station = camera.place(station)
 
     def run(self, recorder: Recorder, on_rows: OnRows) -> None:
         """Run the level; rows go to `on_rows` whenever the recorder is full."""
@@ -51,13 +49,15 @@ class PathLoop:
         for tick in range(self._ticks):
             row = recorder.next_row()
             pose, velocity = self._path.at(tick * self._dt)
-            look = self._tracking.update if tick else self._tracking.start
-            seen = look(np.array([*pose, *velocity]), first + tick)
+            moving = np.array([*pose, *velocity])
+            tracking = self._tracking
+            look = tracking.update if tick else tracking.start
+            look(moving, first + tick)
             row[:] = 0.0
             row[_KNOWN] = self._trial, self._level, self._began + tick * self._dt
-            row[_MOVING] = (*pose, *velocity)
-            row[_PICTURED] = pictured(seen, NO_ERROR, self._centre, self._station)
-            row[INDEX["step_us"]] = self._tracking.step_us
+            row[_MOVING] = moving
+            judge(moving, tracking.corners, tracking.ok, tracking.view, self._station, row)
+            row[STEP_US] = tracking.step_us
             if recorder.keep():
                 on_rows(recorder.take())
 

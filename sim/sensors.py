@@ -3,24 +3,49 @@
 Each sensor measures on its own grid of integer physics ticks, holds the value in between, and draws
 from its own stream. How often it draws does not depend on its settings, so that noise switched off,
 or a drop-out more, leaves all later draws where they are.
+
+What a sensor is and what it holds stands in a record, and the noise of its readings is drawn
+beforehand: `sim/perception.py` measures all of them in one compiled call a control tick.
 """
 
-from abc import ABC, abstractmethod
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any, ClassVar
 
 import numpy as np
+from numba import njit
 
 from sim import constants
 from sim.elementary import PI
+from sim.vehicles import Array
 
 BEAMS = 4
 LEAST_BEAMS = round(constants.DVL_LEAST_BEAMS.scalar)
 DVL_RANGE_M = constants.DVL_RANGE_M.value
 DVL_MOST_TILT_RAD = constants.DVL_MOST_TILT_RAD.scalar
-NOISE_BLOCK = 256  # readings whose noise is drawn at once; the stream gives the same numbers
+READINGS = 4096  # for which noise is drawn if nothing is said
+_NEAREST_M, _FARTHEST_M = DVL_RANGE_M
 
 Reading = tuple[float, ...]
+Sounding = tuple[float, int]  # altitude [m] of the body's origin over the bottom, echoes of beams
+Record = Any  # one of SENSOR; Numba reads its fields as attributes
+
+SENSOR = np.dtype(
+    [
+        ("period", "i8"),  # [ticks]
+        ("slot", "i8"),  # of the grid, in which the last measurement was; -1 before the first
+        ("readings", "i8"),  # made so far, also those that failed
+        ("measured_at", "i8"),  # [ticks] when the values were measured
+        ("values", "f8", 6),  # of the last good measurement
+        ("sigma", "f8"),  # standard deviation, in the values' unit
+        ("rate_sigma", "f8"),  # [rad/s] of an AHRS
+        ("scale", "f8"),  # of a DVL: what it multiplies with,
+        ("bias", "f8"),  # [m/s] what it adds to each axis,
+        ("dropout", "f8"),  # the probability that a measurement is missing,
+        ("least_altitude", "f8"),  # [m] and nearer than that it has no bottom lock
+        ("valid", "?"),  # whether the last measurement succeeded
+    ]
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,18 +58,105 @@ class Truth:
     echoes: int = BEAMS  # of the DVL's beams
 
 
-class Sensor(ABC):
-    """The part that all sensors share: the grid of ticks, the held value and its age."""
+@njit(cache=True, error_model="numpy")
+def wrapped(angle: float) -> float:
+    """Return an angle within a turn of (-pi, pi] in that interval [rad]."""
+    if angle > PI:
+        return angle - 2.0 * PI
+    return angle + 2.0 * PI if angle <= -PI else angle
 
-    def __init__(self, size: int, *, rng: np.random.Generator, period_ticks: int) -> None:
+
+@njit(cache=True, error_model="numpy")
+def sees_bottom(pose: Array, sounding: Sounding, least_altitude: float) -> bool:
+    """Return whether a DVL has bottom lock: within range, not tilted too far, enough echoes."""
+    altitude, echoes = sounding
+    level = abs(pose[3]) <= DVL_MOST_TILT_RAD and abs(pose[4]) <= DVL_MOST_TILT_RAD
+    return least_altitude <= altitude <= _FARTHEST_M and level and echoes >= LEAST_BEAMS
+
+
+@njit(cache=True, error_model="numpy")
+def _due(sensor: Record, noise: Array, tick: int) -> bool:
+    """Return whether `tick` has reached the next multiple of the period, and count the reading."""
+    slot = tick // sensor.period
+    if slot == sensor.slot:
+        return False
+    if sensor.readings == noise.shape[0]:
+        raise IndexError("a sensor was made for fewer readings than it is asked for")
+    sensor.slot = slot
+    sensor.readings += 1
+    return True
+
+
+@njit(cache=True, error_model="numpy")
+def measure_dvl(
+    sensor: Record, noise: Array, tick: int, pose: Array, velocity: Array, sounding: Sounding
+) -> None:
+    """Measure velocity if it is time to; `noise` (k, 4) is normal but for its last column."""
+    if not _due(sensor, noise, tick):
+        return
+    drawn = noise[sensor.readings - 1]
+    locked = sees_bottom(pose, sounding, sensor.least_altitude)
+    sensor.valid = locked and not drawn[3] < sensor.dropout
+    if sensor.valid:
+        sensor.measured_at = tick
+        for i in range(3):
+            true = velocity[i] * sensor.scale + sensor.bias
+            sensor.values[i] = true + sensor.sigma * drawn[i]
+
+
+@njit(cache=True, error_model="numpy")
+def measure_depth(
+    sensor: Record, noise: Array, tick: int, pose: Array, velocity: Array, sounding: Sounding
+) -> None:
+    """Measure depth if it is time to; `noise` (k, 1) is normal."""
+    if _due(sensor, noise, tick):
+        sensor.valid, sensor.measured_at = True, tick
+        sensor.values[0] = pose[2] + sensor.sigma * noise[sensor.readings - 1, 0]
+
+
+@njit(cache=True, error_model="numpy")
+def measure_altitude(
+    sensor: Record, noise: Array, tick: int, pose: Array, velocity: Array, sounding: Sounding
+) -> None:
+    """Measure the height above the bottom if it is time to; `noise` (k, 1) is normal."""
+    if not _due(sensor, noise, tick):
+        return
+    sensor.valid = sees_bottom(pose, sounding, _NEAREST_M)
+    if sensor.valid:
+        sensor.measured_at = tick
+        sensor.values[0] = sounding[0] + sensor.sigma * noise[sensor.readings - 1, 0]
+
+
+@njit(cache=True, error_model="numpy")
+def measure_attitude(
+    sensor: Record, noise: Array, tick: int, pose: Array, velocity: Array, sounding: Sounding
+) -> None:
+    """Measure attitude and rates if it is time to; `noise` (k, 6) is normal."""
+    if not _due(sensor, noise, tick):
+        return
+    drawn, values = noise[sensor.readings - 1], sensor.values
+    sensor.valid, sensor.measured_at = True, tick
+    values[0] = wrapped(pose[3] + sensor.sigma * drawn[0])
+    values[1] = pose[4] + sensor.sigma * drawn[1]
+    values[2] = wrapped(pose[5] + sensor.sigma * drawn[2])
+    for i in range(3, 6):
+        values[i] = velocity[i] + sensor.rate_sigma * drawn[i]
+
+
+class Sensor:
+    """One sensor: its record, (1,) `SENSOR`, and its noise, (readings, k)."""
+
+    size: ClassVar[int]  # how many values it gives
+    _measure: ClassVar[Callable[..., None]]
+
+    def __init__(self, noise: Array, *, period_ticks: int, **settings: float) -> None:
         if period_ticks < 1:
             raise ValueError(f"a sensor's period must be at least one tick, not {period_ticks}")
-        self._rng = rng
-        self._period = period_ticks
-        self._slot = -1
-        self._measured_at = 0
-        self._values: Reading = (0.0,) * size
-        self._valid = False
+        self.noise = noise
+        self.record = np.zeros(1, SENSOR)
+        self.record["period"], self.record["slot"] = period_ticks, -1
+        for name, value in settings.items():
+            self.record[name] = value
 
     def measure(self, tick: int, truth: Truth) -> tuple[Reading, bool]:
         """Return the latest values and whether the last measurement succeeded.
@@ -52,22 +164,15 @@ class Sensor(ABC):
         A new measurement is made when `tick` has reached the next multiple of the period. After a
         failed one the last good values stay. Nothing is valid before the first good one.
         """
-        slot = tick // self._period
-        if slot != self._slot:
-            self._slot = slot
-            reading, self._valid = self._read(truth)
-            if self._valid:
-                self._values = reading
-                self._measured_at = tick
-        return self._values, self._valid
+        pose, velocity = np.array(truth.pose, np.float64), np.array(truth.velocity, np.float64)
+        sounding = (float(truth.altitude), int(truth.echoes))
+        type(self)._measure(self.record[0], self.noise, tick, pose, velocity, sounding)
+        values: list[float] = self.record["values"][0].tolist()
+        return tuple(values[: self.size]), bool(self.record["valid"][0])
 
     def age(self, tick: int) -> int:
         """Return how many ticks ago the values were measured."""
-        return tick - self._measured_at
-
-    @abstractmethod
-    def _read(self, truth: Truth) -> tuple[Reading, bool]:
-        """Return a new measurement and whether it succeeded."""
+        return tick - int(self.record["measured_at"][0])
 
 
 class Dvl(Sensor):
@@ -76,10 +181,14 @@ class Dvl(Sensor):
     The lever arm of its mounting is taken as compensated.
     """
 
+    size = 3
+    _measure = staticmethod(measure_dvl)
+
     def __init__(
         self,
         rng: np.random.Generator,
         *,
+        readings: int = READINGS,
         period_ticks: int = 20,
         sigma: float = 0.0015,
         bias: float = 0.0,
@@ -91,6 +200,8 @@ class Dvl(Sensor):
 
         Parameters
         ----------
+        readings : int
+            The most that it will make; so for all sensors.
         period_ticks : int
             20 is 5 Hz at 100 steps a second. S: UWSim, COLA2.
         sigma : float [m/s]
@@ -104,77 +215,67 @@ class Dvl(Sensor):
         least_altitude_m : float [m]
             Nearer to the bottom it has no bottom lock.
         """
-        super().__init__(3, rng=rng, period_ticks=period_ticks)
-        self._sigma, self._bias = sigma, bias
-        self._scale = 1.0 + scale_error
-        self._dropout = dropout
-        self._least_altitude = least_altitude_m
-
-    def _read(self, truth: Truth) -> tuple[Reading, bool]:
-        noise = self._rng.standard_normal(3).tolist()
-        lost = self._rng.random() < self._dropout
-        surge, sway, heave = (
-            truth.velocity[i] * self._scale + self._bias + self._sigma * noise[i] for i in range(3)
+        noise = [(*rng.standard_normal(3).tolist(), rng.random()) for _ in range(readings)]
+        super().__init__(
+            np.array(noise),
+            period_ticks=period_ticks,
+            sigma=sigma,
+            bias=bias,
+            scale=1.0 + scale_error,
+            dropout=dropout,
+            least_altitude=least_altitude_m,
         )
-        locked = sees_bottom(truth, least_altitude_m=self._least_altitude)
-        return (surge, sway, heave), locked and not lost
-
-
-def sees_bottom(truth: Truth, *, least_altitude_m: float = DVL_RANGE_M[0]) -> bool:
-    """Return whether a DVL has bottom lock: within range, not tilted too far, enough echoes."""
-    high = DVL_RANGE_M[1]
-    tilt = max(abs(truth.pose[3]), abs(truth.pose[4]))
-    level = tilt <= DVL_MOST_TILT_RAD and truth.echoes >= LEAST_BEAMS
-    return bool(least_altitude_m <= truth.altitude <= high and level)
-
-
-def _noise(rng: np.random.Generator, size: int) -> Iterator[list[float]]:
-    """Yield standard normal numbers, `size` at a time."""
-    while True:
-        yield from rng.standard_normal((NOISE_BLOCK, size)).tolist()
 
 
 class Altimeter(Sensor):
     """Height above the bottom from the DVL's beams, (1,) [m]."""
 
+    size = 1
+    _measure = staticmethod(measure_altitude)
+
     def __init__(
         self,
         rng: np.random.Generator,
         *,
+        readings: int = READINGS,
         period_ticks: int = 20,
         sigma: float = constants.ALTIMETER_SIGMA_M.scalar,
     ) -> None:
         """Set up an altimeter; sigma [m]."""
-        super().__init__(1, rng=rng, period_ticks=period_ticks)
-        self._sigma = sigma
-        self._noise = _noise(rng, 1)
-
-    def _read(self, truth: Truth) -> tuple[Reading, bool]:
-        return (truth.altitude + self._sigma * next(self._noise)[0],), sees_bottom(truth)
+        noise = rng.standard_normal((readings, 1))
+        super().__init__(noise, period_ticks=period_ticks, sigma=sigma)
 
 
 class DepthGauge(Sensor):
     """Depth of the body's origin, (1,) [m]."""
 
-    def __init__(
-        self, rng: np.random.Generator, *, period_ticks: int = 20, sigma: float = 0.01
-    ) -> None:
-        """Set up a depth gauge; sigma [m] and 5 Hz S: COLA2 sim_auv_nav_sensors.yaml."""
-        super().__init__(1, rng=rng, period_ticks=period_ticks)
-        self._sigma = sigma
-        self._noise = _noise(rng, 1)
-
-    def _read(self, truth: Truth) -> tuple[Reading, bool]:
-        return (truth.pose[2] + self._sigma * next(self._noise)[0],), True
-
-
-class Ahrs(Sensor):
-    """Attitude and rates, (6,): roll, pitch, yaw in (-pi, pi] [rad], p, q, r [rad/s]."""
+    size = 1
+    _measure = staticmethod(measure_depth)
 
     def __init__(
         self,
         rng: np.random.Generator,
         *,
+        readings: int = READINGS,
+        period_ticks: int = 20,
+        sigma: float = 0.01,
+    ) -> None:
+        """Set up a depth gauge; sigma [m] and 5 Hz S: COLA2 sim_auv_nav_sensors.yaml."""
+        noise = rng.standard_normal((readings, 1))
+        super().__init__(noise, period_ticks=period_ticks, sigma=sigma)
+
+
+class Ahrs(Sensor):
+    """Attitude and rates, (6,): roll, pitch, yaw in (-pi, pi] [rad], p, q, r [rad/s]."""
+
+    size = 6
+    _measure = staticmethod(measure_attitude)
+
+    def __init__(
+        self,
+        rng: np.random.Generator,
+        *,
+        readings: int = READINGS,
         period_ticks: int = 5,
         sigma: float = 1e-4,
         rate_sigma: float = constants.AHRS_RATE_SIGMA.scalar,
@@ -183,24 +284,5 @@ class Ahrs(Sensor):
 
         sigma [rad] and 20 Hz S: COLA2 sim_auv_nav_sensors.yaml; rate_sigma [rad/s] S: Stonefish.
         """
-        super().__init__(6, rng=rng, period_ticks=period_ticks)
-        self._sigma, self._rate_sigma = sigma, rate_sigma
-        self._noise = _noise(rng, 6)
-
-    def _read(self, truth: Truth) -> tuple[Reading, bool]:
-        _x, _y, _z, roll, pitch, yaw = truth.pose
-        _u, _v, _w, p, q, r = truth.velocity
-        n0, n1, n2, n3, n4, n5 = next(self._noise)
-        angle, rate = self._sigma, self._rate_sigma
-        reading = (
-            *(wrapped(roll + angle * n0), pitch + angle * n1, wrapped(yaw + angle * n2)),
-            *(p + rate * n3, q + rate * n4, r + rate * n5),
-        )
-        return reading, True
-
-
-def wrapped(angle: float) -> float:
-    """Return an angle within a turn of (-pi, pi] in that interval [rad]."""
-    if angle > PI:
-        return angle - 2.0 * PI
-    return angle + 2.0 * PI if angle <= -PI else angle
+        noise = rng.standard_normal((readings, 6))
+        super().__init__(noise, period_ticks=period_ticks, sigma=sigma, rate_sigma=rate_sigma)

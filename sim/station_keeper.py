@@ -4,13 +4,37 @@ The station is right above the target's top face, at the height of the level's s
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numba import njit
 
 from sim.elementary import sincos
+from sim.judgement import crossing
+from sim.vehicles import Array
 
 HOLD_S = 1.0  # [s] how long the last error counts after the target was lost; E
 SMALLEST_SIDE_PX = 2.0  # [px] a shorter side tells nothing about the height
-Corners = list[float]  # x0 y0 .. x3 y3 [px]: upper left, upper right, lower right, lower left
+RANGES = ("start", "altitude", "size")  # from what the distance of the target is known
+_START, _ALTITUDE, _SIZE = range(len(RANGES))
+Record = Any  # one of KEEPER; Numba reads its fields as attributes
+
+KEEPER = np.dtype(
+    [
+        ("focal", "f8"),  # [px]
+        ("centre", "f8", 2),  # [px]
+        ("height", "f8"),  # [m] wanted height of the camera above the target's top
+        ("size", "f8", 2),  # [m] the target's length (image X) and width (image Y)
+        ("range_from", "i8"),  # place in RANGES
+        ("error", "f8", 3),  # [m] body frame
+        ("error_px", "f8", 2),
+        ("age_s", "f8"),
+        ("visible", "?"),
+        ("level_out", "?"),  # whether tilt is taken out of the direction
+    ]
+)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -23,107 +47,125 @@ class Geometry:
     size_m: tuple[float, float]  # the target's length (image X) and width (image Y)
 
 
-@dataclass(slots=True)
+@dataclass(frozen=True, slots=True)
 class Aim:
     """What the program is told about the target."""
 
-    error: tuple[float, float, float] = (0.0, 0.0, 0.0)  # [m] body frame
-    error_px: tuple[float, float] = (0.0, 0.0)
-    visible: bool = False
-    age_s: float = 0.0
+    error: tuple[float, ...]  # (3,) [m] body frame
+    error_px: tuple[float, ...]  # (2,)
+    visible: bool
+    age_s: float
 
 
 class StationKeeper:
-    """Turns tracked corners into an error in metres; one instance per level."""
+    """Turns tracked corners into an error in metres; one instance per level.
+
+    `record` is (1,) `KEEPER`: what it knows, and what it last said.
+    """
 
     def __init__(self, geometry: Geometry, *, range_from: str, level_out_tilt: bool) -> None:
-        self._geometry = geometry
-        self._range_from = range_from
-        self._level_out_tilt = level_out_tilt
-        self._aim = Aim()
+        self.record = np.zeros(1, KEEPER)
+        self.record["focal"], self.record["centre"] = geometry.focal_px, geometry.centre_px
+        self.record["height"], self.record["size"] = geometry.height_m, geometry.size_m
+        self.record["range_from"] = RANGES.index(range_from)
+        self.record["level_out"] = level_out_tilt
 
     def step(
         self,
-        corners: Corners | None,
+        corners: Sequence[float] | None,
         *,
         height: float,
         tilt: tuple[float, float],
         dt: float,
     ) -> Aim:
-        """Return the aim for a picture.
-
-        Parameters
-        ----------
-        corners : list of 8 [px] or None
-            None while the tracker has lost the target: the last error counts for another
-            `HOLD_S`, then the error is zero and the vehicle stays where it is.
-        height : float [m]
-            Measured height of the camera above the target.
-        tilt : (2,) [rad]
-            Measured roll and pitch.
-        """
-        aim = self._aim
-        aim.visible = corners is not None
-        if corners is None:
-            aim.age_s += dt
-            if aim.age_s > HOLD_S:
-                aim.error, aim.error_px = (0.0, 0.0, 0.0), (0.0, 0.0)
-            return aim
-        aim.age_s = 0.0
-        u, v = crossing(corners)
-        aim.error_px = (u - self._geometry.centre_px[0], v - self._geometry.centre_px[1])
-        distance = self._distance(corners, height)
-        right, aft, deep = self._direction(aim.error_px, tilt)
-        aim.error = (
-            -distance * aft / deep,
-            distance * right / deep,
-            distance - self._geometry.height_m,
+        """Return the aim for a picture; `corners` (8,) [px] or None, the rest as for `aim`."""
+        seen = np.zeros(8) if corners is None else np.array(corners, np.float64)
+        aim(self.record[0], seen, corners is not None, height, tilt, dt)
+        said = self.record[0]
+        return Aim(
+            tuple(said["error"].tolist()),
+            tuple(said["error_px"].tolist()),
+            bool(said["visible"]),
+            float(said["age_s"]),
         )
-        return aim
-
-    def _distance(self, corners: Corners, height: float) -> float:
-        if self._range_from == "start":
-            return self._geometry.height_m
-        if self._range_from == "altitude":
-            return height
-        return self._distance_by_size(corners)
-
-    def _distance_by_size(self, corners: Corners) -> float:
-        x0, y0, x1, y1, x2, y2, x3, y3 = corners
-        long = 0.5 * (_length(x1 - x0, y1 - y0) + _length(x2 - x3, y2 - y3))
-        short = 0.5 * (_length(x3 - x0, y3 - y0) + _length(x2 - x1, y2 - y1))
-        if min(long, short) < SMALLEST_SIDE_PX:
-            return self._geometry.height_m
-        length, width = self._geometry.size_m
-        return 0.5 * self._geometry.focal_px * (length / long + width / short)
-
-    def _direction(
-        self, error_px: tuple[float, float], tilt: tuple[float, float]
-    ) -> tuple[float, float, float]:
-        """Return the ray to the target: to starboard, aft, down."""
-        right, aft = error_px[0] / self._geometry.focal_px, error_px[1] / self._geometry.focal_px
-        if not self._level_out_tilt:
-            return right, aft, 1.0
-        sin_roll, cos_roll = sincos(tilt[0])
-        sin_pitch, cos_pitch = sincos(tilt[1])
-        side = right * cos_roll - sin_roll
-        down = right * sin_roll + cos_roll
-        return side, aft * cos_pitch - down * sin_pitch, down * cos_pitch + aft * sin_pitch
 
 
-def crossing(corners: Corners) -> tuple[float, float]:
-    """Return where the diagonals cross: the image of the face's centre under any perspective.
+@njit(cache=True, error_model="numpy")
+def aim(
+    keeper: Record,
+    corners: Array,
+    visible: bool,
+    height: float,
+    tilt: tuple[float, float],
+    dt: float,
+) -> None:
+    """Tell where the vehicle has to go, in the keeper's record.
 
-    For corners without a proper crossing, their mean.
+    Parameters
+    ----------
+    corners : (8,) [px]
+        x0 y0 to x3 y3: upper left, upper right, lower right, lower left.
+    visible : bool
+        False while the tracker has lost the target: the last error counts for another `HOLD_S`,
+        then the error is zero and the vehicle stays where it is.
+    height : float [m]
+        Measured height of the camera above the target.
+    tilt : (2,) [rad]
+        Measured roll and pitch.
     """
-    x0, y0, x1, y1, x2, y2, x3, y3 = corners
-    ax, ay, bx, by = x2 - x0, y2 - y0, x3 - x1, y3 - y1
-    determinant = ax * by - ay * bx
-    if abs(determinant) < 1e-9:
-        return 0.25 * (x0 + x1 + x2 + x3), 0.25 * (y0 + y1 + y2 + y3)
-    share = ((x1 - x0) * by - (y1 - y0) * bx) / determinant
-    return x0 + share * ax, y0 + share * ay
+    keeper.visible = visible
+    if not visible:
+        keeper.age_s += dt
+        if keeper.age_s > HOLD_S:
+            keeper.error[:] = 0.0
+            keeper.error_px[:] = 0.0
+        return
+    keeper.age_s = 0.0
+    u, v = crossing(corners)
+    keeper.error_px[0] = u - keeper.centre[0]
+    keeper.error_px[1] = v - keeper.centre[1]
+    distance = _distance(keeper, corners, height)
+    right, aft, deep = _direction(keeper, tilt)
+    keeper.error[0] = -distance * aft / deep
+    keeper.error[1] = distance * right / deep
+    keeper.error[2] = distance - keeper.height
 
 
-def _length(x: float, y: float) -> float:
+@njit(cache=True, error_model="numpy")
+def _distance(keeper: Record, corners: Array, height: float) -> float:
+    if keeper.range_from == _START:
+        wanted: float = keeper.height
+        return wanted
+    return height if keeper.range_from == _ALTITUDE else _distance_by_size(keeper, corners)
+
+
+@njit(cache=True, error_model="numpy")
+def _distance_by_size(keeper: Record, corners: Array) -> float:
+    long = 0.5 * (_side(corners, 0, 1) + _side(corners, 3, 2))
+    short = 0.5 * (_side(corners, 0, 3) + _side(corners, 1, 2))
+    distance: float
+    if long < SMALLEST_SIDE_PX or short < SMALLEST_SIDE_PX:
+        distance = keeper.height
+    else:
+        distance = 0.5 * keeper.focal * (keeper.size[0] / long + keeper.size[1] / short)
+    return distance
+
+
+@njit(cache=True, error_model="numpy")
+def _direction(keeper: Record, tilt: tuple[float, float]) -> tuple[float, float, float]:
+    """Return the ray to the target: to starboard, aft, down."""
+    right, aft = keeper.error_px[0] / keeper.focal, keeper.error_px[1] / keeper.focal
+    if not keeper.level_out:
+        return right, aft, 1.0
+    sin_roll, cos_roll = sincos(tilt[0])
+    sin_pitch, cos_pitch = sincos(tilt[1])
+    side = right * cos_roll - sin_roll
+    down = right * sin_roll + cos_roll
+    return side, aft * cos_pitch - down * sin_pitch, down * cos_pitch + aft * sin_pitch
+
+
+@njit(cache=True, error_model="numpy")
+def _side(corners: Array, a: int, b: int) -> float:
+    """Return the distance of two corners [px]."""
+    x, y = corners[2 * b] - corners[2 * a], corners[2 * b + 1] - corners[2 * a + 1]
     return math.sqrt(x * x + y * y)

@@ -1,34 +1,17 @@
-"""The tracker in the loop: shows it what part of the picture it asks for, keeps the truth.
+"""The tracker in the loop: shows it what part of the picture it asks for, keeps its answer."""
 
-"Lost" is decided by the tracker itself (`ok`) and, apart from it, by ground truth (`error_px`).
-"""
-
-import math
 import time
-from collections.abc import Sequence
-from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sim.camera.camera import Camera
 from sim.experiment_settings import ExperimentSettings
-from sim.station_keeper import crossing
+from sim.judgement import CENTRE, MIDDLE, View
 from sim.streams import Streams
 from sim.trackers import Tracker, make
 
-Pose = NDArray[np.float64]  # (6,)
-
-
-@dataclass(slots=True)
-class Seen:
-    """What came of one picture; all in px."""
-
-    corners: list[float] = field(default_factory=lambda: [0.0] * 8)  # the tracker's last good ones
-    ok: bool = True
-    error_px: float = 0.0  # root mean square distance of the four corners from the true ones
-    target: tuple[float, float] = (0.0, 0.0)  # the true place
-    camera_m: tuple[float, float, float] = (0.0, 0.0, 0.0)  # true place of the camera, NED
+Pose = NDArray[np.float64]  # (6,); (12,) with the velocities for motion blur
 
 
 class Tracking:
@@ -55,77 +38,37 @@ class Tracking:
         self._camera = camera
         self._reference = reference or camera
         self._start_error = start_error
-        self._uwsim = config.target_truth == "uwsim"
         self._pose: Pose = np.zeros(6)
         self._tracker = tracker or self._configured(config)
-        self._seen = Seen()
+        self._corners = np.zeros((4, 2))
+        self.corners = self._corners.reshape(8)  # [px] the last good ones; the same memory
+        self.ok = False  # whether the tracker says that it has the target now
+        target = MIDDLE if config.target_truth == "uwsim" else CENTRE
+        self.view: View = (*camera.view(), target)
         self.step_us = 0.0  # wall time of the tracker's last answer; never part of a result
 
     def _configured(self, config: ExperimentSettings) -> Tracker:
         options = config.tracker_options()
         return make(config.tracker, truth=lambda: self._camera.corners(self._pose), **options)
 
-    def start(self, pose: Pose, frame: int) -> Seen:
+    def start(self, pose: Pose, frame: int) -> None:
         """Show the first picture and tell where the target is in it."""
         self._pose = pose
         corners = self._camera.corners(pose) + self._start_error
         self._tracker.start(self._reference.grey(pose, frame), corners)
-        self._seen.corners, self._seen.ok = corners.ravel().tolist(), True
-        return self._judged(pose)
+        self._corners[:] = corners
+        self.ok = True
 
-    def update(self, pose: Pose, frame: int) -> Seen:
-        """Show the next picture and return what the tracker makes of it, beside the truth."""
+    def update(self, pose: Pose, frame: int) -> None:
+        """Show the next picture and take over what the tracker makes of it."""
         self._pose = pose
         picture = self._camera.region(pose, frame, self._tracker.window())
         began = time.perf_counter_ns()
         track = self._tracker.update(picture)
         self.step_us = (time.perf_counter_ns() - began) * 1e-3
-        self._seen.ok = track.ok
+        self.ok = track.ok
         if track.ok:
-            self._seen.corners = track.corners.ravel().tolist()
-        return self._judged(pose)
-
-    def _judged(self, pose: Pose) -> Seen:
-        seen = self._seen
-        true = self._camera.truth(pose)
-        total = 0.0
-        for a, b in zip(seen.corners, true[:8], strict=True):
-            total += (a - b) * (a - b)
-        seen.error_px = math.sqrt(0.25 * total)
-        centroid_u, centroid_v, origin_u, origin_v, north, east, down = true[8:]
-        seen.target = (origin_u, origin_v) if self._uwsim else (centroid_u, centroid_v)
-        seen.camera_m = (north, east, down)
-        return seen
-
-
-def pictured(
-    seen: Seen,
-    error: Sequence[float],
-    centre: tuple[float, float],
-    station: Sequence[float],
-) -> tuple[float, ...]:
-    """Return the columns of the telemetry from `target_x` to `distance`.
-
-    Parameters
-    ----------
-    error : (3,) [m]
-        As the program saw it.
-    centre [px]
-        Principal point of the picture.
-    station : (3,) [m]
-        Where the camera should be, NED.
-    """
-    x, y, z = (a - b for a, b in zip(seen.camera_m, station, strict=True))
-    off_x, off_y = seen.target[0] - centre[0], seen.target[1] - centre[1]
-    return (
-        *seen.target,
-        *crossing(seen.corners),
-        *seen.corners,
-        *(seen.ok, seen.error_px),
-        *error,
-        *(off_x, off_y, math.sqrt(off_x * off_x + off_y * off_y)),
-        math.sqrt(x * x + y * y + z * z),
-    )
+            self._corners[:] = track.corners
 
 
 def tracking_of(

@@ -59,7 +59,10 @@ class Sensed(NamedTuple):
 
 
 class VelocityController:
-    """Reference and measurements in, thruster commands out; one instance per level."""
+    """Reference and measurements in, thruster commands out; one instance per level.
+
+    `measured` is (1,) `velocity_law.MEASURED`: what is known at the present tick.
+    """
 
     def __init__(self, vehicle: Vehicle, settings: Settings) -> None:
         self._axes, self._holds = _axes(vehicle, settings), _holds(vehicle)
@@ -69,25 +72,28 @@ class VelocityController:
         efforts, curve = directions * _paper_gains(settings), packed(vehicle.curve)
         self._vehicle = (allocation, directions, efforts, curve)
         self._thrust, self._command = np.zeros((2, len(vehicle.thrusters)))
-        self._measured = np.zeros(1, law.MEASURED)
-        self._values = self._measured.view(np.float64)  # the same memory: a record is slow to fill
+        self._out = (self._thrust, self._command)
+        self.measured = np.zeros(1, law.MEASURED)
+        self._values = self.measured.view(np.float64)  # the same memory: a record is slow to fill
 
-    def reset(self, sensed: Sensed) -> None:
-        """Hold the depth and heading of now, and no tilt."""
-        self._holds["target"] = (sensed.depth, sensed.yaw, 0.0, 0.0)
+    def reset(self) -> None:
+        """Hold the measured depth and heading, and no tilt."""
+        measured = self.measured[0]
+        self._holds["target"] = (measured["depth"], measured["yaw"], 0.0, 0.0)
         self._holds["force"] = 0.0
 
-    def step(
-        self, reference: tuple[float, float, float, float], sensed: Sensed, dt: float
-    ) -> Array:
-        """Return the commands, (n,) in [-1, 1]; the array is reused at the next call."""
+    def sense(self, sensed: Sensed) -> None:
+        """Take measurements over; who writes to `measured` by itself need not."""
         velocity, depth, yaw, yaw_rate, fresh, tilt, tilt_rates = sensed
         self._values[:] = (*velocity, depth, yaw, yaw_rate, fresh, *tilt, *tilt_rates)
+
+    def step(self, reference: tuple[float, float, float, float], dt: float) -> Array:
+        """Return the commands, (n,) in [-1, 1]; the array is reused at the next call."""
         surge, sway, heave, turn = reference
         law.step(
             (float(surge), float(sway), float(heave), float(turn)),
-            *(self._measured, dt, self._choice, self._axes, self._holds),
-            *(self._vehicle, (self._thrust, self._command)),
+            *(self.measured, dt, self._choice, self._axes, self._holds),
+            *(self._vehicle, self._out),
         )
         return self._command
 

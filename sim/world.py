@@ -18,6 +18,7 @@ from sim.dynamics import Plant
 from sim.elementary import PI
 from sim.experiment_settings import ExperimentSettings
 from sim.faults import ThrusterFault
+from sim.perception import Noises, Suite
 from sim.sensors import Ahrs, Altimeter, DepthGauge, Dvl
 from sim.station_keeper import Geometry, StationKeeper
 from sim.streams import Streams
@@ -36,6 +37,14 @@ class Sensors:
     depth: DepthGauge
     ahrs: Ahrs
     altimeter: Altimeter
+
+    def suite(self) -> Suite:
+        """Return their records, for compiled code."""
+        return self.dvl.record, self.depth.record, self.ahrs.record, self.altimeter.record
+
+    def noises(self) -> Noises:
+        """Return the noise of their readings, in the same order."""
+        return self.dvl.noise, self.depth.noise, self.ahrs.noise, self.altimeter.noise
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -194,9 +203,12 @@ def _sensors(config: ExperimentSettings, random: Streams) -> Sensors:
         max(1, round(period.scalar / config.physics_step_s))
         for period in (constants.DEPTH_PERIOD_S, constants.AHRS_PERIOD_S)
     )
+    steps = config.ticks_per_level * config.steps_per_tick
+    seldom, often = steps // slow + 1, steps // fast + 1
     return Sensors(
         dvl=Dvl(
             random.dvl,
+            readings=steps // config.dvl_period_ticks + 1,
             period_ticks=config.dvl_period_ticks,
             sigma=config.dvl_sigma_m_s,
             bias=config.dvl_bias_m_s,
@@ -204,13 +216,11 @@ def _sensors(config: ExperimentSettings, random: Streams) -> Sensors:
             dropout=config.dvl_dropout,
             least_altitude_m=config.dvl_least_altitude_m,
         ),
-        depth=DepthGauge(random.depth, period_ticks=slow, sigma=config.depth_sigma_m),
-        ahrs=Ahrs(
-            random.ahrs,
-            period_ticks=fast,
-            sigma=config.ahrs_sigma_rad,
+        depth=DepthGauge(
+            random.depth, readings=seldom, period_ticks=slow, sigma=config.depth_sigma_m
         ),
-        altimeter=Altimeter(random.altimeter, period_ticks=slow),
+        ahrs=Ahrs(random.ahrs, readings=often, period_ticks=fast, sigma=config.ahrs_sigma_rad),
+        altimeter=Altimeter(random.altimeter, readings=seldom, period_ticks=slow),
     )
 
 

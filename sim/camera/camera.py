@@ -123,6 +123,14 @@ class Camera:
         origin: NDArray[np.float64] = self._project(pose, self._origin)[0]
         return origin
 
+    def place(self, pose: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return where the camera is, (3,) [m] NED."""
+        return np.array(self.truth(pose)[-3:])
+
+    def view(self) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+        """Return the target's points of `truth`, (6, 3) [m], intrinsics and mount, for kernels."""
+        return self._points, *self._lens
+
     def truth(self, pose: NDArray[np.float64]) -> list[float]:
         """Return corners (8), centroid (2), origin (2) [px] and the camera's place (3) [m].
 

@@ -1,7 +1,6 @@
 """What a tracker is: it is shown pictures and says where the target is."""
 
-from dataclasses import dataclass
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,8 +9,7 @@ Corners = NDArray[np.float64]  # (4, 2) [px], in reading order of the target's l
 Window = tuple[int, int, int, int]  # x0, y0, x1, y1 [px], the last column and row not included
 
 
-@dataclass(frozen=True, slots=True)
-class Track:
+class Track(NamedTuple):
     """What a tracker says about one picture."""
 
     corners: Corners

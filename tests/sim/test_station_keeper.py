@@ -11,7 +11,8 @@ from sim.camera.camera import Camera
 from sim.camera.optics import CURRENTS
 from sim.camera.target import Target, start_pose
 from sim.camera.water import Water
-from sim.station_keeper import Geometry, StationKeeper, crossing
+from sim.judgement import crossing
+from sim.station_keeper import Geometry, StationKeeper
 
 HEIGHT_M = 2.27
 GEOMETRY = Geometry(
@@ -88,8 +89,8 @@ def test_a_lost_target_counts_for_a_second_and_then_the_vehicle_stays() -> None:
 
 
 def test_the_diagonals_of_a_square_cross_in_its_middle() -> None:
-    assert crossing([0.0, 0.0, 2.0, 0.0, 2.0, 2.0, 0.0, 2.0]) == (1.0, 1.0)
+    assert crossing(np.array([0.0, 0.0, 2.0, 0.0, 2.0, 2.0, 0.0, 2.0])) == (1.0, 1.0)
 
 
 def test_corners_in_one_point_have_their_mean_as_the_crossing() -> None:
-    assert crossing([3.0, 4.0] * 4) == (3.0, 4.0)
+    assert crossing(np.array([3.0, 4.0] * 4)) == (3.0, 4.0)
