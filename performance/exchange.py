@@ -6,7 +6,6 @@ is the wall time, and with neighbours it does not change. The pipe carries the s
 
 import os
 import resource
-import statistics
 import struct
 import subprocess
 import sys
@@ -15,6 +14,7 @@ from array import array
 
 import numpy as np
 
+from performance import first_answers
 from performance.table import Row
 from sandbox.box import Box
 from sandbox.languages.python import SELF_TEST
@@ -26,7 +26,6 @@ FIELDS = 29  # float64 values of the real layout
 STEPS = 20_000
 SHOWN = 5_000
 IMAGES = {"320x240": (240, 320), "640x480": (480, 640), "640x480 colour": (480, 640, 3)}
-STARTS = 9
 LAYOUT = {
     "observation": [["t", 0], ["error", 3], ["others", FIELDS - 4]],
     "command": ["surge", "sway", "heave", "yaw_rate"],
@@ -71,7 +70,6 @@ def rows() -> list[Row]:
     os.sched_setaffinity(0, {core})
     try:
         pipe = _pipe_us()
-        cold, warm = _first_answer_ms(level, core)
         return [
             Row(
                 what=f"exchange with a program of {name}, level {level.name.lower()}",
@@ -83,8 +81,7 @@ def rows() -> list[Row]:
             for name, program in (("plain Python", PLAIN), ("NumPy", SELF_TEST))
         ] + [
             *_images(level, core),
-            Row(what="first answer, cold", value=cold, unit="ms wall"),
-            Row(what="first answer, warm box", value=warm, unit="ms wall"),
+            *first_answers.rows(level, core),
         ]
     finally:
         os.sched_setaffinity(0, before)
@@ -143,19 +140,3 @@ def _shown_us(shape: tuple[int, ...], level: Level, core: int) -> float:
             box.update(image)
         own_s = time.process_time() - begin
         return (own_s + box.finish().cpu_s) / SHOWN * 1e6
-
-
-def _first_answer_ms(level: Level, core: int) -> tuple[float, float]:
-    """Return the medians of the time to the first answer: cold, and from a box that waits."""
-    cold, warm = [], []
-    for _ in range(STARTS):
-        begin = time.perf_counter()
-        with Box(limits=Limits(), level=level, core=core) as box:
-            box.wait_ready()
-            ready = time.perf_counter()
-            box.load(SELF_TEST.encode(), "controller.py", {}, LAYOUT)
-            box.step([0.5] * FIELDS)
-            end = time.perf_counter()
-        cold.append((end - begin) * 1e3)
-        warm.append((end - ready) * 1e3)
-    return statistics.median(cold), statistics.median(warm)

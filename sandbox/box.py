@@ -1,6 +1,8 @@
 """One program in one box: start, load, answer by answer in lock step, end.
 
-A box belongs to the thread that made it: bubblewrap dies when that thread ends.
+bubblewrap dies when the thread ends that made the box. A fork of the maker may use the box: it
+`closes` it like its own, the maker `leaves` it right after the fork and closes it when the fork has
+ended, which reaps what is left or ends what the fork could not.
 """
 
 import json
@@ -8,16 +10,16 @@ from array import array
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import PurePosixPath
 from types import TracebackType
-from typing import Any, Self, TypeVar, cast
+from typing import Any, NamedTuple, Self, TypeVar, cast
 
 from sandbox import answers, frames, verdicts
 from sandbox.answers import Command, Corners, Detection
 from sandbox.command import IMAGES_DESCRIPTOR
-from sandbox.confined import Confined, Layers
+from sandbox.confined import START_WITHIN_S, Confined, Layers
 from sandbox.conversation import Conversation
 from sandbox.frames import Failure, FrameInvalid
 from sandbox.languages import LANGUAGES
-from sandbox.languages.language import Runtime
+from sandbox.languages.language import Language, Runtime
 from sandbox.level import Level
 from sandbox.limits import Limits
 from sandbox.outcome import Outcome, SandboxBroken, Verdict
@@ -26,6 +28,13 @@ from sandbox.pictures import Pictures
 ROLES = ("controller", "tracker", "detector")  # what a program may be; the first if nothing is said
 
 Answer = TypeVar("Answer")
+
+
+class Usage(NamedTuple):
+    """What a box used so far; memory is the peak."""
+
+    cpu_s: float
+    memory_mib: float
 
 
 class Box:
@@ -47,10 +56,7 @@ class Box:
         the place of the language's own: its compiler.
         """
         self.limits = limits
-        self._language = LANGUAGES[language]
-        made = self._language.compiler is not None or self._language.refusal is not None
-        binary = made and runtime is None
-        self._most_kib = limits.binary_mib << 10 if binary else limits.source_kib
+        self._speak(LANGUAGES[language], compiling=runtime is not None)
         self._cage = Confined(
             runtime or self._language.runtime(), limits, layers or Layers.of(level), core=core
         )
@@ -61,6 +67,12 @@ class Box:
         self._values: object = None  # what the last observation came in
         self._body = memoryview(b"")  # its bytes
 
+    def _speak(self, language: Language, *, compiling: bool) -> None:
+        self._language = language
+        made = language.compiler is not None or language.refusal is not None
+        binary = made and not compiling
+        self._most_kib = self.limits.binary_mib << 10 if binary else self.limits.source_kib
+
     @property
     def outcome(self) -> Outcome | None:
         """Return how the program ended; None as long as it has not."""
@@ -70,11 +82,14 @@ class Box:
         """Tell whether the box has not ended by itself."""
         return self._cage.exit_code(0.0) is None
 
-    def adopt(self, limits: Limits) -> None:
-        """Give a box that has no program yet other limits, which must fit those of its start."""
+    def adopt(self, limits: Limits, language: str) -> None:
+        """Give a box that has no program yet its limits and language, which must fit its start."""
         if not limits.fit(self.limits):
             raise ValueError(f"{limits} do not fit a box that was started with {self.limits}")
+        if LANGUAGES[language].runtime is not self._language.runtime:
+            raise ValueError(f"{language} does not run in a box for {self._language.name}")
         self.limits = self._talk.limits = limits
+        self._speak(LANGUAGES[language], compiling=False)
         self._stepping = limits.stepping
 
     def wait_ready(self) -> None:
@@ -207,9 +222,30 @@ class Box:
         """Return what the program printed since the last call: head and tail if it is much."""
         return self._talk.last_output() if self._closed else self._talk.take_output()
 
+    def usage(self) -> Usage:
+        """Return what all processes used since the start of the box; for measurements."""
+        return Usage(self._cage.cpu_s(), self._cage.memory_mib())
+
     def processes(self) -> list[int]:
         """Return the pids of the box as the host sees them; for probes and tests."""
         return self._cage.processes()
+
+    def move(self, cores: set[int]) -> None:
+        """Let a box that has no program yet run on other cores."""
+        self._cage.move(cores)
+
+    def wait_known(self) -> None:
+        """Wait until it can be ended in one stroke, which takes some milliseconds of its start."""
+        self._cage.meet_init(START_WITHIN_S)
+
+    def leave(self) -> None:
+        """Leave the talking to a fork of this process."""
+        self._cage.leave()
+
+    def forget(self) -> None:
+        """In a fork: have nothing to do with this box, which is the maker's or another fork's."""
+        self._closed = True
+        self._cage.forget()
 
     def close(self) -> None:
         """Kill everything in the box; SandboxBroken if anything survives."""

@@ -238,11 +238,15 @@ class ControlGroup:
         """Kill every process in the group."""
         _kill(self._at.unified or self._at.pids)
 
-    def remove(self) -> None:
-        """Remove the groups, which proves that no process is left; SandboxBroken if one is."""
+    def forget(self) -> None:
+        """Close what is open and leave the groups to others; a second call does nothing."""
         if self._usage >= 0:
             os.close(self._usage)
             self._usage = -1
+
+    def remove(self) -> None:
+        """Remove the groups, which proves that no process is left; SandboxBroken if one is."""
+        self.forget()
         deadline = time.monotonic() + REMOVE_WITHIN_S
         for folder in self._at.folders():
             while not _removed(folder, self._kernel):

@@ -36,7 +36,7 @@ class Descriptors:
     """Numbers of what bubblewrap inherits; it closes its own two before the program."""
 
     protocol: int  # of these the program keeps this one
-    information: int  # it writes the pid of its inner init here
+    information: int  # it writes the pid of its inner init and the end of the program here
     filter: int | None  # the system call filter
     images: int | None = None  # and this one, if it is shown images; else its runner closes it
 
@@ -84,7 +84,7 @@ def bwrap_command(
     command += ["--hostname", "sandbox"] if "uts" in namespaces else []
     command += ["--disable-userns", "--uid", "1000", "--gid", "1000"]
     command += ["--die-with-parent", "--new-session", "--cap-drop", "ALL", "--clearenv"]
-    command += ["--info-fd", str(use.information)]
+    command += ["--json-status-fd", str(use.information)]
     for name, value in runtime.environment.items():
         command += ["--setenv", name, value]
     command += _libraries()

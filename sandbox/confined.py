@@ -1,4 +1,8 @@
-"""The processes of one box: started confined, watched, killed to the last one."""
+"""The processes of one box: started confined, watched, killed to the last one.
+
+A box may be used by a fork of the process that made it: everything goes by descriptors. The maker
+has to live as long, since bubblewrap dies with it, and to close the box too: only it can reap.
+"""
 
 import contextlib
 import fcntl
@@ -26,6 +30,7 @@ END_WITHIN_S = 5.0  # [s] measured 1-7 ms; a busy host may take longer
 OUTPUT_BYTES = 1 << 20  # [B] what a program may print before it has to wait until we read
 QUICK_US = 20_000  # [us] an answer that comes within it costs one system call
 START_WITHIN_S = 2.0  # [s] until bubblewrap tells the pid of its inner init
+KILLED = 128 + signal.SIGKILL  # the exit code of a bubblewrap that could not tell the program's
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -61,6 +66,7 @@ class Confined:
         self._init_pid = 0
         self._init_pidfd = -1
         self._cpu_s = self._memory_mib = 0.0
+        self._maker = os.getpid()
         self.socket, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         # Waiting is cut into slices by the kernel: one system call for an answer that comes soon.
         timeout = struct.pack("@ll", 0, QUICK_US)
@@ -169,7 +175,26 @@ class Confined:
         """Return how the program ended (128 + signal if by one); None if it still lives."""
         if not _readable(self.pidfd, within_s):
             return None
-        return self._process.wait()
+        told = self._information.exit_code()
+        ended = self._reaped()
+        return ended if told is None else told
+
+    def _reaped(self) -> int:
+        """Return bubblewrap's own exit code; it has ended."""
+        if os.getpid() != self._maker:  # only its parent may wait for it
+            self._process.returncode = KILLED
+            return KILLED
+        code = self._process.wait()
+        return code if code >= 0 else KILLED
+
+    def move(self, cores: set[int]) -> None:
+        """Let all processes run on these cores; of a box that has no program yet."""
+        if not self._init_pid or os.sched_getaffinity(self._init_pid) == cores:
+            return
+        for pid in self.processes():
+            # Where we may not, it is slower and not wrong; one that ended is seen later.
+            with contextlib.suppress(PermissionError, ProcessLookupError):
+                os.sched_setaffinity(pid, cores)
 
     def kill(self) -> None:
         """Kill every process and wait until the kernel is done; SandboxBroken if it is not.
@@ -179,28 +204,43 @@ class Confined:
         """
         if self.exit_code(0) is None:
             self.meet_init(START_WITHIN_S)
-            if self._init_pidfd >= 0:
-                with contextlib.suppress(ProcessLookupError):
-                    signal.pidfd_send_signal(self._init_pidfd, signal.SIGKILL)
-            else:
-                self._process.kill()
+            _kill(self._init_pidfd if self._init_pidfd >= 0 else self.pidfd)
         if self.group is not None:
             self.group.kill()
         if self.exit_code(END_WITHIN_S) is None:
-            self._process.kill()
+            _kill(self.pidfd)
             if self.exit_code(END_WITHIN_S) is None:
                 raise SandboxBroken("the box cannot be killed")
 
-    def release(self) -> None:
-        """Close what is open and remove the groups, which proves that nothing survives."""
+    def leave(self) -> None:
+        """Close all by which one talks to the program: a fork of this process does that now."""
         self.socket.close()
-        self._information.close()
         if self.pictures is not None:
             self.pictures.close()
-        for name in ("pidfd", "output", "_init_pidfd"):
+        self._close("output")
+
+    def forget(self) -> None:
+        """Close everything, and end nothing: the box is used by others."""
+        self._process.returncode = KILLED  # it is not waited for in here
+        self.leave()
+        self._information.close()
+        self._close("pidfd", "_init_pidfd")
+        if self.group is not None:
+            self.group.forget()
+        if self._slot is not None:
+            self._slot.release()
+
+    def _close(self, *names: str) -> None:
+        for name in names:
             if getattr(self, name) >= 0:
                 os.close(getattr(self, name))
                 setattr(self, name, -1)
+
+    def release(self) -> None:
+        """Close what is open and remove the groups, which proves that nothing survives."""
+        self.leave()
+        self._information.close()
+        self._close("pidfd", "_init_pidfd")
         try:
             if self.group is not None:
                 self.group.remove()
@@ -225,6 +265,11 @@ def _filter(opened: contextlib.ExitStack) -> int:
     os.write(descriptor, seccomp.build())
     os.lseek(descriptor, 0, os.SEEK_SET)
     return descriptor
+
+
+def _kill(pidfd: int) -> None:
+    with contextlib.suppress(ProcessLookupError):
+        signal.pidfd_send_signal(pidfd, signal.SIGKILL)
 
 
 def _readable(descriptor: int, within_s: float) -> bool:

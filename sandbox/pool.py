@@ -2,15 +2,19 @@
 
 Each is used once. Stock is refilled only when its owner says so, which is when nobody waits for an
 answer: between runs. Starting a box takes a few milliseconds of ours; it warms up by itself.
+
+The owner lends boxes to processes that it forks, by the word `lend`, and keeps the rest.
 """
 
 import contextlib
+import os
 import time
 from collections.abc import Mapping
 from types import TracebackType
 from typing import NamedTuple, Self
 
 from sandbox.box import Box
+from sandbox.languages import LANGUAGES
 from sandbox.level import Level
 from sandbox.limits import Limits
 from sandbox.outcome import SandboxBroken
@@ -26,7 +30,7 @@ class Waiting(NamedTuple):
 
 
 class Pool:
-    """Boxes of one thread, which has to live as long as they do."""
+    """Boxes of one thread and of its forks. The thread has to live as long as they do."""
 
     def __init__(
         self,
@@ -42,17 +46,17 @@ class Pool:
         Parameters
         ----------
         stock
-            Language -> how many boxes wait.
+            Language -> how many boxes wait. Languages that start alike share them.
         limits
             Of the boxes in stock. Whoever takes one may have shorter and longer times, but not
             more CPU time.
         """
-        self._stock = dict(stock)
+        self._stock = {kind(language): count for language, count in stock.items()}
         self._limits = limits
         self._level = level
         self._core = core
         self._oldest_s = oldest_s
-        self._waiting: dict[str, list[Waiting]] = {language: [] for language in stock}
+        self._waiting: dict[str, list[Waiting]] = {language: [] for language in self._stock}
 
     def refill(self) -> None:
         """Start what is missing in stock, and replace what is too old; waits for none of it.
@@ -71,14 +75,34 @@ class Pool:
 
     def take(self, language: str, limits: Limits) -> Box:
         """Return a box that is the caller's from now on: from the stock, or a new one."""
-        waiting = self._waiting.get(language, [])
+        waiting = self._waiting.get(kind(language), [])
         while waiting and limits.fit(self._limits):
             box = waiting.pop(0).box  # the oldest: it is warm most likely
             if _is_ready(box):
-                box.adopt(limits)
+                box.adopt(limits, language)
+                box.move(os.sched_getaffinity(0))
                 return box
             _end(box)
         return self._new(language, limits)
+
+    def stock(self, language: str, count: int) -> None:
+        """Keep so many boxes of a language from the next `refill` on."""
+        self._stock[kind(language)] = count
+        self._waiting.setdefault(kind(language), [])
+
+    def lend(self, language: str, most: int) -> "Loan":
+        """Set boxes of the stock apart for a process that is forked next."""
+        waiting = self._waiting.get(kind(language), [])
+        lent, self._waiting[kind(language)] = waiting[:most], waiting[most:]
+        for one in lent:
+            one.box.wait_known()
+        return Loan(self, kind(language), lent)
+
+    def keep(self, language: str, lent: list[Waiting]) -> None:
+        """Be the pool of a fork, on its cores: these boxes alone wait, and no others are made."""
+        for one in (one for waiting in self._waiting.values() for one in waiting):
+            one.box.forget()
+        self._stock, self._waiting, self._core = {}, {language: lent}, None
 
     def waiting(self) -> int:
         """Return how many boxes are in stock."""
@@ -105,6 +129,33 @@ class Pool:
 
     def _new(self, language: str, limits: Limits) -> Box:
         return Box(language, limits=limits, level=self._level, core=self._core)
+
+
+def kind(language: str) -> str:
+    """Return the first language whose boxes start as those of this one, before their program."""
+    runtime = LANGUAGES[language].runtime
+    return next(name for name, other in LANGUAGES.items() if other.runtime is runtime)
+
+
+class Loan:
+    """Boxes for one fork. The maker says `leave` right after it, and `close` when it has ended."""
+
+    def __init__(self, pool: Pool, language: str, lent: list[Waiting]) -> None:
+        self._pool, self._language, self._lent = pool, language, lent
+
+    def use(self) -> None:
+        """In the fork: have these boxes in stock, and forget the pool's others."""
+        self._pool.keep(self._language, list(self._lent))
+
+    def leave(self) -> None:
+        """Leave the talking to the fork."""
+        for one in self._lent:
+            one.box.leave()
+
+    def close(self) -> None:
+        """End what the fork could not end, and reap; SandboxBroken if anything survives."""
+        while self._lent:
+            self._lent.pop().box.close()
 
 
 def _is_ready(box: Box) -> bool:

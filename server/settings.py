@@ -48,6 +48,9 @@ class Settings(BaseModel):
         le=512,
         description="Runs that one worker runs at the same time",
     )
+    warm_boxes: int = Field(
+        1, ge=0, le=64, description="Started boxes of each language that wait beside each place"
+    )
     ranked_trials: int = Field(10, ge=1, le=100, description="Hidden seeds of a ranked run")
     practice_trials_max: int = Field(10, ge=1, le=100, description="Trials of a practice run")
     upload_max_bytes: int = Field(8 * 2**20, ge=1024, le=2**30, description="Size of an upload")

@@ -7,14 +7,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sandbox.answers import Corners
-from sandbox.box import Box
 from sandbox.compilation import compiled
+from sandbox.level import Level
 from sandbox.limits import Limits
 from sandbox.outcome import Outcome
+from sandbox.pool import Pool
+from server import run_limits
 from sim.program import Command
 from sim.trackers import Track, Window
 from sim.trackers.warps import is_convex
 from worker.job import Place
+
+LONGEST_TRIAL_S = 3600.0  # [s] simulated, for which boxes in stock are good
 
 
 class BoxLike(Protocol):
@@ -114,13 +118,11 @@ SOLUTIONS: Mapping[str, Callable[[BoxLike], Any]] = {
 }
 
 
-def real_boxes(place: Place) -> MakeBox:
-    """Return how boxes are made on this host: on the core of the process that makes them."""
-
-    def make(language: str, limits: Limits) -> Box:
-        return Box(language, limits=limits, level=place.level)
-
-    return make
+def pool_of(place: Place) -> Pool:
+    """Return the pool of boxes of a place; nothing waits in it yet."""
+    stock = {} if place.level is Level.NONE else dict.fromkeys(place.warm, place.warm_boxes)
+    limits = run_limits.for_trial(LONGEST_TRIAL_S)
+    return Pool(stock, limits=limits, level=place.level, core=place.core)
 
 
 def real_compiler(place: Place) -> Compile:

@@ -5,7 +5,7 @@ import subprocess
 import sys
 import time
 from dataclasses import asdict, dataclass, field
-from typing import Self
+from typing import Any, Self
 
 import structlog
 from sqlalchemy import delete
@@ -60,14 +60,18 @@ class Host:
         cores = sorted(os.sched_getaffinity(0))
         share = tuple(cores[: self.settings.workers])
         home = cores[index % len(cores)]
-        return Place(self.box_level, home, share=share, locks=self.core_locks)
+        return self._place(home, share=share, locks=self.core_locks)
+
+    def _place(self, core: int, **facts: Any) -> Place:
+        warm_boxes = self.settings.warm_boxes
+        return Place(self.box_level, core, warm=self.languages, warm_boxes=warm_boxes, **facts)
 
     def supervise(self) -> None:
         """Start what works beside the pool: who sweeps and says that this worker lives; checks."""
         _start("worker.supervise", self.name)
         if self.languages:
             last = max(os.sched_getaffinity(0))
-            place = Place(self.box_level, last)
+            place = self._place(last)
             _start("worker.check_lane", place.to_text(), ",".join(self.languages))
 
     def leave(self) -> None:

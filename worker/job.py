@@ -44,6 +44,8 @@ class Place:
     core: int | None  # where simulator and box of a single trial are; None: not pinned
     share: tuple[int, ...] = ()  # cores on which the trials of one run may be side by side
     locks: int = NO_LOCKS  # descriptor of what says which of them are in use
+    warm: tuple[str, ...] = ()  # languages of which boxes wait between runs
+    warm_boxes: int = 0  # of each
 
     def cores(self) -> Cores:
         """Return the cores of one run."""
@@ -65,5 +67,5 @@ class Place:
     def from_text(cls, text: str) -> Self:
         """Read what `to_text` wrote."""
         values = json.loads(text)
-        share = tuple(values.pop("share"))
-        return cls(level=Level[values.pop("level")], share=share, **values)
+        share, warm = tuple(values.pop("share")), tuple(values.pop("warm"))
+        return cls(level=Level[values.pop("level")], share=share, warm=warm, **values)

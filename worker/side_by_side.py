@@ -19,12 +19,14 @@ from typing import NoReturn
 import numpy as np
 
 from sandbox.outcome import SandboxBroken
+from sandbox.pool import Loan
 from sim.telemetry import WIDTH
 from worker import frames
 from worker.cores import Cores
 from worker.frames import Frame, Kind, Reader
 from worker.one_trial import TrialEnd, TrialListener
 from worker.process_control import die_with_parent, pin
+from worker.supply import Supply
 from worker.telling import Telling
 
 KEPT_MAX = 64 * 2**20  # [byte] of later trials; beyond it they wait, and no new one starts
@@ -41,9 +43,16 @@ class SideBySide:
     """Runs trials in processes of their own; `run_one` is called in the forks."""
 
     def __init__(
-        self, run_one: RunOne, cores: Cores, count: int, *, kept_max: int = KEPT_MAX
+        self,
+        run_one: RunOne,
+        cores: Cores,
+        count: int,
+        *,
+        kept_max: int = KEPT_MAX,
+        supply: Supply | None = None,
     ) -> None:
         self._run_one = run_one
+        self._supply = supply
         self._kept_max = kept_max
         self._cores = cores
         self._count = count
@@ -80,12 +89,16 @@ class SideBySide:
 
     def _start_more(self) -> None:
         """Start trials in their order while there are free cores and room for what they tell."""
+        first = self._next
         while self._next < self._count and self._kept_bytes() <= self._kept_max // 2:
             core = self._cores.take()
             if core is None:
-                return
-            self._hands[self._next] = Hand(self._run_one, self._next, core)
+                break
+            loan = self._supply.lend() if self._supply else None
+            self._hands[self._next] = Hand(self._run_one, self._next, core, loan)
             self._next += 1
+        if self._supply and first < self._next < self._count:
+            self._supply.provide(self._count - self._next)
 
     def _kept_bytes(self) -> int:
         return sum(hand.kept_bytes for hand in self._hands.values())
@@ -118,8 +131,9 @@ class SideBySide:
 class Hand:
     """One trial in a process of its own."""
 
-    def __init__(self, run_one: RunOne, trial: int, core: int) -> None:
+    def __init__(self, run_one: RunOne, trial: int, core: int, loan: Loan | None) -> None:
         self.trial, self.core = trial, core
+        self._loan = loan
         self._kept: deque[Frame] = deque()
         self.kept_bytes = 0
         self.ended = self.failed = False
@@ -128,7 +142,9 @@ class Hand:
         self._pid = os.fork()
         if self._pid == 0:
             self.channel.close()
-            _live(run_one, trial, core, childs, parent)
+            _live(run_one, trial, core, childs, parent, loan)
+        if loan:
+            loan.leave()
         childs.close()
         self._reader = Reader(self.channel)
         self._pidfd = os.pidfd_open(self._pid)
@@ -169,6 +185,8 @@ class Hand:
         os.close(self._pidfd)
         self._pidfd = -1
         self.channel.close()
+        if self._loan:
+            self._loan.close()
 
 
 def _pass(frame: Frame, listener: TrialListener) -> None:
@@ -191,7 +209,14 @@ def _result(frame: Frame) -> TrialEnd:
     return end
 
 
-def _live(run_one: RunOne, trial: int, core: int, channel: socket.socket, parent: int) -> NoReturn:
+def _live(
+    run_one: RunOne,
+    trial: int,
+    core: int,
+    channel: socket.socket,
+    parent: int,
+    loan: Loan | None,
+) -> NoReturn:
     """Be the process of a trial: never returns."""
     status = 70  # EX_SOFTWARE
     try:
@@ -199,6 +224,8 @@ def _live(run_one: RunOne, trial: int, core: int, channel: socket.socket, parent
             signal.signal(number, _leave)
         die_with_parent(parent)
         pin(core)
+        if loan:
+            loan.use()
         _run(run_one, trial, channel)
         status = 0
     except SystemExit:

@@ -20,7 +20,7 @@ from server import checks
 from server.programs import Prepared
 from sim import registry
 from sim.warm_up import warm_up
-from worker.boxed import real_boxes, real_compiler
+from worker.boxed import pool_of, real_compiler
 from worker.checking import Glimpse, answer_of, check
 from worker.job import Job, Place
 from worker.trials import Ending, Evaluation
@@ -81,11 +81,13 @@ def evaluate_here(
     listener = _Listener(hearing, duration, trials)
     with job_of(benchmark, config, controller, seeds=(seed,) * trials) as job:
         place = Place(level, None, share=tuple(sorted(os.sched_getaffinity(0))[:processes]))
-        make, compile_ = real_boxes(place), real_compiler(place)
-        cores = place.cores_for(trials)
+        compile_, cores = real_compiler(place), place.cores_for(trials)
         if cores is not None:
             warm_up()  # once, and not in each of the trials' processes
-        return Evaluation(job, listener, make, compile_program=compile_, cores=cores).run()
+        with pool_of(place) as pool:
+            return Evaluation(
+                job, listener, pool.take, compile_program=compile_, cores=cores, pool=pool
+            ).run()
 
 
 def check_here(
@@ -100,7 +102,7 @@ def check_here(
     """
     place, glimpse = Place(level, None), Glimpse()
     with job_of(benchmark, config, program, seeds=(checks.SEED,)) as job:
-        ending = check(job, glimpse, real_boxes(place), real_compiler(place))
+        ending = check(job, glimpse, pool_of(place).take, real_compiler(place))
     return answer_of(job, glimpse.end(asdict(ending)))
 
 

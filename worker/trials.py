@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from typing import Any, Protocol
 
 from sandbox.outcome import Outcome, ProgramEnded
+from sandbox.pool import Pool
 from sim.manifest import manifest
 from sim.telemetry import Digest
 from sim.trial import TrialResult, summarise
@@ -16,6 +17,7 @@ from worker.cores import Cores
 from worker.job import Job
 from worker.one_trial import OneTrial, Rows, TrialEnd, TrialListener
 from worker.side_by_side import SideBySide
+from worker.supply import Supply
 
 BENCHMARK_ERROR = "benchmark_error"
 NO_SCORE = "A trial ended without a score: its state left the range in which numbers are finite."
@@ -42,7 +44,10 @@ class Ending:
 
 
 class Evaluation:
-    """Runs a job's trials: side by side on `cores`, or without them one after the other, here."""
+    """Runs a job's trials: side by side on `cores`, or without them one after the other, here.
+
+    With a `pool`, whose `take` is `make_box`, the boxes of trials side by side come from it too.
+    """
 
     def __init__(
         self,
@@ -52,11 +57,15 @@ class Evaluation:
         *,
         compile_program: Compile = as_it_is,
         cores: Cores | None = None,
+        pool: Pool | None = None,
     ) -> None:
         self._job = job
         self._listener = _Digesting(listener)
         self._one = OneTrial(job, make_box, compile_program)
         self._cores = cores
+        self._supply: Supply | None = None
+        if cores is not None and pool is not None and job.program is not None:
+            self._supply = Supply(pool, job.language, cores.count)
         self._outcomes: list[Outcome] = []
 
     def run(self) -> Ending:
@@ -79,7 +88,8 @@ class Evaluation:
     def _ends(self) -> Generator[TrialEnd, None, None]:
         count = len(self._job.seeds)
         if self._cores is not None:
-            yield from SideBySide(self._one.run, self._cores, count).ends(self._listener)
+            trials = SideBySide(self._one.run, self._cores, count, supply=self._supply)
+            yield from trials.ends(self._listener)
         else:
             for trial in range(count):
                 yield self._one.run(trial, self._listener)

@@ -6,7 +6,7 @@ import pytest
 
 from sandbox.information import Information
 
-TOLD = b'{\n    "child-pid": 4711,\n    "net-namespace": 4026532\n}\n'
+TOLD = b'{ "child-pid": 4711, "net-namespace": 4026532 }\n'
 
 
 @pytest.fixture
@@ -42,3 +42,16 @@ def test_a_start_that_broke_off_tells_nothing() -> None:
     assert information.init_pid(10.0) is None
     information.close()
     information.close()
+
+
+def test_the_end_of_the_program_is_known_when_it_was_told(pipe: tuple[int, int]) -> None:
+    reading, writing = pipe
+    information = Information(reading)
+
+    os.write(writing, TOLD)
+    early = information.exit_code()
+    os.write(writing, b'{ "exit-code": 137 }\n')
+    pid, late = information.init_pid(), information.exit_code()
+    information.close()
+
+    assert (early, pid, late) == (None, 4711, 137)

@@ -11,7 +11,7 @@ from sandbox.box import Box
 from sandbox.level import Level
 from sandbox.limits import Limits
 from sandbox.outcome import ProgramEnded, Verdict
-from sandbox.pool import Pool
+from sandbox.pool import Loan, Pool
 
 pytestmark = pytest.mark.host
 
@@ -100,7 +100,89 @@ def test_what_the_kernel_holds_cannot_be_changed_so_that_a_new_box_is_made(level
 
 def test_a_box_takes_no_limits_that_do_not_fit_it(level) -> None:
     with Box(limits=LIMITS, level=level) as box, pytest.raises(ValueError, match="do not fit"):
-        box.adopt(replace(LIMITS, memory_mib=1024))
+        box.adopt(replace(LIMITS, memory_mib=1024), "python")
+
+
+def test_a_box_takes_no_language_that_starts_otherwise(level) -> None:
+    with Box(limits=LIMITS, level=level) as box, pytest.raises(ValueError, match="does not run"):
+        box.adopt(LIMITS, "matlab")
+
+
+def test_compiled_languages_share_a_stock(level) -> None:
+    with Pool({"c": 1, "c++": 1}, limits=LIMITS, level=level) as boxes:
+        boxes.refill()
+        assert boxes.waiting() == 1
+        boxes.take("executable", LIMITS).close()
+        assert boxes.waiting() == 0
+
+
+def in_a_fork(loan: Loan, boxes: Pool, kill: bool = False) -> bytes:
+    """Let a fork use what it is lent; return what it tells, empty if it was killed."""
+    reading, writing = os.pipe()
+    pid = os.fork()
+    if pid == 0:
+        loan.use()
+        box = boxes.take("python", LIMITS)
+        says = f"{answer(box)[2]} {boxes.waiting()}"
+        if kill:
+            os.kill(os.getpid(), signal.SIGKILL)
+        says += f" {box.finish().verdict}"
+        box.close()
+        os.write(writing, says.encode())
+        os._exit(0)
+    loan.leave()
+    os.close(writing)
+    with os.fdopen(reading, "rb") as said:
+        text = said.read()
+    os.waitpid(pid, 0)
+    return text
+
+
+def test_a_fork_uses_the_box_that_it_is_lent_and_no_other(level) -> None:
+    with pool(level, stock=2) as boxes:
+        boxes.refill()
+        mine = boxes._waiting["python"][1].box
+        loan = boxes.lend("python", 1)
+        lent = os.pidfd_open(pid_of(loan._lent[0].box))
+
+        assert in_a_fork(loan, boxes) == b"3.0 0 ok"
+
+        loan.close()
+        assert select.select([lent], [], [], 5.0)[0]
+        os.close(lent)
+        assert answer(mine) == (1.0, 2.0, 3.0, 4.0)
+
+
+def test_the_box_of_a_fork_that_was_killed_ends_with_the_loan(level) -> None:
+    before = len(os.listdir("/proc/self/fd"))
+    with pool(level) as boxes:
+        boxes.refill()
+        loan = boxes.lend("python", 1)
+        pidfds = [os.pidfd_open(pid) for pid in loan._lent[0].box.processes()]
+
+        assert in_a_fork(loan, boxes, kill=True) == b""
+
+        loan.close()
+        assert pidfds
+        for one in pidfds:
+            assert select.select([one], [], [], 5.0)[0]
+            os.close(one)
+    assert len(os.listdir("/proc/self/fd")) == before
+
+
+def test_a_box_moves_to_the_cores_of_who_takes_it(level) -> None:
+    cores = os.sched_getaffinity(0)
+    first, last = min(cores), max(cores)
+    with Pool({"python": 1}, limits=LIMITS, level=level, core=first) as boxes:
+        boxes.refill()
+        os.sched_setaffinity(0, {last})
+        try:
+            with boxes.take("python", LIMITS) as box:
+                assert {frozenset(os.sched_getaffinity(pid)) for pid in box.processes()} == {
+                    frozenset({last})
+                }
+        finally:
+            os.sched_setaffinity(0, cores)
 
 
 def test_no_box_is_left_when_the_pool_closes(level) -> None:

@@ -13,8 +13,11 @@ import numpy as np
 import pytest
 
 from sandbox.accounting import tree
+from sandbox.languages.python import SELF_TEST
+from sandbox.level import Level
 from sandbox.limits import Limits
 from sandbox.outcome import Outcome, SandboxBroken
+from sandbox.probes import probe
 from sim.program import Command
 from sim.telemetry import STEP_US, WIDTH
 from tests.worker.conftest import SHORT
@@ -59,7 +62,9 @@ class Logging(FakeListener):
         self.text += text
 
 
-def heard_here(processes: int) -> tuple[Ending, list[Any]]:
+def heard_here(
+    processes: int, controller: str | tuple[bytes, str] = "pi", level: Level = Level.NONE
+) -> tuple[Ending, list[Any]]:
     heard: list[Any] = []
     hearing = Hearing(
         rows=lambda rows: heard.append(np.delete(rows, STEP_US, axis=1).tolist()),
@@ -68,7 +73,7 @@ def heard_here(processes: int) -> tuple[Ending, list[Any]]:
         cut=heard.append,
     )
     order = {"seed": 3, "trials": 3, "hearing": hearing, "processes": processes}
-    return evaluate_here("currents-v1", SHORT, controller="pi", **order), heard
+    return evaluate_here("currents-v1", SHORT, controller=controller, level=level, **order), heard
 
 
 def test_what_is_heard_does_not_depend_on_the_number_of_processes() -> None:
@@ -77,6 +82,27 @@ def test_what_is_heard_does_not_depend_on_the_number_of_processes() -> None:
 
     assert asdict(two) == asdict(one)
     assert heard_from_two == heard_from_one
+
+
+@pytest.fixture
+def level() -> Level:
+    isolation = probe()
+    if isolation.level < Level.MEDIUM:
+        pytest.skip(isolation.sentence())
+    return isolation.level
+
+
+@pytest.mark.host
+def test_an_upload_gives_the_same_from_boxes_that_waited_and_leaves_none(level: Level) -> None:
+    before = tree(os.getpid())
+    program = (SELF_TEST.encode(), "half.py")
+
+    one, heard_from_one = heard_here(1, program, level)
+    two, heard_from_two = heard_here(2, program, level)
+
+    assert (one.verdict, one.digest, one.metrics) == (two.verdict, two.digest, two.metrics)
+    assert (one.verdict, heard_from_two) == ("ok", heard_from_one)
+    assert tree(os.getpid()) == before
 
 
 @pytest.mark.parametrize("suspect", [False, True])

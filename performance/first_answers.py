@@ -1,0 +1,111 @@
+"""How long a program waits for its first answer, by language: its box cold, and one that waits.
+
+Wall time, since that is what a user waits: busy neighbours show. So the CPU time stands beside it,
+and for Python a bare interpreter that imports NumPy, measured in turn with the boxes.
+"""
+
+import os
+import resource
+import statistics
+import subprocess
+import sys
+import time
+
+from performance.table import Row
+from sandbox.box import Box
+from sandbox.compilation import compiled
+from sandbox.languages import LANGUAGES
+from sandbox.level import Level
+from sandbox.limits import Limits
+from sandbox.outcome import SandboxBroken
+from sandbox.self_test import LAYOUT, OBSERVATION
+
+STARTS = 9
+NUMPY = (sys.executable, "-c", "import numpy")
+
+
+def rows(level: Level, core: int) -> list[Row]:
+    """Measure all languages that this host has."""
+    found: list[Row] = []
+    for name in LANGUAGES:
+        try:
+            program = _program(name, level)
+        except SandboxBroken:  # not installed here
+            continue
+        found += _of_language(name, program, level, core)
+    return found
+
+
+def _program(name: str, level: Level) -> bytes:
+    language = LANGUAGES[name]
+    test = language.self_test
+    source = test.encode() if isinstance(test, str) else test()
+    return compiled(language.tested_by or name, source, _filename(name), level=level)
+
+
+def _filename(name: str) -> str:
+    return f"self_test{LANGUAGES[name].suffixes[0]}"
+
+
+def _of_language(name: str, program: bytes, level: Level, core: int) -> list[Row]:
+    starts, bare = [], []
+    for _ in range(STARTS):
+        starts.append(_start(name, program, level, core))
+        bare.append(_bare_numpy() if name == "python" else (0.0, 0.0))
+    cold, warm, cpu, warm_cpu, memory = (
+        statistics.median(each) for each in zip(*starts, strict=True)
+    )
+    wall, own = (statistics.median(each) for each in zip(*bare, strict=True))
+    label = LANGUAGES[name].label
+    peer = "python -c 'import numpy'" if wall else ""
+    return [
+        Row(
+            what=f"{label}: first answer, cold",
+            value=cold,
+            unit="ms wall",
+            peer=peer,
+            peer_value=wall or None,
+        ),
+        Row(
+            what=f"{label}: first answer, cold",
+            value=cpu,
+            unit="ms CPU",
+            peer=peer,
+            peer_value=own or None,
+        ),
+        Row(what=f"{label}: first answer, warm box", value=warm, unit="ms wall"),
+        Row(what=f"{label}: first answer, warm box", value=warm_cpu, unit="ms CPU"),
+        Row(what=f"{label}: a box that waits", value=memory, unit="MiB"),
+    ]
+
+
+def _start(name: str, program: bytes, level: Level, core: int) -> tuple[float, ...]:
+    """Return wall times cold and warm [ms], their CPU times [ms], memory of a box that waits [MiB].
+
+    CPU time is that of the box, the warm one of both sides.
+    """
+    begin = time.perf_counter()
+    with Box(name, limits=Limits(), level=level, core=core) as box:
+        box.wait_ready()
+        waiting = box.usage()
+        ready, own_s = time.perf_counter(), time.process_time()
+        box.load(program, _filename(name), {}, LAYOUT)
+        box.step(OBSERVATION)
+        end = time.perf_counter()
+        own_s = time.process_time() - own_s
+        cpu_s = box.usage().cpu_s
+        box.finish()
+    times = (end - begin, end - ready, cpu_s, cpu_s - waiting.cpu_s + own_s)
+    return (*(seconds * 1e3 for seconds in times), waiting.memory_mib)
+
+
+def _bare_numpy() -> tuple[float, float]:
+    """Return wall and CPU time [ms] of a bare interpreter that imports NumPy."""
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    begin = time.perf_counter()
+    one_thread = os.environ | {"OPENBLAS_NUM_THREADS": "1"}
+    subprocess.run(NUMPY, check=True, env=one_thread)
+    wall_s = time.perf_counter() - begin
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    cpu_s = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    return wall_s * 1e3, cpu_s * 1e3
