@@ -17,6 +17,10 @@ from sandbox.limits import Limits
 from sandbox.outcome import SandboxBroken
 
 PREFIX = "seamark-box-"
+LEAF = "seamark-service"  # where a service's own processes go, beside its boxes
+MARK = "user.delegate"  # systemd sets it since version 251
+NEEDED = {"memory", "pids"}
+MOVES = 20  # a service that starts processes all the time moves some of them late
 OVERHEAD_PROCESSES = 3  # bwrap outside, bwrap inside, and room for the start
 REMOVE_WITHIN_S = 5.0  # [s] the kernel ends 20 processes in 4 ms; a busy host takes longer
 _serial = itertools.count()
@@ -56,7 +60,7 @@ def places(proc: Path = PROC) -> Places:
         if name in mounts
     }
     unified = _unified(mounts, own)
-    if unified is not None and "memory" in _controllers(unified):
+    if unified is not None and NEEDED <= _controllers(unified):
         found = Places(unified, unified, unified, unified)
     elif len(v1) == 3:
         found = Places(v1["memory"], v1["pids"], v1["cpuacct"], unified)
@@ -99,18 +103,25 @@ def _below(mount: tuple[Path, str], group: str) -> Path:
 def _unified(mounts: dict[str, tuple[Path, str]], own: dict[str, str]) -> Path | None:
     """Return the folder of version 2 in which boxes can be made, controllers switched on.
 
-    1. the top of the hierarchy, if we may write there; 2. our own group: there the processes of
-    the service move into a leaf first, since a group with processes cannot share controllers.
+    1. our own group, if systemd left it to us (`Delegate=`); 2. the top of the hierarchy, if we may
+    write there; 3. our own group without a mark: an older systemd shows it to root alone.
     """
     if "unified" not in mounts:
         return None
     top, mine = mounts["unified"][0], _below(mounts["unified"], own.get("unified", "/"))
-    if mine.name == "seamark-service":
+    if mine.name == LEAF:
         mine = mine.parent
-    for folder in (top, mine):
+    for folder in (mine, top) if _delegated(mine) else (top, mine):
         if os.access(folder / "cgroup.procs", os.W_OK) and _share(folder):
             return folder
     return top if os.access(top, os.W_OK) else None
+
+
+def _delegated(folder: Path) -> bool:
+    """Tell whether systemd leaves all below a group to who runs in it (its CGROUP_DELEGATION)."""
+    with contextlib.suppress(OSError):
+        return os.getxattr(folder, MARK) == b"1"
+    return False
 
 
 def _controllers(folder: Path) -> set[str]:
@@ -123,18 +134,27 @@ def _controllers(folder: Path) -> set[str]:
 def _share(folder: Path) -> bool:
     """Switch the controllers on for the groups below; False if the host does not let us."""
     with contextlib.suppress(OSError):
-        if not {"memory", "pids"} <= set((folder / "cgroup.controllers").read_text().split()):
+        if not NEEDED <= set((folder / "cgroup.controllers").read_text().split()):
             return False
-        if {"memory", "pids"} <= _controllers(folder):
+        if NEEDED <= _controllers(folder):
             return True
-        if (folder / "cgroup.type").exists():  # not the real top: it may hold no processes
-            leaf = folder / "seamark-service"
-            leaf.mkdir(exist_ok=True)
-            for pid in (folder / "cgroup.procs").read_text().split():
-                (leaf / "cgroup.procs").write_text(pid)
-        (folder / "cgroup.subtree_control").write_text("+memory +pids")
-        return True
+        for _ in range(MOVES):
+            _step_aside(folder)
+            with contextlib.suppress(OSError):  # a process was started meanwhile
+                (folder / "cgroup.subtree_control").write_text("+memory +pids")
+                return True
     return False
+
+
+def _step_aside(folder: Path) -> None:
+    """Move all processes of a group into a leaf: only the real top may have both."""
+    if not (folder / "cgroup.type").exists():
+        return
+    leaf = folder / LEAF
+    leaf.mkdir(exist_ok=True)
+    for pid in (folder / "cgroup.procs").read_text().split():
+        with contextlib.suppress(ProcessLookupError):  # it ended meanwhile
+            (leaf / "cgroup.procs").write_text(pid)
 
 
 def sweep() -> int:
@@ -199,6 +219,8 @@ class ControlGroup:
         (self._at.pids / "pids.max").write_text(str(limits.processes + OVERHEAD_PROCESSES))
         if self._version == 2:
             (self._at.memory / "memory.max").write_text(size)
+            # All of the box, or which process dies would depend on their sizes at that moment.
+            (self._at.memory / "memory.oom.group").write_text("1")
             swap = (self._at.memory / "memory.swap.max", "0")
         else:
             (self._at.memory / "memory.limit_in_bytes").write_text(size)

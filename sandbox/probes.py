@@ -56,7 +56,9 @@ REMEDY = {
     "box": "allow user namespaces: sysctl -w kernel.unprivileged_userns_clone=1 (Debian), "
     "sysctl -w kernel.apparmor_restrict_unprivileged_userns=0 (Ubuntu); in a container, a "
     "seccomp profile that permits them",
-    "control groups": "run the worker as root, or as a systemd service with Delegate=yes",
+    "control groups": "start it by `./run`, which takes a scope of its own where systemd gives one "
+    "(log in as the user: `su` and `sudo -u` open no session), as a systemd service with "
+    "Delegate=yes, or as root",
     "own uid": "run the worker as root, so that each box gets a uid of its own, or give a "
     "delegated control group",
     "compiled packages": "python -m compileall -q on the folders of numpy and scipy",

@@ -23,6 +23,7 @@ FILES = {
     "cpu.stat": "usage_usec 1234567\nuser_usec 1000000\nsystem_usec 234567\n",
     "memory.max": "max\n",
     "memory.swap.max": "max\n",
+    "memory.oom.group": "0\n",
     "memory.peak": "52428800\n",
     "memory.events": "low 0\nhigh 0\nmax 31\noom 2\noom_kill 1\noom_group_kill 0\n",
     "pids.max": "max\n",
@@ -109,6 +110,34 @@ def test_in_a_delegated_service_the_processes_move_into_a_leaf_first(top) -> Non
     assert (own / "cgroup.subtree_control").read_text() == "+memory +pids"
 
 
+def test_a_group_that_systemd_left_to_us_comes_before_the_top(top) -> None:
+    own = laid(top / "system.slice/seamark.service", TOP | {"cgroup.type": "domain\n"})
+    where = {"unified": (top, "/")}, {"unified": "/system.slice/seamark.service/seamark-service"}
+    unmarked = cgroups._unified(*where)
+    try:
+        os.setxattr(own, cgroups.MARK, b"1")
+    except OSError:
+        pytest.skip("this file system keeps no marks")
+
+    assert (unmarked, cgroups._unified(*where)) == (top, own)
+
+
+def test_a_process_that_ended_meanwhile_stops_no_move(top, monkeypatch) -> None:
+    own = laid(top / "scope", {"cgroup.type": "domain\n", "cgroup.procs": "41\n42\n"})
+    write = Path.write_text
+
+    def refuses_41(path: Path, text: str) -> int:
+        if text == "41":
+            raise ProcessLookupError
+        return write(path, text)
+
+    monkeypatch.setattr(Path, "write_text", refuses_41)
+
+    cgroups._step_aside(own)
+
+    assert (own / cgroups.LEAF / "cgroup.procs").read_text() == "42"
+
+
 def test_a_host_without_the_controllers_says_so(tmp_path, top) -> None:
     (top / "cgroup.controllers").write_text("hugetlb\n")
     (top / "cgroup.subtree_control").write_text("hugetlb\n")
@@ -145,6 +174,7 @@ def test_the_limits_stand_in_the_files_of_version_2(group, top) -> None:
 
     assert (folder / "memory.max").read_text() == str(256 << 20)
     assert (folder / "memory.swap.max").read_text() == "0"
+    assert (folder / "memory.oom.group").read_text() == "1"
     assert (folder / "pids.max").read_text() == str(20 + cgroups.OVERHEAD_PROCESSES)
     assert group.entries() == [f"{folder}/cgroup.procs"]
     group.remove()

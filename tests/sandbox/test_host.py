@@ -32,7 +32,7 @@ LAYOUT = {
 }
 REPORT = """
     import json
-    from sandbox import box
+    from sandbox import box, cgroups
     from sandbox.box import Box
     from sandbox.languages.python import SELF_TEST
     from sandbox.probes import probe
@@ -41,6 +41,7 @@ REPORT = """
     LAYOUT = {"observation": [["t", 0], ["error", 3]], "command": []}
     found = probe()
     report = {"level": found.level.name, "why": found.sentence(), "package": box.__file__}
+    report["groups"] = str(cgroups.places().memory) if found.level.name == "STRONG" else ""
     for name, source in json.loads(SOURCES).items():
         with Box(limits=Limits(cpu_s=2.0, memory_mib=192), level=found.level) as one:
             try:
@@ -58,6 +59,7 @@ SOURCES = {
     "fork": "import os\nwhile True: os.fork()",
     "shadow": "open('/etc/shadow')",
 }
+SESSION = ("XDG_RUNTIME_DIR", "DBUS_SESSION_BUS_ADDRESS")  # where a user's systemd is found
 as_root = pytest.mark.skipif(os.geteuid() != 0, reason="needs root")
 
 
@@ -65,7 +67,8 @@ def report(*before: str, path: str) -> dict[str, str]:
     """Run some programs in another process and return what it says."""
     script = textwrap.dedent(REPORT).replace("SOURCES", repr(json.dumps(SOURCES)))
     command = [*before, sys.executable, "-c", script]
-    environment = {"PATH": os.environ["PATH"], "PYTHONPATH": path}
+    session = {name: os.environ[name] for name in SESSION if name in os.environ}
+    environment = {"PATH": os.environ["PATH"], "PYTHONPATH": path} | session
     done = subprocess.run(command, env=environment, cwd="/", capture_output=True, check=False)
     assert done.returncode == 0, done.stderr.decode()
     answer: dict[str, str] = json.loads(done.stdout)
@@ -143,6 +146,23 @@ def test_a_plain_user_gets_level_medium_and_the_same_verdicts(tmp_path) -> None:
     answer = report(*become, path=str(CHECKOUT))
 
     assert answer["level"] == "MEDIUM", answer
+    assert verdicts_of(answer) == EXPECTED
+
+
+@pytest.mark.slow
+def test_in_a_scope_that_systemd_delegates_everybody_gets_level_strong() -> None:
+    manager = "--system" if os.geteuid() == 0 else "--user"
+    scope = ("systemd-run", manager, "--scope", "--quiet", "--collect", "-p", "Delegate=yes")
+    if (
+        not shutil.which(scope[0])
+        or subprocess.run([*scope, "true"], check=False, stderr=subprocess.DEVNULL).returncode
+    ):
+        pytest.skip("no systemd that delegates")
+
+    answer = report(*scope, path=str(CHECKOUT))
+
+    assert answer["level"] == "STRONG", answer
+    assert answer["groups"].endswith(".scope")
     assert verdicts_of(answer) == EXPECTED
 
 
