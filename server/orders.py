@@ -5,7 +5,7 @@ import time
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from sqlalchemy import func, or_, select
+from sqlalchemy import func, select
 from sqlalchemy.orm import Session
 
 from sandbox.languages import LANGUAGES
@@ -109,14 +109,13 @@ def rerun(session: Session, run_id: int, viewer: Viewer, settings: Settings) -> 
 
 def quota(session: Session, viewer: Viewer, settings: Settings) -> Quota:
     """Return what the viewer has used of the quotas."""
-    mine = Run.owner == viewer.owner
-    live = func.count().filter(Run.state.in_(LIVE))
-    done = (Run.state == RunState.SUCCEEDED) | (
-        (Run.state == RunState.FAILED) & Run.cause.not_in(UNCHARGED)
-    )
-    recent = done & (Run.finished_at > time.time() - _DAY_S)
-    query = select(live, func.count().filter(or_(Run.state.in_(LIVE), recent))).where(mine)
-    live_now, day = session.execute(query).one()
+    live = (Run.owner == viewer.owner, Run.state.in_(LIVE))
+    charged = (Run.state == RunState.SUCCEEDED) | Run.cause.not_in(UNCHARGED)
+    # The states are named so that an index leads to the last day of somebody's thousands of runs.
+    ended = (Run.owner == viewer.owner, Run.state.in_((RunState.SUCCEEDED, RunState.FAILED)))
+    recent = (*ended, Run.finished_at > time.time() - _DAY_S, charged)
+    live_now = session.scalar(select(func.count()).select_from(Run).where(*live)) or 0
+    day = live_now + (session.scalar(select(func.count()).select_from(Run).where(*recent)) or 0)
     day_max = settings.quota_day if viewer.user_id is not None else settings.guest_quota_day
     return Quota(live=live_now, live_max=settings.quota_live, day=day, day_max=day_max)
 

@@ -127,6 +127,7 @@ class Run(Base):
             postgresql_where=text("state = 'running'"),
         ),
         Index("ix_runs_owner_id", "owner", "id"),
+        Index("ix_runs_owner_state_finished", "owner", "state", "finished_at"),  # the quota
         Index("ix_runs_public_id", "public", "id"),
         Index("ix_runs_program_sha256", "program_sha256"),  # for who looks for unused programs
         Index("ix_runs_benchmark_state_id", "benchmark", "state", "id"),
