@@ -146,6 +146,7 @@ def knob(  # noqa: PLR0913  # one keyword per word of the schema
     advanced: bool = False,
     length: tuple[int, int] | None = None,
     names: Sequence[str] | None = None,
+    applies: Mapping[str, Sequence[str]] | None = None,
 ) -> Any:  # pydantic's own Field says Any, so that it fits every annotation
     """Return one setting.
 
@@ -166,6 +167,7 @@ def knob(  # noqa: PLR0913  # one keyword per word of the schema
     length : (least, most) items of a list
     names
         Of what an expression may name; the setting is then the text of one, which may be empty.
+    applies : mapping of another setting -> its values with which this one does anything
     """
     extra: dict[str, Any] = {"x-group": group, "x-role": role, "x-advanced": advanced}
     if unit:
@@ -176,6 +178,8 @@ def knob(  # noqa: PLR0913  # one keyword per word of the schema
         extra |= {"enum": list(choices), "x-labels": dict(choices)}
     if names is not None:
         extra["x-names"] = list(names)
+    if applies is not None:
+        extra["x-applies"] = {other: list(values) for other, values in applies.items()}
     bounds: dict[str, Any] = {}
     if names is not None:
         bounds = {"max_length": LONGEST}

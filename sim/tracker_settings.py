@@ -4,6 +4,7 @@ The names are those of the trackers' own options (sim/trackers), so nothing is t
 Tags of the defaults: S sourced, D derived from sourced, E our estimate.
 """
 
+from collections.abc import Sequence
 from functools import partial
 from typing import Any
 
@@ -20,12 +21,20 @@ from sim.trackers.choices import (
     refusals,
 )
 
-tracking = partial(knob, group="Tracker", role="solution")
+choosing = partial(knob, group="Tracker", role="solution")
+
+
+def tracking(name: str, default: object, *, warps: Sequence[str] = (), **words: Any) -> Any:
+    """Return the setting of an option, which only the trackers that have it look at."""
+    having = [each for each, entry in TRACKERS.items() if name in entry.options]
+    only = {"warp": warps} if warps else {}
+    return choosing(default, applies={"tracker": having, **only}, **words)
 
 
 def _number(name: str, default: float, *, title: str, says: str, unit: str = "") -> Any:
     low, high = RANGES[name]
     return tracking(
+        name,
         default,
         title=title,
         says=says,
@@ -50,25 +59,33 @@ def _offered() -> dict[str, str]:
 class TrackerSettings(Configuration):
     """Which tracker, and how it works."""
 
-    tracker: str = tracking(
+    tracker: str = choosing(
         "esm",
         title="Tracker",
         says="Finds the target in the camera's picture.",
         choices=_offered(),
     )
     warp: str = tracking(
+        "warp",
         "homography",
         title="Warp",
         says="What movement of the target in the picture the tracker can follow.",
         choices=WARPS,
     )
     criterion: str = tracking(
+        "criterion",
         "zncc",
         title="Similarity",
         says="What the tracker compares pictures by.",
         choices=CRITERIA,
     )
-    method: str = tracking("esm", title="Method", says="How the tracker searches.", choices=METHODS)
+    method: str = tracking(
+        "method",
+        "esm",
+        title="Method",
+        says="How the tracker searches.",
+        choices=METHODS,
+    )
     pyramid_levels: int = _number(
         "pyramid_levels",
         2,
@@ -109,6 +126,7 @@ class TrackerSettings(Configuration):
         unit="px",
     )
     predict_motion: bool = tracking(
+        "predict_motion",
         True,
         title="Predict the motion",
         says="Whether the search starts where the target would be at constant speed.",
@@ -133,6 +151,7 @@ class TrackerSettings(Configuration):
         "klt_points", 80, title="Points", says="KLT: how many corners are followed at most."
     )
     klt_from: str = tracking(
+        "klt_from",
         "first",
         title="Flow from",
         says="KLT: the first picture does not drift, the one before stands larger changes.",
@@ -147,9 +166,11 @@ class TrackerSettings(Configuration):
         "visp_iterations", 60, title="Iterations of ViSP", says="ViSP: at most, for each picture."
     )
     visp_sl3: bool = tracking(
+        "visp_sl3",
         True,
         title="Homography as SL(3)",
         says="ViSP: the group's eight parameters; if not, the entries of the matrix.",
+        warps=("homography",),
         advanced=True,
     )
 

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 Schema = Mapping[str, Any]
@@ -30,6 +30,8 @@ class Field:
     advanced: bool
     error: str
     names: tuple[str, ...] = ()  # that an expression may have in it
+    applies: Mapping[str, Sequence[str]] = field(default_factory=dict)  # as `applying` takes it
+    only: str = ""  # the same in words
 
     @property
     def wide(self) -> bool:
@@ -49,7 +51,7 @@ class Group:
     @property
     def folded_error(self) -> bool:
         """Whether a field that is folded away has an error; then it is unfolded."""
-        return any(field.error for field in self.folded)
+        return any(one.error for one in self.folded)
 
 
 def groups(
@@ -74,18 +76,19 @@ def groups(
         default = preset.get(name, entry.get("default"))
         shown = values.get(name, default)
         key = (entry.get("x-role") == "scenario", entry.get("x-group", ""))
-        field = _field(name, entry, shown=shown, default=default, error=errors.get(name, ""))
-        found.setdefault(key, []).append(field)
+        one = _field(name, entry, shown=shown, default=default, error=errors.get(name, ""))
+        only = _only(schema, entry.get("x-applies", {}))
+        found.setdefault(key, []).append(replace(one, only=only))
     places = {title: at for at, title in enumerate(order)}
     ordered = sorted(found.items(), key=lambda item: places.get(item[0][1], len(places)))
     return tuple(
         Group(
             title=title,
             scenario=scenario,
-            shown=tuple(field for field in fields if not field.advanced),
-            folded=tuple(field for field in fields if field.advanced),
+            shown=tuple(one for one in members if not one.advanced),
+            folded=tuple(one for one in members if one.advanced),
         )
-        for (scenario, title), fields in ordered
+        for (scenario, title), members in ordered
     )
 
 
@@ -116,6 +119,21 @@ def preset_of(schema: Schema, values: Mapping[str, object]) -> Mapping[str, obje
     for name, choices in schema.get("x-presets", {}).items():
         preset |= choices.get(str(values.get(name, "")), {})
     return preset
+
+
+def applying(entry: Schema, values: Mapping[str, object]) -> bool:
+    """Return whether a setting does anything beside these values of others."""
+    return all(
+        str(values.get(other)) in allowed for other, allowed in entry.get("x-applies", {}).items()
+    )
+
+
+def _only(schema: Schema, applies: Mapping[str, Sequence[str]]) -> str:
+    """Return with which choices a setting does anything, such as "Tracker esm or visp"."""
+    return "; ".join(
+        f"{schema['properties'][other]['title']} {' or '.join(values)}"
+        for other, values in applies.items()
+    )
 
 
 def text_of(value: object) -> str:
@@ -170,6 +188,7 @@ def _field(name: str, entry: Schema, *, shown: object, default: object, error: s
         advanced=bool(entry.get("x-advanced")),
         error=error,
         names=tuple(entry.get("x-names", ())),
+        applies=entry.get("x-applies", {}),
     )
 
 

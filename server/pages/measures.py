@@ -86,11 +86,11 @@ def trials(metrics: Mapping[str, Any]) -> list[Mapping[str, Any]]:
 
 
 def options(schema: Mapping[str, Any], config: Mapping[str, Any]) -> dict[str, list[Option]]:
-    """Return group -> chosen settings; `changed` marks those that are not the default."""
+    """Return group -> chosen settings that do anything; `changed` marks those not the default."""
     preset = fields.preset_of(schema, config)
     chosen: dict[str, list[Option]] = {}
     for name, entry in schema["properties"].items():
-        if name not in config:
+        if name not in config or not fields.applying(entry, config):
             continue
         text = fields.text_of(config[name])
         shown = {"true": "yes", "false": "no"} if entry["type"] == "boolean" else {}

@@ -10,7 +10,7 @@ from sqlalchemy.orm import Session
 
 from server import identity, live, runs
 from server.access import Action, can
-from server.pages import benchmarks, measures
+from server.pages import benchmarks, curves, measures
 from server.rate_limits import ORDER, limiter
 from server.run_files import RunFiles
 from server.services import services
@@ -45,6 +45,7 @@ def show(run_id: int) -> ResponseReturnValue:
         headline=benchmark.headline_of(config),
         held_unit=benchmark.held_unit_of(config),
         trials=measures.trials(run.metrics or {}),
+        curve=curves.curve(benchmark, config, run, files),
         options=measures.options(benchmark.schema(), run.config),
         page_data={
             "id": run.id,

@@ -15,6 +15,7 @@ from sim.quantity import Metric as Metric
 
 if TYPE_CHECKING:
     from sim.experiments import Experiment
+    from sim.telemetry import Rows
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,6 +25,21 @@ class Chart:
     title: str
     unit: str
     columns: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Curve:
+    """A chart over the levels: metrics in one unit, and the limit that ends the score.
+
+    `values` gives the levels' own values in the unit of the score, for a configuration; `measure`
+    makes a level's metrics from its rows of telemetry, so that the chart can grow while the run
+    goes on.
+    """
+
+    metrics: tuple[Metric, ...]
+    limit: float
+    values: Callable[[Any], tuple[float, ...]]
+    measure: Callable[["Rows"], Mapping[str, Any]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,6 +89,7 @@ class Benchmark:
     presets: Mapping[str, Mapping[str, Mapping[str, object]]] = field(default_factory=dict)
     shortest: Mapping[str, object] = field(default_factory=dict)  # settings of a quick run
     ranked_trials: int = 10
+    curve: Curve | None = None
 
     def load(self) -> "Experiment":
         """Return what runs the levels; loads the simulator with Numba and OpenCV."""

@@ -13,13 +13,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
 
-from sim.benchmarks import Baseline, Benchmark, Chart, Metric, Table
+from sim.benchmarks import Baseline, Benchmark, Chart, Curve, Metric, Table
 from sim.configuration import again, knob
 from sim.experiment_settings import ExperimentSettings, multiple
 from sim.registry import TRACKERS
 from sim.score_settings import own_score_knob
 from sim.telemetry import NAMES
-from sim.tracker_metrics import HELD, METRICS
+from sim.tracker_metrics import FAILED_PERCENT, HELD, METRICS, level_metrics
 from sim.trackers.choices import options_of
 
 sweeping = partial(knob, group="Sweep", role="scenario")
@@ -122,6 +122,7 @@ class VisibilityConfiguration(ExperimentSettings):
     )
     path_swing_m: float = motion(
         0.25,
+        applies={"mode": ["fixed"]},
         title="Swing of the path",
         says="Prescribed path: how far it goes from its middle, ahead and aside; 0 stands still.",
         unit="m",
@@ -132,6 +133,7 @@ class VisibilityConfiguration(ExperimentSettings):
     )
     path_turn_rad: float = motion(
         0.05,
+        applies={"mode": ["fixed"]},
         title="Turn on the path",
         says="Prescribed path: how far the heading turns; roll and pitch turn 0.6 times as far.",
         unit="rad",
@@ -142,6 +144,7 @@ class VisibilityConfiguration(ExperimentSettings):
     )
     path_heave_share: float = motion(
         0.2,
+        applies={"mode": ["fixed"]},
         title="Rise on the path",
         says="Prescribed path: how far it goes up and down, in shares of the swing; 0 stays level.",
         low=0,
@@ -152,6 +155,7 @@ class VisibilityConfiguration(ExperimentSettings):
     )
     path_period_s: float = motion(
         5.0,
+        applies={"mode": ["fixed"]},
         title="Period of the path",
         says="Prescribed path: nominal time of one swing.",
         unit="s",
@@ -162,6 +166,7 @@ class VisibilityConfiguration(ExperimentSettings):
     )
     current_m_s: float = motion(
         0.15,
+        applies={"mode": ["free"]},
         title="Current",
         says="Free-running vehicle: mean speed of the current that moves it.",
         unit="m/s",
@@ -344,6 +349,12 @@ BENCHMARK = Benchmark(
         "Faults",
     ),
     tables=(Table("All pictures of a level but its first", (OPTICAL_DEPTH, *METRICS, HELD)),),
+    curve=Curve(
+        metrics=METRICS[:2],
+        limit=FAILED_PERCENT,
+        values=VisibilityConfiguration.score_values,
+        measure=level_metrics,
+    ),
     telling=METRICS[:1],
     overall=METRICS,
     baselines={

@@ -64,3 +64,18 @@ def test_groups_follow_the_order_given() -> None:
     titles = [group.title for group in fields.groups(SCHEMA, {}, {}, order=order)]
 
     assert tuple(titles[:2]) == order
+
+
+def test_a_setting_applies_only_with_the_choices_that_look_at_it() -> None:
+    entry = {"x-applies": {"tracker": ["esm", "visp"], "warp": ["homography"]}}
+
+    assert fields.applying(entry, {"tracker": "visp", "warp": "homography"})
+    assert not fields.applying(entry, {"tracker": "klt", "warp": "homography"})
+    assert not fields.applying(entry, {"tracker": "esm", "warp": "srt"})
+    assert fields.applying({}, {})
+
+
+def test_every_option_of_a_tracker_says_with_which_trackers_it_applies() -> None:
+    for name, entry in registry.TRACKERS.items():
+        for option in entry.options:
+            assert name in SCHEMA["properties"][option]["x-applies"]["tracker"]

@@ -7,7 +7,7 @@ const POINTS = 6000; // while live, older points are thinned beyond this
 const uPlot = window.uPlot;
 
 // A custom property may hold light-dark(...); only an element's colour is resolved.
-function colour(name) {
+export function colour(name) {
   const probe = document.createElement("i");
   probe.style.color = `var(${name})`;
   document.body.append(probe);

@@ -2,11 +2,13 @@
 // only ever put into text, never into markup.
 import { Camera } from "./camera.js";
 import { Charts } from "./charts.js";
+import { Curve } from "./curve.js";
 
 const data = JSON.parse(document.getElementById("run-data").textContent);
 const part = (name) => document.querySelector(`[data-${name}]`);
 const charts = new Charts(data);
 const camera = new Camera(data, (t) => charts.mark(t));
+const curve = new Curve();
 let trial = 0;
 let refreshing = 0;
 
@@ -63,17 +65,35 @@ function addLog(text) {
   part("log-empty").hidden = true;
 }
 
-// Takes the parts that the server renders from a fresh copy of this page.
-async function refresh() {
-  const turn = ++refreshing;
+// Takes parts that the server renders from a fresh copy of this page: all, or the one named.
+async function refresh(only = null) {
+  const turn = only ? refreshing : ++refreshing;
   const answer = await fetch(location.pathname, { credentials: "same-origin" });
   if (!answer.ok || turn !== refreshing) return;
   const fresh = new DOMParser().parseFromString(await answer.text(), "text/html");
-  for (const old of document.querySelectorAll("[data-part]")) {
+  for (const old of document.querySelectorAll(only ? `[data-part="${only}"]` : "[data-part]")) {
     const next = fresh.querySelector(`[data-part="${old.dataset.part}"]`);
     if (next) old.replaceChildren(...next.childNodes);
   }
   document.title = fresh.title;
+  curve.update();
+}
+
+// When a level is over the chart over the levels grows; not more often than every two seconds.
+const CURVE_PAUSE_MS = 2000;
+let level = null;
+let curveWaits = false;
+
+function followLevel(newest) {
+  if (newest === level || !part("curve-plot")) return;
+  const first = level === null;
+  level = newest;
+  if (first || curveWaits) return;
+  curveWaits = true;
+  setTimeout(() => {
+    curveWaits = false;
+    if (data.live) refresh("curve");
+  }, CURVE_PAUSE_MS);
 }
 
 async function loadSeries() {
@@ -103,6 +123,7 @@ function follow() {
     const newest = batch.rows[batch.rows.length - 1];
     followTrial(newest[at]);
     progressOf(batch.columns, newest);
+    followLevel(Math.floor(newest[batch.columns.indexOf("t")] / data.level_s));
     const rows = batch.rows.filter((row) => row[at] === trial);
     const last = charts.append(batch.columns, rows);
     if (last !== null) camera.available(trial, last);

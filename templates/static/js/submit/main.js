@@ -42,6 +42,22 @@ function applyPresets() {
     if (untouched) setValue(input, input.dataset.default);
     markChanged(input);
   }
+  showWhatApplies();
+}
+
+// What does nothing beside the other choices is not shown; a field with an error always is.
+function showWhatApplies() {
+  for (const field of form.querySelectorAll("[data-applies]")) {
+    const applies = Object.entries(JSON.parse(field.dataset.applies))
+      .every(([name, values]) => values.includes(valueOf(form.elements[name])));
+    field.hidden = !applies && !field.querySelector(".error");
+    field.querySelector("[data-only]").hidden = applies;
+  }
+  for (const folded of form.querySelectorAll("details.advanced")) {
+    const left = folded.querySelectorAll("[data-field]:not([hidden])").length;
+    folded.hidden = left === 0;
+    folded.querySelector("[data-count]").textContent = left;
+  }
 }
 
 function lockScenario() {
@@ -83,6 +99,7 @@ function resetAll() {
     if (!(input.name in presets)) setValue(input, input.dataset.default);
     markChanged(input);
   }
+  showWhatApplies();
 }
 
 form.addEventListener("input", (event) => {
@@ -90,6 +107,7 @@ form.addEventListener("input", (event) => {
 });
 form.addEventListener("change", (event) => {
   if (event.target.name in presets) applyPresets();
+  else if (event.target.dataset.default !== undefined) showWhatApplies();
   if (event.target.name === "kind") lockScenario();
 });
 form.addEventListener("submit", () => {
@@ -106,6 +124,7 @@ for (const button of form.querySelectorAll("[data-reset], [data-download-config]
   });
 }
 for (const input of inputs) markChanged(input);
+showWhatApplies();
 lockScenario();
 startEditor(form);
 startCheck(form, configuration);

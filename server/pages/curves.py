@@ -1,0 +1,84 @@
+"""The chart of a run over its levels, from its metrics or from what it recorded so far."""
+
+from collections.abc import Mapping, Sequence
+from itertools import groupby
+from typing import Any
+
+import numpy as np
+
+from server.run_files import RunFiles
+from server.runs import RunView
+from sim.benchmarks import Benchmark, Curve
+from sim.configuration import Configuration
+from sim.statistics import mean
+from sim.telemetry import INDEX, Rows
+
+
+def curve(
+    benchmark: Benchmark, config: Configuration, run: RunView, files: RunFiles
+) -> dict[str, Any] | None:
+    """Return what the chart shows, as JSON; None for a benchmark without one.
+
+    `x` is the level's value in the unit of the score; `lines` hold a value for each level that is
+    over, as the mean over the trials that had it; `mark` is the score, or where the first line is
+    below the limit so far.
+    """
+    drawn = benchmark.curve
+    if drawn is None:
+        return None
+    levels: Sequence[Mapping[str, Any]] = (run.metrics or {}).get("levels") or []
+    if not levels:
+        levels = _so_far(drawn, files.rows(), ended=run.state.final)
+    headline = benchmark.headline_of(config)
+    values = drawn.values(config)
+    x = values[: len(levels)]
+    first = [level[drawn.metrics[0].name] for level in levels]
+    failed = next((at for at, value in zip(x, first, strict=True) if value < drawn.limit), None)
+    mark = run.score if run.score is not None else failed
+    labels = [metric.label for metric in drawn.metrics]
+    return {
+        "title": f"{' and '.join(labels)} over the {headline.unit}",
+        "says": _sentence(labels[0], drawn.limit, headline.label, mark, final=run.state.final),
+        "unit": drawn.metrics[0].unit,
+        "x_label": headline.unit,
+        "range": [values[0], values[-1]],
+        "x": list(x),
+        "lines": [
+            {"label": metric.label, "values": [level[metric.name] for level in levels]}
+            for metric in drawn.metrics
+        ],
+        "limit": drawn.limit,
+        "mark": mark,
+        "mark_label": headline.label,
+    }
+
+
+def _sentence(first: str, limit: float, score: str, mark: float | None, *, final: bool) -> str:
+    if mark is None:
+        state = "did" if final else "has"
+        fall = "not fall" if final else "not fallen"
+        return f"{first} {state} {fall} below {limit:g} %, which would be {score}."
+    sofar = "" if final else " so far"
+    return f"{score}, where {first} falls below {limit:g} %, is {mark:.2f}{sofar}."
+
+
+def _so_far(drawn: Curve, rows: Rows, *, ended: bool) -> list[dict[str, float]]:
+    """Return the metrics of the levels that are over, each the mean over the trials."""
+    places = rows[:, [INDEX["trial"], INDEX["level"]]]
+    starts = [0, *(np.flatnonzero((np.diff(places, axis=0) != 0).any(axis=1)) + 1).tolist()]
+    ends = [*starts[1:], len(rows)] if ended and len(rows) else starts[1:]
+    measured = sorted(
+        (
+            (int(rows[a, INDEX["level"]]), drawn.measure(rows[a:b]))
+            for a, b in zip(starts, ends, strict=False)
+        ),
+        key=lambda item: item[0],
+    )
+    names = [metric.name for metric in drawn.metrics]
+    return [
+        {name: mean([found[name] for found in same]) for name in names}
+        for same in (
+            [found for _, found in members]
+            for _, members in groupby(measured, key=lambda item: item[0])
+        )
+    ]

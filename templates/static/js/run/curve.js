@@ -1,0 +1,109 @@
+// The chart of metrics over the levels: it grows while the run goes on, and marks the score.
+import { colour } from "./charts.js";
+
+const COLOURS = ["--chart-1", "--chart-2"];
+const HEIGHT = 220;
+const uPlot = window.uPlot;
+
+function marksPlugin(curve) {
+  return {
+    hooks: {
+      drawAxes: (plot) => {
+        const { ctx, bbox } = plot;
+        const ratio = devicePixelRatio;
+        ctx.save();
+        ctx.strokeStyle = colour("--chart-level");
+        ctx.fillStyle = colour("--text-2");
+        ctx.font = `${11 * ratio}px system-ui, sans-serif`;
+        ctx.textBaseline = "alphabetic";
+        ctx.setLineDash([4 * ratio, 4 * ratio]);
+        const y = Math.round(plot.valToPos(curve.limit, "y", true));
+        ctx.beginPath();
+        ctx.moveTo(bbox.left, y);
+        ctx.lineTo(bbox.left + bbox.width, y);
+        ctx.stroke();
+        if (curve.mark !== null) {
+          const x = Math.round(plot.valToPos(Math.min(curve.mark, curve.range[1]), "x", true));
+          const text = `${curve.mark_label} ${curve.mark.toFixed(2)}`;
+          ctx.strokeStyle = colour("--focus");
+          ctx.lineWidth = 1.5 * ratio;
+          ctx.beginPath();
+          ctx.moveTo(x, bbox.top);
+          ctx.lineTo(x, bbox.top + bbox.height);
+          ctx.stroke();
+          const left = x + ctx.measureText(text).width + 10 * ratio > bbox.left + bbox.width;
+          ctx.textAlign = left ? "right" : "left";
+          ctx.fillText(text, x + (left ? -5 : 5) * ratio, bbox.top + 12 * ratio);
+        }
+        ctx.restore();
+      },
+    },
+  };
+}
+
+export class Curve {
+  constructor() {
+    this.box = document.querySelector("[data-curve-plot]");
+    this.plot = null;
+    if (!this.box) return;
+    this.update();
+    document.addEventListener("themechange", () => this.update());
+    new ResizeObserver(() => this.plot?.setSize({ width: this.width(), height: HEIGHT })).observe(this.box);
+  }
+
+  width() {
+    return Math.max(this.box.clientWidth, 200);
+  }
+
+  // Draws what the page holds now; the server puts the newest levels there.
+  update() {
+    const text = document.querySelector('[data-part="curve"] script')?.textContent;
+    if (!this.box || !text) return;
+    const curve = JSON.parse(text);
+    this.plot?.destroy();
+    const frame = document.createElement("div");
+    const now = document.createElement("output");
+    const title = document.createElement("p");
+    title.className = "chart-title";
+    const names = document.createElement("span");
+    curve.lines.forEach(({ label }, index) => {
+      const name = document.createElement("span");
+      name.textContent = `${label} `;
+      name.style.color = colour(COLOURS[index]);
+      names.append(name);
+    });
+    names.append(`[${curve.unit}]`);
+    title.append(names, now);
+    frame.className = "chart";
+    frame.setAttribute("role", "img");
+    frame.setAttribute("aria-label", document.querySelector('[data-part="curve"] p').textContent);
+    this.box.replaceChildren(title, frame);
+    const axis = { stroke: colour("--text-2"), grid: { stroke: colour("--chart-grid"), width: 1 }, ticks: { show: false } };
+    this.plot = new uPlot({
+      width: this.width(),
+      height: HEIGHT,
+      cursor: { drag: { x: false, y: false } },
+      legend: { show: false },
+      scales: { x: { time: false, range: () => curve.range }, y: { range: () => [0, 112] } },
+      axes: [
+        { ...axis, label: curve.x_label, labelSize: 20, labelFont: "12px system-ui, sans-serif", size: 32 },
+        { ...axis, size: 56, splits: () => [0, 25, 50, 75, 100] },
+      ],
+      series: [{}, ...curve.lines.map(({ label }, index) => ({
+        label, stroke: colour(COLOURS[index]), width: 1.5, points: { show: true, size: 5 },
+      }))],
+      plugins: [marksPlugin(curve)],
+      hooks: { setCursor: [(plot) => this.tell(plot, curve, now)] },
+    }, [curve.x, ...curve.lines.map(({ values }) => values)], frame);
+  }
+
+  tell(plot, curve, output) {
+    const at = plot.cursor.idx;
+    if (at === null || at === undefined || curve.x[at] === undefined) {
+      output.textContent = "";
+      return;
+    }
+    const parts = curve.lines.map(({ label, values }) => `${label} ${values[at].toFixed(1)} ${curve.unit}`);
+    output.textContent = `${curve.x[at]}: ${parts.join(", ")}`;
+  }
+}

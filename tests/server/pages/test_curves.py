@@ -1,0 +1,103 @@
+"""The chart over the levels of a run: while it goes on, at its end, and where there is none."""
+
+import json
+import re
+from typing import Any
+
+import numpy as np
+import pytest
+
+from server.run_files import RunFiles
+from sim.telemetry import INDEX, WIDTH
+from tests.server.pages.conftest import Site
+
+VISIBILITY = {"benchmark": "visibility-v1", "controller": "built-in"}
+
+
+def _curve(site: Site, run_id: int) -> dict[str, Any] | None:
+    page = site.browser("ann").get(f"/runs/{run_id}").text
+    found = re.search(r'data-part="curve"><script type="application/json">(.*?)</script>', page)
+    return None if found is None else json.loads(found.group(1))
+
+
+def _rows(trial: int, errors_px: list[float]) -> np.ndarray:
+    """Five rows of each level, all with the same corner error."""
+    rows = np.zeros((5 * len(errors_px), WIDTH))
+    rows[:, INDEX["trial"]] = trial
+    rows[:, INDEX["level"]] = np.repeat(np.arange(len(errors_px)), 5)
+    rows[:, INDEX["tracker_ok"]] = 1.0
+    rows[:, INDEX["tracker_error"]] = np.repeat(errors_px, 5)
+    return rows
+
+
+def test_the_chart_grows_by_the_levels_that_are_over(site: Site) -> None:
+    run_id = site.queue("ann", **VISIBILITY)
+    files = RunFiles(site.settings.data, run_id, site.claim().attempt)
+    before = _curve(site, run_id)
+    files.append_rows(_rows(0, [0.5, 3.0, 0.5]))
+    during = _curve(site, run_id)
+
+    assert before is not None
+    assert during is not None
+    assert before["x"] == []
+    assert during["x"] == [0.0, 0.25]  # the third level may still go on
+    assert [line["values"] for line in during["lines"]] == [[100.0, 100.0], [100.0, 0.0]]
+    assert during["mark"] is None
+
+
+def test_the_chart_of_a_live_run_is_the_mean_over_its_trials_and_marks_the_failure_so_far(
+    site: Site,
+) -> None:
+    run_id = site.queue("ann", **VISIBILITY, trials=2)
+    files = RunFiles(site.settings.data, run_id, site.claim().attempt)
+    files.append_rows(_rows(0, [0.5, 9.0]))
+    files.append_rows(_rows(1, [9.0, 9.0, 9.0]))
+
+    curve = _curve(site, run_id)
+
+    assert curve is not None
+    assert curve["lines"][0]["values"] == [50.0, 0.0]
+    assert curve["mark"] == 0.25
+
+
+def test_the_chart_of_a_run_that_ended_shows_its_metrics_and_marks_its_score(site: Site) -> None:
+    run_id = site.queue("ann", **VISIBILITY)
+    levels = [
+        {"level": k, "value": k / 4, "optical_depth": k / 4, "p5_percent": p5, "p1_percent": p1}
+        for k, (p5, p1) in enumerate([(100.0, 90.0), (80.0, 20.0), (10.0, 0.0)])
+    ]
+    score = {"score": 0.5, "score_low": None, "score_high": None, "level_held": 0.25}
+    site.end(site.claim(), metrics=score | {"levels": levels, "trials": []})
+
+    curve = _curve(site, run_id)
+
+    assert curve is not None
+    assert curve["lines"][0]["values"] == [100.0, 80.0, 10.0]
+    assert curve["mark"] == 0.5
+    assert "τ50, where p@5 falls below 50 %, is 0.50." in curve["says"]
+
+
+def test_a_benchmark_of_controllers_has_no_chart_over_its_levels(site: Site) -> None:
+    assert _curve(site, site.finished("ann")) is None
+
+
+@pytest.mark.parametrize(
+    ("config", "shown", "left_out"),
+    [
+        ({"tracker": "klt"}, ["Points", "Swing of the path"], ["Similarity", "Current"]),
+        ({"tracker": "kcf", "mode": "free"}, ["Current"], ["Warp", "Swing of the path"]),
+        ({}, ["Similarity", "Sampling"], ["Points", "Homography as SL(3)"]),
+    ],
+)
+def test_the_options_of_a_run_are_those_that_did_anything(
+    site: Site, config: dict[str, object], shown: list[str], left_out: list[str]
+) -> None:
+    run_id = site.queue("ann", **VISIBILITY, config=config)
+
+    page = site.browser("ann").get(f"/runs/{run_id}").text
+    options = set(re.findall(r"<dt>(.*?)</dt>", page))
+    whole = site.browser("ann").get(f"/api/v1/runs/{run_id}/config.json").text
+
+    assert set(shown) <= options
+    assert not set(left_out) & options
+    assert "klt_points" in whole
