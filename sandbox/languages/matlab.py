@@ -14,6 +14,14 @@ end
 function [command, state] = controller_step(state, observation)
     command = [state.gain * observation.error; 0.0];
 end
+
+function state = tracker_start(state, image, corners)
+    state = corners;
+end
+
+function corners = tracker_update(state, image)
+    corners = state + double(image(2, 1));
+end
 """
 
 
@@ -28,5 +36,6 @@ MATLAB = Language(
     *("matlab", "MATLAB (by GNU Octave)", (".m",), running, SELF_TEST),
     calls=CALLS,
     packages=("octave",),
+    roles=("controller", "tracker", "detector"),
     mains=("controller.m",),
 )

@@ -12,6 +12,17 @@ class Controller:
 
     def step(self, observation):
         return [*(self.gain * np.asarray(observation.error)), 0.0]
+
+
+class Tracker:
+    def __init__(self, config):
+        pass
+
+    def start(self, image, corners):
+        self.corners = corners
+
+    def update(self, image):
+        return self.corners + image[1, 0]
 """
 
 

@@ -16,7 +16,12 @@ FILES = {
         "c++": "controller.cpp",
         "matlab": "controller.m",
     },
-    "tracker": {"python": "tracker.py", "c": "tracker.c", "c++": "tracker.cpp"},
+    "tracker": {
+        "python": "tracker.py",
+        "c": "tracker.c",
+        "c++": "tracker.cpp",
+        "matlab": "tracker.m",
+    },
 }
 OTHERS = {  # written in C too; an executable is compiled by its author
     "embedded-c": "embedded_c/controller.c",

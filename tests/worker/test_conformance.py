@@ -139,7 +139,7 @@ def test_the_templates_give_one_trajectory_and_hold_station(level, tmp_path) -> 
     assert len({ending.digest for ending in endings}) == 1
 
 
-@pytest.mark.parametrize("language", ["c", "c++"])
+@pytest.mark.parametrize("language", ["c", "c++", "matlab"])
 def test_a_tracker_in_another_language_gives_the_trajectory_of_the_one_in_python(
     language, level
 ) -> None:

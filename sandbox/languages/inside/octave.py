@@ -19,9 +19,9 @@ OCTAVE = (
 
 
 def main() -> None:
-    """Become Octave, which keeps the connection for the relay."""
+    """Become Octave, which keeps connection and images for the relay."""
     split = sys.orig_argv.index("--")
-    connection = connected(sys.orig_argv[split + 1 :], inherited=True)
+    connection = connected(sys.orig_argv[split + 1 :], inherited=True, images=True)
     relay = [word.replace(".octave ", ".octave_relay ") for word in sys.orig_argv[:split]]
     relay += ["--", str(connection.fd), "0", "0"]
     os.execve(OCTAVE[0], [*OCTAVE, *relay], dict(os.environ))  # noqa: S606

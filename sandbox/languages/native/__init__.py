@@ -17,4 +17,16 @@ int seamark_step(const seamark_observation *observation, seamark_command *comman
     command->heave = 0.5 * observation->error[2];
     return 0;
 }
+
+static double before[8];
+
+int seamark_tracker_start(const seamark_image *image, const double corners[8]) {
+    for (int i = 0; i < 8; i++) before[i] = corners[i];
+    return 0;
+}
+
+int seamark_tracker_update(const seamark_image *image, double corners[8]) {
+    for (int i = 0; i < 8; i++) corners[i] = before[i] + image->pixels[image->width];
+    return 1;
+}
 """

@@ -37,7 +37,7 @@ def running() -> Runtime:
         *_alternatives(),
         *(Bind(Path(os.path.realpath(path)), str(path)) for path in sorted(OUTSIDE.glob(PICTURES))),
     ]
-    return script_runtime("octave", binds=binds, environment=ENVIRONMENT)
+    return script_runtime("octave", binds=binds, environment=ENVIRONMENT, images=True)
 
 
 def _alternatives() -> list[Bind]:

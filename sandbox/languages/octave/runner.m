@@ -1,4 +1,4 @@
-% Runs inside the box: answers the questions that inside/octave.py passes on, by the functions of a
+% Runs inside the box: answers the questions that inside/octave_relay.py passes on, by the functions of a
 % stranger's file. Its arguments are the command of the relay. GNU Octave 7 or later.
 1;
 
@@ -6,7 +6,7 @@ function seamark_serve(relay)
     [to, from] = popen2(relay{1}, relay(2:end));
     fcntl(from, F_SETFL, 0);  % popen2 makes it non-blocking
     text = fread(from, fread(from, 1, "double"), "char=>char")';
-    eval(text);  % filename, floats, config and observe
+    eval(text);  % filename, role, floats, config and observe
     stage = "reading";
     state = [];
     try
@@ -16,14 +16,16 @@ function seamark_serve(relay)
             __parse_file__(path);  % source alone does not always say where the text is wrong
         end
         source(path);
-        if exist("controller_step") != 103
-            seamark_fail(to, "u", [filename, " does not define controller_step. ", seamark_interface()], "");
+        for needed = seamark_functions(role)
+            if exist(needed{1}) != 103
+                seamark_fail(to, "u", [filename, " does not define ", needed{1}, ". ", seamark_interface(role)], "");
+            end
         end
-        if exist("controller_setup") == 103
-            stage = "controller_setup";
-            state = controller_setup(config);
+        with_state = nargout(needed{1}) != 1;
+        if exist([role, "_setup"]) == 103
+            stage = [role, "_setup"];
+            state = feval(stage, config);
         end
-        with_state = nargout("controller_step") != 1;
         fwrite(to, [double("k"), 0, 0, 0, 0], "double");
         fflush(to);
         while true
@@ -42,11 +44,33 @@ function seamark_serve(relay)
                     seamark_refuse(to, command, data(2));
                 end
                 fwrite(to, [99; double(full(command(:)))], "double");
+            elseif data(1) == 85  % U
+                stage = "tracker_update";
+                if with_state
+                    [corners, state] = tracker_update(state, seamark_image(from, data));
+                else
+                    corners = tracker_update(state, seamark_image(from, data));
+                end
+                numbers = seamark_track(to, corners);
+                fwrite(to, [116; numel(numbers); 0; 0; 0; numbers], "double");
+            elseif data(1) == 84  % T
+                stage = "tracker_start";
+                state = tracker_start(state, seamark_image(from, data), reshape(data(5:12), 2, 4)');
+                fwrite(to, [double("k"), 0, 0, 0, 0], "double");
+            elseif data(1) == 68  % D
+                stage = "detector_detect";
+                if with_state
+                    [found, state] = detector_detect(state, seamark_image(from, data));
+                else
+                    found = detector_detect(state, seamark_image(from, data));
+                end
+                numbers = seamark_found(to, found);
+                fwrite(to, [100; numel(numbers); 0; 0; 0; numbers], "double");
             elseif data(1) == 82  % R
-                stage = "controller_reset";
+                stage = [role, "_reset"];
                 eval(fread(from, data(2), "char=>char")');
-                if exist("controller_reset") == 103
-                    state = controller_reset(state, level);
+                if exist(stage) == 103
+                    state = feval(stage, state, level);
                 end
                 fwrite(to, [double("k"), 0, 0, 0, 0], "double");
             else
@@ -60,14 +84,88 @@ function seamark_serve(relay)
             fflush(to);
         end
     catch err
-        seamark_report(to, err, filename, stage);
+        seamark_report(to, err, filename, stage, role);
     end
 end
 
-function text = seamark_interface()
-    text = ["A program has the functions [command, state] = controller_step(state, observation) ", ...
-            "and, if it likes, state = controller_setup(config) and ", ...
-            "state = controller_reset(state, level)."];
+% What a program of a role has to define; the last gives the answers.
+function names = seamark_functions(role)
+    if strcmp(role, "tracker")
+        names = {"tracker_start", "tracker_update"};
+    elseif strcmp(role, "detector")
+        names = {"detector_detect"};
+    else
+        names = {"controller_step"};
+    end
+end
+
+function text = seamark_interface(role)
+    if strcmp(role, "tracker")
+        text = ["A tracker has the functions state = tracker_start(state, image, corners) and ", ...
+                "[corners, state] = tracker_update(state, image)"];
+    elseif strcmp(role, "detector")
+        text = "A detector has the function [detections, state] = detector_detect(state, image)";
+    else
+        text = "A program has the functions [command, state] = controller_step(state, observation)";
+    end
+    text = [text, " and, if it likes, state = ", role, "_setup(config) and state = ", role, ...
+            "_reset(state, level)."];
+end
+
+% The image that follows a question: uint8, height x width, or x 3 if it is in colour.
+function pixels = seamark_image(from, data)
+    pixels = fread(from, data(2) * data(3) * data(4), "uint8=>uint8");
+    if data(4) == 1
+        pixels = reshape(pixels, data(3), data(2))';
+    else
+        pixels = permute(reshape(pixels, data(4), data(3), data(2)), [3, 2, 1]);
+    end
+end
+
+% The eight numbers of corners, none if the target is lost.
+function numbers = seamark_track(to, corners)
+    numbers = zeros(0, 1);
+    if ! (isnumeric(corners) && isempty(corners))
+        numbers = seamark_corners(to, corners, "tracker_update");
+    end
+end
+
+function numbers = seamark_corners(to, corners, by)
+    good = isnumeric(corners) && isreal(corners) && isequal(size(corners), [4, 2]);
+    if ! (good && all(abs(corners(:)) <= 1e6))
+        if good
+            came = mat2str(double(corners), 4);
+        else
+            came = sprintf("a value of class %s and size %s", class(corners), mat2str(size(corners)));
+        end
+        seamark_fail(to, "p", [by, " returned ", came, "; corners are a matrix of 4 rows with x and y ", ...
+                               "in px, finite and real, or [] if the target is lost."], "");
+    end
+    numbers = double(full(corners'))(:);
+end
+
+% What a detector found as numbers: corners, confidence, size of the label, its characters.
+function numbers = seamark_found(to, found)
+    numbers = zeros(0, 1);
+    if isnumeric(found) && isempty(found)
+        return
+    end
+    if ! (isstruct(found) && all(isfield(found, {"label", "corners", "confidence"})) && numel(found) <= 64)
+        seamark_fail(to, "p", ["detector_detect returned no array of at most 64 structures with label, ", ...
+                               "corners and confidence."], "");
+    end
+    for one = found(:)'
+        sure = one.confidence;
+        label = one.label;
+        if ! (isnumeric(sure) && isreal(sure) && isscalar(sure) && sure >= 0 && sure <= 1)
+            seamark_fail(to, "p", "detector_detect returned a confidence that is no number from 0 to 1.", "");
+        end
+        if ! (ischar(label) && isrow(label) && numel(label) <= 64)
+            seamark_fail(to, "p", "detector_detect returned a label that is no text of 1 to 64 bytes.", "");
+        end
+        corners = seamark_corners(to, one.corners, "detector_detect");
+        numbers = [numbers; corners; double(sure); numel(label); double(label(:))];
+    end
 end
 
 % Send the last answer and end.
@@ -99,7 +197,7 @@ end
 
 % Report an error of the program with its own lines alone. The file has one line more than its
 % author wrote: the first, which makes it a file of functions.
-function seamark_report(to, err, filename, stage)
+function seamark_report(to, err, filename, stage, role)
     message = strtrim(regexprep(err.message, ' near line -?\d+, column -?\d+', ""));
     found = regexp(message, '^parse error near line (\d+) of file', "tokens", "once");
     if strcmp(stage, "reading") && ! isempty(found)
@@ -110,7 +208,7 @@ function seamark_report(to, err, filename, stage)
     own = arrayfun(@(frame) ! isempty(strfind(frame.file, "/tmp/program/")), err.stack);
     frames = err.stack(own);
     text = ["error: ", message, "\n"];
-    where = sprintf(" (called as %s). %s", stage, seamark_interface());
+    where = sprintf(" (called as %s). %s", stage, seamark_interface(role));
     for k = numel(frames):-1:1
         main = strcmp(frames(k).file, ["/tmp/program/", filename]);
         lines{k} = frames(k).line - main;
