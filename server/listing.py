@@ -68,6 +68,17 @@ class RunView:
         return "-".join(str(part) for part in parts)
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Wanted:
+    """Which runs a list shows; what is left out does not narrow it."""
+
+    which: Literal["mine", "public", "all"] = "mine"
+    user: str | None = None
+    states: Sequence[RunState] = ()
+    benchmark: str | None = None
+    kind: str | None = None
+
+
 @dataclass(frozen=True, slots=True)
 class Page:
     """A part of a list; `next` is the `after` of the following part, None at the end."""
@@ -92,28 +103,22 @@ def show(session: Session, run_id: int, settings: Settings | None = None) -> Run
 
 
 def listing(
-    session: Session,
-    viewer: Viewer,
-    *,
-    which: Literal["mine", "public", "all"] = "mine",
-    states: Sequence[RunState] = (),
-    benchmark: str | None = None,
-    kind: str | None = None,
-    after: int | None = None,
-    limit: int = 50,
+    session: Session, viewer: Viewer, wanted: Wanted, *, after: int | None = None, limit: int = 50
 ) -> Page:
     """Return runs, newest first: one's own, the public ones, or (for an admin) all."""
     query = _select()
-    if which == "public":
+    if wanted.which == "public":
         query = query.where(Run.public)
-    elif which == "mine" or not viewer.is_admin:
+    elif wanted.which == "mine" or not viewer.is_admin:
         query = query.where(Run.owner == (viewer.owner or ""))
-    if states:
-        query = query.where(Run.state.in_(states))
-    if benchmark is not None:
-        query = query.where(Run.benchmark == benchmark)
-    if kind is not None:
-        query = query.where(Run.kind == kind)
+    if wanted.user is not None:
+        query = query.where(User.name_key == wanted.user.casefold())
+    if wanted.states:
+        query = query.where(Run.state.in_(wanted.states))
+    if wanted.benchmark is not None:
+        query = query.where(Run.benchmark == wanted.benchmark)
+    if wanted.kind is not None:
+        query = query.where(Run.kind == wanted.kind)
     if after is not None:
         query = query.where(Run.id < after)
     limit = max(1, min(limit, LIMIT_MAX))

@@ -2,22 +2,40 @@
 
 from http import HTTPStatus
 
-from flask import Flask, Response
+from flask import Flask, Response, g, request
 from flask_limiter import Limiter
 from flask_limiter.util import get_remote_address
 
 from server import broker
+from server.access import Viewer
+from server.services import services
 from server.settings import Settings
 
 # Checking a password takes 0.15 s of a core on purpose: guessing must be slow and cheap to bear.
 SIGN_IN = "10 per minute; 100 per hour"
-SIGN_UP = "10 per hour"
+SIGN_INS = "60 per minute; 600 per hour"  # also those that succeed: a class behind one address
 ORDER = "30 per minute"
 CHECK = "20 per minute; 300 per hour"
 
 _RETRY_AFTER = "X-RateLimit-Retry-After"  # what the limiter says; it would say it with each answer
 
 limiter = Limiter(get_remote_address, headers_enabled=True, in_memory_fallback_enabled=True)
+
+
+def who() -> str:
+    """Return the key under which orders are counted: the account, the guest or the address."""
+    viewer: Viewer = g.viewer
+    return viewer.owner or request.remote_addr or "nobody"
+
+
+def sign_ups() -> str:
+    """Return how many accounts one address may make."""
+    return f"{services().settings.sign_ups_per_hour} per hour"
+
+
+def refused(answer: Response) -> bool:
+    """Return whether a sign-in failed: only these count as tries of a password."""
+    return answer.status_code >= HTTPStatus.BAD_REQUEST
 
 
 def register(app: Flask, settings: Settings) -> None:

@@ -1,7 +1,7 @@
 """Everything one can do with runs: the door to the modules behind it."""
 
 from server.access import Viewer
-from server.listing import Page, RunView, listing, show
+from server.listing import LIMIT_MAX, Page, RunView, Wanted, listing, show
 from server.orders import UPLOAD, Order, OrderRejected, Quota, QuotaExceeded, enqueue, quota, rerun
 from server.queue import Beat, Claim, SweepReport, claim, give_back, heartbeat, look, sweep, waiting
 from server.results import (
@@ -16,6 +16,7 @@ from server.states import FINAL, LIVE, IllegalMove, Kind, RunState, move
 
 __all__ = [
     "FINAL",
+    "LIMIT_MAX",
     "LIVE",
     "UPLOAD",
     "Beat",
@@ -33,6 +34,7 @@ __all__ = [
     "RunView",
     "SweepReport",
     "Viewer",
+    "Wanted",
     "claim",
     "enqueue",
     "finish",

@@ -64,6 +64,9 @@ class Settings(BaseModel):
     attempts_max: int = Field(3, ge=1, description="Failures of ours before a run is given up")
     streams_max: int = Field(200, ge=1, description="Live streams one web process keeps open")
     sign_up_open: bool = Field(True, description="Strangers may make an account")
+    sign_ups_per_hour: int = Field(
+        10, ge=1, description="Accounts that one address may make; a class has one address"
+    )
 
     @model_validator(mode="before")
     @classmethod

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import csv
 import secrets
+import sys
 from pathlib import Path
+from typing import TextIO
 
 import click
 
@@ -46,6 +49,34 @@ def add(name: str, password: str | None, admin: bool, data: Path | None, as_json
     say(f"The account {name} is there{', with the rights of an admin' if admin else ''}.")
     if drawn is not None:
         say(f"Its password, shown only now: {drawn}")
+
+
+@user.command("import")
+@click.argument("file", type=click.File(encoding="utf-8"))
+@data_option
+def import_names(file: TextIO, data: Path | None) -> None:
+    """Make an account for each line of FILE (- for standard input), for example a class.
+
+    A line is a name, or begins with one and a comma. Prints a CSV: each name with its password,
+    shown only now, or with the reason why no account was made, such as that it is there already.
+
+    \b
+    Example:
+      seamark user import pupils.txt > passwords.csv
+    """
+    from server import accounts
+
+    database = database_of(settings_of(data))
+    table = csv.writer(sys.stdout, lineterminator="\n")
+    table.writerow(("name", "password", "refused"))
+    for name in filter(None, (line.partition(",")[0].strip() for line in file)):
+        drawn, refused = secrets.token_urlsafe(12), ""
+        try:
+            with database.writing() as session:  # one each: others write meanwhile
+                accounts.sign_up(session, name, drawn)
+        except accounts.AccountRejected as reason:
+            drawn, refused = "", str(reason)
+        table.writerow((name, drawn, refused))
 
 
 @user.command("password")

@@ -36,7 +36,7 @@ api = APIBlueprint(
 
 
 @api.post("/checks", responses={200: CheckAnswer, 202: CheckAnswer})
-@rate_limits.limiter.limit(rate_limits.CHECK, key_func=gate.who)
+@rate_limits.limiter.limit(rate_limits.CHECK, key_func=rate_limits.who)
 def create(query: CheckQuery) -> Response:
     """Check a program: read it, compile it, run two simulated seconds of the configuration.
 

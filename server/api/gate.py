@@ -21,11 +21,6 @@ def viewer() -> Viewer:
     return asking
 
 
-def who() -> str:
-    """Return the key under which requests are counted: the account, the guest or the address."""
-    return viewer().owner or request.remote_addr or "nobody"
-
-
 def conditional(answer: Response) -> Response:
     """Return 304 without a body if the client has this very answer already."""
     answer.headers["Vary"] = "Authorization, Cookie"

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from typing import Any
 
 from flask import Response, jsonify, request
 from flask_openapi3.blueprint import APIBlueprint
 from flask_openapi3.models.tag import Tag
 
-from server import leaderboard
+from server import leaderboard, spreadsheet
 from server.api.benchmarks import check
 from server.api.schemas import BenchmarkPath, RankQuery, RanksAnswer
 from server.leaderboard import Cursor, Rank
@@ -22,7 +20,6 @@ COLUMNS = (
     *("level_held", "reached_at", "is_baseline", "title"),
 )
 PAGE = 50  # rows of an answer that does not say how many
-_FORMULA = ("=", "+", "-", "@", "\t")  # a spreadsheet would execute a cell that starts so
 
 api = APIBlueprint(
     "api_leaderboards",
@@ -42,7 +39,7 @@ def show(path: BenchmarkPath, query: RankQuery) -> Response:
         ranks = leaderboard.page(database, path.benchmark, after=after, limit=limit)
     rows = [_row(rank) for rank in ranks]
     if as_csv:
-        answer = Response(_csv(rows), content_type="text/csv; charset=utf-8")
+        answer = Response(spreadsheet.lines(COLUMNS, rows), content_type=spreadsheet.MEDIA_TYPE)
     else:
         following = ranks[-1].cursor.text() if len(ranks) == limit else None
         answer = jsonify({"benchmark": path.benchmark, "ranks": rows, "next": following})
@@ -84,15 +81,3 @@ def _row(rank: Rank) -> dict[str, Any]:
         "is_baseline": rank.is_baseline,
         "title": rank.title,
     }
-
-
-def _csv(rows: list[dict[str, Any]]) -> str:
-    text = io.StringIO()
-    table = csv.writer(text, lineterminator="\n")
-    table.writerow(COLUMNS)
-    table.writerows([_cell(row[name]) for name in COLUMNS] for row in rows)
-    return text.getvalue()
-
-
-def _cell(value: Any) -> Any:
-    return f"'{value}" if isinstance(value, str) and value.startswith(_FORMULA) else value

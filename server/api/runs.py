@@ -34,7 +34,7 @@ api = APIBlueprint(
 
 
 @api.post("/runs", responses={202: RunAnswer})
-@rate_limits.limiter.limit(rate_limits.ORDER, key_func=gate.who)
+@rate_limits.limiter.limit(rate_limits.ORDER, key_func=rate_limits.who)
 def create() -> Response:
     """Order a run of a built-in controller (JSON) or of a program (multipart).
 
@@ -149,16 +149,13 @@ def list_some(query: RunsQuery) -> dict[str, Any]:
     if query.which == "all" and not gate.is_operator():
         raise Problem("forbidden", "Only admins may list the runs of all users.")
     with services().database.reading() as database:
-        page = runs.listing(
-            database,
-            gate.viewer(),
+        wanted = runs.Wanted(
             which=query.which,
             states=[RunState(state) for state in query.state],
             benchmark=query.benchmark,
             kind=query.kind,
-            after=query.after,
-            limit=query.limit,
         )
+        page = runs.listing(database, gate.viewer(), wanted, after=query.after, limit=query.limit)
     return {"runs": [run_answer(view, whole=False) for view in page.runs], "next": page.next}
 
 

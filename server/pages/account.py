@@ -7,7 +7,7 @@ from flask.typing import ResponseReturnValue
 
 from server import accounts, identity
 from server.access import ADMIN, SCOPES, Action, can
-from server.rate_limits import SIGN_IN, SIGN_UP, limiter
+from server.rate_limits import SIGN_IN, SIGN_INS, limiter, refused, sign_ups, who
 from server.services import services
 
 TOKEN_DAYS_MAX = 365
@@ -21,7 +21,7 @@ def sign_up() -> ResponseReturnValue:
 
 
 @page.post("/sign-up")
-@limiter.limit(SIGN_UP)
+@limiter.limit(sign_ups)
 def make_account() -> ResponseReturnValue:
     """Make an account and sign it in."""
     held = services()
@@ -46,7 +46,8 @@ def sign_in() -> ResponseReturnValue:
 
 
 @page.post("/sign-in")
-@limiter.limit(SIGN_IN)
+@limiter.limit(SIGN_INS)
+@limiter.limit(SIGN_IN, deduct_when=refused)
 def enter() -> ResponseReturnValue:
     """Sign in, with the same answer for a wrong name and a wrong password."""
     name, password = request.form.get("name", "").strip(), request.form.get("password", "")
@@ -74,7 +75,7 @@ def tokens() -> ResponseReturnValue:
 
 
 @page.post("/tokens")
-@limiter.limit(SIGN_IN)
+@limiter.limit(SIGN_IN, key_func=who)
 def make_token() -> ResponseReturnValue:
     """Make a token and show it, this once."""
     if not can(g.viewer, Action.MANAGE_ACCOUNT):
@@ -96,7 +97,7 @@ def make_token() -> ResponseReturnValue:
 
 
 @page.post("/password")
-@limiter.limit(SIGN_IN)
+@limiter.limit(SIGN_IN, key_func=who)
 def change_password() -> ResponseReturnValue:
     """Change the viewer's password; other browsers that are signed in are out."""
     if not can(g.viewer, Action.MANAGE_ACCOUNT):

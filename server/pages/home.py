@@ -22,7 +22,7 @@ page = Blueprint("home", __name__)
 def show() -> ResponseReturnValue:
     """Show the start page."""
     with services().database.reading() as session:
-        public = runs.listing(session, g.viewer, which="public", limit=NEWEST)
+        public = runs.listing(session, g.viewer, runs.Wanted(which="public"), limit=NEWEST)
         boards = [
             (registry.benchmark(name), leaderboard.page(session, name, limit=BEST))
             for name in registry.BENCHMARKS

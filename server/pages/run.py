@@ -11,7 +11,7 @@ from sqlalchemy.orm import Session
 from server import identity, live, runs
 from server.access import Action, can
 from server.pages import benchmarks, curves, measures
-from server.rate_limits import ORDER, limiter
+from server.rate_limits import ORDER, limiter, who
 from server.run_files import RunFiles
 from server.services import services
 from sim.sweep import axes, level_names
@@ -94,7 +94,7 @@ def withdraw(run_id: int) -> ResponseReturnValue:
 
 
 @page.post("/<row:run_id>/rerun")
-@limiter.limit(ORDER)
+@limiter.limit(ORDER, key_func=who)
 def rerun(run_id: int) -> ResponseReturnValue:
     """Queue the same order again."""
     _run_for(run_id, Action.VIEW)

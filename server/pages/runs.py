@@ -1,41 +1,86 @@
-"""My runs: newest first, by state, in parts of a fixed size."""
+"""My runs: newest first, by state, in parts of a fixed size; all of them as CSV."""
 
-from flask import Blueprint, g, render_template, request
+from collections.abc import Iterator
+from typing import Any
+
+from flask import Blueprint, Response, g, render_template, request
 from flask.typing import ResponseReturnValue
 
-from server import runs
+from server import runs, spreadsheet
+from server.access import Viewer
 from server.pages import benchmarks
+from server.pages.formats import iso, solution
 from server.pages.row_numbers import row_number
-from server.services import services
+from server.services import Services, services
 
 SIZE = 25
+COLUMNS = (
+    *("run", "user", "benchmark", "kind", "program", "title", "state", "cause", "score"),
+    *("score_low", "score_high", "level_held", "trials", "public", "queued_at", "finished_at"),
+)
 page = Blueprint("runs", __name__, url_prefix="/runs")
 
 
 @page.get("/")
 def mine() -> ResponseReturnValue:
     """Show the viewer's own runs; an admin may look at everybody's."""
-    wanted = request.args.get("state", "")
-    states = (runs.RunState(wanted),) if wanted in list(runs.RunState) else ()
-    everybody = g.viewer.is_admin and request.args.get("of") == "all"
-    settings = services().settings
-    with services().database.reading() as session:
-        part = runs.listing(
-            session,
-            g.viewer,
-            which="all" if everybody else "mine",
-            states=states,
-            after=request.args.get("after", type=row_number),
-            limit=SIZE,
-        )
-        quota = None if g.viewer.owner is None else runs.quota(session, g.viewer, settings)
+    wanted, held = _wanted(g.viewer), services()
+    part = _part(held, g.viewer, wanted, request.args.get("after", type=row_number), SIZE)
+    with held.database.reading() as session:
+        quota = None if g.viewer.owner is None else runs.quota(session, g.viewer, held.settings)
     return render_template(
         "runs/mine.html",
         part=part,
         states=list(runs.RunState),
-        chosen=states[0] if states else "",
-        everybody=everybody,
+        wanted=wanted,
         first="after" not in request.args,
         quota=quota,
         labels=benchmarks.labels(),
     )
+
+
+@page.get("/runs.csv")
+def as_csv() -> ResponseReturnValue:
+    """Download the whole list, as it is filtered."""
+    answer = Response(_lines(services(), g.viewer, _wanted(g.viewer)))
+    answer.headers["Content-Type"] = spreadsheet.MEDIA_TYPE
+    answer.headers["Content-Disposition"] = "attachment; filename=seamark-runs.csv"
+    return answer
+
+
+def _wanted(viewer: Viewer) -> runs.Wanted:
+    """Return which runs the address asks for; those of others only for an admin."""
+    everybody = viewer.is_admin and request.args.get("of") == "all"
+    state = request.args.get("state", "")
+    return runs.Wanted(
+        which="all" if everybody else "mine",
+        user=request.args.get("user", "").strip() or None if everybody else None,
+        states=(runs.RunState(state),) if state in list(runs.RunState) else (),
+    )
+
+
+def _part(
+    held: Services, viewer: Viewer, wanted: runs.Wanted, after: int | None, limit: int
+) -> runs.Page:
+    with held.database.reading() as session:
+        return runs.listing(session, viewer, wanted, after=after, limit=limit)
+
+
+def _lines(held: Services, viewer: Viewer, wanted: runs.Wanted) -> Iterator[str]:
+    """Make the CSV part by part: no transaction stays open while a slow reader reads."""
+    yield spreadsheet.lines(COLUMNS, ())
+    after: int | None = None
+    while True:
+        part = _part(held, viewer, wanted, after, runs.LIMIT_MAX)
+        yield spreadsheet.lines(COLUMNS, map(_row, part.runs), head=False)
+        after = part.next
+        if after is None:
+            return
+
+
+def _row(run: runs.RunView) -> dict[str, Any]:
+    same = {name: getattr(run, name) for name in COLUMNS if hasattr(run, name)}
+    times = {"queued_at": iso(run.queued_at)}
+    if run.finished_at is not None:
+        times["finished_at"] = iso(run.finished_at)
+    return {**same, "run": run.id, "program": solution(run), "state": run.state.value, **times}

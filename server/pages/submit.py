@@ -12,7 +12,7 @@ from server.orders import upload_refusal
 from server.pages import benchmarks, fields, sent_programs, templates_for_programs
 from server.pages.row_numbers import row_number
 from server.programs import TEXT_MAX_BYTES, StoredProgram, UploadRejected
-from server.rate_limits import ORDER, limiter
+from server.rate_limits import ORDER, limiter, who
 from server.services import services
 from sim.benchmarks import Benchmark
 from sim.configuration import ConfigurationInvalid
@@ -35,7 +35,7 @@ def form(name: str) -> ResponseReturnValue:
 
 
 @page.post("/<name>")
-@limiter.limit(ORDER)
+@limiter.limit(ORDER, key_func=who)
 def create(name: str) -> ResponseReturnValue:
     """Queue a run, or show the form again with the reason why not."""
     benchmark = benchmarks.by_name(name)

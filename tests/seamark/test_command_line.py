@@ -1,5 +1,6 @@
 """What the commands accept, refuse and print."""
 
+import csv
 import json
 import subprocess
 import sys
@@ -127,6 +128,19 @@ def test_an_account_and_its_token_are_made_in_the_data_folder(tmp_path: Path) ->
     assert made.exit_code == token.exit_code == 0
     assert (twice.exit_code, twice.output) == (2, "Error: The name Ann is taken.\n")
     assert token.output.splitlines()[-1].startswith("smk_")
+
+
+def test_a_class_gets_its_accounts_from_a_file_and_each_refusal_is_told(tmp_path: Path) -> None:
+    data, names = ("--data", str(tmp_path / "data")), tmp_path / "names.txt"
+    names.write_text("ann, class 7\nbob\n\nnot a name\nBob\n", encoding="utf-8")
+
+    lines = seamark("user", "import", str(names), *data).output.splitlines()
+    rows = {row["name"]: row for row in csv.DictReader(lines)}
+
+    made = {name: len(row["password"]) >= 10 for name, row in rows.items()}
+    assert made == {"ann": True, "bob": True, "not a name": False, "Bob": False}
+    assert rows["Bob"]["refused"] == "The name Bob is taken."
+    assert rows["not a name"]["refused"].startswith("A name has")
 
 
 def test_the_scopes_on_offer_are_the_servers() -> None:

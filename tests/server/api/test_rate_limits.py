@@ -5,6 +5,7 @@ import pytest
 from flask import Flask
 from werkzeug.test import TestResponse
 
+from server import accounts
 from server.app import create_app
 from server.db import Database
 from server.settings import Settings
@@ -37,10 +38,10 @@ def behind_proxy(settings: Settings, database: Database) -> Iterator[Flask]:
     app.extensions["seamark"].close()
 
 
-def _sign_in(app: Flask, address: str) -> TestResponse:
+def _sign_in(app: Flask, address: str, who: dict[str, str] = WRONG) -> TestResponse:
     client, headers = app.test_client(), {"X-Forwarded-For": address}
     secret = SECRET.findall(client.get("/sign-in").text)[0]
-    return client.post("/sign-in", data=WRONG | {"csrf_token": secret}, headers=headers)
+    return client.post("/sign-in", data=who | {"csrf_token": secret}, headers=headers)
 
 
 def test_behind_a_proxy_each_visitor_has_tries_of_his_own(behind_proxy: Flask) -> None:
@@ -48,6 +49,23 @@ def test_behind_a_proxy_each_visitor_has_tries_of_his_own(behind_proxy: Flask) -
 
     assert codes[-1] == 429
     assert _sign_in(behind_proxy, "192.0.2.2").status_code == 422
+
+
+def test_a_class_behind_one_address_signs_in_at_once(site: Site) -> None:
+    with site.database.writing() as session:
+        accounts.sign_up(session, "pupil", "a long password")
+    right = {"name": "pupil", "password": "a long password"}
+
+    codes = [_sign_in(site.app, "", right).status_code for _ in range(12)]
+
+    assert codes == [302] * 12
+
+
+def test_orders_are_counted_per_account_and_not_per_address(site: Site) -> None:
+    first = [site.call("owner", "POST", "/api/v1/runs", json={}) for _ in range(31)]
+    other = site.call("admin", "POST", "/api/v1/runs", json={})
+
+    assert (first[-1].status_code, other.status_code) == (429, 422)
 
 
 def test_without_a_proxy_a_visitor_cannot_make_up_an_address(site: Site) -> None:

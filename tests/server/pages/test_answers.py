@@ -132,3 +132,18 @@ def test_sizes_and_times_are_written_for_people() -> None:
         "1 min 15 s",
         "1 h 2 min",
     )
+
+
+def test_an_admin_finds_the_runs_of_one_user_and_takes_them_home(site: Site) -> None:
+    site.finished("ann", title="=first")
+    site.finished("ben", title="second")
+    admin = site.browser("root")
+
+    page = admin.get("/runs/?of=all&user=BEN").text
+    table = admin.get("/runs/runs.csv?of=all").text
+    others = site.browser("ben").get("/runs/runs.csv?of=all").text
+
+    assert ("second" in page, "first" in page) == (True, False)
+    assert [line.split(",")[1] for line in table.splitlines()] == ["user", "ben", "ann"]
+    assert "'=first" in table
+    assert ("second" in others, "first" in others) == (True, False)
