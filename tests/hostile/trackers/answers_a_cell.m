@@ -1,0 +1,9 @@
+% No numbers at all.
+function [corners, state] = tracker_update(state, image)
+    corners = state.corners;
+    corners = {corners};
+end
+
+function state = tracker_start(state, image, corners)
+    state.corners = corners;
+end

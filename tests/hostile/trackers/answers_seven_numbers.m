@@ -1,0 +1,9 @@
+% A corner too few.
+function [corners, state] = tracker_update(state, image)
+    corners = state.corners;
+    corners = corners(1:3, :);
+end
+
+function state = tracker_start(state, image, corners)
+    state.corners = corners;
+end

@@ -1,0 +1,10 @@
+/* Half a tracker. */
+#include "seamark.h"
+
+static double before[8];
+
+int seamark_tracker_start(const seamark_image *image, const double corners[8]) {
+    (void)image;
+    for (int i = 0; i < 8; i++) before[i] = corners[i];
+    return 0;
+}
