@@ -4,6 +4,7 @@ A level is then a point of the grid. The outermost loop turns slowest, as in nes
 benchmark's own levels are the loop around all, unless one of the loops sets what they set.
 """
 
+from abc import abstractmethod
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -103,9 +104,9 @@ class GridSettings(Configuration):
     loop3: str = _loop("Third loop", "Runs at each value of the second loop.")
     loop3_values: tuple[float, ...] = _values("third loop")
 
+    @abstractmethod
     def own_levels(self) -> tuple[float, ...]:
         """Return the benchmark's levels: mean speeds [m/s] of the current."""
-        raise NotImplementedError(type(self).__name__)
 
     def points(self) -> tuple[dict[str, float], ...]:
         """Return name of the updater -> value for each level, in their order; empty without."""
