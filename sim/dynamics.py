@@ -85,7 +85,8 @@ class Plant:
         # Plain tuples: Numba takes named ones from Python at several times the cost.
         self._plain_body, self._plain_water = tuple(self._body), tuple(current.water)
         self._curve = packed(vehicle.curve)
-        self._target = np.zeros(len(vehicle.thrusters))
+        self._target = np.zeros(len(vehicle.thrusters))  # [N] steady thrust of the command
+        self._broken = (-1, 0.0)
         # A copy of its own: a read-only or foreign array would make Numba compile everything anew.
         self._command = np.zeros(len(vehicle.thrusters))
         self._tick = 0
@@ -97,7 +98,6 @@ class Plant:
         """Put the vehicle at rest at (x, y, z, roll, pitch, yaw), (6,) [m, rad]; thrusters stop."""
         self._tick = 0
         self._contact_force = 0.0
-        self._target[:] = 0.0
         if self.fault is not None:
             self.fault.reset()
         self.state[:] = 0.0
@@ -121,10 +121,9 @@ class Plant:
         if command.shape != self._command.shape:
             raise ValueError(f"a command for {self._command.size} thrusters, not {command.shape}")
         self._command[:] = command
-        if not steady_thrust(self._command, self._curve, self._target):
-            raise ValueError(f"thruster commands must be numbers: {list(command)}")
         if self.fault is not None:
-            self.fault.apply(tick, self._target)
+            wanted = float(force_of(self._command[self.fault.thruster], self._curve))
+            self._broken = (self.fault.thruster, self.fault.given(tick, wanted))
         if (tick + steps) * self.step_s > self.current.duration_s + self.step_s:
             raise ValueError(f"the gust was drawn for {self.current.duration_s} s only")
         self._tick = tick + steps
@@ -142,16 +141,14 @@ class Plant:
             gate = math.inf
             if self.contact is not None:
                 gate = -math.inf if self.contact.awake else self.contact.gate_depth
-        made: int = integrate(
+        made: int = drive(
             self.state,
-            self._target,
-            tick,
-            steps,
-            self.step_s,
-            self._plain_body,
-            self._plain_water,
-            gate,
+            *(self._command, self._curve, self._target, self._broken),
+            (tick, steps, self.step_s, gate),
+            *(self._plain_body, self._plain_water),
         )
+        if made < 0:
+            raise ValueError(f"thruster commands must be numbers: {list(self._command)}")
         return made
 
     def _advance_in_contact(self, tick: int) -> None:
@@ -347,6 +344,31 @@ def integrate(
             state[i] += step / 6.0 * (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i])
         _normalise(state)
     return steps
+
+
+@njit(cache=True, error_model="numpy")
+def drive(
+    state: Array,
+    command: Array,
+    curve: Array,
+    target: Array,
+    broken: tuple[int, float],
+    span: tuple[int, int, float, float],
+    plain_body: tuple[Any, ...],
+    plain_water: tuple[Any, ...],
+) -> int:
+    """Advance `state` with commands held; `span` is the tick, steps, step and gate of `integrate`.
+
+    Writes the steady thrusts to `target`; a `broken` thruster, by its number, gives another one;
+    -1 is none. Returns how many steps were made, -1 if a command is not a number.
+    """
+    if not steady_thrust(command, curve, target):
+        return -1
+    thruster, thrust = broken
+    if thruster >= 0:
+        target[thruster] = thrust
+    tick, steps, step, gate = span
+    return integrate(state, target, tick, steps, step, plain_body, plain_water, gate)
 
 
 @njit(cache=True, error_model="numpy")

@@ -3,8 +3,6 @@
 from collections import deque
 from dataclasses import dataclass, field
 
-from sim.vehicles import Array
-
 
 @dataclass(slots=True, kw_only=True)
 class ThrusterFault:
@@ -26,13 +24,12 @@ class ThrusterFault:
         self._due.clear()
         self._given = 0.0
 
-    def apply(self, tick: int, thrust: Array) -> None:
-        """Change the steady thrusts that were commanded at a tick, (n,) [N], in place."""
-        wanted = float(thrust[self.thruster])
+    def given(self, tick: int, wanted: float) -> float:
+        """Return the steady thrust that it gives when another is commanded at a tick [N]."""
         if tick < self.from_tick:
             self._given = wanted
-            return
+            return wanted
         self._due.append((tick + self.delay_ticks, wanted))
         while self._due and self._due[0][0] <= tick:
             self._given = self._due.popleft()[1]
-        thrust[self.thruster] = self.efficiency * self._given
+        return self.efficiency * self._given

@@ -80,8 +80,10 @@ class Camera:
 
         Its pixels are those of `grey`, byte for byte. The canvas is valid until the next call.
         """
-        x0, y0, x1, y1 = window
-        inside = (max(0, x0), max(0, y0), min(self.optics.width, x1), min(self.optics.height, y1))
+        x0, y0, x1, y1 = inside = window
+        _, _, width, height = self._whole
+        if x0 < 0 or y0 < 0 or x1 > width or y1 > height:
+            inside = (max(0, x0), max(0, y0), min(width, x1), min(height, y1))
         if inside[2] > inside[0] and inside[3] > inside[1]:
             self._draw(pose, frame, inside, GREEN, self._canvas)
         return self._canvas

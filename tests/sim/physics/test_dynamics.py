@@ -308,7 +308,7 @@ for name in ("girona500-uwsim", "bluerov2-heavy"):
     plant.advance(0, np.zeros(len(vehicle.thrusters)), 20)
     plant.pose(), plant.current_world(), ground.sound(plant.pose().tolist())
     touching.close()
-print(before == compiled(), min(before["sim.dynamics.integrate"], 1))
+print(before == compiled(), min(before["sim.dynamics.drive"], 1))
 """
 
 

@@ -20,13 +20,7 @@ def currents() -> Benchmark:
 
 
 def thrusts(fault: ThrusterFault, wanted: list[float]) -> list[float]:
-    given = []
-    for at, value in enumerate(wanted):
-        both = np.array([7.0, value])
-        fault.apply(at * 5, both)
-        assert both[0] == 7.0
-        given.append(float(both[1]))
-    return given
+    return [fault.given(at * 5, value) for at, value in enumerate(wanted)]
 
 
 def test_a_weak_thruster_gives_its_share_from_its_time_on() -> None:
