@@ -172,6 +172,18 @@ smaller = intrinsic(_choice("<"))
 
 
 @intrinsic
+def where_larger(typing: Any, a: Any, b: Any, then: Any, otherwise: Any) -> Any:
+    """Return `then` in the lanes where a > b, and `otherwise` in the others."""
+
+    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        return builder.select(builder.fcmp_ordered(">", args[0], args[1]), args[2], args[3])
+
+    if not a == b == then == otherwise == _lanes:
+        return None
+    return _lanes(a, b, then, otherwise), generate
+
+
+@intrinsic
 def whole(typing: Any, value: Any) -> Any:
     """Return lanes cut to int32; they must be numbers within its range."""
 

@@ -1,6 +1,6 @@
 """The box's faces: their outlines, what of a row they cover, and their share of its light."""
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numba import njit
@@ -20,15 +20,18 @@ from sim.lanes import (
     root,
     smaller,
     store,
+    where_larger,
     whole,
 )
 
+if TYPE_CHECKING:
+    from sim.lanes import Lanes
+
 Array = NDArray[np.float64]
 Row = NDArray[np.float32]
-Rows = NDArray[np.float32]
+Plane = NDArray[np.float32]
 Texels = NDArray[np.int32]
 
-LANES = 8  # pixels of one vector
 _F = np.float32
 
 
@@ -90,126 +93,86 @@ def span(edges: Array, y: float, low: int, high: int, slack: float) -> tuple[int
     return int(first), int(last) + 1
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def face_light(
-    skin: Texels,
-    line: Line,
-    x0: int,
-    layout: tuple[int, int, int],
-    ray: tuple[float, float, float],
-    water: tuple[bool, float],
-    out: Rows,
-) -> None:
-    """Write light [grey] and transmission of a face along a row, (2, n); its edges are repeated.
+@njit(cache=True, nogil=True, error_model="numpy", inline="always")
+def _texture(skin: Texels, u: "Lanes", v: "Lanes", layout: tuple[int, int, int]) -> "Lanes":
+    """Return light [grey] of a face at texels u, v; its edges are repeated.
 
-    `layout` is the face in the skin: offset, columns, rows. `ray` is focal length and principal
-    column [px] and the row's slope in the camera frame, `water` whether UWSim's fog, and c.
-
-    exp(x) = p(x / 64)^64 with a polynomial p: for x > -10 the relative error is below 1e-5.
+    `layout` is the face in the skin: offset, columns, rows.
     """
     offset, columns, height = layout
-    a0, b0, w0 = lanes(line[0]), lanes(line[1]), lanes(line[2])
-    a1, b1, w1 = lanes(line[3]), lanes(line[4]), lanes(line[5])
-    right = lanes(_F(columns) - _F(1.001))
-    bottom = lanes(_F(height) - _F(1.001))
-    inverse, middle = lanes(1.0 / ray[0]), lanes(ray[1])
-    square, c = lanes(1.0 + ray[2] * ray[2]), lanes(water[1])
-    zero, one, steps = lanes(0.0), lanes(1.0), load(rows.STEPS, 0, 0)
-    for block in range(out.shape[1] // WIDTH):
-        column = lanes(float(x0 + block * WIDTH)) + steps
-        z = one / larger(w0 + w1 * column, lanes(1e-3))
-        u = smaller(larger((a0 + a1 * column) * z, zero), right)
-        v = smaller(larger((b0 + b1 * column) * z, zero), bottom)
-        iu, iv = whole(u), whole(v)
-        four = gather(skin, places(offset) + (iv * places(columns) + iu))
-        store(out, 0, block * WIDTH, rows.mixture(four, u - real(iu), v - real(iv)))
-        x = (column - middle) * inverse
-        path = c * z
-        path = path * path if water[0] else path * root(square + x * x)
-        t = larger(path * lanes(-1.0), lanes(-40.0)) * lanes(1.0 / 64.0)
-        p = lanes(1.0 / 24.0) + t * lanes(1.0 / 120.0)
-        p = lanes(1.0 / 6.0) + t * p
-        p = lanes(0.5) + t * p
-        p = one + t * p
-        p = one + t * p
-        p = p * p
-        p = p * p
-        p = p * p
-        p = p * p
-        p = p * p
-        store(out, 1, block * WIDTH, p * p)
+    zero = lanes(0.0)
+    u = smaller(larger(u, zero), lanes(_F(columns) - _F(1.001)))
+    v = smaller(larger(v, zero), lanes(_F(height) - _F(1.001)))
+    iu, iv = whole(u), whole(v)
+    four = gather(skin, places(offset) + (iv * places(columns) + iu))
+    return rows.mixture(four, u - real(iu), v - real(iv))
+
+
+@njit(cache=True, nogil=True, error_model="numpy", inline="always")
+def _transmission(path: "Lanes") -> "Lanes":
+    """Return exp(-path) as p(-path / 64)^64, p a polynomial: to 1e-5 of it for path < 10."""
+    one = lanes(1.0)
+    t = larger(path * lanes(-1.0), lanes(-40.0)) * lanes(1.0 / 64.0)
+    p = lanes(1.0 / 24.0) + t * lanes(1.0 / 120.0)
+    p = lanes(1.0 / 6.0) + t * p
+    p = lanes(0.5) + t * p
+    p = one + t * p
+    p = one + t * p
+    p = p * p
+    p = p * p
+    p = p * p
+    p = p * p
+    p = p * p
+    return p * p
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def coverage(edges: NDArray[np.float64], y: float, x0: int, out: Row) -> None:
-    """Write how much of each pixel lies inside a convex polygon: exact along straight edges.
-
-    The length of `out` is a multiple of LANES, so that short spans are vectors as well.
-
-    Parameters
-    ----------
-    edges : (4, 3)
-        Outward unit normal and offset of each edge [px]: distance = nx u + ny v + offset.
-    y : float
-        Row.
-    """
-    rows.fill(1.0, out)
-    first = np.int32(x0)
-    for k in range(edges.shape[0]):
+def _edge_lines(edges: Array) -> Plane:
+    """Return for each edge (4, 3) what its distances say: (4, 4) nx and `_inside`'s s, m, scale."""
+    out = np.empty((4, 4), np.float32)
+    for k in range(4):
         nx = _F(edges[k, 0])
-        base = _F(edges[k, 1] * y + edges[k, 2])
         a = max(abs(nx), _F(0.02))
         b = max(_F(abs(edges[k, 1])), _F(0.02))
-        s = (a + b) * _F(0.5)
-        m = abs(a - b) * _F(0.5)
-        scale = _F(0.5) / (a * b)
-        farthest = max(nx * _F(first), nx * _F(np.int32(first + np.int32(out.shape[0] - 1))))
-        if -(base + farthest) > s:  # the whole span is inside this edge: every factor is 1
-            continue
-        for block in range(out.shape[0] // LANES):
-            piece = out[block * LANES : (block + 1) * LANES]
-            start = np.int32(first + np.int32(block * LANES))
-            for q in range(LANES):
-                t = -(base + nx * _F(np.int32(start + np.int32(q))))
-                # Second difference of t^2/2: the area a half-plane cuts from a unit square.
-                q1 = max(t + s, _F(0.0))
-                q2 = max(t + m, _F(0.0))
-                q3 = max(t - m, _F(0.0))
-                q4 = max(t - s, _F(0.0))
-                area = ((q1 * q1 - q2 * q2) - (q3 * q3 - q4 * q4)) * scale
-                inside = min(max(area, _F(0.0)), _F(1.0))
-                piece[q] = piece[q] * (_F(1.0) if t > s else inside)
+        out[k, 0] = nx
+        out[k, 1] = (a + b) * _F(0.5)
+        out[k, 2] = abs(a - b) * _F(0.5)
+        out[k, 3] = _F(0.5) / (a * b)
+    return out
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def blend(total: Row, ground: Row, light: Row, cover: Row) -> None:
-    """Add a face's share of each pixel to the row, in place of the ground's."""
-    for q in range(total.shape[0]):
-        total[q] = total[q] + cover[q] * (light[q] - ground[q])
+@njit(cache=True, nogil=True, error_model="numpy", inline="always")
+def _inside(distance: "Lanes", s: np.float32, m: np.float32, scale: np.float32) -> "Lanes":
+    """Return how much of pixels lies inside an edge, by the distances of their centres inwards.
 
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def _cover(edges: Array, y: float, x0: int, x1: int, share: Row) -> None:
-    """Write the coverage of the columns from x0 on: 1 inside, computed along the edges alone.
-
-    `share` is longer than x1 - x0 by less than rows.CHUNK; behind x1 it becomes zero.
+    The second difference of t^2 / 2: the area that a half-plane cuts from a unit square.
     """
-    inner0, inner1 = span(edges, y, x0, x1, -0.75)
-    n = share.shape[0]
-    if inner1 <= inner0:
-        coverage(edges, y, x0, share)
-        return
-    # To whole vectors: further in, `coverage` writes exactly 1, further out exactly 0.
-    left = min((inner0 - x0 + LANES - 1) // LANES * LANES, n)
-    right = (inner1 - x0) // LANES * LANES
-    if left >= right:
-        coverage(edges, y, x0, share)
-        return
-    end = min((x1 - x0 + LANES - 1) // LANES * LANES, n)
-    coverage(edges, y, x0, share[:left])
-    rows.fill(1.0, share[left:right])
-    coverage(edges, y, x0 + right, share[right:end])
-    rows.fill(0.0, share[end:])
+    zero, one = lanes(0.0), lanes(1.0)
+    q1 = larger(distance + lanes(s), zero)
+    q2 = larger(distance + lanes(m), zero)
+    q3 = larger(distance - lanes(m), zero)
+    q4 = larger(distance - lanes(s), zero)
+    area = ((q1 * q1 - q2 * q2) - (q3 * q3 - q4 * q4)) * lanes(scale)
+    return where_larger(distance, lanes(s), one, smaller(larger(area, zero), one))
+
+
+@njit(cache=True, nogil=True, error_model="numpy", inline="always")
+def _coverage(lines: Plane, bases: Row, x: int) -> "Lanes":
+    """Return how much of sixteen pixels from column x on lies inside a convex polygon.
+
+    Exact along straight edges. `lines` are those of `_edge_lines`, `bases` their distances
+    outwards at column 0 of this row.
+    """
+    cover = lanes(1.0)
+    first, last = _F(x), _F(x + (WIDTH - 1))
+    column = lanes(first) + load(rows.STEPS, 0, 0)
+    for k in range(4):
+        nx, s = lines[k, 0], lines[k, 1]
+        if -(bases[k] + max(nx * first, nx * last)) > s:  # all of them are inside this edge
+            continue
+        distance = (lanes(bases[k]) + lanes(nx) * column) * lanes(-1.0)
+        cover = cover * _inside(distance, s, lines[k, 2], lines[k, 3])
+    return cover
 
 
 class Outlines(NamedTuple):
@@ -244,47 +207,94 @@ def outlines(
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
+def _draw_row(
+    shape: tuple[Line, Plane, Row, tuple[int, int, int]],
+    place: tuple[int, int, int, int],
+    ray: tuple[float, float, float],
+    channel: tuple[Texels, bool, float, float],
+    light: Plane,
+    ground: Plane,
+    gain: Plane,
+) -> None:
+    """Blend a row of a face into the light, (rows, width) as the ground and the gain.
+
+    `shape` is the row's map, the edges and their distances, and the place in the skin; `place` the
+    row, its first column and the end in the strip, and where the strip starts; `ray` focal length,
+    principal column [px] and the row's slope in the camera frame; `channel` skin, law, attenuation
+    and veil.
+    """
+    line, lines, bases, layout = shape
+    r, first, end, start = place
+    skin, fog, attenuation, veil = channel
+    a0, b0, w0 = lanes(line[0]), lanes(line[1]), lanes(line[2])
+    a1, b1, w1 = lanes(line[3]), lanes(line[4]), lanes(line[5])
+    inverse, middle = lanes(1.0 / ray[0]), lanes(ray[1])
+    square, c = lanes(1.0 + ray[2] * ray[2]), lanes(attenuation)
+    one, b, steps = lanes(1.0), lanes(veil), load(rows.STEPS, 0, 0)
+    for q in range(first, end, WIDTH):
+        column = lanes(float(start + q)) + steps
+        z = one / larger(w0 + w1 * column, lanes(1e-3))
+        radiance = _texture(skin, (a0 + a1 * column) * z, (b0 + b1 * column) * z, layout)
+        if gain.shape[1]:
+            radiance = radiance * load(gain, r, q)
+        path = c * z
+        x = (column - middle) * inverse
+        path = path * path if fog else path * root(square + x * x)
+        arrived = (radiance - b) * _transmission(path) + b
+        cover = _coverage(lines, bases, start + q)
+        before = load(light, r, q)
+        store(light, r, q, before + cover * (arrived - load(ground, r, q)))
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
 def _draw_face(
     shape: tuple[Array, Array, Texels],
-    place: tuple[int, int, int, int, int],
+    place: tuple[int, int, int, int],
     lens: tuple[Array, bool],
     channel: tuple[Texels, float, float],
-    work: Work,
-    light: Row,
-    ground: Row,
-    gain: Row,
+    light: Plane,
+    ground: Plane,
+    gain: Plane,
 ) -> None:
-    """Blend one face into a strip of rows; `ground` is the strip before all faces.
+    """Blend one face into rows of a strip (rows, width); `ground` is what was there before all.
 
-    `shape` is its map, edges and place in the skin, `place` that of `draw_faces` without rows
-    beside the face, `lens` intrinsics and law, `channel` skin, attenuation and veil.
+    `shape` is its map, edges and place in the skin, `place` row and column of the first pixel and
+    the window's columns, `lens` intrinsics and law, `channel` skin, attenuation and veil.
     """
     pixel_map, edges, layout = shape
-    top, start, width, x0, x1 = place
+    top, start, x0, x1 = place
     skin, attenuation, veil = channel
     f, u0, v0 = lens[0][0], lens[0][1], lens[0][2]
-    water = (lens[1], attenuation)
     corner = (layout[0], layout[1], layout[2])
-    for r in range(light.shape[0] // width):
+    lines = _edge_lines(edges)
+    bases = np.empty(4, np.float32)
+    of_channel = (skin, lens[1], attenuation, veil)
+    for r in range(light.shape[0]):
         v = float(top + r)
         a, b = span(edges, v, x0, x1, 0.75)
         if b <= a:
             continue
-        n = (b - a + rows.CHUNK - 1) // rows.CHUNK * rows.CHUNK
-        drawn = work.face[: 2 * n].reshape(2, n)
-        share = work.share[:n]
-        ray = (f, u0, (v - v0) / f)
-        face_light(skin, row_of(pixel_map, v), a, corner, ray, water, drawn)
-        _cover(edges, v, a, b, share)
-        # What a short row has too much is cut off, or it would reach into the next row.
-        begin = r * width + a - start
-        end = min(begin + n, (r + 1) * width)
-        radiance, transmission = drawn[0], drawn[1]
-        if gain.shape[0]:
-            rows.shine(radiance, gain[begin:end], transmission, veil)
-        else:
-            rows.arrive(radiance, transmission, veil)
-        blend(light[begin:end], ground[begin:end], radiance, share)
+        for k in range(4):
+            bases[k] = edges[k, 1] * v + edges[k, 2]
+        first = (a - start) // WIDTH * WIDTH
+        _draw_row(
+            (row_of(pixel_map, v), lines, bases, corner),
+            (r, first, b - start, start),
+            (f, u0, (v - v0) / f),
+            of_channel,
+            light,
+            ground,
+            gain,
+        )
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _in_strip(shapes: Outlines, k: int, row: int, end: int) -> tuple[int, int]:
+    """Return the rows, from `row` to `end`, that a face may touch; none of an unseen one."""
+    if not shapes.seen[k]:
+        return row, row
+    top = max(row, int(max(shapes.boxes[k, 1], -1e6)))
+    return top, min(end, int(min(shapes.boxes[k, 3], 1e6)))
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -304,25 +314,28 @@ def draw_faces(
     """
     row, start, width, x0, x1 = place
     height = light.shape[0] // width
-    copied = False
+    drawn = 0
     for k in range(shapes.seen.shape[0]):
-        if not shapes.seen[k]:
-            continue
-        top = max(row, int(max(shapes.boxes[k, 1], -1e6)))
-        end = min(row + height, int(min(shapes.boxes[k, 3], 1e6)))
+        top, end = _in_strip(shapes, k, row, row + height)
+        drawn += top < end
+    ground = light
+    if drawn > 1:  # a face alone finds the ground as it was
+        ground = work.ground[: light.shape[0]]
+        rows.copy(light, ground)
+    shape = height, width
+    lit, bare = light.reshape(shape), ground.reshape(shape)
+    daylight = gain.reshape(height, gain.shape[0] // height)
+    for k in range(shapes.seen.shape[0]):
+        top, end = _in_strip(shapes, k, row, row + height)
         if top >= end:
             continue
-        if not copied:
-            rows.copy(light, work.ground[: light.shape[0]])
-            copied = True
-        part = (top - row) * width, (end - row) * width
+        first, last = top - row, end - row
         _draw_face(
             (shapes.maps[k], shapes.edges[k], scene.layout[k]),
-            (top, start, width, x0, x1),
+            (top, start, x0, x1),
             (scene.intrinsics, scene.fog),
             (channel.skin, channel.attenuation, channel.veil),
-            work,
-            light[part[0] : part[1]],
-            work.ground[part[0] : part[1]],
-            gain[part[0] : part[1]],
+            lit[first:last],
+            bare[first:last],
+            daylight[first:last],
         )

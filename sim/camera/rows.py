@@ -86,14 +86,6 @@ def mixture(four: "Places", fu: "Lanes", fv: "Lanes") -> "Lanes":
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def arrive(light: Row, transmission: Row, veil: float) -> None:
-    """Replace radiances [grey] by what arrives of them through the water."""
-    b = _F(veil)
-    for q in range(light.shape[0]):
-        light[q] = (light[q] - b) * transmission[q] + b
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
 def shine(light: Row, gain: Row, transmission: Row, veil: float) -> None:
     """Replace radiances [grey] by what arrives of them when they get `gain` times daylight."""
     b = _F(veil)
@@ -159,14 +151,6 @@ def pass_through(
             store(blocks, k, 0, (load(blocks, k, 0) - b) * transmission + b)
             left = right
             k += 1
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def fill(value: float, out: Row) -> None:
-    """Write one value everywhere."""
-    v = _F(value)
-    for q in range(out.shape[0]):
-        out[q] = v
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

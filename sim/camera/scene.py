@@ -46,13 +46,11 @@ class Grain(NamedTuple):
 
 
 class Work(NamedTuple):
-    """Buffers of a strip of rows, or of a row of a face."""
+    """Buffers of a strip of rows."""
 
     light: Row  # [grey] the strip
     ground: Row  # [grey] the strip before the faces
     transmission: Row  # of the strip
-    face: Row  # light and transmission of a row of a face
-    share: Row  # and how much of each pixel it covers
     gain: Rows  # (2, strip) light on ground and faces
     levels: NDArray[np.uint8]  # the strip in grey levels
 
@@ -65,8 +63,6 @@ def work_for(width: int) -> Work:
         light=np.zeros(strip, np.float32),
         ground=np.zeros(strip, np.float32),
         transmission=np.zeros(strip, np.float32),
-        face=np.zeros(2 * wide, np.float32),
-        share=np.zeros(wide, np.float32),
         gain=np.zeros((2, strip), np.float32),
         levels=np.zeros(strip, np.uint8),
     )
