@@ -66,7 +66,7 @@ def main(names: list[str]) -> int:
             for one in pool.map(measure, GROUPS[name]):
                 print(f"{one['label']:32} {mean(one['scores']):.2f} {one['scores']}", flush=True)
                 kept[name].append(one)
-            KEPT.write_text(json.dumps(kept, indent=1) + "\n", encoding="utf-8")
+                KEPT.write_text(json.dumps(kept, indent=1) + "\n", encoding="utf-8")
     write(kept, DOCS)
     return 0
 
