@@ -17,6 +17,8 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Browser, sync_playwright
 
+from tests.journey.visitor import Visitor
+
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
 START_S = 90.0
 ROOT = Path(__file__).parents[2]
@@ -107,3 +109,19 @@ def chromium() -> Iterator[Browser]:
         browser = playwright.chromium.launch(executable_path=CHROMIUM, args=quiet)
         yield browser
         browser.close()
+
+
+@pytest.fixture
+def visitor(chromium: Browser, service: Service) -> Iterator[Visitor]:
+    """Give somebody in front of a large screen."""
+    context = chromium.new_context(viewport={"width": 1280, "height": 900})
+    yield Visitor(context.new_page(), service.url)
+    context.close()
+
+
+@pytest.fixture
+def phone(chromium: Browser, service: Service) -> Iterator[Visitor]:
+    """Give somebody with a telephone."""
+    context = chromium.new_context(viewport={"width": 375, "height": 800}, is_mobile=True)
+    yield Visitor(context.new_page(), service.url)
+    context.close()

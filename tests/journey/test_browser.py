@@ -1,91 +1,21 @@
 """From a stranger to a place on the leaderboard, in a real browser with the real service."""
 
 import re
-from collections.abc import Iterator
 
 import pytest
-from playwright.sync_api import Browser, Page, expect
+from playwright.sync_api import Browser, expect
 
 from tests.journey.conftest import Service
+from tests.journey.visitor import PROGRAM, Visitor, shorten
 
 pytestmark = [pytest.mark.browser, pytest.mark.host, pytest.mark.slow]
-
-RUN_MS = 120_000
-WORDS = "correct horse battery"
-PROGRAM = """
-class Controller:
-    def __init__(self, config):
-        self.kp = config["kp"]
-
-    def reset(self, level):
-        print("level", level["index"])
-
-    def step(self, observation):
-        x, y, _ = observation.error
-        return [self.kp * x, self.kp * y, 0.0, 0.0]
-"""
-# A page that breaks its own rules, or a script that fails, says so here.
-_COLLECT = """
-window.violations = [];
-document.addEventListener("securitypolicyviolation", (event) => {
-  window.violations.push(`${event.violatedDirective} ${event.blockedURI} ${event.sourceFile}`);
-});
-"""
-
-
-class Visitor:
-    """A page that keeps what went wrong on it."""
-
-    def __init__(self, page: Page, service: Service) -> None:
-        self.page, self.service = page, service
-        self.wrong: list[str] = []
-        page.add_init_script(_COLLECT)
-        page.on("pageerror", lambda error: self.wrong.append(f"{page.url}: {error}"))
-        page.on("console", self._heard)
-        page.on("dialog", lambda dialog: dialog.accept())
-
-    def _heard(self, message: object) -> None:
-        if getattr(message, "type", "") == "error":
-            self.wrong.append(f"{self.page.url}: {getattr(message, 'text', '')}")
-
-    def open(self, path: str) -> None:
-        self.page.goto(self.service.url + path)
-
-    def sign_up(self, name: str) -> None:
-        self.open("/sign-up")
-        self.page.get_by_label("Name").fill(name)
-        self.page.get_by_label("Password").fill(WORDS)
-        self.page.get_by_role("button", name="Make the account").click()
-        expect(self.page.get_by_role("link", name=name, exact=True)).to_be_visible()
-
-    def wait_for(self, state: str) -> None:
-        badge = self.page.locator("[data-state-badge] .badge")
-        expect(badge).to_have_text(re.compile(state), timeout=RUN_MS)
-
-    def violations(self) -> list[str]:
-        found: list[str] = self.page.evaluate("window.violations")
-        return found
-
-
-@pytest.fixture
-def visitor(chromium: Browser, service: Service) -> Iterator[Visitor]:
-    context = chromium.new_context(viewport={"width": 1280, "height": 900})
-    yield Visitor(context.new_page(), service)
-    context.close()
-
-
-def _short(page: Page) -> None:
-    """Make the experiment a few seconds long."""
-    page.get_by_label("Current levels").fill("0, 0.1")
-    page.get_by_label("Length of a level").fill("10")
-    page.get_by_label("Settle window").fill("2")
 
 
 def test_a_stranger_watches_pi_without_an_account(visitor: Visitor) -> None:
     page = visitor.page
     visitor.open("/")
     page.get_by_role("link", name="Start a run").click()
-    _short(page)
+    shorten(page)
 
     page.get_by_role("button", name="Start the run").click()
     visitor.wait_for("succeeded")
@@ -126,7 +56,7 @@ def test_a_program_that_divides_by_zero_is_told_so_with_its_line(visitor: Visito
     page = visitor.page
     visitor.sign_up("zero")
     visitor.open("/submit/currents-v1")
-    _short(page)
+    shorten(page)
     page.get_by_text("My own program").click()
     page.get_by_role("radio", name="Editor").check()
     page.get_by_label("Your program").fill(PROGRAM.replace("return [", "return [1 / 0, "))

@@ -1,0 +1,51 @@
+"""The check before a run, from the editor, as its author sees it."""
+
+import pytest
+from playwright.sync_api import Page, expect
+
+from tests.journey.visitor import PROGRAM, RUN_MS, Visitor
+
+pytestmark = [pytest.mark.browser, pytest.mark.host, pytest.mark.slow]
+
+
+def _write(visitor: Visitor, text: str) -> Page:
+    """Open the editor and put a program into it."""
+    page = visitor.page
+    visitor.open("/submit/currents-v1")
+    page.get_by_text("My own program").click()
+    page.get_by_role("radio", name="Editor").check()
+    page.get_by_label("Your program").fill(text)
+    return page
+
+
+def test_only_a_program_can_be_checked_and_a_good_one_is_said_to_run(visitor: Visitor) -> None:
+    visitor.sign_up("checker")
+    visitor.open("/submit/currents-v1")
+    expect(visitor.page.get_by_role("button", name="Check the program")).to_be_hidden()
+
+    page = _write(visitor, PROGRAM)
+    page.get_by_role("button", name="Check the program").click()
+
+    expect(page.locator("#check-answer")).to_contain_text("It runs:", timeout=RUN_MS)
+    expect(page.locator("#check-answer .notice.good")).to_be_visible()
+    assert (visitor.wrong, visitor.violations()) == ([], [])
+
+
+def test_the_line_of_an_error_leads_to_its_place_in_the_editor(visitor: Visitor) -> None:
+    visitor.sign_up("careless")
+    wrong = PROGRAM.replace("x, y, _ = observation.error", "x, y, _ = observation.eror")
+    line = next(at for at, text in enumerate(wrong.splitlines(), 1) if "eror" in text)
+
+    page = _write(visitor, wrong)
+    page.get_by_role("button", name="Check the program").click()
+    link = page.locator("#check-answer").get_by_role("button", name=f"line {line}")
+    expect(link).to_be_visible(timeout=RUN_MS)
+    link.click()
+
+    selected = page.evaluate("""() => {
+      const area = document.activeElement;
+      return area.value.slice(area.selectionStart, area.selectionEnd);
+    }""")
+    assert selected == wrong.splitlines()[line - 1]
+    expect(page.locator("#check-answer .notice.bad")).to_be_visible()
+    assert (visitor.wrong, visitor.violations()) == ([], [])

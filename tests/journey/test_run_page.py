@@ -1,0 +1,93 @@
+"""A run's page while it runs and afterwards: data, camera, tables of a grid."""
+
+import re
+from typing import Any
+
+import pytest
+from playwright.sync_api import Page, expect
+
+from tests.journey.visitor import Visitor
+
+pytestmark = [pytest.mark.browser, pytest.mark.host, pytest.mark.slow]
+
+LONG = {"levels": [0.0, 0.1, 0.2, 0.3], "level_duration_s": 600}
+GRID = {
+    **{"levels": [0.0, 0.1], "level_duration_s": 4, "settle_s": 1},
+    **{"loop1": "turbidity", "loop1_values": [0.0, 0.5, 1.0]},
+    **{"loop2": "altitude", "loop2_values": [1.5, 2.0, 2.5]},
+}
+_PIXELS = """(image) => {
+  const canvas = document.createElement("canvas");
+  canvas.width = image.naturalWidth;
+  canvas.height = image.naturalHeight;
+  canvas.getContext("2d").drawImage(image, 0, 0);
+  return canvas.toDataURL();
+}"""
+
+
+def _start(visitor: Visitor, config: dict[str, Any], trials: int = 1) -> None:
+    """Order a run without the form and open its page."""
+    order = {"benchmark": "currents-v1", "controller": "p", "trials": trials, "config": config}
+    answer = visitor.page.request.post(f"{visitor.url}/api/v1/runs", data=order)
+    visitor.open(f"/runs/{answer.json()['id']}")
+
+
+def _seek(page: Page, seconds: float) -> str:
+    """Move the slider as a hand does and return the picture that comes."""
+    page.locator("[data-time]").fill(str(seconds))
+    expect(page.locator("[data-camera] img")).to_have_attribute(
+        "src", re.compile(f"t={seconds:.2f}$")
+    )
+    pixels: str = page.locator("[data-camera] img").evaluate(_PIXELS)
+    return pixels
+
+
+def test_the_data_of_a_run_can_be_taken_home_while_it_runs(visitor: Visitor) -> None:
+    page = visitor.page
+    _start(visitor, LONG, trials=10)
+    expect(page.locator("[data-camera] img")).to_be_visible(timeout=60_000)
+
+    with page.expect_download() as download:
+        page.get_by_role("link", name="telemetry.csv").click()
+    visitor.wait_for("running")
+    page.get_by_role("button", name="Cancel").click()
+    visitor.wait_for("cancelled")
+
+    lines = download.value.path().read_text().splitlines()
+    rows = [line for line in lines if not line.startswith("#")]
+    assert any("state running" in line for line in lines[:10])
+    assert 1 < len(rows) < 1 + 10 * 4 * 600 * 20
+    assert (visitor.wrong, visitor.violations()) == ([], [])
+
+
+def test_slider_and_play_button_change_the_picture(visitor: Visitor) -> None:
+    page = visitor.page
+    _start(visitor, {"levels": [0.0, 0.4], "level_duration_s": 20, "settle_s": 2})
+    visitor.wait_for("succeeded")
+
+    early, late = _seek(page, 1.0), _seek(page, 39.0)
+    again = _seek(page, 1.0)
+    page.get_by_role("button", name="Play").click()
+    expect(page.locator("[data-camera-time]")).to_contain_text(re.compile(r"^[2-9]\.\d s"))
+    page.get_by_role("button", name="Pause").click()
+
+    assert early == again
+    assert early != late
+    assert (visitor.wrong, visitor.violations()) == ([], [])
+
+
+def test_the_tables_of_a_grid_scroll_in_their_own_box_on_a_phone(phone: Visitor) -> None:
+    page = phone.page
+    _start(phone, GRID, trials=2)
+    phone.wait_for("succeeded")
+    page.locator("table.metrics.tall").first.wait_for()
+
+    page.evaluate("for (const part of document.querySelectorAll('details')) part.open = true")
+
+    whole = page.evaluate("document.documentElement.scrollWidth")
+    boxes = page.locator(".table-wrap").evaluate_all(
+        "boxes => boxes.map((box) => [box.scrollWidth > box.clientWidth, box.tabIndex])"
+    )
+    assert whole <= 375
+    assert [True, 0] in boxes
+    assert (phone.wrong, phone.violations()) == ([], [])

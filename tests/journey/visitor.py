@@ -1,0 +1,68 @@
+"""A visitor of the pages in a real browser."""
+
+import re
+
+from playwright.sync_api import Page, expect
+
+RUN_MS = 120_000
+WORDS = "correct horse battery"
+PROGRAM = """
+class Controller:
+    def __init__(self, config):
+        self.kp = config["kp"]
+
+    def reset(self, level):
+        print("level", level["index"])
+
+    def step(self, observation):
+        x, y, _ = observation.error
+        return [self.kp * x, self.kp * y, 0.0, 0.0]
+"""
+# A page that breaks its own rules, or a script that fails, says so here.
+_COLLECT = """
+window.violations = [];
+document.addEventListener("securitypolicyviolation", (event) => {
+  window.violations.push(`${event.violatedDirective} ${event.blockedURI} ${event.sourceFile}`);
+});
+"""
+
+
+class Visitor:
+    """A page that keeps what went wrong on it."""
+
+    def __init__(self, page: Page, url: str) -> None:
+        self.page, self.url = page, url
+        self.wrong: list[str] = []
+        page.add_init_script(_COLLECT)
+        page.on("pageerror", lambda error: self.wrong.append(f"{page.url}: {error}"))
+        page.on("console", self._heard)
+        page.on("dialog", lambda dialog: dialog.accept())
+
+    def _heard(self, message: object) -> None:
+        if getattr(message, "type", "") == "error":
+            self.wrong.append(f"{self.page.url}: {getattr(message, 'text', '')}")
+
+    def open(self, path: str) -> None:
+        self.page.goto(self.url + path)
+
+    def sign_up(self, name: str) -> None:
+        self.open("/sign-up")
+        self.page.get_by_label("Name").fill(name)
+        self.page.get_by_label("Password").fill(WORDS)
+        self.page.get_by_role("button", name="Make the account").click()
+        expect(self.page.get_by_role("link", name=name, exact=True)).to_be_visible()
+
+    def wait_for(self, state: str) -> None:
+        badge = self.page.locator("[data-state-badge] .badge")
+        expect(badge).to_have_text(re.compile(state), timeout=RUN_MS)
+
+    def violations(self) -> list[str]:
+        found: list[str] = self.page.evaluate("window.violations")
+        return found
+
+
+def shorten(page: Page) -> None:
+    """Make the experiment a few seconds long."""
+    page.get_by_label("Current levels").fill("0, 0.1")
+    page.get_by_label("Length of a level").fill("10")
+    page.get_by_label("Settle window").fill("2")
