@@ -125,6 +125,23 @@ def test_a_sensor_without_a_period_is_refused() -> None:
         Dvl(streams(1, 0, 0).dvl, period_ticks=0)
 
 
+def test_a_sensor_refuses_more_readings_than_it_was_made_for() -> None:
+    device = DepthGauge(streams(1, 0, 0).depth, readings=2)
+    for tick in (0, 19, 20, 39):
+        device.measure(tick, TRUTH)
+
+    with pytest.raises(IndexError, match="fewer readings"):
+        device.measure(40, TRUTH)
+
+
+def test_how_many_readings_a_sensor_is_made_for_leaves_them_as_they_are() -> None:
+    few, many = (Dvl(streams(1, 0, 0).dvl, readings=count) for count in (5, 500))
+
+    pairs = [(few.measure(20 * i, TRUTH), many.measure(20 * i, TRUTH)) for i in range(5)]
+
+    assert all(one == other for one, other in pairs)
+
+
 RATES = [(5.0, 0.01, 20), (20.0, 0.01, 5), (20.0, 0.005, 10)]
 
 
