@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from pythonfmu.builder import FmuBuilder
 
 from sandbox.languages import language_of
 from sandbox.level import Level
@@ -90,6 +91,17 @@ def test_a_pi_as_an_fmu_gives_the_built_in_trajectory(name, level, tmp_path) -> 
 
     program = programs.prepare(built.fmu(name, tmp_path), "pi.fmu")
     upload = evaluated(program, config, level)
+
+    assert (upload.verdict, upload.sentence) == ("ok", "")
+    assert upload.digest == built_in_digest(level, True)
+
+
+def test_a_pi_exported_by_pythonfmu_gives_the_built_in_trajectory(level, tmp_path) -> None:
+    skip_without("pi.fmu", level)
+    made = FmuBuilder.build_FMU(built.FMUS / "pythonfmu_pi.py", dest=tmp_path)
+    config = STRONG_CURRENT | {"control_heave": True}
+
+    upload = evaluated(programs.prepare(made.read_bytes(), "pi.fmu"), config, level)
 
     assert (upload.verdict, upload.sentence) == ("ok", "")
     assert upload.digest == built_in_digest(level, True)
