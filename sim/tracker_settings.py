@@ -106,7 +106,7 @@ class TrackerSettings(Configuration):
     )
     stop_px: float = _number(
         "stop_px",
-        0.1,
+        0.5,
         title="Stop below",
         says="A step that moves every corner less is the last.",
         unit="px",

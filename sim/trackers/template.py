@@ -43,7 +43,7 @@ class TemplateTracker:
         pyramid_levels: int = 2,
         coarse_iterations: int = 6,
         fine_iterations: int = 5,
-        stop_px: float = 0.1,
+        stop_px: float = 0.5,
         sampling_px: float = 1.0,
         template_margin_px: int = -3,
         predict_motion: bool = True,
