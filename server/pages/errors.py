@@ -81,7 +81,8 @@ def _page(error: HTTPException) -> ResponseReturnValue:
 def _render(code: int, title: str, sentence: str, remedy: str) -> tuple[str, int]:
     if "viewer" not in g:
         g.viewer = Viewer()
-    back = url_for("submit.first") if request.path.startswith("/submit") else None
+    on_form = request.path.startswith("/submit")
+    back = None if not on_form else url_for("submit.first") if code == 404 else request.path
     page = render_template(
         "error/error.html", code=code, title=title, sentence=sentence, remedy=remedy, back=back
     )

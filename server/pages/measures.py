@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from server.pages import fields
+from server.pages.formats import plain
 from sim import benchmarks
 from sim.benchmarks import Benchmark, Metric
 from sim.sweep import UPDATERS
@@ -72,7 +73,7 @@ def facts(benchmark: Benchmark, metrics: Mapping[str, Any]) -> list[Line]:
 def _with_grid(table: Table, levels: Sequence[Mapping[str, Any]], head: str) -> Table:
     """Return the table with where in the grid each level is on top, beside what its head says."""
     lines = tuple(
-        Line(what.label, what.unit, "", tuple(level["grid"][name] for level in levels))
+        Line(what.label, what.unit, "", tuple(plain(level["grid"][name]) for level in levels))
         for name in levels[0].get("grid") or {}
         if (what := UPDATERS[name].quantity).label != head
     )

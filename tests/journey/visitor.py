@@ -47,6 +47,9 @@ class Visitor:
 
     def sign_up(self, name: str) -> None:
         self.open("/sign-up")
+        self.fill_in_account(name)
+
+    def fill_in_account(self, name: str) -> None:
         self.page.get_by_label("Name").fill(name)
         self.page.get_by_label("Password").fill(WORDS)
         self.page.get_by_role("button", name="Make the account").click()

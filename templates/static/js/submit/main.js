@@ -1,6 +1,7 @@
 // The submit page. Without this file the form still works; it adds presets, the editor, dropping a
 // file, the lock of a ranked run and the download of the configuration.
 import { startCheck } from "./check.js";
+import { startDraft } from "./draft.js";
 import { startEditor } from "./editor.js";
 import { startUpload } from "./upload.js";
 
@@ -28,8 +29,8 @@ function markChanged(input) {
 }
 
 // A field that was not touched follows what was chosen elsewhere, such as the vehicle; one that was
-// keeps its value.
-function applyPresets() {
+// keeps its value. What comes back from a draft was all chosen already.
+function applyPresets(chosen = false) {
   const preset = {};
   for (const [name, choices] of Object.entries(presets)) {
     Object.assign(preset, choices[valueOf(form.elements[name])] ?? {});
@@ -37,7 +38,7 @@ function applyPresets() {
   for (const input of inputs) {
     if (input.name in presets) continue;
     const before = input.dataset.default;
-    const untouched = valueOf(input).trim() === before;
+    const untouched = !chosen && valueOf(input).trim() === before;
     input.dataset.default = textOf(preset[input.name] ?? defaults[input.name]);
     if (untouched) setValue(input, input.dataset.default);
     markChanged(input);
@@ -123,6 +124,7 @@ for (const button of form.querySelectorAll("[data-reset], [data-download-config]
     else download(button.dataset.downloadConfig);
   });
 }
+if (startDraft(form)) applyPresets(true);
 for (const input of inputs) markChanged(input);
 showWhatApplies();
 lockScenario();
