@@ -7,7 +7,7 @@ from typing import Any
 
 from performance.validation.markdown import table
 from performance.validation.plots import figure
-from performance.visibility.cases import ON_TARGETS, SEEDS
+from performance.visibility.cases import GROUPS, ON_TARGETS, SEEDS
 from sim.statistics import bootstrap_interval, mean
 from sim.targets import TARGETS
 from sim.tracker_metrics import FAILED_PERCENT
@@ -69,7 +69,7 @@ number of parameters alone makes the difference. τ50 on both:
 leaves out the outermost 3 px: with `template_margin_px=6` it has them.
 
 {targets}
-
+{missing}
 The rules of the benchmark stand in `sim/benchmarks/visibility_v1.py`.
 """
 
@@ -85,10 +85,21 @@ def write(kept: Mapping[str, Sequence[Measured]], docs: Path) -> None:
         visp=table(HEAD, _rows(visp)),
         freedom=table(("criterion", "path", *WARPS), _freedom(ours, found.get("in-plane", {}))),
         freedom_verdicts="\n".join(_chains(found.get("in-plane", {}))),
+        missing=_missing(found),
         targets=table(("target", *ON_TARGETS), _targets(found.get("targets", {}), ours)),
     )
     (docs / "visibility.md").write_text(text, encoding="utf-8")
     _draw(ours | visp, docs / "figures" / "visibility.png")
+
+
+def _missing(found: Mapping[str, Mapping[str, Measured]]) -> str:
+    """Return which cases have not been measured, as a paragraph; nothing if all were."""
+    absent = {
+        group: [case.label for case in cases if case.label not in found.get(group, {})]
+        for group, cases in GROUPS.items()
+    }
+    names = "; ".join(f"{group}: {', '.join(labels)}" for group, labels in absent.items() if labels)
+    return f"\nNot measured yet: {names}.\n" if names else ""
 
 
 def _tau(one: Measured | None) -> str:
@@ -171,7 +182,7 @@ def _targets(found: Mapping[str, Measured], ours: Mapping[str, Measured]) -> Ite
 def _draw(found: Mapping[str, Measured], out: Path) -> None:
     """Draw p@5 over the optical depth."""
     with figure(out, height=4.5) as axes:
-        for number, label in enumerate(name for name in DRAWN if name in found):
+        for number, label in enumerate(name for name in DRAWN if found.get(name, {}).get("p5")):
             one = found[label]
             depths = [k * one["step"] for k in range(len(one["p5"]))]
             style = "-" if label.startswith("esm") else "--"
