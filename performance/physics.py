@@ -11,7 +11,7 @@ import pybullet
 from performance.table import Row, cpu_us
 from sim import registry
 from sim.current import Current
-from sim.dynamics import Plant
+from sim.plant import Plant
 
 _STEPS = 1000
 _MUJOCO_INTEGRATORS = ("Euler", "implicitfast", "RK4")

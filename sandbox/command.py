@@ -26,7 +26,7 @@ STACK_BYTES = 8 << 20  # [B] RLIMIT_STACK
 INNER_PROCESSES = 1  # bubblewrap's own, in the same namespace
 FIRST_DESCRIPTOR = 3  # in the box: the protocol's, after standard input, output and error
 IMAGES_DESCRIPTOR = 4
-CPU_GRACE_S = 2  # [s] RLIMIT_CPU is the backstop of a lost worker, not the limit
+CPU_GRACE_S = 10  # [s] RLIMIT_CPU, which counts the start too, is a lost worker's backstop
 
 NAMESPACES = ("user", "ipc", "pid", "net", "uts", "cgroup")
 

@@ -2,7 +2,7 @@
 
 import cv2
 
-from sim import dynamics, registry, trackers
+from sim import plant, registry, trackers
 from sim.trial import run_trial
 
 
@@ -11,7 +11,7 @@ def warm_up() -> None:
     registry.load_all()
     # A run has one core, and threads that are made before a fork are not there after it.
     cv2.setNumThreads(1)
-    dynamics.warm_up()
+    plant.warm_up()
     trackers.warm_up()
     for name in registry.BENCHMARKS:
         benchmark = registry.benchmark(name)

@@ -14,11 +14,11 @@ from sim.camera.target import Target, start_pose
 from sim.camera.water import JERLOV, Water
 from sim.contact import Contact, TargetBox
 from sim.current import Current
-from sim.dynamics import Plant
 from sim.elementary import PI
 from sim.experiment_settings import ExperimentSettings
 from sim.faults import ThrusterFault
 from sim.perception import Noises, Suite
+from sim.plant import Plant
 from sim.sensors import Ahrs, Altimeter, DepthGauge, Dvl
 from sim.station_keeper import Geometry, StationKeeper
 from sim.streams import Streams

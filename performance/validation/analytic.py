@@ -13,7 +13,7 @@ import numpy as np
 
 from performance.validation.markdown import table
 from sim.current import Current, Pattern
-from sim.dynamics import Plant
+from sim.plant import Plant
 from sim.thrusters import commands_for, packed
 from sim.vehicles import Array, Quantity, Vehicle, load
 
@@ -242,7 +242,7 @@ def section(names: list[str], _figures: Path) -> str:
         [
             f"{verdict} {len(found)} errors are within {LARGEST_ERROR_PERCENT:g} %. The largest is "
             f"{worst.error_percent:.3f} % ({worst.vehicle}, {worst.what}).",
-            "How: the plant of `sim/dynamics.py` with the vehicle's own numbers, no random part. "
+            "How: the plant of `sim/plant.py` with the vehicle's own numbers, no random part. "
             "For a closed form to be exact the case leaves something out: terminal speeds, "
             "coasting, first acceleration, drift and energy have all centres in one point and "
             "neutral weight, the righting period has no drag. Thrust is half of the weaker limit "

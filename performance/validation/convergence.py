@@ -9,7 +9,7 @@ import numpy as np
 from performance.validation.markdown import table
 from performance.validation.plots import COLOURS, figure
 from sim.current import GUST_GRID_S, Current, Pattern
-from sim.dynamics import STEP_S, Plant
+from sim.plant import STEP_S, Plant
 from sim.streams import streams
 from sim.vehicles import Array, Vehicle, load
 

@@ -9,7 +9,7 @@ from performance.validation.convergence import START, commands
 from performance.validation.markdown import table
 from performance.validation.reference import Leg, Water, reference
 from sim.current import Current, Pattern
-from sim.dynamics import STEP_S, Plant
+from sim.plant import STEP_S, Plant
 from sim.vehicles import Array, load
 
 TITLE = "Comparison with an independent implementation"

@@ -5,6 +5,7 @@ grows it. Both learn on with every picture and answer in whole pixels. The corne
 the box does, so a target that turns has an error of its own: baselines from tracking in the wild.
 """
 
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from typing import Protocol
 
@@ -26,7 +27,7 @@ class _Filter(Protocol):
     def update(self, image: NDArray[np.uint8], /) -> tuple[bool, Sequence[int]]: ...
 
 
-class _BoxTracker:
+class _BoxTracker(ABC):
     """Moves the target's corners with the box of a filter."""
 
     def start(self, image: NDArray[np.uint8], corners: Corners) -> None:
@@ -57,8 +58,9 @@ class _BoxTracker:
         ok = bool(sure) and self._judge.believes(place[:2] + grown)
         return Track(self._judge.last.copy(), ok, 0.0 if ok else 1.0, 1)
 
+    @abstractmethod
     def _made(self) -> _Filter:
-        raise NotImplementedError
+        """Return a filter that has learnt nothing yet."""
 
 
 class KcfTracker(_BoxTracker):

@@ -12,7 +12,7 @@ from performance.validation.markdown import signed, table
 from performance.validation.reference import thrust_of
 from sim.camera.optics import CURRENTS
 from sim.camera.target import Target
-from sim.dynamics import Plant
+from sim.plant import Plant
 from sim.telemetry import INDEX, WIDTH
 from sim.vehicles import load
 

@@ -3,59 +3,27 @@
 import contextlib
 import json
 import os
-import select
-import subprocess
 import sys
 import textwrap
-import threading
 from collections import deque
 from collections.abc import Iterator
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-from sandbox import cgroups
 from sandbox.box import Box
 from sandbox.level import Level
 from sandbox.limits import Limits
 from sandbox.outcome import ProgramEnded, SandboxBroken, Verdict
+from tests.sandbox.conftest import LAYOUT, VALUES, printed, program
 
 pytestmark = pytest.mark.host
-
-LAYOUT = {
-    "observation": [["t", 0], ["error", 3], ["target_visible", 0], ["thrust", 5]],
-    "booleans": ["target_visible"],
-    "command": ["surge", "sway", "heave", "yaw_rate"],
-}
-VALUES = [0.25, 1.0, 2.0, 3.0, 1.0, 0.1, 0.2, 0.3, 0.4, 0.5]
-PROGRAM = """
-class Controller:
-    def __init__(self, config):
-        {init}
-
-    def step(self, observation):
-        {step}
-        return [0.0, 0.0, 0.0, 0.0]
-"""
-
-
-def program(*, init: str = "pass", step: str = "pass") -> bytes:
-    return PROGRAM.format(init=init, step=step).encode()
 
 
 @pytest.fixture
 def box(level: Level) -> Iterator[Box]:
     with Box(limits=Limits(), level=level) as started:
         yield started
-
-
-def printed(box: Box, source: bytes) -> str:
-    """Return what a program prints in one step."""
-    box.load(source, "mine.py", {"kp": 0.5}, LAYOUT)
-    box.reset({"index": 0})
-    box.step(VALUES)
-    return box.finish().output.decode()
 
 
 def end_of(box: Box, source: bytes) -> ProgramEnded:
@@ -289,71 +257,6 @@ def test_a_box_closed_at_once_leaves_nothing(level) -> None:
     Box(limits=Limits(), level=level).close()
 
     assert len(os.listdir("/proc/self/fd")) == len(before)
-
-
-@pytest.mark.slow
-def test_nothing_is_left_after_fifty_runs(level) -> None:
-    before = (sorted(os.listdir("/proc/self/fd")), threading.active_count())
-    everybody = []
-    for _ in range(50):
-        with Box(limits=Limits(), level=level) as box:
-            box.wait_ready()
-            everybody += [os.pidfd_open(pid) for pid in box.processes()]
-            with contextlib.suppress(ProgramEnded):  # when both answer in time
-                printed(box, b"import os\n" + program(init="os.fork()"))
-    ended = [bool(select.select([descriptor], [], [], 5.0)[0]) for descriptor in everybody]
-    for descriptor in everybody:
-        os.close(descriptor)
-
-    assert len(ended) >= 100
-    assert all(ended)
-    assert (sorted(os.listdir("/proc/self/fd")), threading.active_count()) == before
-    assert not list(Path("/sys/fs/cgroup").glob(f"**/seamark-box-{os.getpid()}-*"))
-
-
-WORKER = """
-import json, signal, sys
-from sandbox.box import Box
-from sandbox.level import Level
-from sandbox.limits import Limits
-
-box = Box(limits=Limits(), level=Level(int(sys.argv[1])))
-if sys.argv[2] == "ready":
-    box.wait_ready()
-print(json.dumps(box.processes()), flush=True)
-signal.pause()
-"""
-
-
-def killed_worker(level: Level, when: str) -> tuple[int, list[int]]:
-    """Kill a process that has a box; return its pid and descriptors of the box's processes."""
-    command = [sys.executable, "-c", WORKER, str(int(level)), when]
-    with subprocess.Popen(command, stdout=subprocess.PIPE) as worker:
-        assert worker.stdout is not None
-        descriptors = [os.pidfd_open(pid) for pid in json.loads(worker.stdout.readline())]
-        worker.kill()
-    return worker.pid, descriptors
-
-
-def test_a_box_dies_with_its_worker(level) -> None:
-    _, descriptors = killed_worker(level, "ready")
-
-    for descriptor in descriptors:
-        assert select.select([descriptor], [], [], 5.0)[0]
-        os.close(descriptor)
-
-
-def test_what_a_worker_killed_at_the_start_of_a_box_leaves_goes_with_the_next_box(level) -> None:
-    if level is not Level.STRONG:
-        pytest.skip("needs control groups")
-    pids = [killed_worker(level, "at once")[0] for _ in range(3)]
-
-    for _ in range(2):  # a killed process may need a moment: then its group goes with the second
-        with Box(limits=Limits(), level=level) as box:
-            printed(box, program())
-
-    for folder in cgroups.places().folders():
-        assert not [pid for pid in pids if list(folder.glob(f"seamark-box-{pid}-*"))]
 
 
 def test_an_answer_may_take_long_while_others_have_the_processor(level: Level) -> None:

@@ -4,9 +4,10 @@ from pathlib import Path
 
 import pytest
 
-from sim import dynamics, elementary
+from sim import elementary
 from sim.camera import raycast
 from sim.compiled_code import ROOT, NamedAfterSources, stamp
+from sim.plant import Plant
 
 SOURCES = {
     "sim/__init__.py": "",
@@ -56,4 +57,4 @@ def test_compiled_functions_are_kept_under_the_stamp_of_their_sources() -> None:
 
 
 def test_code_that_is_not_of_the_simulator_is_left_to_numba() -> None:
-    assert NamedAfterSources.from_function(dynamics.Plant.pose, "/usr/lib/python3/other.py") is None
+    assert NamedAfterSources.from_function(Plant.pose, "/usr/lib/python3/other.py") is None

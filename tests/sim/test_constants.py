@@ -6,7 +6,7 @@ import sys
 import numpy as np
 import pytest
 
-from sim import bottom, constants, contact, current, dynamics, sensors
+from sim import bottom, constants, contact, current, plant, sensors
 from sim.camera.target import Target
 from sim.vehicles import STANDARD_GRAVITY, TAGS, Quantity
 
@@ -30,7 +30,7 @@ def test_every_constant_says_where_it_is_from(quantity: Quantity) -> None:
 
 def test_the_simulator_works_with_these_numbers() -> None:
     assert constants.STANDARD_GRAVITY.scalar == STANDARD_GRAVITY
-    assert constants.STEP_S.scalar == dynamics.STEP_S
+    assert constants.STEP_S.scalar == plant.STEP_S
     assert constants.GUST_GRID_S.scalar == current.GUST_GRID_S
     assert constants.LEAST_HEIGHT_M.scalar == current.LEAST_HEIGHT_M
     assert constants.DVL_RANGE_M.value == sensors.DVL_RANGE_M

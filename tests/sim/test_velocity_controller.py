@@ -5,7 +5,7 @@ import pytest
 
 from sim.allocation import HEAVE, PITCH, ROLL, SURGE, SWAY, YAW, allocator
 from sim.current import Current, Pattern
-from sim.dynamics import Plant
+from sim.plant import Plant
 from sim.registry import VEHICLES, benchmark
 from sim.vehicles import load
 from sim.velocity_controller import Sensed, VelocityController

@@ -13,7 +13,7 @@ from sim import bottom as module
 from sim.bottom import REACH_M, Bottom, Relief, cast, mound, relief_of
 from sim.contact import CELL_M, Contact
 from sim.current import Current
-from sim.dynamics import Plant
+from sim.plant import Plant
 from sim.sensors import Altimeter, Dvl, Truth
 from sim.streams import streams
 from sim.telemetry import INDEX

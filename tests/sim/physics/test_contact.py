@@ -14,8 +14,8 @@ from hypothesis import strategies as st
 from sim.bottom import Bottom
 from sim.contact import Contact, TargetBox, lowest_point
 from sim.current import Current
-from sim.dynamics import Plant
 from sim.hydrodynamics import write_rotation
+from sim.plant import Plant
 from sim.vehicles import Array, Quantity, Vehicle, load
 
 SEABED_Z = 4.785
@@ -239,7 +239,7 @@ import numpy as np
 from sim.bottom import Bottom
 from sim.contact import Contact, TargetBox
 from sim.current import Current
-from sim.dynamics import Plant
+from sim.plant import Plant
 from sim.vehicles import load
 
 vehicle = load("girona500")

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from sim.current import Current, Pattern
-from sim.dynamics import Plant
+from sim.plant import Plant
 from sim.streams import streams
 from sim.vehicles import Array, Quantity, Vehicle, load
 
@@ -288,6 +288,7 @@ def test_a_plant_does_not_outlive_its_gust() -> None:
 COMPILED = """
 import numpy as np
 from sim import bottom, contact, current, dynamics, streams, thrusters
+from sim.plant import Plant, warm_up
 from sim.vehicles import load
 
 def compiled():
@@ -295,7 +296,7 @@ def compiled():
     found = {f"{m.__name__}.{k}": v for m in modules for k, v in vars(m).items()}
     return {k: len(v.signatures) for k, v in found.items() if hasattr(v, "py_func")}
 
-dynamics.warm_up()
+warm_up()
 before = compiled()
 for name in ("girona500-uwsim", "bluerov2-heavy"):
     vehicle = load(name)
@@ -303,7 +304,7 @@ for name in ("girona500-uwsim", "bluerov2-heavy"):
     ground = bottom.Bottom(3.0, mounds)
     touching = contact.Contact(vehicle, ground)
     law = current.Pattern(law="force")
-    plant = dynamics.Plant(vehicle, current.Current(0.2, pattern=law), contact=touching)
+    plant = Plant(vehicle, current.Current(0.2, pattern=law), contact=touching)
     plant.place(np.array([0, 0, 2.6, 0, 0, 0]))
     plant.advance(0, np.zeros(len(vehicle.thrusters)), 20)
     plant.pose(), plant.current_world(), ground.sound(plant.pose().tolist())

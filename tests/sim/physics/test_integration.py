@@ -10,7 +10,8 @@ import pytest
 
 from performance.validation.reference import Leg, Water, reference
 from sim.current import Current, Pattern, Shear
-from sim.dynamics import Plant, integrate
+from sim.dynamics import integrate
+from sim.plant import Plant
 from sim.streams import streams
 from sim.vehicles import Array, load
 
@@ -95,7 +96,7 @@ RUN = """
 import hashlib
 import numpy as np
 from sim.current import Current
-from sim.dynamics import Plant
+from sim.plant import Plant
 from sim.sensors import Dvl, Truth
 from sim.streams import streams
 from sim.vehicles import load

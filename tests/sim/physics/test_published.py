@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from sim.current import Current, Pattern
-from sim.dynamics import Plant
+from sim.plant import Plant
 from sim.sensors import Dvl, Truth
 from sim.streams import streams
 from sim.vehicles import Array, load

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from sim.benchmarks import Benchmark
 from sim.configuration import ConfigurationInvalid
 from sim.current import LEAST_HEIGHT_M, Current, Pattern, Shear, profile
-from sim.dynamics import Plant
+from sim.plant import Plant
 from sim.streams import streams
 from sim.telemetry import INDEX
 from sim.vehicles import Quantity, Vehicle, load
