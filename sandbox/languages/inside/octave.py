@@ -9,9 +9,13 @@ Arguments: `--` and the numbers of the connection.
 
 import os
 import sys
+from pathlib import Path
 
 from .connection import connected
 
+FOLDER = Path("/tmp/program")  # noqa: S108  (inside the box)
+# The name of a program that is one file: there from the start, so that Octave knows it beforehand.
+PLACED = "seamark_program.m"
 OCTAVE = (
     *("/usr/bin/octave-cli", "--norc", "--no-history", "--no-gui", "--no-line-editing"),
     *("--quiet", "/box/octave/runner.m"),
@@ -24,4 +28,6 @@ def main() -> None:
     connection = connected(sys.orig_argv[split + 1 :], inherited=True, images=True)
     relay = [word.replace(".octave ", ".octave_relay ") for word in sys.orig_argv[:split]]
     relay += ["--", str(connection.fd), "0", "0"]
+    FOLDER.mkdir()
+    (FOLDER / PLACED).touch()
     os.execve(OCTAVE[0], [*OCTAVE, *relay], dict(os.environ))  # noqa: S606

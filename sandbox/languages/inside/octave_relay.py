@@ -20,12 +20,11 @@ import re
 import struct
 import sys
 import zipfile
-from pathlib import Path
 from typing import Any, NoReturn
 
 from .connection import COMMAND, Connection, connected
+from .octave import FOLDER, PLACED
 
-FOLDER = Path("/tmp/program")  # noqa: S108  (inside the box)
 ARCHIVE, MAIN = b"PK\x03\x04", "controller.m"
 NUMBER = struct.Struct("<d")
 ANSWER = struct.Struct("<5d")
@@ -42,11 +41,11 @@ def relay(connection: Connection) -> NoReturn:
     """Pass questions on to Octave and its answers back."""
     connection.send(b"k")
     header, source = connection.program()
-    filename = _placed(str(header["filename"]), source)
+    names = _placed(str(header["filename"]), source)
     images = _mapped(connection, header)
     observation = header["layout"].get("observation", ())
     floats = sum(count or 1 for _, count in observation) if images is None else SHOWN
-    _tell(octave_begin(header, filename, floats))
+    _tell(octave_begin(header, names, floats))
     _answer(connection)
     while True:
         kind, body = connection.receive()
@@ -88,22 +87,23 @@ def _show(kind: bytes, body: bytes, images: mmap.mmap) -> None:
         _write(memory[offset : offset + height * width * channels])
 
 
-def _placed(filename: str, source: bytes) -> str:
-    """Write the program, or the files of an archive, where Octave reads them; return the main one.
+def _placed(filename: str, source: bytes) -> tuple[str, str]:
+    """Write the program, or the files of an archive, where Octave reads them.
 
-    That gets a line before its first, which makes it a file of functions.
+    Return what its author calls the main one, and what it is called here. It gets a line before
+    its first, which makes it a file of functions.
     """
-    FOLDER.mkdir()
+    placed = PLACED
     if source.startswith(ARCHIVE):
         with zipfile.ZipFile(io.BytesIO(source)) as archive:
             archive.extractall(FOLDER)
-        filename = MAIN
+        filename = placed = MAIN
         source = (FOLDER / MAIN).read_bytes()
-    (FOLDER / filename).write_bytes(b"1;\n" + source)
-    return filename
+    (FOLDER / placed).write_bytes(b"1;\n" + source)
+    return filename, placed
 
 
-def octave_begin(header: dict[str, Any], filename: str, floats: int) -> str:
+def octave_begin(header: dict[str, Any], names: tuple[str, str], floats: int) -> str:
     """Return what runner.m has to know, as text in its language."""
     layout = header["layout"]
     booleans = set(layout.get("booleans", ()))
@@ -113,7 +113,8 @@ def octave_begin(header: dict[str, Any], filename: str, floats: int) -> str:
         fields.append(f"'{name}', {taken}{' != 0' if name in booleans else ''}")
         at += count or 1
     return (
-        f"filename = {octave_value(filename)};\n"
+        f"filename = {octave_value(names[0])};\n"
+        f"placed = {octave_value(names[1])};\n"
         f"role = {octave_value(layout.get('role', 'controller'))};\n"
         f"floats = {floats};\n"
         f"config = {octave_value(header['config'])};\n"

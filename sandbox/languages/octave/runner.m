@@ -3,15 +3,18 @@
 1;
 
 function seamark_serve(relay)
+    addpath("/tmp/program");  % takes milliseconds: while nobody waits for an answer
     [to, from] = popen2(relay{1}, relay(2:end));
     fcntl(from, F_SETFL, 0);  % popen2 makes it non-blocking
     text = fread(from, fread(from, 1, "double"), "char=>char")';
-    eval(text);  % filename, role, floats, config and observe
+    eval(text);  % filename, placed, role, floats, config and observe
     stage = "reading";
     state = [];
     try
-        path = ["/tmp/program/", filename];
-        addpath("/tmp/program");
+        path = ["/tmp/program/", placed];
+        if ! strcmp(placed, "seamark_program.m")
+            rehash();  % an archive brought other files
+        end
         if exist("__parse_file__") == 5
             __parse_file__(path);  % source alone does not always say where the text is wrong
         end
@@ -84,7 +87,7 @@ function seamark_serve(relay)
             fflush(to);
         end
     catch err
-        seamark_report(to, err, filename, stage, role);
+        seamark_report(to, err, {filename, placed}, stage, role);
     end
 end
 
@@ -197,7 +200,8 @@ end
 
 % Report an error of the program with its own lines alone. The file has one line more than its
 % author wrote: the first, which makes it a file of functions.
-function seamark_report(to, err, filename, stage, role)
+function seamark_report(to, err, names_of_file, stage, role)
+    [filename, placed] = names_of_file{:};
     message = strtrim(regexprep(err.message, ' near line -?\d+, column -?\d+', ""));
     found = regexp(message, '^parse error near line (\d+) of file', "tokens", "once");
     if strcmp(stage, "reading") && ! isempty(found)
@@ -210,9 +214,9 @@ function seamark_report(to, err, filename, stage, role)
     text = ["error: ", message, "\n"];
     where = sprintf(" (called as %s). %s", stage, seamark_interface(role));
     for k = numel(frames):-1:1
-        main = strcmp(frames(k).file, ["/tmp/program/", filename]);
+        main = strcmp(frames(k).file, ["/tmp/program/", placed]);
         lines{k} = frames(k).line - main;
-        names{k} = strrep(frames(k).file, "/tmp/program/", "");
+        names{k} = strrep(strrep(frames(k).file, "/tmp/program/", ""), placed, filename);
         if lines{k} > 0  % an error at the call itself has no line
             where = sprintf(" (line %d of %s)", lines{k}, names{k});
         end
