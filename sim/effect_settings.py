@@ -2,7 +2,6 @@
 
 from functools import partial
 
-from sim.camera.effects import MOST_CAUSTICS
 from sim.configuration import Configuration, knob
 
 effect = partial(
@@ -35,7 +34,7 @@ class EffectSettings(Configuration):
         says="Daylight that the waves above focus into a running net: its standard deviation as a "
         "share of its mean; 0 is none.",
         low=0,
-        high=MOST_CAUSTICS,
+        high=1.5,
     )
     lamp: float = effect(
         0.0,
