@@ -108,7 +108,7 @@ class TrackerSettings(Configuration):
         "stop_px",
         0.5,
         title="Stop below",
-        says="A step that moves every corner less is the last.",
+        says="A step that moves every corner less is the last; of ssd and mi, less than a fifth.",
         unit="px",
     )
     sampling_px: float = _number(

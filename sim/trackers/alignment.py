@@ -46,9 +46,10 @@ from sim.trackers.warps import additive, apply, exponential, multiply, reduce, s
 _DAMPING = 1e-5  # of the diagonal: keeps a parameter that the template hardly shows from exploding
 _LEAST_SIGMA = 0.25  # [grey] a flatter patch holds nothing but rounding
 _FARTHEST_PX = 1e4
-# What is left after a step is about its square for differences of grey values, but a share of it
-# for mutual information, whose curvature is that of a perfect match: it goes on for longer.
-_STOP_OF_MI = 0.2
+# What is left after a step of ZNCC is about its square. It is a share of the step for mutual
+# information, whose curvature is that of a perfect match, and for SSD where water changes the grey
+# values: these two go on for longer.
+_STOP_OF_OTHERS = 0.2
 
 SSD, ZNCC, MI = range(3)
 
@@ -191,7 +192,7 @@ def align(
     basis = search.coarse_basis if coarse else search.basis
     criterion = search.coarse_criterion if coarse else search.criterion
     iterations = search.coarse_iterations if coarse else search.fine_iterations
-    stop_px = search.stop_px * (_STOP_OF_MI if criterion == MI else 1.0)
+    stop_px = search.stop_px * (1.0 if criterion == ZNCC else _STOP_OF_OTHERS)
     _template_corners(level, rim)
     apply(h, rim, before)
     for done in range(1, iterations + 1):
