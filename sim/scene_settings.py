@@ -31,7 +31,8 @@ class SceneSettings(EffectSettings):
     target: str = water(
         "lettered",
         title="Target",
-        says="The box on the bottom that the camera looks at.",
+        says="The box on the bottom that the camera looks at. A plain one shows nothing but its "
+        "edges: give the template tracker a margin of 6 px.",
         choices={name: shape.label for name, shape in TARGETS.items()},
         tag="S",
         source="a black box of this size: benchmark_software_launcher ea65b39; the others are ours",
