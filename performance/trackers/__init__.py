@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import cv2
 
-from performance.trackers.contenders import CONTENDERS, PEERS
+from performance.trackers.contenders import CONTENDERS, FILTERS, PEERS
 from performance.trackers.race import Result, race
 from performance.trackers.sequences import FRAMES, SEQUENCES
 from sim.trackers.visp import why_not
@@ -22,11 +22,11 @@ def table() -> str:
     parts = []
     for name, draw in SEQUENCES.items():
         sequence = draw()
-        race(
-            CONTENDERS,
-            replace(sequence, pictures=sequence.pictures[:3], corners=sequence.corners[:3]),
-        )  # warm
-        results = race(CONTENDERS, sequence)
+        begin = replace(sequence, pictures=sequence.pictures[:3], corners=sequence.corners[:3])
+        results = []
+        for contenders in (CONTENDERS, FILTERS):
+            race(contenders, begin)  # warm
+            results += race(contenders, sequence)
         parts.append(
             f"### {name}: {FRAMES} pictures, corners move up to {sequence.fastest_px():.1f} px\n\n"
             + _markdown(results)

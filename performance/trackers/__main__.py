@@ -10,9 +10,10 @@ PAGE = Path(__file__).parents[2] / "docs" / "trackers-table.md"
 _INTRODUCTION = """# Trackers beside ViSP and OpenCV
 
 Made by `python -m performance.trackers` on {cpu}.
-The same pictures in the same run, one thread, all trackers in turn, some pictures each. Times are
-medians of CPU time; ViSP's is that of its own `track()`, without the pipe to it; "times" is how
-many times faster than ViSP's fastest homography that kept the target (or of all, if none did).
+The same pictures in the same run, one thread, all trackers in turn, some pictures each (CSRT and
+KCF, a thousand times slower, after the others). Times are medians of CPU time; ViSP's is that of
+its own `track()`, without the pipe to it; "times" is how many times faster than ViSP's fastest
+homography that kept the target (or of all, if none did).
 ViSP's templates leave out 3 px at the rim of the target, as ours do. It has sampling 2 (MI with
 homography 1, or it is lost), two pyramid levels down to full resolution (ZNCC and MI one; with two
 they lose this target), and for its ESM `setGain(2)`.
