@@ -5,18 +5,33 @@ import os
 
 class Controller:
     def __init__(self, config):
-        answers = []
+        children = []
         for _ in range(10):
             reading, writing = os.pipe()
+            asked, asking = os.pipe()
             if os.fork() == 0:
+                os.close(reading)
+                os.close(asking)
                 heap = b"x" * (20 << 20)
                 os.write(writing, b"k")
-                os.read(os.pipe()[0], 1)  # for ever
-                os._exit(len(heap) > 0)
+                while os.read(asked, 1):
+                    os.write(writing, heap[-1:])
+                os._exit(0)
             os.close(writing)
-            answers.append(reading)
-        if all(os.read(answer, 1) for answer in answers):
+            os.close(asked)
+            children.append((reading, asking))
+        has = [os.read(reading, 1) for reading, _ in children]
+        # The kernel may have ended one that had answered, to let another have its memory.
+        if all(has) and all(still_there(*child) for child in children):
             print("GOT 200 MiB")
 
     def step(self, observation):
         return [0.0, 0.0, 0.0, 0.0]
+
+
+def still_there(reading, asking):
+    try:
+        os.write(asking, b"?")
+    except BrokenPipeError:
+        return False
+    return os.read(reading, 1) == b"x"
