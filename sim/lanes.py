@@ -95,12 +95,6 @@ def _row_address(context: Any, builder: Any, sig: Any, args: Any) -> Any:
     return builder.bitcast(builder.gep(data, [column]), _INTS.as_pointer())
 
 
-def _sixteen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-    value = builder.load(_row_address(context, builder, sig, args))
-    value.align = 4
-    return value
-
-
 def _plane(array: types.Type) -> bool:
     return isinstance(array, types.Array) and array.ndim == 2 and array.layout == "C"
 
@@ -225,29 +219,25 @@ def pair(typing: Any, array: Any, at: Any) -> Any:
 
 
 @intrinsic
-def first(typing: Any, array: Any, column: Any, bits: Any) -> Any:
-    """Return the first elements of sixteen pairs, each of that many bits, as lanes."""
+def part(typing: Any, words: Any, row: Any, column: Any, shift: Any, bits: Any) -> Any:
+    """Return a part of each of sixteen uint32 from words[row, column] on, as lanes.
+
+    The part is of that many bits, at most 16, and starts at bit `shift`.
+    """
+    if not _plane(words) or words.dtype != types.uint32:
+        return None
 
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        found = _sixteen(context, builder, sig, args)
-        size = context.cast(builder, args[2], sig.args[2], types.int32)
+        address = _address(context, builder, sig, args)
+        found = builder.load(builder.bitcast(address, _INTS.as_pointer()))
+        found.align = 4
+        by, size = (context.cast(builder, args[k], sig.args[k], types.int32) for k in (3, 4))
         one = ir.Constant(_INT, 1)
         mask = builder.sub(builder.shl(one, size), one)
-        return builder.sitofp(builder.and_(found, _spread(builder, mask, _INTS)), _FLOATS)
+        moved = builder.lshr(found, _spread(builder, by, _INTS))
+        return builder.sitofp(builder.and_(moved, _spread(builder, mask, _INTS)), _FLOATS)
 
-    return _lanes(array, column, bits), generate
-
-
-@intrinsic
-def second(typing: Any, array: Any, column: Any, bits: Any) -> Any:
-    """Return the second elements of sixteen pairs, each of that many bits, as lanes."""
-
-    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        found = _sixteen(context, builder, sig, args)
-        size = context.cast(builder, args[2], sig.args[2], types.int32)
-        return builder.sitofp(builder.lshr(found, _spread(builder, size, _INTS)), _FLOATS)
-
-    return _lanes(array, column, bits), generate
+    return _lanes(words, row, column, shift, bits), generate
 
 
 @intrinsic
@@ -260,6 +250,23 @@ def root(typing: Any, value: Any) -> Any:
         return builder.call(square_root, args)
 
     return (_lanes(value), generate) if value == _lanes else None
+
+
+@intrinsic
+def fma(typing: Any, a: Any, b: Any, c: Any) -> Any:
+    """Return a b + c, rounded once, as IEEE 754 says.
+
+    A processor without such an instruction has the C library do each lane: the bits are the same.
+    """
+    if not a == b == c == _lanes:
+        return None
+
+    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        kind = ir.FunctionType(_FLOATS, (_FLOATS, _FLOATS, _FLOATS))
+        fused = cgutils.get_or_insert_function(builder.module, kind, "llvm.fma.v16f32")
+        return builder.call(fused, args)
+
+    return _lanes(a, b, c), generate
 
 
 @intrinsic

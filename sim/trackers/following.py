@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from sim.trackers.alignment import align, cut, likeness
 from sim.trackers.interface import Window
-from sim.trackers.levels import COLUMNS, SCALE, Level, Numbers, Search, Store, level_of, search_of
+from sim.trackers.levels import COLUMNS, SCALE, Levels, Numbers, Search, Store, level_of, search_of
 from sim.trackers.patches import Matrix
 from sim.trackers.pyramid import Sums, from_level, pyramid, to_level, whole_of
 from sim.trackers.warps import apply, inverse, is_convex, multiply, signed_area
@@ -114,15 +114,15 @@ def _at(
     small: tuple[Sums, Sums, Sums],
     window: Window,
     h: Matrix,
-    levels: tuple[Level, Level, Level, Level],
+    levels: Levels,
     k: int,
 ) -> float:
     """Return the normalised correlation of level k with the image under h (of level 0)."""
     low = np.empty((3, 3))
     to_level(h, k, window, low)
     if k == 0:
-        return likeness(image, _bounds(window), low, levels[0])
-    return likeness(small[k - 1], whole_of(small[k - 1]), low, levels[k])
+        return likeness(image, _bounds(window), low, level_of(levels, 0))
+    return likeness(small[k - 1], whole_of(small[k - 1]), low, level_of(levels, k))
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -139,7 +139,7 @@ def _track(
     small: tuple[Sums, Sums, Sums],
     window: Window,
     h: Matrix,
-    levels: tuple[Level, Level, Level, Level],
+    levels: Levels,
     search: Search,
 ) -> tuple[int, bool, float]:
     """Improve h on all levels; return iterations, sanity and the final normalised correlation.
@@ -151,12 +151,13 @@ def _track(
     done = 0
     for k in range(search.levels - 1, 0, -1):
         to_level(h, k, window, low)
-        more, sane = align(small[k - 1], whole_of(small[k - 1]), low, levels[k], search, True)
+        level = level_of(levels, k)
+        more, sane = align(small[k - 1], whole_of(small[k - 1]), low, level, search, True)
         done += more
         if not sane:
             return done, False, 0.0
         from_level(low, k, window, h)
-    more, sane = align(image, _bounds(window), h, levels[0], search, False)
+    more, sane = align(image, _bounds(window), h, level_of(levels, 0), search, False)
     if not sane:
         return done + more, False, 0.0
     return done + more, True, _at(image, small, window, h, levels, min(1, search.levels - 1))
@@ -168,7 +169,7 @@ def _look_around(
     small: tuple[Sums, Sums, Sums],
     window: Window,
     h: Matrix,
-    levels: tuple[Level, Level, Level, Level],
+    levels: Levels,
     search: Search,
     radius: float,
 ) -> None:
@@ -179,7 +180,8 @@ def _look_around(
     """
     k = min(1, search.levels - 1)
     pitch = np.sqrt(h[0, 0] * h[0, 0] + h[1, 0] * h[1, 0])  # image px per template px
-    shorter = min(levels[0].ys.shape[0], levels[0].frame[COLUMNS]) * pitch
+    finest = level_of(levels, 0)
+    shorter = min(finest.ys.shape[0], finest.frame[COLUMNS]) * pitch
     step = min(max(0.25 * shorter, 2.0), 12.0)
     count = int(radius / step)
     best = -2.0
@@ -255,16 +257,6 @@ def _forget_motion(memory: Memory) -> None:
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _four(facts: Matrix, store: Store) -> tuple[Level, Level, Level, Level]:
-    return (
-        level_of(facts, store, 0),
-        level_of(facts, store, 1),
-        level_of(facts, store, 2),
-        level_of(facts, store, 3),
-    )
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
 def follow(  # fewer would be packed and unpacked
     image: NDArray[np.uint8],
     window: Window,
@@ -279,14 +271,14 @@ def follow(  # fewer would be packed and unpacked
     the picture after.
     """
     known, search = memory_of(memory), search_of(search_numbers)
-    levels = _four(facts, store)
+    levels = (facts, store)
     h = np.empty((3, 3))
     expected = np.empty((4, 2))
     corners = np.empty((4, 2))
     small = pyramid(image, window, search.levels)
     _expect(known, h)
     apply(h, known.quad, expected)
-    jump = LARGEST_JUMP * 2.0 * levels[0].frame[SCALE]
+    jump = LARGEST_JUMP * 2.0 * facts[0, SCALE]
     lowest = LOWEST_CORRELATION
     if known.lost[0] > 0 and known.reach[AFAR] > 0.0:
         lowest = LOWEST_CORRELATION_AFAR
@@ -305,12 +297,12 @@ def follow(  # fewer would be packed and unpacked
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def cut_start(
-    image: NDArray[np.uint8], window: Window, h: Matrix, facts: Matrix, store: Store, count: int
+    image: NDArray[np.uint8], window: Window, h: Matrix, levels: Levels, count: int
 ) -> None:
     """Fill all levels' patches from the picture in which the target is known."""
     small = pyramid(image, window, count)
-    cut(image, _bounds(window), h, level_of(facts, store, 0))
+    cut(image, _bounds(window), h, level_of(levels, 0))
     low = np.empty((3, 3))
     for k in range(1, count):
         to_level(h, k, window, low)
-        cut(small[k - 1], whole_of(small[k - 1]), low, level_of(facts, store, k))
+        cut(small[k - 1], whole_of(small[k - 1]), low, level_of(levels, k))

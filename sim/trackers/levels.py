@@ -15,6 +15,7 @@ from sim.trackers.patches import MASK, NUMBERS, XS, Matrix, Plane
 
 Numbers = NDArray[np.float64]
 Store = NDArray[np.float32]
+Levels = tuple[Matrix, Store]  # what is kept of each level, and the planes of all
 
 # A level's planes. A patch has a rim of one pixel; the others start at the first inner pixel.
 TEMPLATE, ALONG, DOWN, CODES, RAW, PATCH, ERRORS = range(7)
@@ -80,8 +81,9 @@ def search_of(numbers: Numbers) -> Search:
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def level_of(facts: Matrix, store: Store, k: int) -> Level:
+def level_of(levels: Levels, k: int) -> Level:
     """Return a level."""
+    facts, store = levels
     frame = facts[k, :_FRAME]
     columns = int(frame[COLUMNS])
     rows = int(frame[COUNT]) // columns
@@ -104,7 +106,7 @@ def _width(columns: int) -> int:
     return ((columns + 2 + WIDTH - 1) // WIDTH + 1) * WIDTH
 
 
-def empty_levels(columns: int, rows: int, count: int) -> tuple[Matrix, Store]:
+def empty_levels(columns: int, rows: int, count: int) -> Levels:
     """Return facts and store of levels without a template yet, each half as large.
 
     A level's picture is in sums of pixels (sim/trackers/pyramid.py): its unit is a quarter each.
@@ -119,7 +121,7 @@ def empty_levels(columns: int, rows: int, count: int) -> tuple[Matrix, Store]:
         scale, column, row = scale / 2, (column - 0.5) / 2, (row - 0.5) / 2
     store = np.zeros(end, np.float32)
     for k in range(count):
-        level = level_of(facts, store, k)
+        level = level_of((facts, store), k)
         numbers = np.arange(level.columns.shape[1])
         level.columns[NUMBERS] = numbers
         level.columns[XS] = (numbers - level.frame[COLUMN]) / level.frame[SCALE]

@@ -13,14 +13,14 @@ from numpy.typing import NDArray
 
 from sim.lanes import (
     WIDTH,
-    first,
+    fma,
     lanes,
     larger,
     load,
     pair,
+    part,
     places,
     real,
-    second,
     smaller,
     store,
     store_places,
@@ -39,17 +39,21 @@ NUMBERS, XS, MASK = 0, 1, 2  # rows of a level's columns: 0, 1, 2...; normalised
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _gather(
-    image: Picture, at: NDArray[np.int32], upper: NDArray[np.uint32], lower: NDArray[np.uint32]
-) -> None:
-    """Write the pixels at flat places with their right neighbours, and those a row below.
+def _gather(image: Picture, at: NDArray[np.int32], words: NDArray[np.uint32]) -> None:
+    """Write the pixels at flat places, their right neighbours, and both of the row below.
 
-    A loop of its own between the vectors' ones: a processor loads scattered places one by one.
+    Four pixels of eight bits make a word of the first row; of wider ones the lower two make one of
+    the second. A loop of its own between the vectors' ones: a processor loads scattered places one
+    by one.
     """
     pitch = image.shape[1]
     for c in range(at.shape[0]):
-        upper[c] = pair(image, at[c])
-        lower[c] = pair(image, at[c] + pitch)
+        upper, lower = pair(image, at[c]), pair(image, at[c] + pitch)
+        if image.itemsize == 1:
+            words[0, c] = upper | lower << 16
+        else:
+            words[0, c] = upper
+            words[1, c] = lower
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -67,9 +71,10 @@ def warp_patch(
     """
     end = out.shape[1] - WIDTH
     at = np.empty(end, np.int32)
-    upper, lower = np.empty(end, np.uint32), np.empty(end, np.uint32)
+    words = np.empty((2, end), np.uint32)
     fractions = np.empty((2, end), np.float32)
     bits = 8 * image.itemsize
+    below, low = (0, 16) if bits == 8 else (1, 0)  # where _gather puts the lower pixels
     one, least, value = lanes(1.0), lanes(1e-3), lanes(unit)
     low_u, low_v = lanes(bounds[0]), lanes(bounds[1])
     high_u, high_v = lanes(bounds[2] - 1.001), lanes(bounds[3] - 1.001)
@@ -82,27 +87,27 @@ def warp_patch(
         z0 = lanes(m[2, 1] * y + m[2, 2] - m[2, 0])
         for c in range(0, end, WIDTH):
             column = load(columns, NUMBERS, c)
-            scale = one / larger(z0 + across_z * column, least)
-            u = smaller(larger((u0 + across_u * column) * scale, low_u), high_u)
-            v = smaller(larger((v0 + across_v * column) * scale, low_v), high_v)
+            scale = one / larger(fma(across_z, column, z0), least)
+            u = smaller(larger(fma(across_u, column, u0) * scale, low_u), high_u)
+            v = smaller(larger(fma(across_v, column, v0) * scale, low_v), high_v)
             left, above = whole(u), whole(v)
             store(fractions, 0, c, u - real(left))
             store(fractions, 1, c, v - real(above))
             store_places(at, c, above * pitch + left)
-        _gather(image, at, upper, lower)
+        _gather(image, at, words)
         for c in range(0, end, WIDTH):
             fu = load(fractions, 0, c)
-            a, d = first(upper, c, bits), first(lower, c, bits)
-            top = a + fu * (second(upper, c, bits) - a)
-            low = d + fu * (second(lower, c, bits) - d)
-            store(out, r, c, value * (top + load(fractions, 1, c) * (low - top)))
+            a, d = part(words, 0, c, 0, bits), part(words, below, c, low, bits)
+            over = fma(fu, part(words, 0, c, bits, bits) - a, a)
+            under = fma(fu, part(words, below, c, low + bits, bits) - d, d)
+            store(out, r, c, value * fma(load(fractions, 1, c), under - over, over))
 
 
 @njit(cache=True, nogil=True, error_model="numpy", inline="always")
 def _smooth(raw: Plane, row: int, column: int) -> "Lanes":
     """Return sixteen pixels smoothed along their row."""
     sides = load(raw, row, column - 1) + load(raw, row, column + 1)
-    return lanes(0.25) * sides + lanes(0.5) * load(raw, row, column)
+    return fma(lanes(0.25), sides, lanes(0.5) * load(raw, row, column))
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -119,7 +124,7 @@ def blur(raw: Plane, width: int, out: Plane) -> None:
         store(out, 0, c, above)
         for r in range(1, last):
             under = _smooth(raw, r + 1, c)
-            store(out, r, c, quarter * (above + under) + half * middle)
+            store(out, r, c, fma(quarter, above + under, half * middle))
             above = middle
             middle = under
         store(out, last, c, middle)
@@ -169,7 +174,7 @@ def moments(patch: Plane, columns: Plane, count: int) -> tuple[float, float]:
         inside = lanes(0.0)
         for r in range(1, rows + 1):
             off = load(patch, r, c + 1) - middle
-            inside = inside + off * off
+            inside = fma(off, off, inside)
         found = found + inside * load(columns, MASK, c)
     return mean, math.sqrt(float(total(found)) / count)
 
@@ -192,7 +197,7 @@ def correlation(
     for c in range(0, patch.shape[1] - WIDTH, WIDTH):
         inside = lanes(0.0)
         for r in range(patch.shape[0] - 2):
-            off = load(template, r, c) - (gain * load(patch, r + 1, c + 1) + bias)
-            inside = inside + off * off
+            off = load(template, r, c) - fma(gain, load(patch, r + 1, c + 1), bias)
+            inside = fma(off, off, inside)
         found = found + inside * load(columns, MASK, c)
     return float(1.0 - float(total(found)) / count / (2.0 * sigma * sigma))

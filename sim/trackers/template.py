@@ -77,16 +77,16 @@ class TemplateTracker:
         columns, rows, home, quad = self._frame(corners)
         self._memory = self._beginning(corners, home, quad)
         self._last = memory_of(self._memory).last
-        facts, store = empty_levels(columns, rows, MOST_LEVELS)
-        levels = [level_of(facts, store, k) for k in range(MOST_LEVELS)]
+        every = empty_levels(columns, rows, MOST_LEVELS)
+        levels = [level_of(every, k) for k in range(MOST_LEVELS)]
         count = min(self._search.levels, len([1 for each in levels if len(each.ys) >= LEAST_ROWS]))
         search = self._search._replace(levels=max(count, 1))
         self._window = next_window(self._memory, image.shape[1], image.shape[0])
-        cut_start(image, self._window, home, facts, store, search.levels)
+        cut_start(image, self._window, home, every, search.levels)
         learn(levels[0], search.weight, search.criterion)
         for level in levels[1 : search.levels]:
             learn(level, search.weight, search.coarse_criterion)
-        self._known = (packed(search), facts, store)
+        self._known = (packed(search), *every)
 
     def window(self) -> Window:
         """Return the box around the expected target and its search margin, on even pixels.
