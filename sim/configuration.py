@@ -62,6 +62,12 @@ class Configuration(BaseModel, ABC):
             raise ValueError("outside the allowed values")
         return value
 
+    @classmethod
+    def applies(cls, name: str) -> Mapping[str, Sequence[str]]:
+        """Return the choices of other settings beside which a setting does anything; {}: always."""
+        only: Mapping[str, Sequence[str]] = extra_of(cls.model_fields[name]).get("x-applies", {})
+        return only
+
     def broken_rules(self) -> dict[str, str]:
         """Return setting -> sentence for rules between several settings; none here."""
         return {}
@@ -179,7 +185,7 @@ def knob(  # noqa: PLR0913  # one keyword per word of the schema
     if names is not None:
         extra["x-names"] = list(names)
     if applies is not None:
-        extra["x-applies"] = {other: list(values) for other, values in applies.items()}
+        extra["x-applies"] = dict(applies)
     bounds: dict[str, Any] = {}
     if names is not None:
         bounds = {"max_length": LONGEST}
@@ -325,6 +331,9 @@ def schema_of(cls: type[Configuration], *, title: str, groups: Sequence[str]) ->
     """Return the JSON Schema (2020-12) of a configuration, one flat object, group by group."""
     order = sorted(cls.model_fields.items(), key=lambda item: groups.index(group_of(item[1])))
     properties = {name: _property(name, field) for name, field in order}
+    for name, entry in properties.items():
+        if applies := cls.applies(name):
+            entry["x-applies"] = {other: list(values) for other, values in applies.items()}
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": title,

@@ -9,12 +9,12 @@ water, not what became of it in the water before. By default the optical depth t
 Tags of the defaults: S sourced, D derived from sourced, E our estimate.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 
 from sim.benchmarks import Baseline, Benchmark, Chart, Curve, Metric, Table
-from sim.configuration import again, knob
+from sim.configuration import again, group_of, knob
 from sim.experiment_settings import ExperimentSettings, multiple
 from sim.registry import TRACKERS
 from sim.score_settings import own_score_knob
@@ -32,6 +32,22 @@ DARKEST_STOPS = 5.5  # a camera of 1.2 grey read noise then has 54 grey; 64 is t
 # Columns in which nothing happens while nobody steers.
 STEERING = ("current_", "error_x", "error_y", "error_z", "ref_", "dvl_", "thrust_", "contact_n")
 SEEN = ("error_x_px", "error_y_px")  # these are not the steering's
+# Settings that a vehicle on a prescribed path does not feel.
+STEERING_GROUPS = {
+    "Faults",
+    "Sensors",
+    "Position controller",
+    "Velocity controller",
+    "Station keeper",
+}
+STEERING_SETTINGS = {
+    "vehicle",
+    "current_m_s",
+    "physics_step_s",
+    "contact",
+    "seabed_relief_m",
+    "seabed_flat_radius_m",
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -166,7 +182,6 @@ class VisibilityConfiguration(ExperimentSettings):
     )
     current_m_s: float = motion(
         0.15,
-        applies={"mode": ["free"]},
         title="Current",
         says="Free-running vehicle: mean speed of the current that moves it.",
         unit="m/s",
@@ -175,6 +190,12 @@ class VisibilityConfiguration(ExperimentSettings):
         tag="E",
         source="one that every vehicle can hold",
     )
+
+    @classmethod
+    def applies(cls, name: str) -> Mapping[str, Sequence[str]]:
+        """Return also what matters only where the tracker steers."""
+        steering = name in STEERING_SETTINGS or group_of(cls.model_fields[name]) in STEERING_GROUPS
+        return {**super().applies(name), **({"mode": ("free",)} if steering else {})}
 
     def broken_rules(self) -> dict[str, str]:
         """Return setting -> sentence for the rules between several settings."""

@@ -93,6 +93,20 @@ def test_choosing_the_papers_vehicle_brings_its_defaults(visitor: Visitor) -> No
     expect(page.get_by_label("Proportional gain Kp")).to_have_value("0.8")
 
 
+def test_settings_of_steering_are_shown_only_where_the_tracker_steers(visitor: Visitor) -> None:
+    page = visitor.page
+    visitor.open("/submit/visibility-v1")
+    sensors = page.get_by_role("group", name="Sensors")
+    expect(page.get_by_role("group", name="Water and camera")).to_be_visible()
+    expect(sensors).to_be_hidden()
+
+    page.get_by_label("Who steers").select_option("free")
+
+    expect(sensors).to_be_visible()
+    expect(page.get_by_label("Proportional gain Kp")).to_be_visible()
+    assert visitor.violations() == []
+
+
 def test_an_upload_of_three_megabytes_ends_with_a_clear_sentence(visitor: Visitor) -> None:
     page = visitor.page
     visitor.sign_up("heavy")

@@ -224,6 +224,31 @@ def test_on_the_prescribed_path_all_trackers_see_the_same_pictures() -> None:
     assert len(set(still.seen)) == len(still.seen) == 3 * 39
 
 
+def test_a_setting_of_steering_changes_nothing_on_the_prescribed_path() -> None:
+    entries = benchmark(NAME).schema()["properties"]
+    steering = {
+        name: _another(entry)
+        for name, entry in entries.items()
+        if entry.get("x-applies") == {"mode": ["free"]}
+    }
+    assert {"kp", "dvl_sigma_m_s", "fault_thruster", "vehicle", "current_m_s"} <= set(steering)
+
+    del steering["dvl_rate_hz"]  # both have to divide the same second
+    assert run(SHORT | steering).digest == run(SHORT).digest
+
+
+def _another(entry: Mapping[str, Any]) -> object:
+    """Return an allowed value of a setting that is not its default."""
+    default = entry["default"]
+    if entry["type"] == "boolean":
+        return not default
+    if "enum" in entry:
+        return next(value for value in entry["enum"] if value != default)
+    if entry["type"] == "integer":
+        return default + 1
+    return default / 2 or entry["maximum"] / 2
+
+
 def test_a_free_vehicle_goes_where_its_tracker_leads_it() -> None:
     still, restless = Watching(), Watching(step_px=3.0)
     run(SHORT | {"mode": "free"}, still)

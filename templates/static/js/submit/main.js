@@ -54,10 +54,10 @@ function showWhatApplies() {
     field.hidden = !applies && !field.querySelector(".error");
     field.querySelector("[data-only]").hidden = applies;
   }
-  for (const folded of form.querySelectorAll("details.advanced")) {
-    const left = folded.querySelectorAll("[data-field]:not([hidden])").length;
-    folded.hidden = left === 0;
-    folded.querySelector("[data-count]").textContent = left;
+  for (const some of form.querySelectorAll("details.advanced, fieldset.group")) {
+    const left = some.querySelectorAll("[data-field]:not([hidden])").length;
+    some.hidden = left === 0;
+    if (some.tagName === "DETAILS") some.querySelector("[data-count]").textContent = left;
   }
 }
 
