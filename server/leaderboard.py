@@ -33,11 +33,15 @@ class Cursor:
         return cursor
 
 
+_ORDER = (Best.score.desc(), Best.reached_at, Best.user_id)
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Rank:
     """One row of the leaderboard."""
 
     rank: int
+    place: int  # the rank that it shares with the rows it is tied to, one by one: the first's
     tied: bool  # its interval overlaps that of the row above: the order of the two may be luck
     user_id: int
     user: str
@@ -67,17 +71,18 @@ def page(
 
     All that follow without a limit.
     """
-    order = (Best.score.desc(), Best.reached_at, Best.user_id)
-    query = _rows(benchmark).order_by(*order).limit(limit)
-    rank, above_low = 1, None
+    query = _rows(benchmark).order_by(*_ORDER).limit(limit)
+    first, place, above_low = 1, 1, None
     if after is not None:
         query = query.where(~_not_below(after))
-        rank = size(session, benchmark, at_or_above=after) + 1
+        first = size(session, benchmark, at_or_above=after) + 1
+        place = _place(session, benchmark, after)
         above_low = _low(session, benchmark, after.user_id)
     ranks: list[Rank] = []
-    for best, run, user in session.execute(query):
+    for rank, (best, run, user) in enumerate(session.execute(query), start=first):
         tied = above_low is not None and best.score_high >= above_low
-        ranks.append(_rank(best, run, user, rank=rank + len(ranks), tied=tied))
+        place = place if tied else rank
+        ranks.append(_rank(best, run, user, rank=rank, place=place, tied=tied))
         above_low = best.score_low
     return ranks
 
@@ -90,7 +95,8 @@ def place_of(session: Session, benchmark: str, user_id: int) -> Rank | None:
     best, run, user = found
     here = Cursor(best.score, best.reached_at, best.user_id)
     rank = size(session, benchmark, at_or_above=here)
-    return _rank(best, run, user, rank=rank, tied=False)
+    place = _place(session, benchmark, here)
+    return _rank(best, run, user, rank=rank, place=place, tied=place < rank)
 
 
 def size(session: Session, benchmark: str, *, at_or_above: Cursor | None = None) -> int:
@@ -166,15 +172,29 @@ def _not_below(cursor: Cursor) -> ColumnElement[bool]:
     )
 
 
+def _place(session: Session, benchmark: str, here: Cursor) -> int:
+    """Return the rank of the first row of those tied, one by one, down to the row at a cursor."""
+    above = func.lag(Best.score_low).over(order_by=_ORDER)
+    apart = or_(above.is_(None), Best.score_high < above)
+    rank = func.row_number().over(order_by=_ORDER)
+    rows = (
+        select(rank.label("rank"), apart.label("apart"))
+        .where(Best.benchmark == benchmark, _not_below(here))
+        .subquery()
+    )
+    return session.scalar(select(func.max(rows.c.rank)).where(rows.c.apart)) or 1
+
+
 def _low(session: Session, benchmark: str, user_id: int) -> float | None:
     return session.scalar(
         select(Best.score_low).where(Best.benchmark == benchmark, Best.user_id == user_id)
     )
 
 
-def _rank(best: Best, run: Run, user: User, *, rank: int, tied: bool) -> Rank:
+def _rank(best: Best, run: Run, user: User, *, rank: int, place: int, tied: bool) -> Rank:
     return Rank(
         rank=rank,
+        place=place,
         tied=tied,
         user_id=user.id,
         user=user.name,

@@ -38,17 +38,9 @@ def show(name: str) -> ResponseReturnValue:
         "leaderboard/show.html",
         benchmark=benchmark,
         benchmarks=benchmarks.labels(),
-        rows=list(zip(shown, _shared(shown), strict=True)),
+        ranks=shown,
         next=shown[-1].cursor.text() if len(ranks) > SIZE else None,
         first=after is None,
         count=count,
         mine=mine,
     )
-
-
-def _shared(ranks: list[leaderboard.Rank]) -> list[int]:
-    """Return the rank that each row shows: the first of its group of ties."""
-    shown: list[int] = []
-    for rank in ranks:
-        shown.append(shown[-1] if rank.tied and shown else rank.rank)
-    return shown

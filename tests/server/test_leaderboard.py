@@ -83,8 +83,9 @@ def test_pages_by_cursor_are_the_whole_board_without_gaps(both: Service) -> None
     assert [rank.rank for rank in whole] == [1, 2, 3, 4, 5]
     assert [rank.user for rank in whole] == ["user2", "user0", "user1", "user4", "user3"]
     assert [rank.tied for rank in whole] == [False, False, True, True, False]
+    assert [rank.place for rank in whole] == [1, 2, 2, 2, 5]
     assert own is not None
-    assert own.rank == 4
+    assert (own.rank, own.place) == (4, 2)
 
 
 _acts = st.lists(
