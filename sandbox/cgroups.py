@@ -248,9 +248,19 @@ class ControlGroup:
             return 0.0
 
     def out_of_memory(self) -> bool:
-        """Tell whether the kernel ended a process of the box for its memory."""
+        """Tell whether the kernel ended a process of the box for the memory of the box."""
         name = "memory.events" if self._version == 2 else "memory.oom_control"
-        return _counter(self._at.memory / name, "oom_kill") > 0
+        return _counter(self._at.memory / name, "oom_kill") > 0 and not self.host_out_of_memory()
+
+    def host_out_of_memory(self) -> bool:
+        """Tell whether a process was ended because the host, or a group above, had no more memory.
+
+        `oom_kill` counts the ends by any cause, `oom` how often the group's own limit was met
+        (cgroup-v2.rst). Version 1 counts the first alone: there every end is the program's.
+        """
+        events = self._at.memory / "memory.events"
+        ended = self._version == 2 and _counter(events, "oom_kill") > 0
+        return ended and _counter(events, "oom") == 0
 
     def out_of_processes(self) -> bool:
         """Tell whether starting a process was refused."""

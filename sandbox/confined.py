@@ -167,6 +167,10 @@ class Confined:
         """Tell whether the kernel ended a process for the memory of the box."""
         return self.group is not None and self.group.out_of_memory()
 
+    def host_out_of_memory(self) -> bool:
+        """Tell whether the kernel ended a process for memory that others have."""
+        return self.group is not None and self.group.host_out_of_memory()
+
     def out_of_processes(self) -> bool:
         """Tell whether the kernel refused a process."""
         return self.group is not None and self.group.out_of_processes()

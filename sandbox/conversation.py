@@ -153,6 +153,7 @@ class Conversation:
         self._look_at_limits()
         begin_s = max(seen_s, self._cpu_seen_s - waited_s)
         if self._loaded and self._cpu_seen_s - begin_s > patience.cpu_s:
+            self._look_at_memory()
             self.end(verdicts.answer_limit(waited_for, patience.cpu_s))
         return begin_s
 
@@ -221,7 +222,15 @@ class Conversation:
         self._cpu_seen_s = self._cage.cpu_s()
         used_s = self._cpu_seen_s - self._cpu_before_s
         if self._loaded and used_s > self.limits.cpu_s:
+            self._look_at_memory()
             self.end(verdicts.cpu_limit(self.limits, used_s))
+
+    def _look_at_memory(self) -> None:
+        """End the run if the kernel ended a process for memory, which itself takes CPU time."""
+        if self._cage.out_of_memory():
+            self.end(verdicts.memory_limit(self.limits))
+        if self._cage.host_out_of_memory():
+            raise SandboxBroken("the kernel ended the box for memory that the host did not have")
 
     def _late(self, waited_for: str, wall_s: float, *, since_cpu_s: float) -> NoReturn:
         """End the run for its wall time; the host is suspected if little CPU time was used."""
@@ -245,9 +254,8 @@ class Conversation:
         code = self._cage.exit_code(LAST_WORDS_S)
         if code is None:
             self.end(_lives_on())
+        self._look_at_memory()
         self._look_at_limits()
-        if self._cage.out_of_memory():
-            self.end(verdicts.memory_limit(self.limits))
         self._failed(self._last_words() or verdicts.died(code))
 
     def _last_words(self) -> Failure | None:

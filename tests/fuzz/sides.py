@@ -63,6 +63,9 @@ class Cage:
     def out_of_memory(self) -> bool:
         return False
 
+    def host_out_of_memory(self) -> bool:
+        return False
+
     def out_of_processes(self) -> bool:
         return False
 

@@ -188,13 +188,25 @@ def test_the_counters_are_read_from_the_files_of_version_2(group) -> None:
     group.remove()
 
 
+def test_an_end_for_memory_that_a_group_above_did_not_have_is_not_the_boxs(group, top) -> None:
+    blamed = group.out_of_memory(), group.host_out_of_memory()
+    # As Linux 7.2 counts for a box of 128 MiB in a group of 96.
+    events = "low 0\nhigh 0\nmax 0\noom 0\noom_kill 2\noom_group_kill 1\n"
+    (top / group.name / "memory.events").write_text(events)
+
+    assert blamed == (True, False)
+    assert (group.out_of_memory(), group.host_out_of_memory()) == (False, True)
+    group.remove()
+
+
 def test_a_kernel_that_keeps_no_peak_says_0_and_no_event_is_none(group, top) -> None:
     (top / group.name / "memory.peak").unlink()
-    (top / group.name / "memory.events").write_text("oom_kill 0\n")
+    (top / group.name / "memory.events").write_text("oom 0\noom_kill 0\n")
     (top / group.name / "pids.events").unlink()
 
     assert group.memory_mib() == 0.0
     assert not group.out_of_memory()
+    assert not group.host_out_of_memory()
     assert not group.out_of_processes()
     group.remove()
 
