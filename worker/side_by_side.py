@@ -160,7 +160,16 @@ class Hand:
             self._kept.append(frame)
             self.kept_bytes += len(frame.payload)
         if self._reader.ended and not self.ended:
-            raise TrialBroken(f"the process of trial {self.trial} died")
+            raise TrialBroken(f"the process of trial {self.trial} died: {self._how()}")
+
+    def _how(self) -> str:
+        """Return how the process ended, whose end of the connection is closed; `close` reaps it."""
+        if not select.select([self._pidfd], [], [], END_WITHIN_S)[0]:
+            return "it closed its connection and lives on"
+        end = os.waitid(os.P_PIDFD, self._pidfd, os.WEXITED | os.WNOWAIT)
+        if end is None or end.si_code == os.CLD_EXITED:
+            return f"exit code {end.si_status if end else 'unknown'}"
+        return signal.Signals(end.si_status).name
 
     def next_frame(self) -> Frame | None:
         """Return the first message that has not been returned; None if there is none yet."""
@@ -223,10 +232,7 @@ def _live(
         for number in (signal.SIGTERM, signal.SIGINT):
             signal.signal(number, _leave)
         die_with_parent(parent)
-        pin(core)
-        if loan:
-            loan.use()
-        _run(run_one, trial, channel)
+        _run(run_one, trial, core, channel, loan)
         status = 0
     except SystemExit:
         status = 0
@@ -237,9 +243,12 @@ def _live(
         os._exit(status)
 
 
-def _run(run_one: RunOne, trial: int, channel: socket.socket) -> None:
+def _run(run_one: RunOne, trial: int, core: int, channel: socket.socket, loan: Loan | None) -> None:
     end: TrialEnd | SandboxBroken
     try:
+        pin(core)
+        if loan:
+            loan.use()
         end = run_one(trial, Telling(channel))
     except SandboxBroken as broken:
         end = broken
