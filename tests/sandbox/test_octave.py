@@ -2,6 +2,7 @@
 
 import json
 import struct
+from pathlib import Path
 
 import pytest
 from hypothesis import given
@@ -9,6 +10,8 @@ from hypothesis import strategies as st
 
 from sandbox.box import Box
 from sandbox.languages.inside.octave_relay import octave_value
+from sandbox.languages.language import Bind
+from sandbox.languages.octave.host import alternatives
 from sandbox.level import Level
 from sandbox.limits import Limits
 from sandbox.outcome import Outcome, ProgramEnded
@@ -36,6 +39,15 @@ function [command, state] = controller_step(state, observation)
     %s
 end
 """
+
+
+def test_every_library_that_is_reached_over_etc_is_in_the_box(tmp_path: Path) -> None:
+    (tmp_path / "libplain.so.1").touch()
+    (tmp_path / "libbeside.so.1").symlink_to(tmp_path / "libplain.so.1")
+    (tmp_path / "libgone.so.1").symlink_to("/etc/alternatives/of-nothing")
+    (tmp_path / "libchosen.so.0").symlink_to("/etc/hostname")
+
+    assert alternatives(tmp_path) == [Bind(Path("/etc/hostname"), "/etc/hostname")]
 
 
 @pytest.fixture(scope="module")

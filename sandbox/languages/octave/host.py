@@ -12,7 +12,6 @@ HERE = Path(__file__).parent
 PROGRAM = Path("/usr/bin/octave-cli")
 FUNCTIONS = Path("/usr/share/octave")
 LIBRARIES = Path("/usr/lib/x86_64-linux-gnu")
-CHOSEN = ("libblas.so.3", "liblapack.so.3")  # Debian: links to /etc/alternatives
 OUTSIDE, PICTURES = Path("/usr/lib"), "libGraphicsMagick*.so.*"  # not where Debian has the others
 ENVIRONMENT = {
     "PATH": "/usr/bin",
@@ -34,16 +33,19 @@ def running() -> Runtime:
         Bind(Path(os.path.realpath(PROGRAM)), str(PROGRAM)),
         Bind(FUNCTIONS, str(FUNCTIONS)),
         Bind(HERE / "runner.m", "/box/octave/runner.m"),
-        *_alternatives(),
+        *alternatives(),
         *(Bind(Path(os.path.realpath(path)), str(path)) for path in sorted(OUTSIDE.glob(PICTURES))),
     ]
     return script_runtime("octave", binds=binds, environment=ENVIRONMENT, images=True)
 
 
-def _alternatives() -> list[Bind]:
-    """Return the libraries that Debian reaches over /etc, which a box does not have."""
-    links = [LIBRARIES / name for name in CHOSEN if (LIBRARIES / name).is_symlink()]
-    targets = [(link, os.readlink(link)) for link in links]
+def alternatives(libraries: Path = LIBRARIES) -> list[Bind]:
+    """Return the libraries that Debian reaches over /etc/alternatives, which a box does not have.
+
+    Which ones Octave needs depends on what the host has chosen: OpenBLAS comes with a third.
+    """
+    links = [link for link in sorted(libraries.glob("*.so.*")) if link.is_symlink()]
+    targets = [(link, os.readlink(link)) for link in links if link.exists()]
     return [
         Bind(Path(os.path.realpath(link)), target)
         for link, target in targets
