@@ -10,7 +10,7 @@ from typing import Any
 
 import cv2
 
-from performance.visibility.cases import GROUPS, Case
+from performance.visibility.cases import GROUPS, SEEDS, STEP, Case
 from performance.visibility.page import write
 from sim.registry import benchmark
 from sim.statistics import mean
@@ -27,18 +27,16 @@ def measure(case: Case) -> dict[str, Any]:
     """Run one tracker over all its seeds."""
     cv2.setNumThreads(1)
     config = benchmark(NAME).read(
-        {"sweep_step": case.step, "level_duration_s": case.level_s, **case.config}
+        {"sweep_step": STEP, "level_duration_s": case.level_s, **case.config}
     )
     results = [
         run_trial(NAME, config, None, seed=seed, trial=0, on_rows=lambda _rows: None)
-        for seed in range(case.seeds)
+        for seed in range(SEEDS)
     ]
     levels = zip(*(result.levels for result in results), strict=True)
     overall = [result.standing.overall for result in results]
     return {
         "label": case.label,
-        "step": case.step,
-        "level_s": case.level_s,
         "scores": [result.score for result in results],
         "overall": {name: _mean([one[name] for one in overall]) for name in METRICS},
         "p5": [round(mean([level["p5_percent"] for level in same]), 3) for same in levels],

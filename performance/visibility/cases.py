@@ -6,7 +6,8 @@ from typing import NamedTuple
 from sim.targets import TARGETS
 from sim.trackers.choices import CRITERIA, METHODS, WARPS
 
-SEEDS, STEP = 10, 0.25  # as a ranked run: of the levels, in optical depth
+SEEDS, STEP, LEVEL_S = 10, 0.25, 5.0  # as a ranked run: of the levels, in optical depth and [s]
+SHORTEST_S = 2.0  # that a level may last; for trackers that take 5 to 200 ms a picture
 
 
 class Case(NamedTuple):
@@ -14,9 +15,7 @@ class Case(NamedTuple):
 
     label: str
     config: Mapping[str, object]
-    seeds: int = SEEDS
-    step: float = STEP
-    level_s: float = 5.0
+    level_s: float = LEVEL_S
 
 
 def _ours(criterion: str, warp: str) -> Case:
@@ -38,13 +37,7 @@ def _visp(criterion: str, method: str, warp: str = "homography", **more: object)
         "pyramid_levels": 2 if criterion == "ssd" else 1,
         "visp_iterations": {"ssd": 200, "zncc": 60, "mi": 30}[criterion],
     }
-    label = f"visp {criterion} {_SHORT[method]} {warp}"
-    return Case(label, config | more, seeds=3, step=0.5, level_s=2.5)
-
-
-def _slow(case: Case) -> Case:
-    """The same for a tracker that takes 50 to 200 ms a picture."""
-    return case._replace(seeds=2, step=1.0, level_s=2.0)  # the least that a level may last
+    return Case(f"visp {criterion} {_SHORT[method]} {warp}", config | more, SHORTEST_S)
 
 
 _SHORT = {
@@ -73,8 +66,8 @@ GROUPS: Mapping[str, tuple[Case, ...]] = {
         *(_opencv("klt", warp) for warp in ("srt", "affine", "homography")),
         *(_opencv("ecc", warp) for warp in ("translation", "affine", "homography")),
         Case("box", {"tracker": "box"}),
-        Case("kcf", {"tracker": "kcf"}, seeds=5, step=0.5, level_s=2.5),
-        Case("csrt", {"tracker": "csrt"}, seeds=3, step=0.5, level_s=2.5),
+        Case("kcf", {"tracker": "kcf"}),
+        Case("csrt", {"tracker": "csrt"}),
     ),
     "visp": (
         *(_visp("ssd", "inverse_compositional", warp) for warp in ("translation", "rt", "srt")),
@@ -87,11 +80,11 @@ GROUPS: Mapping[str, tuple[Case, ...]] = {
         _visp("mi", "forward_compositional"),
     ),
     "visp-slow": (
-        _slow(_visp("mi", "inverse_compositional", sampling_px=1))._replace(
+        _visp("mi", "inverse_compositional", sampling_px=1)._replace(
             label="visp mi ic homography, every pixel"
         ),
-        _slow(_visp("mi", "forward_additional")),
-        _slow(_visp("mi", "esm")),
+        _visp("mi", "forward_additional"),
+        _visp("mi", "esm"),
     ),
     "in-plane": tuple(
         Case(f"{criterion} {warp}", IN_PLANE | {"criterion": criterion, "warp": warp})

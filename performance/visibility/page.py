@@ -7,14 +7,14 @@ from typing import Any
 
 from performance.validation.markdown import table
 from performance.validation.plots import figure
-from performance.visibility.cases import GROUPS, ON_TARGETS, SEEDS
+from performance.visibility.cases import GROUPS, ON_TARGETS, SHORTEST_S, STEP
 from sim.statistics import bootstrap_interval, mean
 from sim.targets import TARGETS
 from sim.tracker_metrics import FAILED_PERCENT
 from sim.trackers.choices import CRITERIA, WARPS
 
 Measured = Mapping[str, Any]  # one case, as __main__ keeps it
-HEAD = ("tracker", "τ50 (95 % interval)", "p@5 [%]", "p@1 [%]", "error [px]", "unadmitted [%]", "")
+HEAD = ("tracker", "τ50 (95 % interval)", "p@5 [%]", "p@1 [%]", "error [px]", "unadmitted [%]")
 DRAWN = (
     "esm zncc srt",
     "esm zncc homography",
@@ -33,9 +33,7 @@ prescribed path, 320x240, optical depth 0 to 7 in steps of 0.25, 5 s each) on te
 optical depth of the first level with fewer than half of the pictures within 5 px; the interval is a
 95 % bootstrap over the seeds. The other columns are over all levels; the error is the mean corner
 error of the pictures within 5 px; unadmitted is the share of pictures in which the tracker is more
-than 10 px off and says that it has the target. Slow trackers have fewer seeds, wider steps and
-shorter levels, as the last column says: there τ50 reads high by about half of what the step is
-wider, and the other columns are of that experiment.
+than 10 px off and says that it has the target.
 
 ![p@5 over the optical depth](figures/visibility.png)
 
@@ -49,6 +47,8 @@ wider, and the other columns are of that experiment.
 
 Of the twelve that three criteria and four methods make, ViSP has ten: its headers have no ZNCC with
 ESM and none with forward compositional steps. All are set up as in [the table](trackers-table.md).
+They take 5 to 200 ms a picture, so their levels last {visp_level_s:g} s; seeds and steps are the
+same.
 
 {visp}
 
@@ -83,6 +83,7 @@ def write(kept: Mapping[str, Sequence[Measured]], docs: Path) -> None:
         ours=table(HEAD, _rows(ours)),
         verdicts="\n".join(_verdicts(ours)),
         visp=table(HEAD, _rows(visp)),
+        visp_level_s=SHORTEST_S,
         freedom=table(("criterion", "path", *WARPS), _freedom(ours, found.get("in-plane", {}))),
         freedom_verdicts="\n".join(_chains(found.get("in-plane", {}))),
         missing=_missing(found),
@@ -113,9 +114,8 @@ def _tau(one: Measured | None) -> str:
 def _rows(found: Mapping[str, Measured]) -> Iterable[Sequence[str]]:
     """Yield the rows, the longest-lasting tracker first."""
     for label, one in sorted(found.items(), key=lambda item: -mean(item[1]["scores"])):
-        overall, seeds = one["overall"], len(one["scores"])
+        overall = one["overall"]
         corner = overall["corner_px"]
-        note = f"{seeds} seeds, step {one['step']:g}, {one['level_s']:g} s a level"
         yield (
             label,
             _tau(one),
@@ -123,7 +123,6 @@ def _rows(found: Mapping[str, Measured]) -> Iterable[Sequence[str]]:
             f"{overall['p1_percent']:.1f}",
             "–" if corner is None else f"{corner:.2f}",
             f"{overall['not_admitted_percent']:.2f}",
-            "" if seeds == SEEDS else note,
         )
 
 
@@ -184,7 +183,7 @@ def _draw(found: Mapping[str, Measured], out: Path) -> None:
     with figure(out, height=4.5) as axes:
         for number, label in enumerate(name for name in DRAWN if found.get(name, {}).get("p5")):
             one = found[label]
-            depths = [k * one["step"] for k in range(len(one["p5"]))]
+            depths = [k * STEP for k in range(len(one["p5"]))]
             style = "-" if label.startswith("esm") else "--"
             axes.plot(depths, one["p5"], style, color=f"C{number}", label=label, linewidth=1.8)
         axes.axhline(FAILED_PERCENT, color="#64748b", linewidth=1.0, linestyle=":")
