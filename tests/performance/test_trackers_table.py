@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from performance.trackers.contenders import CONTENDERS, PEERS, Contender
-from performance.trackers.race import Result, race
+from performance.trackers.race import Result, least, race
 from performance.trackers.sequences import Sequence, motion
 from sim.camera import VISIBILITY, Camera, Target, Water, start_pose
 from sim.registry import TRACKERS
@@ -34,6 +34,12 @@ def test_the_template_tracker_is_timed_and_errs_by_hundredths_of_a_pixel() -> No
     assert len(result.errors_px) == len(result.spent_us) == 11
     assert result.error(95) < 0.2
     assert result.median_us() > 0
+
+
+def test_of_several_rounds_each_picture_keeps_its_least_time() -> None:
+    slow, quick = (Result(Contender("ours", "esm"), spent_us=us) for us in ([9.0, 1.0], [3.0, 2.0]))
+
+    assert least([[slow], [quick]])[0].spent_us == [3.0, 1.0]
 
 
 def test_pictures_from_the_lost_one_on_are_not_part_of_the_error() -> None:

@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from performance.visibility.cases import GROUPS, IN_PLANE
+from performance.visibility.cases import GROUPS, IN_PLANE, STEP
 from performance.visibility.page import write
 from sim.configuration import ConfigurationInvalid
 from sim.registry import benchmark
@@ -18,8 +18,6 @@ def _measured(label: str, scores: list[float]) -> dict[str, Any]:
     overall = {"p5_percent": 70.0, "p1_percent": 60.0, "corner_px": None}
     return {
         "label": label,
-        "step": 0.5,
-        "level_s": 2.5,
         "scores": scores,
         "overall": overall | {"not_admitted_percent": 0.1},
         "p5": [100.0, 20.0],
@@ -29,7 +27,7 @@ def _measured(label: str, scores: list[float]) -> dict[str, Any]:
 @pytest.mark.parametrize("group", GROUPS)
 def test_every_case_is_one_that_the_benchmark_takes(group: str) -> None:
     for case in GROUPS[group]:
-        settings = {"sweep_step": case.step, "level_duration_s": case.level_s, **case.config}
+        settings = {"sweep_step": STEP, "level_duration_s": case.level_s, **case.config}
         try:
             VISIBILITY.read(settings)
         except ConfigurationInvalid as refusal:
@@ -62,4 +60,4 @@ def test_the_page_says_whether_fewer_degrees_of_freedom_last_longer(tmp_path: Pa
 
     assert "SSD: fewer degrees of freedom last longer, but not at every step." in text
     assert "+0.50 beside the homography" in text
-    assert "3 seeds, step 0.5, 2.5 s a level" in text
+    assert "their levels last 2 s" in text
