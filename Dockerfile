@@ -9,4 +9,4 @@ RUN python3.11 -m venv /opt/uv && /opt/uv/bin/pip install -q uv==0.13.8 \
 COPY . .
 RUN /opt/uv/bin/uv sync --frozen --no-dev --python /usr/bin/python3.11
 ENV PATH=/srv/seamark/.venv/bin:$PATH
-RUN python -c 'from sim.warm_up import warm_up; warm_up()'
+RUN python -c 'from seamark.sim.engine.warm_up import warm_up; warm_up()'

@@ -1,8 +1,8 @@
-"""Called by Alembic for each command; all choices are in server/migrate.py."""
+"""Called by Alembic for each command; all choices are in server/database/schema.py."""
 
 from alembic import context
 
-from server.migrate import run_environment
+from seamark.server.database.schema import run_environment
 
 
 def _run() -> None:

@@ -6,7 +6,7 @@ import numpy as np
 import pybullet
 
 from performance.table import Row, cpu_us
-from sim.camera import CURRENTS, VISIBILITY, Camera, Optics, Target, Water, start_pose
+from seamark.sim.camera import CURRENTS, VISIBILITY, Camera, Optics, Target, Water, start_pose
 
 _HEIGHTS_M = {"320x240": (VISIBILITY, 1.27), "640x480": (CURRENTS, 2.27)}
 _MARGIN_PX = 20

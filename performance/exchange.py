@@ -16,11 +16,11 @@ import numpy as np
 
 from performance import first_answers
 from performance.table import Row
-from sandbox.box import Box
-from sandbox.languages.python import SELF_TEST
-from sandbox.level import Level
-from sandbox.limits import Limits
-from sandbox.probes import probe
+from seamark.sandbox.box import Box
+from seamark.sandbox.isolation.level import Level
+from seamark.sandbox.languages.python import SELF_TEST
+from seamark.sandbox.limits import Limits
+from seamark.sandbox.probing.probes import probe
 
 FIELDS = 29  # float64 values of the real layout
 STEPS = 20_000

@@ -12,13 +12,13 @@ import sys
 import time
 
 from performance.table import Row
-from sandbox.box import Box
-from sandbox.compilation import compiled
-from sandbox.languages import LANGUAGES
-from sandbox.level import Level
-from sandbox.limits import Limits
-from sandbox.outcome import SandboxBroken
-from sandbox.self_test import LAYOUT, OBSERVATION
+from seamark.sandbox.box import Box
+from seamark.sandbox.compilation import compiled
+from seamark.sandbox.isolation.level import Level
+from seamark.sandbox.languages import LANGUAGES
+from seamark.sandbox.limits import Limits
+from seamark.sandbox.outcome import SandboxBroken
+from seamark.sandbox.probing.self_test import LAYOUT, OBSERVATION
 
 STARTS = 9
 NUMPY = (sys.executable, "-c", "import numpy")

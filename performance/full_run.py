@@ -8,11 +8,11 @@ import resource
 import time
 
 from performance.table import Row
-from sandbox.languages.python import SELF_TEST
-from sandbox.level import Level
-from sandbox.probes import probe
-from sim.warm_up import warm_up
-from worker.single import Hearing, evaluate_here
+from seamark.sandbox.isolation.level import Level
+from seamark.sandbox.languages.python import SELF_TEST
+from seamark.sandbox.probing.probes import probe
+from seamark.sim.engine.warm_up import warm_up
+from seamark.worker.evaluation.local import Hearing, evaluate_here
 
 _SEED = 7
 _SETTINGS: dict[str, object] = {"tracker": "esm", "warp": "homography", "criterion": "zncc"}

@@ -16,10 +16,10 @@ _CURRENT_STEP_M_S = 0.04
 _CHILD = """
 import json, resource, sys, time
 began = time.process_time()
-from sim.warm_up import warm_up
-from sim import registry
-from sim.program import BuiltIn
-from sim.trial import run_trial
+from seamark.sim.engine.warm_up import warm_up
+from seamark.sim import registry
+from seamark.sim.engine.program import BuiltIn
+from seamark.sim.engine.trial import run_trial
 warm_up()
 warm = time.process_time()
 config = registry.benchmark("currents-v1").read(json.loads(sys.argv[1]))

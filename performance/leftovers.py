@@ -12,12 +12,12 @@ import time
 from pathlib import Path
 
 from performance.table import Row
-from sandbox import cgroups
-from sandbox.box import Box
-from sandbox.limits import Limits
-from sandbox.outcome import ProgramEnded, SandboxBroken
-from sandbox.pool import Pool
-from sandbox.probes import probe
+from seamark.sandbox.box import Box
+from seamark.sandbox.isolation import cgroups
+from seamark.sandbox.limits import Limits
+from seamark.sandbox.outcome import ProgramEnded, SandboxBroken
+from seamark.sandbox.pool import Pool
+from seamark.sandbox.probing.probes import probe
 
 RUNS = 1000
 FIRST = 20  # runs before the first look: what is made once is no leftover

@@ -16,8 +16,8 @@ import numpy as np
 
 from performance.validation.plots import figure
 from performance.validation.trials import PAPER_VEHICLE, trial
-from sim.registry import benchmark
-from sim.telemetry import INDEX, Rows
+from seamark.sim.recording.telemetry import INDEX, Rows
+from seamark.sim.registry import benchmark
 
 PX_PER_M = 514.7 / 2.27  # focal length over height
 WINDOW_S = 30.0  # the last part of a level, two periods of the force on Y

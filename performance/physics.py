@@ -9,9 +9,9 @@ import numpy as np
 import pybullet
 
 from performance.table import Row, cpu_us
-from sim import registry
-from sim.current import Current
-from sim.plant import Plant
+from seamark.sim import registry
+from seamark.sim.physics.current import Current
+from seamark.sim.physics.plant import Plant
 
 _STEPS = 1000
 _MUJOCO_INTEGRATORS = ("Euler", "implicitfast", "RK4")

@@ -8,9 +8,9 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.camera import JERLOV, VISIBILITY, Camera, Target, Water, start_pose
-from sim.camera.effects import Effects
-from sim.targets import TARGETS
+from seamark.sim.camera import JERLOV, VISIBILITY, Camera, Target, Water, start_pose
+from seamark.sim.camera.effects import Effects
+from seamark.sim.settings.targets import TARGETS
 
 Picture = NDArray[np.uint8]
 

@@ -8,10 +8,10 @@ import time
 
 from performance.full_run import quiet_hearing
 from performance.table import Row
-from sandbox.languages.python import SELF_TEST
-from sandbox.probes import probe
-from sim.warm_up import warm_up
-from worker.single import evaluate_here
+from seamark.sandbox.languages.python import SELF_TEST
+from seamark.sandbox.probing.probes import probe
+from seamark.sim.engine.warm_up import warm_up
+from seamark.worker.evaluation.local import evaluate_here
 
 _LEVELS = {"levels": [0.0, 0.2], "level_duration_s": 120.0}
 _TRIALS = 10
@@ -19,10 +19,10 @@ _TRIALS = 10
 _CHILD = """
 import json, os, sys, time
 os.sched_setaffinity(0, {int(sys.argv[2])})
-from sim.warm_up import warm_up
-from sim import registry
-from sim.program import BuiltIn
-from sim.trial import run_trial
+from seamark.sim.engine.warm_up import warm_up
+from seamark.sim import registry
+from seamark.sim.engine.program import BuiltIn
+from seamark.sim.engine.trial import run_trial
 warm_up()
 config = registry.benchmark("currents-v1").read(json.loads(sys.argv[1]))
 print("warm", flush=True)

@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from performance.pictures import FOLDER, Picture
 from performance.trackers.sequences import HEIGHT_M
 from performance.validation.plots import figure
-from sim.camera import VISIBILITY, Camera, Target, Water, start_pose
-from sim.trackers.choices import CRITERIA, METHODS, WARPS
-from sim.trackers.template import TemplateTracker
+from seamark.sim.camera import VISIBILITY, Camera, Target, Water, start_pose
+from seamark.sim.trackers.choices import CRITERIA, METHODS, WARPS
+from seamark.sim.trackers.template.tracker import TemplateTracker
 
 Corners = NDArray[np.float64]
 

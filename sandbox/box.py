@@ -12,18 +12,19 @@ from pathlib import PurePosixPath
 from types import TracebackType
 from typing import Any, NamedTuple, Self, TypeVar, cast
 
-from sandbox import answers, frames, verdicts
-from sandbox.answers import Command, Corners, Detection
-from sandbox.command import IMAGES_DESCRIPTOR
-from sandbox.confined import START_WITHIN_S, Confined, Layers
-from sandbox.conversation import Conversation
-from sandbox.frames import Failure, FrameInvalid
-from sandbox.languages import LANGUAGES
-from sandbox.languages.language import Language, Runtime
-from sandbox.level import Level
-from sandbox.limits import Limits
-from sandbox.outcome import Outcome, SandboxBroken, Verdict
-from sandbox.pictures import Pictures
+from seamark.sandbox import verdicts
+from seamark.sandbox.isolation.bwrap_command import IMAGES_DESCRIPTOR
+from seamark.sandbox.isolation.level import Level
+from seamark.sandbox.isolation.process_tree import START_WITHIN_S, Confined, Layers
+from seamark.sandbox.isolation.shared_images import Pictures
+from seamark.sandbox.languages import LANGUAGES
+from seamark.sandbox.languages.language import Language, Runtime
+from seamark.sandbox.limits import Limits
+from seamark.sandbox.outcome import Outcome, SandboxBroken, Verdict
+from seamark.sandbox.protocol import answers, messages
+from seamark.sandbox.protocol.answers import Command, Corners, Detection
+from seamark.sandbox.protocol.messages import Failure, FrameInvalid
+from seamark.sandbox.protocol.session import Conversation
 
 ROLES = ("controller", "tracker", "detector")  # what a program may be; the first if nothing is said
 
@@ -95,7 +96,7 @@ class Box:
     def wait_ready(self) -> None:
         """Wait until the interpreter is up; SandboxBroken if it does not come."""
         if not self._ready:
-            self._talk.answer(frames.READY, self.limits.starting, "The interpreter")
+            self._talk.answer(messages.READY, self.limits.starting, "The interpreter")
             self._cage.meet_init()
             self._ready = True
 
@@ -127,18 +128,18 @@ class Box:
         fields = cast(Sequence[tuple[str, int]], layout.get("observation", ()))
         self._floats = sum(count or 1 for _, count in fields)
         header = json.dumps(self._header(filename, config, layout)).encode()
-        self._talk.ask(frames.BEGIN, frames.SIZES.pack(len(header), len(source)))
+        self._talk.ask(messages.BEGIN, messages.SIZES.pack(len(header), len(source)))
         blob = header + source
-        for start in range(0, len(blob), frames.CHUNK_BYTES):
-            self._talk.ask(frames.SOURCE, blob[start : start + frames.CHUNK_BYTES])
-        self._talk.answer(frames.READY, self.limits.starting, self._language.calls.start)
+        for start in range(0, len(blob), messages.CHUNK_BYTES):
+            self._talk.ask(messages.SOURCE, blob[start : start + messages.CHUNK_BYTES])
+        self._talk.answer(messages.READY, self.limits.starting, self._language.calls.start)
 
     def _header(
         self, filename: str, config: Mapping[str, object], layout: Mapping[str, object]
     ) -> dict[str, object]:
         name = "".join(c for c in PurePosixPath(filename).name if c.isprintable())[:100]
         header: dict[str, object] = {
-            "protocol": frames.VERSION,
+            "protocol": messages.VERSION,
             "filename": name or "program",
             "config": dict(config),
             "layout": dict(layout),
@@ -149,8 +150,8 @@ class Box:
 
     def reset(self, level: Mapping[str, object]) -> None:
         """Announce a level; wait until the program is ready."""
-        self._talk.ask(frames.RESET, json.dumps(dict(level)).encode())
-        self._talk.answer(frames.READY, self.limits.starting, self._language.calls.reset)
+        self._talk.ask(messages.RESET, json.dumps(dict(level)).encode())
+        self._talk.answer(messages.READY, self.limits.starting, self._language.calls.reset)
 
     def step(self, values: Sequence[float]) -> Command:
         """Send one observation, return the checked command.
@@ -167,8 +168,8 @@ class Box:
         """
         if values is not self._values:
             self._take(values)
-        self._talk.ask(frames.OBSERVE, self._body)
-        return self._checked(frames.ANSWER, answers.command, self._language.calls.step)
+        self._talk.ask(messages.OBSERVE, self._body)
+        return self._checked(messages.ANSWER, answers.command, self._language.calls.step)
 
     def _take(self, values: Sequence[float]) -> None:
         """Look at what observations come in; a buffer's bytes are those of its present values."""
@@ -190,8 +191,8 @@ class Box:
         """
         where = answers.packed_corners(corners)
         body = self._pictures.first(image) + where
-        self._talk.ask(frames.START, body)
-        self._talk.answer(frames.READY, self.limits.starting, "start(image, corners)")
+        self._talk.ask(messages.START, body)
+        self._talk.answer(messages.READY, self.limits.starting, "start(image, corners)")
 
     def update(self, image: object) -> Corners | None:
         """Show a tracker the next image; return the target's corners, None if it is lost.
@@ -206,13 +207,13 @@ class Box:
         (4, 2) [px] or None
             Nested tuples; finite, at most 1e6 in size.
         """
-        self._talk.ask(frames.UPDATE, self._pictures.next(image))
-        return self._checked(frames.TRACK, answers.track, "update(image)")
+        self._talk.ask(messages.UPDATE, self._pictures.next(image))
+        return self._checked(messages.TRACK, answers.track, "update(image)")
 
     def detect(self, image: object) -> list[Detection]:
         """Show a detector an image; return what it sees, at most MOST_DETECTIONS."""
-        self._talk.ask(frames.DETECT, self._pictures.next(image))
-        return self._checked(frames.DETECTIONS, answers.detections, "detect(image)")
+        self._talk.ask(messages.DETECT, self._pictures.next(image))
+        return self._checked(messages.DETECTIONS, answers.detections, "detect(image)")
 
     def finish(self) -> Outcome:
         """Say good-bye; the same process must answer and end by itself, well."""

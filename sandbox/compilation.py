@@ -7,11 +7,11 @@ output: no folder is shared. What comes out is as untrusted as what went in.
 from dataclasses import replace
 from typing import NoReturn
 
-from sandbox.box import Box
-from sandbox.languages import LANGUAGES
-from sandbox.level import Level
-from sandbox.limits import COMPILING, Limits
-from sandbox.outcome import Outcome, ProgramEnded, SandboxBroken, Verdict
+from seamark.sandbox.box import Box
+from seamark.sandbox.isolation.level import Level
+from seamark.sandbox.languages import LANGUAGES
+from seamark.sandbox.limits import COMPILING, Limits
+from seamark.sandbox.outcome import Outcome, ProgramEnded, SandboxBroken, Verdict
 
 LAYOUT: dict[str, object] = {"observation": []}  # a compiler is shown nothing
 

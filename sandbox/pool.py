@@ -13,11 +13,11 @@ from collections.abc import Mapping
 from types import TracebackType
 from typing import NamedTuple, Self
 
-from sandbox.box import Box
-from sandbox.languages import LANGUAGES
-from sandbox.level import Level
-from sandbox.limits import Limits
-from sandbox.outcome import SandboxBroken
+from seamark.sandbox.box import Box
+from seamark.sandbox.isolation.level import Level
+from seamark.sandbox.languages import LANGUAGES
+from seamark.sandbox.limits import Limits
+from seamark.sandbox.outcome import SandboxBroken
 
 OLDEST_S = 600.0  # [s] then a box that nobody needed is replaced by a new one
 

@@ -2,9 +2,9 @@
 
 import signal
 
-from sandbox.frames import Failure
-from sandbox.limits import Limits
-from sandbox.outcome import Verdict
+from seamark.sandbox.limits import Limits
+from seamark.sandbox.outcome import Verdict
+from seamark.sandbox.protocol.messages import Failure
 
 DISCONNECTED = 70  # exit code of the runner when it can no longer speak (languages/*_runner)
 SIGNALLED = 128  # exit code of bubblewrap: 128 + signal

@@ -12,10 +12,12 @@ from flask_openapi3.openapi import OpenAPI
 from flask_wtf.csrf import CSRFProtect
 from werkzeug.middleware.proxy_fix import ProxyFix
 
-import templates
-from server import api, frames, identity, pages, problems, rate_limits, security_headers
-from server.services import Services, services
-from server.settings import Settings
+from seamark import templates
+from seamark.server import api, pages
+from seamark.server.runs import camera_view
+from seamark.server.settings import Settings
+from seamark.server.web import authentication, problems, rate_limits, security_headers
+from seamark.server.web.services import Services, services
 
 FORM_ROOM = 64 * 1024  # [byte] for the other fields of a form beside the upload
 SESSION_DAYS = 30
@@ -39,14 +41,14 @@ def create_app(settings: Settings) -> OpenAPI:
     held = Services.start(settings)
     app.extensions["seamark"] = held
     atexit.register(held.close)
-    identity.register(app)
+    authentication.register(app)
     _protect(app)
     rate_limits.register(app, settings)
     security_headers.register(app, public=settings.public)
     pages.register(app)
     api.register(app)
     app.context_processor(_common)
-    frames.warm_up()
+    camera_view.warm_up()
     return app
 
 
@@ -82,7 +84,7 @@ def _protect(app: OpenAPI) -> None:
 
     @app.before_request
     def check_secret() -> None:
-        if request.method in _READING or identity.by_token():
+        if request.method in _READING or authentication.by_token():
             return
         # A program without cookie and token speaks for nobody, so nobody can be tricked.
         if request.path.startswith("/api/") and not session:

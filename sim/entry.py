@@ -28,5 +28,5 @@ class Entry:
 class TrackerEntry(Entry):
     """A tracker: also which settings it has, and what is to be said of it."""
 
-    options: tuple[str, ...] = ()  # names of settings in sim/tracker_settings.py
+    options: tuple[str, ...] = ()  # names of settings in sim/settings/tracker.py
     exact: bool = True  # whether every processor of x86-64 gives the same bits

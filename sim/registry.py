@@ -7,29 +7,31 @@ line here; an entry that does not load stops the start (`load_all`), it does not
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from sim.entry import Entry, TrackerEntry
+from seamark.sim.entry import Entry, TrackerEntry
 
 if TYPE_CHECKING:
-    from sim.benchmarks import Benchmark
+    from seamark.sim.benchmarks.benchmark import Benchmark
 
 BENCHMARKS = {
     "currents-v1": Entry(
-        "Position controllers in changing currents", "sim.benchmarks.currents_v1:BENCHMARK"
+        "Position controllers in changing currents",
+        "seamark.sim.benchmarks.currents_v1.definition:BENCHMARK",
     ),
     "visibility-v1": Entry(
-        "Trackers in water that gets worse", "sim.benchmarks.visibility_v1:BENCHMARK"
+        "Trackers in water that gets worse",
+        "seamark.sim.benchmarks.visibility_v1.definition:BENCHMARK",
     ),
 }
 VEHICLES = {
-    "girona500": Entry("Girona 500", "sim.vehicles.girona500:VEHICLE"),
+    "girona500": Entry("Girona 500", "seamark.sim.vehicles.girona500:VEHICLE"),
     "girona500-uwsim": Entry(
-        "Girona 500 as in UWSim (the paper's plant)", "sim.vehicles.girona500_uwsim:VEHICLE"
+        "Girona 500 as in UWSim (the paper's plant)", "seamark.sim.vehicles.girona500_uwsim:VEHICLE"
     ),
-    "bluerov2-heavy": Entry("BlueROV2 Heavy", "sim.vehicles.bluerov2_heavy:VEHICLE"),
+    "bluerov2-heavy": Entry("BlueROV2 Heavy", "seamark.sim.vehicles.bluerov2_heavy:VEHICLE"),
 }
 CONTROLLERS = {
-    "pi": Entry("PI", "sim.controllers.pi:Controller"),
-    "p": Entry("P", "sim.controllers.p:Controller"),
+    "pi": Entry("PI", "seamark.sim.control.position.pi:Controller"),
+    "p": Entry("P", "seamark.sim.control.position.p:Controller"),
 }
 TRUTH = "truth"  # not a tracker: the true corners, to look at a controller alone; never ranks
 _TEMPLATE = (
@@ -48,33 +50,35 @@ _TEMPLATE = (
 )
 TRACKERS = {
     "esm": TrackerEntry(
-        "Template tracker (ESM family)", "sim.trackers.template:TemplateTracker", _TEMPLATE
+        "Template tracker (ESM family)",
+        "seamark.sim.trackers.template.tracker:TemplateTracker",
+        _TEMPLATE,
     ),
     "klt": TrackerEntry(
         "Corners and optical flow (KLT + RANSAC, OpenCV)",
-        "sim.trackers.klt:KltTracker",
+        "seamark.sim.trackers.klt:KltTracker",
         ("warp", "klt_points", "klt_from"),
         exact=False,
     ),
     "ecc": TrackerEntry(
         "Enhanced correlation coefficient (ECC, OpenCV)",
-        "sim.trackers.ecc:EccTracker",
+        "seamark.sim.trackers.ecc:EccTracker",
         ("warp", "ecc_iterations", "predict_motion"),
         exact=False,
     ),
     "kcf": TrackerEntry(
         "Kernelised correlation filter (KCF, OpenCV; an upright box)",
-        "sim.trackers.filters:KcfTracker",
+        "seamark.sim.trackers.correlation_filters:KcfTracker",
         exact=False,
     ),
     "csrt": TrackerEntry(
         "Filter with channel and spatial reliability (CSRT, OpenCV; an upright box)",
-        "sim.trackers.filters:CsrtTracker",
+        "seamark.sim.trackers.correlation_filters:CsrtTracker",
         exact=False,
     ),
     "visp": TrackerEntry(
         "ViSP's template trackers",
-        "sim.trackers.visp.tracker:VispTracker",
+        "seamark.sim.trackers.visp.tracker:VispTracker",
         (
             "warp",
             "criterion",
@@ -89,7 +93,7 @@ TRACKERS = {
     ),
     "box": TrackerEntry(
         "Upright box by correlation (OpenCV; a baseline)",
-        "sim.trackers.box:BoxTracker",
+        "seamark.sim.trackers.box:BoxTracker",
         ("search_px",),
         exact=False,
     ),

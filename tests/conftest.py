@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 from redis import Redis
 
-from server.db import Database
-from server.migrate import upgrade
-from server.settings import Settings
+from seamark.server.database.engine import Database
+from seamark.server.database.schema import upgrade
+from seamark.server.settings import Settings
 from tests.services import postgres, valkey
 
 

@@ -10,16 +10,7 @@ import grimp
 import pytest
 
 ROOT = Path(__file__).parent.parent
-PACKAGES = (
-    "sandbox",
-    "sim",
-    "server",
-    "worker",
-    "seamark",
-    "templates",
-    "migrations",
-    "performance",
-)
+PARTS = ("sandbox", "sim", "server", "worker", "templates", "migrations")
 
 
 def tracked(*patterns: str) -> list[Path]:
@@ -34,12 +25,21 @@ def tracked(*patterns: str) -> list[Path]:
     return [path for path in found if not foreign & set(path.relative_to(ROOT).parts)]
 
 
-@pytest.mark.parametrize("name", PACKAGES)
-def test_a_top_level_name_belongs_to_our_distribution_alone(name: str) -> None:
-    owners = packages_distributions().get(name, [])
-
-    assert set(owners) <= {"seamark"}
+@pytest.mark.parametrize("name", PARTS)
+def test_a_part_is_a_folder_of_the_checkout_and_a_link_below_the_namespace(name: str) -> None:
     assert (ROOT / name / "__init__.py").is_file()
+    assert (ROOT / "seamark" / name).readlink() == Path("..", name)
+
+
+def test_the_distribution_owns_the_namespace_alone() -> None:
+    assert set(packages_distributions().get("seamark", [])) <= {"seamark"}
+
+
+def test_every_file_is_one_module() -> None:
+    plain = re.compile(rf"^\s*(?:from|import) (?:{'|'.join(PARTS)})\b", re.MULTILINE)
+    sources = [path for path in tracked("*.py") if path.is_file()]
+
+    assert [path for path in sources if plain.search(path.read_text("utf-8"))] == []
 
 
 def test_no_source_file_is_longer_than_400_lines() -> None:
@@ -59,7 +59,7 @@ def test_no_source_file_is_longer_than_400_lines() -> None:
 
 
 def test_no_two_modules_import_each_other() -> None:
-    graph = grimp.build_graph(*PACKAGES, cache_dir=None)
+    graph = grimp.build_graph("seamark", "performance", cache_dir=None)
     mutual = {
         tuple(sorted((module, other)))
         for module in graph.modules

@@ -11,7 +11,7 @@ import cv2
 from performance.trackers.contenders import CONTENDERS, FILTERS, PEERS
 from performance.trackers.race import Result, least, race
 from performance.trackers.sequences import FRAMES, SEQUENCES
-from sim.trackers.visp import why_not
+from seamark.sim.trackers.visp import why_not
 
 ROUNDS = 3
 _HEAD = ("tracker", "us a picture", "times", "median px", "95 % px", "lost at picture")

@@ -4,7 +4,7 @@ import sys
 from pathlib import Path
 
 from performance.trackers import ROUNDS, table
-from sim.manifest import cpu_class
+from seamark.sim.recording.manifest import cpu_class
 
 PAGE = Path(__file__).parents[2] / "docs" / "trackers-table.md"
 _INTRODUCTION = """# Trackers beside ViSP and OpenCV

@@ -7,9 +7,9 @@ import numpy as np
 
 from performance.trackers.contenders import Contender
 from performance.trackers.sequences import Sequence, carried
-from sim.registry import TRACKERS
-from sim.trackers import Tracker
-from sim.trackers.choices import refusals
+from seamark.sim.registry import TRACKERS
+from seamark.sim.trackers import Tracker
+from seamark.sim.trackers.choices import refusals
 
 TURN = 30  # pictures: long enough that each finds its own code and data in the caches
 FAILED_PX = 10.0  # S: Lieberknecht et al., ISMAR 2009: a picture with more has failed

@@ -12,7 +12,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.camera import CURRENTS, VISIBILITY, Camera, Optics, Target, Water, start_pose
+from seamark.sim.camera import CURRENTS, VISIBILITY, Camera, Optics, Target, Water, start_pose
 
 FRAMES = 300
 RATE_HZ = 20.0

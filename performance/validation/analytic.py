@@ -12,10 +12,10 @@ from typing import NamedTuple
 import numpy as np
 
 from performance.validation.markdown import table
-from sim.current import Current, Pattern
-from sim.plant import Plant
-from sim.thrusters import commands_for, packed
-from sim.vehicles import Array, Quantity, Vehicle, load
+from seamark.sim.physics.current import Current, Pattern
+from seamark.sim.physics.plant import Plant
+from seamark.sim.physics.thrusters import commands_for, packed
+from seamark.sim.vehicles import Array, Quantity, Vehicle, load
 
 TITLE = "Cases with a closed form"
 LARGEST_ERROR_PERCENT = 0.5
@@ -242,8 +242,8 @@ def section(names: list[str], _figures: Path) -> str:
         [
             f"{verdict} {len(found)} errors are within {LARGEST_ERROR_PERCENT:g} %. The largest is "
             f"{worst.error_percent:.3f} % ({worst.vehicle}, {worst.what}).",
-            "How: the plant of `sim/plant.py` with the vehicle's own numbers, no random part. "
-            "For a closed form to be exact the case leaves something out: terminal speeds, "
+            "How: the plant of `sim/physics/plant.py` with the vehicle's own numbers, no random "
+            "part. For a closed form to be exact the case leaves something out: terminal speeds, "
             "coasting, first acceleration, drift and energy have all centres in one point and "
             "neutral weight, the righting period has no drag. Thrust is half of the weaker limit "
             "of the thrusters, through their curve and lag, for "

@@ -12,8 +12,8 @@ import numpy as np
 
 from performance.validation.markdown import table
 from performance.validation.trials import SEED, trial
-from sim.manifest import cpu_class
-from sim.telemetry import DIGESTED, NAMES, Rows, digest
+from seamark.sim.recording.manifest import cpu_class
+from seamark.sim.recording.telemetry import DIGESTED, NAMES, Rows, digest
 
 TITLE = "Determinism"
 LEVELS, LEVEL_S = (0.0, 0.2, 0.4), 20.0

@@ -10,7 +10,7 @@ from performance.paper_figures import BAND_PX, WINDOW_S, X_AXIS, Y_AXIS, facts, 
 from performance.validation import offset, translation
 from performance.validation.markdown import signed, table
 from performance.validation.trials import PAPER_VEHICLE, SEED, configured
-from sim.telemetry import INDEX, Rows
+from seamark.sim.recording.telemetry import INDEX, Rows
 
 TITLE = "The six facts of the published experiment"
 PUBLISHED_X_PX = 18.0  # P on X at 0.4 m/s, read off the published figure

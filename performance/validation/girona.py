@@ -4,7 +4,7 @@ from pathlib import Path
 
 from performance.validation.markdown import table
 from performance.validation.trials import configured, trial
-from sim.statistics import mean
+from seamark.sim.numerics.statistics import mean
 
 TITLE = "P and PI on the realistic vehicle"
 VEHICLE = "girona500"

@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 
 from performance.validation.markdown import signed, table
 from performance.validation.trials import PAPER_VEHICLE, SEED, configured, moved_level
-from sim.camera.optics import CURRENTS, MOUNT_M, VISIBILITY, Optics
-from sim.camera.target import Target
-from sim.telemetry import INDEX, Rows
+from seamark.sim.camera.optics import CURRENTS, MOUNT_M, VISIBILITY, Optics
+from seamark.sim.camera.target import Target
+from seamark.sim.recording.telemetry import INDEX, Rows
 
 PUBLISHED_PX = -5.0
 LATE_S = 30.0

@@ -14,7 +14,7 @@ from performance.validation import (
     independent,
     vehicles,
 )
-from sim.manifest import code_sha256, versions
+from seamark.sim.recording.manifest import code_sha256, versions
 
 SECTIONS: tuple[ModuleType, ...] = (
     facts,

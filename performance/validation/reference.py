@@ -13,9 +13,9 @@ import numpy as np
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from sim.vehicles import STANDARD_GRAVITY, Array, Vehicle
+from seamark.sim.vehicles import STANDARD_GRAVITY, Array, Vehicle
 
-FORCE = 410.0 * 0.134  # [N s²/m²] S and D: sim/current.py, the published body force
+FORCE = 410.0 * 0.134  # [N s²/m²] S and D: sim/physics/current.py, the published body force
 
 
 class Leg(NamedTuple):

@@ -9,9 +9,9 @@ import numpy as np
 from performance.validation.markdown import table
 from performance.validation.plots import COLOURS, figure
 from performance.validation.trials import PAPER_VEHICLE, configured, trial
-from sim.metrics import lost
-from sim.telemetry import INDEX, Rows
-from sim.vehicles import load
+from seamark.sim.metrics.station_keeping import lost
+from seamark.sim.recording.telemetry import INDEX, Rows
+from seamark.sim.vehicles import load
 
 # What the original scene and its programs have, on a vehicle that is a little buoyant: P and PI act
 # on the height too, which they know from the target's size alone, and nothing else holds the depth.

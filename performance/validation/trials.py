@@ -7,14 +7,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.benchmarks.currents_v1 import CurrentsConfiguration
-from sim.experiments.station_keeping import EXPERIMENT
-from sim.loop import LevelLoop
-from sim.program import BuiltIn
-from sim.registry import benchmark
-from sim.telemetry import Recorder, Rows
-from sim.tracking import Tracking
-from sim.trial import TrialResult, run_trial
+from seamark.sim.benchmarks.currents_v1.definition import CurrentsConfiguration
+from seamark.sim.benchmarks.currents_v1.experiment import EXPERIMENT
+from seamark.sim.engine.closed_loop import LevelLoop
+from seamark.sim.engine.program import BuiltIn
+from seamark.sim.engine.tracker_in_loop import Tracking
+from seamark.sim.engine.trial import TrialResult, run_trial
+from seamark.sim.recording.telemetry import Recorder, Rows
+from seamark.sim.registry import benchmark
 
 SEED = 1
 BENCHMARK = "currents-v1"

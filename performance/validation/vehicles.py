@@ -3,8 +3,8 @@
 from pathlib import Path
 
 from performance.validation.markdown import table
-from sim.registry import VEHICLES
-from sim.vehicles import TAGS, Quantity, Vehicle, load
+from seamark.sim.registry import VEHICLES
+from seamark.sim.vehicles import TAGS, Quantity, Vehicle, load
 
 TITLE = "The vehicles' numbers and where they are from"
 

@@ -12,10 +12,10 @@ import cv2
 
 from performance.visibility.cases import GROUPS, SEEDS, STEP, Case
 from performance.visibility.page import write
-from sim.registry import benchmark
-from sim.statistics import mean
-from sim.trackers.visp import why_not
-from sim.trial import run_trial
+from seamark.sim.engine.trial import run_trial
+from seamark.sim.numerics.statistics import mean
+from seamark.sim.registry import benchmark
+from seamark.sim.trackers.visp import why_not
 
 NAME = "visibility-v1"
 DOCS = Path(__file__).parents[2] / "docs"

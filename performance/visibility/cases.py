@@ -3,8 +3,8 @@
 from collections.abc import Mapping
 from typing import NamedTuple
 
-from sim.targets import TARGETS
-from sim.trackers.choices import CRITERIA, METHODS, WARPS
+from seamark.sim.settings.targets import TARGETS
+from seamark.sim.trackers.choices import CRITERIA, METHODS, WARPS
 
 SEEDS, STEP, LEVEL_S = 10, 0.25, 5.0  # as a ranked run: of the levels, in optical depth and [s]
 SHORTEST_S = 2.0  # that a level may last; for trackers that take 5 to 200 ms a picture

@@ -8,10 +8,10 @@ from typing import Any
 from performance.validation.markdown import table
 from performance.validation.plots import figure
 from performance.visibility.cases import GROUPS, ON_TARGETS, SHORTEST_S, STEP
-from sim.statistics import bootstrap_interval, mean
-from sim.targets import TARGETS
-from sim.tracker_metrics import FAILED_PERCENT
-from sim.trackers.choices import CRITERIA, WARPS
+from seamark.sim.metrics.tracking import FAILED_PERCENT
+from seamark.sim.numerics.statistics import bootstrap_interval, mean
+from seamark.sim.settings.targets import TARGETS
+from seamark.sim.trackers.choices import CRITERIA, WARPS
 
 Measured = Mapping[str, Any]  # one case, as __main__ keeps it
 HEAD = ("tracker", "τ50 (95 % interval)", "p@5 [%]", "p@1 [%]", "error [px]", "unadmitted [%]")
@@ -70,7 +70,7 @@ leaves out the outermost 3 px: with `template_margin_px=6` it has them.
 
 {targets}
 {missing}
-The rules of the benchmark stand in `sim/benchmarks/visibility_v1.py`.
+The rules of the benchmark stand in `sim/benchmarks/visibility_v1/definition.py`.
 """
 
 

@@ -2,13 +2,13 @@
 
 from pathlib import PurePosixPath
 
-from sandbox.languages.c import C
-from sandbox.languages.cpp import CPP
-from sandbox.languages.executable import EXECUTABLE
-from sandbox.languages.fmu import FMU
-from sandbox.languages.language import Language
-from sandbox.languages.matlab import MATLAB
-from sandbox.languages.python import PYTHON
+from seamark.sandbox.languages.c import C
+from seamark.sandbox.languages.cpp import CPP
+from seamark.sandbox.languages.executable import EXECUTABLE
+from seamark.sandbox.languages.fmu import FMU
+from seamark.sandbox.languages.language import Language
+from seamark.sandbox.languages.matlab import MATLAB
+from seamark.sandbox.languages.python import PYTHON
 
 LANGUAGES: dict[str, Language] = {
     language.name: language for language in (PYTHON, C, CPP, MATLAB, FMU, EXECUTABLE)

@@ -1,7 +1,7 @@
 """C: for seamark.h, or as Embedded Coder generates it; compiled by GCC in a box of its own."""
 
-from sandbox.languages.language import Language, Runtime
-from sandbox.languages.native import CALLS, GCC, ROLES, SELF_TEST
+from seamark.sandbox.languages.language import Language, Runtime
+from seamark.sandbox.languages.native import CALLS, GCC, ROLES, SELF_TEST
 
 OPTIONS = (
     "-xc",  # whatever the suffix: `.C` would be C++
@@ -12,14 +12,14 @@ OPTIONS = (
 
 def compiling() -> Runtime:
     """Return what the compiler needs in its box."""
-    from sandbox.languages.native.host import compiling  # noqa: PLC0415  (looks at the host)
+    from seamark.sandbox.languages.native.host import compiling  # noqa: PLC0415  (looks at the host)
 
     return compiling("gcc", *OPTIONS)
 
 
 def running() -> Runtime:
     """Return what the compiled program needs in its box."""
-    from sandbox.languages.native.host import running  # noqa: PLC0415
+    from seamark.sandbox.languages.native.host import running  # noqa: PLC0415
 
     return running()
 

@@ -1,13 +1,13 @@
 """C++: as C, with another compiler and standard."""
 
-from sandbox.languages.c import running
-from sandbox.languages.language import Language, Runtime
-from sandbox.languages.native import CALLS, ROLES, SELF_TEST
+from seamark.sandbox.languages.c import running
+from seamark.sandbox.languages.language import Language, Runtime
+from seamark.sandbox.languages.native import CALLS, ROLES, SELF_TEST
 
 
 def compiling() -> Runtime:
     """Return what the compiler needs in its box."""
-    from sandbox.languages.native.host import compiling  # noqa: PLC0415  (looks at the host)
+    from seamark.sandbox.languages.native.host import compiling  # noqa: PLC0415  (looks at the host)
 
     return compiling("g++", "-xc++", "-std=c++17")
 

@@ -2,9 +2,9 @@
 
 import struct
 
-from sandbox.languages.c import running
-from sandbox.languages.language import Calls, Language
-from sandbox.languages.native import GCC, ROLES, SELF_TEST
+from seamark.sandbox.languages.c import running
+from seamark.sandbox.languages.language import Calls, Language
+from seamark.sandbox.languages.native import GCC, ROLES, SELF_TEST
 
 CALLS = Calls("The program (its start)", "the program's answer to R", "the program's answer to O")
 IDENTITY = struct.Struct("<4sBBBB8xHH")  # of an ELF file (System V ABI, "ELF Header")

@@ -7,8 +7,8 @@ compiled in a box of its own first.
 import io
 import zipfile
 
-from sandbox.languages.language import Calls, Language, Runtime
-from sandbox.languages.native import GCC
+from seamark.sandbox.languages.language import Calls, Language, Runtime
+from seamark.sandbox.languages.native import GCC
 
 CALLS = Calls("The FMU (loading and instantiation)", "the FMU's initialization", "the FMU's step")
 LINKED = ("-shared", "-fPIC", "-Isources", "-DFMI2_FUNCTION_PREFIX=", "-DFMI3_FUNCTION_PREFIX=")
@@ -65,14 +65,14 @@ def self_test() -> bytes:
 
 def compiling() -> Runtime:
     """Return what the box needs that reads an FMU and compiles it if it must."""
-    from sandbox.languages.native.host import compiling  # noqa: PLC0415  (looks at the host)
+    from seamark.sandbox.languages.native.host import compiling  # noqa: PLC0415  (looks at the host)
 
     return compiling("gcc", *LINKED, script="fmu_compile")
 
 
 def running() -> Runtime:
     """Return what a box needs to load an FMU."""
-    from sandbox.languages.scripts import script_runtime  # noqa: PLC0415
+    from seamark.sandbox.languages.scripts import script_runtime  # noqa: PLC0415
 
     return script_runtime("fmu", environment=SETTINGS)
 

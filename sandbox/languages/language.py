@@ -47,7 +47,7 @@ class Language:
     label: str
     suffixes: tuple[str, ...]
     runtime: Callable[[], Runtime]  # found on the host when first asked; SandboxBroken if missing
-    self_test: str | Callable[[], bytes]  # what it must answer is in sandbox/self_test.py
+    self_test: str | Callable[[], bytes]  # what it must answer is in sandbox/probing/self_test.py
     compiler: Callable[[], Runtime] | None = None
     calls: Calls = PYTHON_CALLS
     mains: tuple[str, ...] = ()  # files at the top of an archive that make it one of this language

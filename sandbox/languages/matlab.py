@@ -1,6 +1,6 @@
 """MATLAB: one file of functions, or an archive with more beside it, run by GNU Octave."""
 
-from sandbox.languages.language import Calls, Language, Runtime
+from seamark.sandbox.languages.language import Calls, Language, Runtime
 
 CALLS = Calls(
     "The program (reading it and controller_setup)", "controller_reset", "controller_step"
@@ -27,7 +27,7 @@ end
 
 def running() -> Runtime:
     """Return what Octave needs in its box."""
-    from sandbox.languages.octave.host import running  # noqa: PLC0415  (looks at the host)
+    from seamark.sandbox.languages.octave.host import running  # noqa: PLC0415  (looks at the host)
 
     return running()
 

@@ -1,6 +1,6 @@
 """Python: the interpreter of this service, with its NumPy and SciPy."""
 
-from sandbox.languages.language import Language, Runtime
+from seamark.sandbox.languages.language import Language, Runtime
 
 SELF_TEST = """\
 import numpy as np
@@ -28,7 +28,7 @@ class Tracker:
 
 def runtime() -> Runtime:
     """Return command, environment and files of the interpreter."""
-    from sandbox.languages.python_host import python_runtime  # noqa: PLC0415  (looks at the host)
+    from seamark.sandbox.languages.python_host import python_runtime  # noqa: PLC0415  (looks at the host)
 
     return python_runtime()
 

@@ -14,9 +14,9 @@ from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
-from sandbox.languages.language import Bind, Runtime
-from sandbox.outcome import SandboxBroken
-from sandbox.shelf import shelved
+from seamark.sandbox.isolation.readable_copies import shelved
+from seamark.sandbox.languages.language import Bind, Runtime
+from seamark.sandbox.outcome import SandboxBroken
 
 PACKAGES = ("numpy", "scipy")
 INSIDE = "/box"

@@ -5,9 +5,9 @@ from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
 
-from sandbox.languages.language import Bind, Runtime
-from sandbox.languages.python_host import interpreter_files
-from sandbox.shelf import shelved
+from seamark.sandbox.isolation.readable_copies import shelved
+from seamark.sandbox.languages.language import Bind, Runtime
+from seamark.sandbox.languages.python_host import interpreter_files
 
 PACKAGES = "/box/python"
 PACKAGE = "seamark_inside"  # the package's name inside: an upload is hardly called so

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from flask import Flask
 
-from server.api import (
+from seamark.server.api import (
     account,
     actions,
     benchmarks,
@@ -18,7 +18,7 @@ from server.api import (
     runs,
     series,
 )
-from server.problems import Problem
+from seamark.server.web.problems import Problem
 
 RESOURCES = (
     benchmarks.api,

@@ -10,13 +10,14 @@ from flask_openapi3.blueprint import APIBlueprint
 from flask_openapi3.models.tag import Tag
 from flask_wtf.csrf import generate_csrf
 
-from server import accounts, runs
-from server.access import READ, SUBMIT, Action, can
-from server.api import gate, reading
-from server.api.schemas import MeAnswer, TokenAnswer, TokenOrder, TokenPath, TokensAnswer
-from server.problems import Problem
-from server.services import services
-from server.tables import Token
+from seamark.server.accounts import accounts
+from seamark.server.accounts.permissions import READ, SUBMIT, Action, can
+from seamark.server.api import gate, reading
+from seamark.server.api.schemas import MeAnswer, TokenAnswer, TokenOrder, TokenPath, TokensAnswer
+from seamark.server.database.tables import Token
+from seamark.server.runs import door as runs
+from seamark.server.web.problems import Problem
+from seamark.server.web.services import services
 
 TOKENS_MAX = 50  # per account
 

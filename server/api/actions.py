@@ -11,14 +11,15 @@ from flask_openapi3.models.tag import Tag
 from redis.exceptions import RedisError
 from sqlalchemy.orm import Session
 
-from server import live, runs
-from server.access import Action
-from server.api import gate
-from server.api.schemas import RunAnswer, RunPath, run_answer
-from server.listing import RunView
-from server.problems import Problem
-from server.services import services
-from server.states import RunState
+from seamark.server.accounts.permissions import Action
+from seamark.server.api import gate
+from seamark.server.api.schemas import RunAnswer, RunPath, run_answer
+from seamark.server.messaging import live_events
+from seamark.server.runs import door as runs
+from seamark.server.runs.states import RunState
+from seamark.server.runs.views import RunView
+from seamark.server.web.problems import Problem
+from seamark.server.web.services import services
 
 api = APIBlueprint(
     "api_actions",
@@ -71,7 +72,7 @@ def _tell_listeners(run_id: int) -> None:
     """End the live streams of a run that no worker has taken, so that nobody else will."""
     state = {"state": RunState.CANCELLED.value, "position": None, "progress": 0, "t_simulated": 0}
     try:
-        live.append(services().redis, run_id, live.STATE, state)
-        live.append(services().redis, run_id, live.END, {})
+        live_events.append(services().redis, run_id, live_events.STATE, state)
+        live_events.append(services().redis, run_id, live_events.END, {})
     except RedisError as error:  # streams look at the database too, only later
         _log.warning("tell_failed", run=run_id, error=str(error))

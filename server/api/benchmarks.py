@@ -7,9 +7,9 @@ from typing import Any
 from flask_openapi3.blueprint import APIBlueprint
 from flask_openapi3.models.tag import Tag
 
-from server.api.schemas import BenchmarkAnswer, BenchmarkPath, BenchmarksAnswer
-from server.problems import Problem
-from sim import registry
+from seamark.server.api.schemas import BenchmarkAnswer, BenchmarkPath, BenchmarksAnswer
+from seamark.server.web.problems import Problem
+from seamark.sim import registry
 
 api = APIBlueprint(
     "api_benchmarks",

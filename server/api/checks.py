@@ -10,17 +10,19 @@ from flask_openapi3.blueprint import APIBlueprint
 from flask_openapi3.models.tag import Tag
 from werkzeug.datastructures import FileStorage
 
-from server import check_answer, checks, programs, rate_limits
-from server.access import READ, SUBMIT, Action, can
-from server.api import gate, reading
-from server.api.schemas import CheckAnswer, CheckPath, CheckQuery, RunOrder
-from server.checks import CheckRefused, CheckState, CheckView
-from server.orders import role_of, upload_refusal, worker_alive
-from server.problems import Problem
-from server.programs import Prepared, UploadRejected
-from server.services import services
-from sim import registry
-from sim.configuration import ConfigurationInvalid
+from seamark.server.accounts.permissions import READ, SUBMIT, Action, can
+from seamark.server.api import gate, reading
+from seamark.server.api.schemas import CheckAnswer, CheckPath, CheckQuery, RunOrder
+from seamark.server.checks import queue, report
+from seamark.server.checks.queue import CheckRefused, CheckState, CheckView
+from seamark.server.programs import store
+from seamark.server.programs.store import Prepared, UploadRejected
+from seamark.server.runs.submission import role_of, upload_refusal, worker_alive
+from seamark.server.web import rate_limits
+from seamark.server.web.problems import Problem
+from seamark.server.web.services import services
+from seamark.sim import registry
+from seamark.sim.settings.configuration import ConfigurationInvalid
 
 LOOKS_S = (0.05, 0.05, 0.1, 0.1)  # [s] between looks at a check; then the last of:
 LOOK_S = 0.2
@@ -89,7 +91,7 @@ def _configuration(order: RunOrder) -> dict[str, Any]:
 def _received(file: FileStorage, benchmark: str) -> Prepared:
     stream, limit = cast("BinaryIO", file.stream), services().settings.upload_max_bytes
     try:
-        return programs.receive(stream, file.filename or "", limit=limit, role=role_of(benchmark))
+        return store.receive(stream, file.filename or "", limit=limit, role=role_of(benchmark))
     except UploadRejected as reason:
         raise reading.refused(reason) from None
 
@@ -100,14 +102,14 @@ def _order(benchmark: str, config: dict[str, Any], prepared: Prepared) -> int:
         refusal = upload_refusal(session, prepared.language, held.settings)
     if refusal:
         raise Problem("invalid-request", refusal)
-    program = programs.keep(prepared, held.settings.data)
+    program = store.keep(prepared, held.settings.data)
     try:
         with held.database.writing() as session:
-            check_id = checks.order(session, gate.need_user(), benchmark, config, program)
+            check_id = queue.order(session, gate.need_user(), benchmark, config, program)
     except CheckRefused as reason:
         wait = {"Retry-After": str(reason.retry_after_s)}
         raise Problem("rate-limited", str(reason), headers=wait) from None
-    checks.ring(held.redis)
+    queue.ring(held.redis)
     return check_id
 
 
@@ -128,7 +130,7 @@ def _waited_for(check_id: int, seconds: float) -> CheckView:
 
 def _view(check_id: int) -> CheckView:
     with services().database.reading() as session:
-        view = checks.show(session, check_id, gate.need_user())
+        view = queue.show(session, check_id, gate.need_user())
     if view is None:
         raise Problem("not-found", _GONE.format(check_id))
     return view
@@ -144,7 +146,7 @@ def _answer(view: CheckView) -> Response:
 
 
 def _document(view: CheckView) -> dict[str, Any]:
-    said = view.answer or check_answer.of_reading([]) | {"ok": None}
+    said = view.answer or report.of_reading([]) | {"ok": None}
     names = ("id", "benchmark", "program_name", "language")
     return {name: getattr(view, name) for name in names} | {"state": view.state.value} | said
 
@@ -158,4 +160,4 @@ def _done(benchmark: str, prepared: Prepared) -> dict[str, Any]:
         "language": prepared.language,
         "state": CheckState.DONE.value,
     }
-    return about | check_answer.of_reading(prepared.flaws)
+    return about | report.of_reading(prepared.flaws)

@@ -10,12 +10,12 @@ from flask import Response
 from flask_openapi3.blueprint import APIBlueprint
 from flask_openapi3.models.tag import Tag
 
-from server.api import gate
-from server.api.schemas import DatasetQuery, RunPath
-from server.problems import Problem
-from server.run_files import RunFiles
-from server.services import services
-from sim import registry
+from seamark.server.api import gate
+from seamark.server.api.schemas import DatasetQuery, RunPath
+from seamark.server.runs.files import RunFiles
+from seamark.server.web.problems import Problem
+from seamark.server.web.services import services
+from seamark.sim import registry
 
 PICTURES_MAX = 1200  # in one download: a minute of a core, some hundred megabytes
 _BUSY_RETRY_S = 20
@@ -40,7 +40,7 @@ def dataset(path: RunPath, query: DatasetQuery) -> Response:
     Only runs whose seed is known have one: hidden seeds stay hidden. More pictures at once, and
     data sets without a run, come from `seamark dataset`.
     """
-    from sim.dataset import Choice, archive  # noqa: PLC0415 (it loads OpenCV)
+    from seamark.sim.engine.dataset import Choice, archive  # noqa: PLC0415 (it loads OpenCV)
 
     view = gate.run_for(path.run_id)
     if view.seed is None:

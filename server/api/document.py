@@ -9,8 +9,8 @@ from typing import Any
 from flask import Blueprint, Response, abort, current_app, jsonify, render_template
 from flask_openapi3.blueprint import APIBlueprint
 
-from server.api.schemas import RunOrder, TokenOrder
-from server.problems import KINDS, MEDIA_TYPE
+from seamark.server.api.schemas import RunOrder, TokenOrder
+from seamark.server.web.problems import KINDS, MEDIA_TYPE
 
 page = Blueprint("api_document", __name__)
 _KEY = "seamark-openapi"

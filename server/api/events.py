@@ -12,16 +12,17 @@ from flask_openapi3.blueprint import APIBlueprint
 from flask_openapi3.models.tag import Tag
 from redis.exceptions import RedisError
 
-from server import live, runs
-from server.access import Action, can
-from server.api import gate
-from server.api.schemas import RunPath
-from server.listing import RunView
-from server.live import Event
-from server.problems import Problem
-from server.run_files import RunFiles
-from server.services import Services, services
-from sim.telemetry import NAMES
+from seamark.server.accounts.permissions import Action, can
+from seamark.server.api import gate
+from seamark.server.api.schemas import RunPath
+from seamark.server.messaging import live_events
+from seamark.server.messaging.live_events import Event
+from seamark.server.runs import door as runs
+from seamark.server.runs.files import RunFiles
+from seamark.server.runs.views import RunView
+from seamark.server.web.problems import Problem
+from seamark.server.web.services import Services, services
+from seamark.sim.recording.telemetry import NAMES
 
 RECONNECT_MS = 2000  # how long a browser waits before it asks again
 FULL_RETRY_S = 10
@@ -53,7 +54,7 @@ def stream(path: RunPath) -> Response:
         raise Problem("streams-full", headers={"Retry-After": str(FULL_RETRY_S)})
     shows_log = can(gate.viewer(), Action.VIEW_LOG, view)
     events = _as_it_happens(held, view, request.headers.get("Last-Event-ID"))
-    return _response(event for event in events if shows_log or event.kind != live.LOG)
+    return _response(event for event in events if shows_log or event.kind != live_events.LOG)
 
 
 def _response(events: Iterator[Event]) -> Response:
@@ -66,7 +67,7 @@ def _response(events: Iterator[Event]) -> Response:
 def _texts(events: Iterator[Event]) -> Iterator[str]:
     yield f"retry: {RECONNECT_MS}\n\n"
     for event in events:
-        yield event.sse() if event.id or event.kind == live.HEARTBEAT else _without_id(event)
+        yield event.sse() if event.id or event.kind == live_events.HEARTBEAT else _without_id(event)
 
 
 def _without_id(event: Event) -> str:
@@ -77,7 +78,7 @@ def _without_id(event: Event) -> str:
 def _state(view: RunView) -> Event:
     names = ("position", "progress", "t_simulated", "cause")
     data: dict[str, Any] = {name: getattr(view, name) for name in names}
-    return Event("", live.STATE, {"state": view.state.value, **data})
+    return Event("", live_events.STATE, {"state": view.state.value, **data})
 
 
 def _as_it_happens(held: Services, view: RunView, last_id: str | None) -> Iterator[Event]:
@@ -86,15 +87,15 @@ def _as_it_happens(held: Services, view: RunView, last_id: str | None) -> Iterat
     try:
         # Here and not in the route: a response that is never iterated would keep its place.
         events = held.fanout.subscribe(view.id, last_id)
-    except live.TooManyStreams:
+    except live_events.TooManyStreams:
         return  # the browser asks again after RECONNECT_MS
     for event in events:
         yield event
-        if event.kind == live.HEARTBEAT:
+        if event.kind == live_events.HEARTBEAT:
             now = _look(held, view.id)
             yield _state(now or view)
             if now is None or now.state.final:  # its worker died, nobody else sends the end
-                yield Event("", live.END, {})
+                yield Event("", live_events.END, {})
                 return
 
 
@@ -109,14 +110,14 @@ def _told_again(held: Services, view: RunView, last_id: str | None) -> Iterator[
     if last_id is None and not _is_whole(kept):
         yield from _from_files(held, view)
     else:
-        yield from (event for event in kept if event.kind != live.END)
+        yield from (event for event in kept if event.kind != live_events.END)
     yield _state(view)
-    yield Event("", live.END, {})
+    yield Event("", live_events.END, {})
 
 
 def _is_whole(events: list[Event]) -> bool:
     """Return whether the stream was not cut at its start: the first rows are the first rows."""
-    rows = [event for event in events if event.kind == live.TELEMETRY]
+    rows = [event for event in events if event.kind == live_events.TELEMETRY]
     if not rows or not rows[0].data.get("rows"):
         return False
     columns = list(rows[0].data["columns"])
@@ -126,7 +127,7 @@ def _is_whole(events: list[Event]) -> bool:
 def _kept(held: Services, run_id: int, last_id: str | None) -> list[Event]:
     start = f"({last_id}" if last_id is not None and _is_id(last_id) else "-"
     try:
-        entries: Any = held.redis.xrange(live.key(run_id), min=start)
+        entries: Any = held.redis.xrange(live_events.key(run_id), min=start)
     except RedisError:
         return []
     return [
@@ -148,6 +149,6 @@ def _from_files(held: Services, view: RunView) -> Iterator[Event]:
         rows = files.rows(start, min(start + step * BATCH_ROWS, total))[::step].tolist()
         finite = [[v if math.isfinite(v) else None for v in row] for row in rows]
         data = {"columns": list(NAMES), "rows": finite}
-        yield Event("", live.TELEMETRY, data)
+        yield Event("", live_events.TELEMETRY, data)
     if text := files.log_text():
-        yield Event("", live.LOG, {"text": text})
+        yield Event("", live_events.LOG, {"text": text})

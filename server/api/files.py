@@ -9,16 +9,18 @@ from flask import Response, jsonify
 from flask_openapi3.blueprint import APIBlueprint
 from flask_openapi3.models.tag import Tag
 
-from server import programs
-from server.access import Action
-from server.api import gate
-from server.api.schemas import CameraQuery, LogQuery, RunPath, TelemetryQuery
-from server.listing import RunView
-from server.problems import Problem
-from server.run_files import RunFiles
-from server.services import services
-from server.states import Kind
-from sim import registry, sweep, telemetry
+from seamark.server.accounts.permissions import Action
+from seamark.server.api import gate
+from seamark.server.api.schemas import CameraQuery, LogQuery, RunPath, TelemetryQuery
+from seamark.server.programs import store
+from seamark.server.runs.files import RunFiles
+from seamark.server.runs.states import Kind
+from seamark.server.runs.views import RunView
+from seamark.server.web.problems import Problem
+from seamark.server.web.services import services
+from seamark.sim import registry
+from seamark.sim.recording import telemetry
+from seamark.sim.settings import grid
 
 CHUNK_ROWS = 500
 HIDDEN = "hidden"
@@ -70,7 +72,7 @@ def _comments(view: RunView, rows: int) -> list[str]:
         f"Seamark run {view.id}: {view.benchmark}, {benchmark.role} {solution}",
         f"kind {view.kind}, seed {seed}, trials {view.trials}",
         f"state {view.state.value} at the time of the download, {rows} rows",
-        *sweep.comments(benchmark.read(view.config)),
+        *grid.comments(benchmark.read(view.config)),
         telemetry.units(),
     ]
 
@@ -155,7 +157,7 @@ def program(path: RunPath) -> Response:
     if view.program_sha256 is None:
         raise Problem("not-found", f"Run {view.id} has no program: what it used is built in.")
     try:
-        source = programs.read(services().settings.data, view.program_sha256)
+        source = store.read(services().settings.data, view.program_sha256)
     except FileNotFoundError:
         raise Problem("not-found", "The program is no longer kept.") from None
     answer = Response(source, content_type="text/plain; charset=utf-8")
@@ -167,10 +169,10 @@ def program(path: RunPath) -> Response:
 @api.get("/runs/<int:run_id>/camera.jpg", responses=_content("image/jpeg"))
 def camera(path: RunPath, query: CameraQuery) -> Response:
     """Show the vehicle's view at a simulated time, with the tracker's box and the truth."""
-    from server import frames  # noqa: PLC0415 (it loads OpenCV)
+    from seamark.server.runs import camera_view  # noqa: PLC0415 (it loads OpenCV)
 
     view = gate.run_for(path.run_id)
-    picture = frames.picture(services().settings, view, trial=query.trial, t=query.t)
+    picture = camera_view.picture(services().settings, view, trial=query.trial, t=query.t)
     if picture is None:
         raise Problem("not-found", "There is no telemetry of that trial (yet).")
     answer = Response(picture, content_type="image/jpeg")

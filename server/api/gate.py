@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from flask import Response, g, request
 
-from server import runs
-from server.access import ADMIN, READ, SUBMIT, Action, Viewer, can
-from server.listing import RunView
-from server.problems import Problem
-from server.services import services
+from seamark.server.accounts.permissions import ADMIN, READ, SUBMIT, Action, Viewer, can
+from seamark.server.runs import door as runs
+from seamark.server.runs.views import RunView
+from seamark.server.web.problems import Problem
+from seamark.server.web.services import services
 
 _GONE = "There is no run {}, or it is private and belongs to somebody else."
 # Asking for one of these tells no more than looking at the run did.

@@ -20,10 +20,10 @@ from redis.exceptions import RedisError
 from sqlalchemy import func, select, text
 from sqlalchemy.exc import SQLAlchemyError
 
-from server.orders import ALIVE_S
-from server.services import Services, services
-from server.states import RunState
-from server.tables import Run, Worker
+from seamark.server.database.tables import Run, Worker
+from seamark.server.runs.states import RunState
+from seamark.server.runs.submission import ALIVE_S
+from seamark.server.web.services import Services, services
 
 page = Blueprint("health", __name__)
 _KEY = "seamark-metrics"

@@ -8,12 +8,13 @@ from flask import Response, jsonify, request
 from flask_openapi3.blueprint import APIBlueprint
 from flask_openapi3.models.tag import Tag
 
-from server import leaderboard, spreadsheet
-from server.api.benchmarks import check
-from server.api.schemas import BenchmarkPath, RankQuery, RanksAnswer
-from server.leaderboard import Cursor, Rank
-from server.problems import Problem
-from server.services import services
+from seamark.server.api.benchmarks import check
+from seamark.server.api.schemas import BenchmarkPath, RankQuery, RanksAnswer
+from seamark.server.runs import leaderboard
+from seamark.server.runs.leaderboard import Cursor, Rank
+from seamark.server.web import csv_export
+from seamark.server.web.problems import Problem
+from seamark.server.web.services import services
 
 COLUMNS = (
     *("rank", "tied", "user", "controller", "run", "score", "score_low", "score_high"),
@@ -39,7 +40,7 @@ def show(path: BenchmarkPath, query: RankQuery) -> Response:
         ranks = leaderboard.page(database, path.benchmark, after=after, limit=limit)
     rows = [_row(rank) for rank in ranks]
     if as_csv:
-        answer = Response(spreadsheet.lines(COLUMNS, rows), content_type=spreadsheet.MEDIA_TYPE)
+        answer = Response(csv_export.lines(COLUMNS, rows), content_type=csv_export.MEDIA_TYPE)
     else:
         following = ranks[-1].cursor.text() if len(ranks) == limit else None
         answer = jsonify({"benchmark": path.benchmark, "ranks": rows, "next": following})

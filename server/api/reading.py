@@ -9,8 +9,8 @@ from flask import request
 from pydantic import BaseModel, ValidationError
 from werkzeug.datastructures import FileStorage
 
-from server.problems import Problem, of_validation
-from server.programs import UploadRejected, UploadTooLarge
+from seamark.server.programs.store import UploadRejected, UploadTooLarge
+from seamark.server.web.problems import Problem, of_validation
 
 JSON_MAX_BYTES = 256 * 1024
 FORM_MARGIN_BYTES = 512 * 1024  # what a form may hold beside the program

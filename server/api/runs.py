@@ -10,18 +10,27 @@ from flask_openapi3.blueprint import APIBlueprint
 from flask_openapi3.models.tag import Tag
 from werkzeug.datastructures import FileStorage
 
-from server import identity, programs, rate_limits, runs
-from server.access import READ, SUBMIT, Action, can
-from server.api import gate, reading
-from server.api.schemas import RunAnswer, RunOrder, RunPath, RunsAnswer, RunsQuery, run_answer
-from server.listing import RunView
-from server.orders import role_of
-from server.problems import Problem
-from server.programs import StoredProgram, UploadRejected
-from server.services import services
-from server.states import Kind, RunState
-from sim import registry
-from sim.configuration import ConfigurationInvalid
+from seamark.server.accounts.permissions import READ, SUBMIT, Action, can
+from seamark.server.api import gate, reading
+from seamark.server.api.schemas import (
+    RunAnswer,
+    RunOrder,
+    RunPath,
+    RunsAnswer,
+    RunsQuery,
+    run_answer,
+)
+from seamark.server.programs import store
+from seamark.server.programs.store import StoredProgram, UploadRejected
+from seamark.server.runs import door as runs
+from seamark.server.runs.states import Kind, RunState
+from seamark.server.runs.submission import role_of
+from seamark.server.runs.views import RunView
+from seamark.server.web import authentication, rate_limits
+from seamark.server.web.problems import Problem
+from seamark.server.web.services import services
+from seamark.sim import registry
+from seamark.sim.settings.configuration import ConfigurationInvalid
 
 RUNNING_RETRY_S, QUEUED_RETRY_S = 1, 2  # how soon it is worth to look again
 
@@ -45,24 +54,24 @@ def create() -> Response:
         RunOrder, json_part="run", file_part="program", file_max_bytes=limit
     )
     gate.need_scope(SUBMIT)
-    viewer = identity.become_guest()
+    viewer = authentication.become_guest()
     if viewer.owner is None:
         raise Problem("unauthenticated")
     if file is not None and not can(viewer, Action.UPLOAD):
         raise Problem("account-needed", "Uploading a program needs an account.")
     if order.kind == "ranked" and not can(viewer, Action.SUBMIT_RANKED):
         raise Problem("account-needed", "A ranked run needs an account: it shows your name.")
-    program = None if file is None else store(file, order.benchmark)
+    program = None if file is None else stored_program(file, order.benchmark)
     return _accepted(_enqueue(order, program))
 
 
-def store(file: FileStorage, benchmark: str) -> StoredProgram:
+def stored_program(file: FileStorage, benchmark: str) -> StoredProgram:
     """Return the stored program of a request; Problem if it is refused."""
     settings = services().settings
     if benchmark not in registry.BENCHMARKS:
         raise Problem("invalid-request", f"There is no benchmark {benchmark}.")
     try:
-        return programs.store(
+        return store.store(
             cast("BinaryIO", file.stream),
             file.filename or "",
             limit=settings.upload_max_bytes,

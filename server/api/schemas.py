@@ -6,8 +6,8 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
-from server.listing import RunView
-from sim.hidden_seeds import SEED_MAX
+from seamark.server.runs.views import RunView
+from seamark.sim.engine.seeds import SEED_MAX
 
 ID_MAX = 2**53 - 1  # the largest whole number that every JSON reader keeps exactly
 

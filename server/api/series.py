@@ -10,11 +10,11 @@ from flask_openapi3.blueprint import APIBlueprint
 from flask_openapi3.models.tag import Tag
 from numpy.typing import NDArray
 
-from server.api import gate
-from server.api.files import files_of
-from server.api.schemas import RunPath, SeriesAnswer, SeriesQuery
-from server.problems import Problem
-from sim.telemetry import INDEX
+from seamark.server.api import gate
+from seamark.server.api.files import files_of
+from seamark.server.api.schemas import RunPath, SeriesAnswer, SeriesQuery
+from seamark.server.web.problems import Problem
+from seamark.sim.recording.telemetry import INDEX
 
 COLUMNS_MAX = 16
 Rows = NDArray[np.float64]

@@ -2,7 +2,7 @@
 
 from flask import Flask
 
-from server.pages import (
+from seamark.server.pages import (
     account,
     benchmarks,
     docs,

@@ -5,10 +5,11 @@ from urllib.parse import urlsplit
 from flask import Blueprint, abort, flash, g, redirect, render_template, request, url_for
 from flask.typing import ResponseReturnValue
 
-from server import accounts, identity
-from server.access import ADMIN, SCOPES, Action, can
-from server.rate_limits import SIGN_IN, SIGN_INS, limiter, refused, sign_ups, who
-from server.services import services
+from seamark.server.accounts import accounts
+from seamark.server.accounts.permissions import ADMIN, SCOPES, Action, can
+from seamark.server.web import authentication
+from seamark.server.web.rate_limits import SIGN_IN, SIGN_INS, limiter, refused, sign_ups, who
+from seamark.server.web.services import services
 
 TOKEN_DAYS_MAX = 365
 page = Blueprint("account", __name__)
@@ -33,7 +34,7 @@ def make_account() -> ResponseReturnValue:
             user_id = accounts.sign_up(session, name, password).id
     except accounts.AccountRejected as refusal:
         return _form("account/sign_up.html", str(refusal)), 422
-    adopted = identity.sign_in(user_id)
+    adopted = authentication.sign_in(user_id)
     flash(f"Welcome, {name}. You can upload programs and make ranked runs now.", "good")
     _say_adopted(adopted)
     return redirect(_next())
@@ -55,14 +56,14 @@ def enter() -> ResponseReturnValue:
         user = accounts.authenticate(session, name, password)
     if user is None:
         return _form("account/sign_in.html", "Name and password do not belong together."), 422
-    _say_adopted(identity.sign_in(user.id))
+    _say_adopted(authentication.sign_in(user.id))
     return redirect(_next())
 
 
 @page.post("/sign-out")
 def sign_out() -> ResponseReturnValue:
     """Sign out."""
-    identity.sign_out()
+    authentication.sign_out()
     return redirect(url_for("home.show"))
 
 
@@ -108,7 +109,7 @@ def change_password() -> ResponseReturnValue:
             user_id = accounts.change_password(session, g.viewer.name, old, new).id
     except accounts.AccountRejected as refusal:
         return _tokens(password_error=str(refusal)), 422
-    identity.sign_in(user_id)
+    authentication.sign_in(user_id)
     flash("The password is changed; other browsers have to sign in again.", "good")
     return redirect(url_for("account.tokens"))
 

@@ -3,9 +3,10 @@
 from flask import Blueprint, abort, redirect, render_template, url_for
 from flask.typing import ResponseReturnValue
 
-from server.pages import fields
-from sim import constants, registry, vehicles
-from sim.benchmarks import Benchmark
+from seamark.server.pages import fields
+from seamark.sim import registry, vehicles
+from seamark.sim.benchmarks.benchmark import Benchmark
+from seamark.sim.physics import constants
 
 page = Blueprint("benchmark", __name__, url_prefix="/benchmarks")
 

@@ -6,12 +6,12 @@ from typing import Any
 
 import numpy as np
 
-from server.run_files import RunFiles
-from server.runs import RunView
-from sim.benchmarks import Benchmark, Curve
-from sim.configuration import Configuration
-from sim.statistics import mean
-from sim.telemetry import INDEX, Rows
+from seamark.server.runs.door import RunView
+from seamark.server.runs.files import RunFiles
+from seamark.sim.benchmarks.benchmark import Benchmark, Curve
+from seamark.sim.numerics.statistics import mean
+from seamark.sim.recording.telemetry import INDEX, Rows
+from seamark.sim.settings.configuration import Configuration
 
 
 def curve(

@@ -16,24 +16,20 @@ from flask import (
 )
 from flask.typing import ResponseReturnValue
 
-from sandbox.languages import LANGUAGES
-from sandbox.limits import COMPILING, MEANING, Limits
-from server import run_limits
-from server.causes import WORDS
-from server.pages import benchmarks, guides, templates_for_programs
-from server.services import services
-from sim import (
-    constants,
-    definitions,
-    metrics,
-    observation,
-    registry,
-    telemetry,
-    tracker_metrics,
-    vehicles,
-)
-from sim.score_expression import FUNCTIONS
-from sim.vehicles.urdf import urdf_of
+from seamark.sandbox.languages import LANGUAGES
+from seamark.sandbox.limits import COMPILING, MEANING, Limits
+from seamark.server.pages import benchmarks, guides
+from seamark.server.programs import starter_files
+from seamark.server.runs import trial_limits
+from seamark.server.runs.failure_reasons import WORDS
+from seamark.server.web.services import services
+from seamark.sim import registry, vehicles
+from seamark.sim.control import observation
+from seamark.sim.metrics import definitions, station_keeping, tracking
+from seamark.sim.metrics.score_expression import FUNCTIONS
+from seamark.sim.physics import constants
+from seamark.sim.recording import telemetry
+from seamark.sim.vehicles.urdf import urdf_of
 
 page = Blueprint("docs", __name__, url_prefix="/docs")
 _FIGURE_MAX_AGE_S = 3600
@@ -60,10 +56,10 @@ def _controller() -> dict[str, Any]:
         "booleans": observation.BOOLEANS,
         "command": observation.COMMAND,
         "archive": Limits(),
-        "example": templates_for_programs.of("python"),
-        "limits": list(limits_of(run_limits.for_trial(_usual_duration_s()))),
+        "example": starter_files.of("python"),
+        "limits": list(limits_of(trial_limits.for_trial(_usual_duration_s()))),
         "duration_s": _usual_duration_s(),
-        "per_simulated_s": run_limits.CPU_PER_SIMULATED_S,
+        "per_simulated_s": trial_limits.CPU_PER_SIMULATED_S,
         "upload_max": services().settings.upload_max_bytes,
     }
 
@@ -90,19 +86,19 @@ def _tracker() -> dict[str, Any]:
     duration = benchmark.trial_duration_s(benchmark.read({}))
     return {
         "benchmark": benchmark,
-        "example": templates_for_programs.of("python", "tracker"),
-        "limits": list(limits_of(run_limits.for_trial(duration))),
+        "example": starter_files.of("python", "tracker"),
+        "limits": list(limits_of(trial_limits.for_trial(duration))),
         "duration_s": duration,
-        "far_px": tracker_metrics.FAR_PX,
-        "lost_px": tracker_metrics.LOST_PX,
+        "far_px": tracking.FAR_PX,
+        "lost_px": tracking.LOST_PX,
     }
 
 
 def _native() -> dict[str, Any]:
     return {
-        "header": templates_for_programs.header(),
-        "c": templates_for_programs.of("c"),
-        "cpp": templates_for_programs.of("c++"),
+        "header": starter_files.header(),
+        "c": starter_files.of("c"),
+        "cpp": starter_files.of("c++"),
         "compiling": COMPILING,
         "limits": Limits(),
     }
@@ -110,10 +106,10 @@ def _native() -> dict[str, Any]:
 
 def _languages() -> dict[str, Any]:
     first = {
-        kind: next(iter(templates_for_programs.start(kind).values())).decode()
+        kind: next(iter(starter_files.start(kind).values())).decode()
         for kind in ("matlab", "embedded-c", "executable")
     }
-    members = templates_for_programs.start("fmu")
+    members = starter_files.start("fmu")
     first["fmu"] = members["modelDescription.xml"].decode()
     return {"examples": first, "languages": LANGUAGES.values()}
 
@@ -133,12 +129,12 @@ def _physics() -> dict[str, Any]:
 
 def _metrics() -> dict[str, Any]:
     return {
-        "metrics": (*metrics.HEAD, *metrics.METRICS),
-        "held_m": metrics.HELD_P95_M,
-        "score_m": metrics.SCORE_LENGTH_M,
-        "of_trackers": tracker_metrics.METRICS,
-        "failed_percent": tracker_metrics.FAILED_PERCENT,
-        "tracker_held_percent": tracker_metrics.HELD_PERCENT,
+        "metrics": (*station_keeping.HEAD, *station_keeping.METRICS),
+        "held_m": station_keeping.HELD_P95_M,
+        "score_m": station_keeping.SCORE_LENGTH_M,
+        "of_trackers": tracking.METRICS,
+        "failed_percent": tracking.FAILED_PERCENT,
+        "tracker_held_percent": tracking.HELD_PERCENT,
     }
 
 

@@ -6,10 +6,10 @@ from flask.typing import ResponseReturnValue
 from flask_wtf.csrf import CSRFError
 from werkzeug.exceptions import HTTPException
 
-from server import problems
-from server.access import Viewer
-from server.pages.formats import size
-from server.services import services
+from seamark.server.accounts.permissions import Viewer
+from seamark.server.pages.formats import size
+from seamark.server.web import problems
+from seamark.server.web.services import services
 
 _DRAIN_MAX = 32 * 2**20  # [byte] of a refused upload that are read and thrown away
 _log = structlog.get_logger()

@@ -6,9 +6,9 @@ from datetime import UTC, datetime
 
 from flask import Flask
 
-from server.leaderboard import Rank
-from server.listing import RunView
-from sim import registry
+from seamark.server.runs.leaderboard import Rank
+from seamark.server.runs.views import RunView
+from seamark.sim import registry
 
 _STEPS = ((86_400, "day"), (3600, "hour"), (60, "minute"))
 

@@ -11,7 +11,7 @@ from markdown_it.common.utils import escapeHtml
 from markdown_it.renderer import RendererHTML
 from markdown_it.token import Token
 
-FOLDER = Path(__file__).parents[2] / "docs"
+FOLDER = Path(__file__).resolve().parents[2] / "docs"
 # Files that a page may show or link to, by how their names end.
 ATTACHED = {".png": "image/png", ".txt": "text/plain; charset=utf-8"}
 _TITLE = re.compile(r"\A# (.+)\n")

@@ -6,12 +6,13 @@ from flask import Blueprint, g, render_template
 from flask.typing import ResponseReturnValue
 from sqlalchemy import func, select
 
-from server import leaderboard, runs
-from server.orders import ALIVE_S
-from server.pages import benchmarks
-from server.services import services
-from server.tables import Run, Worker
-from sim import registry
+from seamark.server.database.tables import Run, Worker
+from seamark.server.pages import benchmarks
+from seamark.server.runs import door as runs
+from seamark.server.runs import leaderboard
+from seamark.server.runs.submission import ALIVE_S
+from seamark.server.web.services import services
+from seamark.sim import registry
 
 NEWEST = 8
 BEST = 3

@@ -3,9 +3,9 @@
 from flask import Blueprint, abort, g, redirect, render_template, request, url_for
 from flask.typing import ResponseReturnValue
 
-from server import leaderboard
-from server.pages import benchmarks
-from server.services import services
+from seamark.server.pages import benchmarks
+from seamark.server.runs import leaderboard
+from seamark.server.web.services import services
 
 SIZE = 50
 page = Blueprint("leaderboard", __name__, url_prefix="/leaderboards")

@@ -4,11 +4,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from server.pages import fields
-from server.pages.formats import plain
-from sim import benchmarks
-from sim.benchmarks import Benchmark, Metric
-from sim.sweep import UPDATERS
+from seamark.server.pages import fields
+from seamark.server.pages.formats import plain
+from seamark.sim.benchmarks import benchmark
+from seamark.sim.benchmarks.benchmark import Benchmark
+from seamark.sim.metrics.metric import Metric
+from seamark.sim.settings.grid import UPDATERS
 
 MOST_COLUMNS = 12
 
@@ -103,7 +104,7 @@ def options(schema: Mapping[str, Any], config: Mapping[str, Any]) -> dict[str, l
 
 
 def _table(
-    table: benchmarks.Table,
+    table: benchmark.Table,
     levels: Sequence[Mapping[str, Any]],
     value: Metric,
     config: Mapping[str, Any],

@@ -8,13 +8,15 @@ from flask.typing import ResponseReturnValue
 from redis.exceptions import RedisError
 from sqlalchemy.orm import Session
 
-from server import identity, live, runs
-from server.access import Action, can
-from server.pages import benchmarks, curves, measures
-from server.rate_limits import ORDER, limiter, who
-from server.run_files import RunFiles
-from server.services import services
-from sim.sweep import axes, level_names
+from seamark.server.accounts.permissions import Action, can
+from seamark.server.messaging import live_events
+from seamark.server.pages import benchmarks, curves, measures
+from seamark.server.runs import door as runs
+from seamark.server.runs.files import RunFiles
+from seamark.server.web import authentication
+from seamark.server.web.rate_limits import ORDER, limiter, who
+from seamark.server.web.services import services
+from seamark.sim.settings.grid import axes, level_names
 
 LOG_SHOWN = 64 * 1024  # [character] of the log on the page; the whole of it can be downloaded
 SECONDS_BETWEEN_PICTURES = 0.05
@@ -98,7 +100,7 @@ def withdraw(run_id: int) -> ResponseReturnValue:
 def rerun(run_id: int) -> ResponseReturnValue:
     """Queue the same order again."""
     _run_for(run_id, Action.VIEW)
-    viewer = identity.become_guest()
+    viewer = authentication.become_guest()
     run = _run_for(run_id, Action.RERUN)
     try:
         with services().database.writing() as session:
@@ -133,7 +135,7 @@ def _change(
 def _end_stream(run_id: int) -> None:
     state = {"state": runs.RunState.CANCELLED.value, "position": None, "progress": 0}
     try:
-        live.append(services().redis, run_id, live.STATE, state)
-        live.append(services().redis, run_id, live.END, {})
+        live_events.append(services().redis, run_id, live_events.STATE, state)
+        live_events.append(services().redis, run_id, live_events.END, {})
     except RedisError as error:  # open pages then learn it from their next heartbeat
         _log.warning("tell_failed", run=run_id, error=str(error))

@@ -6,12 +6,13 @@ from typing import Any
 from flask import Blueprint, Response, g, render_template, request
 from flask.typing import ResponseReturnValue
 
-from server import runs, spreadsheet
-from server.access import Viewer
-from server.pages import benchmarks
-from server.pages.formats import iso, solution
-from server.pages.row_numbers import row_number
-from server.services import Services, services
+from seamark.server.accounts.permissions import Viewer
+from seamark.server.pages import benchmarks
+from seamark.server.pages.formats import iso, solution
+from seamark.server.pages.row_numbers import row_number
+from seamark.server.runs import door as runs
+from seamark.server.web import csv_export
+from seamark.server.web.services import Services, services
 
 SIZE = 25
 COLUMNS = (
@@ -43,7 +44,7 @@ def mine() -> ResponseReturnValue:
 def as_csv() -> ResponseReturnValue:
     """Download the whole list, as it is filtered."""
     answer = Response(_lines(services(), g.viewer, _wanted(g.viewer)))
-    answer.headers["Content-Type"] = spreadsheet.MEDIA_TYPE
+    answer.headers["Content-Type"] = csv_export.MEDIA_TYPE
     answer.headers["Content-Disposition"] = "attachment; filename=seamark-runs.csv"
     return answer
 
@@ -68,11 +69,11 @@ def _part(
 
 def _lines(held: Services, viewer: Viewer, wanted: runs.Wanted) -> Iterator[str]:
     """Make the CSV part by part: no transaction stays open while a slow reader reads."""
-    yield spreadsheet.lines(COLUMNS, ())
+    yield csv_export.lines(COLUMNS, ())
     after: int | None = None
     while True:
         part = _part(held, viewer, wanted, after, runs.LIMIT_MAX)
-        yield spreadsheet.lines(COLUMNS, map(_row, part.runs), head=False)
+        yield csv_export.lines(COLUMNS, map(_row, part.runs), head=False)
         after = part.next
         if after is None:
             return

@@ -10,12 +10,12 @@ from typing import Any, BinaryIO, cast
 from flask import g, request
 from itsdangerous import BadData, URLSafeTimedSerializer
 
-from server import programs, runs
-from server.access import Action, can
-from server.pages import templates_for_programs
-from server.programs import StoredProgram, UploadRejected
-from server.services import services
-from sim.benchmarks import Benchmark
+from seamark.server.accounts.permissions import Action, can
+from seamark.server.programs import starter_files, store
+from seamark.server.programs.store import StoredProgram, UploadRejected
+from seamark.server.runs import door as runs
+from seamark.server.web.services import services
+from seamark.sim.benchmarks.benchmark import Benchmark
 
 KEPT_S = 12 * 3600  # [s] half as long as programs are kept that nothing refers to
 FIELD = "kept_program"
@@ -41,7 +41,7 @@ def take(benchmark: Benchmark, answers: dict[str, str]) -> StoredProgram:
         return _of_editor(benchmark, answers, keeping)
     file = request.files.get("program")
     if file is not None and file.filename:
-        return programs.store(cast(BinaryIO, file.stream), file.filename, **keeping)
+        return store.store(cast(BinaryIO, file.stream), file.filename, **keeping)
     kept = _kept(benchmark, answers.get(FIELD, ""))
     if kept is None:
         raise UploadRejected("Choose a file, or write the program in the editor.")
@@ -55,12 +55,12 @@ def token(benchmark: Benchmark, program: StoredProgram) -> str:
 
 
 def _of_editor(benchmark: Benchmark, answers: dict[str, str], keeping: Any) -> StoredProgram:
-    name = templates_for_programs.FILES[benchmark.role].get(answers.get("language", "python"))
+    name = starter_files.FILES[benchmark.role].get(answers.get("language", "python"))
     if name is None:
         raise UploadRejected("Choose one of the languages of the list.")
     # A browser sends line ends as CR LF; the program keeps those that its author typed.
     text = answers.get("program_text", "").replace("\r\n", "\n").encode()
-    return programs.store(io.BytesIO(text), name, **keeping)
+    return store.store(io.BytesIO(text), name, **keeping)
 
 
 def _kept(benchmark: Benchmark, text: str) -> StoredProgram | None:
@@ -71,7 +71,7 @@ def _kept(benchmark: Benchmark, text: str) -> StoredProgram | None:
         return None
     if (role, user_id) != (benchmark.role, g.viewer.user_id):
         return None
-    if not programs.touch(services().settings.data, sha256):
+    if not store.touch(services().settings.data, sha256):
         return None
     return StoredProgram(sha256, name, language, size)
 

@@ -7,11 +7,11 @@ from flask import Blueprint, render_template
 from flask.typing import ResponseReturnValue
 from sqlalchemy import func, select
 
-from sandbox.languages import LANGUAGES
-from server import runs
-from server.orders import ALIVE_S, upload_refusal
-from server.services import services
-from server.tables import Run, Worker
+from seamark.sandbox.languages import LANGUAGES
+from seamark.server.database.tables import Run, Worker
+from seamark.server.runs import door as runs
+from seamark.server.runs.submission import ALIVE_S, upload_refusal
+from seamark.server.web.services import services
 
 GONE_S = 86_400.0  # workers that were last seen before this are not shown
 page = Blueprint("status", __name__)

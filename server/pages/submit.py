@@ -5,17 +5,20 @@ from typing import Any
 from flask import Blueprint, g, redirect, render_template, request, url_for
 from flask.typing import ResponseReturnValue
 
-from sandbox.languages import LANGUAGES
-from server import archives, identity, run_limits, runs
-from server.access import Action, can
-from server.orders import upload_refusal
-from server.pages import benchmarks, fields, sent_programs, templates_for_programs
-from server.pages.row_numbers import row_number
-from server.programs import TEXT_MAX_BYTES, StoredProgram, UploadRejected
-from server.rate_limits import ORDER, limiter, who
-from server.services import services
-from sim.benchmarks import Benchmark
-from sim.configuration import ConfigurationInvalid
+from seamark.sandbox.languages import LANGUAGES
+from seamark.server.accounts.permissions import Action, can
+from seamark.server.pages import benchmarks, fields, sent_programs
+from seamark.server.pages.row_numbers import row_number
+from seamark.server.programs import archives, starter_files
+from seamark.server.programs.store import TEXT_MAX_BYTES, StoredProgram, UploadRejected
+from seamark.server.runs import door as runs
+from seamark.server.runs import trial_limits
+from seamark.server.runs.submission import upload_refusal
+from seamark.server.web import authentication
+from seamark.server.web.rate_limits import ORDER, limiter, who
+from seamark.server.web.services import services
+from seamark.sim.benchmarks.benchmark import Benchmark
+from seamark.sim.settings.configuration import ConfigurationInvalid
 
 _DIGITS_MAX = 18
 page = Blueprint("submit", __name__, url_prefix="/submit")
@@ -86,7 +89,7 @@ def _order(
     config = benchmark.read(values)
     trials = _whole(answers, "trials", "The number of trials")
     return runs.Order(
-        viewer=identity.become_guest(),
+        viewer=authentication.become_guest(),
         benchmark=benchmark.name,
         config=config.model_dump(mode="json"),
         kind=kind,
@@ -158,13 +161,13 @@ def _show(
         errors=errors,
         kept=kept and {"program": kept, "token": sent_programs.token(benchmark, kept)},
         archives=archives.SUFFIXES,
-        file_names=templates_for_programs.FILES[benchmark.role],
+        file_names=starter_files.FILES[benchmark.role],
         general=" ".join(unknown.values()),
         languages=[LANGUAGES[name] for name, refusal in refusals.items() if not refusal],
         refused={LANGUAGES[name].label: refusal for name, refusal in refusals.items() if refusal},
         examples={
-            name: templates_for_programs.of(name, benchmark.role)
-            for name in templates_for_programs.FILES[benchmark.role]
+            name: starter_files.of(name, benchmark.role)
+            for name in starter_files.FILES[benchmark.role]
             if not refusals[name]
         },
         uploads=can(g.viewer, Action.UPLOAD),
@@ -172,7 +175,7 @@ def _show(
         upload_refusal=None if None in refusals.values() else refusals["python"],
         quota=quota,
         settings=held.settings,
-        limits=run_limits.for_trial(benchmark.trial_duration_s(benchmark.read({}))),
+        limits=trial_limits.for_trial(benchmark.trial_duration_s(benchmark.read({}))),
     )
 
 

@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from sim.camera.camera import Camera
-from sim.camera.effects import Effects
-from sim.camera.optics import CURRENTS, VISIBILITY, Optics
-from sim.camera.target import Target, start_pose
-from sim.camera.water import JERLOV, LAWS, Water
+from seamark.sim.camera.camera import Camera
+from seamark.sim.camera.effects import Effects
+from seamark.sim.camera.optics import CURRENTS, VISIBILITY, Optics
+from seamark.sim.camera.target import Target, start_pose
+from seamark.sim.camera.water import JERLOV, LAWS, Water
 
 __all__ = [
     "CURRENTS",

@@ -5,17 +5,17 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.camera import raycast, special
-from sim.camera.caustics import WAVES, amplitude_for, waves_of
-from sim.camera.effects import Disturbance, Effects
-from sim.camera.geometry import look, project
-from sim.camera.optics import Optics
-from sim.camera.rows import CHUNK, interleave
-from sim.camera.scene import Channel, Grain, Scene, work_for
-from sim.camera.seabed import seabed
-from sim.camera.target import Target, skin
-from sim.camera.water import Water
-from sim.elementary import cos, sin
+from seamark.sim.camera import raycast, special
+from seamark.sim.camera.caustics import WAVES, amplitude_for, waves_of
+from seamark.sim.camera.effects import Disturbance, Effects
+from seamark.sim.camera.geometry import look, project
+from seamark.sim.camera.optics import Optics
+from seamark.sim.camera.rows import CHUNK, interleave
+from seamark.sim.camera.scene import Channel, Grain, Scene, work_for
+from seamark.sim.camera.seabed import seabed
+from seamark.sim.camera.target import Target, skin
+from seamark.sim.camera.water import Water
+from seamark.sim.numerics.libm import cos, sin
 
 Window = raycast.Window
 GREEN = 1

@@ -12,8 +12,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from sim.camera.seabed import hash01
-from sim.elementary import PI, cos, exp, log, sincos
+from seamark.sim.camera.seabed import hash01
+from seamark.sim.numerics.libm import PI, cos, exp, log, sincos
 
 WAVES = 8
 LONGEST_M, SHORTEST_M = 1.2, 0.2  # E: ripples under a light breeze

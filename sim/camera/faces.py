@@ -6,10 +6,10 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from sim.camera import rows
-from sim.camera.geometry import Line, faces_seen, plane_map, project, row_of
-from sim.camera.scene import Channel, Scene, Work
-from sim.lanes import (
+from seamark.sim.camera import rows
+from seamark.sim.camera.geometry import Line, faces_seen, plane_map, project, row_of
+from seamark.sim.camera.scene import Channel, Scene, Work
+from seamark.sim.numerics.simd import (
     WIDTH,
     gather,
     lanes,
@@ -25,7 +25,7 @@ from sim.lanes import (
 )
 
 if TYPE_CHECKING:
-    from sim.lanes import Lanes
+    from seamark.sim.numerics.simd import Lanes
 
 Array = NDArray[np.float64]
 Row = NDArray[np.float32]

@@ -8,12 +8,12 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from sim.camera.effects import Disturbance
-from sim.camera.geometry import plane_map
-from sim.camera.scene import Channel, Scene
-from sim.camera.seabed import hash01
-from sim.camera.snow import through_water
-from sim.elementary import PI, sincos
+from seamark.sim.camera.effects import Disturbance
+from seamark.sim.camera.geometry import plane_map
+from seamark.sim.camera.scene import Channel, Scene
+from seamark.sim.camera.seabed import hash01
+from seamark.sim.camera.snow import through_water
+from seamark.sim.numerics.libm import PI, sincos
 
 Array = NDArray[np.float64]
 

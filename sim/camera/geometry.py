@@ -8,7 +8,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from sim.elementary import sincos
+from seamark.sim.numerics.libm import sincos
 
 Array = NDArray[np.float64]
 Line = tuple[np.float32, np.float32, np.float32, np.float32, np.float32, np.float32]

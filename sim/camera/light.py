@@ -9,11 +9,11 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from sim.camera.caustics import focused
-from sim.camera.effects import LAMP_FORWARD_M, Disturbance
-from sim.camera.rows import CHUNK, NODE
-from sim.camera.scene import MARGIN, Scene
-from sim.elementary import exp
+from seamark.sim.camera.caustics import focused
+from seamark.sim.camera.effects import LAMP_FORWARD_M, Disturbance
+from seamark.sim.camera.rows import CHUNK, NODE
+from seamark.sim.camera.scene import MARGIN, Scene
+from seamark.sim.numerics.libm import exp
 
 GLOW_STEPS = 8  # of the integral along a ray
 # E: share of the attenuated light that comes straight back: albedo of a flake 0.6, times pi times a

@@ -10,13 +10,13 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from sim.camera import rows
-from sim.camera.faces import Outlines, draw_faces, outlines
-from sim.camera.geometry import look, plane_map
-from sim.camera.rows import CHUNK, NODE
-from sim.camera.scene import MARGIN, STRIP, Channel, Grain, Scene, Work
-from sim.camera.seabed import TEXEL_M
-from sim.elementary import exp
+from seamark.sim.camera import rows
+from seamark.sim.camera.faces import Outlines, draw_faces, outlines
+from seamark.sim.camera.geometry import look, plane_map
+from seamark.sim.camera.rows import CHUNK, NODE
+from seamark.sim.camera.scene import MARGIN, STRIP, Channel, Grain, Scene, Work
+from seamark.sim.camera.seabed import TEXEL_M
+from seamark.sim.numerics.libm import exp
 
 NOISE_LENGTH = 1 << 18  # [samples] of the bank, a power of two
 Array = NDArray[np.float64]

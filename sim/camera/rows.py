@@ -11,12 +11,22 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from sim.camera.geometry import row_of
-from sim.camera.seabed import STRIDE, TILE
-from sim.lanes import gather, lanes, larger, load, places, real, smaller, store, whole
+from seamark.sim.camera.geometry import row_of
+from seamark.sim.camera.seabed import STRIDE, TILE
+from seamark.sim.numerics.simd import (
+    gather,
+    lanes,
+    larger,
+    load,
+    places,
+    real,
+    smaller,
+    store,
+    whole,
+)
 
 if TYPE_CHECKING:
-    from sim.lanes import Lanes, Places
+    from seamark.sim.numerics.simd import Lanes, Places
 
 Row = NDArray[np.float32]
 Texels = NDArray[np.int32]

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.camera.rows import CHUNK, NODE
+from seamark.sim.camera.rows import CHUNK, NODE
 
 STRIP = 12288  # [px] drawn at once: few calls a picture, and the buffers stay in the second cache
 MARGIN = 2 * NODE  # [px] how far beyond the picture a row may be asked for

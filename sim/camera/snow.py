@@ -8,11 +8,11 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from sim.camera.effects import Disturbance
-from sim.camera.light import lamp_light
-from sim.camera.scene import Channel, Scene
-from sim.camera.seabed import hash01
-from sim.elementary import exp
+from seamark.sim.camera.effects import Disturbance
+from seamark.sim.camera.light import lamp_light
+from seamark.sim.camera.scene import Channel, Scene
+from seamark.sim.camera.seabed import hash01
+from seamark.sim.numerics.libm import exp
 
 Array = NDArray[np.float64]
 Plane = NDArray[np.float32]  # (rows, columns)

@@ -10,15 +10,15 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from sim.camera.effects import Disturbance
-from sim.camera.fish import add_fish
-from sim.camera.geometry import look
-from sim.camera.light import light_nodes
-from sim.camera.raycast import View, columns_of, expose_strip, light_strip, view_of
-from sim.camera.rows import CHUNK, spread
-from sim.camera.scene import MARGIN, STRIP, Channel, Grain, Scene, Work
-from sim.camera.snow import add_snow
-from sim.elementary import exp, sincos
+from seamark.sim.camera.effects import Disturbance
+from seamark.sim.camera.fish import add_fish
+from seamark.sim.camera.geometry import look
+from seamark.sim.camera.light import light_nodes
+from seamark.sim.camera.raycast import View, columns_of, expose_strip, light_strip, view_of
+from seamark.sim.camera.rows import CHUNK, spread
+from seamark.sim.camera.scene import MARGIN, STRIP, Channel, Grain, Scene, Work
+from seamark.sim.camera.snow import add_snow
+from seamark.sim.numerics.libm import exp, sincos
 
 Array = NDArray[np.float64]
 Plane = NDArray[np.float32]

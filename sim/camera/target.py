@@ -6,10 +6,10 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.camera import lettering
-from sim.camera.optics import Optics
-from sim.camera.seabed import packed, quantise
-from sim.elementary import cos, sin
+from seamark.sim.camera import lettering
+from seamark.sim.camera.optics import Optics
+from seamark.sim.camera.seabed import packed, quantise
+from seamark.sim.numerics.libm import cos, sin
 
 Vector = NDArray[np.float64]
 

@@ -6,9 +6,9 @@ Importing this package loads neither Numba nor OpenCV; `make` loads what the cho
 from collections.abc import Callable
 from importlib import import_module
 
-from sim.registry import TRACKERS, TRUTH
-from sim.trackers.choices import options_of, refusals
-from sim.trackers.interface import Corners, Track, Tracker, Window
+from seamark.sim.registry import TRACKERS, TRUTH
+from seamark.sim.trackers.choices import options_of, refusals
+from seamark.sim.trackers.interface import Corners, Track, Tracker, Window
 
 __all__ = ["Corners", "Track", "Tracker", "Window", "make", "warm_up"]
 
@@ -47,11 +47,11 @@ def make(name: str, *, truth: Callable[[], Corners] | None = None, **options: ob
 def _truth(truth: Callable[[], Corners] | None) -> Tracker:
     if truth is None:
         raise ValueError("tracker 'truth' needs a source of the true corners")
-    from sim.trackers.truth import TruthTracker  # noqa: PLC0415  # light, but not for every form
+    from seamark.sim.trackers.truth import TruthTracker  # noqa: PLC0415  # light, but not for every form
 
     return TruthTracker(truth=truth)
 
 
 def warm_up() -> None:
     """Load all compiled code, so that forked simulators start at once."""
-    import_module("sim.trackers.warm").run()
+    import_module("seamark.sim.trackers.template.warm_up").run()

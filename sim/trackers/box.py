@@ -1,17 +1,16 @@
 """`box`: an upright box moved to where its pixels correlate best (OpenCV): a baseline.
 
-Beside KCF and CSRT (sim/trackers/filters.py) it is what remains of them without learning: it never
-drifts, answers in parts of a pixel and needs a hundredth of their time. OpenCV's MIL is not
-offered: it draws its samples from a generator that cannot be seeded, so the same run would not give
-the same bytes.
+Beside KCF and CSRT it is what remains of them without learning: it never drifts, answers in parts
+of a pixel and needs a hundredth of their time. OpenCV's MIL is not offered: it draws its samples
+from a generator that cannot be seeded, so the same run would not give the same bytes.
 """
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.trackers.interface import Corners, Track, Window
-from sim.trackers.judging import Judge
+from seamark.sim.trackers.interface import Corners, Track, Window
+from seamark.sim.trackers.plausibility import Judge
 
 LOWEST_CORRELATION = 0.5  # E: as for the template tracker
 SMALLEST_PX = 6

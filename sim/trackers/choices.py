@@ -5,8 +5,8 @@ Light: importing this loads neither Numba nor OpenCV.
 
 from collections.abc import Mapping
 
-from sim.registry import TRACKERS, TRUTH
-from sim.trackers import visp
+from seamark.sim.registry import TRACKERS, TRUTH
+from seamark.sim.trackers import visp
 
 WARPS = {
     "translation": "Translation (2 parameters)",

@@ -12,8 +12,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.trackers.interface import Corners, Track, Window
-from sim.trackers.judging import Judge
+from seamark.sim.trackers.interface import Corners, Track, Window
+from seamark.sim.trackers.plausibility import Judge
 
 LOWEST_CORRELATION = 0.5  # E: as for the template tracker
 SMOOTHING = 3  # [px] width of the Gaussian that OpenCV puts over both pictures

@@ -7,8 +7,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.trackers.interface import Corners, Track, Window
-from sim.trackers.judging import Judge
+from seamark.sim.trackers.interface import Corners, Track, Window
+from seamark.sim.trackers.plausibility import Judge
 
 LEAST_POINTS = 8  # E: with fewer, four wrong ones can outvote the rest
 LEAST_SHARE = 0.4  # E: of the points; below it the agreement is chance

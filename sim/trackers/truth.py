@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.trackers.interface import Corners, Track, Window
+from seamark.sim.trackers.interface import Corners, Track, Window
 
 
 class TruthTracker:

@@ -5,7 +5,7 @@ places are those of the simulation model that ArduSub is tested with. The origin
 gravity.
 """
 
-from sim.vehicles import HullBox, Quantity, Tag, ThrustCurve, Thruster, Vehicle
+from seamark.sim.vehicles import HullBox, Quantity, Tag, ThrustCurve, Thruster, Vehicle
 
 _TANK = "von Benzon et al. 2022, J. Mar. Sci. Eng. 10(12) 1898"
 _PLACES = "clydemcqueen/bluerov2_gz bb03343, models/bluerov2_heavy/model.sdf"

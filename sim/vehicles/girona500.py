@@ -5,7 +5,7 @@ the real vehicle. The origin is COLA2's base link; the arms of its thruster matr
 they are, so surge and heave thrusters act in the planes through the origin.
 """
 
-from sim.vehicles import HullBox, Quantity, ThrustCurve, Thruster, Vehicle
+from seamark.sim.vehicles import HullBox, Quantity, ThrustCurve, Thruster, Vehicle
 
 _STONEFISH = "Stonefish b21eb8e1, Tests/Data/girona500auv_full.scn"
 _COLA2 = "COLA2 controller parameters of the real vehicle (Iqua Robotics, ROS 2 port)"

@@ -6,8 +6,8 @@ Four times too little drag in sway and heave, thrusters half as strong again as 
 
 from dataclasses import replace
 
-from sim.vehicles import Quantity, ThrustCurve, Thruster
-from sim.vehicles.girona500 import VEHICLE as REAL
+from seamark.sim.vehicles import Quantity, ThrustCurve, Thruster
+from seamark.sim.vehicles.girona500 import VEHICLE as REAL
 
 _UWSIM = "underwater_simulation 7f4a276, config/dynamics_g500.yaml"
 

@@ -6,7 +6,7 @@ y starboard, z down), so a viewer that takes z for up shows it upside down.
 
 from xml.etree import ElementTree as Xml
 
-from sim.vehicles import Vehicle
+from seamark.sim.vehicles import Vehicle
 
 
 def urdf_of(vehicle: Vehicle) -> str:

@@ -9,13 +9,13 @@ from pathlib import Path
 import pytest
 from redis import Redis
 
-from sandbox.accounting import parent_of, tree
-from server import runs
-from server.runs import RunState
-from server.settings import Settings
-from sim.telemetry import INDEX, digest
+from seamark.sandbox.isolation.proc_stats import parent_of, tree
+from seamark.server.runs import door as runs
+from seamark.server.runs.door import RunState
+from seamark.server.settings import Settings
+from seamark.sim.recording.telemetry import INDEX, digest
+from seamark.worker.evaluation.local import Hearing, evaluate_here
 from tests.worker.conftest import LONG, QUICK, SHORT, Service, service_with
-from worker.single import Hearing, evaluate_here
 
 pytestmark = [pytest.mark.slow, pytest.mark.host]
 
@@ -54,7 +54,7 @@ def trials_of(service: Service) -> list[int]:
 
 def _simulates(pid: int) -> bool:
     try:
-        return b"worker.simulator" in Path(f"/proc/{pid}/cmdline").read_bytes()
+        return b"seamark.worker.zygote.process" in Path(f"/proc/{pid}/cmdline").read_bytes()
     except OSError:  # it ended meanwhile
         return False
 

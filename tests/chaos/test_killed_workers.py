@@ -5,8 +5,8 @@ import signal
 
 import pytest
 
-from server.runs import RunState
-from sim.telemetry import digest
+from seamark.server.runs.door import RunState
+from seamark.sim.recording.telemetry import digest
 from tests.worker.conftest import LONG, SHORT, Service, production, service
 
 __all__ = ["production", "service"]  # the fixtures of the worker's tests

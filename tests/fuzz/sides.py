@@ -14,20 +14,20 @@ import types
 from collections.abc import Sequence
 from typing import Any, cast
 
-from sandbox import answers, frames
-from sandbox.confined import Confined
-from sandbox.conversation import Conversation
-from sandbox.frames import FrameInvalid
-from sandbox.languages.python_inside.runner import Runner
-from sandbox.languages.python_inside.values import Observation
-from sandbox.limits import Limits
-from sandbox.outcome import ProgramEnded, SandboxBroken, Verdict
+from seamark.sandbox.isolation.process_tree import Confined
+from seamark.sandbox.languages.python_inside.runner import Runner
+from seamark.sandbox.languages.python_inside.values import Observation
+from seamark.sandbox.limits import Limits
+from seamark.sandbox.outcome import ProgramEnded, SandboxBroken, Verdict
+from seamark.sandbox.protocol import answers, messages
+from seamark.sandbox.protocol.messages import FrameInvalid
+from seamark.sandbox.protocol.session import Conversation
 
 LIMITS = Limits(step_wall_s=5.0, start_wall_s=5.0)
 CLOSED = 70  # exit code of a runner whose connection is gone
 SOON = struct.pack("@ll", 5, 0)
 END_WITHIN_S = 20.0  # [s] a runner that hangs is found; it has nothing to wait for
-VERDICTS = {Verdict.PROTOCOL_ERROR, *frames.VERDICTS.values()}
+VERDICTS = {Verdict.PROTOCOL_ERROR, *messages.VERDICTS.values()}
 
 HEADER = (
     b'{"protocol": 1, "filename": "a.py", "config": {}, '
@@ -103,13 +103,13 @@ def trusted(sent: Sequence[bytes], printed: bytes = b"") -> Verdict:
 def _asked(talk: Conversation) -> Verdict:
     patience = LIMITS.stepping
     try:
-        talk.answer(frames.READY, patience, "start")
+        talk.answer(messages.READY, patience, "start")
         talk.begin()
         for question, kind, read in (
-            (frames.SOURCE, frames.READY, None),
-            (frames.OBSERVE, frames.ANSWER, answers.command),
-            (frames.UPDATE, frames.TRACK, answers.track),
-            (frames.DETECT, frames.DETECTIONS, answers.detections),
+            (messages.SOURCE, messages.READY, None),
+            (messages.OBSERVE, messages.ANSWER, answers.command),
+            (messages.UPDATE, messages.TRACK, answers.track),
+            (messages.DETECT, messages.DETECTIONS, answers.detections),
         ):
             talk.ask(question, b"")
             data = talk.answer(kind, patience, "the answer")
@@ -141,10 +141,10 @@ def _must_be_sound(answer: Any) -> None:
 
 def loading(sequence: int = 1) -> list[bytes]:
     """Return the frames that load a program which is well."""
-    sizes = frames.SIZES.pack(len(HEADER), len(SOURCE))
+    sizes = messages.SIZES.pack(len(HEADER), len(SOURCE))
     return [
-        frames.frame(frames.BEGIN, sequence, sizes),
-        frames.frame(frames.SOURCE, sequence + 1, HEADER + SOURCE),
+        messages.frame(messages.BEGIN, sequence, sizes),
+        messages.frame(messages.SOURCE, sequence + 1, HEADER + SOURCE),
     ]
 
 
@@ -191,7 +191,7 @@ def _kinds(ours: socket.socket) -> list[bytes]:
     for _ in range(2):
         with contextlib.suppress(BlockingIOError, ConnectionResetError):
             while packet := ours.recv(1 << 17):
-                frames.check(packet, packet[:1], struct.unpack_from("<I", packet, 4)[0])
+                messages.check(packet, packet[:1], struct.unpack_from("<I", packet, 4)[0])
                 kinds.append(packet[:1])
     return kinds
 

@@ -8,12 +8,12 @@ from typing import Any
 
 import pytest
 
-from sandbox.box import Box
-from sandbox.confined import Layers
-from sandbox.level import Isolation, Level
-from sandbox.limits import Limits
-from sandbox.outcome import Outcome, ProgramEnded, Verdict
-from sandbox.probes import probe
+from seamark.sandbox.box import Box
+from seamark.sandbox.isolation.level import Isolation, Level
+from seamark.sandbox.isolation.process_tree import Layers
+from seamark.sandbox.limits import Limits
+from seamark.sandbox.outcome import Outcome, ProgramEnded, Verdict
+from seamark.sandbox.probing.probes import probe
 
 PROGRAMS = Path(__file__).with_name("programs")
 STEPS = 20

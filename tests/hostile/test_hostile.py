@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from sandbox.level import Level
-from sandbox.limits import Limits
-from sandbox.outcome import Outcome, Verdict
+from seamark.sandbox.isolation.level import Level
+from seamark.sandbox.limits import Limits
+from seamark.sandbox.outcome import Outcome, Verdict
 from tests.hostile.conftest import limits_for
 
 pytestmark = pytest.mark.host

@@ -8,10 +8,10 @@ from pathlib import Path
 
 import pytest
 
-from sandbox.command import NAMESPACES
-from sandbox.confined import Layers
-from sandbox.level import Level
-from sandbox.outcome import Outcome
+from seamark.sandbox.isolation.bwrap_command import NAMESPACES
+from seamark.sandbox.isolation.level import Level
+from seamark.sandbox.isolation.process_tree import Layers
+from seamark.sandbox.outcome import Outcome
 
 pytestmark = pytest.mark.host
 

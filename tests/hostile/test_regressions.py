@@ -5,10 +5,10 @@ from pathlib import Path
 
 import pytest
 
-from sandbox import accounting
-from sandbox.box import Box
-from sandbox.level import Level
-from sandbox.outcome import Verdict
+from seamark.sandbox.box import Box
+from seamark.sandbox.isolation import proc_stats
+from seamark.sandbox.isolation.level import Level
+from seamark.sandbox.outcome import Verdict
 from tests.hostile.conftest import LAYOUT, LIMITS, PROGRAMS
 
 pytestmark = pytest.mark.host
@@ -55,7 +55,7 @@ def test_bubblewrap_as_root_keeping_uid_0_a_program_is_nobody_on_the_host(run, l
 
     with Box(limits=LIMITS, level=level) as box:
         box.wait_ready()
-        uids = {accounting.uid_of(pid) for pid in box.processes()}
+        uids = {proc_stats.uid_of(pid) for pid in box.processes()}
     assert 0 not in uids or os.geteuid() != 0
 
 

@@ -4,9 +4,9 @@ import re
 
 import pytest
 
-from sandbox.box import Box
-from sandbox.limits import Limits
-from sandbox.outcome import Outcome, ProgramEnded, Verdict
+from seamark.sandbox.box import Box
+from seamark.sandbox.limits import Limits
+from seamark.sandbox.outcome import Outcome, ProgramEnded, Verdict
 
 pytestmark = pytest.mark.host
 

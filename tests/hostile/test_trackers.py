@@ -12,12 +12,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sandbox.box import Box
-from sandbox.compilation import compiled
-from sandbox.languages import language_of
-from sandbox.level import Level
-from sandbox.outcome import Outcome, ProgramEnded
-from sandbox.self_test import why_not
+from seamark.sandbox.box import Box
+from seamark.sandbox.compilation import compiled
+from seamark.sandbox.isolation.level import Level
+from seamark.sandbox.languages import language_of
+from seamark.sandbox.outcome import Outcome, ProgramEnded
+from seamark.sandbox.probing.self_test import why_not
 from tests.hostile.conftest import limits_for
 
 pytestmark = pytest.mark.host

@@ -60,7 +60,7 @@ def running(**settings: str) -> Iterator[Service]:
     """Start `seamark up` on a free port; one hidden seed, so that a ranked run is short."""
     with tempfile.TemporaryDirectory(prefix="seamark-journey-") as folder:
         port, data, log = _free_port(), Path(folder) / "data", Path(folder) / "log"
-        command = [sys.executable, "-m", "seamark.main", "up", "--port", str(port)]
+        command = [sys.executable, "-m", "seamark.cli.main", "up", "--port", str(port)]
         with log.open("wb") as output:
             process = subprocess.Popen(
                 [*command, "--data", str(data)],

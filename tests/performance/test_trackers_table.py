@@ -8,8 +8,8 @@ import pytest
 from performance.trackers.contenders import CONTENDERS, PEERS, Contender
 from performance.trackers.race import Result, least, race
 from performance.trackers.sequences import Sequence, motion
-from sim.camera import VISIBILITY, Camera, Target, Water, start_pose
-from sim.registry import TRACKERS
+from seamark.sim.camera import VISIBILITY, Camera, Target, Water, start_pose
+from seamark.sim.registry import TRACKERS
 
 
 def _still(frames: int) -> Sequence:

@@ -10,11 +10,11 @@ from performance.validation.determinism import differing_columns
 from performance.validation.facts import late_rms
 from performance.validation.markdown import signed, table
 from performance.validation.reference import thrust_of
-from sim.camera.optics import CURRENTS
-from sim.camera.target import Target
-from sim.plant import Plant
-from sim.telemetry import INDEX, WIDTH
-from sim.vehicles import load
+from seamark.sim.camera.optics import CURRENTS
+from seamark.sim.camera.target import Target
+from seamark.sim.physics.plant import Plant
+from seamark.sim.recording.telemetry import INDEX, WIDTH
+from seamark.sim.vehicles import load
 
 DOCS = Path(__file__).parents[2] / "docs"
 PAGE = (DOCS / "validation.md").read_text(encoding="utf-8")

@@ -7,9 +7,9 @@ import pytest
 
 from performance.visibility.cases import GROUPS, IN_PLANE, STEP
 from performance.visibility.page import write
-from sim.configuration import ConfigurationInvalid
-from sim.registry import benchmark
-from sim.trackers.visp import why_not
+from seamark.sim.registry import benchmark
+from seamark.sim.settings.configuration import ConfigurationInvalid
+from seamark.sim.trackers.visp import why_not
 
 VISIBILITY = benchmark("visibility-v1")
 

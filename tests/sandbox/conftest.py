@@ -2,9 +2,9 @@
 
 import pytest
 
-from sandbox.box import Box
-from sandbox.level import Level
-from sandbox.probes import probe
+from seamark.sandbox.box import Box
+from seamark.sandbox.isolation.level import Level
+from seamark.sandbox.probing.probes import probe
 
 LAYOUT = {
     "observation": [["t", 0], ["error", 3], ["target_visible", 0], ["thrust", 5]],

@@ -11,10 +11,10 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
-from sandbox.box import Box
-from sandbox.level import Level
-from sandbox.limits import Limits
-from sandbox.outcome import ProgramEnded, SandboxBroken, Verdict
+from seamark.sandbox.box import Box
+from seamark.sandbox.isolation.level import Level
+from seamark.sandbox.limits import Limits
+from seamark.sandbox.outcome import ProgramEnded, SandboxBroken, Verdict
 from tests.sandbox.conftest import LAYOUT, VALUES, printed, program
 
 pytestmark = pytest.mark.host

@@ -11,11 +11,11 @@ from pathlib import Path
 
 import pytest
 
-from sandbox import cgroups
-from sandbox.box import Box
-from sandbox.level import Level
-from sandbox.limits import Limits
-from sandbox.outcome import ProgramEnded
+from seamark.sandbox.box import Box
+from seamark.sandbox.isolation import cgroups
+from seamark.sandbox.isolation.level import Level
+from seamark.sandbox.limits import Limits
+from seamark.sandbox.outcome import ProgramEnded
 from tests.sandbox.conftest import printed, program
 
 pytestmark = pytest.mark.host
@@ -43,9 +43,9 @@ def test_nothing_is_left_after_fifty_runs(level) -> None:
 
 WORKER = """
 import json, signal, sys
-from sandbox.box import Box
-from sandbox.level import Level
-from sandbox.limits import Limits
+from seamark.sandbox.box import Box
+from seamark.sandbox.isolation.level import Level
+from seamark.sandbox.limits import Limits
 
 box = Box(limits=Limits(), level=Level(int(sys.argv[1])))
 if sys.argv[2] == "ready":

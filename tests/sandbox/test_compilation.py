@@ -2,13 +2,13 @@
 
 import pytest
 
-from sandbox.box import Box
-from sandbox.compilation import compiled
-from sandbox.languages import LANGUAGES, language_of
-from sandbox.level import Level
-from sandbox.limits import Limits
-from sandbox.outcome import Outcome, ProgramEnded, Verdict
-from sandbox.self_test import why_not
+from seamark.sandbox.box import Box
+from seamark.sandbox.compilation import compiled
+from seamark.sandbox.isolation.level import Level
+from seamark.sandbox.languages import LANGUAGES, language_of
+from seamark.sandbox.limits import Limits
+from seamark.sandbox.outcome import Outcome, ProgramEnded, Verdict
+from seamark.sandbox.probing.self_test import why_not
 
 pytestmark = pytest.mark.host
 

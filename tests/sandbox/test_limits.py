@@ -5,7 +5,7 @@ from dataclasses import fields
 
 import pytest
 
-from sandbox.limits import MEANING, Limits
+from seamark.sandbox.limits import MEANING, Limits
 
 NAMES = [field.name for field in fields(Limits)]
 

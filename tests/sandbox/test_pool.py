@@ -7,11 +7,11 @@ from dataclasses import replace
 
 import pytest
 
-from sandbox.box import Box
-from sandbox.level import Level
-from sandbox.limits import Limits
-from sandbox.outcome import ProgramEnded, Verdict
-from sandbox.pool import Loan, Pool
+from seamark.sandbox.box import Box
+from seamark.sandbox.isolation.level import Level
+from seamark.sandbox.limits import Limits
+from seamark.sandbox.outcome import ProgramEnded, Verdict
+from seamark.sandbox.pool import Loan, Pool
 
 pytestmark = pytest.mark.host
 

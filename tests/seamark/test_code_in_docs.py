@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from seamark.main import cli
-from sim import registry
-from sim.trackers import Corners, Track, Window
-from sim.trial import run_trial
+from seamark.cli.main import cli
+from seamark.sim import registry
+from seamark.sim.engine.trial import run_trial
+from seamark.sim.trackers import Corners, Track, Window
 
 ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"

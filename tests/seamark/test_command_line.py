@@ -10,16 +10,16 @@ from typing import Any
 import pytest
 from click.testing import CliRunner, Result
 
-from seamark.commands import init
-from seamark.commands.token import SCOPES as OFFERED
-from seamark.controllers import read_settings, typed
-from seamark.main import COMMANDS, cli
-from seamark.options import settings_of
-from server import accounts
-from server.access import SCOPES
-from server.db import Database
-from server.pages import templates_for_programs
-from sim import registry
+from seamark.cli.commands import init
+from seamark.cli.commands.token import SCOPES as OFFERED
+from seamark.cli.controllers import read_settings, typed
+from seamark.cli.main import COMMANDS, cli
+from seamark.cli.options import settings_of
+from seamark.server.accounts import accounts
+from seamark.server.accounts.permissions import SCOPES
+from seamark.server.database.engine import Database
+from seamark.server.programs import starter_files
+from seamark.sim import registry
 
 SHORT = ("--set", "levels=0", "--set", "level_duration_s=40", "--seed", "7")
 CRASHING = """
@@ -43,7 +43,7 @@ def seamark(*arguments: str) -> Result:
 
 
 def process(*arguments: str) -> "subprocess.CompletedProcess[str]":
-    command = [sys.executable, "-m", "seamark.main", *arguments]
+    command = [sys.executable, "-m", "seamark.cli.main", *arguments]
     return subprocess.run(command, capture_output=True, text=True, check=False)
 
 
@@ -57,7 +57,7 @@ def test_every_command_explains_itself(name: str) -> None:
 
 def test_help_loads_no_heavy_module() -> None:
     code = (
-        "import sys; from seamark.main import cli\n"
+        "import sys; from seamark.cli.main import cli\n"
         "cli.main(['--help'], standalone_mode=False)\n"
         "assert not {'numpy', 'flask', 'sqlalchemy', 'celery'} & set(sys.modules)"
     )
@@ -230,7 +230,7 @@ def test_a_program_with_a_wrong_syntax_is_the_programs_failure(tmp_path: Path) -
 
 
 def test_init_knows_every_template() -> None:
-    assert init.LANGUAGES == templates_for_programs.KINDS
+    assert init.LANGUAGES == starter_files.KINDS
 
 
 @pytest.mark.parametrize(

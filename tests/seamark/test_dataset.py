@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner, Result
 
-from seamark.main import cli
+from seamark.cli.main import cli
 
 SHORT = ("--set", "levels=0.1", "--set", "level_duration_s=3", "--set", "settle_s=1")
 

@@ -12,7 +12,17 @@ import pytest
 
 from seamark.client import Client
 
-COMMAND = [sys.executable, "-m", "seamark.main", "up", "--port", "0", "--json", "--workers", "1"]
+COMMAND = [
+    sys.executable,
+    "-m",
+    "seamark.cli.main",
+    "up",
+    "--port",
+    "0",
+    "--json",
+    "--workers",
+    "1",
+]
 
 
 @pytest.fixture

@@ -5,11 +5,12 @@ from dataclasses import dataclass
 
 import pytest
 
-from server import accounts, runs
-from server.access import Viewer
-from server.db import Database
-from server.migrate import upgrade
-from server.settings import Settings
+from seamark.server.accounts import accounts
+from seamark.server.accounts.permissions import Viewer
+from seamark.server.database.engine import Database
+from seamark.server.database.schema import upgrade
+from seamark.server.runs import door as runs
+from seamark.server.settings import Settings
 
 
 @pytest.fixture(params=["sqlite", "postgresql"])

@@ -5,12 +5,12 @@ from pathlib import Path
 
 import pytest
 
-import server.pages.docs
-from sandbox.limits import MEANING, Limits
-from server.pages.docs import PAGES
-from server.settings import Settings
+import seamark.server.pages.docs
+from seamark.sandbox.limits import MEANING, Limits
+from seamark.server.pages.docs import PAGES
+from seamark.server.settings import Settings
 
-HOSTING = Path(server.__file__).parents[1] / "docs" / "hosting.md"
+HOSTING = Path(seamark.server.__file__).resolve().parents[1] / "docs" / "hosting.md"
 
 
 def test_the_table_of_settings_is_the_one_that_the_settings_make() -> None:
@@ -25,7 +25,7 @@ def test_every_setting_has_a_meaning(name: str) -> None:
 def test_every_limit_has_a_meaning_and_a_row_of_its_own() -> None:
     names = [field.name for field in fields(Limits)]
 
-    shown = list(server.pages.docs.limits_of(Limits()))
+    shown = list(seamark.server.pages.docs.limits_of(Limits()))
 
     assert set(MEANING) == set(names)
     assert len({limit.name for limit in shown}) == len(shown) == len(names)

@@ -3,7 +3,7 @@ from pathlib import Path
 
 import pytest
 
-from server.settings import Settings, SettingsInvalid
+from seamark.server.settings import Settings, SettingsInvalid
 
 
 def _load(tmp_path: Path, **variables: str) -> Settings:

@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 from hypothesis import settings
 
-from sim.benchmarks import Benchmark
-from sim.configuration import Configuration
-from sim.program import BuiltIn
-from sim.registry import benchmark
-from sim.telemetry import Rows
-from sim.trial import TrialResult, run_trial
+from seamark.sim.benchmarks.benchmark import Benchmark
+from seamark.sim.engine.program import BuiltIn
+from seamark.sim.engine.trial import TrialResult, run_trial
+from seamark.sim.recording.telemetry import Rows
+from seamark.sim.registry import benchmark
+from seamark.sim.settings.configuration import Configuration
 
 # A deadline is a timed test: it fails on a busy machine and says nothing about the code.
 settings.register_profile("no-deadline", deadline=None)

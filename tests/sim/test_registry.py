@@ -5,7 +5,7 @@ import sys
 
 import pytest
 
-from sim import registry
+from seamark.sim import registry
 
 
 @pytest.mark.parametrize("name", registry.TRACKERS)
@@ -21,7 +21,7 @@ def test_every_entry_loads() -> None:
 
 def test_forms_need_neither_numba_nor_opencv() -> None:
     code = (
-        "import sys; from sim.registry import benchmark; benchmark('currents-v1').schema();"
+        "import sys; from seamark.sim.registry import benchmark; benchmark('currents-v1').schema();"
         "print([name for name in ('numba', 'cv2', 'pybullet', 'scipy') if name in sys.modules])"
     )
 

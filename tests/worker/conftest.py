@@ -14,13 +14,17 @@ from typing import Any
 import pytest
 from redis import Redis
 
-from server import accounts, broker, checks, programs, runs
-from server.access import Viewer
-from server.db import Database
-from server.migrate import upgrade
-from server.run_files import RunFiles
-from server.settings import Settings
-from worker.command_lines import worker_arguments
+from seamark.server.accounts import accounts
+from seamark.server.accounts.permissions import Viewer
+from seamark.server.checks import queue
+from seamark.server.database.engine import Database
+from seamark.server.database.schema import upgrade
+from seamark.server.messaging import broker
+from seamark.server.programs import store
+from seamark.server.runs import door as runs
+from seamark.server.runs.files import RunFiles
+from seamark.server.settings import Settings
+from seamark.worker.service.command_lines import worker_arguments
 
 SHORT = {"levels": [0.0, 0.2], "level_duration_s": 4.0, "settle_s": 1.0}
 LONG = {"levels": [0.0, 0.2], "level_duration_s": 600.0, "settle_s": 1.0}
@@ -65,23 +69,23 @@ class Service:
     def upload(self, source: str, config: dict[str, object] = SHORT, **wishes: object) -> int:
         return self.queue(config, controller="upload", program=self.keep(source), **wishes)
 
-    def keep(self, source: str, role: str = "controller") -> programs.StoredProgram:
+    def keep(self, source: str, role: str = "controller") -> store.StoredProgram:
         stream = BytesIO(source.encode())
         data = self.settings.data
-        return programs.store(stream, "mine.py", limit=10**6, data=data, role=role)
+        return store.store(stream, "mine.py", limit=10**6, data=data, role=role)
 
     def check(self, source: bytes, name: str = "mine.py", **config: object) -> dict[str, Any]:
         """Return what a check of a program says."""
-        program = programs.store(BytesIO(source), name, limit=10**6, data=self.settings.data)
+        program = store.store(BytesIO(source), name, limit=10**6, data=self.settings.data)
         user_id = self.viewer.user_id
         assert user_id is not None
         with self.database.writing() as session:
-            check_id = checks.order(session, user_id, "currents-v1", dict(config), program)
-        checks.ring(self.redis)
+            check_id = queue.order(session, user_id, "currents-v1", dict(config), program)
+        queue.ring(self.redis)
         deadline = time.monotonic() + START_S
         while True:
             with self.database.reading() as session:
-                view = checks.show(session, check_id, user_id)
+                view = queue.show(session, check_id, user_id)
             assert view is not None
             if view.answer is not None:
                 return view.answer

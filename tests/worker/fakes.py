@@ -6,10 +6,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sandbox.answers import Corners
-from sandbox.limits import Limits
-from sandbox.outcome import Outcome, ProgramEnded, Verdict
-from sim.program import Command
+from seamark.sandbox.limits import Limits
+from seamark.sandbox.outcome import Outcome, ProgramEnded, Verdict
+from seamark.sandbox.protocol.answers import Corners
+from seamark.sim.engine.program import Command
 
 SLOW = Outcome(verdict=Verdict.TIME_LIMIT, sentence="too slow", suspect_host=True)
 

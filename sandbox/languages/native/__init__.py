@@ -1,6 +1,6 @@
 """What C and C++ share: header, runner, the script inside both boxes, and the host's compiler."""
 
-from sandbox.languages.language import Calls
+from seamark.sandbox.languages.language import Calls
 
 CALLS = Calls("The program (constructors and seamark_init)", "seamark_reset", "seamark_step")
 

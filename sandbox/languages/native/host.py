@@ -9,9 +9,9 @@ import os
 from functools import cache
 from pathlib import Path
 
-from sandbox.languages.language import Bind, Runtime
-from sandbox.languages.scripts import script_runtime
-from sandbox.outcome import SandboxBroken
+from seamark.sandbox.languages.language import Bind, Runtime
+from seamark.sandbox.languages.scripts import script_runtime
+from seamark.sandbox.outcome import SandboxBroken
 
 HERE = Path(__file__).parent
 INSIDE = "/box/native"

@@ -1,10 +1,10 @@
-"""Builds the bridge to ViSP where its headers are: `python -m sim.trackers.visp.build`."""
+"""Builds the bridge to ViSP where its headers are: `python -m seamark.sim.trackers.visp.build`."""
 
 import shutil
 import subprocess
 import sys
 
-from sim.trackers.visp import PACKAGE, SOURCE, program
+from seamark.sim.trackers.visp import PACKAGE, SOURCE, program
 
 _LIBRARIES = ("-lvisp_tt_mi", "-lvisp_tt", "-lvisp_core")
 _TRIES_S = 120

@@ -8,11 +8,11 @@ from typing import IO
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.trackers.interface import Corners, Track, Window
-from sim.trackers.judging import Judge
-from sim.trackers.template import SMALLEST_TEMPLATE_PX
-from sim.trackers.visp import program, why_not
-from sim.trackers.warps import apply, from_square
+from seamark.sim.trackers.interface import Corners, Track, Window
+from seamark.sim.trackers.plausibility import Judge
+from seamark.sim.trackers.template.tracker import SMALLEST_TEMPLATE_PX
+from seamark.sim.trackers.template.warps import apply, from_square
+from seamark.sim.trackers.visp import program, why_not
 
 _CRITERIA = {"ssd": 0, "zncc": 1, "mi": 2}
 _METHODS = {

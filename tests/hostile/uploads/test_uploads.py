@@ -10,7 +10,7 @@ from collections.abc import Callable
 import pytest
 from sqlalchemy import func, select
 
-from server.tables import Run
+from seamark.server.database.tables import Run
 from tests.hostile.uploads import archives as make
 from tests.hostile.uploads.archives import MAIN, Entry, beside_main, named, tar_entry, zipped
 from tests.server.api.conftest import Site

@@ -12,16 +12,19 @@ from flask.testing import FlaskClient
 from sqlalchemy import select
 from werkzeug.test import TestResponse
 
-from server import accounts, checks, programs, runs
-from server.access import Viewer
-from server.app import create_app
-from server.db import Database
-from server.run_files import RunFiles
-from server.services import Services
-from server.settings import Settings
-from server.states import RunState
-from server.tables import Run
-from sim.telemetry import INDEX, WIDTH
+from seamark.server.accounts import accounts
+from seamark.server.accounts.permissions import Viewer
+from seamark.server.app import create_app
+from seamark.server.checks import queue
+from seamark.server.database.engine import Database
+from seamark.server.database.tables import Run
+from seamark.server.programs import store
+from seamark.server.runs import door as runs
+from seamark.server.runs.files import RunFiles
+from seamark.server.runs.states import RunState
+from seamark.server.settings import Settings
+from seamark.server.web.services import Services
+from seamark.sim.recording.telemetry import INDEX, WIDTH
 
 PROGRAM = b"""
 class Controller:
@@ -77,17 +80,17 @@ class Site:
 
     def upload(self) -> int:
         data, limit = self.settings.data, self.settings.upload_max_bytes
-        program = programs.store(io.BytesIO(PROGRAM), "mine.py", limit=limit, data=data)
+        program = store.store(io.BytesIO(PROGRAM), "mine.py", limit=limit, data=data)
         return self.queue(controller="upload", program=program)
 
     def check(self, name: str = "ann") -> int:
         """Order a check that nobody carries out."""
         limit, data = self.settings.upload_max_bytes, self.settings.data
-        program = programs.store(io.BytesIO(PROGRAM), "mine.py", limit=limit, data=data)
+        program = store.store(io.BytesIO(PROGRAM), "mine.py", limit=limit, data=data)
         user_id = self.viewers[name].user_id
         assert user_id is not None
         with self.database.writing() as session:
-            return checks.order(session, user_id, "currents-v1", {}, program)
+            return queue.order(session, user_id, "currents-v1", {}, program)
 
     def end(self, **changes: Any) -> None:
         with self.database.writing() as session:

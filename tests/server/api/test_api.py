@@ -10,10 +10,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from server import live, runs
-from server.api.series import thin
-from server.states import Kind, RunState
-from sim.telemetry import NAMES, from_bytes, from_csv
+from seamark.server.api.series import thin
+from seamark.server.messaging import live_events
+from seamark.server.runs import door as runs
+from seamark.server.runs.states import Kind, RunState
+from seamark.sim.recording.telemetry import NAMES, from_bytes, from_csv
 from tests.server.api.conftest import PROGRAM, Site
 
 RUNS = "/api/v1/runs"
@@ -192,8 +193,8 @@ def test_the_hidden_seeds_of_a_ranked_run_are_shown_to_nobody(site: Site) -> Non
 def test_events_go_on_after_the_last_one_that_was_seen(site: Site) -> None:
     run_id = site.queue()
     for progress in (0.1, 0.2, 0.3):
-        live.append(site.held.redis, run_id, live.STATE, {"progress": progress})
-    live.append(site.held.redis, run_id, live.END, {})
+        live_events.append(site.held.redis, run_id, live_events.STATE, {"progress": progress})
+    live_events.append(site.held.redis, run_id, live_events.END, {})
     path = f"{RUNS}/{run_id}/events"
     everything = events_of(site.call("owner", "GET", path).text)
     second = everything[2][0]  # after the state that greets
@@ -217,12 +218,12 @@ def test_a_run_that_has_ended_is_told_again_from_its_files(site: Site) -> None:
 
 def test_a_stream_too_many_is_sent_away_with_a_time(site: Site) -> None:
     run_id = site.queue()
-    fanout = live.Fanout(site.held.redis, streams_max=1)
+    fanout = live_events.Fanout(site.held.redis, streams_max=1)
     waiting = fanout.subscribe(run_id)
-    live.append(site.held.redis, run_id, live.STATE, {})
+    live_events.append(site.held.redis, run_id, live_events.STATE, {})
     next(waiting)
 
-    with pytest.raises(live.TooManyStreams):
+    with pytest.raises(live_events.TooManyStreams):
         fanout.subscribe(run_id)
 
     waiting.close()

@@ -1,6 +1,6 @@
 """Leaderboards of more rows than one answer has."""
 
-from server.tables import Best, Run, User
+from seamark.server.database.tables import Best, Run, User
 from tests.server.api.conftest import Site
 
 PATH = "/api/v1/leaderboards/currents-v1"

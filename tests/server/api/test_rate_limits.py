@@ -5,10 +5,10 @@ import pytest
 from flask import Flask
 from werkzeug.test import TestResponse
 
-from server import accounts
-from server.app import create_app
-from server.db import Database
-from server.settings import Settings
+from seamark.server.accounts import accounts
+from seamark.server.app import create_app
+from seamark.server.database.engine import Database
+from seamark.server.settings import Settings
 from tests.server.api.conftest import Site
 
 ORDER = {"benchmark": "currents-v1", "controller": "p", "config": {}}

@@ -10,11 +10,13 @@ from flask import Flask
 from flask.testing import FlaskClient
 from werkzeug.test import TestResponse
 
-from server import accounts, identity, runs
-from server.access import Viewer
-from server.app import create_app
-from server.db import Database
-from server.settings import Settings
+from seamark.server.accounts import accounts
+from seamark.server.accounts.permissions import Viewer
+from seamark.server.app import create_app
+from seamark.server.database.engine import Database
+from seamark.server.runs import door as runs
+from seamark.server.settings import Settings
+from seamark.server.web import authentication
 
 CAST = ("ann", "ben", "root")
 _SECRET = re.compile(r'name="csrf_token" value="([^"]+)"')
@@ -54,7 +56,7 @@ class Site:
                 user_id = self.viewers[name].user_id
                 assert user_id is not None
                 with self.app.app_context():
-                    session.update(identity.cookie_of(user_id))
+                    session.update(authentication.cookie_of(user_id))
         return Browser(client)
 
     def queue(self, name: str = "ann", kind: str = "practice", **wishes: Any) -> int:

@@ -2,8 +2,8 @@
 
 import pytest
 
-from server import leaderboard
-from server.pages.formats import duration, number, size
+from seamark.server.pages.formats import duration, number, size
+from seamark.server.runs import leaderboard
 from tests.server.pages.conftest import Site
 
 

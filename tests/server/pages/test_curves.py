@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from server.run_files import RunFiles
-from sim.telemetry import INDEX, WIDTH
+from seamark.server.runs.files import RunFiles
+from seamark.sim.recording.telemetry import INDEX, WIDTH
 from tests.server.pages.conftest import Site
 
 VISIBILITY = {"benchmark": "visibility-v1", "controller": "built-in"}

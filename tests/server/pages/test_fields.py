@@ -3,8 +3,8 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
-from server.pages import fields
-from sim import registry
+from seamark.server.pages import fields
+from seamark.sim import registry
 
 SCHEMA = registry.benchmark("currents-v1").schema()
 finite = st.floats(allow_nan=False, allow_infinity=False, width=64)

@@ -4,13 +4,13 @@ import cv2
 import numpy as np
 import pytest
 
-from server import frames
-from server.run_files import RunFiles
-from sim import registry
-from sim.experiments.station_keeping import EXPERIMENT
-from sim.program import BuiltIn
-from sim.telemetry import INDEX
-from sim.trial import run_trial
+from seamark.server.runs import camera_view
+from seamark.server.runs.files import RunFiles
+from seamark.sim import registry
+from seamark.sim.benchmarks.currents_v1.experiment import EXPERIMENT
+from seamark.sim.engine.program import BuiltIn
+from seamark.sim.engine.trial import run_trial
+from seamark.sim.recording.telemetry import INDEX
 from tests.server.pages.conftest import Site
 
 CONFIG = {"levels": [0.1, 0.2], "level_duration_s": 4.0, "settle_s": 1.0}
@@ -41,14 +41,14 @@ def test_a_picture_shows_what_the_tracker_saw(site: Site, recorded: int) -> None
     row = RunFiles(site.settings.data, recorded).rows(120, 121)[0]
     seen = world.camera.colour(row[INDEX["x"] : INDEX["yaw"] + 1].copy(), 80 + 40)
 
-    shown = _decoded(frames.picture(site.settings, run, trial=0, t=6.0))
+    shown = _decoded(camera_view.picture(site.settings, run, trial=0, t=6.0))
 
     corner = (slice(0, 150), slice(0, 150))  # no box is drawn here; JPEG changes a little
     assert np.abs(shown[corner].astype(int) - seen[corner].astype(int)).mean() < 3.0
 
 
 def test_the_box_of_the_tracker_is_green(site: Site, recorded: int) -> None:
-    shown = _decoded(frames.picture(site.settings, site.show(recorded), trial=0, t=2.0))
+    shown = _decoded(camera_view.picture(site.settings, site.show(recorded), trial=0, t=2.0))
 
     blue, green, red = (shown[:, :, channel].astype(int) for channel in range(3))
     assert np.count_nonzero((green > 150) & (green > red + 60) & (green > blue + 60)) > 100
@@ -57,7 +57,7 @@ def test_the_box_of_the_tracker_is_green(site: Site, recorded: int) -> None:
 def test_the_same_time_gives_the_same_bytes(site: Site, recorded: int) -> None:
     run = site.show(recorded)
 
-    first, second = (frames.picture(site.settings, run, trial=0, t=3.3) for _ in range(2))
+    first, second = (camera_view.picture(site.settings, run, trial=0, t=3.3) for _ in range(2))
 
     assert first == second
 
@@ -65,11 +65,11 @@ def test_the_same_time_gives_the_same_bytes(site: Site, recorded: int) -> None:
 def test_a_time_after_the_end_gives_the_last_picture(site: Site, recorded: int) -> None:
     run = site.show(recorded)
 
-    last, beyond = (frames.picture(site.settings, run, trial=0, t=t) for t in (7.95, 1e6))
+    last, beyond = (camera_view.picture(site.settings, run, trial=0, t=t) for t in (7.95, 1e6))
 
     assert last == beyond
 
 
 def test_a_trial_without_telemetry_has_no_picture(site: Site, recorded: int) -> None:
-    assert frames.picture(site.settings, site.show(recorded), trial=1, t=0.0) is None
-    assert frames.picture(site.settings, site.show(site.queue("ann")), trial=0, t=0.0) is None
+    assert camera_view.picture(site.settings, site.show(recorded), trial=1, t=0.0) is None
+    assert camera_view.picture(site.settings, site.show(site.queue("ann")), trial=0, t=0.0) is None

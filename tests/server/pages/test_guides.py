@@ -6,14 +6,14 @@ from urllib.parse import urljoin
 
 import pytest
 
-import server
-from server.pages import guides
-from sim.registry import TRACKERS, benchmark
-from sim.tracker_settings import TrackerSettings
-from sim.trackers.choices import CRITERIA, METHODS, WARPS
+from seamark import server
+from seamark.server.pages import guides
+from seamark.sim.registry import TRACKERS, benchmark
+from seamark.sim.settings.tracker import TrackerSettings
+from seamark.sim.trackers.choices import CRITERIA, METHODS, WARPS
 from tests.server.pages.conftest import Browser, Site
 
-DOCS = Path(server.__file__).parents[1] / "docs"
+DOCS = Path(server.__file__).resolve().parents[1] / "docs"
 NAMES = sorted(path.name for path in DOCS.glob("*.md"))
 LINK = re.compile(r'(?:href|src)="([^"]+)"')
 

@@ -4,8 +4,9 @@ from html import unescape
 
 import pytest
 
-from sim import constants, registry
-from sim.vehicles import Quantity, load
+from seamark.sim import registry
+from seamark.sim.physics import constants
+from seamark.sim.vehicles import Quantity, load
 from tests.server.pages.conftest import Site
 
 QUANTITIES = [quantity for group in constants.GROUPS.values() for quantity in group]

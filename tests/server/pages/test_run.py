@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 from redis import Redis
 
-from server import live, runs
-from server.run_files import RunFiles
-from sim.telemetry import WIDTH
+from seamark.server.messaging import live_events
+from seamark.server.runs import door as runs
+from seamark.server.runs.files import RunFiles
+from seamark.sim.recording.telemetry import WIDTH
 from tests.server.pages.conftest import Site
 
 HOSTILE = "<script>alert(1)</script><img src=x onerror=alert(2)>'\"&"
@@ -97,7 +98,7 @@ def test_cancelling_a_waiting_run_ends_it_and_tells_the_open_pages(
 
     assert site.show(run_id).state is runs.RunState.CANCELLED
     with Redis.from_url(redis_url) as redis:
-        kinds = [fields[b"kind"] for _, fields in redis.xrange(live.key(run_id))]
+        kinds = [fields[b"kind"] for _, fields in redis.xrange(live_events.key(run_id))]
     assert kinds == [b"state", b"end"]
 
 

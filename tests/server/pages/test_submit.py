@@ -5,7 +5,7 @@ import re
 
 import pytest
 
-from server import runs
+from seamark.server.runs import door as runs
 from tests.server.pages.conftest import Browser, Site
 
 FORM = "/submit/currents-v1"
@@ -35,7 +35,7 @@ def test_a_guest_starts_a_built_in_controller_and_sees_the_run(site: Site) -> No
 
 
 def test_every_setting_of_the_schema_has_a_field_with_its_default(site: Site) -> None:
-    from sim import registry
+    from seamark.sim import registry
 
     page = site.browser().get(FORM).text
 

@@ -7,12 +7,21 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from sim.camera import CURRENTS, VISIBILITY, Camera, Optics, Target, Water, lettering, start_pose
-from sim.camera.camera import SEABED_SEED
-from sim.camera.seabed import TEXEL_M
-from sim.camera.seabed import texels as seabed_texels
-from sim.camera.target import SHADES
-from sim.camera.target import TEXEL_M as FACE_TEXEL_M
+from seamark.sim.camera import (
+    CURRENTS,
+    VISIBILITY,
+    Camera,
+    Optics,
+    Target,
+    Water,
+    lettering,
+    start_pose,
+)
+from seamark.sim.camera.camera import SEABED_SEED
+from seamark.sim.camera.seabed import TEXEL_M
+from seamark.sim.camera.seabed import texels as seabed_texels
+from seamark.sim.camera.target import SHADES
+from seamark.sim.camera.target import TEXEL_M as FACE_TEXEL_M
 
 Array = NDArray[np.float64]
 

@@ -11,8 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from sim.camera import VISIBILITY, Camera, Target, Water, start_pose
-from sim.camera.seabed import TEXEL_M, TILE
+from seamark.sim.camera import VISIBILITY, Camera, Target, Water, start_pose
+from seamark.sim.camera.seabed import TEXEL_M, TILE
 
 Array = NDArray[np.float64]
 CAMERA = Camera(VISIBILITY, Water(), Target(), noise_seed=11)
@@ -156,7 +156,7 @@ def test_a_camera_in_the_ground_or_on_its_side_still_gives_a_picture(pose: list[
 
 PROGRAM = """
 import hashlib, numpy as np
-from sim.camera import CURRENTS, Camera, Target, Water, start_pose
+from seamark.sim.camera import CURRENTS, Camera, Target, Water, start_pose
 pose = start_pose(CURRENTS, Target(), 2.27) + np.array([0.1, -0.1, 0.1, 0.05, 0.04, 0.3])
 camera = Camera(CURRENTS, Water.of_type("II"), Target(), noise_seed=5)
 print(hashlib.sha256(camera.colour(pose, 77).tobytes()).hexdigest())

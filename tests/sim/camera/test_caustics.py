@@ -5,9 +5,16 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sim.camera import VISIBILITY, Camera, Target, Water, start_pose
-from sim.camera.caustics import LONGEST_M, SHORTEST_M, WAVES, amplitude_for, focused, waves_of
-from sim.camera.effects import Effects
+from seamark.sim.camera import VISIBILITY, Camera, Target, Water, start_pose
+from seamark.sim.camera.caustics import (
+    LONGEST_M,
+    SHORTEST_M,
+    WAVES,
+    amplitude_for,
+    focused,
+    waves_of,
+)
+from seamark.sim.camera.effects import Effects
 
 START = start_pose(VISIBILITY, Target(), 1.27)
 

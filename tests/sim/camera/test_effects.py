@@ -9,16 +9,16 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from sim import registry
-from sim.camera import VISIBILITY, Camera, Target, Water, start_pose
-from sim.camera.effects import Effects
-from sim.camera.snow import CUBE_M, flakes_in
-from sim.camera.special import blurred
-from sim.experiments.visibility import EXPERIMENT
-from sim.replay import Replay
-from sim.targets import TARGETS
-from sim.telemetry import Recorder
-from sim.trackers.interface import Track
+from seamark.sim import registry
+from seamark.sim.benchmarks.visibility_v1.experiment import EXPERIMENT
+from seamark.sim.camera import VISIBILITY, Camera, Target, Water, start_pose
+from seamark.sim.camera.effects import Effects
+from seamark.sim.camera.snow import CUBE_M, flakes_in
+from seamark.sim.camera.special import blurred
+from seamark.sim.engine.replay import Replay
+from seamark.sim.recording.telemetry import Recorder
+from seamark.sim.settings.targets import TARGETS
+from seamark.sim.trackers.interface import Track
 
 Array = NDArray[np.float64]
 START = start_pose(VISIBILITY, Target(), 1.27)

@@ -4,8 +4,8 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sim.camera import rows
-from sim.camera.seabed import STRIDE, TILE
+from seamark.sim.camera import rows
+from seamark.sim.camera.seabed import STRIDE, TILE
 
 _F = np.float32
 _TILE = np.random.default_rng(1).integers(0, 2**32, TILE * STRIDE, np.uint32).view(np.int32)

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from sim.camera import CURRENTS, VISIBILITY, Camera, Optics, Target, Water, start_pose
+from seamark.sim.camera import CURRENTS, VISIBILITY, Camera, Optics, Target, Water, start_pose
 
 Array = NDArray[np.float64]
 

@@ -11,12 +11,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sim.bottom import Bottom
-from sim.contact import Contact, TargetBox, lowest_point
-from sim.current import Current
-from sim.hydrodynamics import write_rotation
-from sim.plant import Plant
-from sim.vehicles import Array, Quantity, Vehicle, load
+from seamark.sim.physics.contact import Contact, TargetBox, lowest_point
+from seamark.sim.physics.current import Current
+from seamark.sim.physics.hydrodynamics import write_rotation
+from seamark.sim.physics.plant import Plant
+from seamark.sim.physics.terrain import Bottom
+from seamark.sim.vehicles import Array, Quantity, Vehicle, load
 
 SEABED_Z = 4.785
 FLAT = Bottom(SEABED_Z)
@@ -166,10 +166,10 @@ def test_contact_runs_repeat_to_the_last_bit(heavy: Vehicle) -> None:
 CONTACT_RUN = """
 import hashlib
 import numpy as np
-from sim.program import BuiltIn
-from sim.registry import benchmark
-from sim.telemetry import INDEX
-from sim.trial import run_trial
+from seamark.sim.engine.program import BuiltIn
+from seamark.sim.registry import benchmark
+from seamark.sim.recording.telemetry import INDEX
+from seamark.sim.engine.trial import run_trial
 
 class Dive:
     def reset(self, level): pass
@@ -236,11 +236,11 @@ def test_the_lowest_point_is_that_of_the_lowest_corner(
 FREE_RUN = """
 import sys
 import numpy as np
-from sim.bottom import Bottom
-from sim.contact import Contact, TargetBox
-from sim.current import Current
-from sim.plant import Plant
-from sim.vehicles import load
+from seamark.sim.physics.terrain import Bottom
+from seamark.sim.physics.contact import Contact, TargetBox
+from seamark.sim.physics.current import Current
+from seamark.sim.physics.plant import Plant
+from seamark.sim.vehicles import load
 
 vehicle = load("girona500")
 contact = Contact(vehicle, Bottom(4.785), box=TargetBox(centre=(0.0, 0.0, 4.72)))

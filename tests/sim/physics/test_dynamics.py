@@ -10,10 +10,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from sim.current import Current, Pattern
-from sim.plant import Plant
-from sim.streams import streams
-from sim.vehicles import Array, Quantity, Vehicle, load
+from seamark.sim.numerics.random_streams import streams
+from seamark.sim.physics.current import Current, Pattern
+from seamark.sim.physics.plant import Plant
+from seamark.sim.vehicles import Array, Quantity, Vehicle, load
 
 NAMES = ["girona500", "girona500-uwsim", "bluerov2-heavy"]
 STILL = Current(0.0)
@@ -287,12 +287,13 @@ def test_a_plant_does_not_outlive_its_gust() -> None:
 
 COMPILED = """
 import numpy as np
-from sim import bottom, contact, current, dynamics, streams, thrusters
-from sim.plant import Plant, warm_up
-from sim.vehicles import load
+from seamark.sim.numerics import random_streams
+from seamark.sim.physics import contact, current, dynamics, terrain, thrusters
+from seamark.sim.physics.plant import Plant, warm_up
+from seamark.sim.vehicles import load
 
 def compiled():
-    modules = (bottom, contact, current, dynamics, thrusters)
+    modules = (terrain, contact, current, dynamics, thrusters)
     found = {f"{m.__name__}.{k}": v for m in modules for k, v in vars(m).items()}
     return {k: len(v.signatures) for k, v in found.items() if hasattr(v, "py_func")}
 
@@ -300,8 +301,8 @@ warm_up()
 before = compiled()
 for name in ("girona500-uwsim", "bluerov2-heavy"):
     vehicle = load(name)
-    mounds = bottom.relief_of(streams.streams(1, 0, 0).bottom, height_m=0.3, flat_m=0.5)
-    ground = bottom.Bottom(3.0, mounds)
+    mounds = terrain.relief_of(random_streams.streams(1, 0, 0).bottom, height_m=0.3, flat_m=0.5)
+    ground = terrain.Bottom(3.0, mounds)
     touching = contact.Contact(vehicle, ground)
     law = current.Pattern(law="force")
     plant = Plant(vehicle, current.Current(0.2, pattern=law), contact=touching)
@@ -309,7 +310,7 @@ for name in ("girona500-uwsim", "bluerov2-heavy"):
     plant.advance(0, np.zeros(len(vehicle.thrusters)), 20)
     plant.pose(), plant.current_world(), ground.sound(plant.pose().tolist())
     touching.close()
-print(before == compiled(), min(before["sim.dynamics.drive"], 1))
+print(before == compiled(), min(before["seamark.sim.physics.dynamics.drive"], 1))
 """
 
 

@@ -6,8 +6,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from sim.hydrodynamics import add_coriolis, add_drag, add_restoring, inverse, write_rotation
-from sim.vehicles import Array, load
+from seamark.sim.physics.hydrodynamics import (
+    add_coriolis,
+    add_drag,
+    add_restoring,
+    inverse,
+    write_rotation,
+)
+from seamark.sim.vehicles import Array, load
 
 velocities = arrays(np.float64, 6, elements=st.floats(-5.0, 5.0))
 directions = arrays(np.float64, 4, elements=st.floats(-1.0, 1.0)).filter(

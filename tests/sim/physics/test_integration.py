@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 from performance.validation.reference import Leg, Water, reference
-from sim.current import Current, Pattern, Shear
-from sim.dynamics import integrate
-from sim.plant import Plant
-from sim.streams import streams
-from sim.vehicles import Array, load
+from seamark.sim.numerics.random_streams import streams
+from seamark.sim.physics.current import Current, Pattern, Shear
+from seamark.sim.physics.dynamics import integrate
+from seamark.sim.physics.plant import Plant
+from seamark.sim.vehicles import Array, load
 
 COMMAND = np.array([0.45, 0.30, 0.20, -0.15, 0.35])
 START = np.array([0.0, 0.0, 2.0, 0.15, -0.1, 0.4])
@@ -95,11 +95,11 @@ def test_many_short_calls_give_the_bits_of_one_long_call() -> None:
 RUN = """
 import hashlib
 import numpy as np
-from sim.current import Current
-from sim.plant import Plant
-from sim.sensors import Dvl, Truth
-from sim.streams import streams
-from sim.vehicles import load
+from seamark.sim.physics.current import Current
+from seamark.sim.physics.plant import Plant
+from seamark.sim.sensors.sensors import Dvl, Truth
+from seamark.sim.numerics.random_streams import streams
+from seamark.sim.vehicles import load
 
 digest = hashlib.sha256()
 source = streams(11, 2, 3)

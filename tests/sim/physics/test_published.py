@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from sim.current import Current, Pattern
-from sim.plant import Plant
-from sim.sensors import Dvl, Truth
-from sim.streams import streams
-from sim.vehicles import Array, load
+from seamark.sim.numerics.random_streams import streams
+from seamark.sim.physics.current import Current, Pattern
+from seamark.sim.physics.plant import Plant
+from seamark.sim.sensors.sensors import Dvl, Truth
+from seamark.sim.vehicles import Array, load
 
 PIXELS_PER_METRE = 514.7 / 2.27  # S: camera 2.27 m above the target
 KP, KI = 0.5, 0.02  # S: the published gains

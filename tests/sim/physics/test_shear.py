@@ -7,13 +7,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sim.benchmarks import Benchmark
-from sim.configuration import ConfigurationInvalid
-from sim.current import LEAST_HEIGHT_M, Current, Pattern, Shear, profile
-from sim.plant import Plant
-from sim.streams import streams
-from sim.telemetry import INDEX
-from sim.vehicles import Quantity, Vehicle, load
+from seamark.sim.benchmarks.benchmark import Benchmark
+from seamark.sim.numerics.random_streams import streams
+from seamark.sim.physics.current import LEAST_HEIGHT_M, Current, Pattern, Shear, profile
+from seamark.sim.physics.plant import Plant
+from seamark.sim.recording.telemetry import INDEX
+from seamark.sim.settings.configuration import ConfigurationInvalid
+from seamark.sim.vehicles import Quantity, Vehicle, load
 from tests.sim.conftest import RunOf
 
 STEADY = Pattern(azimuth_swing_rad=0.0, speed_swing=0.0)

@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sim.thrusters import command_of, commands_for, force_of, packed, steady_thrust
-from sim.vehicles import load
+from seamark.sim.physics.thrusters import command_of, commands_for, force_of, packed, steady_thrust
+from seamark.sim.vehicles import load
 
 NAMES = ["girona500", "girona500-uwsim", "bluerov2-heavy"]
 

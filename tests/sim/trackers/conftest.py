@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from sim.camera import CURRENTS, VISIBILITY, Camera, Optics, Target, Water, start_pose
-from sim.trackers import Tracker
+from seamark.sim.camera import CURRENTS, VISIBILITY, Camera, Optics, Target, Water, start_pose
+from seamark.sim.trackers import Tracker
 
 Array = NDArray[np.float64]
 

@@ -6,11 +6,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sim.metrics import lost
-from sim.program import BuiltIn
-from sim.registry import benchmark
-from sim.telemetry import INDEX, Rows
-from sim.trial import run_trial
+from seamark.sim.engine.program import BuiltIn
+from seamark.sim.engine.trial import run_trial
+from seamark.sim.metrics.station_keeping import lost
+from seamark.sim.recording.telemetry import INDEX, Rows
+from seamark.sim.registry import benchmark
 
 # A vehicle that is a little buoyant and whose depth nothing holds: it rises while it keeps station.
 RISING: Mapping[str, Any] = {

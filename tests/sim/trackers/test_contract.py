@@ -9,11 +9,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sim.configuration import ConfigurationInvalid
-from sim.registry import TRACKERS, benchmark
-from sim.trackers import make
-from sim.trackers.choices import CRITERIA, METHODS, RANGES, WARPS, refusals
-from sim.trackers.visp import why_not
+from seamark.sim.registry import TRACKERS, benchmark
+from seamark.sim.settings.configuration import ConfigurationInvalid
+from seamark.sim.trackers import make
+from seamark.sim.trackers.choices import CRITERIA, METHODS, RANGES, WARPS, refusals
+from seamark.sim.trackers.visp import why_not
 
 CURRENTS = benchmark("currents-v1")
 Sequence = Any  # conftest's class; a test folder is no package

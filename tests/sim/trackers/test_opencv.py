@@ -6,11 +6,11 @@ import cv2
 import numpy as np
 import pytest
 
-from sim.camera import VISIBILITY, Camera, Water, start_pose
-from sim.registry import TRACKERS, benchmark
-from sim.trackers import make
-from sim.trackers.visp import why_not
-from sim.trackers.warps import signed_area
+from seamark.sim.camera import VISIBILITY, Camera, Water, start_pose
+from seamark.sim.registry import TRACKERS, benchmark
+from seamark.sim.trackers import make
+from seamark.sim.trackers.template.warps import signed_area
+from seamark.sim.trackers.visp import why_not
 
 Sequence = Any  # conftest's class; a test folder is no package
 

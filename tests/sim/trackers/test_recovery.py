@@ -7,9 +7,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from sim.camera import VISIBILITY, Camera, Target, Water, start_pose
-from sim.trackers import make, warps
-from sim.trackers.choices import WARPS
+from seamark.sim.camera import VISIBILITY, Camera, Target, Water, start_pose
+from seamark.sim.trackers import make
+from seamark.sim.trackers.choices import WARPS
+from seamark.sim.trackers.template import warps
 
 Array = NDArray[np.float64]
 LARGEST_STEP = 0.04  # of half the target's longer side, 68 px: 3 px for each parameter

@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sim.camera import VISIBILITY, Camera, Target, Water, start_pose
-from sim.registry import benchmark
-from sim.trackers import make, visp
-from sim.trackers.visp.build import build
+from seamark.sim.camera import VISIBILITY, Camera, Target, Water, start_pose
+from seamark.sim.registry import benchmark
+from seamark.sim.trackers import make, visp
+from seamark.sim.trackers.visp.build import build
 
 Sequence = Any  # conftest's class; a test folder is no package
 

@@ -1,0 +1,1 @@
+"""The processes of a box, and every layer that confines them."""

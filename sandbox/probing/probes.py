@@ -1,0 +1,171 @@
+"""Finds the level of this host by running mini attacks in real boxes (about a second)."""
+
+import os
+import tempfile
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from pathlib import Path
+
+from seamark.sandbox.box import Box
+from seamark.sandbox.isolation import cgroups, proc_stats, seccomp
+from seamark.sandbox.isolation.bwrap_command import bubblewrap
+from seamark.sandbox.isolation.level import Finding, Isolation, Level
+from seamark.sandbox.isolation.process_tree import Layers
+from seamark.sandbox.languages.python import SELF_TEST
+from seamark.sandbox.languages.python_host import compile_packages
+from seamark.sandbox.limits import Limits
+from seamark.sandbox.outcome import Outcome, ProgramEnded, SandboxBroken, Verdict
+
+LIMITS = Limits(cpu_s=10.0, wall_s=20.0, memory_mib=192, processes=12)
+LAYOUT = {
+    "observation": [["t", 0], ["error", 3]],
+    "command": ["surge", "sway", "heave", "yaw_rate"],
+}
+OBSERVATION = (0.0, 0.1, 0.2, 0.3)
+
+MEMORY = """\
+class Controller:
+    def __init__(self, config):
+        self.heap = [b"x" * (1 << 20) for _ in range(400)]
+    def step(self, observation): ...
+"""
+PROCESSES = """\
+import os, time
+class Controller:
+    def __init__(self, config):
+        for _ in range(40):
+            if os.fork() == 0:
+                time.sleep(30)
+    def step(self, observation): ...
+"""
+SURVIVOR = """\
+import os, time
+class Controller:
+    def __init__(self, config):
+        if os.fork() == 0:
+            os.setsid()
+            if os.fork():
+                os._exit(0)
+            time.sleep(600)
+    def step(self, observation): ...
+"""
+
+REMEDY = {
+    "bubblewrap": "apt-get install bubblewrap",
+    "system calls": "run the worker on an x86_64 machine",
+    "box": "allow user namespaces: sysctl -w kernel.unprivileged_userns_clone=1 (Debian), "
+    "sysctl -w kernel.apparmor_restrict_unprivileged_userns=0 (Ubuntu); in a container, a "
+    "seccomp profile that permits them",
+    "control groups": "start it by `./run`, which takes a scope of its own where systemd gives one "
+    "(log in as the user: `su` and `sudo -u` open no session), as a systemd service with "
+    "Delegate=yes, or as root",
+    "own uid": "run the worker as root, so that each box gets a uid of its own, or give a "
+    "delegated control group",
+    "compiled packages": "python -m compileall -q on the folders of numpy and scipy",
+}
+
+UNEXPECTED = (  # of what no setting of a host should make possible
+    "let no strangers upload here, and report it with the output of `seamark doctor`: bubblewrap "
+    "or the kernel does not hold what it should (update both first)"
+)
+
+
+def probe() -> Isolation:
+    """Try some mini attacks in real boxes; return the level that held and every finding."""
+    findings = [*_requirements()]
+    if not all(finding.ok for finding in findings):
+        return Isolation(Level.NONE, tuple(findings))
+    groups = _try("control groups", cgroups.places)
+    compiled = Finding("compiled packages", compile_packages())
+    findings += [groups, _explained(compiled, "each box starts 100 ms later")]
+    for level in (Level.STRONG, Level.MEDIUM) if groups.ok else (Level.MEDIUM,):
+        attacks = [*_attacks(level)]
+        if all(finding.ok for finding in attacks):
+            return Isolation(level, (*findings, *attacks))
+        findings += [finding for finding in attacks if not finding.ok]
+    return Isolation(Level.NONE, tuple(findings))
+
+
+def _requirements() -> Iterator[Finding]:
+    """Yield what must be there before a box can be tried."""
+    yield _try("bubblewrap", bubblewrap)
+    machine = Finding("system calls", seccomp.supported())
+    yield _explained(machine, f"the filter is for {seccomp.MACHINE} alone")
+
+
+def _attacks(level: Level) -> Iterator[Finding]:
+    """Yield one finding for each mini attack at a level; ends early if a box does not start."""
+    try:
+        yield from _in_boxes(level)
+    except SandboxBroken as error:  # a very slow host starts some boxes and others too late
+        yield _explained(Finding("box", ok=False), str(error))
+
+
+def _in_boxes(level: Level) -> Iterator[Finding]:
+    box = _try("box", lambda: _outcome(SELF_TEST, level))
+    yield box
+    if not box.ok:
+        return
+    yield from _from_inside(level)
+    yield _ends("memory", MEMORY, level, Verdict.MEMORY_LIMIT)
+    yield _ends("processes", PROCESSES, level, Verdict.PROCESS_LIMIT)
+    yield _try("survivors", lambda: _outcome(SURVIVOR, level))
+    yield _uid(level)
+
+
+def _try(name: str, action: Callable[[], object]) -> Finding:
+    try:
+        action()
+    except SandboxBroken as error:
+        return _explained(Finding(name, ok=False), str(error))
+    return Finding(name, ok=True)
+
+
+def _explained(finding: Finding, why: str) -> Finding:
+    """Return a finding with its reason and remedy, if it is a bad one."""
+    if finding.ok:
+        return finding
+    return replace(finding, why=why, remedy=REMEDY.get(finding.name, UNEXPECTED))
+
+
+def _outcome(source: str, level: Level, config: dict[str, object] | None = None) -> Outcome:
+    """Run a program for one step and return how it ended."""
+    with Box(limits=LIMITS, level=level) as box:
+        try:
+            box.load(source.encode(), "probe.py", config or {}, LAYOUT)
+            box.step(OBSERVATION)
+            return box.finish()
+        except ProgramEnded as end:
+            return end.outcome
+
+
+def _ends(name: str, source: str, level: Level, expected: Verdict) -> Finding:
+    outcome = _outcome(source, level)
+    why = f"expected {expected}, got {outcome.verdict}: {outcome.sentence}"
+    return _explained(Finding(name, outcome.verdict is expected), why)
+
+
+def _from_inside(level: Level) -> Iterator[Finding]:
+    """Yield what the attacks in probe_program.py got."""
+    source = Path(__file__).with_name("probe_program.py").read_text(encoding="utf-8")
+    with tempfile.NamedTemporaryFile() as canary:
+        os.fchmod(canary.fileno(), 0o644)
+        outcome = _outcome(source, level, {"canary": canary.name})
+    if outcome.verdict is not Verdict.OK:
+        yield _explained(Finding("attacks", ok=False), outcome.sentence)
+    for line in outcome.output.decode().splitlines():
+        name, _, got = line.partition("\t")
+        yield _explained(Finding(name.replace("_", " "), not got), f"a program gets {got}")
+
+
+def _uid(level: Level) -> Finding:
+    """Return whether a program runs under a uid that owns nothing else of this host.
+
+    As a plain user the uid is the worker's own: enough only with a control group around it.
+    """
+    with Box(limits=LIMITS, level=level) as box:
+        box.wait_ready()
+        uids = {proc_stats.uid_of(pid) for pid in box.processes()}
+    ok = 0 not in uids and (os.geteuid() not in uids or level is Level.STRONG)
+    own = Finding("own uid", ok or not Layers.of(level).own_uid)
+    return _explained(own, f"programs run as uid {sorted(uids)}")

@@ -1,0 +1,1 @@
+"""What a box and the trusted side say to each other."""

@@ -1,0 +1,70 @@
+"""`seamark benchmarks`: what can be run."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import click
+
+from seamark.cli.options import answer, json_option, say
+from seamark.failures import UsageRefused
+
+
+@click.command()
+@click.argument("name", required=False)
+@json_option
+def benchmarks(name: str | None, as_json: bool) -> None:
+    """List the benchmarks, or the settings of the benchmark NAME.
+
+    \b
+    Examples:
+      seamark benchmarks
+      seamark benchmarks currents-v1
+      seamark benchmarks currents-v1 --json
+    """
+    from seamark.sim import registry
+
+    if name is None:
+        _list_all(as_json=as_json)
+        return
+    if name not in registry.BENCHMARKS:
+        known = ", ".join(registry.BENCHMARKS)
+        raise UsageRefused(f"There is no benchmark {name}. There are: {known}.")
+    found = registry.benchmark(name)
+    schema = found.schema()
+    if as_json:
+        answer(schema)
+        return
+    say(f"{name}: {schema['title']}\n")
+    for key, field in schema["properties"].items():
+        say(f"  --set {key}={_text(field['default'])}")
+        say(f"      {field['title']}: {field['description']}{_range(field)}")
+    say(f"\nBuilt-in {found.role}s: " + ", ".join(found.built_in))
+
+
+def _list_all(*, as_json: bool) -> None:
+    from seamark.sim import registry
+
+    found = [registry.benchmark(name) for name in registry.BENCHMARKS]
+    if as_json:
+        answer([{"name": b.name, "title": b.title, "summary": b.summary} for b in found])
+        return
+    for benchmark in found:
+        say(f"{benchmark.name}\n    {benchmark.title}\n    {benchmark.summary}")
+
+
+def _text(value: object) -> str:
+    if isinstance(value, list | tuple):
+        return ",".join(f"{item:g}" for item in value)
+    return str(value).lower() if isinstance(value, bool) else str(value)
+
+
+def _range(field: dict[str, Any]) -> str:
+    if "enum" in field:
+        return f" One of {', '.join(str(choice) for choice in field['enum'])}."
+    limits = field.get("items", field)
+    low, high = limits.get("minimum"), limits.get("maximum")
+    unit = f" {field['x-unit']}" if "x-unit" in field else ""
+    if low is None or high is None:
+        return f" [{unit.strip()}]" if unit else ""
+    return f" From {low:g} to {high:g}{unit}."

@@ -1,0 +1,131 @@
+"""`seamark dataset`: pictures with their truth, made of a configuration and a seed."""
+
+from __future__ import annotations
+
+import os
+import secrets
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from seamark.cli.controllers import configuration_of
+from seamark.cli.options import answer, configuration_options, json_option, say
+from seamark.cli.progress import Progress
+from seamark.failures import UsageRefused
+
+if TYPE_CHECKING:
+    from seamark.sim.recording.telemetry import Rows
+    from seamark.sim.settings.configuration import Configuration
+
+
+@click.command()
+@click.argument("benchmark")
+@configuration_options
+@click.option("--seed", type=click.IntRange(0), default=0, show_default=True)
+@click.option(
+    "--trial", type=click.IntRange(0), default=0, show_default=True, help="Of a run's trials."
+)
+@click.option(
+    "--solution",
+    metavar="NAME",
+    help="The built-in solution that moves the vehicle.  [default: the benchmark's own]",
+)
+@click.option("--every", type=click.IntRange(1), default=1, show_default=True, help="Ticks.")
+@click.option("--from", "begin_s", type=click.FloatRange(0), default=0.0, help="Seconds.")
+@click.option("--until", "end_s", type=click.FloatRange(0), help="Seconds.  [default: the end]")
+@click.option("--colour", is_flag=True, help="Colour pictures instead of the trackers' grey ones.")
+@click.option(
+    "--out",
+    type=click.Path(dir_okay=False, path_type=Path),
+    default=Path("dataset.zip"),
+    show_default=True,
+    metavar="FILE.zip",
+)
+@json_option
+def dataset(  # noqa: PLR0913 (one argument per option is click's way)
+    *,
+    benchmark: str,
+    pairs: tuple[str, ...],
+    config: Path | None,
+    seed: int,
+    trial: int,
+    solution: str | None,
+    every: int,
+    begin_s: float,
+    end_s: float | None,
+    colour: bool,
+    out: Path,
+    as_json: bool,
+) -> None:
+    """Write a data set: the pictures of a trial with poses, corners, intrinsics and water.
+
+    The same options give the same bytes, and the pictures are those of the benchmark: what works
+    on them offline can be compared on a server afterwards.
+
+    \b
+    Examples:
+      seamark dataset currents-v1 --set levels=0.2 --seed 7 --out currents.zip
+      seamark dataset visibility-v1 --every 4 --colour --out murky.zip
+    """
+    from seamark.sim.engine.dataset import Choice, archive
+
+    checked = configuration_of(benchmark, config, pairs)
+    end = float("inf") if end_s is None else end_s
+    rows = _rows(benchmark, checked, solution, seed=seed, trial=trial)
+    choice = Choice(every=every, begin_s=begin_s, end_s=end, colour=colour)
+    try:
+        pieces = archive(benchmark, checked, rows, seed=seed, choice=choice)
+    except ValueError as error:
+        raise UsageRefused(f"{error}. Look at --from, --until and --every.") from None
+    count = len(choice.of(rows))
+    with Progress(f"{count} pictures", quiet=as_json) as bar:
+        size = _written(pieces, out, lambda done: bar.show(min(done / count, 1.0)))
+    if as_json:
+        answer({"out": str(out), "pictures": count, "bytes": size, "seed": seed})
+    else:
+        say(f"{count} pictures, {size / 2**20:.1f} MiB: {out}")
+
+
+def _rows(
+    benchmark: str, config: Configuration, solution: str | None, *, seed: int, trial: int
+) -> Rows:
+    """Return the telemetry of one trial, in which a built-in solution takes part."""
+    import numpy as np
+
+    from seamark.sim import registry
+    from seamark.sim.engine.trial import run_trial
+
+    entry = registry.benchmark(benchmark)
+    known = list(entry.built_in)
+    name = known[0] if solution is None else solution
+    if name not in known:
+        raise UsageRefused(f"There is no solution {name} built in. There are: {', '.join(known)}.")
+    rows: list[Rows] = []
+    run_trial(
+        benchmark,
+        config,
+        entry.load().built_in(name, config),
+        seed=seed,
+        trial=trial,
+        on_rows=lambda some: rows.append(some.copy()),
+    )
+    return np.concatenate(rows)
+
+
+def _written(pieces: Iterator[bytes], out: Path, show: Callable[[int], None]) -> int:
+    """Write the archive beside its place and move it there when it is whole; return its size."""
+    draft = out.with_name(f".{out.name}.{secrets.token_hex(4)}")
+    size = 0
+    try:
+        with draft.open("wb") as file:
+            for number, piece in enumerate(pieces):
+                size += file.write(piece)
+                show(number)
+        os.replace(draft, out)
+    except OSError as error:
+        raise UsageRefused(f"{out} cannot be written: {error.strerror}.") from None
+    finally:
+        draft.unlink(missing_ok=True)
+    return size

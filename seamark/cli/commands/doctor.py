@@ -1,0 +1,194 @@
+"""`seamark doctor`: what this machine can do, and how to mend what it cannot."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import sys
+from collections.abc import Callable, Iterable
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from seamark.cli.options import answer, data_option, end, json_option, say, settings_of
+
+if TYPE_CHECKING:
+    from seamark.sandbox.isolation.level import Level
+    from seamark.server.settings import Settings
+
+DISK_LOW_GIB = 2.0
+PACKAGES = ("numpy", "numba", "cv2", "scipy", "pybullet", "flask", "sqlalchemy", "celery")
+
+
+@dataclass(frozen=True, slots=True)
+class Check:
+    """One look: good, a warning (something works less well), or bad (something does not work)."""
+
+    name: str
+    state: str  # "ok", "warning", "bad"
+    says: str
+    remedy: str = ""
+
+
+@click.command()
+@data_option
+@json_option
+def doctor(data: Path | None, as_json: bool) -> None:
+    """Say what this machine can do, and how to mend what it cannot.
+
+    Exit code 0: runs and uploads work. 3: something does not.
+
+    \b
+    Examples:
+      seamark doctor
+      seamark doctor --json
+    """
+    settings = settings_of(data)
+    checks = [check for look in LOOKS for check in look(settings)]
+    bad = any(check.state == "bad" for check in checks)
+    if as_json:
+        answer({"good": not bad, "checks": [asdict(check) for check in checks]})
+        end(3 if bad else 0)
+    colours = {"ok": "green", "warning": "yellow", "bad": "red"}
+    for check in checks:
+        mark = click.style(f"{check.state:<7}", fg=colours[check.state])
+        say(f"{mark} {check.name}: {check.says}")
+        if check.remedy and check.state != "ok":
+            say(f"        -> {check.remedy}")
+    say("")
+    say("Something does not work; see above." if bad else "Runs and uploads work here.")
+    end(3 if bad else 0)
+
+
+def _python(_: Settings) -> Iterable[Check]:
+    good = sys.version_info[:2] == (3, 11)
+    version = sys.version.split()[0]
+    yield Check(
+        "python",
+        "ok" if good else "bad",
+        f"{version}, {sys.executable}",
+        "Use Python 3.11: PyBullet has wheels for it alone. `./run` sets it up.",
+    )
+
+
+def _packages(_: Settings) -> Iterable[Check]:
+    import importlib.util
+
+    missing = [name for name in PACKAGES if importlib.util.find_spec(name) is None]
+    yield Check(
+        "packages",
+        "bad" if missing else "ok",
+        f"missing: {', '.join(missing)}" if missing else "all there",
+        "`./run` installs them, with the versions of uv.lock.",
+    )
+
+
+def _database(settings: Settings) -> Iterable[Check]:
+    from sqlalchemy import make_url
+    from sqlalchemy.exc import SQLAlchemyError
+
+    from seamark.server.database import schema
+    from seamark.server.database.engine import Database
+
+    url = make_url(settings.database_url)
+    shown = url.render_as_string(hide_password=True)
+    file = Path(url.database) if url.drivername.startswith("sqlite") and url.database else None
+    if file is not None and not file.exists():
+        yield Check("database", "ok", f"{shown} (made at the first start)")
+        return
+    database = Database(settings.database_url)
+    try:
+        schema.check(database.engine)
+        yield Check("database", "ok", shown)
+    except schema.SchemaTooOld as old:
+        yield Check("database", "warning", str(old), "`seamark db upgrade` or `seamark up`")
+    except SQLAlchemyError as error:
+        remedy = "Check SEAMARK_DATABASE_URL and whether the server runs."
+        yield Check("database", "bad", f"{shown}: {type(error).__name__}", remedy)
+    finally:
+        database.close()
+
+
+def _broker(settings: Settings) -> Iterable[Check]:
+    from redis.exceptions import RedisError
+
+    from seamark.embedded.broker import find_server
+    from seamark.failures import PlatformFailed
+    from seamark.server.messaging import broker
+
+    if not settings.broker_url:
+        try:
+            yield Check("broker", "ok", f"`seamark up` brings {find_server().name}")
+        except PlatformFailed as missing:
+            yield Check("broker", "bad", "none", str(missing))
+        return
+    client = broker.connect(settings)
+    try:
+        client.ping()
+        yield Check("broker", "ok", "answers")
+    except RedisError as error:
+        remedy = "Check SEAMARK_BROKER_URL and whether the server runs."
+        yield Check("broker", "bad", f"does not answer: {error}", remedy)
+    finally:
+        client.close()
+
+
+def _sandbox(settings: Settings) -> Iterable[Check]:
+    from seamark.sandbox.isolation.level import Level
+    from seamark.sandbox.probing.probes import probe
+
+    found = probe()
+    needed = Level[settings.sandbox_min_level.upper()]
+    name = found.level.name.lower()
+    good = found.level >= needed and found.level > Level.NONE
+    says = f"level {name}; uploads need {settings.sandbox_min_level}"
+    yield Check("isolation", "ok" if good else "bad", says, "See the findings below.")
+    for finding in found.findings:
+        state = "ok" if finding.ok else "warning"
+        yield Check(f"  {finding.name}", state, finding.why or "holds", finding.remedy)
+    if good:
+        yield from _languages(found.level)
+
+
+def _languages(level: Level) -> Iterable[Check]:
+    from seamark.sandbox.languages import LANGUAGES
+    from seamark.sandbox.probing.self_test import why_not
+
+    for language in LANGUAGES.values():
+        why = why_not(language.name, level)
+        remedy = f"{language.remedy}; without it the other languages still run."
+        name = f"programs in {language.label}"
+        yield Check(name, "warning" if why else "ok", why or "pass their self-test", remedy)
+
+
+def _visp(_: Settings) -> Iterable[Check]:
+    from seamark.sim.trackers.visp import REMEDY, program, why_not
+
+    why = why_not()
+    yield Check("tracker visp", "warning" if why else "ok", why or program().name, f"{REMEDY}.")
+
+
+def _machine(settings: Settings) -> Iterable[Check]:
+    cores = len(os.sched_getaffinity(0))
+    yield Check("cores", "ok", f"{cores}, so {settings.workers} runs at the same time")
+    free = shutil.disk_usage(settings.data).free / 2**30
+    low = free < DISK_LOW_GIB
+    yield Check(
+        "disk",
+        "warning" if low else "ok",
+        f"{free:.1f} GiB free in {settings.data}",
+        "A run of 600 s takes about 5 MB. Choose another folder with --data.",
+    )
+
+
+LOOKS: tuple[Callable[[Settings], Iterable[Check]], ...] = (
+    _python,
+    _packages,
+    _database,
+    _broker,
+    _sandbox,
+    _visp,
+    _machine,
+)

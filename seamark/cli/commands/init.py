@@ -1,0 +1,72 @@
+"""`seamark init`: a program to start from, in any of the languages."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from seamark.cli.options import say
+from seamark.failures import UsageRefused
+
+LANGUAGES = ("python", "c", "c++", "matlab", "fmu", "embedded-c", "executable")
+COMPILE = "gcc -O2 -static {source} -o {program}"  # for a program that speaks the protocol itself
+
+
+@click.command()
+@click.option("--language", type=click.Choice(LANGUAGES), default="python", show_default=True)
+@click.option(
+    "--benchmark",
+    default="currents-v1",
+    show_default=True,
+    help="What it is to take part in: visibility-v1 compares trackers.",
+)
+@click.argument("folder", type=click.Path(path_type=Path), metavar="[DIR]", default=".")
+def init(*, language: str, benchmark: str, folder: Path) -> None:
+    """Write a program that runs as it is into DIR, to start from.
+
+    For C and C++ the header seamark.h comes along, for your editor: the sandbox has its own. For
+    an FMU there are its sources too: it is a zip archive of them. An executable is compiled by
+    you, of any language that speaks the protocol of docs/protocol.md; this one is C.
+
+    \b
+    Examples:
+      seamark init
+      seamark init --language c++ my_controller
+      seamark init --benchmark visibility-v1 my_tracker
+    """
+    from seamark.server.programs import starter_files
+    from seamark.sim import registry
+
+    if benchmark not in registry.BENCHMARKS:
+        known = ", ".join(registry.BENCHMARKS)
+        raise UsageRefused(f"There is no benchmark {benchmark}. There are: {known}.")
+    role, short = registry.benchmark(benchmark).role, registry.benchmark(benchmark).shortest
+    try:
+        files = starter_files.start(language, role)
+    except KeyError:
+        able = ", ".join(starter_files.FILES[role])
+        raise UsageRefused(
+            f"There is a {role} to start from in {able}, not in {language}."
+        ) from None
+    taken = [name for name in files if (folder / name).exists()]
+    if taken:
+        raise UsageRefused(f"{folder / taken[0]} is there already; nothing was written.")
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        for name, content in files.items():
+            (folder / name).parent.mkdir(exist_ok=True)
+            (folder / name).write_bytes(content)
+    except OSError as error:
+        raise UsageRefused(f"{folder} cannot be written: {error.strerror}.") from None
+    main = folder / next(iter(files))
+    say(f"Wrote {', '.join(str(folder / name) for name in files)}. Try it:")
+    if language == "executable":
+        source, main = main, main.with_suffix(".elf")
+        say(f"  {COMPILE.format(source=source, program=main)}")
+    quick = " ".join(f"--set {key}={_text(value)}" for key, value in short.items())
+    say(f"  seamark run {benchmark} --controller {main} {quick}")
+
+
+def _text(value: object) -> str:
+    return ",".join(map(str, value)) if isinstance(value, list) else str(value)

@@ -1,0 +1,200 @@
+"""`seamark run`: evaluate a controller here, with the same bytes as on a server."""
+
+from __future__ import annotations
+
+import secrets
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from seamark.cli.options import answer, end, json_option, order_options, say
+from seamark.failures import PlatformFailed
+
+if TYPE_CHECKING:
+    from seamark.cli.recording import Recording
+    from seamark.worker.evaluation.evaluation import Ending
+
+INTERRUPTED = 130  # 128 + SIGINT, as shells have it
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Order:
+    """What to run, checked."""
+
+    benchmark: str
+    config: dict[str, Any]
+    controller: str
+    role: str
+    program: Path | None
+    seed: int
+    trials: int
+
+
+@click.command()
+@click.argument("benchmark")
+@order_options
+@click.option(
+    "--out", type=click.Path(path_type=Path), metavar="DIR", help="Where to put the data."
+)
+@click.option(
+    "--score",
+    metavar="EXPRESSION",
+    help="A score of your own over the measures, as --set score=EXPRESSION.",
+)
+@json_option
+def run(  # noqa: PLR0913  # one argument per option
+    *,
+    benchmark: str,
+    controller: str | None,
+    pairs: tuple[str, ...],
+    config: Path | None,
+    seed: int | None,
+    trials: int,
+    out: Path | None,
+    score: str | None,
+    as_json: bool,
+) -> None:
+    """Evaluate a controller or tracker here, without a server: the same code, the same bytes.
+
+    --out DIR gets manifest.json, metrics.json, telemetry.csv and log.txt.
+
+    \b
+    Examples:
+      seamark run currents-v1 --controller pi --set kp=0.5 --set ki=0.02 --seed 7 --out result
+      seamark run currents-v1 --controller my_controller.py --set levels=0,0.2 --trials 3
+      seamark run currents-v1 --config config.json --json
+      seamark run visibility-v1 --set tracker=esm --set warp=srt
+      seamark run visibility-v1 --controller my_tracker.py
+    """
+    from seamark.cli.recording import Recording
+
+    if score is not None:
+        pairs = (*pairs, f"score={score}")
+    order = _order(benchmark, controller, pairs, config, trials=trials, seed=seed)
+    recording = Recording(out)
+    recording.comments = _head_of(order)
+    if not as_json:
+        say(f"{benchmark}, {order.controller}, seed {order.seed}, trials {trials}")
+    try:
+        ending = _evaluate(order, recording, quiet=as_json)
+    except KeyboardInterrupt:
+        recording.save(order.benchmark, None)
+        click.echo("Stopped." + (f" What there is so far: {out}" if out else ""), err=True)
+        end(INTERRUPTED)
+    recording.save(order.benchmark, ending)
+    _report(order, ending, out, as_json=as_json)
+    end(0 if ending.verdict == "ok" else 1)
+
+
+def _order(
+    benchmark: str,
+    controller: str | None,
+    pairs: tuple[str, ...],
+    file: Path | None,
+    *,
+    trials: int,
+    seed: int | None,
+) -> Order:
+    from seamark.cli.controllers import choose, configuration_of
+    from seamark.sim import registry
+    from seamark.sim.engine.seeds import SEED_MAX
+
+    config = configuration_of(benchmark, file, pairs)
+    name, program = choose(controller, benchmark)
+    return Order(
+        benchmark=benchmark,
+        config=config.model_dump(mode="json"),
+        controller=name,
+        role=registry.benchmark(benchmark).role,
+        program=program,
+        seed=secrets.randbelow(SEED_MAX + 1) if seed is None else seed,
+        trials=trials,
+    )
+
+
+def _head_of(order: Order) -> list[str]:
+    """Return the lines at the head of the telemetry."""
+    from seamark.sim import registry
+    from seamark.sim.recording import telemetry
+    from seamark.sim.settings import grid
+
+    benchmark = registry.benchmark(order.benchmark)
+    program = order.program is not None
+    solution = order.controller if program else benchmark.solution(order.controller, order.config)
+    return [
+        f"{order.role} {solution}, seed {order.seed}, trials {order.trials}",
+        *grid.comments(benchmark.read(order.config)),
+        telemetry.units(),
+    ]
+
+
+def _evaluate(order: Order, recording: Recording, *, quiet: bool) -> Ending:
+    from seamark.cli.programs import isolation, program_of
+    from seamark.cli.progress import Progress
+    from seamark.sandbox.isolation.level import Level
+    from seamark.sandbox.outcome import SandboxBroken
+    from seamark.worker.evaluation.local import Hearing, evaluate_here
+
+    program = (
+        None if order.program is None else program_of(order.program, benchmark=order.benchmark)
+    )
+    level = Level.NONE if program is None else isolation()
+    with Progress(order.benchmark, quiet=quiet) as bar:
+        hearing = Hearing(
+            rows=recording.add_rows,
+            log=recording.add_log,
+            cut=recording.cut,
+            progress=lambda p: bar.show(p.fraction, f"{p.t_simulated:.0f} s simulated"),
+        )
+        try:
+            return evaluate_here(
+                order.benchmark,
+                order.config,
+                seed=order.seed,
+                trials=order.trials,
+                controller=program or order.controller,
+                hearing=hearing,
+                level=level,
+            )
+        except SandboxBroken as broken:
+            raise PlatformFailed(
+                f"The sandbox failed: {broken}. `seamark doctor` says what this machine can do."
+            ) from None
+
+
+def _report(order: Order, ending: Ending, out: Path | None, *, as_json: bool) -> None:
+    from seamark.cli.outcome import own_score, table
+
+    metrics = ending.metrics or {}
+    if as_json:
+        answer(
+            {
+                "benchmark": order.benchmark,
+                "controller": order.controller,
+                "seed": order.seed,
+                "trials": order.trials,
+                "verdict": ending.verdict,
+                "sentence": ending.sentence,
+                "traceback": ending.traceback,
+                "score": metrics.get("score"),
+                "own_score": metrics.get("own_score"),
+                "metrics": ending.metrics,
+                "digest": ending.digest,
+                "out": str(out) if out else None,
+            }
+        )
+        return
+    if ending.verdict != "ok":
+        click.echo(f"Failed ({ending.verdict}): {ending.sentence}", err=True)
+        click.echo(ending.traceback.rstrip(), err=True)
+    else:
+        for line in table(metrics):
+            say(line)
+        say(f"score   {metrics['score']:.4g}")
+        for line in own_score(metrics):
+            say(line)
+    say(f"digest  {ending.digest}")
+    if out is not None:
+        say(f"data    {out}")

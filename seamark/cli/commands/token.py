@@ -1,0 +1,73 @@
+"""`seamark token`: keys for programs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from seamark.cli.options import answer, data_option, database_of, json_option, say, settings_of
+from seamark.failures import UsageRefused
+
+SCOPES = (
+    "read",
+    "submit",
+    "admin",
+)  # seamark.server.accounts.permissions.SCOPES; a test holds them equal
+
+
+@click.group()
+def token() -> None:
+    """Make tokens for programs."""
+
+
+@token.command()
+@click.argument("name")
+@click.option(
+    "--scope",
+    "scopes",
+    type=click.Choice(SCOPES),
+    multiple=True,
+    default=("read", "submit"),
+    show_default=True,
+    help="May be given several times.",
+)
+@click.option(
+    "--days",
+    type=click.FloatRange(min=0, max=3650, min_open=True),
+    default=90,
+    show_default=True,
+    help="How long it works.",
+)
+@click.option("--label", default="made by seamark token new", help="To tell tokens apart.")
+@data_option
+@json_option
+def new(
+    *, name: str, scopes: tuple[str, ...], days: float, label: str, data: Path | None, as_json: bool
+) -> None:
+    """Make a token for the account NAME; it stands alone on the last line.
+
+    \b
+    Examples:
+      seamark token new ana
+      seamark token new ana --scope read --days 7
+      TOKEN=$(seamark token new ana | tail -n 1)
+    """
+    from sqlalchemy import select
+
+    from seamark.server.accounts import accounts
+    from seamark.server.database.tables import User
+
+    database = database_of(settings_of(data))
+    with database.writing() as session:
+        owner = session.scalar(select(User).where(User.name_key == name.casefold()))
+        if owner is None:
+            raise UsageRefused(
+                f"There is no account {name}. Make it with `seamark user add {name}`."
+            )
+        text = accounts.new_token(session, owner.id, label, scopes, days=days)
+    if as_json:
+        answer({"user": owner.name, "scopes": list(scopes), "days": days, "token": text})
+        return
+    say(f"Token of {owner.name} for {', '.join(scopes)}, {days:g} days. It cannot be shown again.")
+    say(text)

@@ -1,0 +1,92 @@
+"""`seamark up`: the whole service on this machine."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from seamark.cli.options import answer, data_option, end, json_option, say, settings_of
+
+if TYPE_CHECKING:
+    from seamark.server.settings import Settings
+
+
+@click.command()
+@click.option("--port", type=click.IntRange(0, 65535), help="Port; 0: any.  [default: 8000]")
+@click.option("--host", metavar="ADDRESS", help="Address to listen on.  [default: 127.0.0.1]")
+@click.option(
+    "--workers", type=click.IntRange(1, 512), help="Runs at the same time. [default: cores]"
+)
+@data_option
+@json_option
+def up(
+    *,
+    port: int | None,
+    host: str | None,
+    workers: int | None,
+    data: Path | None,
+    as_json: bool,
+) -> None:
+    """Start everything on this machine: database, broker, web server, worker.
+
+    Everything is kept in the data folder. Ctrl-C ends all of it; runs that were under way start
+    again at the next `seamark up`.
+
+    \b
+    Examples:
+      seamark up
+      seamark up --port 8080 --data ~/seamark
+      SEAMARK_PUBLIC=true seamark up --host 0.0.0.0
+    """
+    from seamark.embedded.service import Embedded, free_port
+
+    settings = settings_of(data, port=port, host=host, workers=workers)
+    if settings.port == 0:
+        settings = settings.model_copy(update={"port": free_port(settings.host)})
+    notes = _silent if as_json else say
+    notes(f"Starting Seamark in {settings.data} ...")
+    isolation = _isolation(settings)
+    service = Embedded(settings, notes)
+    seen = service.run(lambda ready: _show(ready, isolation, as_json=as_json))
+    notes(f"Stopped ({seen.name}). Everything is kept in {settings.data}.")
+    end(0)
+
+
+def _silent(_: str) -> None:
+    """Say nothing: a program reads the one JSON object."""
+
+
+def _isolation(settings: Settings) -> tuple[str, str]:
+    """Return the level that this host reaches and what it means for uploads."""
+    from seamark.sandbox.isolation.level import Level
+    from seamark.sandbox.probing.probes import probe
+
+    found = probe()
+    needed = Level[settings.sandbox_min_level.upper()]
+    name = found.level.name.lower()
+    if found.level >= needed and found.level > Level.NONE:
+        return name, f"isolated, level {name}"
+    return name, (
+        f"refused: this machine isolates only {name}, {settings.sandbox_min_level} is needed. "
+        "`seamark doctor` says how to mend it; built-in controllers work."
+    )
+
+
+def _show(settings: Settings, isolation: tuple[str, str], *, as_json: bool) -> None:
+    from seamark.embedded.service import address_of
+
+    address = address_of(settings)
+    if as_json:
+        answer({"address": address, "data": str(settings.data), "isolation": isolation[0]})
+        return
+    say("")
+    say(f"  Seamark is ready:  {click.style(address, bold=True)}")
+    say("")
+    say(f"  data       {settings.data}")
+    say(f"  runs       {settings.workers} at the same time")
+    say(f"  uploads    {isolation[1]}")
+    say(f"  logs       {settings.data / 'logs'}")
+    say("  stop       Ctrl-C")
+    say("")

@@ -1,0 +1,93 @@
+"""Collects what a run gives and writes it into a folder."""
+
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from seamark.failures import UsageRefused
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from seamark.worker.evaluation.evaluation import Ending
+
+FILES = ("manifest.json", "metrics.json", "telemetry.csv", "log.txt")
+
+
+class Recording:
+    """Everything of one run; `folder` None keeps nothing.
+
+    Raises
+    ------
+    UsageRefused
+        The folder holds files that are not ours, or cannot be written to.
+    """
+
+    def __init__(self, folder: Path | None) -> None:
+        self._folder = folder
+        self._rows: list[NDArray[np.float64]] = []
+        self._log: list[bytes] = []
+        self.comments: list[str] = []  # further lines at the head of the telemetry
+        if folder is not None:
+            _prepare(folder)
+
+    def add_rows(self, rows: NDArray[np.float64]) -> None:
+        """Take telemetry."""
+        if self._folder is not None:
+            self._rows.append(rows.copy())
+
+    def add_log(self, text: bytes) -> None:
+        """Take what the program printed."""
+        self._log.append(text)
+
+    def cut(self, trial: int) -> None:
+        """Forget the rows of a trial that is done again."""
+        from seamark.sim.recording.telemetry import INDEX
+
+        at = INDEX["trial"]
+        self._rows = [rows[rows[:, at] < trial] for rows in self._rows]
+
+    def save(self, benchmark: str, ending: Ending | None) -> None:
+        """Write the files; without `ending` (interrupted) only telemetry and log."""
+        if self._folder is None:
+            return
+        from seamark.sim.recording import telemetry
+
+        comments = [f"Seamark {benchmark}", *self.comments]
+        with (self._folder / "telemetry.csv").open("w", encoding="utf-8") as table:
+            if ending is not None:
+                comments.append(f"digest {ending.digest}")
+            table.write(telemetry.header(comments))
+            for rows in self._rows:
+                table.write(telemetry.csv_lines(rows))
+        (self._folder / "log.txt").write_bytes(b"".join(self._log))
+        if ending is not None:
+            self._write_json("manifest.json", ending.manifest)
+            self._write_json("metrics.json", ending.metrics)
+
+    def _write_json(self, name: str, value: object) -> None:
+        path = Path(self._folder or ".", name)
+        if value is None:
+            path.unlink(missing_ok=True)  # of an earlier run in this folder
+            return
+        path.write_text(json.dumps(value, indent=2, allow_nan=False) + "\n", encoding="utf-8")
+
+
+def _prepare(folder: Path) -> None:
+    """Make the folder; refuse one with anything in it that an earlier run did not write."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        foreign = sorted(entry.name for entry in folder.iterdir() if entry.name not in FILES)
+    except OSError as error:
+        raise UsageRefused(f"{folder} cannot be used: {error.strerror}.") from None
+    if foreign:
+        raise UsageRefused(
+            f"{folder} holds other files ({', '.join(foreign[:3])}). "
+            "Choose an empty or new folder, so that nothing is mixed up."
+        )
+    if not os.access(folder, os.W_OK):
+        raise UsageRefused(f"{folder} cannot be written to.")

@@ -1,0 +1,1 @@
+"""The embedded service: everything on this machine, started by one command."""

@@ -1,0 +1,239 @@
+"""The embedded service: broker, web server, worker and timer as children of one process."""
+
+from __future__ import annotations
+
+import fcntl
+import os
+import signal
+import socket
+import sys
+import tempfile
+import time
+import urllib.error
+import urllib.request
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from seamark.embedded import broker
+from seamark.embedded.supervisor import Child, Supervisor
+from seamark.failures import PlatformFailed, UsageRefused
+
+if TYPE_CHECKING:
+    from seamark.server.settings import Settings
+
+START_S = 180.0  # until the first answer: 54 s on a busy virtual machine whose calls are slow
+BROKER_S = 10.0
+LOOK_S = 0.2
+WORKER_GRACE_S = 20.0  # a run that is under way goes back into the line meanwhile
+WEB_GRACE_S = 6.0
+_NAMES = {"web": "the web server", "worker": "the worker", "beat": "the timer"}
+
+
+class Embedded:
+    """Starts the service in `settings.data`, waits for the end, ends it.
+
+    Parameters
+    ----------
+    settings
+        With an empty `broker_url` a broker is brought along.
+    say
+        Called with lines for the person at the terminal.
+    """
+
+    def __init__(self, settings: Settings, say: Callable[[str], None]) -> None:
+        self._settings = settings
+        self._say = say
+        self._logs = settings.data / "logs"
+
+    def run(self, on_ready: Callable[[Settings], None]) -> signal.Signals:
+        """Start, call `on_ready`, keep all alive; return the signal that ended it.
+
+        Raises
+        ------
+        UsageRefused
+            Another instance has the data folder, or the port is taken.
+        PlatformFailed
+            A part did not start.
+        """
+        with _only_one(self._settings.data):
+            _check_port(self._settings)
+            with (
+                tempfile.TemporaryDirectory(prefix="seamark-") as short,
+                Supervisor(self._say) as children,
+            ):
+                settings = self._with_broker(children, Path(short))
+                self._prepare(settings)
+                self._start_parts(children, settings)
+                stopped = self._wait_until_ready(children, settings)
+                if stopped is not None:
+                    return stopped
+                on_ready(settings)
+                return self._keep(children)
+
+    @staticmethod
+    def _keep(children: Supervisor) -> signal.Signals:
+        while True:
+            stopped = children.wait(LOOK_S)
+            if stopped is not None:
+                return stopped
+
+    def _with_broker(self, children: Supervisor, short: Path) -> Settings:
+        """Start the broker unless the settings name one; return settings with its URL."""
+        if self._settings.broker_url:
+            return self._settings
+        server = broker.find_server()
+        path, state = short / "broker.sock", self._settings.data / "broker"
+        state.mkdir(exist_ok=True, mode=0o700)
+        children.add(
+            Child(
+                name="the broker",
+                argv=broker.command(server, socket=path, state=state),
+                environ=_bare_environment(),
+                log=self._logs / "broker.log",
+                stop_order=2,
+                grace_s=5.0,
+            )
+        )
+        deadline = time.monotonic() + BROKER_S
+        while not _listens(path):
+            if time.monotonic() > deadline or children.wait(0.02) is not None:
+                raise PlatformFailed(f"The broker did not start. See {self._logs / 'broker.log'}.")
+        return self._settings.model_copy(update={"broker_url": f"unix://{path}"})
+
+    def _prepare(self, settings: Settings) -> None:
+        """Bring the database up to date and queue the built-in entries."""
+        import logging
+
+        import structlog
+
+        from seamark.server.database import schema
+        from seamark.server.database.engine import Database
+        from seamark.server.runs import baselines
+
+        quiet = structlog.make_filtering_bound_logger(logging.WARNING)
+        structlog.configure(wrapper_class=quiet)  # the terminal is for people
+        schema.upgrade(settings)
+        database = Database(settings.database_url)
+        try:
+            with database.writing() as session:
+                baselines.ensure(session, settings)
+        finally:
+            database.close()
+
+    def _start_parts(self, children: Supervisor, settings: Settings) -> None:
+        environ = _bare_environment() | settings.environment()
+        for name, words in _NAMES.items():
+            children.add(
+                Child(
+                    name=words,
+                    argv=[sys.executable, "-s", "-P", "-m", "seamark.cli.main", name],
+                    environ=environ,
+                    log=self._logs / f"{name}.log",
+                    stop_order=1 if name == "worker" else 0,
+                    grace_s=WORKER_GRACE_S if name == "worker" else WEB_GRACE_S,
+                )
+            )
+
+    def _wait_until_ready(self, children: Supervisor, settings: Settings) -> signal.Signals | None:
+        """Wait until the web server answers and a worker is there; return a stop signal."""
+        deadline = time.monotonic() + START_S
+        address = f"http://{_reachable(settings.host)}:{settings.port}"
+        while True:
+            stopped = children.wait(LOOK_S)
+            if stopped is not None:
+                return stopped
+            if _answers(f"{address}/readyz"):
+                return None
+            for child in children.children:
+                if len(child.exits) >= 3:
+                    raise PlatformFailed(_did_not_start(child.name, child.log))
+            if time.monotonic() > deadline:
+                raise PlatformFailed(
+                    f"The service is not ready after {START_S:g} s. The logs are in {self._logs}."
+                )
+
+
+def address_of(settings: Settings) -> str:
+    """Return the address to type into a browser."""
+    return f"http://{_reachable(settings.host)}:{settings.port}/"
+
+
+def _reachable(host: str) -> str:
+    if host in ("0.0.0.0", "::", ""):  # noqa: S104 (compared, not bound)
+        return "127.0.0.1"
+    return f"[{host}]" if ":" in host else host
+
+
+def _bare_environment() -> dict[str, str]:
+    """Return the environment without settings: children get them whole, from one object."""
+    kept = {name: value for name, value in os.environ.items() if not name.startswith("SEAMARK_")}
+    # One thread per process: the cores belong to the runs, and sums must not depend on threads.
+    threads = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS")
+    return kept | dict.fromkeys(threads, "1") | {"PYTHONUNBUFFERED": "1"}
+
+
+@contextmanager
+def _only_one(data: Path) -> Iterator[None]:
+    """Hold the data folder; a lock of the kernel, so that a crash leaves nothing behind."""
+    path = data / "up.lock"
+    with path.open("a+") as lock:
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            lock.seek(0)
+            owner = lock.read().strip() or "unknown"
+            raise UsageRefused(
+                f"Seamark is running already on {data} (process {owner}). "
+                "Stop it first, or choose another folder with --data."
+            ) from None
+        lock.truncate(0)
+        lock.write(f"{os.getpid()}\n")
+        lock.flush()
+        yield
+
+
+def _check_port(settings: Settings) -> None:
+    """Refuse a port that is taken, before anything is started."""
+    family = socket.AF_INET6 if ":" in settings.host else socket.AF_INET
+    with socket.socket(family) as probe:
+        probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            probe.bind((settings.host, settings.port))
+        except (OSError, OverflowError) as error:
+            raise UsageRefused(
+                f"Cannot listen on {settings.host}:{settings.port}: {error}. "
+                "Choose another with --port or --host."
+            ) from None
+
+
+def free_port(host: str) -> int:
+    """Return a port that nobody uses now."""
+    with socket.socket(socket.AF_INET6 if ":" in host else socket.AF_INET) as probe:
+        probe.bind((host, 0))
+        port: int = probe.getsockname()[1]
+        return port
+
+
+def _listens(path: Path) -> bool:
+    with socket.socket(socket.AF_UNIX) as probe:
+        try:
+            probe.connect(str(path))
+        except OSError:
+            return False
+        return True
+
+
+def _answers(url: str) -> bool:
+    try:
+        with urllib.request.urlopen(url, timeout=2):  # noqa: S310 (our own address)
+            return True
+    except (urllib.error.URLError, OSError):
+        return False
+
+
+def _did_not_start(name: str, log: Path) -> str:
+    lines = log.read_text(errors="replace").splitlines() if log.exists() else []
+    last = "\n".join(f"  {line}" for line in lines[-8:])
+    return f"{name} does not start. The end of {log}:\n{last}"

@@ -1,0 +1,1 @@
+"""What passes through the broker: Celery tickets and live events."""

@@ -1,0 +1,111 @@
+"""The broker: Celery's configuration, shared by web, worker and beat, and the Redis client."""
+
+from typing import Any
+
+import structlog
+from celery import Celery
+from kombu.exceptions import OperationalError
+from redis import Redis
+from redis.exceptions import RedisError
+
+from seamark.server.settings import Settings
+
+QUEUE = "runs"
+WORK, SWEEP = "seamark.worker.service.tasks.work", "seamark.worker.service.tasks.sweep"
+TIME_LIMIT_S = 4 * 3600  # backstop; stalls, limits of the box and cancelling come long before
+_log = structlog.get_logger()
+
+
+class BrokerMissing(Exception):
+    """No broker is configured. The text says what to set."""
+
+
+def redis_url(settings: Settings) -> str:
+    """Return the URL for redis-py: redis://..., rediss://... or unix:///path."""
+    if not settings.broker_url:
+        raise BrokerMissing(
+            "SEAMARK_BROKER_URL is not set: give a Redis URL, or use `seamark up`, "
+            "which brings a broker of its own"
+        )
+    return settings.broker_url.replace("redis+socket://", "unix://", 1)
+
+
+def connect(settings: Settings) -> "Redis":
+    """Return a Redis client; it connects at its first command."""
+    url = redis_url(settings)
+    options: dict[str, Any] = {"socket_timeout": 10, "health_check_interval": 25}
+    if not url.startswith("unix:"):
+        options["socket_keepalive"] = True  # on a Unix socket redis-py raises TypeError for it
+    return Redis.from_url(url, **options)
+
+
+def celery_app(settings: Settings) -> Celery:
+    """Return the Celery application. Its messages are tickets: they name no run."""
+    url = redis_url(settings)
+    app = Celery(
+        "seamark", broker=url.replace("unix://", "redis+socket://", 1), set_as_current=False
+    )
+    transport: dict[str, Any] = {
+        # More than twice the longest run; a ticket delivered twice would do no harm.
+        "visibility_timeout": 3 * TIME_LIMIT_S,
+        "unacked_restore_interval": 30,
+        "unacked_restore_throttle": 1,
+        "health_check_interval": 25,
+        "socket_timeout": 30,
+        "socket_connect_timeout": 5,
+        "queue_order_strategy": "priority",
+        "priority_steps": [0, 3, 6, 9],
+    }
+    if not url.startswith("unix:"):
+        transport["socket_keepalive"] = True
+    app.conf.update(
+        task_ignore_result=True,
+        task_serializer="json",
+        accept_content=["json"],
+        task_acks_late=True,
+        task_acks_on_failure_or_timeout=True,
+        task_reject_on_worker_lost=False,  # the lease does the retry, with a cap
+        worker_prefetch_multiplier=1,
+        task_time_limit=TIME_LIMIT_S,
+        task_default_queue=QUEUE,
+        task_default_priority=6,
+        worker_cancel_long_running_tasks_on_connection_loss=False,
+        worker_soft_shutdown_timeout=10,
+        worker_enable_soft_shutdown_on_idle=False,
+        worker_max_tasks_per_child=100,
+        worker_send_task_events=False,
+        worker_hijack_root_logger=False,
+        broker_connection_retry_on_startup=True,
+        broker_connection_max_retries=None,
+        broker_pool_limit=4,
+        broker_transport_options=transport,
+        beat_schedule={
+            "sweep": {
+                "task": SWEEP,
+                "schedule": settings.sweep_s,
+                "options": {"expires": settings.sweep_s, "priority": 0},
+            }
+        },
+        beat_schedule_filename=str(settings.data / "beat-schedule"),
+    )
+    return app
+
+
+def ring(app: Celery, tickets: int = 1) -> bool:
+    """Send tickets, after the commit; False if the broker is away (the sweeper tops them up)."""
+    try:
+        for _ in range(tickets):
+            app.send_task(WORK, ignore_result=True, retry=False)
+    except (OperationalError, RedisError) as error:
+        _log.warning("ring_failed", error=str(error))
+        return False
+    return True
+
+
+def top_up(app: Celery, redis: "Redis", waiting: int) -> int:
+    """Send the tickets that queued runs lack and return their number."""
+    steps = app.conf.broker_transport_options["priority_steps"]
+    names = [QUEUE if step == 0 else f"{QUEUE}\x06\x16{step}" for step in steps]
+    there = sum(int(redis.llen(name)) for name in names)
+    missing = max(waiting - there, 0)
+    return missing if missing and ring(app, missing) else 0

@@ -1,0 +1,1 @@
+"""Uploaded programs: read without trust, stored under their hash."""

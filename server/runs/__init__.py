@@ -1,0 +1,1 @@
+"""Runs: submission, queue, states, results, views, leaderboard."""

@@ -1,0 +1,203 @@
+"""The files of a run: telemetry, log, manifest, metrics; readable while the run goes on.
+
+`<data>/runs/<id // 1000>/<id>/<attempt>/` holds `telemetry.f64` (rows of little-endian float64),
+`columns.json` (their names, so that rows stay readable when a later version has other columns),
+`log.txt` (what the program printed first), `log.tail` (what it printed last, when it printed more),
+`manifest.json` and `metrics.json`. Each attempt has a folder of its own, so a late worker never
+writes into the files of the next one.
+"""
+
+import json
+import math
+import os
+import secrets
+from bisect import bisect_right
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seamark.sim.recording.telemetry import INDEX, NAMES
+
+HEAD_MAX = 256 * 1024  # [byte] of the log kept from its start
+TAIL_MAX = 256 * 1024  # [byte] of the log kept from its end
+_COUNT_BYTES = 8
+Rows = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class LogPart:
+    """A piece of the log. `next` is where to go on; `dropped` bytes before `text` are not kept."""
+
+    text: str
+    next: int
+    dropped: int
+
+
+class RunFiles:
+    """Reads and writes the files of one attempt; without `attempt`, of the latest one."""
+
+    def __init__(self, data: Path, run_id: int, attempt: int | None = None) -> None:
+        self.root = data / "runs" / str(run_id // 1000) / str(run_id)
+        chosen = attempt if attempt is not None else max(self.attempts(), default=0)
+        self.folder = self.root / str(chosen)
+        self._tail = b""
+        self._written = 0
+        self._names: tuple[str, ...] | None = None
+
+    @property
+    def width(self) -> int:
+        """How many columns a row has."""
+        return len(NAMES)
+
+    def attempts(self) -> list[int]:
+        """Return the attempts that left files."""
+        if not self.root.is_dir():
+            return []
+        return sorted(int(entry.name) for entry in self.root.iterdir() if entry.name.isdigit())
+
+    @property
+    def telemetry_path(self) -> Path:
+        """Where the rows are; the file may not exist yet."""
+        return self.folder / "telemetry.f64"
+
+    # -- writing: one process, the worker that holds the attempt ---------------------------------
+    def append_rows(self, rows: Rows) -> None:
+        """Append whole rows, shape (k, number of columns)."""
+        if rows.ndim != 2 or rows.shape[1] != len(NAMES):
+            raise ValueError(f"rows have shape {rows.shape}, not (k, {len(NAMES)})")
+        if not self.telemetry_path.exists():
+            self._replace("columns.json", json.dumps(NAMES).encode())
+        self._append(self.telemetry_path, np.ascontiguousarray(rows, dtype="<f8").tobytes())
+
+    def cut_rows(self, count: int) -> None:
+        """Keep only the first `count` rows: a trial is done again."""
+        if self.row_count() > count:
+            os.truncate(self.telemetry_path, count * self._row_bytes())
+
+    def append_log(self, text: bytes) -> None:
+        """Append what the program printed: the head to its file, the rest to a bounded tail."""
+        room = max(HEAD_MAX - self._written, 0)
+        if text[:room]:
+            self._append(self.folder / "log.txt", text[:room])
+        self._written += len(text)
+        if rest := text[room:]:
+            self._tail = (self._tail + rest)[-TAIL_MAX:]
+            start = self._written - len(self._tail)
+            self._replace("log.tail", start.to_bytes(_COUNT_BYTES, "little") + self._tail)
+
+    def write_json(self, name: str, value: Mapping[str, Any]) -> None:
+        """Write `manifest.json` or `metrics.json` whole; a reader never sees half of it."""
+        self._replace(name, json.dumps(value, indent=2, allow_nan=False).encode())
+
+    # -- reading: any process, at any time --------------------------------------------------------
+    def row_count(self) -> int:
+        """Return how many whole rows there are by now."""
+        try:
+            return self.telemetry_path.stat().st_size // self._row_bytes()
+        except FileNotFoundError:
+            return 0
+
+    def rows(self, start: int = 0, stop: int | None = None) -> Rows:
+        """Return the rows from `start` to before `stop`, shape (k, number of columns).
+
+        The columns are those of this version: NaN where the version that wrote them had none.
+        """
+        end = self.row_count() if stop is None else min(stop, self.row_count())
+        count = max(end - max(start, 0), 0)
+        if count == 0:
+            return np.empty((0, len(NAMES)))
+        names = self._written_names()
+        offset = max(start, 0) * self._row_bytes()
+        values = np.fromfile(self.telemetry_path, "<f8", count * len(names), offset=offset)
+        rows = values.reshape(count, len(names)).astype(np.float64, copy=False)
+        return rows if names == NAMES else _in_present_columns(rows, names)
+
+    def rows_until(self, trial: int, t: float) -> int:
+        """Return how many rows there are up to time t [s] of a trial; trials follow each other."""
+        return bisect_right(range(self.row_count()), (trial, t), key=self._place)
+
+    def rows_of_trial(self, trial: int) -> Rows:
+        """Return the rows of one trial so far, shape (k, number of columns)."""
+        first, after = (self.rows_until(number, -math.inf) for number in (trial, trial + 1))
+        return self.rows(first, after)
+
+    def _place(self, at: int) -> tuple[int, float]:
+        row = self.rows(at, at + 1)[0]
+        return int(row[INDEX["trial"]]), float(row[INDEX["t"]])
+
+    def log(self, after: int = 0) -> LogPart:
+        """Return what was printed from byte `after` on, as far as it is kept."""
+        head = _bytes(self.folder / "log.txt")
+        kept = _bytes(self.folder / "log.tail")
+        tail_start = int.from_bytes(kept[:_COUNT_BYTES], "little") if kept else len(head)
+        tail = kept[_COUNT_BYTES:]
+        after = max(after, 0)
+        gap = max(tail_start - max(after, len(head)), 0)
+        text = head[after:] + tail[max(after - tail_start, 0) :]
+        return LogPart(text.decode("utf-8", "replace"), tail_start + len(tail), gap)
+
+    def log_text(self) -> str:
+        """Return the whole log; where bytes are not kept a line says how many."""
+        head = _bytes(self.folder / "log.txt").decode("utf-8", "replace")
+        rest = self.log(after=HEAD_MAX)
+        gap = f"\n[... {rest.dropped} bytes are not kept ...]\n" if rest.dropped else ""
+        return head + gap + rest.text
+
+    def manifest(self) -> dict[str, Any] | None:
+        """Return the manifest, or None while there is none."""
+        return _json(self.folder / "manifest.json")
+
+    def metrics(self) -> dict[str, Any] | None:
+        """Return the metrics, or None while there are none."""
+        return _json(self.folder / "metrics.json")
+
+    def _written_names(self) -> tuple[str, ...]:
+        """Return the columns of the rows in the file, or the present ones while there is none."""
+        if self._names is None:
+            text = _bytes(self.folder / "columns.json")
+            if not text:
+                return NAMES
+            self._names = tuple(json.loads(text))
+        return self._names
+
+    def _row_bytes(self) -> int:
+        return 8 * len(self._written_names())
+
+    def _append(self, path: Path, data: bytes) -> None:
+        self.folder.mkdir(parents=True, exist_ok=True)
+        with path.open("ab", buffering=0) as file:
+            file.write(data)
+
+    def _replace(self, name: str, data: bytes) -> None:
+        self.folder.mkdir(parents=True, exist_ok=True)
+        draft = self.folder / f".{name}.{secrets.token_hex(4)}"
+        draft.write_bytes(data)
+        os.replace(draft, self.folder / name)
+
+
+def _in_present_columns(rows: Rows, names: tuple[str, ...]) -> Rows:
+    found = {name: at for at, name in enumerate(names)}
+    moved = np.full((len(rows), len(NAMES)), np.nan)
+    for at, name in enumerate(NAMES):
+        if name in found:
+            moved[:, at] = rows[:, found[name]]
+    return moved
+
+
+def _bytes(path: Path) -> bytes:
+    try:
+        return path.read_bytes()
+    except FileNotFoundError:
+        return b""
+
+
+def _json(path: Path) -> dict[str, Any] | None:
+    text = _bytes(path)
+    if not text:
+        return None
+    value: dict[str, Any] = json.loads(text)
+    return value

@@ -1,0 +1,148 @@
+"""The end of a run: result, metrics, manifest, state and rank in one transaction."""
+
+import math
+import time
+from dataclasses import dataclass, field
+from typing import Any
+
+from sqlalchemy import select, update
+from sqlalchemy.orm import Session
+
+from seamark.server.database.tables import Result, Run, User
+from seamark.server.runs import leaderboard
+from seamark.server.runs.queue import Claim
+from seamark.server.runs.states import RunState, move
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Report:
+    """How an evaluation ended. `detail` has the words for the owner when it failed."""
+
+    state: RunState  # succeeded, failed or cancelled
+    cause: str | None = None
+    detail: dict[str, Any] = field(default_factory=dict)
+    metrics: dict[str, Any] | None = None
+    manifest: dict[str, Any] | None = None
+    digest: str | None = None
+    progress: float = 1.0
+    t_simulated: float = 0.0
+    isolation: str | None = None
+
+
+class ResultInvalid(Exception):
+    """A succeeded run without a finite score: our failure, it must never be stored or ranked."""
+
+
+def finish(session: Session, claim: Claim, report: Report) -> bool:
+    """Store the end of a run; False if the claim is no longer valid (nothing is written then)."""
+    if report.state is RunState.CANCELLED:
+        return _close_cancelled(session, claim, report)
+    score = _score(report)
+    moved = move(
+        session,
+        claim.run_id,
+        RunState.RUNNING,
+        report.state,
+        fence=claim.attempt,
+        cause=report.cause,
+        detail=report.detail,
+        progress=report.progress,
+        t_simulated=report.t_simulated,
+        isolation=report.isolation,
+    )
+    if not moved:
+        return False
+    metrics = report.metrics or {}
+    session.add(
+        Result(
+            run_id=claim.run_id,
+            attempt=claim.attempt,
+            digest=report.digest,
+            score=score,
+            score_low=metrics.get("score_low"),
+            score_high=metrics.get("score_high"),
+            level_held=metrics.get("level_held"),
+            rankable=bool(metrics.get("rankable", score is not None)),
+            metrics=report.metrics,
+            manifest=report.manifest,
+            created_at=time.time(),
+        )
+    )
+    session.flush()
+    _publish_baseline(session, claim, report)
+    return True
+
+
+def publish(session: Session, run_id: int) -> bool:
+    """Make a run that has ended public; False if it has not, or is public already."""
+    change = (
+        update(Run)
+        .where(Run.id == run_id, Run.public.is_(False))
+        .where(Run.state.in_((RunState.SUCCEEDED, RunState.FAILED)))
+        .values(public=True, published_at=time.time())
+    )
+    if session.scalar(change.returning(Run.id)) is None:
+        return False
+    _rank(session, run_id)
+    return True
+
+
+def withdraw(session: Session, run_id: int) -> bool:
+    """Make a run private again and take it off the leaderboard; False if it is not public."""
+    change = update(Run).where(Run.id == run_id, Run.public).values(public=False, published_at=None)
+    if session.scalar(change.returning(Run.id)) is None:
+        return False
+    _rank(session, run_id)
+    return True
+
+
+def request_cancel(session: Session, run_id: int) -> bool:
+    """Cancel a live run at once; False if it has ended.
+
+    The state changes here and not in the worker, so that a run whose worker hangs is cancelled
+    too. Its worker sees it within half a second and stops.
+    """
+    flag = {"cancel_requested": True}
+    if move(session, run_id, RunState.QUEUED, RunState.CANCELLED, **flag):
+        return True
+    return move(session, run_id, RunState.RUNNING, RunState.CANCELLED, **flag)
+
+
+def _close_cancelled(session: Session, claim: Claim, report: Report) -> bool:
+    """Add what the worker knows to a run that is cancelled already."""
+    closed = (
+        update(Run)
+        .where(Run.id == claim.run_id, Run.attempt == claim.attempt)
+        .where(Run.state == RunState.CANCELLED)
+        .values(
+            detail=report.detail,
+            progress=report.progress,
+            t_simulated=report.t_simulated,
+            isolation=report.isolation,
+        )
+    )
+    return session.scalar(closed.returning(Run.id)) is not None
+
+
+def _score(report: Report) -> float | None:
+    if report.state is not RunState.SUCCEEDED:
+        return None
+    score = (report.metrics or {}).get("score")
+    if not isinstance(score, int | float) or not math.isfinite(score):
+        raise ResultInvalid(f"a succeeded run must have a finite score, not {score!r}")
+    return float(score)
+
+
+def _rank(session: Session, run_id: int) -> None:
+    run = session.get_one(Run, run_id)
+    if run.user_id is not None:
+        leaderboard.refresh(session, run.benchmark, run.user_id)
+
+
+def _publish_baseline(session: Session, claim: Claim, report: Report) -> None:
+    """The built-in entries are everybody's yardstick: public as soon as they have succeeded."""
+    if report.state is not RunState.SUCCEEDED:
+        return
+    owner = select(User.is_baseline).join(Run, Run.user_id == User.id)
+    if session.scalar(owner.where(Run.id == claim.run_id)):
+        publish(session, claim.run_id)

@@ -1,0 +1,71 @@
+"""The state machine of a run: one table of moves and one writer."""
+
+import time
+from enum import StrEnum
+from typing import Any
+
+from sqlalchemy import update
+from sqlalchemy.orm import Session
+
+from seamark.server.database.tables import Run
+
+
+class RunState(StrEnum):
+    """Where a run is. Succeeded, failed and cancelled are final: to run again is a new run."""
+
+    QUEUED = "queued"
+    RUNNING = "running"
+    SUCCEEDED = "succeeded"
+    FAILED = "failed"
+    CANCELLED = "cancelled"
+
+    @property
+    def final(self) -> bool:
+        """Whether a run in this state can no longer change."""
+        return self not in NEXT_STATES
+
+
+class Kind(StrEnum):
+    """What a run is for: trying out on a seed of one's own, or a rank on the hidden seeds."""
+
+    PRACTICE = "practice"
+    RANKED = "ranked"
+
+
+NEXT_STATES: dict[RunState, frozenset[RunState]] = {
+    RunState.QUEUED: frozenset({RunState.RUNNING, RunState.CANCELLED}),
+    RunState.RUNNING: frozenset(
+        {RunState.SUCCEEDED, RunState.FAILED, RunState.CANCELLED, RunState.QUEUED}
+    ),
+}
+LIVE = tuple(NEXT_STATES)
+FINAL = tuple(state for state in RunState if state.final)
+
+
+class IllegalMove(Exception):
+    """Code of ours asked for a move that the table does not have."""
+
+
+def move(
+    session: Session,
+    run_id: int,
+    old: RunState,
+    new: RunState,
+    *,
+    fence: int | None = None,
+    **values: Any,
+) -> bool:
+    """Move a run to its next state; False if another process was faster.
+
+    With `fence` only the holder of that attempt can move it. `values` are
+    columns written in the same statement.
+    """
+    if new not in NEXT_STATES.get(old, frozenset()):
+        raise IllegalMove(f"run {run_id}: {old} -> {new}")
+    if new.final:
+        values |= {"finished_at": time.time(), "lease_until": None}
+    # One conditional statement, so that two processes can never both make the move.
+    change = update(Run).where(Run.id == run_id, Run.state == old).values(state=new, **values)
+    if fence is not None:
+        change = change.where(Run.attempt == fence)
+    return session.scalar(change.returning(Run.id)) is not None

@@ -1,0 +1,52 @@
+"""What a web process holds besides the request: handed to the routes by `services()`."""
+
+from dataclasses import dataclass
+
+from celery import Celery
+from flask import current_app
+from redis import Redis
+
+from seamark.server.database.engine import Database
+from seamark.server.messaging import broker
+from seamark.server.messaging.live_events import Fanout
+from seamark.server.settings import Settings
+
+
+@dataclass(frozen=True, slots=True)
+class Services:
+    """Everything that is made once per process."""
+
+    settings: Settings
+    database: Database
+    redis: Redis
+    fanout: Fanout
+    celery: Celery
+
+    @classmethod
+    def start(cls, settings: Settings) -> "Services":
+        """Make them all; none connects before its first use."""
+        redis = broker.connect(settings)
+        return cls(
+            settings=settings,
+            database=Database(settings.database_url),
+            redis=redis,
+            fanout=Fanout(redis, streams_max=settings.streams_max),
+            celery=broker.celery_app(settings),
+        )
+
+    def ring(self) -> None:
+        """Tell a worker that there is work; only after the commit, or it finds nothing."""
+        broker.ring(self.celery)
+
+    def close(self) -> None:
+        """Let go of threads and connections."""
+        self.fanout.close()
+        self.redis.close()
+        self.celery.close()
+        self.database.close()
+
+
+def services() -> Services:
+    """Return the services of the application that answers the present request."""
+    held: Services = current_app.extensions["seamark"]
+    return held

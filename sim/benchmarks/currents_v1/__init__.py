@@ -1,0 +1,1 @@
+"""currents-v1: position controllers in changing currents."""

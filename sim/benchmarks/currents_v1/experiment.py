@@ -1,0 +1,141 @@
+"""Station keeping: a vehicle in closed loop above the target, in a current that a level sets."""
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from seamark.sim.benchmarks.currents_v1.definition import CurrentsConfiguration
+from seamark.sim.camera.camera import Camera
+from seamark.sim.camera.target import start_pose
+from seamark.sim.control.observation import layout
+from seamark.sim.engine.closed_loop import LevelLoop
+from seamark.sim.engine.experiment import Standing
+from seamark.sim.engine.program import BuiltIn, Program
+from seamark.sim.engine.world import (
+    Conditions,
+    World,
+    camera_of,
+    noise_seed_of,
+    scene_of,
+    water_of,
+    world_of,
+)
+from seamark.sim.metrics.station_keeping import LevelFacts, level_metrics, over_run
+from seamark.sim.numerics.random_streams import Streams, streams
+from seamark.sim.numerics.statistics import mean
+from seamark.sim.physics.current import Current, Pattern, Shear
+from seamark.sim.recording.telemetry import Rows
+from seamark.sim.vehicles import load
+
+
+class StationKeeping:
+    """A `seamark.sim.engine.experiment.Experiment` that compares position controllers."""
+
+    def built_in(self, name: str, config: CurrentsConfiguration) -> Program:
+        """Return a built-in controller."""
+        return BuiltIn(name, config)
+
+    def layout(self, config: CurrentsConfiguration) -> dict[str, Any]:
+        """Return the order of observation and command."""
+        return {"role": "controller"} | layout(config.vehicle)
+
+    def level(
+        self, config: CurrentsConfiguration, solution: Program, *, seed: int, trial: int, level: int
+    ) -> LevelLoop:
+        """Return a level with the vehicle at its start."""
+        world = self.world(config, seed=seed, trial=trial, level=level)
+        return LevelLoop(world, solution, trial=trial, level=level)
+
+    def world(self, config: CurrentsConfiguration, *, seed: int, trial: int, level: int) -> World:
+        """Return the world of a level."""
+        config, random = config.at(level), streams(seed, trial, level)
+        conditions = Conditions(current=_current(config, level, random), water=water_of(config))
+        return world_of(config, conditions, random)
+
+    def camera(self, config: CurrentsConfiguration, *, seed: int, trial: int, level: int) -> Camera:
+        """Return the camera of a level."""
+        config = config.at(level)
+        noise_seed = noise_seed_of(streams(seed, trial, level))
+        return camera_of(config, water_of(config), noise_seed=noise_seed)
+
+    def first_camera(
+        self, config: CurrentsConfiguration, *, seed: int, trial: int, level: int
+    ) -> Camera:
+        """Return the camera of the level: all its pictures are of the same water."""
+        return self.camera(config, seed=seed, trial=trial, level=level)
+
+    def metrics(self, config: CurrentsConfiguration, level: int, rows: Rows) -> dict[str, Any]:
+        """Return the metrics of a level, and where in a grid it is."""
+        grid = config.coordinates(level)
+        return level_metrics(rows, _facts(config, level)) | ({"grid": grid} if grid else {})
+
+    def standing(
+        self, config: CurrentsConfiguration, levels: Sequence[Mapping[str, Any]]
+    ) -> Standing:
+        """Return the mean of the levels' points, 0 to 100.
+
+        A trial ranks if that is a number and the target was not lost all the time at any level.
+        """
+        score = mean([float(level["points"]) for level in levels])
+        all_lost = any(level["whole_lost_percent"] >= 100.0 for level in levels)
+        return Standing(
+            score=score,
+            level_held=_held(levels),
+            rankable=math.isfinite(score) and not all_lost,
+            overall=over_run(levels),
+        )
+
+
+def _held(levels: Sequence[Mapping[str, Any]]) -> float | None:
+    """Return the speed [m/s] up to which every level was held; None if not even the least."""
+    held: float | None = None
+    for speed in sorted({float(level["speed"]) for level in levels}):
+        if not all(level["held"] for level in levels if level["speed"] == speed):
+            break
+        held = speed
+    return held
+
+
+def _facts(config: CurrentsConfiguration, level: int) -> LevelFacts:
+    forward, reverse = load(config.vehicle).curve.limits.value
+    return LevelFacts(
+        level=level,
+        speed=config.level_values()[level],
+        dt=config.control_period_s,
+        settle_s=config.settle_s,
+        limits_n=(forward, reverse),
+    )
+
+
+def _current(config: CurrentsConfiguration, level: int, random: Streams) -> Current:
+    pattern = Pattern(
+        azimuth_rad=config.current_azimuth_rad,
+        azimuth_swing_rad=config.current_swing_rad,
+        azimuth_period_s=config.current_swing_period_s,
+        speed_swing=config.current_wave_m_s,
+        speed_period_s=config.current_wave_period_s,
+        gust_share=config.current_gust,
+        gust_time_s=config.current_gust_time_s,
+        law="force" if config.current_law == "force" else "relative",
+        force_share=config.current_force_share,
+    )
+    return Current(
+        config.level_values()[level],
+        pattern=pattern,
+        shear=_shear(config),
+        rng=random.gust,
+        duration_s=config.level_duration_s,
+    )
+
+
+def _shear(config: CurrentsConfiguration) -> Shear | None:
+    """Return the current's profile: at the height of the start the level's own speed."""
+    if not config.current_shear:
+        return None
+    target, optics = scene_of(config)
+    start = float(start_pose(optics, target, config.altitude_m)[2])
+    bottom = target.seabed_m
+    return Shear(exponent=config.current_shear, bottom_m=bottom, height_m=bottom - start)
+
+
+EXPERIMENT = StationKeeping()

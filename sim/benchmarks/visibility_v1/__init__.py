@@ -1,0 +1,1 @@
+"""visibility-v1: trackers in water of growing turbidity."""

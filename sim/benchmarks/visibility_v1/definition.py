@@ -1,0 +1,393 @@
+"""visibility-v1: which tracker keeps its target longest while the water gets worse.
+
+Levels of 5 s. At the start of each the tracker learns the target anew: from one picture as the
+first level has it (in clear water, by default) and the true corners in it; from the next picture on
+it sees the level's water. So a level measures what a tracker that knows its target can do in that
+water, not what became of it in the water before. By default the optical depth tau = c Z rises from
+0 to 7 in steps of 0.25; at the end e^-7 of the contrast is left, a tenth of a grey level.
+
+Tags of the defaults: S sourced, D derived from sourced, E our estimate.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+
+from seamark.sim.benchmarks.benchmark import Baseline, Benchmark, Chart, Curve, Table
+from seamark.sim.metrics.metric import Metric
+from seamark.sim.metrics.tracking import FAILED_PERCENT, HELD, METRICS, level_metrics
+from seamark.sim.recording.telemetry import NAMES
+from seamark.sim.registry import TRACKERS
+from seamark.sim.settings.configuration import again, group_of, knob
+from seamark.sim.settings.custom_score import own_score_knob
+from seamark.sim.settings.experiment import ExperimentSettings, multiple
+from seamark.sim.trackers.choices import options_of
+
+sweeping = partial(knob, group="Sweep", role="scenario")
+motion = partial(knob, group="Motion", role="scenario")
+
+INHERITED = ExperimentSettings.model_fields
+_SCENE = "uwsimbenchmarks 988deda, visionBenchmarkScene.xml"
+MOST_LEVELS = 200
+DARKEST_STOPS = 5.5  # a camera of 1.2 grey read noise then has 54 grey; 64 is the most
+# Columns in which nothing happens while nobody steers.
+STEERING = ("current_", "error_x", "error_y", "error_z", "ref_", "dvl_", "thrust_", "contact_n")
+SEEN = ("error_x_px", "error_y_px")  # these are not the steering's
+# Settings that a vehicle on a prescribed path does not feel.
+STEERING_GROUPS = {
+    "Faults",
+    "Sensors",
+    "Position controller",
+    "Velocity controller",
+    "Station keeper",
+}
+STEERING_SETTINGS = {
+    "vehicle",
+    "current_m_s",
+    "physics_step_s",
+    "contact",
+    "seabed_relief_m",
+    "seabed_flat_radius_m",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Sweep:
+    """What the levels change."""
+
+    label: str
+    level: Metric  # what a level's value is
+    is_depth: bool = False  # whether it sets the optical depth, in which the score then is
+
+
+SWEEPS = {
+    "turbidity": Sweep(
+        "Optical depth of the water", Metric("value", "Optical depth", "", "higher"), True
+    ),
+    "fog": Sweep(
+        "Density of UWSim's fog (the paper's experiment)",
+        Metric("value", "Fog density", "1/m", "higher"),
+        True,
+    ),
+    "light": Sweep("Less and less light", Metric("value", "Light taken away", "stops", "higher")),
+    "camera_noise": Sweep("Noise of the camera", Metric("value", "Camera noise", "grey", "higher")),
+}
+
+
+class VisibilityConfiguration(ExperimentSettings):
+    """Settings of visibility-v1. Seed, trials and program are not part of it."""
+
+    vehicle: str = again(INHERITED["vehicle"], "girona500", group="Motion")
+    level_duration_s: float = again(
+        INHERITED["level_duration_s"],
+        5.0,
+        says="Simulated time before the tracker starts anew and the next level begins.",
+        source="uwsimbenchmarks: 5 s per level",
+    )
+    altitude_m: float = again(INHERITED["altitude_m"], 1.27, source=_SCENE)
+    camera_width_px: int = again(INHERITED["camera_width_px"], 320, source=_SCENE)
+    camera_height_px: int = again(INHERITED["camera_height_px"], 240, source=_SCENE)
+    camera_focal_px: float = again(INHERITED["camera_focal_px"], 257.3, source=_SCENE)
+    water_type: str = again(
+        INHERITED["water_type"], "grey", tag="E", source="so that one number says how turbid it is"
+    )
+    water_attenuation_1_m: float = again(
+        INHERITED["water_attenuation_1_m"],
+        0.2,
+        says="Grey water whose levels change something else: attenuation, or the fog's density.",
+    )
+    kp: float = again(INHERITED["kp"], 0.5, role="scenario")
+    ki: float = again(INHERITED["ki"], 0.02, role="scenario")
+    control_heave: bool = again(INHERITED["control_heave"], False, role="scenario")
+
+    sweep: str = sweeping(
+        "turbidity",
+        title="What gets worse",
+        says="What changes from level to level; it brings its own range.",
+        choices={name: sweep.label for name, sweep in SWEEPS.items()},
+    )
+    sweep_from: float = sweeping(
+        0.0, title="First level", says="Value at the first level.", low=0, high=100
+    )
+    sweep_to: float = sweeping(
+        7.0,
+        title="Last level",
+        says="Value at the last level.",
+        low=0,
+        high=100,
+        tag="E",
+        source="nothing can be tracked there any more",
+    )
+    sweep_step: float = sweeping(
+        0.25,
+        title="Step",
+        says="From one level to the next.",
+        above=0,
+        high=100,
+        tag="E",
+        source="fine enough to tell trackers apart",
+    )
+    score: str = own_score_knob(METRICS, group="Experiment")
+    mode: str = motion(
+        "fixed",
+        title="Who steers",
+        says="On the prescribed path all trackers see the same pictures.",
+        choices={
+            "fixed": "Nobody: a prescribed path",
+            "free": "The tracker, by way of a PI controller",
+        },
+    )
+    path_swing_m: float = motion(
+        0.25,
+        applies={"mode": ["fixed"]},
+        title="Swing of the path",
+        says="Prescribed path: how far it goes from its middle, ahead and aside; 0 stands still.",
+        unit="m",
+        low=0,
+        high=1,
+        tag="E",
+        source="the target stays in the picture",
+    )
+    path_turn_rad: float = motion(
+        0.05,
+        applies={"mode": ["fixed"]},
+        title="Turn on the path",
+        says="Prescribed path: how far the heading turns; roll and pitch turn 0.6 times as far.",
+        unit="rad",
+        low=0,
+        high=0.5,
+        tag="E",
+        source="a few degrees, as a vehicle in a current",
+    )
+    path_heave_share: float = motion(
+        0.2,
+        applies={"mode": ["fixed"]},
+        title="Rise on the path",
+        says="Prescribed path: how far it goes up and down, in shares of the swing; 0 stays level.",
+        low=0,
+        high=1,
+        tag="E",
+        source="a vehicle holds its depth better than its place",
+        advanced=True,
+    )
+    path_period_s: float = motion(
+        5.0,
+        applies={"mode": ["fixed"]},
+        title="Period of the path",
+        says="Prescribed path: nominal time of one swing.",
+        unit="s",
+        low=1,
+        high=120,
+        tag="E",
+        source="about a station-keeping vehicle's own",
+    )
+    current_m_s: float = motion(
+        0.15,
+        title="Current",
+        says="Free-running vehicle: mean speed of the current that moves it.",
+        unit="m/s",
+        low=0,
+        high=1,
+        tag="E",
+        source="one that every vehicle can hold",
+    )
+
+    @classmethod
+    def applies(cls, name: str) -> Mapping[str, Sequence[str]]:
+        """Return also what matters only where the tracker steers."""
+        steering = name in STEERING_SETTINGS or group_of(cls.model_fields[name]) in STEERING_GROUPS
+        return {**super().applies(name), **({"mode": ("free",)} if steering else {})}
+
+    def broken_rules(self) -> dict[str, str]:
+        """Return setting -> sentence for the rules between several settings."""
+        return self._sweep_rules() | self._path_rules() | super().broken_rules()
+
+    def _sweep_rules(self) -> dict[str, str]:
+        errors: dict[str, str] = {}
+        span = self.sweep_to - self.sweep_from
+        if span <= 0:
+            errors["sweep_to"] = (
+                f"sweep_to (Last level) must be above the first level's {self.sweep_from:g}, "
+                f"not {self.sweep_to:g}."
+            )
+        elif not multiple(span, self.sweep_step) or span / self.sweep_step >= MOST_LEVELS:
+            errors["sweep_step"] = (
+                f"sweep_step (Step) must divide the {span:g} between first and last level into "
+                f"whole steps, at most {MOST_LEVELS - 1}; {self.sweep_step:g} does not."
+            )
+        if self.sweep == "fog" and self.water_law != "uwsim":
+            errors["water_law"] = (
+                "water_law (Law of the water) must be uwsim when the fog's density is swept."
+            )
+        if self.sweep in ("turbidity", "fog") and self.water_type != "grey":
+            errors["water_type"] = (
+                "water_type (Type of water) must be grey when the levels set the attenuation."
+            )
+        if self.sweep == "light" and self.sweep_to > DARKEST_STOPS:
+            errors["sweep_to"] = (
+                f"sweep_to (Last level) must be at most {DARKEST_STOPS:g} stops when the light is "
+                f"swept, not {self.sweep_to:g}: no camera makes up for more."
+            )
+        if self.sweep == "camera_noise" and not 0.8 <= self.sweep_from <= self.sweep_to <= 64:
+            errors["sweep_from"] = (
+                "sweep_from (First level) and the last must be from 0.8 to 64 grey for the "
+                "camera's noise: below, rounding to whole grey levels decides."
+            )
+        return errors
+
+    def _path_rules(self) -> dict[str, str]:
+        """Refuse a path on which the target leaves the picture."""
+        room = 0.5 * min(self.camera_width_px, self.camera_height_px)
+        per_m = self.camera_focal_px / self.altitude_m
+        if self.mode != "fixed" or self.path_swing_m * per_m <= 0.7 * room:
+            return {}
+        return {
+            "path_swing_m": (
+                f"path_swing_m (Swing of the path) must be at most {0.7 * room / per_m:.2f} m at "
+                f"this height, or the target leaves the picture; not {self.path_swing_m:g} m."
+            )
+        }
+
+    def level_values(self) -> tuple[float, ...]:
+        """Return what the sweep sets at each level."""
+        count = round((self.sweep_to - self.sweep_from) / self.sweep_step) + 1
+        return tuple(round(self.sweep_from + i * self.sweep_step, 9) for i in range(count))
+
+    def level_metric(self) -> Metric:
+        """Return what a level's value is."""
+        return SWEEPS[self.sweep].level
+
+    def headline(self) -> Metric | None:
+        """Return the sweep's own value where it is no optical depth."""
+        sweep = SWEEPS[self.sweep]
+        if sweep.is_depth:
+            return None
+        return Metric("failure", "Failure level", sweep.level.unit, "higher")
+
+    def idle_columns(self) -> frozenset[str]:
+        """Return what a prescribed path leaves at 0; else what the vehicle does not have."""
+        if self.mode == "free":
+            return super().idle_columns()
+        return frozenset(name for name in NAMES if name.startswith(STEERING) and name not in SEEN)
+
+    def optical_depths(self) -> tuple[float, ...]:
+        """Return the optical depth between camera and target at each level."""
+        return tuple(self._optical_depth(value) for value in self.level_values())
+
+    def _optical_depth(self, value: float) -> float:
+        if self.sweep == "turbidity":
+            return value
+        density = value if self.sweep == "fog" else self.water_attenuation_1_m
+        if self.water_law == "uwsim":
+            return round((density * self.altitude_m) ** 2, 9)
+        return round(density * self.altitude_m, 9)
+
+    def score_values(self) -> tuple[float, ...]:
+        """Return the value of each level in the unit of the score."""
+        return self.optical_depths() if SWEEPS[self.sweep].is_depth else self.level_values()
+
+
+# What comes with a sweep: values of other settings.
+SWEEP_PRESETS: dict[str, dict[str, object]] = {
+    "fog": {  # S: the published experiment (visionBenchmarkScene.xml and its launch files)
+        "water_law": "uwsim",
+        "sweep_to": 2.0,
+        "sweep_step": 0.05,
+        "path_swing_m": 0.0,
+        "path_turn_rad": 0.0,
+    },
+    "light": {
+        "sweep_to": 5.5,
+        "sweep_step": 0.25,
+        "water_attenuation_1_m": 1.5,  # E: as below
+    },
+    "camera_noise": {
+        "sweep_from": 1.0,
+        "sweep_to": 41.0,
+        "sweep_step": 2.0,
+        "water_attenuation_1_m": 1.5,  # E: in clear water a good tracker stands any noise
+    },
+}
+
+
+def _called(config: Mapping[str, object]) -> str:
+    """Return what tells a built-in tracker from the others, such as "esm zncc srt"."""
+    tracker = str(config.get("tracker", ""))
+    options = options_of(tracker) if tracker in TRACKERS else ()
+    told = (str(config.get(name, "")) for name in ("criterion", "warp") if name in options)
+    return " ".join((tracker, *told))
+
+
+OPTICAL_DEPTH = Metric("optical_depth", "Optical depth", "", "higher")
+# Of the built-in trackers, those that stand on the leaderboard: criterion, warp.
+RANKED_TRACKERS = (
+    ("zncc", "homography"),
+    ("zncc", "affine"),
+    ("zncc", "srt"),
+    ("zncc", "translation"),
+    ("mi", "homography"),
+    ("mi", "srt"),
+    ("ssd", "homography"),
+)
+
+BENCHMARK = Benchmark(
+    name="visibility-v1",
+    title="Trackers in water that gets worse",
+    summary=(
+        "Follow a box in the camera's picture while the optical depth of the water rises from 0 "
+        "to 7, 5 s each, until the tracker fails."
+    ),
+    compares="trackers",
+    role="tracker",
+    built_in={"built-in": "Built-in tracker"},
+    experiment="seamark.sim.benchmarks.visibility_v1.experiment:EXPERIMENT",
+    headline=Metric("tau50", "τ50", "optical depth", "higher"),
+    full_score=7.25,
+    held_unit="optical depth",
+    charts=(
+        Chart("Corner error", "px", ("tracker_error",)),
+        Chart("The tracker says that it has the target", "1 = yes", ("tracker_ok",)),
+        Chart("Place of the target along X", "px", ("target_x", "tracked_x")),
+        Chart("Place of the target along Y", "px", ("target_y", "tracked_y")),
+        Chart("Distance to the target", "px", ("distance_px",)),
+        Chart("Distance to the station", "m", ("distance",)),
+        Chart("Velocity", "m/s", ("u", "v", "w")),
+        Chart("Velocity reference", "m/s", ("ref_u", "ref_v", "ref_w")),
+        Chart("Current", "m/s", ("current_x", "current_y", "current_z")),
+        Chart("Depth", "m", ("z",)),
+        Chart("Attitude", "rad", ("roll", "pitch", "yaw")),
+    ),
+    configuration=VisibilityConfiguration,
+    groups=(
+        "Tracker",
+        "Sweep",
+        "Experiment",
+        "Motion",
+        "Water and camera",
+        "Position controller",
+        "Station keeper",
+        "Velocity controller",
+        "Sensors",
+        "Faults",
+    ),
+    tables=(Table("All pictures of a level but its first", (OPTICAL_DEPTH, *METRICS, HELD)),),
+    curve=Curve(
+        metrics=METRICS[:2],
+        limit=FAILED_PERCENT,
+        values=VisibilityConfiguration.score_values,
+        measure=level_metrics,
+    ),
+    telling=METRICS[:1],
+    overall=METRICS,
+    baselines={
+        f"{criterion}-{warp}": Baseline(
+            f"Template tracker, {criterion.upper()}, {warp}",
+            "built-in",
+            {"criterion": criterion, "warp": warp},
+        )
+        for criterion, warp in RANKED_TRACKERS
+    },
+    called=_called,
+    presets={"sweep": SWEEP_PRESETS},
+    shortest={"sweep_to": 0.25, "level_duration_s": 2.0},
+)

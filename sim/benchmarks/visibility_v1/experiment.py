@@ -1,0 +1,141 @@
+"""Visibility: trackers on pictures that get worse from level to level."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seamark.sim.benchmarks.visibility_v1.definition import VisibilityConfiguration
+from seamark.sim.camera.camera import Camera
+from seamark.sim.camera.target import start_pose
+from seamark.sim.camera.water import Water
+from seamark.sim.engine.closed_loop import LevelLoop
+from seamark.sim.engine.experiment import Level, Standing
+from seamark.sim.engine.open_loop import PathLoop
+from seamark.sim.engine.prescribed_path import Path
+from seamark.sim.engine.program import BuiltIn
+from seamark.sim.engine.tracker_in_loop import tracking_of
+from seamark.sim.engine.world import Conditions, camera_of, noise_seed_of, water_of, world_of
+from seamark.sim.metrics.tracking import failure_value, held_value, level_metrics, over_levels
+from seamark.sim.numerics.libm import exp
+from seamark.sim.numerics.random_streams import Streams, streams
+from seamark.sim.physics.current import Current, Pattern
+from seamark.sim.recording.telemetry import Rows
+from seamark.sim.trackers import Tracker
+
+TILT_SHARE = 0.6  # of the path's turn: how far it rolls and pitches; E
+LN_2 = 0.6931471805599453  # a stop is a factor of two
+MOST_GREY = 64.0  # of read noise, as `Water` takes it
+STEERS = "pi"  # the controller of the free-running mode: all trackers have the same
+
+
+class Visibility:
+    """A `seamark.sim.engine.experiment.Experiment` that compares trackers."""
+
+    def built_in(self, name: str, config: VisibilityConfiguration) -> None:
+        """Return nothing: a level then makes the tracker of the configuration."""
+
+    def layout(self, config: VisibilityConfiguration) -> dict[str, Any]:
+        """Return the role of programs."""
+        return {"role": "tracker"}
+
+    def level(
+        self,
+        config: VisibilityConfiguration,
+        solution: Tracker | None,
+        *,
+        seed: int,
+        trial: int,
+        level: int,
+    ) -> Level:
+        """Return a level with the vehicle, or the path, at its start."""
+        random = streams(seed, trial, level)
+        if config.mode == "free":
+            world = world_of(config, _conditions(config, level, random), random, tracker=solution)
+            return LevelLoop(world, BuiltIn(STEERS, config), trial=trial, level=level)
+        noise_seed = noise_seed_of(random)
+        camera, reference = (
+            camera_of(config, water_at(config, at), noise_seed=noise_seed) for at in (level, 0)
+        )
+        tracking = tracking_of(config, camera, random, tracker=solution, reference=reference)
+        station = start_pose(camera.optics, camera.target, config.altitude_m)
+        path = _path(config, station, random)
+        return PathLoop(config, path, camera, tracking, station=station, place=(trial, level))
+
+    def camera(
+        self, config: VisibilityConfiguration, *, seed: int, trial: int, level: int
+    ) -> Camera:
+        """Return the camera in the water of a level."""
+        noise_seed = noise_seed_of(streams(seed, trial, level))
+        return camera_of(config, water_at(config, level), noise_seed=noise_seed)
+
+    def first_camera(
+        self, config: VisibilityConfiguration, *, seed: int, trial: int, level: int
+    ) -> Camera:
+        """Return the camera of a level in the water of the first one."""
+        noise_seed = noise_seed_of(streams(seed, trial, level))
+        return camera_of(config, water_at(config, 0), noise_seed=noise_seed)
+
+    def metrics(self, config: VisibilityConfiguration, level: int, rows: Rows) -> dict[str, Any]:
+        """Return `seamark.sim.metrics.tracking.level_metrics` beside the level's value."""
+        place = {"level": level, "value": config.level_values()[level]}
+        depth = {"optical_depth": config.optical_depths()[level]}
+        return place | depth | level_metrics(rows)
+
+    def standing(
+        self, config: VisibilityConfiguration, levels: Sequence[Mapping[str, Any]]
+    ) -> Standing:
+        """Return the value of the first level at which the tracker fails.
+
+        A tracker that fails at the first level does not rank.
+        """
+        values = config.score_values()
+        score = failure_value(values, [level["p5_percent"] for level in levels])
+        return Standing(
+            score=score,
+            level_held=held_value(values, [level["held"] for level in levels]),
+            rankable=math.isfinite(score) and score > values[0],
+            overall=over_levels(levels),
+        )
+
+
+def _path(config: VisibilityConfiguration, station: NDArray[np.float64], random: Streams) -> Path:
+    swing, turn = config.path_swing_m, config.path_turn_rad
+    heave, tilt = config.path_heave_share * swing, TILT_SHARE * turn
+    amplitudes = (swing, swing, heave, tilt, tilt, turn)
+    return Path(station.tolist(), amplitudes, period_s=config.path_period_s, random=random.scene)
+
+
+def _conditions(config: VisibilityConfiguration, level: int, random: Streams) -> Conditions:
+    current = Current(
+        config.current_m_s,
+        pattern=Pattern(),
+        rng=random.gust,
+        duration_s=config.level_duration_s,
+    )
+    water, reference = (water_at(config, at) for at in (level, 0))
+    return Conditions(current=current, water=water, reference=reference)
+
+
+def water_at(config: VisibilityConfiguration, level: int) -> Water:
+    """Return the water of a level."""
+    water, value = water_of(config), config.level_values()[level]
+    if config.sweep == "camera_noise":
+        return replace(water, read_sigma_grey=value)
+    if config.sweep == "light":  # the camera's gain makes up for it and takes the noise along
+        gain = exp(value * LN_2)
+        sigma, shot = gain * water.read_sigma_grey, gain * water.shot_gain
+        return replace(water, read_sigma_grey=min(sigma, MOST_GREY), shot_gain=shot)
+    if config.sweep == "fog":
+        attenuation = value
+    elif config.water_law == "uwsim":  # its optical depth is (density times distance) squared
+        attenuation = math.sqrt(value) / config.altitude_m
+    else:
+        attenuation = value / config.altitude_m
+    return replace(water, attenuation=(attenuation,) * 3)
+
+
+EXPERIMENT = Visibility()

@@ -1,0 +1,1 @@
+"""From the target's place in the image to thruster commands."""

@@ -1,0 +1,55 @@
+"""From a wanted wrench to thrusts: the pseudo-inverse of the vehicle's thruster matrix.
+
+Computed once, at set-up, without BLAS: its last bits would depend on the processor.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seamark.sim.physics.hydrodynamics import inverse
+from seamark.sim.vehicles import Vehicle
+
+SURGE, SWAY, HEAVE, ROLL, PITCH, YAW = range(6)
+_WANTED_FIRST = (SURGE, SWAY, HEAVE, YAW, PITCH, ROLL)
+_INDEPENDENT = 1e-6  # [1, m] what has to be left of a row beside the rows before it
+
+
+def allocator(vehicle: Vehicle) -> NDArray[np.float64]:
+    """Return what each thruster has to give for a unit wrench, (n, 6) [N per N or N m].
+
+    Axes that the thrusters cannot move by themselves get zeros; they are looked for in the order
+    surge, sway, heave, yaw, pitch, roll.
+    """
+    matrix = vehicle.allocation()
+    axes = _controllable(matrix)
+    rows = [list(map(float, matrix[axis])) for axis in axes]
+    gram = np.array([[_dot(a, b) for b in rows] for a in rows])
+    inner = inverse(gram)
+    result = np.zeros((matrix.shape[1], 6))
+    for thruster in range(matrix.shape[1]):
+        column = [row[thruster] for row in rows]
+        for at, axis in enumerate(axes):
+            result[thruster, axis] = _dot(column, [float(x) for x in inner[:, at]])
+    return result
+
+
+def _controllable(matrix: NDArray[np.float64]) -> list[int]:
+    """Return the axes whose rows are independent of each other (Gram-Schmidt)."""
+    axes: list[int] = []
+    basis: list[list[float]] = []
+    for axis in _WANTED_FIRST:
+        rest = list(map(float, matrix[axis]))
+        for known in basis:
+            share = _dot(rest, known) / _dot(known, known)
+            rest = [a - share * b for a, b in zip(rest, known, strict=True)]
+        if _dot(rest, rest) > _INDEPENDENT**2:
+            axes.append(axis)
+            basis.append(rest)
+    return axes
+
+
+def _dot(a: list[float], b: list[float]) -> float:
+    total = 0.0
+    for x, y in zip(a, b, strict=True):
+        total += x * y
+    return total

@@ -1,0 +1,1 @@
+"""A trial: the control loop, the world of a level, and its replay."""

@@ -1,0 +1,207 @@
+"""A trial: one seed through all levels. And the summary of several trials."""
+
+import math
+from collections.abc import Mapping, Sequence
+from contextlib import closing
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from seamark.sim import registry
+from seamark.sim.engine.experiment import OnRows, Standing
+from seamark.sim.metrics import uwsim_metrics
+from seamark.sim.metrics.score_expression import ExpressionInvalid, score_of
+from seamark.sim.metrics.station_keeping import mean_over_trials
+from seamark.sim.numerics.statistics import bootstrap_interval, mean
+from seamark.sim.recording.telemetry import Digest, Recorder, Rows
+from seamark.sim.settings.configuration import Configuration
+
+TICKS_PER_DELIVERY = 20  # 1 s simulated at 20 Hz
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TrialResult:
+    """What a trial ended with. `seed` is left out on purpose: it may be a hidden one."""
+
+    trial: int
+    levels: tuple[Mapping[str, Any], ...]  # the metrics of each level
+    standing: Standing
+    digest: str  # SHA-256 of this trial's telemetry
+    rows: int
+
+    @property
+    def overall(self) -> dict[str, Any]:
+        """Return the metrics over all levels."""
+        return _plain(self.standing.overall)
+
+    @property
+    def measures(self) -> dict[str, Any]:
+        """Return the original benchmark module's measures over all levels."""
+        return _plain(uwsim_metrics.of_run([level["measures"] for level in self.levels]))
+
+    @property
+    def score(self) -> float:
+        """Return the trial's score in the unit of the benchmark's headline."""
+        return self.standing.score
+
+
+def run_trial(
+    benchmark: str,
+    config: Configuration,
+    solution: Any,
+    *,
+    seed: int,
+    trial: int,
+    on_rows: OnRows,
+) -> TrialResult:
+    """Run all levels and return the metrics.
+
+    Rows, (k, WIDTH), go to `on_rows` in order, every 20 control ticks and at the end; also when the
+    solution raises, so that what happened until then is never lost.
+
+    Parameters
+    ----------
+    solution
+        What the benchmark compares: a `Program` or a `Tracker`.
+
+    Raises
+    ------
+    KeyError
+        If there is no such benchmark.
+    TypeError
+        If the configuration is another benchmark's.
+    Exception
+        Whatever the solution raises, untouched.
+    """
+    entry = registry.benchmark(benchmark)
+    if not isinstance(config, entry.configuration):
+        raise TypeError(f"{benchmark} cannot run a {type(config).__name__}")
+    experiment = entry.load()
+    recorder, digest = Recorder(TICKS_PER_DELIVERY), Digest()
+    kept: list[Rows] = []
+
+    def deliver(rows: Rows) -> None:
+        digest.add(rows)
+        kept.append(rows)
+        on_rows(rows)
+
+    levels: list[dict[str, Any]] = []
+    rows = 0
+    try:
+        for level in range(len(config.level_values())):
+            begun = experiment.level(config, solution, seed=seed, trial=trial, level=level)
+            with closing(begun):
+                begun.run(recorder, deliver)
+            _deliver_rest(recorder, deliver)
+            whole = np.concatenate(kept)
+            original = uwsim_metrics.of_level(whole)
+            levels.append(experiment.metrics(config, level, whole) | {"measures": original})
+            rows += len(whole)
+            kept.clear()
+    finally:
+        _deliver_rest(recorder, deliver)
+    return TrialResult(
+        trial=trial,
+        levels=tuple(levels),
+        standing=experiment.standing(config, levels),
+        digest=digest.hexdigest(),
+        rows=rows,
+    )
+
+
+def _deliver_rest(recorder: Recorder, deliver: OnRows) -> None:
+    rest = recorder.take()
+    if len(rest):
+        deliver(rest)
+
+
+def summarise(
+    benchmark: str, config: Configuration, results: Sequence[TrialResult]
+) -> dict[str, Any]:
+    """Return metrics.json: the score with its interval, every trial, the means over the trials.
+
+    `overall` and `measures` are over all levels, `levels` of each.
+    `score_low` and `score_high` are the 95 % bootstrap interval of the mean; None for one trial.
+    `rankable` is false when a trial gave no number or lost its target for a whole level.
+    """
+    scores = [result.score for result in results]
+    interval = bootstrap_interval(scores) if all(map(math.isfinite, scores)) else None
+    rankable = bool(results) and all(result.standing.rankable for result in results)
+    held = [result.standing.level_held for result in results]
+    return {
+        "benchmark": benchmark,
+        "score": mean(scores) if scores and all(map(math.isfinite, scores)) else None,
+        "score_low": interval[0] if interval else None,
+        "score_high": interval[1] if interval else None,
+        "rankable": rankable,
+        "level_held": _lowest(held),
+        "overall": _mean_overall([result.overall for result in results]),
+        "own_score": own_score(config.own_score(), [_named(result) for result in results]),
+        "measures": _mean_overall([result.measures for result in results]),
+        "trials": [_entry(result) for result in results],
+        "levels": [
+            mean_over_trials([_plain(level) for level in same])
+            for same in zip(*(result.levels for result in results), strict=True)
+        ],
+    }
+
+
+def _mean_overall(trials: Sequence[Mapping[str, float | None]]) -> dict[str, float | None]:
+    """Return the mean of each metric over the trials that have it; None if none has."""
+    result: dict[str, float | None] = {}
+    for name in trials[0] if trials else ():
+        known = [value for trial in trials if (value := trial[name]) is not None]
+        result[name] = mean(known) if known else None
+    return result
+
+
+def _named(result: TrialResult) -> dict[str, Any]:
+    """Return what an expression can name of a trial."""
+    return {"score": result.score} | result.overall | result.measures
+
+
+def own_score(
+    expression: str, trials: Sequence[Mapping[str, float | None]]
+) -> dict[str, Any] | None:
+    """Return what the user's own expression gives, as the mean over trials; None without one.
+
+    `value` is None where it gives no number, and `why` says so.
+    """
+    if not expression:
+        return None
+    try:
+        values = [score_of(expression, trial) for trial in trials]
+    except ExpressionInvalid as refusal:
+        return {"expression": expression, "value": None, "why": str(refusal)}
+    return {"expression": expression, "value": mean(values), "why": ""}
+
+
+def _lowest(held: Sequence[float | None]) -> float | None:
+    known = [speed for speed in held if speed is not None]
+    return min(known) if known and len(known) == len(held) else None
+
+
+def _plain(level: Mapping[str, Any]) -> dict[str, Any]:
+    """Return metrics as JSON knows them: None for what is no number."""
+    return {
+        name: _plain(value)
+        if isinstance(value, Mapping)
+        else None
+        if isinstance(value, float) and not math.isfinite(value)
+        else value
+        for name, value in level.items()
+    }
+
+
+def _entry(result: TrialResult) -> dict[str, Any]:
+    return {
+        "trial": result.trial,
+        "score": result.score if math.isfinite(result.score) else None,
+        "level_held": result.standing.level_held,
+        "overall": result.overall,
+        "rankable": result.standing.rankable,
+        "digest": result.digest,
+        "measures": result.measures,
+        "levels": [_plain(level) for level in result.levels],
+    }

@@ -1,0 +1,250 @@
+"""One level's world, made from configuration, conditions and streams: nothing else goes in."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seamark.sim.camera.camera import Camera
+from seamark.sim.camera.effects import Effects
+from seamark.sim.camera.optics import Optics
+from seamark.sim.camera.target import Target, start_pose
+from seamark.sim.camera.water import JERLOV, Water
+from seamark.sim.control.station_keeper import Geometry, StationKeeper
+from seamark.sim.control.velocity_controller import VelocityController
+from seamark.sim.engine.perception import Noises, Suite
+from seamark.sim.engine.tracker_in_loop import Tracking, tracking_of
+from seamark.sim.numerics.libm import PI
+from seamark.sim.numerics.random_streams import Streams
+from seamark.sim.physics import constants
+from seamark.sim.physics.contact import Contact, TargetBox
+from seamark.sim.physics.current import Current
+from seamark.sim.physics.plant import Plant
+from seamark.sim.physics.terrain import Bottom, Relief, relief_of
+from seamark.sim.physics.thruster_faults import ThrusterFault
+from seamark.sim.sensors.sensors import Ahrs, Altimeter, DepthGauge, Dvl
+from seamark.sim.settings.experiment import ExperimentSettings
+from seamark.sim.settings.targets import TARGETS
+from seamark.sim.trackers import Tracker
+from seamark.sim.vehicles import Vehicle, load
+
+
+@dataclass(slots=True, kw_only=True)
+class Sensors:
+    """The sensors of the vehicle, each with its own stream."""
+
+    dvl: Dvl
+    depth: DepthGauge
+    ahrs: Ahrs
+    altimeter: Altimeter
+
+    def suite(self) -> Suite:
+        """Return their records, for compiled code."""
+        return self.dvl.record, self.depth.record, self.ahrs.record, self.altimeter.record
+
+    def noises(self) -> Noises:
+        """Return the noise of their readings, in the same order."""
+        return self.dvl.noise, self.depth.noise, self.ahrs.noise, self.altimeter.noise
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Conditions:
+    """What a level is made of, beside the configuration."""
+
+    current: Current
+    water: Water
+    reference: Water | None = None  # of the picture from which the tracker learns the target
+
+
+@dataclass(slots=True, kw_only=True)
+class World:
+    """Everything that moves or measures during one level."""
+
+    config: ExperimentSettings
+    start: NDArray[np.float64]  # (6,) pose [m, rad]
+    target: Target
+    camera: Camera
+    plant: Plant
+    sensors: Sensors
+    tracking: Tracking
+    keeper: StationKeeper
+    velocity_controller: VelocityController
+    bottom: Bottom
+    contact: Contact | None
+
+    def close(self) -> None:
+        """Give back what the contacts hold."""
+        if self.contact is not None:
+            self.contact.close()
+
+
+def scene_of(config: ExperimentSettings) -> tuple[Target, Optics]:
+    """Return what the camera looks at, and how."""
+    optics = Optics(
+        width=config.camera_width_px,
+        height=config.camera_height_px,
+        focal_px=config.camera_focal_px,
+    )
+    box = TARGETS[config.target]
+    target = Target(
+        length_m=box.length_m,
+        width_m=box.width_m,
+        height_m=box.height_m,
+        lettered=box.lettered,
+    )
+    return target, optics
+
+
+def camera_of(config: ExperimentSettings, water: Water, *, noise_seed: int) -> Camera:
+    """Return the camera above the target: all that a picture needs of a world."""
+    target, optics = scene_of(config)
+    effects = effects_of(config)
+    return Camera(optics, water, target, noise_seed=noise_seed, effects=effects)
+
+
+def effects_of(config: ExperimentSettings) -> Effects:
+    """Return what disturbs the pictures of a configuration."""
+    return Effects(
+        exposure_s=config.camera_exposure_s,
+        light_level=config.light_level,
+        caustics=config.caustics,
+        lamp=config.lamp,
+        lamp_cone_rad=config.lamp_cone_rad,
+        snow_per_m3=config.snow_per_m3,
+        scatter_rad=1e-3 * config.scatter_mrad,
+        fish_per_min=config.fish_per_min,
+        fish_length_m=config.fish_length_m,
+        frame_s=config.control_period_s,
+    )
+
+
+def noise_seed_of(random: Streams) -> int:
+    """Return the seed of a level's noise in the pictures; the first number of its stream."""
+    return int(random.camera.integers(2**63))
+
+
+def world_of(
+    config: ExperimentSettings,
+    conditions: Conditions,
+    random: Streams,
+    *,
+    tracker: Tracker | None = None,
+) -> World:
+    """Return the world of one level, with the vehicle at its start.
+
+    Parameters
+    ----------
+    tracker
+        Takes the place of the configured one.
+    """
+    noise_seed = noise_seed_of(random)
+    camera = camera_of(config, conditions.water, noise_seed=noise_seed)
+    reference = None
+    if conditions.reference is not None:
+        reference = camera_of(config, conditions.reference, noise_seed=noise_seed)
+    optics, target = camera.optics, camera.target
+    start = start_pose(optics, target, config.altitude_m)
+    vehicle = load(config.vehicle)
+    place = (target.north_m, target.east_m)
+    bottom = Bottom(target.seabed_m, _relief(config, random), place=place)
+    contact = _contact(vehicle, bottom, target) if config.contact else None
+    plant = Plant(
+        vehicle,
+        conditions.current,
+        step_s=config.physics_step_s,
+        contact=contact,
+        fault=_fault(config),
+    )
+    plant.place(start)
+    return World(
+        config=config,
+        start=start,
+        target=target,
+        camera=camera,
+        plant=plant,
+        sensors=_sensors(config, random),
+        tracking=tracking_of(config, camera, random, tracker=tracker, reference=reference),
+        keeper=StationKeeper(
+            Geometry(
+                focal_px=optics.focal_px,
+                centre_px=optics.principal_px,
+                height_m=config.altitude_m,
+                size_m=(target.length_m, target.width_m),
+            ),
+            range_from=config.range_from,
+            level_out_tilt=config.level_out_tilt,
+        ),
+        velocity_controller=VelocityController(vehicle, config),
+        bottom=bottom,
+        contact=contact,
+    )
+
+
+def _relief(config: ExperimentSettings, random: Streams) -> Relief | None:
+    if not config.seabed_relief_m:
+        return None
+    return relief_of(
+        random.bottom, height_m=config.seabed_relief_m, flat_m=config.seabed_flat_radius_m
+    )
+
+
+def water_of(config: ExperimentSettings) -> Water:
+    """Return the water of a configuration."""
+    if config.water_type == "grey":
+        water = Water.grey(config.water_attenuation_1_m, law=config.water_law)
+    else:
+        grey = Water.grey(0.0, law=config.water_law)  # for the veil that belongs to the law
+        water = replace(grey, attenuation=JERLOV[config.water_type])
+    return replace(water, read_sigma_grey=config.camera_noise_grey)
+
+
+def _sensors(config: ExperimentSettings, random: Streams) -> Sensors:
+    slow, fast = (
+        max(1, round(period.scalar / config.physics_step_s))
+        for period in (constants.DEPTH_PERIOD_S, constants.AHRS_PERIOD_S)
+    )
+    steps = config.ticks_per_level * config.steps_per_tick
+    seldom, often = steps // slow + 1, steps // fast + 1
+    return Sensors(
+        dvl=Dvl(
+            random.dvl,
+            readings=steps // config.dvl_period_ticks + 1,
+            period_ticks=config.dvl_period_ticks,
+            sigma=config.dvl_sigma_m_s,
+            bias=config.dvl_bias_m_s,
+            scale_error=config.dvl_scale_error,
+            dropout=config.dvl_dropout,
+            least_altitude_m=config.dvl_least_altitude_m,
+        ),
+        depth=DepthGauge(
+            random.depth, readings=seldom, period_ticks=slow, sigma=config.depth_sigma_m
+        ),
+        ahrs=Ahrs(random.ahrs, readings=often, period_ticks=fast, sigma=config.ahrs_sigma_rad),
+        altimeter=Altimeter(random.altimeter, readings=seldom, period_ticks=slow),
+    )
+
+
+def _contact(vehicle: Vehicle, bottom: Bottom, target: Target) -> Contact:
+    """Return the bottom with the target, which cannot be pushed away.
+
+    A picture is a function of the vehicle's pose alone, so the box stays where it is drawn.
+    """
+    north, east, down = target.origin().tolist()
+    box = TargetBox(
+        centre=(north, east, down),
+        yaw=target.heading_rad + 0.5 * PI,  # the length lies across the heading
+        size=(target.length_m, target.width_m, target.height_m),
+        fixed=True,
+    )
+    return Contact(vehicle, bottom, box=box)
+
+
+def _fault(config: ExperimentSettings) -> ThrusterFault | None:
+    if config.fault_thruster < 0:
+        return None
+    return ThrusterFault(
+        thruster=config.fault_thruster,
+        efficiency=config.fault_efficiency,
+        delay_ticks=round(config.fault_delay_s / config.physics_step_s),
+        from_tick=round(config.fault_from_s / config.physics_step_s),
+    )

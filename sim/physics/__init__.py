@@ -1,0 +1,1 @@
+"""The vehicle in the water: equations of motion, forces, current, bottom, contacts."""

@@ -1,0 +1,353 @@
+"""Contacts with the bottom and with the target: PyBullet as an oracle of impulses behind a gate.
+
+The plant moves itself; Bullet only says which impulse contacts give within a step, and is neither
+imported nor called while nothing can touch. Bullet knows a scalar mass alone: it gets the rigid
+mass plus the smallest translational added mass. Less than the true mass in each direction is
+stable (an impulse never overshoots), more is not; the rest converges over the next steps. Only the
+impulses at the contact points are taken over, so momentum passes exactly from body to body.
+
+The target has no drag; its weight is that in water.
+"""
+
+import ctypes
+import math
+import os
+import weakref
+from dataclasses import dataclass
+from types import ModuleType
+
+import numpy as np
+from numba import njit
+
+from seamark.sim.numerics.libm import cos, sin
+from seamark.sim.physics import constants
+from seamark.sim.physics.hydrodynamics import write_rotation
+from seamark.sim.physics.terrain import REACH_M, Bottom
+from seamark.sim.vehicles import STANDARD_GRAVITY, Array, Vehicle
+from seamark.sim.vehicles.urdf import urdf_of
+
+GATE_M = constants.GATE_M.scalar
+AWAKE_SPEED = 1e-3  # [m/s, rad/s] a target slower than this lies still
+CLEARANCE_M = 0.1  # a hull that ends this far above everything does not touch within a step
+SOLVER_ITERATIONS = 50  # Bullet's default
+CELL_M = 0.25  # of the mounds as triangles: at most a few mm off the waves that they are made of
+_FAR_M = 1000.0  # how far the bottom reaches beyond the mounds
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TargetBox:
+    """A box on the bottom; the default is the experiment's black box, which can be pushed."""
+
+    centre: tuple[float, float, float]  # [m] NED
+    yaw: float = 0.0  # [rad]
+    size: tuple[float, float, float] = (
+        constants.TARGET_SIZE_M.value[0],
+        constants.TARGET_SIZE_M.value[1],
+        constants.TARGET_HEIGHT_M.scalar,
+    )  # [m]
+    mass: float = constants.TARGET_MASS_KG.scalar  # [kg]
+    fixed: bool = False
+
+
+class Contact:
+    """The bottom, maybe a box on it, and the vehicle's hull. Close it after use.
+
+    A fixed box stands like the bottom: what hits it feels it, and it stays where pictures show it.
+    """
+
+    def __init__(self, vehicle: Vehicle, bottom: Bottom, *, box: TargetBox | None = None) -> None:
+        top = bottom.top_m
+        if box is not None:
+            top = min(top, box.centre[2] - 0.5 * box.size[2])
+        self.gate_depth = top - GATE_M - vehicle.hull_radius()
+        self.awake = False
+        self.felt = 0.0  # [N s] sum of what all steps gave the hull; the plant resets it
+        self._top = top
+        self._centres = np.array([piece.centre.value for piece in vehicle.hull])
+        self._halves = 0.5 * np.array([piece.size.value for piece in vehicle.hull])
+        self._vehicle = vehicle
+        self._bottom = bottom
+        self._box = box
+        self._world: _World | None = None
+
+    def impulse(self, before: Array, after: Array, step_s: float) -> Array:
+        """Return what contacts give within one step.
+
+        Parameters
+        ----------
+        before, after : (13 + n,)
+            The plant's state at the start of the step, and at its end if nothing touches.
+
+        Returns
+        -------
+        (6,) [N s, N m s]
+            About the origin, in the body frame of `before`.
+        """
+        if not self.awake:
+            lowest = lowest_point(before, self._centres, self._halves)
+            if lowest < self._top - CLEARANCE_M:
+                return np.zeros(6)
+        if self._world is None:
+            self._world = _World(self._vehicle, self._bottom, self._box)
+        push = self._world.step(before, after, step_s)
+        self.felt += math.sqrt(push[0] * push[0] + push[1] * push[1] + push[2] * push[2])
+        self.awake = self._world.box_speed() > AWAKE_SPEED
+        return push
+
+    def box_pose(self) -> tuple[Array, Array]:
+        """Return position (3,) [m] and quaternion w x y z (4,) of the box now.
+
+        Raises
+        ------
+        LookupError
+            When there is no box.
+        """
+        if self._box is None:
+            raise LookupError("there is no box")
+        if self._world is None:
+            half = 0.5 * self._box.yaw
+            return np.array(self._box.centre), np.array([cos(half), 0.0, 0.0, sin(half)])
+        return self._world.box_pose()
+
+    def close(self) -> None:
+        """Disconnect from Bullet, if it was ever needed."""
+        if self._world is not None:
+            self._world.close()
+            self._world = None
+
+
+class _World:
+    """One PyBullet world of its own: bottom, hull, box."""
+
+    def __init__(self, vehicle: Vehicle, bottom: Bottom, box: TargetBox | None) -> None:
+        bullet = _import_bullet()
+        self._bullet = bullet
+        self._client = bullet.connect(bullet.DIRECT)
+        self._close = weakref.finalize(self, bullet.disconnect, self._client)
+        self._gravity_centre = np.array(vehicle.centre_of_gravity.value)
+        self._motion = np.empty(9)
+        bullet.setPhysicsEngineParameter(
+            deterministicOverlappingPairs=1,
+            numSolverIterations=SOLVER_ITERATIONS,
+            physicsClientId=self._client,
+        )
+        # No gravity: weight and buoyancy of the vehicle are the plant's business.
+        bullet.setGravity(0, 0, 0, physicsClientId=self._client)
+        if bottom.relief is None:
+            plane = bullet.createCollisionShape(
+                bullet.GEOM_PLANE, planeNormal=[0, 0, -1], physicsClientId=self._client
+            )
+            self._add(plane, 0.0, (0.0, 0.0, bottom.depth_m))
+        else:
+            self._add_mounds(bottom)
+        self._hull = self._add_hull(vehicle)
+        self._box = None if box is None else self._add_box(box)
+        self._box_moves = box is not None and not box.fixed
+        self._box_weight = 0.0
+        if box is not None:
+            displaced = constants.WATER_DENSITY.scalar * box.size[0] * box.size[1] * box.size[2]
+            self._box_weight = (box.mass - displaced) * STANDARD_GRAVITY
+
+    def _add_mounds(self, bottom: Bottom) -> None:
+        """Add the mounds as a height field, and boxes around it where the bottom is flat again."""
+        bullet, (north, east) = self._bullet, bottom.place
+        # Bullet counts heights upwards: half a turn about north makes depth of them.
+        heights = -bottom.grid(CELL_M)[:, ::-1]
+        field = bullet.createCollisionShape(
+            bullet.GEOM_HEIGHTFIELD,
+            meshScale=[CELL_M, CELL_M, 1.0],
+            heightfieldData=heights.T.ravel().tolist(),
+            numHeightfieldRows=len(heights),
+            numHeightfieldColumns=len(heights),
+            physicsClientId=self._client,
+        )
+        middle = -0.5 * float(heights.min() + heights.max())  # where Bullet puts its origin
+        self._add(field, 0.0, (north, east, middle), (1.0, 0.0, 0.0, 0.0))
+        half, off = 0.5 * _FAR_M, REACH_M + 0.5 * _FAR_M
+        for x, y, size in ((1, 0, (half, _FAR_M)), (0, 1, (REACH_M, half))):
+            shape = bullet.createCollisionShape(
+                bullet.GEOM_BOX, halfExtents=[*size, half], physicsClientId=self._client
+            )
+            for side in (-off, off):
+                place = (north + x * side, east + y * side, bottom.depth_m + half)
+                self._add(shape, 0.0, place)
+
+    def _add(
+        self,
+        shape: int,
+        mass: float,
+        position: tuple[float, float, float],
+        turn: tuple[float, ...] = (0.0, 0.0, 0.0, 1.0),
+    ) -> int:
+        bullet = self._bullet
+        body: int = bullet.createMultiBody(
+            mass, shape, basePosition=position, baseOrientation=turn, physicsClientId=self._client
+        )
+        self._prepare(body)
+        return body
+
+    def _prepare(self, body: int) -> None:
+        """Give a body what all bodies have: friction, no bounce, no damping of its own."""
+        bullet = self._bullet
+        bullet.changeDynamics(
+            body,
+            -1,
+            linearDamping=0.0,  # 0.04 unless told otherwise
+            angularDamping=0.0,
+            lateralFriction=constants.FRICTION.scalar,
+            restitution=0.0,
+            activationState=bullet.ACTIVATION_STATE_DISABLE_SLEEPING,
+            physicsClientId=self._client,
+        )
+
+    def _add_hull(self, vehicle: Vehicle) -> int:
+        bullet = self._bullet
+        # A file in memory: Bullet reads files alone, and the vehicle's numbers stand once.
+        with open(os.memfd_create("urdf"), "w", encoding="utf-8") as file:
+            file.write(urdf_of(vehicle))
+            file.flush()
+            hull: int = bullet.loadURDF(
+                f"/proc/self/fd/{file.fileno()}",
+                flags=bullet.URDF_USE_INERTIA_FROM_FILE,
+                physicsClientId=self._client,
+            )
+        self._prepare(hull)
+        added = np.diag(vehicle.mass_added())
+        turned = zip(vehicle.inertia_about_gravity(), added[3:], strict=True)
+        bullet.changeDynamics(
+            hull,
+            -1,
+            mass=float(vehicle.mass.scalar + added[:3].min()),
+            localInertiaDiagonal=[float(own + water) for own, water in turned],
+            physicsClientId=self._client,
+        )
+        return hull
+
+    def _add_box(self, box: TargetBox) -> int:
+        half = [0.5 * s for s in box.size]
+        shape = self._bullet.createCollisionShape(
+            self._bullet.GEOM_BOX, halfExtents=half, physicsClientId=self._client
+        )
+        turn = (0.0, 0.0, sin(0.5 * box.yaw), cos(0.5 * box.yaw))
+        return self._add(shape, 0.0 if box.fixed else box.mass, box.centre, turn)
+
+    def step(self, before: Array, after: Array, step_s: float) -> Array:
+        """Return the impulse of all contacts on the hull, as `Contact.impulse`.
+
+        The hull stands where the step began and has the velocity it would have at its end: that is
+        what Bullet makes of forces before it solves contacts.
+        """
+        bullet, client = self._bullet, self._client
+        world_motion(before, after, self._gravity_centre, self._motion)
+        motion = self._motion.tolist()
+        w, x, y, z = before[3:7].tolist()
+        bullet.resetBasePositionAndOrientation(
+            self._hull, motion[:3], [x, y, z, w], physicsClientId=client
+        )
+        bullet.resetBaseVelocity(self._hull, motion[3:6], motion[6:], physicsClientId=client)
+        if self._box_moves:
+            force, place = [0.0, 0.0, self._box_weight], self.box_pose()[0].tolist()
+            bullet.applyExternalForce(
+                self._box, -1, force, place, bullet.WORLD_FRAME, physicsClientId=client
+            )
+        bullet.setTimeStep(step_s, physicsClientId=client)
+        bullet.stepSimulation(physicsClientId=client)
+        points = bullet.getContactPoints(bodyA=self._hull, physicsClientId=client)
+        push = np.zeros(6)
+        for point in points:
+            normal, along, across = point[7], point[11], point[13]
+            force = [
+                step_s * (point[9] * n + point[10] * a + point[12] * c)
+                for n, a, c in zip(normal, along, across, strict=True)
+            ]
+            add_push(before, np.array(point[5]), np.array(force), push)
+        return push
+
+    def box_pose(self) -> tuple[Array, Array]:
+        """Return position (3,) and quaternion w x y z (4,) of the box."""
+        place, (x, y, z, w) = self._bullet.getBasePositionAndOrientation(
+            self._box, physicsClientId=self._client
+        )
+        return np.array(place), np.array([w, x, y, z])
+
+    def box_speed(self) -> float:
+        """Return the largest component of the box's velocity [m/s, rad/s]; zero for a fixed one."""
+        if not self._box_moves:
+            return 0.0
+        linear, angular = self._bullet.getBaseVelocity(self._box, physicsClientId=self._client)
+        return float(max(abs(value) for value in (*linear, *angular)))
+
+    def close(self) -> None:
+        """Disconnect; a second call does nothing."""
+        self._close()
+
+
+@njit(cache=True, error_model="numpy")
+def lowest_point(state: Array, centres: Array, halves: Array) -> float:
+    """Return the depth [m] of the lowest point of boxes (k, 3) along the body axes."""
+    rotation = np.empty((3, 3))
+    write_rotation(state[3], state[4], state[5], state[6], rotation)
+    lowest = -np.inf
+    for i in range(centres.shape[0]):
+        depth = state[2]
+        for j in range(3):
+            depth += rotation[2, j] * centres[i, j] + abs(rotation[2, j]) * halves[i, j]
+        lowest = max(lowest, depth)
+    return lowest
+
+
+@njit(cache=True, error_model="numpy")
+def world_motion(before: Array, after: Array, point: Array, out: Array) -> None:
+    """Write how a point of the body moves, in the world: place, velocity, rates to `out`, (9,).
+
+    Place and axes are those of `before`, velocities those of `after`.
+    """
+    rotation = np.empty((3, 3))
+    write_rotation(before[3], before[4], before[5], before[6], rotation)
+    p, q, r = after[10], after[11], after[12]
+    x, y, z = point[0], point[1], point[2]
+    u, v, w = after[7] + q * z - r * y, after[8] + r * x - p * z, after[9] + p * y - q * x
+    for i in range(3):
+        a, b, c = rotation[i, 0], rotation[i, 1], rotation[i, 2]
+        out[i] = before[i] + a * x + b * y + c * z
+        out[3 + i] = a * u + b * v + c * w
+        out[6 + i] = a * p + b * q + c * r
+
+
+@njit(cache=True, error_model="numpy")
+def add_push(state: Array, place: Array, impulse: Array, out: Array) -> None:
+    """Add an impulse (3,) at a place (3,), both in the world, to `out` (6,), in the body."""
+    rotation = np.empty((3, 3))
+    write_rotation(state[3], state[4], state[5], state[6], rotation)
+    x, y, z = place[0] - state[0], place[1] - state[1], place[2] - state[2]
+    turning = (
+        y * impulse[2] - z * impulse[1],
+        z * impulse[0] - x * impulse[2],
+        x * impulse[1] - y * impulse[0],
+    )
+    for i in range(3):
+        for j in range(3):
+            out[i] += rotation[j, i] * impulse[j]
+            out[3 + i] += rotation[j, i] * turning[j]
+
+
+def _import_bullet() -> ModuleType:
+    """Import PyBullet without the line that it prints, to output or errors by version."""
+    library = ctypes.CDLL(None)
+    streams = (1, 2)
+    kept = [os.dup(stream) for stream in streams]
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    try:
+        library.fflush(None)
+        for stream in streams:
+            os.dup2(nowhere, stream)
+        import pybullet  # noqa: PLC0415  # 65 ms and 30 MB that a free run does not pay
+
+        library.fflush(None)  # the line is in the C library's buffer until then
+    finally:
+        for stream, old in zip(streams, kept, strict=True):
+            os.dup2(old, stream)
+            os.close(old)
+        os.close(nowhere)
+    module: ModuleType = pybullet
+    return module

@@ -1,0 +1,223 @@
+"""The water's current: a mean level, two slow sinusoids and a seeded gust.
+
+World frame NED. `azimuth_rad` is where the water comes from, clockwise from north: zero meets the
+bow of a vehicle that heads north, pi/2 its starboard side. Two laws:
+
+relative
+    The water moves with v = -V (cos a, sin a, 0), V = level + 0.005 sin(2 pi t / 4) + gust,
+    a = azimuth + 0.7 sin(2 pi t / 30); the vehicle feels its velocity relative to it.
+force
+    What the published experiment's simulator does: the water rests, and a force in the body frame
+    pushes: 410 k V² on sway, 410 k (V sin(a - azimuth))² on surge. It never changes sign, and the
+    azimuth itself plays no part.
+
+Over the bottom the water may be slower (`Shear`): V (h/h0)^n with the height h of the vehicle. A
+level then gives the speed at h0. All of the pattern scales with it, gusts too.
+
+A level of zero is still water: no gust, whose size is a share of the level, and no sinusoid either
+(the published law would leave 5 mm/s, or 0.001 N), so that the first level shows the chain alone.
+"""
+
+from dataclasses import dataclass
+from typing import Literal, NamedTuple
+
+import numpy as np
+from numba import njit
+
+from seamark.sim.numerics.libm import PI, exp, log, sin, sincos
+from seamark.sim.physics import constants
+from seamark.sim.vehicles import Array
+
+GUST_GRID_S = constants.GUST_GRID_S.scalar  # whatever the integration step
+
+LEAST_HEIGHT_M = constants.LEAST_HEIGHT_M.scalar
+
+_RELATIVE, _FORCE = 0, 1
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Pattern:
+    """How the current varies around its level; the defaults are the published experiment's."""
+
+    azimuth_rad: float = 0.0
+    azimuth_swing_rad: float = 0.7  # S: uwsimbenchmarks trackingBenchmarkDynamics.xml
+    azimuth_period_s: float = 30.0  # S: same
+    speed_swing: float = 0.005  # [m/s] S: same
+    speed_period_s: float = 4.0  # S: same
+    gust_share: float = 0.05  # standard deviation as a share of the level; E
+    gust_time_s: float = 10.0  # correlation time; E
+    law: Literal["relative", "force"] = "relative"
+    force_share: float = 0.134  # k: 18 px at 0.4 m/s, the one number published; D
+
+    def __post_init__(self) -> None:
+        """Refuse values without a meaning."""
+        for name in ("azimuth_period_s", "speed_period_s", "gust_time_s"):
+            if not getattr(self, name) > 0.0:
+                raise ValueError(f"{name} must be positive, not {getattr(self, name)}")
+        for name in ("speed_swing", "gust_share", "force_share"):
+            if not getattr(self, name) >= 0.0:
+                raise ValueError(f"{name} must not be negative, not {getattr(self, name)}")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Shear:
+    """A power law over the bottom: at the height h the speed is (h/h0)^n of the level's.
+
+    S: DNV-RP-C205 (2010) 4.1.4, tidal current; n = 1/7 is typical.
+    """
+
+    exponent: float
+    bottom_m: float  # [m] depth of the bottom
+    height_m: float  # [m] h0
+
+    def __post_init__(self) -> None:
+        """Refuse values without a meaning."""
+        if not 0.0 <= self.exponent <= 1.0:
+            raise ValueError(f"the exponent must be from 0 to 1, not {self.exponent}")
+        if not self.height_m > LEAST_HEIGHT_M:
+            raise ValueError(f"height_m must be above {LEAST_HEIGHT_M} m, not {self.height_m}")
+
+
+class Water(NamedTuple):
+    """A current as the compiled code reads it."""
+
+    law: int
+    level: float
+    azimuth: float
+    azimuth_swing: float
+    azimuth_rate: float
+    speed_swing: float
+    speed_rate: float
+    force: float
+    gust: Array
+    shear: float = 0.0
+    bottom: float = 0.0
+    height: float = 1.0
+
+
+class Current:
+    """One level's current, the same for every integration step."""
+
+    def __init__(
+        self,
+        level: float,
+        *,
+        pattern: Pattern | None = None,
+        shear: Shear | None = None,
+        rng: np.random.Generator | None = None,
+        duration_s: float = 120.0,
+    ) -> None:
+        """Draw the gust of a level.
+
+        Parameters
+        ----------
+        level : float [m/s]
+            Mean speed, not negative.
+        shear : Shear, optional
+            Only with the relative law; without it the water is as fast at every depth.
+        rng : Generator, optional
+            The stream of the gust; without it there is no gust.
+        duration_s : float
+            How long the gust has to last. A longer one begins with the same values. Without a gust
+            the current lasts for ever.
+        """
+        if not level >= 0.0:
+            raise ValueError(f"a current's level must not be negative, not {level}")
+        law = pattern or Pattern()
+        if shear is not None and law.law == "force":
+            raise ValueError("under the force law the water rests: there is nothing to shear")
+        over = shear or Shear(exponent=0.0, bottom_m=0.0, height_m=1.0)
+        sigma = law.gust_share * level
+        self.duration_s = float("inf") if rng is None else duration_s
+        self.water = Water(
+            law=_RELATIVE if law.law == "relative" else _FORCE,
+            level=float(level),
+            azimuth=float(law.azimuth_rad),
+            azimuth_swing=float(law.azimuth_swing_rad),
+            azimuth_rate=2.0 * PI / law.azimuth_period_s,
+            speed_swing=float(law.speed_swing) if level > 0.0 else 0.0,
+            speed_rate=2.0 * PI / law.speed_period_s,
+            force=constants.FORCE_PER_SPEED_SQUARED.scalar * law.force_share,
+            gust=np.zeros(2) if rng is None else _gust(rng, sigma, law.gust_time_s, duration_s),
+            shear=float(over.exponent),
+            bottom=float(over.bottom_m),
+            height=float(over.height_m),
+        )
+
+    @property
+    def is_relative(self) -> bool:
+        """Whether the water itself moves."""
+        return self.water.law == _RELATIVE
+
+    def velocity(self, t_s: float, depth_m: float = 0.0) -> Array:
+        """Return the water's velocity at a time and a depth, (3,) NED [m/s].
+
+        Zero under the force law. Without shear the depth makes no difference.
+        """
+        x, y, *_rest = flow(t_s, self.water, segment_at(t_s, self.water))
+        water = self.water
+        share, _slope = profile(depth_m, water.shear, water.bottom, water.height)
+        return np.array([share * x, share * y, 0.0])
+
+
+def _gust(rng: np.random.Generator, sigma: float, time_s: float, duration_s: float) -> Array:
+    """Return an Ornstein-Uhlenbeck process on the grid, (k,) [m/s], by its exact transition."""
+    count = int(duration_s / GUST_GRID_S) + 3
+    normals = rng.standard_normal(count)
+    keep = exp(-GUST_GRID_S / time_s)
+    renew = sigma * float(np.sqrt(1.0 - keep * keep))
+    values = np.empty(count)
+    values[0] = sigma * normals[0]
+    for i in range(1, count):
+        values[i] = keep * values[i - 1] + renew * normals[i]
+    return values
+
+
+@njit(cache=True, error_model="numpy")
+def segment_at(t: float, water: Water) -> int:
+    """Return the interval of the gust's grid that holds time t [s]; the last one after the end."""
+    return min(max(int(t / GUST_GRID_S), 0), water.gust.size - 2)
+
+
+@njit(cache=True, error_model="numpy")
+def profile(depth: float, exponent: float, bottom: float, reference: float) -> tuple[float, float]:
+    """Return the share of the level's speed at a depth [m], and how it changes with depth [1/m].
+
+    The last three are `Water`'s shear, bottom and height, by themselves: a tuple that holds an
+    array costs a count of references per call. Nearer to the bottom than LEAST_HEIGHT_M the share
+    stays what it is there.
+    """
+    if exponent == 0.0:
+        return 1.0, 0.0
+    height = bottom - depth
+    share = exp(exponent * log(max(height, LEAST_HEIGHT_M) / reference))
+    slope = -exponent * share / height if height > LEAST_HEIGHT_M else 0.0
+    return share, slope
+
+
+@njit(cache=True, error_model="numpy")
+def flow(t: float, water: Water, segment: int) -> tuple[float, float, float, float, float, float]:
+    """Return velocity x, y [m/s], acceleration x, y [m/s²] (NED), body force surge, sway [N].
+
+    `segment` is chosen once per integration step, so that all its stages see one smooth gust.
+    """
+    left = water.gust[segment]
+    slope = (water.gust[segment + 1] - left) / GUST_GRID_S
+    s, c = sincos(water.speed_rate * t)
+    speed = water.level + water.speed_swing * s + left + slope * (t - segment * GUST_GRID_S)
+    speed_rate = water.speed_swing * water.speed_rate * c + slope
+    s, c = sincos(water.azimuth_rate * t)
+    swing = water.azimuth_swing * s
+    swing_rate = water.azimuth_swing * water.azimuth_rate * c
+    if water.law == _FORCE:
+        lateral = speed * sin(swing)
+        return 0.0, 0.0, 0.0, 0.0, water.force * lateral * lateral, water.force * speed * speed
+    s, c = sincos(water.azimuth + swing)
+    return (
+        -speed * c,
+        -speed * s,
+        -speed_rate * c + speed * swing_rate * s,
+        -speed_rate * s - speed * swing_rate * c,
+        0.0,
+        0.0,
+    )

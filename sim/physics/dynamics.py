@@ -1,0 +1,264 @@
+"""The vehicle's equations of motion and their integration: RK4, 6 degrees of freedom.
+
+    (M_RB + M_A) v_r' + C(v_r) v_r + D(v_r) v_r + g = thrust,   position' = R (v_r + R^T current)
+
+All in the velocity v_r relative to the water, which holds because Newton's laws are the same in a
+frame that moves with the water; where the water accelerates, that frame's inertia force and the
+pressure gradient are gravity with another direction, and restoring forces take it so. Motion is
+never left to a contact engine: an explicit added-mass force diverges within 0.1 s.
+"""
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba import njit
+
+from seamark.sim.physics.current import Water, flow, profile, segment_at
+from seamark.sim.physics.hydrodynamics import (
+    add_coriolis,
+    add_drag,
+    add_restoring,
+    inverse,
+    write_rotation,
+)
+from seamark.sim.physics.thrusters import steady_thrust
+from seamark.sim.vehicles import STANDARD_GRAVITY, Array, Vehicle
+
+RIGID = 13  # position 3, quaternion 4, velocity 6; thrusts follow
+
+
+class Body(NamedTuple):
+    """A vehicle as the compiled code reads it."""
+
+    mass: Array
+    inverse_mass: Array
+    added: Array
+    linear: Array
+    quadratic: Array
+    allocation: Array
+    net_weight: float
+    moment: Array
+    lag_rate: float
+
+
+def body_of(vehicle: Vehicle) -> Body:
+    """Return the vehicle's matrices; everything that is constant over a run is computed here."""
+    mass = vehicle.mass_rigid() + vehicle.mass_added()
+    weight, buoyancy = vehicle.weight.scalar, vehicle.buoyancy.scalar
+    centres = zip(vehicle.centre_of_gravity.value, vehicle.centre_of_buoyancy.value, strict=True)
+    return Body(
+        mass=mass,
+        inverse_mass=inverse(mass),
+        added=vehicle.mass_added(),
+        linear=vehicle.linear_drag(),
+        quadratic=vehicle.quadratic_drag(),
+        allocation=vehicle.allocation(),
+        net_weight=weight - buoyancy,
+        moment=np.array([weight * g - buoyancy * b for g, b in centres]),
+        lag_rate=1.0 / vehicle.lag.scalar,
+    )
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def _into_body(rotation: Array, x: float, y: float) -> tuple[float, float, float]:
+    """Return a horizontal world vector in body axes."""
+    return (
+        rotation[0, 0] * x + rotation[1, 0] * y,
+        rotation[0, 1] * x + rotation[1, 1] * y,
+        rotation[0, 2] * x + rotation[1, 2] * y,
+    )
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def _write_thrust(allocation: Array, x: Array, wrench: Array) -> None:
+    """Write what the thrusters of state `x` do together to `wrench`, (6,)."""
+    for i in range(6):
+        push = 0.0
+        for j in range(allocation.shape[1]):
+            push += allocation[i, j] * x[RIGID + j]
+        wrench[i] = push
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def _add_carried(
+    shear_x: float, shear_y: float, x: Array, added: Array, rotation: Array, wrench: Array
+) -> None:
+    """Add what the added mass feels when the hull sinks into slower water, to `wrench`, (6,).
+
+    The water around the hull follows the velocity relative to it, which changes with depth; the
+    hull itself and its buoyancy feel only the water's own acceleration. S: Auton, Hunt and
+    Prud'homme 1988 (J. Fluid Mech. 197), sphere in a weak shear; its lift along z is left out.
+    `shear` is the change of the water's velocity with depth [1/s].
+    """
+    sinking = rotation[2, 0] * x[7] + rotation[2, 1] * x[8] + rotation[2, 2] * x[9]
+    s0, s1, s2 = _into_body(rotation, sinking * shear_x, sinking * shear_y)
+    for i in range(6):
+        wrench[i] += added[i, 0] * s0 + added[i, 1] * s1 + added[i, 2] * s2
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def _write_kinematics(x: Array, rotation: Array, out: Array) -> None:
+    """Write the rates of position and quaternion to the first seven places of `out`."""
+    p, q, r = x[10], x[11], x[12]
+    for i in range(3):
+        out[i] = rotation[i, 0] * x[7] + rotation[i, 1] * x[8] + rotation[i, 2] * x[9]
+    out[3] = 0.5 * (-x[4] * p - x[5] * q - x[6] * r)
+    out[4] = 0.5 * (x[3] * p + x[5] * r - x[6] * q)
+    out[5] = 0.5 * (x[3] * q + x[6] * p - x[4] * r)
+    out[6] = 0.5 * (x[3] * r + x[4] * q - x[5] * p)
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def _derivative(
+    x: Array,
+    target: Array,
+    water: tuple[float, float, float, float, float, float],
+    body: Body,
+    depth: tuple[float, float],
+    room: tuple[Array, Array, Array, Array],
+    out: Array,
+) -> None:
+    """Write the state's rate of change (13 + n,) to `out`; `water` is what `flow` returns.
+
+    `depth` is what `profile` returns: there is no branch here for water without shear, since one
+    around arrays doubles the time of a step; its share of 1 and slope of 0 change no bit.
+    """
+    rotation, relative, momentum, wrench = room
+    stream_x, stream_y, rise_x, rise_y, surge, sway = water
+    write_rotation(x[3], x[4], x[5], x[6], rotation)
+    _write_thrust(body.allocation, x, wrench)
+    share, slope = depth
+    _add_carried(slope * stream_x, slope * stream_y, x, body.added, rotation, wrench)
+    stream_x, stream_y = share * stream_x, share * stream_y
+    rise_x, rise_y = share * rise_x, share * rise_y
+    c0, c1, c2 = _into_body(rotation, stream_x, stream_y)
+    a0, a1, a2 = _into_body(rotation, rise_x, rise_y)
+    p, q, r = x[10], x[11], x[12]
+    relative[0], relative[1], relative[2] = x[7] - c0, x[8] - c1, x[9] - c2
+    relative[3], relative[4], relative[5] = p, q, r
+    wrench[0] += surge
+    wrench[1] += sway
+    add_coriolis(body.mass, relative, momentum, wrench)
+    add_drag(body.linear, body.quadratic, relative, wrench)
+    g = STANDARD_GRAVITY
+    down = (rotation[2, 0] - a0 / g, rotation[2, 1] - a1 / g, rotation[2, 2] - a2 / g)
+    add_restoring(body.net_weight, body.moment, down, wrench)
+    _write_kinematics(x, rotation, out)
+    for i in range(6):
+        rate = 0.0
+        for j in range(6):
+            rate += body.inverse_mass[i, j] * wrench[j]
+        out[7 + i] = rate
+    # The water's own acceleration, seen from the turning body.
+    out[7] += a0 - (q * c2 - r * c1)
+    out[8] += a1 - (r * c0 - p * c2)
+    out[9] += a2 - (p * c1 - q * c0)
+    for j in range(target.size):
+        out[RIGID + j] = (target[j] - x[RIGID + j]) * body.lag_rate
+
+
+@njit(cache=True, error_model="numpy")
+def integrate(
+    state: Array,
+    target: Array,
+    tick: int,
+    steps: int,
+    step: float,
+    plain_body: tuple[Any, ...],
+    plain_water: tuple[Any, ...],
+    gate: float,
+) -> int:
+    """Advance `state` in place by up to `steps` RK4 steps and return how many were made.
+
+    It stops before a step that would begin deeper than `gate` [m]. `plain_body` and `plain_water`
+    are `Body` and `Water` as plain tuples.
+    """
+    body = Body(*plain_body)
+    water = Water(*plain_water)
+    shear = (water.shear, water.bottom, water.height)
+    size = state.size
+    k1, k2, k3, k4 = np.empty(size), np.empty(size), np.empty(size), np.empty(size)
+    y = np.empty(size)
+    room = (np.empty((3, 3)), np.empty(6), np.empty(6), np.empty(6))
+    for made in range(steps):
+        if state[2] > gate:
+            return made
+        t = (tick + made) * step
+        middle = t + 0.5 * step
+        segment = segment_at(middle, water)
+        halfway = flow(middle, water, segment)
+        depth = profile(state[2], *shear)
+        _derivative(state, target, flow(t, water, segment), body, depth, room, k1)
+        for i in range(size):
+            y[i] = state[i] + 0.5 * step * k1[i]
+        depth = profile(y[2], *shear)
+        _derivative(y, target, halfway, body, depth, room, k2)
+        for i in range(size):
+            y[i] = state[i] + 0.5 * step * k2[i]
+        depth = profile(y[2], *shear)
+        _derivative(y, target, halfway, body, depth, room, k3)
+        for i in range(size):
+            y[i] = state[i] + step * k3[i]
+        depth = profile(y[2], *shear)
+        _derivative(y, target, flow(t + step, water, segment), body, depth, room, k4)
+        for i in range(size):
+            state[i] += step / 6.0 * (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i])
+        _normalise(state)
+    return steps
+
+
+@njit(cache=True, error_model="numpy")
+def drive(
+    state: Array,
+    command: Array,
+    curve: Array,
+    target: Array,
+    broken: tuple[int, float],
+    span: tuple[int, int, float, float],
+    plain_body: tuple[Any, ...],
+    plain_water: tuple[Any, ...],
+) -> int:
+    """Advance `state` with commands held; `span` is the tick, steps, step and gate of `integrate`.
+
+    Writes the steady thrusts to `target`; a `broken` thruster, by its number, gives another one;
+    -1 is none. Returns how many steps were made, -1 if a command is not a number.
+    """
+    if not steady_thrust(command, curve, target):
+        return -1
+    thruster, thrust = broken
+    if thruster >= 0:
+        target[thruster] = thrust
+    tick, steps, step, gate = span
+    return integrate(state, target, tick, steps, step, plain_body, plain_water, gate)
+
+
+@njit(cache=True, error_model="numpy")
+def _normalise(state: Array) -> None:
+    length = math.sqrt(state[3] ** 2 + state[4] ** 2 + state[5] ** 2 + state[6] ** 2)
+    for i in range(3, 7):
+        state[i] /= length
+
+
+@njit(cache=True, error_model="numpy")
+def add_impulse(state: Array, inverse_mass: Array, impulse: Array) -> None:
+    """Change the velocity of `state` in place by an impulse, (6,) body frame about the origin."""
+    for i in range(6):
+        for j in range(6):
+            state[7 + i] += inverse_mass[i, j] * impulse[j]
+
+
+@njit(cache=True, error_model="numpy")
+def write_current(t: float, plain_water: tuple[Any, ...], state: Array, out: Array) -> None:
+    """Write the water's velocity at time t [s] to `out`, (3,) NED; see `Plant.current_world`."""
+    water = Water(*plain_water)
+    stream_x, stream_y, _rise_x, _rise_y, surge, sway = flow(t, water, segment_at(t, water))
+    share, _slope = profile(state[2], water.shear, water.bottom, water.height)
+    out[0], out[1], out[2] = share * stream_x, share * stream_y, 0.0
+    if surge > 0.0 or sway > 0.0:
+        forward = math.sqrt(surge / water.force)
+        starboard = math.sqrt(sway / water.force)
+        rotation = np.empty((3, 3))
+        write_rotation(state[3], state[4], state[5], state[6], rotation)
+        for i in range(3):
+            out[i] = rotation[i, 0] * forward + rotation[i, 1] * starboard

@@ -1,0 +1,238 @@
+"""The bottom's shape, flat or with mounds around the target, and what a DVL's beams meet on it.
+
+The mounds are a sum of a few waves with random direction, length and phase, between 0 and
+`height_m` above the flat bottom. They begin `flat_m` away from the target, rise to full size over
+RISE_M and end REACH_M away. All of it is a smooth function of the place, in IEEE arithmetic: what
+an altimeter reads moves the vehicle, so its bits must not depend on the processor, as those of a
+contact engine's ray casts do.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+from seamark.sim.numerics.libm import PI, cos, sin, sincos
+from seamark.sim.physics import constants
+from seamark.sim.vehicles import Array
+
+WAVES = 5
+WAVELENGTHS_M = constants.MOUND_LENGTHS_M.value
+RISE_M = constants.MOUND_RISE_M.scalar
+REACH_M = constants.MOUND_REACH_M.scalar
+BEAM_M = constants.DVL_RANGE_M.value[1]
+_BEAM_RAD = constants.DVL_BEAM_RAD.scalar
+_CLOSE_M = 1e-7  # a ray this near to the bottom has met it
+_MOST_STEPS = 200
+
+
+class Mounds(NamedTuple):
+    """Mounds as the compiled code reads them."""
+
+    depth: float
+    height: float
+    flat: float
+    north: float
+    east: float
+    steepest: float
+    waves: Array
+    beam_side: float  # a beam's unit vector: along the body's x and y axes each, and along z
+    beam_down: float
+    flattest: float  # cosine of the flattest angle with an echo
+
+
+class Sounding(NamedTuple):
+    """What four beams say: height of the body's origin above where they hit [m], and how many."""
+
+    altitude: float
+    echoes: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Relief:
+    """Mounds of one trial. `waves` is (k, 4): share, wave number north and east [rad/m], phase."""
+
+    height_m: float
+    flat_m: float
+    waves: Array
+
+
+def relief_of(rng: np.random.Generator, *, height_m: float, flat_m: float) -> Relief:
+    """Return mounds drawn from a stream.
+
+    Parameters
+    ----------
+    height_m : float
+        What no mound rises above; the highest come near to it.
+    flat_m : float
+        Radius of the flat patch around the target.
+    """
+    if not (height_m >= 0.0 and 0.0 <= flat_m <= REACH_M - 2.0 * RISE_M):
+        raise ValueError(f"there are no mounds of {height_m} m beyond {flat_m} m")
+    waves = np.empty((WAVES, 4))
+    shortest, longest = WAVELENGTHS_M
+    for i, (heading, length, phase) in enumerate(rng.random((WAVES, 3)).tolist()):
+        s, c = sincos(2.0 * PI * heading)
+        number = 2.0 * PI / (shortest + (longest - shortest) * length)
+        waves[i] = 1.0 / WAVES, number * c, number * s, 2.0 * PI * phase
+    return Relief(height_m=height_m, flat_m=flat_m, waves=waves)
+
+
+class Bottom:
+    """The bottom under and around the target."""
+
+    def __init__(
+        self, depth_m: float, relief: Relief | None = None, *, place: tuple[float, float] = (0, 0)
+    ) -> None:
+        """Set up a bottom at a depth; `place` is north and east of the flat patch's middle [m]."""
+        self.depth_m = depth_m
+        self.relief = relief
+        self.place = (float(place[0]), float(place[1]))
+        self._mounds: Mounds | None = None
+        if relief is not None:
+            numbers = [math.sqrt(north * north + east * east) for _, north, east, _ in relief.waves]
+            steepest = 0.5 * max(numbers) + 1.5 / RISE_M
+            self._mounds = Mounds(
+                depth=float(depth_m),
+                height=float(relief.height_m),
+                flat=float(relief.flat_m),
+                north=self.place[0],
+                east=self.place[1],
+                steepest=relief.height_m * steepest,
+                waves=relief.waves,
+                beam_side=sin(_BEAM_RAD) * sin(0.25 * PI),  # E: all beams between the axes
+                beam_down=cos(_BEAM_RAD),
+                # That of a beam on a flat bottom at the largest tilt that the DVL bears.
+                flattest=cos(_BEAM_RAD + constants.DVL_MOST_TILT_RAD.scalar),
+            )
+
+    @property
+    def top_m(self) -> float:
+        """Return a depth [m] above which there is nothing of the bottom."""
+        return self.depth_m - (self.relief.height_m if self.relief is not None else 0.0)
+
+    def depth_at(self, north: float, east: float) -> float:
+        """Return the depth of the bottom at a place [m]."""
+        if self._mounds is None:
+            return self.depth_m
+        height, _north, _east = mound(north, east, self._mounds)
+        return self.depth_m - float(height)
+
+    def sound(self, pose: Array | Sequence[float]) -> Sounding:
+        """Return what the DVL's four beams say at a pose, (6,) [m, rad].
+
+        On a flat bottom that is the height above it. The beams start at the body's origin; the
+        target is too small to matter.
+        """
+        if self._mounds is None:
+            return Sounding(self.depth_m - float(pose[2]), 4)
+        altitude, echoes = sounding(np.array(pose), self._mounds)
+        return Sounding(altitude, echoes)
+
+    def grid(self, cell_m: float) -> Array:
+        """Return the depth (k, k) [m] on a square grid out to REACH_M: north, then east."""
+        count = 2 * round(REACH_M / cell_m) + 1
+        along = np.array([(i - (count - 1) / 2) * cell_m for i in range(count)])
+        if self._mounds is None:
+            return np.full((count, count), self.depth_m)
+        depths = np.empty((count, count))
+        write_grid(along + self._mounds.north, along + self._mounds.east, self._mounds, depths)
+        return depths
+
+
+@njit(cache=True, error_model="numpy")
+def _eased(x: float) -> tuple[float, float]:
+    """Return a smooth step from 0 to 1 over 0 <= x <= 1, and its slope."""
+    if x <= 0.0:
+        return 0.0, 0.0
+    if x >= 1.0:
+        return 1.0, 0.0
+    return x * x * (3.0 - 2.0 * x), 6.0 * x * (1.0 - x)
+
+
+@njit(cache=True, error_model="numpy")
+def mound(north: float, east: float, mounds: Mounds) -> tuple[float, float, float]:
+    """Return the height over the flat bottom at a place [m], and its slopes north and east."""
+    x, y = north - mounds.north, east - mounds.east
+    away = math.sqrt(x * x + y * y)
+    inner, inner_slope = _eased((away - mounds.flat) / RISE_M)
+    outer, outer_slope = _eased((REACH_M - away) / RISE_M)
+    share = inner * outer
+    if share == 0.0:
+        return 0.0, 0.0, 0.0
+    wave, wave_x, wave_y = 0.5, 0.0, 0.0
+    for i in range(mounds.waves.shape[0]):
+        part, kx, ky = 0.5 * mounds.waves[i, 0], mounds.waves[i, 1], mounds.waves[i, 2]
+        s, c = sincos(kx * x + ky * y + mounds.waves[i, 3])
+        wave += part * s
+        wave_x += part * kx * c
+        wave_y += part * ky * c
+    outwards = (inner_slope * outer - inner * outer_slope) / (RISE_M * away)
+    height = mounds.height
+    return (
+        height * share * wave,
+        height * (share * wave_x + outwards * x * wave),
+        height * (share * wave_y + outwards * y * wave),
+    )
+
+
+@njit(cache=True, error_model="numpy")
+def write_grid(north: Array, east: Array, mounds: Mounds, out: Array) -> None:
+    """Write the bottom's depth at (k,) times (l,) places [m] to `out`, (k, l)."""
+    for i in range(north.size):
+        for j in range(east.size):
+            out[i, j] = mounds.depth - mound(north[i], east[j], mounds)[0]
+
+
+@njit(cache=True, error_model="numpy")
+def cast(
+    start: tuple[float, float, float], way: tuple[float, float, float], mounds: Mounds
+) -> tuple[float, float]:
+    """Return how far along a ray, given by a unit vector, it meets the bottom [m], and how.
+
+    The second number is the cosine of the angle to the bottom's normal. A ray that meets nothing
+    within BEAM_M gives inf and 0. Each step is as long as the steepest slope lets it be safely.
+    """
+    x, y, z = start
+    a, b, c = way
+    closing = c + mounds.steepest * math.sqrt(a * a + b * b)
+    if closing <= 0.0:
+        return math.inf, 0.0
+    far = 0.0
+    for _ in range(_MOST_STEPS):
+        height, slope_x, slope_y = mound(x + far * a, y + far * b, mounds)
+        gap = mounds.depth - height - (z + far * c)
+        if gap < _CLOSE_M:
+            facing = c + slope_x * a + slope_y * b
+            return far, facing / math.sqrt(1.0 + slope_x * slope_x + slope_y * slope_y)
+        far += gap / closing
+        if far > BEAM_M:
+            break
+    return math.inf, 0.0
+
+
+@njit(cache=True, error_model="numpy")
+def sounding(pose: Array, mounds: Mounds) -> tuple[float, int]:
+    """Return mean height over the places that four beams hit [m], and how many give an echo."""
+    sr, cr = sincos(pose[3])
+    sp, cp = sincos(pose[4])
+    sy, cy = sincos(pose[5])
+    start = (pose[0], pose[1], pose[2])
+    total, echoes = 0.0, 0
+    for forward in (1.0, -1.0):
+        for starboard in (1.0, -1.0):
+            a, b = forward * mounds.beam_side, starboard * mounds.beam_side
+            across = cr * b - sr * mounds.beam_down  # roll, then pitch, then yaw
+            down = sr * b + cr * mounds.beam_down
+            along, sinking = cp * a + sp * down, cp * down - sp * a
+            way = (cy * along - sy * across, sy * along + cy * across, sinking)
+            far, facing = cast(start, way, mounds)
+            if facing >= mounds.flattest:
+                total += far * sinking
+                echoes += 1
+    if echoes == 0:
+        return mounds.depth - pose[2], 0
+    return total / echoes, echoes

@@ -1,0 +1,102 @@
+"""What a result was made of: versions, code, configuration, seed, kind of processor, digest."""
+
+import hashlib
+import importlib.metadata
+import platform
+from collections.abc import Mapping
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from seamark.sim.settings.configuration import Configuration
+
+FORMAT = 1
+LIBRARIES = (
+    "seamark",
+    "numpy",
+    "numba",
+    "llvmlite",
+    "opencv-contrib-python-headless",
+    "pybullet",
+)
+CPUINFO = Path("/proc/cpuinfo")
+# Levels of the x86-64 psABI by one telling flag each, best first.
+X86_LEVELS = (("avx512bw", "x86-64-v4"), ("avx2", "x86-64-v3"), ("sse4_2", "x86-64-v2"))
+
+
+def manifest(
+    benchmark: str,
+    config: Configuration,
+    *,
+    seed: int | None,
+    trials: int,
+    controller: str,
+    program_sha256: str | None = None,
+    digest: str,
+    **more: object,
+) -> dict[str, Any]:
+    """Return the manifest of a run as plain JSON values.
+
+    Parameters
+    ----------
+    seed : int or None
+        None for the hidden seeds of a ranked run.
+    controller : str
+        Name of a built-in one, or "upload" with the program's SHA-256 beside.
+    digest : str
+        Of the telemetry of all trials, one after the other.
+    more
+        Further entries, as they are.
+    """
+    return {
+        "format": FORMAT,
+        "benchmark": benchmark,
+        "configuration": config.model_dump(mode="json"),
+        "seed": seed,
+        "trials": trials,
+        "controller": controller,
+        "program_sha256": program_sha256,
+        "digest": digest,
+        "code_sha256": code_sha256(),
+        "versions": versions(),
+        "cpu": cpu_class(),
+        "same_bits_on_every_cpu": config.exact(),
+    } | more
+
+
+@cache
+def code_sha256() -> str:
+    """Return one SHA-256 over the simulator's sources, names and contents."""
+    root = Path(__file__).parents[1]
+    total = hashlib.sha256()
+    for path in sorted(root.rglob("*.py"), key=lambda path: path.relative_to(root).as_posix()):
+        total.update(path.relative_to(root).as_posix().encode() + b"\0")
+        total.update(hashlib.sha256(path.read_bytes()).digest())
+    return total.hexdigest()
+
+
+@cache
+def versions() -> dict[str, str]:
+    """Return name -> version of everything that has a part in a result."""
+    found = {"python": platform.python_version()}
+    for name in LIBRARIES:
+        try:
+            found[name] = importlib.metadata.version(name)
+        except importlib.metadata.PackageNotFoundError:
+            found[name] = "not installed"
+    return found
+
+
+@cache
+def cpu_class() -> dict[str, str]:
+    """Return the processor's architecture, level and model."""
+    text = CPUINFO.read_text(encoding="utf-8", errors="replace") if CPUINFO.exists() else ""
+    entries: Mapping[str, str] = {
+        key.strip(): value.strip()
+        for key, _, value in (line.partition(":") for line in text.splitlines())
+        if value
+    }
+    flags = set(entries.get("flags", "").split())
+    machine = platform.machine()
+    level = next((name for flag, name in X86_LEVELS if flag in flags), machine)
+    return {"machine": machine, "level": level, "model": entries.get("model name", "unknown")}

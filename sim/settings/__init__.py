@@ -1,0 +1,1 @@
+"""Settings of a run: what a setting is, and the groups that benchmarks share."""

@@ -1,0 +1,22 @@
+"""The setting with which a user has a score of one's own, beside the benchmark's."""
+
+from collections.abc import Iterable
+from typing import Any
+
+from seamark.sim.metrics import uwsim_metrics
+from seamark.sim.metrics.metric import Metric
+from seamark.sim.settings.configuration import knob
+
+
+def own_score_knob(metrics: Iterable[Metric], *, group: str) -> Any:  # as knob itself
+    """Return the setting: an expression over metrics of the whole run and the original measures."""
+    names = ("score", *(metric.name for metric in metrics), *uwsim_metrics.NAMES)
+    return knob(
+        "",
+        title="Score of your own",
+        says="Shown beside the benchmark's: an expression such as objectCenteredOnCam + corners.",
+        group=group,
+        role="scenario",
+        advanced=True,
+        names=names,
+    )

@@ -1,0 +1,216 @@
+"""Settings of what every benchmark has: vehicle, levels of time, control loop, start of a level.
+
+Tags of the defaults: S sourced, D derived from sourced, E our estimate.
+"""
+
+from functools import partial
+
+from seamark.sim.control.observation import THRUSTERS
+from seamark.sim.registry import TRUTH, VEHICLES, labels
+from seamark.sim.settings.configuration import knob
+from seamark.sim.settings.control_loop import ChainSettings
+from seamark.sim.settings.scene import SceneSettings
+from seamark.sim.settings.targets import TARGETS
+from seamark.sim.settings.thruster_faults import FaultSettings
+from seamark.sim.vehicles import load
+
+experiment = partial(knob, group="Experiment", role="scenario")
+
+SMALLEST_SIDE_PX = 16.0  # [px] a smaller target gives a tracker nothing to start from
+START_ERROR_SHARE = 0.1  # of the shorter side: the corners still make a convex figure
+
+
+class ExperimentSettings(ChainSettings, SceneSettings, FaultSettings):
+    """A vehicle with a camera above the target, level after level."""
+
+    vehicle: str = experiment(
+        "girona500",
+        title="Vehicle",
+        says="The plant; it brings its own defaults.",
+        choices=labels(VEHICLES),
+    )
+    level_duration_s: float = experiment(
+        120.0,
+        title="Length of a level",
+        says="Simulated time before the vehicle is put back and the current grows.",
+        unit="s",
+        low=2,
+        high=600,
+        tag="S",
+        source="uwsimbenchmarks 988deda, trackingBenchmarkDynamics.xml",
+    )
+    control_period_s: float = experiment(
+        0.05,
+        title="Control period",
+        says="Time between two pictures and two steps of the controller.",
+        unit="s",
+        low=0.01,
+        high=0.5,
+        tag="E",
+        source="20 pictures a second; the original's tracker waits 40 ms for each",
+        advanced=True,
+    )
+    physics_step_s: float = experiment(
+        0.01,
+        title="Physics step",
+        says="Step of the integrator (fourth-order Runge-Kutta).",
+        unit="s",
+        low=0.001,
+        high=0.02,
+        tag="D",
+        source="within 1e-6 mm of the limit after 600 s",
+        advanced=True,
+    )
+    altitude_m: float = experiment(
+        2.27,
+        title="Camera above the target",
+        says="Height of the camera above the target's top when a level starts.",
+        unit="m",
+        low=0.8,
+        high=6,
+        tag="D",
+        source="uwsimbenchmarks 988deda, dynamicsTrackingScene.xml: poses of camera and box",
+    )
+    contact: bool = experiment(
+        True,
+        title="Collisions",
+        says="Whether the vehicle can hit the bottom and the target, which stays where it is.",
+        advanced=True,
+    )
+    seabed_relief_m: float = experiment(
+        0.0,
+        title="Mounds on the bottom",
+        says="Greatest height of seeded mounds, felt by hull, DVL and altimeter; 0 is flat. "
+        "Pictures show a flat bottom all the same.",
+        unit="m",
+        low=0,
+        high=1,
+        tag="E",
+        source="an option: the published scene is flat",
+        advanced=True,
+    )
+    seabed_flat_radius_m: float = experiment(
+        2.0,
+        title="Flat patch around the target",
+        says="Radius without mounds. With 2 m the picture is right at the station, and the DVL's "
+        "beams meet no mound there.",
+        unit="m",
+        low=0.5,
+        high=10,
+        tag="E",
+        source="what the camera sees from the station",
+        advanced=True,
+    )
+    start_error_px: float = experiment(
+        0.0,
+        title="Error of the tracker's start",
+        says="Standard deviation of the corners that the tracker starts from.",
+        unit="px",
+        low=0,
+        high=10,
+        advanced=True,
+    )
+
+    def broken_rules(self) -> dict[str, str]:
+        """Return setting -> sentence for the rules between several settings."""
+        errors: dict[str, str] = {}
+        if not multiple(self.control_period_s, self.physics_step_s):
+            errors["control_period_s"] = (
+                f"control_period_s (Control period) must be a whole multiple of the physics step "
+                f"of {self.physics_step_s:g} s, not {self.control_period_s:g} s."
+            )
+        if not multiple(self.level_duration_s, self.control_period_s):
+            errors["level_duration_s"] = (
+                f"level_duration_s (Length of a level) must be a whole multiple of the control "
+                f"period of {self.control_period_s:g} s, not {self.level_duration_s:g} s."
+            )
+        if not multiple(1.0 / self.dvl_rate_hz, self.physics_step_s):
+            errors["dvl_rate_hz"] = (
+                f"dvl_rate_hz (DVL rate) must make a period that is a whole multiple of the "
+                f"physics step of {self.physics_step_s:g} s, such as 5 or 20 Hz, "
+                f"not {self.dvl_rate_hz:g} Hz."
+            )
+        return errors | self._fault_rules() | self._picture_rules() | super().broken_rules()
+
+    def _fault_rules(self) -> dict[str, str]:
+        count = len(load(self.vehicle).thrusters)
+        errors: dict[str, str] = {}
+        if self.fault_thruster >= count:
+            errors["fault_thruster"] = (
+                f"fault_thruster (Broken thruster) must be from -1 to {count - 1}: this vehicle "
+                f"has {count} thrusters."
+            )
+        if self.fault_delay_s and not multiple(self.fault_delay_s, self.control_period_s):
+            errors["fault_delay_s"] = (
+                f"fault_delay_s (Its delay) must be a whole multiple of the control period of "
+                f"{self.control_period_s:g} s, not {self.fault_delay_s:g} s."
+            )
+        return errors
+
+    def _picture_rules(self) -> dict[str, str]:
+        """Refuse pictures in which no tracker could start."""
+        errors: dict[str, str] = {}
+        box = TARGETS[self.target]
+        long, short = (
+            side * self.camera_focal_px / self.altitude_m for side in (box.length_m, box.width_m)
+        )
+        highest = box.width_m * self.camera_focal_px / SMALLEST_SIDE_PX
+        if short < SMALLEST_SIDE_PX:
+            errors["altitude_m"] = (
+                f"altitude_m (Camera above the target) must be at most {highest:.2f} m with this "
+                f"focal length, not {self.altitude_m:g} m: the target would be too small."
+            )
+        if long > self.camera_width_px or short > self.camera_height_px:
+            errors["camera_focal_px"] = (
+                f"camera_focal_px (Focal length) makes the target {long:.0f} x {short:.0f} px; it "
+                f"must fit into {self.camera_width_px} x {self.camera_height_px} px."
+            )
+        if self.camera_exposure_s > self.control_period_s:
+            errors["camera_exposure_s"] = (
+                f"camera_exposure_s (Exposure time) must be at most the control period of "
+                f"{self.control_period_s:g} s, not {self.camera_exposure_s:g} s."
+            )
+        if self.start_error_px > START_ERROR_SHARE * short:
+            errors["start_error_px"] = (
+                f"start_error_px (Error of the tracker's start) must be at most "
+                f"{START_ERROR_SHARE * short:.1f} px, a tenth of the target's shorter side, "
+                f"not {self.start_error_px:g} px."
+            )
+        return errors
+
+    def why_not_ranked(self) -> dict[str, str]:
+        """Return setting -> sentence for what keeps this configuration out of a ranked run."""
+        if self.tracker == TRUTH:
+            return {"tracker": "tracker (Tracker) must not be ground truth in a ranked run."}
+        return {}
+
+    def idle_columns(self) -> frozenset[str]:
+        """Return the thrusts that the vehicle does not have, and the contact force without any."""
+        count = len(load(self.vehicle).thrusters)
+        idle = {f"thrust_{i}" for i in range(count, THRUSTERS)}
+        return frozenset(idle if self.contact else idle | {"contact_n"})
+
+    def trial_duration_s(self) -> float:
+        """Return the simulated length of all levels together."""
+        return len(self.level_values()) * self.level_duration_s
+
+    @property
+    def steps_per_tick(self) -> int:
+        """Physics steps between two control ticks."""
+        return round(self.control_period_s / self.physics_step_s)
+
+    @property
+    def dvl_period_ticks(self) -> int:
+        """Physics steps between two measurements of the DVL."""
+        return round(1.0 / (self.dvl_rate_hz * self.physics_step_s))
+
+    @property
+    def ticks_per_level(self) -> int:
+        """Control ticks of one level."""
+        return round(self.level_duration_s / self.control_period_s)
+
+
+def multiple(whole: float, part: float) -> bool:
+    """Return whether `whole` is a whole number of times `part`, at least once."""
+    count = whole / part
+    return round(count) >= 1 and abs(count - round(count)) < 1e-6

@@ -1,0 +1,244 @@
+"""Scene updaters that nest into a grid: each changes one setting from point to point.
+
+A level is then a point of the grid. The outermost loop turns slowest, as in nested for loops; the
+benchmark's own levels are the loop around all, unless one of the loops sets what they set.
+"""
+
+from abc import abstractmethod
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+from itertools import product
+from typing import Any, Self
+
+from seamark.sim.metrics.metric import Metric
+from seamark.sim.settings.configuration import Configuration, ConfigurationInvalid, knob
+
+MOST_POINTS = 60
+MOST_S = 7200.0  # [s] simulated, all points of a trial together: what twelve long levels take
+NONE = "none"
+SPEED = "current_speed"
+COUNT_MAX = 12
+
+
+@dataclass(frozen=True, slots=True)
+class Updater:
+    """What a loop changes: `sets` gives the settings for one of its values."""
+
+    quantity: Metric  # name, label and unit of the value
+    sets: Callable[[float], Mapping[str, object]]
+
+
+def _one(setting: str) -> Callable[[float], Mapping[str, object]]:
+    return lambda value: {setting: value}
+
+
+def _turbid(value: float) -> Mapping[str, object]:
+    return {"water_type": "grey", "water_attenuation_1_m": value}
+
+
+UPDATERS: Mapping[str, Updater] = {
+    SPEED: Updater(Metric(SPEED, "Current", "m/s", "higher"), lambda _value: {}),
+    "current_azimuth": Updater(
+        Metric("current_azimuth", "Direction of the current", "rad", "higher"),
+        _one("current_azimuth_rad"),
+    ),
+    "current_gust": Updater(
+        Metric("current_gust", "Gusts, share of the current", "", "higher"), _one("current_gust")
+    ),
+    "turbidity": Updater(
+        Metric("turbidity", "Attenuation of grey water", "1/m", "higher"), _turbid
+    ),
+    "light": Updater(
+        Metric("light", "Daylight, share of the usual", "", "higher"), _one("light_level")
+    ),
+    "snow": Updater(Metric("snow", "Marine snow", "1/m³", "higher"), _one("snow_per_m3")),
+    "camera_noise": Updater(
+        Metric("camera_noise", "Camera noise", "grey", "higher"), _one("camera_noise_grey")
+    ),
+    "altitude": Updater(
+        Metric("altitude", "Camera above the target", "m", "higher"), _one("altitude_m")
+    ),
+    "dvl_noise": Updater(Metric("dvl_noise", "DVL noise", "m/s", "higher"), _one("dvl_sigma_m_s")),
+    "dvl_dropout": Updater(
+        Metric("dvl_dropout", "DVL drop-outs, share", "", "higher"), _one("dvl_dropout")
+    ),
+    "repeat": Updater(Metric("repeat", "Repetition", "", "higher"), lambda _value: {}),
+}
+
+
+def _choice(what: Metric) -> str:
+    return f"{what.label} [{what.unit}]" if what.unit else what.label
+
+
+CHOICES = {NONE: "Nothing"} | {name: _choice(one.quantity) for name, one in UPDATERS.items()}
+looping = partial(knob, group="Grid", role="scenario", advanced=True)
+
+
+def _loop(title: str, says: str) -> Any:  # as knob itself
+    return looping(NONE, title=title, says=says, choices=CHOICES)
+
+
+def _values(loop: str) -> Any:  # as knob itself
+    return looping(
+        (),
+        title=f"Values of the {loop}",
+        says="With commas between, in the order in which they come; a repetition takes one number, "
+        "how often.",
+        low=-1000,
+        high=2000,
+        length=(0, COUNT_MAX),
+    )
+
+
+class GridSettings(Configuration):
+    """Up to three loops, one in the other."""
+
+    loop1: str = _loop(
+        "First loop",
+        "Runs at each of the current levels; a loop over the current itself replaces them.",
+    )
+    loop1_values: tuple[float, ...] = _values("first loop")
+    loop2: str = _loop("Second loop", "Runs at each value of the first loop.")
+    loop2_values: tuple[float, ...] = _values("second loop")
+    loop3: str = _loop("Third loop", "Runs at each value of the second loop.")
+    loop3_values: tuple[float, ...] = _values("third loop")
+
+    @abstractmethod
+    def own_levels(self) -> tuple[float, ...]:
+        """Return the benchmark's levels: mean speeds [m/s] of the current."""
+
+    def points(self) -> tuple[dict[str, float], ...]:
+        """Return name of the updater -> value for each level, in their order; empty without."""
+        loops = list(self._loops())
+        names = [name for name, _ in loops]
+        if SPEED not in names:
+            loops.insert(0, (SPEED, self.own_levels()))
+            names.insert(0, SPEED)
+        return tuple(
+            dict(zip(names, values, strict=True)) for values in product(*(v for _, v in loops))
+        )
+
+    def coordinates(self, level: int) -> dict[str, float]:
+        """Return where in the grid a level is; empty where there is no grid."""
+        return self.points()[level] if self.has_grid() else {}
+
+    def has_grid(self) -> bool:
+        """Return whether there is any loop beside the levels."""
+        return any(getattr(self, f"loop{i}") != NONE for i in (1, 2, 3))
+
+    def at(self, level: int) -> Self:
+        """Return the configuration of one level: what the loops set there is set."""
+        return self.model_copy(update=_settings(self.coordinates(level)))
+
+    def _loops(self) -> Iterator[tuple[str, Sequence[float]]]:
+        for i in (1, 2, 3):
+            name, values = getattr(self, f"loop{i}"), getattr(self, f"loop{i}_values")
+            if name == "repeat":
+                yield name, tuple(float(n) for n in range(1, 1 + int(values[0]))) if values else ()
+            elif name != NONE:
+                yield name, values
+
+    def grid_rules(self) -> dict[str, str]:
+        """Return setting -> sentence for loops that make no grid."""
+        errors = self._loop_rules()
+        if errors or not self.has_grid():
+            return errors
+        count = len(self.points())
+        if count > MOST_POINTS:
+            return {"loop1_values": f"The grid has {count} points; at most {MOST_POINTS} are run."}
+        if self.trial_duration_s() > MOST_S:
+            return {
+                "loop1_values": (
+                    f"The grid takes {self.trial_duration_s():g} s of simulation; at most "
+                    f"{MOST_S:g} s are run. Take fewer points or shorter levels."
+                )
+            }
+        return self._point_rules()
+
+    def _loop_rules(self) -> dict[str, str]:
+        errors: dict[str, str] = {}
+        seen: set[str] = set()
+        for i in (1, 2, 3):
+            name, values = getattr(self, f"loop{i}"), getattr(self, f"loop{i}_values")
+            if name == NONE:
+                if values:
+                    errors[f"loop{i}"] = f"loop{i} has values but changes nothing: choose what."
+                continue
+            if name in seen:
+                errors[f"loop{i}"] = f"loop{i} changes {name} as a loop around it does already."
+            seen.add(name)
+            if reason := _why_no_loop(name, values):
+                errors[f"loop{i}_values"] = f"loop{i}_values {reason}"
+        return errors
+
+    def _point_rules(self) -> dict[str, str]:
+        """Return the sentence about the first value of a loop that its setting refuses."""
+        plain = self.model_dump()
+        for i in (1, 2, 3):
+            plain |= {f"loop{i}": NONE, f"loop{i}_values": ()}
+        before = self._wrong(plain).keys()  # without the loops: not a loop's fault
+        for i in (1, 2, 3):
+            for value in getattr(self, f"loop{i}_values"):
+                sets = _settings({getattr(self, f"loop{i}"): value})
+                wrong = self._wrong(plain | sets)
+                told = " ".join(text for name, text in wrong.items() if name not in before)
+                if told:
+                    return {f"loop{i}_values": f"loop{i}_values, {value:g}: {told}"}
+        return {}
+
+    def _wrong(self, values: Mapping[str, object]) -> dict[str, str]:
+        """Return setting -> sentence for what is wrong with values."""
+        try:
+            type(self).read(values)
+        except ConfigurationInvalid as wrong:
+            return dict(wrong.errors)
+        return {}
+
+
+def _settings(point: Mapping[str, float]) -> dict[str, object]:
+    """Return the settings of a point of the grid."""
+    result: dict[str, object] = {}
+    for name, value in point.items():
+        result |= UPDATERS[name].sets(value)
+    return result
+
+
+def _why_no_loop(name: str, values: Sequence[float]) -> str:
+    if not values:
+        return "must have at least one value."
+    if name == "repeat" and (len(values) > 1 or not 1 <= values[0] <= COUNT_MAX or values[0] % 1):
+        return f"must be one whole number from 1 to {COUNT_MAX} for a repetition."
+    if name == SPEED and not all(0 <= value <= 1 for value in values):
+        return "must be from 0 to 1 m/s for the current."
+    return ""
+
+
+def describe(point: Mapping[str, float]) -> str:
+    """Return a point of the grid in words, such as "Current 0.2 m/s, Repetition 2"."""
+    parts = ((UPDATERS[name].quantity, value) for name, value in point.items())
+    return ", ".join(f"{what.label} {value:g} {what.unit}".strip() for what, value in parts)
+
+
+def level_names(config: Configuration) -> tuple[str, ...]:
+    """Return a point of the grid in short for each level, such as "0.2 · 1.5"; empty without."""
+    if not isinstance(config, GridSettings) or not config.has_grid():
+        return ()
+    return tuple(" · ".join(f"{value:g}" for value in point.values()) for point in config.points())
+
+
+def axes(config: Configuration) -> str:
+    """Return what the parts of a `level_names` are, with their units; empty without a grid."""
+    if not isinstance(config, GridSettings) or not config.has_grid():
+        return ""
+    return " · ".join(_choice(UPDATERS[name].quantity) for name in config.coordinates(0))
+
+
+def comments(config: Configuration) -> list[str]:
+    """Return a line for each level, for the head of a table: what it sets."""
+    if isinstance(config, GridSettings) and config.has_grid():
+        told = [describe(point) for point in config.points()]
+    else:
+        what = config.level_metric()
+        told = [f"{what.label} {value:g} {what.unit}".strip() for value in config.level_values()]
+    return [f"level {level}: {text}" for level, text in enumerate(told)]

@@ -1,0 +1,27 @@
+"""The targets to choose from; light, so that forms need not load the camera."""
+
+from typing import NamedTuple
+
+from seamark.sim.physics import constants
+
+_LENGTH_M, _WIDTH_M = constants.TARGET_SIZE_M.value
+_HEIGHT_M = constants.TARGET_HEIGHT_M.scalar
+
+
+class TargetShape(NamedTuple):
+    """A box on the bottom."""
+
+    label: str
+    length_m: float
+    width_m: float
+    height_m: float
+    lettered: bool  # with name, bolts and worn rim; otherwise a single dark tone
+
+
+# E: the plain one shows a tracker nothing but its edges, the others another shape.
+TARGETS: dict[str, TargetShape] = {
+    "lettered": TargetShape("Black box with letters", _LENGTH_M, _WIDTH_M, _HEIGHT_M, True),
+    "plain": TargetShape("Plain black box", _LENGTH_M, _WIDTH_M, _HEIGHT_M, False),
+    "long": TargetShape("Long box with letters", 0.80, _WIDTH_M, _HEIGHT_M, True),
+    "square": TargetShape("Square box with bolts", 0.25, 0.25, _HEIGHT_M, True),
+}

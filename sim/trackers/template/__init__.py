@@ -1,0 +1,1 @@
+"""The template tracker: Gauss-Newton alignment of a textured plane."""

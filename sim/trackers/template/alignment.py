@@ -1,0 +1,258 @@
+"""Aligns a template with an image on one level: Gauss-Newton on the warp.
+
+The update is H <- H N E N^-1, where N maps normalised coordinates to template pixels and E is
+exp(sum d_i A_i) for compositional methods, or what adding d to the warp's own parameters comes to
+for the additive one (warps.py). With the mean of both gradients as Jacobian this is
+ESM (Benhimane & Malis 2007); the template's gradient alone gives the inverse, the image's the
+forward method (Baker & Matthews 2004), because for a group the inverse of exp(d) is exp(-d).
+"""
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from seamark.sim.trackers.template.level_buffers import (
+    ALONG,
+    CODES,
+    COLUMN,
+    COLUMNS,
+    COUNT,
+    DOWN,
+    ERRORS,
+    MEAN,
+    PATCH,
+    RAW,
+    ROW,
+    SCALE,
+    SIGMA,
+    TEMPLATE,
+    UNIT,
+    Level,
+    Search,
+)
+from seamark.sim.trackers.template.mutual_information import (
+    FINE,
+    REACH,
+    bins_per_grey,
+    codes,
+    curvature,
+    pull,
+)
+from seamark.sim.trackers.template.normal_equations import normal_equations
+from seamark.sim.trackers.template.patches import (
+    XS,
+    Matrix,
+    Picture,
+    blur,
+    correlation,
+    moments,
+    warp_patch,
+)
+from seamark.sim.trackers.template.warps import (
+    additive,
+    apply,
+    exponential,
+    multiply,
+    reduce,
+    solve,
+)
+
+_DAMPING = 1e-5  # of the diagonal: keeps a parameter that the template hardly shows from exploding
+_LEAST_SIGMA = 0.25  # [grey] a flatter patch holds nothing but rounding
+_FARTHEST_PX = 1e4
+# What is left after a step of ZNCC is about its square. It is a share of the step for mutual
+# information, whose curvature is that of a perfect match, and for SSD where water changes the grey
+# values: these two go on for longer.
+_STOP_OF_OTHERS = 0.2
+
+SSD, ZNCC, MI = range(3)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def cut(image: Picture, bounds: NDArray[np.float64], h: Matrix, level: Level) -> None:
+    """Fill the level's patch with the smoothed image under the homography."""
+    planes = level.planes
+    warp_patch(image, bounds, h, level.frame[UNIT], level.columns, planes[RAW])
+    blur(planes[RAW], int(level.frame[COLUMNS]) + 2, planes[PATCH])
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def likeness(image: Picture, bounds: NDArray[np.float64], h: Matrix, level: Level) -> float:
+    """Return the normalised correlation of the template with the image under the homography."""
+    cut(image, bounds, h, level)
+    own = (level.frame[MEAN], level.frame[SIGMA])
+    planes = level.planes
+    count = int(level.frame[COUNT])
+    return correlation(planes[PATCH], planes[TEMPLATE], level.columns, count, own)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _equations(
+    level: Level, weight: float, criterion: int, a: Matrix, g: NDArray[np.float64]
+) -> None:
+    """Write the equations of the next step by a criterion."""
+    planes, frame = level.planes, level.frame
+    patch, template, gain, bias = planes[PATCH], planes[TEMPLATE], 1.0, 0.0
+    half = 0.5 * weight
+    if criterion != SSD:
+        m, s = moments(patch, level.columns, int(frame[COUNT]))
+        gain = frame[SIGMA] / max(s, _LEAST_SIGMA)
+        bias = frame[MEAN] - gain * m
+        half *= gain
+    if criterion == MI:
+        scale = bins_per_grey(frame[SIGMA])
+        errors = planes[ERRORS, : level.ys.shape[0]]
+        fine = _fine_values(frame)
+        codes(patch, 1, (fine[0] * gain, fine[0] * bias + fine[1]), errors)
+        own = planes[CODES, : level.ys.shape[0]]
+        pull(own, errors, int(frame[COLUMNS]), weight, scale, errors)
+        template, gain, bias = errors, 0.0, 0.0
+    gradients = (patch, template, planes[ALONG], planes[DOWN])
+    normal_equations(gradients, (level.columns, level.ys), (half, gain, bias), a, g)
+    if criterion == MI:
+        a[:] = level.curvature
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _fine_values(frame: NDArray[np.float64]) -> tuple[float, float]:
+    """Return factor and offset from the template's grey values to fine values."""
+    factor = (FINE - 1.0) / (2.0 * REACH * frame[SIGMA])
+    return factor, 0.5 * (FINE - 1.0) - factor * frame[MEAN]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _step(a: Matrix, g: NDArray[np.float64], basis: Matrix, d: NDArray[np.float64]) -> bool:
+    """Write the step d (8,) that solves the normal equations within the warp's basis."""
+    n = basis.shape[1]
+    reduced = np.empty((n, n))
+    right = np.empty(n)
+    if n == 8:  # all homographies: the basis is the identity
+        reduced[:] = a
+        right[:] = g
+    else:
+        reduce(a, g, basis, reduced, right)
+    for i in range(n):
+        reduced[i, i] *= 1.0 + _DAMPING
+    if not solve(reduced, right):
+        return False
+    for q in range(8):
+        d[q] = 0.0
+        for i in range(n):
+            d[q] += basis[q, i] * right[i]
+    return True
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _update(
+    h: Matrix, d: NDArray[np.float64], frame: NDArray[np.float64], search: Search, group: int
+) -> None:
+    """Replace h by h N E(d) N^-1, scaled to h[2, 2] = 1."""
+    scale, column, row = frame[SCALE], frame[COLUMN], frame[ROW]
+    t = np.empty((3, 3))
+    e = np.empty((3, 3))
+    for i in range(3):
+        t[i, 0] = h[i, 0] * scale
+        t[i, 1] = h[i, 1] * scale
+        t[i, 2] = h[i, 0] * column + h[i, 1] * row + h[i, 2]
+    if search.adds:
+        additive(d, group, t, e)
+    else:
+        exponential(d, e)
+    u = np.empty((3, 3))
+    multiply(t, e, u)
+    last = u[2, 2] - (u[2, 0] * column + u[2, 1] * row) / scale
+    for i in range(3):
+        h[i, 0] = u[i, 0] / (scale * last)
+        h[i, 1] = u[i, 1] / (scale * last)
+        h[i, 2] = (u[i, 2] - (u[i, 0] * column + u[i, 1] * row) / scale) / last
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _template_corners(level: Level, out: Matrix) -> None:
+    """Write the template's outermost pixel centres (4, 2) in reading order."""
+    out[:] = 0.0
+    out[1, 0] = out[2, 0] = level.frame[COLUMNS] - 1.0
+    out[2, 1] = out[3, 1] = level.ys.shape[0] - 1.0
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _farthest(before: Matrix, after: Matrix) -> float:
+    """Return how far the corners moved at most, as |du| + |dv|; inf if one is not a number."""
+    largest = 0.0
+    for k in range(4):
+        moved = abs(after[k, 0] - before[k, 0]) + abs(after[k, 1] - before[k, 1])
+        if not moved < _FARTHEST_PX:
+            return np.inf
+        largest = max(largest, moved)
+    return largest
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def align(
+    image: Picture,
+    bounds: NDArray[np.float64],
+    h: Matrix,
+    level: Level,
+    search: Search,
+    coarse: bool,
+) -> tuple[int, bool]:
+    """Improve h (template px -> image px) in place; return iterations and whether it is sane."""
+    a = np.empty((8, 8))
+    g = np.empty(8)
+    d = np.empty(8)
+    rim = np.empty((4, 2))
+    before = np.empty((4, 2))
+    after = np.empty((4, 2))
+    basis = search.coarse_basis if coarse else search.basis
+    criterion = search.coarse_criterion if coarse else search.criterion
+    iterations = search.coarse_iterations if coarse else search.fine_iterations
+    stop_px = search.stop_px * (1.0 if criterion == ZNCC else _STOP_OF_OTHERS)
+    _template_corners(level, rim)
+    apply(h, rim, before)
+    for done in range(1, iterations + 1):
+        cut(image, bounds, h, level)
+        _equations(level, search.weight, criterion, a, g)
+        if not _step(a, g, basis, d):
+            return done, False
+        for q in range(8):
+            d[q] = min(max(d[q] / level.frame[SCALE], -1.0), 1.0)
+        _update(h, d, level.frame, search, basis.shape[1])
+        apply(h, rim, after)
+        largest = _farthest(before, after)
+        if largest == np.inf:
+            return done, False
+        before[:] = after
+        if largest < stop_px:
+            return done, True
+    return iterations, True
+
+
+def learn(level: Level, weight: float, criterion: int) -> None:
+    """Take the level's patch as the template."""
+    rows, columns = len(level.ys), int(level.frame[COLUMNS])
+    patch = level.planes[PATCH]
+    mean, sigma = moments(patch, level.columns, rows * columns)
+    level.frame[MEAN], level.frame[SIGMA] = mean, max(sigma, _LEAST_SIGMA)
+    inner = (slice(rows), slice(columns))
+    gradients = level.planes[[ALONG, DOWN]]
+    level.planes[TEMPLATE][inner] = patch[1:-1, 1 : columns + 1]
+    gradients[0][inner] = (patch[1:-1, 2 : columns + 2] - patch[1:-1, :columns]) * np.float32(0.5)
+    gradients[1][inner] = (patch[2:, 1 : columns + 1] - patch[:-2, 1 : columns + 1]) * np.float32(
+        0.5
+    )
+    level.planes[[ALONG, DOWN]] = gradients * np.float32(1.0 - weight)
+    if criterion == MI:
+        _learn_information(level, gradients[:, :rows, :columns].astype(np.float64))
+
+
+def _learn_information(level: Level, gradients: NDArray[np.float64]) -> None:
+    rows, columns = gradients.shape[1:]
+    own = level.planes[CODES, :rows]
+    factor, offset = _fine_values(level.frame)
+    codes(level.planes[PATCH], 1, (factor, offset), own)
+    x, y = level.columns[XS, :columns].astype(np.float64), level.ys.astype(np.float64)[:, None]
+    gx, gy = gradients
+    t = gx * x + gy * y
+    jacobian = np.stack([gx * x, gx * y, gy * x, gy * y, -x * t, -y * t, gx, gy], axis=-1)
+    scale = bins_per_grey(level.frame[SIGMA])
+    curvature(own, columns, scale, np.ascontiguousarray(jacobian), level.curvature)

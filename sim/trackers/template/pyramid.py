@@ -1,0 +1,82 @@
+"""Pictures and homographies at half, a quarter and an eighth of the resolution.
+
+Level 0 is the picture itself. Level 1 is the window of it that is read, in sums of 2x2 pixels; each
+further level sums the one before. Pixel centres are at whole numbers, so pixel i of a level is
+2 i + 1/2 of the level below it; the same holds for the template's pixels.
+"""
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from seamark.sim.trackers.interface import Window
+from seamark.sim.trackers.template.patches import Matrix, halve
+
+MOST_LEVELS = 4  # an eighth of the resolution; sums of 64 pixels fit into 16 bits
+Sums = NDArray[np.uint16]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def pyramid(image: NDArray[np.uint8], window: Window, levels: int) -> tuple[Sums, Sums, Sums]:
+    """Return the levels 1, 2 and 3 of the window; those that are not asked for are empty."""
+    x0, y0, x1, y1 = window
+    size = (y1 - y0, x1 - x0)
+    none = np.empty((0, 0), np.uint16)
+    if levels < 2:
+        return none, none, none
+    first = np.empty((size[0] // 2, size[1] // 2), np.uint16)
+    halve(image, x0, y0, first)
+    if levels < 3:
+        return first, none, none
+    second = np.empty((size[0] // 4, size[1] // 4), np.uint16)
+    halve(first, 0, 0, second)
+    if levels < 4:
+        return first, second, none
+    third = np.empty((size[0] // 8, size[1] // 8), np.uint16)
+    halve(second, 0, 0, third)
+    return first, second, third
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def whole_of(picture: Sums) -> NDArray[np.float64]:
+    """Return the bounds (4,) of a picture all of which may be read."""
+    bounds = np.zeros(4)
+    bounds[2] = picture.shape[1]
+    bounds[3] = picture.shape[0]
+    return bounds
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def to_level(h: Matrix, level: int, window: Window, out: Matrix) -> None:
+    """Write h, template px -> image px, for the template and the window at a level."""
+    out[:] = h
+    x0, y0 = float(window[0]), float(window[1])
+    for _ in range(level):
+        for i in range(3):
+            out[i, 2] += 0.5 * (out[i, 0] + out[i, 1])
+            out[i, 0] *= 2.0
+            out[i, 1] *= 2.0
+        for j in range(3):
+            out[0, j] = 0.5 * (out[0, j] - (x0 + 0.5) * out[2, j])
+            out[1, j] = 0.5 * (out[1, j] - (y0 + 0.5) * out[2, j])
+        x0 = y0 = 0.0
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def from_level(h: Matrix, level: int, window: Window, out: Matrix) -> None:
+    """Undo `to_level`, scaled to out[2, 2] = 1."""
+    out[:] = h
+    for k in range(level, 0, -1):
+        x0 = float(window[0]) if k == 1 else 0.0
+        y0 = float(window[1]) if k == 1 else 0.0
+        for j in range(3):
+            out[0, j] = 2.0 * out[0, j] + (x0 + 0.5) * out[2, j]
+            out[1, j] = 2.0 * out[1, j] + (y0 + 0.5) * out[2, j]
+        for i in range(3):
+            out[i, 0] *= 0.5
+            out[i, 1] *= 0.5
+            out[i, 2] -= 0.5 * (out[i, 0] + out[i, 1])
+    last = out[2, 2]
+    for i in range(3):
+        for j in range(3):
+            out[i, j] /= last

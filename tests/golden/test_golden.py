@@ -1,0 +1,99 @@
+"""A trajectory kept in the repository: the physics and the chain stay what they were.
+
+On the machine class that wrote it the bytes are the same; on others every column has a tolerance.
+To write it anew, on purpose and with a new benchmark version or a line in the change log:
+
+    ./run golden
+"""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from seamark.sim.engine.trial import run_trial
+from seamark.sim.recording import telemetry
+from seamark.sim.recording.telemetry import NAMES, Rows
+from seamark.sim.registry import BENCHMARKS, VEHICLES, benchmark
+
+FOLDER = Path(__file__).parent
+# Benchmark -> settings that make it short. Every benchmark of the registry needs an entry, and runs
+# with each of its vehicles on ground truth; FURTHER are the cases with something else.
+SHORT: dict[str, dict[str, object]] = {
+    "currents-v1": {
+        "levels": [0.1, 0.4],
+        "level_duration_s": 4.0,
+        "settle_s": 1.0,
+        "tracker": "truth",
+    },
+    "visibility-v1": {
+        "mode": "free",
+        "sweep_to": 2.0,
+        "sweep_step": 2.0,
+        "level_duration_s": 2.0,
+        "tracker": "truth",
+    },
+}
+FURTHER: dict[str, tuple[str, dict[str, object]]] = {
+    "currents-v1-girona500-esm": ("currents-v1", {"vehicle": "girona500", "tracker": "esm"}),
+    "visibility-v1-fixed-esm": ("visibility-v1", {"mode": "fixed", "tracker": "esm"}),
+}
+
+
+def vehicles_of(name: str) -> list[str]:
+    """The vehicles that a benchmark's form offers."""
+    choices: list[str] = benchmark(name).schema()["properties"]["vehicle"]["enum"]
+    return choices
+
+
+CASES = {
+    f"{name}-{vehicle}": (name, short | {"vehicle": vehicle})
+    for name, short in SHORT.items()
+    for vehicle in vehicles_of(name)
+} | {case: (name, SHORT[name] | changes) for case, (name, changes) in FURTHER.items()}
+TOLERANCES = {"m": 1e-6, "rad": 1e-6, "m/s": 1e-6, "rad/s": 1e-6, "px": 1e-4, "N": 1e-4}
+SEED = 20
+
+
+def trajectory(case: str) -> Rows:
+    name, settings = CASES[case]
+    config = benchmark(name).read(settings)
+    rows: list[Rows] = []
+    solution = benchmark(name).load().built_in(next(iter(benchmark(name).built_in)), config)
+    run_trial(name, config, solution, seed=SEED, trial=0, on_rows=rows.append)
+    return np.concatenate(rows)
+
+
+def kept(case: str) -> Rows:
+    return telemetry.from_csv((FOLDER / f"{case}.csv").read_text(encoding="utf-8"))
+
+
+def test_every_benchmark_and_every_vehicle_has_a_kept_trajectory() -> None:
+    assert set(SHORT) == set(BENCHMARKS)
+    assert {vehicle for name in SHORT for vehicle in vehicles_of(name)} == set(VEHICLES)
+    assert {path.stem for path in FOLDER.glob("*.csv")} == set(CASES)
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_the_trajectory_is_the_kept_one(case: str) -> None:
+    ours, golden = trajectory(case), kept(case)
+
+    assert ours.shape == golden.shape
+    for at, column in enumerate(telemetry.COLUMNS):
+        limit = np.inf if column.name == "step_us" else TOLERANCES.get(column.unit, 1e-9)
+        worst = np.abs(ours[:, at] - golden[:, at]).max()
+        assert worst <= limit, f"{column.name} moved by {worst:g} {column.unit}"
+
+
+def write() -> None:
+    """Write all kept trajectories anew."""
+    FOLDER.mkdir(exist_ok=True)
+    for case, (_name, settings) in CASES.items():
+        rows = trajectory(case)
+        rows[:, NAMES.index("step_us")] = 0.0
+        text = telemetry.to_csv(rows, [f"{case}, seed {SEED}: {settings}"])
+        (FOLDER / f"{case}.csv").write_text(text, encoding="utf-8")
+
+
+if __name__ == "__main__":
+    write()

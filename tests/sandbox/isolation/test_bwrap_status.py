@@ -1,0 +1,57 @@
+import os
+import threading
+from collections.abc import Iterator
+
+import pytest
+
+from seamark.sandbox.isolation.bwrap_status import Information
+
+TOLD = b'{ "child-pid": 4711, "net-namespace": 4026532 }\n'
+
+
+@pytest.fixture
+def pipe() -> Iterator[tuple[int, int]]:
+    reading, writing = os.pipe()
+    os.set_blocking(reading, False)
+    yield reading, writing
+    os.close(writing)
+
+
+@pytest.mark.parametrize("cut", range(1, len(TOLD)))
+def test_half_of_it_is_waited_for(pipe: tuple[int, int], cut: int) -> None:
+    reading, writing = pipe
+    information = Information(reading)
+
+    os.write(writing, TOLD[:cut])
+    early = information.init_pid()
+    rest = threading.Thread(target=os.write, args=(writing, TOLD[cut:]))
+    rest.start()
+    late = information.init_pid(10.0)
+    rest.join()
+    information.close()
+
+    assert (early, late) == (None, 4711)
+
+
+def test_a_start_that_broke_off_tells_nothing() -> None:
+    reading, writing = os.pipe()
+    os.write(writing, TOLD[:20])
+    os.close(writing)
+    information = Information(reading)
+
+    assert information.init_pid(10.0) is None
+    information.close()
+    information.close()
+
+
+def test_the_end_of_the_program_is_known_when_it_was_told(pipe: tuple[int, int]) -> None:
+    reading, writing = pipe
+    information = Information(reading)
+
+    os.write(writing, TOLD)
+    early = information.exit_code()
+    os.write(writing, b'{ "exit-code": 137 }\n')
+    pid, late = information.init_pid(), information.exit_code()
+    information.close()
+
+    assert (early, pid, late) == (None, 4711, 137)

@@ -1,0 +1,120 @@
+"""The memory of images: whoever holds its descriptor can read it and nothing else."""
+
+import fcntl
+import mmap
+import os
+import subprocess
+import sys
+import textwrap
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from seamark.sandbox.isolation.shared_images import MOST_BYTES, PICTURE, PLACES, Pictures
+
+SIZE = PLACES * MOST_BYTES
+ATTACKS = """
+    import ctypes, fcntl, mmap, os, sys
+    libc = ctypes.CDLL(None, use_errno=True)
+    number = int(sys.argv[1])
+    path = f"/proc/self/fd/{number}"
+
+    def punched(descriptor):  # FALLOC_FL_PUNCH_HOLE | FALLOC_FL_KEEP_SIZE
+        if libc.fallocate(descriptor, 3, ctypes.c_long(0), ctypes.c_long(4096)):
+            raise OSError("fallocate")
+
+    def mapped(descriptor):
+        mmap.mmap(descriptor, 4096, mmap.MAP_SHARED)[0] = 7
+
+    def unprotected(descriptor):
+        libc.mmap.restype = ctypes.c_void_p
+        place = libc.mmap(None, 4096, 1, 1, descriptor, 0)
+        if libc.mprotect(ctypes.c_void_p(place), 4096, 3):
+            raise OSError("mprotect")
+
+    def reopened():
+        return os.open(path, os.O_RDWR)
+
+    def sealed(descriptor):
+        fcntl.fcntl(descriptor, 1033, 8)
+
+    for name, attack in {
+        "write": lambda: os.pwrite(number, b"x", 0),
+        "truncate": lambda: os.ftruncate(number, 0),
+        "extend": lambda: os.ftruncate(number, 1 << 30),
+        "punch": lambda: punched(number),
+        "map": lambda: mapped(number),
+        "unprotect": lambda: unprotected(number),
+        "seal": lambda: sealed(number),
+        "reopened write": lambda: os.pwrite(reopened(), b"x", 0),
+        "reopened truncate": lambda: os.ftruncate(reopened(), 0),
+        "truncate by path": lambda: os.truncate(path, 0),
+        "reopened punch": lambda: punched(reopened()),
+        "reopened map": lambda: mapped(reopened()),
+        "reopened unprotect": lambda: unprotected(reopened()),
+        "reopened seal": lambda: sealed(reopened()),
+    }.items():
+        try:
+            attack()
+        except OSError:
+            continue
+        print(name)
+"""
+
+
+def test_a_process_of_the_same_user_with_the_descriptor_can_change_nothing() -> None:
+    pictures = Pictures()
+    pictures.first(memoryview(bytes(4096)).cast("B", (64, 64)))
+    command = [sys.executable, "-c", textwrap.dedent(ATTACKS), str(pictures.descriptor)]
+
+    done = subprocess.run(
+        command, pass_fds=[pictures.descriptor], capture_output=True, text=True, check=True
+    )
+
+    assert done.stdout.split("\n") == [""]
+    assert os.fstat(pictures.descriptor).st_size == SIZE
+    assert os.pread(pictures.descriptor, 4096, 0) == bytes(4096)
+    pictures.close()
+
+
+def test_the_descriptor_that_is_handed_out_was_never_open_for_writing() -> None:
+    pictures = Pictures()
+
+    assert fcntl.fcntl(pictures.descriptor, fcntl.F_GETFL) & os.O_ACCMODE == os.O_RDONLY
+    pictures.close()
+
+
+@given(
+    images=st.lists(
+        st.tuples(st.booleans(), st.integers(1, 9), st.integers(1, 9), st.sampled_from([1, 3])),
+        max_size=12,
+    )
+)
+def test_an_image_lies_where_the_frame_says_and_leaves_the_ones_that_must_stay(images) -> None:
+    pictures = Pictures()
+    reading = mmap.mmap(pictures.descriptor, SIZE, prot=mmap.PROT_READ)
+    first, updates = None, []
+    for number, (starts, height, width, channels) in enumerate(images):
+        shape = (height, width) if channels == 1 else (height, width, channels)
+        image = bytes([number + 1]) * (height * width * channels)
+        put = pictures.first if starts else pictures.next
+        words = PICTURE.unpack(put(memoryview(image).cast("B", shape)))
+        assert words[1:] == (height, width, channels)
+        if starts:
+            first = (words[0], image)
+        else:
+            updates = [*updates[-1:], (words[0], image)]
+        for offset, kept in [*([first] if first else []), *updates]:
+            assert reading[offset : offset + len(kept)] == kept
+    reading.close()
+    pictures.close()
+
+
+def test_closing_twice_does_nothing() -> None:
+    pictures = Pictures()
+    pictures.close()
+    pictures.close()
+
+    with pytest.raises(ValueError, match="closed"):
+        pictures.first(memoryview(bytes(4)).cast("B", (2, 2)))

@@ -1,0 +1,127 @@
+"""MATLAB programs: what they are given comes out the same, in one file or in several."""
+
+import json
+import struct
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from seamark.sandbox.box import Box
+from seamark.sandbox.isolation.level import Level
+from seamark.sandbox.languages.inside.octave_relay import octave_value
+from seamark.sandbox.languages.language import Bind
+from seamark.sandbox.languages.octave.host import alternatives
+from seamark.sandbox.limits import Limits
+from seamark.sandbox.outcome import Outcome, ProgramEnded
+from seamark.sandbox.probing.self_test import why_not
+from tests.worker.built import zipped
+
+LAYOUT = {
+    "observation": [["t", 0], ["new_field", 2], ["error", 3], ["target_visible", 0]],
+    "booleans": ["target_visible"],
+    "command": ["surge", "sway", "heave", "yaw_rate"],
+}
+VALUES = [0.25, 8.0, 9.0, 1.0, 2.0, 3.0, 1.0]
+CONFIG = {
+    "note": 'a "quoted" %d\n\\ text',
+    "levels": [0.0, 0.1],
+    "mixed": [1.0, "b"],
+    "kp": 0.1,
+    "small": 1e-300,
+    "on": True,
+    "größe": 1.0,
+}
+STEP = """\
+function [command, state] = controller_step(state, observation)
+    command = [0, 0, 0, 0];
+    %s
+end
+"""
+
+
+def test_every_library_that_is_reached_over_etc_is_in_the_box(tmp_path: Path) -> None:
+    (tmp_path / "libplain.so.1").touch()
+    (tmp_path / "libbeside.so.1").symlink_to(tmp_path / "libplain.so.1")
+    (tmp_path / "libgone.so.1").symlink_to("/etc/alternatives/of-nothing")
+    (tmp_path / "libchosen.so.0").symlink_to("/etc/hostname")
+
+    assert alternatives(tmp_path) == [Bind(Path("/etc/hostname"), "/etc/hostname")]
+
+
+@pytest.fixture(scope="module")
+def octave(level: Level) -> Level:
+    if why := why_not("matlab", level):
+        pytest.skip(why)
+    return level
+
+
+def ended(source: bytes, level: Level) -> Outcome:
+    with Box("matlab", limits=Limits(), level=level) as box:
+        try:
+            box.load(source, "mine.m", CONFIG, LAYOUT)
+            box.reset({"index": 2, "count": 5, "duration_s": 120.0, "dt": 0.05, "t": 240.0})
+            box.step(VALUES)
+            return box.finish()
+        except ProgramEnded as end:
+            return end.outcome
+
+
+@given(st.floats(allow_nan=False, allow_infinity=False))
+def test_a_number_as_text_is_the_same_number(number) -> None:
+    assert struct.pack("<d", float(octave_value(number))) == struct.pack("<d", number)
+
+
+@given(st.text())
+def test_a_text_cannot_leave_its_quotes(text) -> None:
+    value = octave_value(json.loads(json.dumps(text, ensure_ascii=False)))
+
+    assert set(value) <= set('"\\01234567')
+    octal = value[1:-1].split("\\")[1:]
+    assert bytes(int(digits, 8) for digits in octal) == text.encode("utf-8")
+
+
+@pytest.mark.host
+def test_a_program_sees_its_configuration_its_level_and_its_observation(octave) -> None:
+    program = (
+        """\
+function state = controller_setup(config)
+    printf("%s|%g|%d|%s|%d\\n", config.note, config.levels(2), config.kp == 0.1, ...
+           class(config.mixed), isfield(config, "größe"));
+    state = config.on;
+end
+
+function state = controller_reset(state, level)
+    printf("%d %d %g %g\\n", state, level.index, level.dt, level.t);
+end
+
+"""
+        + STEP % 'printf("%g %g %g %s\\n", observation.error, class(observation.target_visible));'
+    )
+
+    outcome = ended(program.encode(), octave)
+
+    assert outcome.output.decode() == (
+        'a "quoted" %d\n\\ text|0.1|1|cell|0\n1 2 0.05 240\n1 2 3 logical\n'
+    )
+
+
+@pytest.mark.host
+def test_other_files_of_an_archive_are_functions_with_lines_of_their_own(octave) -> None:
+    helper = b"function x = helper(y)\n    x = y.nothing;\nend\n"
+    main = (STEP % "command(1) = helper(observation);").encode()
+
+    outcome = ended(zipped({"controller.m": main, "helper.m": helper}), octave)
+
+    assert outcome.sentence.endswith("(line 2 of helper.m)")
+    assert "controller_step at line 3 of controller.m" in outcome.traceback
+
+
+@pytest.mark.host
+def test_a_program_may_keep_its_state_itself_and_return_a_column(octave) -> None:
+    program = (
+        b"function command = controller_step(state, observation)\n    command = zeros(4, 1);\nend\n"
+    )
+
+    assert ended(program, octave).sentence == "The program ended well."

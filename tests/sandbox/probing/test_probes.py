@@ -1,0 +1,239 @@
+"""How a box sits on the host: mistakes of other sandboxes, named, and hosts of all kinds."""
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+import textwrap
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from seamark import sandbox
+from seamark.sandbox.box import Box
+from seamark.sandbox.isolation import proc_stats, uid_slots
+from seamark.sandbox.isolation.bwrap_command import Descriptors, bwrap_command
+from seamark.sandbox.isolation.level import Finding, Isolation, Level
+from seamark.sandbox.isolation.readable_copies import SHELF
+from seamark.sandbox.languages import LANGUAGES, language_of
+from seamark.sandbox.languages.python_host import PACKAGES, package_folder, python_runtime
+from seamark.sandbox.limits import Limits
+from seamark.sandbox.outcome import Verdict
+from seamark.sandbox.probing.probes import probe
+
+pytestmark = pytest.mark.host
+
+CHECKOUT = Path(sandbox.__file__).resolve().parent.parent
+LAYOUT = {
+    "observation": [["t", 0], ["error", 3]],
+    "command": ["surge", "sway", "heave", "yaw_rate"],
+}
+REPORT = """
+    import json
+    from seamark.sandbox import box
+    from seamark.sandbox.isolation import cgroups
+    from seamark.sandbox.box import Box
+    from seamark.sandbox.languages.python import SELF_TEST
+    from seamark.sandbox.probing.probes import probe
+    from seamark.sandbox.limits import Limits
+    from seamark.sandbox.outcome import ProgramEnded
+    LAYOUT = {"observation": [["t", 0], ["error", 3]], "command": []}
+    found = probe()
+    report = {"level": found.level.name, "why": found.sentence(), "package": box.__file__}
+    report["groups"] = str(cgroups.places().memory) if found.level.name == "STRONG" else ""
+    for name, source in json.loads(SOURCES).items():
+        with Box(limits=Limits(cpu_s=2.0, memory_mib=192), level=found.level) as one:
+            try:
+                one.load(source.encode(), "a.py", {}, LAYOUT)
+                one.step([0.0, 0.1, 0.2, 0.3])
+                report[name] = one.finish().verdict
+            except ProgramEnded as end:
+                report[name] = end.outcome.verdict
+    print(json.dumps(report))
+"""
+SOURCES = {
+    "well": LANGUAGES["python"].self_test,
+    "heap": "x = [b'x' * (1 << 20) for _ in range(400)]",
+    "spin": "while True: pass",
+    "fork": "import os\nwhile True: os.fork()",
+    "shadow": "open('/etc/shadow')",
+}
+SESSION = ("XDG_RUNTIME_DIR", "DBUS_SESSION_BUS_ADDRESS")  # where a user's systemd is found
+as_root = pytest.mark.skipif(os.geteuid() != 0, reason="needs root")
+
+
+def report(*before: str, path: str) -> dict[str, str]:
+    """Run some programs in another process and return what it says."""
+    script = textwrap.dedent(REPORT).replace("SOURCES", repr(json.dumps(SOURCES)))
+    command = [*before, sys.executable, "-c", script]
+    session = {name: os.environ[name] for name in SESSION if name in os.environ}
+    environment = {"PATH": os.environ["PATH"], "PYTHONPATH": path} | session
+    done = subprocess.run(command, env=environment, cwd="/", capture_output=True, check=False)
+    assert done.returncode == 0, done.stderr.decode()
+    answer: dict[str, str] = json.loads(done.stdout)
+    return answer
+
+
+def verdicts_of(answer: dict[str, str]) -> dict[str, str]:
+    return {name: answer[name] for name in SOURCES}
+
+
+EXPECTED = {
+    "well": Verdict.OK,
+    "heap": Verdict.MEMORY_LIMIT,
+    "spin": Verdict.TIME_LIMIT,
+    "fork": Verdict.PROCESS_LIMIT,
+    "shadow": Verdict.USER_ERROR,
+}
+
+
+@as_root
+def test_bubblewrap_as_root_does_not_keep_uid_0(level) -> None:
+    with Box(limits=Limits(), level=level) as box:
+        box.wait_ready()
+        uids = {proc_stats.uid_of(pid) for pid in box.processes()}
+
+    assert uids <= set(range(uid_slots.FIRST_UID, uid_slots.FIRST_UID + uid_slots.SLOTS))
+
+
+@as_root
+def test_two_boxes_have_two_uids(level) -> None:
+    with Box(limits=Limits(), level=level) as one, Box(limits=Limits(), level=level) as two:
+        one.wait_ready()
+        two.wait_ready()
+        uids = [proc_stats.uid_of(box.processes()[0]) for box in (one, two)]
+
+    assert uids[0] != uids[1]
+
+
+def test_proc_1_environ_is_empty_because_bubblewrap_was_started_with_nothing(
+    level, monkeypatch
+) -> None:
+    monkeypatch.setenv("SEAMARK_SECRET_KEY", "do-not-tell")
+
+    with Box(limits=Limits(), level=level) as box:
+        box.wait_ready()
+        init, *programs = box.processes()
+        environments = [Path(f"/proc/{pid}/environ").read_bytes() for pid in (init, *programs)]
+
+    assert environments[0] == b""
+    assert not [text for text in environments if b"do-not-tell" in text]
+
+
+def test_a_box_has_no_proc_no_etc_no_programs_and_sized_writable_folders() -> None:
+    command = bwrap_command(
+        python_runtime(),
+        Limits(),
+        Descriptors(3, 4, 5),
+        limit_inside=False,
+    )
+
+    assert not {"--proc", "--dev", "--bind", "--bind-fd", "/etc", "/usr", "/usr/bin"} & set(command)
+    sized = [command[i - 1] for i, word in enumerate(command) if word == "--tmpfs"]
+    assert len(sized) == 3
+    assert all(size.isdigit() for size in sized)
+    assert command.index("--remount-ro") < command.index("--seccomp")
+
+
+@as_root
+@pytest.mark.slow
+def test_a_plain_user_gets_level_medium_and_the_same_verdicts(tmp_path) -> None:
+    if any(folder.stat().st_mode & 0o005 != 0o005 for folder in CHECKOUT.parents):
+        pytest.skip("other users may not enter the checkout")
+    become = ("setpriv", "--reuid", "54321", "--regid", "54321", "--clear-groups")
+
+    answer = report(*become, path=str(CHECKOUT))
+
+    assert answer["level"] == "MEDIUM", answer
+    assert verdicts_of(answer) == EXPECTED
+
+
+@pytest.mark.slow
+def test_in_a_scope_that_systemd_delegates_everybody_gets_level_strong() -> None:
+    manager = "--system" if os.geteuid() == 0 else "--user"
+    scope = ("systemd-run", manager, "--scope", "--quiet", "--collect", "-p", "Delegate=yes")
+    if (
+        not shutil.which(scope[0])
+        or subprocess.run([*scope, "true"], check=False, stderr=subprocess.DEVNULL).returncode
+    ):
+        pytest.skip("no systemd that delegates")
+
+    answer = report(*scope, path=str(CHECKOUT))
+
+    assert answer["level"] == "STRONG", answer
+    assert answer["groups"].endswith(".scope")
+    assert verdicts_of(answer) == EXPECTED
+
+
+@as_root
+@pytest.mark.slow
+def test_checkout_and_packages_may_lie_where_other_users_may_not_enter(tmp_path, shelf) -> None:
+    home = tmp_path / "home"
+    home.mkdir(mode=0o700)
+    shutil.copytree(CHECKOUT / "sandbox", home / "checkout" / "sandbox")
+    for name in PACKAGES:
+        for folder in (package_folder(name), package_folder(name).with_name(f"{name}.libs")):
+            copy = shutil.copytree if not _same_disk(folder, home) else _linked
+            copy(folder, home / "packages" / folder.name)
+
+    answer = report(path=f"{home / 'checkout'}:{home / 'packages'}")
+
+    assert answer["package"].startswith(str(home))
+    assert any(shelf.glob("numpy-*"))
+    assert answer["level"] == "STRONG", answer
+    assert verdicts_of(answer) == EXPECTED
+
+
+@pytest.fixture
+def shelf() -> Iterator[Path]:
+    """Give the folder of the copies; what the test adds goes."""
+    before = set(SHELF.glob("*"))
+    yield SHELF
+    for path in set(SHELF.glob("*")) - before:
+        shutil.rmtree(path) if path.is_dir() else path.unlink()
+
+
+def _same_disk(one: Path, other: Path) -> bool:
+    return one.stat().st_dev == other.stat().st_dev
+
+
+def _linked(source: Path, target: Path) -> None:
+    shutil.copytree(source, target, copy_function=os.link)
+
+
+def test_a_host_without_bubblewrap_gets_no_level_and_a_remedy(monkeypatch) -> None:
+    monkeypatch.setenv("PATH", "/nonexistent")
+
+    found = probe()
+
+    assert found.level is Level.NONE
+    assert any("apt-get install bubblewrap" in finding.remedy for finding in found.findings)
+
+
+def test_the_status_line_names_what_is_missing() -> None:
+    found = Isolation(Level.MEDIUM, (Finding("a", ok=True), Finding("b", ok=False, why="no b")))
+
+    assert found.sentence() == "isolation medium (b: no b)"
+
+
+@pytest.mark.parametrize(
+    ("filename", "name"),
+    [
+        ("a.py", "python"),
+        ("A.PY", "python"),
+        ("a.pyc", None),
+        ("py", "executable"),
+        ("a.exe", None),
+    ],
+)
+def test_the_language_is_known_by_the_suffix(filename, name) -> None:
+    assert language_of(filename) == name
+
+
+def test_every_finding_that_is_bad_has_a_reason_and_a_remedy(monkeypatch) -> None:
+    monkeypatch.setenv("PATH", "/nonexistent")
+
+    for finding in probe().findings:
+        assert finding.ok or (finding.why and len(finding.remedy.split()) > 2)

@@ -1,0 +1,109 @@
+import time
+
+import pytest
+from sqlalchemy import update
+
+from seamark.server.accounts import accounts
+from seamark.server.accounts.accounts import AccountRejected
+from seamark.server.accounts.permissions import ADMIN, READ, SUBMIT
+from seamark.server.database.engine import Database
+from seamark.server.database.tables import Token
+from seamark.server.settings import Settings
+
+PASSWORD = "correct horse battery"
+
+
+def test_a_password_opens_its_own_account_and_no_other(database: Database) -> None:
+    with database.writing() as session:
+        ann = accounts.sign_up(session, "Ann", PASSWORD)
+        accounts.sign_up(session, "bob", "another pass phrase")
+
+        assert accounts.authenticate(session, "ann", PASSWORD) is ann
+        assert accounts.authenticate(session, "bob", PASSWORD) is None
+        assert accounts.authenticate(session, "cat", PASSWORD) is None
+
+
+def test_an_account_without_a_password_cannot_be_logged_in_to(database: Database) -> None:
+    with database.writing() as session:
+        accounts.sign_up(session, "robot", None)
+
+        assert accounts.authenticate(session, "robot", "") is None
+
+
+@pytest.mark.parametrize("name", ["", "a", "1ann", "ann lee", "ann\n", "x" * 41, "änn", "Seamark"])
+def test_a_name_that_breaks_the_rule_is_refused(database: Database, name: str) -> None:
+    with database.writing() as session, pytest.raises(AccountRejected):
+        accounts.sign_up(session, name, PASSWORD)
+
+
+def test_names_that_differ_in_case_only_are_the_same(database: Database) -> None:
+    with database.writing() as session:
+        accounts.sign_up(session, "Ann", PASSWORD)
+
+        with pytest.raises(AccountRejected, match="taken"):
+            accounts.sign_up(session, "aNN", PASSWORD)
+
+
+def test_a_short_password_is_refused(database: Database) -> None:
+    with database.writing() as session, pytest.raises(AccountRejected, match="10 to 200"):
+        accounts.sign_up(session, "ann", "short")
+
+
+def test_a_token_speaks_for_its_user_within_its_scopes(database: Database) -> None:
+    with database.writing() as session:
+        ann = accounts.sign_up(session, "ann", None, is_admin=True)
+        text = accounts.new_token(session, ann.id, "laptop", [READ, SUBMIT])
+
+        viewer = accounts.viewer_of_token(session, text)
+
+    assert viewer is not None
+    assert (viewer.user_id, viewer.scopes) == (ann.id, {READ, SUBMIT})
+    assert ADMIN not in viewer.scopes
+
+
+def test_the_text_of_a_token_is_not_kept(database: Database) -> None:
+    with database.writing() as session:
+        ann = accounts.sign_up(session, "ann", None)
+        text = accounts.new_token(session, ann.id, "laptop", [READ])
+        (token,) = accounts.tokens(session, ann.id)
+
+    assert text not in str(vars(token))
+
+
+def test_expired_revoked_and_unknown_tokens_speak_for_nobody(database: Database) -> None:
+    with database.writing() as session:
+        ann = accounts.sign_up(session, "ann", None)
+        old = accounts.new_token(session, ann.id, "old", [READ])
+        session.execute(update(Token).values(expires_at=time.time() - 1))
+        gone = accounts.new_token(session, ann.id, "gone", [READ])
+        accounts.revoke_token(session, ann.id, accounts.tokens(session, ann.id)[0].id)
+
+        found = [accounts.viewer_of_token(session, text) for text in (old, gone, "smk_x", "")]
+
+    assert found == [None] * 4
+
+
+def test_only_the_owner_revokes_a_token(database: Database) -> None:
+    with database.writing() as session:
+        ann, bob = (accounts.sign_up(session, name, None) for name in ("ann", "bob"))
+        text = accounts.new_token(session, ann.id, "laptop", [READ])
+        (token,) = accounts.tokens(session, ann.id)
+
+        assert not accounts.revoke_token(session, bob.id, token.id)
+        assert accounts.viewer_of_token(session, text) is not None
+
+
+def test_a_token_with_an_unknown_scope_is_not_made(database: Database) -> None:
+    with database.writing() as session:
+        ann = accounts.sign_up(session, "ann", None)
+
+        with pytest.raises(AccountRejected, match="root"):
+            accounts.new_token(session, ann.id, "laptop", ["root"])
+
+
+def test_the_hash_of_a_guest_is_of_this_service_only(settings: Settings) -> None:
+    other = settings.model_copy(update={"secret_key": "another"})
+
+    assert accounts.guest_hash(settings, "c") == accounts.guest_hash(settings, "c")
+    assert accounts.guest_hash(settings, "c") != accounts.guest_hash(other, "c")
+    assert accounts.guest_hash(settings, "c") != accounts.guest_hash(settings, "d")

@@ -1,0 +1,69 @@
+from dataclasses import dataclass
+
+import pytest
+
+from seamark.server.accounts.permissions import READ, SCOPES, SUBMIT, Action, Viewer, can
+
+
+@dataclass(frozen=True)
+class Thing:
+    user_id: int | None
+    guest: str | None
+    public: bool
+
+
+PRIVATE, PUBLIC = Thing(1, None, public=False), Thing(1, None, public=True)
+GUESTS = Thing(None, "g", public=False)
+OWNER, OTHER = Viewer(user_id=1), Viewer(user_id=2)
+ADMIN = Viewer(user_id=3, is_admin=True)
+GUEST, OTHER_GUEST, NOBODY = Viewer(guest="g"), Viewer(guest="h"), Viewer()
+LOOK = {Action.VIEW, Action.VIEW_PROGRAM, Action.VIEW_LOG}
+ON_RUN = LOOK | {Action.CANCEL, Action.PUBLISH, Action.WITHDRAW, Action.RERUN}
+
+
+@pytest.mark.parametrize(
+    ("viewer", "run", "allowed"),
+    [
+        (OWNER, PRIVATE, ON_RUN),
+        (OWNER, PUBLIC, ON_RUN),
+        (OTHER, PRIVATE, set()),
+        (OTHER, PUBLIC, LOOK | {Action.RERUN}),
+        (ADMIN, PRIVATE, ON_RUN - {Action.RERUN}),
+        (ADMIN, PUBLIC, ON_RUN),
+        (GUEST, GUESTS, ON_RUN - {Action.PUBLISH}),
+        (GUEST, PRIVATE, set()),
+        (OTHER_GUEST, GUESTS, set()),
+        (OTHER_GUEST, PUBLIC, LOOK | {Action.RERUN}),
+        (NOBODY, PRIVATE, set()),
+        (NOBODY, GUESTS, set()),
+        (NOBODY, PUBLIC, LOOK),
+        (OTHER, GUESTS, set()),
+        (Viewer(user_id=1, scopes=frozenset({READ})), PRIVATE, LOOK),
+        (Viewer(user_id=1, scopes=frozenset({SUBMIT})), PRIVATE, ON_RUN - LOOK),
+        (Viewer(user_id=3, is_admin=True, scopes=frozenset({READ})), PRIVATE, set()),
+    ],
+)
+def test_who_may_do_what_to_a_run(viewer: Viewer, run: Thing, allowed: set[Action]) -> None:
+    assert {action for action in ON_RUN if can(viewer, action, run)} == allowed
+
+
+@pytest.mark.parametrize(
+    ("viewer", "allowed"),
+    [
+        (OWNER, {"submit", "upload", "submit_ranked", "manage_account"}),
+        (ADMIN, {"submit", "upload", "submit_ranked", "manage_account", "administer"}),
+        (GUEST, {"submit"}),
+        (NOBODY, set()),
+        (Viewer(user_id=1, scopes=frozenset({READ})), set()),
+    ],
+)
+def test_who_may_do_what_without_a_run(viewer: Viewer, allowed: set[str]) -> None:
+    assert {action for action in set(Action) - ON_RUN if can(viewer, action)} == allowed
+
+
+def test_without_a_run_nobody_may_do_what_needs_one() -> None:
+    assert not any(can(ADMIN, action) for action in ON_RUN)
+
+
+def test_every_scope_is_known() -> None:
+    assert Viewer().scopes == set(SCOPES)

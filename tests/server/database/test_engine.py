@@ -1,0 +1,46 @@
+import multiprocessing
+
+from sqlalchemy import select
+
+from seamark.server.database.engine import Database
+from seamark.server.database.tables import Turn
+
+PROCESSES, TIMES = 3, 60
+
+
+def _count_up(url: str) -> None:
+    database = Database(url)
+    for _ in range(TIMES):
+        with database.writing() as session:
+            turn = session.get_one(Turn, "x")
+            turn.served_at += 1.0
+    database.close()
+
+
+def test_concurrent_writers_lose_nothing(database: Database) -> None:
+    with database.writing() as session:
+        session.add(Turn(owner="x", served_at=0.0))
+    url = database.engine.url.render_as_string(hide_password=False)
+    context = multiprocessing.get_context("spawn")
+    writers = [context.Process(target=_count_up, args=(url,)) for _ in range(PROCESSES)]
+
+    for writer in writers:
+        writer.start()
+    for writer in writers:
+        writer.join()
+
+    with database.reading() as session:
+        assert session.scalar(select(Turn.served_at)) == PROCESSES * TIMES
+
+
+def test_an_error_leaves_nothing_of_its_transaction(database: Database) -> None:
+    try:
+        with database.writing() as session:
+            session.add(Turn(owner="x", served_at=0.0))
+            session.flush()
+            raise KeyError("x")
+    except KeyError:
+        pass
+
+    with database.reading() as session:
+        assert session.scalar(select(Turn.owner)) is None

@@ -1,0 +1,119 @@
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import settings as hypothesis_settings
+from hypothesis import strategies as st
+
+from seamark.server.runs import files
+from seamark.server.runs.files import HEAD_MAX, TAIL_MAX, RunFiles
+from seamark.sim.recording.telemetry import INDEX, WIDTH
+
+
+def _rows(count: int, start: int = 0) -> files.Rows:
+    return np.arange(start * WIDTH, (start + count) * WIDTH, dtype=np.float64).reshape(count, WIDTH)
+
+
+def test_rows_are_read_while_they_are_written(tmp_path: Path) -> None:
+    writer, reader = RunFiles(tmp_path, 7, 1), RunFiles(tmp_path, 7, 1)
+    assert reader.rows().shape == (0, WIDTH)
+
+    writer.append_rows(_rows(3))
+    assert np.array_equal(reader.rows(), _rows(3))
+    writer.append_rows(_rows(2, start=3))
+
+    assert np.array_equal(reader.rows(), _rows(5))
+    assert np.array_equal(reader.rows(1, 4), _rows(5)[1:4])
+    assert reader.rows(9).shape == (0, WIDTH)
+
+
+def test_half_a_row_is_not_there_yet(tmp_path: Path) -> None:
+    files = RunFiles(tmp_path, 7, 1)
+    files.append_rows(_rows(2))
+
+    with files.telemetry_path.open("ab") as file:
+        file.write(b"half a row")
+
+    assert np.array_equal(files.rows(), _rows(2))
+
+
+def test_rows_of_another_width_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match="shape"):
+        RunFiles(tmp_path, 7, 1).append_rows(np.zeros((1, WIDTH + 1)))
+
+
+def test_a_trial_that_is_done_again_leaves_no_rows(tmp_path: Path) -> None:
+    files = RunFiles(tmp_path, 7, 1)
+    files.append_rows(_rows(5))
+
+    files.cut_rows(3)
+
+    assert np.array_equal(files.rows(), _rows(3))
+
+
+def test_the_latest_attempt_is_shown_and_the_others_are_kept(tmp_path: Path) -> None:
+    RunFiles(tmp_path, 7, 1).append_rows(_rows(1))
+    RunFiles(tmp_path, 7, 10).append_rows(_rows(2))
+    RunFiles(tmp_path, 7, 9).append_rows(_rows(3))
+
+    shown = RunFiles(tmp_path, 7)
+
+    assert shown.attempts() == [1, 9, 10]
+    assert shown.row_count() == 2
+
+
+@given(parts=st.lists(st.binary(max_size=300_000), max_size=6), after=st.integers(0, 10**6))
+@hypothesis_settings(max_examples=40, deadline=None)
+def test_a_log_is_its_head_and_tail_with_the_gap_counted(
+    tmp_path_factory: pytest.TempPathFactory, parts: list[bytes], after: int
+) -> None:
+    files = RunFiles(tmp_path_factory.mktemp("log"), 7, 1)
+    for part in parts:
+        files.append_log(part)
+    whole = b"".join(parts)
+
+    part = files.log(after)
+
+    gone = range(HEAD_MAX, max(len(whole) - TAIL_MAX, HEAD_MAX))
+    lost = range(max(after, gone.start), max(gone.stop, after, gone.start))
+    kept = bytes(b for at, b in enumerate(whole[after:], after) if at not in gone)
+    assert part.next == len(whole)
+    assert part.dropped == len(lost)
+    assert part.text == kept.decode("utf-8", "replace")
+
+
+def test_a_log_is_followed_without_doubles_and_gaps(tmp_path: Path) -> None:
+    files = RunFiles(tmp_path, 7, 1)
+    heard, at = "", 0
+    for word in ("one ", "two ", "three"):
+        files.append_log(word.encode())
+        part = files.log(at)
+        heard, at = heard + part.text, part.next
+
+    assert heard == "one two three" == files.log_text()
+
+
+def test_documents_are_there_whole_or_not_at_all(tmp_path: Path) -> None:
+    files = RunFiles(tmp_path, 7, 1)
+    assert files.manifest() is None
+
+    files.write_json("manifest.json", {"digest": "d"})
+
+    assert files.manifest() == {"digest": "d"}
+    assert [path.name for path in files.folder.iterdir()] == ["manifest.json"]
+
+
+def test_rows_of_a_version_with_other_columns_stay_readable(tmp_path: Path) -> None:
+    files = RunFiles(tmp_path, 7, 1)
+    files.append_rows(_rows(3))
+    older = ("trial", "level", "t", "gone")
+    (files.folder / "columns.json").write_text(json.dumps(older))
+    files.telemetry_path.write_bytes(np.arange(8.0).tobytes())
+
+    found = RunFiles(tmp_path, 7)
+
+    assert found.row_count() == 2
+    assert found.rows(1)[0, [INDEX["trial"], INDEX["t"]]].tolist() == [4.0, 6.0]
+    assert np.isnan(found.rows()[:, INDEX["x"]]).all()

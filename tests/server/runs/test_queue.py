@@ -1,0 +1,308 @@
+import time
+from collections import Counter
+from concurrent.futures import ThreadPoolExecutor
+
+import pytest
+from hypothesis import HealthCheck, given
+from hypothesis import settings as hypothesis_settings
+from hypothesis import strategies as st
+from sqlalchemy import update
+
+from seamark.server.database.tables import Run
+from seamark.server.runs import door as runs
+from seamark.server.runs import wait_estimate
+from seamark.server.runs.door import Beat, Kind, RunState
+from seamark.server.runs.failure_reasons import Cause
+from seamark.server.runs.states import NEXT_STATES
+from tests.server.conftest import Service
+
+
+def _heartbeat(both: Service, claim: runs.Claim) -> Beat:
+    with both.database.writing() as session:
+        return runs.heartbeat(session, claim, progress=0.5, t_simulated=1.0, isolation=None)
+
+
+def _silence(both: Service, run_id: int) -> None:
+    """Let the run's lease expire."""
+    with both.database.writing() as session:
+        session.execute(update(Run).where(Run.id == run_id).values(lease_until=time.time() - 1))
+
+
+def _sweep(both: Service) -> runs.SweepReport:
+    with both.database.writing() as session:
+        return runs.sweep(session, both.settings)
+
+
+def test_a_run_is_claimed_once(both: Service) -> None:
+    run_id = both.queue(both.user("ann"))
+
+    first, second = both.claim("w1"), both.claim("w2")
+
+    assert first is not None
+    assert (first.run_id, first.attempt, second) == (run_id, 1, None)
+    assert both.show(run_id).state is RunState.RUNNING
+
+
+def test_users_take_turns_whoever_queued_more(both: Service) -> None:
+    ann, bob = both.user("ann"), both.user("bob")
+    anns = [both.queue(ann) for _ in range(4)]
+    bobs = [both.queue(bob) for _ in range(2)]
+
+    order = []
+    while (claim := both.claim()) is not None:
+        order.append(claim.run_id)
+        both.finish(claim)
+
+    assert order == [anns[0], bobs[0], anns[1], bobs[1], anns[2], anns[3]]
+
+
+def test_who_has_most_running_waits_for_the_others(both: Service) -> None:
+    ann, bob = both.user("ann"), both.user("bob")
+    for _ in range(3):
+        both.queue(ann)
+    both.claim()
+    both.claim()
+    late = both.queue(bob)
+
+    claim = both.claim()
+
+    assert claim is not None
+    assert claim.run_id == late
+
+
+def test_nobody_runs_more_than_the_cap(both: Service) -> None:
+    ann = both.user("ann")
+    for _ in range(5):
+        both.queue(ann)
+
+    claims = [both.claim() for _ in range(5)]
+
+    assert sum(claim is not None for claim in claims) == both.settings.running_max
+
+
+def test_a_silent_workers_run_returns_to_its_old_place(both: Service) -> None:
+    ann, bob = both.user("ann"), both.user("bob")
+    first = both.queue(ann)
+    both.claim("dead")
+    both.queue(bob)
+    _silence(both, first)
+
+    report = _sweep(both)
+
+    assert (report.returned, report.given_up, report.queued) == ([first], [], 2)
+    assert both.show(first).state is RunState.QUEUED
+    assert both.show(first).position == 1
+    again = both.claim("alive")
+    assert again is not None
+    assert again.run_id == first
+
+
+def test_a_late_worker_cannot_write(both: Service) -> None:
+    run_id = both.queue(both.user("ann"))
+    late = both.claim("late")
+    assert late is not None
+    _silence(both, run_id)
+    _sweep(both)
+    fresh = both.claim("fresh")
+    assert fresh is not None
+
+    assert _heartbeat(both, late) is Beat.LOST
+    assert not both.finish(late, score=99.0)
+    assert both.finish(fresh, score=42.0)
+    assert not both.finish(fresh, score=43.0)
+    assert both.show(run_id).score == 42.0
+    assert both.show(run_id).attempt == 2
+
+
+def test_the_third_silence_is_a_failure_of_the_platform(both: Service) -> None:
+    run_id = both.queue(both.user("ann"))
+
+    for _ in range(3):
+        assert both.claim() is not None
+        _silence(both, run_id)
+        _sweep(both)
+
+    view = both.show(run_id)
+    assert (view.state, view.cause) == (RunState.FAILED, Cause.PLATFORM_ERROR)
+    assert view.detail["remedy"]
+
+
+def test_a_run_given_back_at_shutdown_is_no_failure(both: Service) -> None:
+    run_id = both.queue(both.user("ann"))
+
+    for _ in range(5):
+        claim = both.claim()
+        assert claim is not None
+        with both.database.writing() as session:
+            runs.give_back(session, claim, "shutdown", counts=False, settings=both.settings)
+
+    assert both.show(run_id).state is RunState.QUEUED
+
+
+@pytest.mark.parametrize("claimed", [False, True])
+def test_a_live_run_is_cancelled_at_once(both: Service, *, claimed: bool) -> None:
+    run_id = both.queue(both.user("ann"))
+    claim = both.claim() if claimed else None
+
+    with both.database.writing() as session:
+        first = runs.request_cancel(session, run_id)
+        second = runs.request_cancel(session, run_id)
+
+    assert (first, second) == (True, False)
+    assert both.show(run_id).state is RunState.CANCELLED
+    if claim is not None:
+        assert _heartbeat(both, claim) is Beat.CANCEL
+        assert not both.finish(claim)
+        assert both.finish(claim, state=RunState.CANCELLED, detail={"t_reached": 3.0})
+        assert both.show(run_id).detail == {"t_reached": 3.0}
+
+
+def test_uploads_go_only_to_workers_that_can_run_them(both: Service) -> None:
+    ann = both.user("ann")
+    run_id = both.queue(ann)
+    with both.database.writing() as session:
+        change = update(Run).where(Run.id == run_id)
+        session.execute(change.values(language="python", program_sha256="0" * 64))
+
+    assert both.claim("incapable", languages=()) is None
+    assert both.claim("capable", languages=("python",)) is not None
+
+
+def test_a_result_without_a_finite_score_is_refused_and_nothing_is_written(both: Service) -> None:
+    run_id = both.queue(both.user("ann"))
+    claim = both.claim()
+    assert claim is not None
+
+    with pytest.raises(runs.ResultInvalid):
+        both.finish(claim, score=float("nan"))
+
+    assert both.show(run_id).state is RunState.RUNNING
+
+
+def test_a_ranked_run_shows_no_seed(both: Service) -> None:
+    run_id = both.queue(both.user("ann"), kind=Kind.RANKED)
+
+    assert both.show(run_id).seed is None
+    assert both.show(run_id).trials == both.settings.ranked_trials
+
+
+def test_the_place_in_the_line_is_the_order_of_claims(both: Service) -> None:
+    ann, bob, cat = both.user("ann"), both.user("bob"), both.user("cat")
+    queued = [both.queue(owner) for owner in (ann, ann, ann, bob, bob, cat)]
+    places = {run_id: both.show(run_id).position for run_id in queued}
+
+    order = []
+    while (claim := both.claim()) is not None:
+        order.append(claim.run_id)
+        both.finish(claim)
+
+    assert [places[run_id] for run_id in order] == [1, 2, 3, 4, 5, 6]
+
+
+def test_a_page_sees_one_moment_even_if_a_worker_takes_the_run_meanwhile(both: Service) -> None:
+    run_id = both.queue(both.user("ada"))
+
+    with both.database.reading() as session:
+        before = runs.show(session, run_id, both.settings)
+        session.expire_all()
+        assert both.claim() is not None
+        after = runs.show(session, run_id, both.settings)
+
+    assert before is not None
+    assert after is not None
+    assert (before.state, after.state) == (runs.RunState.QUEUED, runs.RunState.QUEUED)
+
+
+def test_a_run_that_was_taken_after_it_was_read_has_no_place_in_the_line(both: Service) -> None:
+    run_id = both.queue(both.user("ada"))
+    with both.database.reading() as session:
+        read_before = session.get_one(Run, run_id)
+    assert both.claim() is not None
+
+    with both.database.reading() as session:
+        wait = wait_estimate.wait_of(session, read_before, both.settings)
+
+    assert wait.position is None
+
+
+def test_a_waiting_run_says_why(both: Service) -> None:
+    run_id = both.queue(both.user("ann"))
+
+    assert "No worker is running" in (both.show(run_id).why_waiting or "")
+
+
+class _Story:
+    """What happens to the runs of one user, step by step."""
+
+    def __init__(self, both: Service) -> None:
+        self.both = both
+        self.viewer = both.user(f"u{time.time_ns()}")
+        self.claims: list[runs.Claim] = []
+        self.queued: list[int] = []
+        self.finished: Counter[int] = Counter()
+
+    def tell(self, step: str) -> None:
+        if step in {"queue", "claim"}:
+            getattr(self, step)()
+        elif step == "cancel":
+            for run_id in self.queued[:1]:
+                with self.both.database.writing() as session:
+                    runs.request_cancel(session, run_id)
+        else:
+            for claim in self.claims[:1] if step == "stale" else self.claims[-1:]:
+                getattr(self, step)(claim)
+
+    def queue(self) -> None:
+        if len(self.queued) < self.both.settings.quota_live:
+            self.queued.append(self.both.queue(self.viewer))
+
+    def claim(self) -> None:
+        claim = self.both.claim()
+        self.claims += [claim] if claim is not None else []
+
+    def finish(self, claim: runs.Claim) -> None:
+        self.finished[claim.run_id] += self.both.finish(claim)
+
+    stale = finish
+
+    def silence(self, claim: runs.Claim) -> None:
+        _silence(self.both, claim.run_id)
+        _sweep(self.both)
+
+    def back(self, claim: runs.Claim) -> None:
+        with self.both.database.writing() as session:
+            runs.give_back(session, claim, "x", counts=True, settings=self.both.settings)
+
+
+_steps = st.lists(
+    st.sampled_from(["queue", "claim", "finish", "silence", "cancel", "back", "stale"]), max_size=25
+)
+
+
+@given(steps=_steps)
+@hypothesis_settings(
+    max_examples=25, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+)
+def test_no_run_is_lost_or_finished_twice_whatever_happens(both: Service, steps: list[str]) -> None:
+    story = _Story(both)
+
+    for step in steps:
+        story.tell(step)
+
+    views = [both.show(run_id) for run_id in story.queued]
+    assert all(story.finished[view.id] == (view.state is RunState.SUCCEEDED) for view in views)
+    assert all((view.state is RunState.FAILED) == (view.cause is not None) for view in views)
+
+
+def test_the_table_of_moves_has_no_way_out_of_a_final_state() -> None:
+    assert set(NEXT_STATES) == {RunState.QUEUED, RunState.RUNNING}
+    assert all(state.final for state in RunState if state not in NEXT_STATES)
+
+
+def test_workers_that_claim_at_the_same_time_get_different_runs(both: Service) -> None:
+    queued = [both.queue(both.user(f"user{number}")) for number in range(12)]
+
+    with ThreadPoolExecutor(6) as pool:
+        claims = list(pool.map(both.claim, [f"w{number}" for number in range(12)]))
+
+    assert sorted(claim.run_id for claim in claims if claim is not None) == queued

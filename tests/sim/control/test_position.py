@@ -1,0 +1,90 @@
+"""P and PI, written with the interface that uploads have."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from seamark.sim.control import position
+from seamark.sim.control.observation import BOOLEANS, FIELDS, STARTS, Observation, empty, layout
+from seamark.sim.control.position import p, pi
+from seamark.sim.engine.program import BuiltIn
+from seamark.sim.registry import CONTROLLERS, benchmark
+
+CONFIG: dict[str, Any] = {"kp": 0.5, "ki": 0.1, "control_heave": False, "reference_limit_m_s": 1.0}
+
+
+def seeing(error: tuple[float, float, float], *, visible: bool = True) -> Observation:
+    values = empty(5)
+    values[STARTS["error"] : STARTS["error"] + 3] = error
+    values[STARTS["dt"]] = 0.05
+    values[STARTS["target_visible"]] = visible
+    return Observation(values)
+
+
+def test_p_acts_on_x_and_y_alone() -> None:
+    assert p.Controller(CONFIG).step(seeing((0.2, -0.4, 0.6))) == [0.1, -0.2, 0.0, 0.0]
+
+
+def test_p_acts_on_z_if_asked() -> None:
+    controller = p.Controller(CONFIG | {"control_heave": True})
+
+    assert controller.step(seeing((0.2, -0.4, 0.6))) == [0.1, -0.2, 0.3, 0.0]
+
+
+def test_the_integral_grows_with_error_times_time_and_a_level_forgets_it() -> None:
+    controller = pi.Controller(CONFIG)
+    for _ in range(20):
+        answer = controller.step(seeing((0.2, 0.0, 0.0)))
+
+    assert answer[0] == pytest.approx(0.5 * 0.2 + 0.1 * 0.2 * 20 * 0.05)
+    controller.reset({})
+    assert controller.step(seeing((0.0, 0.0, 0.0))) == [0.0, 0.0, 0.0, 0.0]
+
+
+def test_the_integral_does_not_wind_up_at_the_limit() -> None:
+    controller = pi.Controller(CONFIG)
+    for _ in range(1000):
+        assert controller.step(seeing((9.0, 0.0, 0.0)))[0] == 1.0
+
+    assert controller.step(seeing((-0.1, 0.0, 0.0)))[0] == pytest.approx(-0.05, abs=1e-3)
+
+
+def test_the_integral_rests_while_the_target_is_lost() -> None:
+    controller = pi.Controller(CONFIG)
+    for _ in range(100):
+        controller.step(seeing((0.2, 0.0, 0.0), visible=False))
+
+    assert controller.step(seeing((0.0, 0.0, 0.0)))[0] == 0.0
+
+
+@pytest.mark.parametrize("name", CONTROLLERS)
+def test_every_built_in_controller_answers_four_floats(name: str) -> None:
+    program = BuiltIn(name, benchmark("currents-v1").read({}))
+    program.reset({"index": 0})
+
+    answer = program.step(np.ones(len(empty(5))))
+
+    assert [type(value) for value in answer] == [float] * 4
+    assert position.__doc__
+
+
+def test_an_observation_is_a_mapping_and_has_attributes() -> None:
+    values = np.arange(float(len(empty(5))))
+    observation = Observation(values)
+
+    assert list(observation) == [name for name, *_ in FIELDS]
+    assert observation["error"] == observation.error == (2.0, 3.0, 4.0)
+    assert (observation.t, len(observation.thrust)) == (0.0, 5)
+    assert all(isinstance(observation[name], bool) for name in BOOLEANS)
+    with pytest.raises(AttributeError, match="no current"):
+        _ = observation.current
+
+
+@pytest.mark.parametrize(("vehicle", "thrusters"), [("girona500", 5), ("bluerov2-heavy", 8)])
+def test_the_layout_covers_the_whole_observation(vehicle: str, thrusters: int) -> None:
+    told = layout(vehicle)["observation"]
+
+    assert sum(max(count, 1) for _name, count in told) == len(empty(thrusters))
+    assert len(Observation(empty(thrusters)).thrust) == dict(told)["thrust"] == thrusters
+    assert set(BOOLEANS) <= set(dict(told))

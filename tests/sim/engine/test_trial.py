@@ -1,0 +1,322 @@
+"""The whole chain on short levels."""
+
+import json
+import math
+import subprocess
+import sys
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from seamark.sim.benchmarks.benchmark import Benchmark
+from seamark.sim.benchmarks.currents_v1.definition import CurrentsConfiguration
+from seamark.sim.benchmarks.currents_v1.experiment import EXPERIMENT
+from seamark.sim.control.observation import BOOLEANS, FIELDS, STARTS, empty
+from seamark.sim.engine.program import BuiltIn, Command
+from seamark.sim.engine.trial import own_score, run_trial, summarise
+from seamark.sim.metrics import uwsim_metrics
+from seamark.sim.recording import telemetry
+from seamark.sim.recording.telemetry import INDEX, NAMES, Rows
+from seamark.sim.settings.configuration import Configuration
+from tests.sim.conftest import SHORT, RunOf
+
+ONE_RUN = f"""
+import json, sys
+from seamark.sim.engine.program import BuiltIn
+from seamark.sim.registry import benchmark
+from seamark.sim.engine.trial import run_trial
+config = benchmark("currents-v1").read({SHORT!r})
+result = run_trial("currents-v1", config, BuiltIn("pi", config), seed=5, trial=0,
+                   on_rows=lambda rows: None)
+print(json.dumps([result.digest, result.score, "pybullet" in sys.modules]))
+"""
+
+
+class Watching:
+    """Runs the built-in PI and remembers what it was told."""
+
+    def __init__(self, config: Configuration) -> None:
+        self._inner = BuiltIn("pi", config)
+        self.levels: list[dict[str, float | int]] = []
+        self.told: list[NDArray[np.float64]] = []
+
+    def reset(self, level: Mapping[str, float | int]) -> None:
+        self.levels.append(dict(level))
+        self._inner.reset(level)
+
+    def step(self, values: NDArray[np.float64]) -> Command:
+        self.told.append(values.copy())
+        return self._inner.step(values)
+
+
+class Broken:
+    """Works for a while, then raises."""
+
+    def __init__(self, steps: int) -> None:
+        self._left = steps
+
+    def reset(self, level: Mapping[str, float | int]) -> None:
+        pass
+
+    def step(self, values: NDArray[np.float64]) -> Command:
+        self._left -= 1
+        if self._left < 0:
+            raise ArithmeticError("the program ended")
+        values[:] = math.nan  # what a program does to its observation is its own business
+        return 0.0, 0.0, 0.0, 0.0
+
+
+def test_the_chain_keeps_station_with_a_perfect_tracker(run_short: RunOf) -> None:
+    result, rows = run_short({"tracker": "truth", "velocity_observer_1_s": 1.5})
+
+    assert rows.shape == (240, telemetry.WIDTH)
+    assert rows[:, INDEX["distance"]].max() < 0.1
+    assert result.score > 80.0
+
+
+def test_the_chain_keeps_station_with_the_template_tracker(run_short: RunOf) -> None:
+    result, rows = run_short({})
+
+    assert rows[:, INDEX["tracker_error"]].max() < 0.5
+    assert rows[:, INDEX["tracker_ok"]].min() == 1.0
+    assert result.standing.level_held == 0.3
+
+
+def test_pi_holds_a_bluerov_and_all_its_thrusters_work(run_short: RunOf) -> None:
+    result, rows = run_short({"vehicle": "bluerov2-heavy", "tracker": "truth"})
+
+    assert np.isfinite(rows).all()
+    assert rows[:, INDEX["distance"]].max() < 0.6
+    assert (np.ptp(rows[:, INDEX["thrust_0"] : INDEX["thrust_7"] + 1], axis=0) > 0.1).all()
+    assert result.standing.rankable
+
+
+def test_rows_are_in_order_and_the_vehicle_is_put_back_at_each_level(run_short: RunOf) -> None:
+    _result, rows = run_short({})
+
+    assert rows[:, INDEX["t"]] == pytest.approx(np.arange(240) * 0.05)
+    assert rows[:, INDEX["level"]].tolist() == [0.0] * 120 + [1.0] * 120
+    place = slice(INDEX["x"], INDEX["r"] + 1)
+    assert np.array_equal(rows[0, place], rows[120, place])
+
+
+def test_no_column_is_dead_and_nothing_is_nan(run_short: RunOf) -> None:
+    _result, rows = run_short({"current_azimuth_rad": 0.5})
+
+    assert np.isfinite(rows).all()
+    idle = {
+        "trial",
+        "tracker_ok",
+        "current_z",
+        "ref_w",
+        "ref_r",
+        "thrust_5",
+        "thrust_6",
+        "thrust_7",
+        "contact_n",
+    }
+    dead = {name for name, column in zip(NAMES, rows.T, strict=True) if np.ptp(column) == 0.0}
+    assert dead == idle
+
+
+def test_no_observation_is_dead_and_nothing_is_nan(short: Configuration) -> None:
+    program = Watching(short)
+    run_trial("currents-v1", short, program, seed=5, trial=0, on_rows=lambda _rows: None)
+    told = np.array(program.told)
+
+    assert told.shape == (240, len(empty(5)))
+    assert np.isfinite(told).all()
+    idle = {"dt", "target_age", *BOOLEANS}
+    for name, count, _unit, _meaning in FIELDS:
+        values = told[:, STARTS[name] : STARTS[name] + max(count, 1)]
+        assert (np.ptp(values, axis=0) > 0.0).all() == (name not in idle), name
+
+
+def test_the_program_hears_of_each_level_but_not_of_its_current(short: Configuration) -> None:
+    program = Watching(short)
+    run_trial("currents-v1", short, program, seed=5, trial=0, on_rows=lambda _rows: None)
+
+    assert [level["index"] for level in program.levels] == [0, 1]
+    assert [level["t"] for level in program.levels] == [0.0, 6.0]
+    assert set(program.levels[0]) == {"index", "count", "duration_s", "dt", "t"}
+
+
+def test_rows_come_once_a_second_and_the_rest_when_the_program_raises(
+    short: Configuration,
+) -> None:
+    delivered: list[Rows] = []
+
+    with pytest.raises(ArithmeticError, match="the program ended"):
+        run_trial("currents-v1", short, Broken(130), seed=5, trial=0, on_rows=delivered.append)
+
+    assert [len(rows) for rows in delivered] == [20] * 6 + [10]
+    rows = np.concatenate(delivered)
+    assert rows[:, INDEX["t"]] == pytest.approx(np.arange(130) * 0.05)
+    assert np.isfinite(rows).all()
+
+
+def test_two_processes_come_to_the_same_bytes_without_bullet_where_nothing_touches(
+    run_short: RunOf,
+) -> None:
+    here, _rows = run_short({})
+
+    command = [sys.executable, "-c", ONE_RUN]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+
+    assert json.loads(done.stdout) == [here.digest, here.score, False]
+
+
+def test_the_digest_of_a_trial_is_that_of_its_rows(run_short: RunOf) -> None:
+    result, rows = run_short({})
+
+    assert result.digest == telemetry.digest(rows)
+    assert result.rows == len(rows)
+
+
+def test_another_seed_or_trial_is_another_trajectory(short: Configuration) -> None:
+    digests = {
+        run_trial(
+            "currents-v1", short, BuiltIn("pi", short), seed=seed, trial=trial, on_rows=_ignore
+        ).digest
+        for seed, trial in ((5, 0), (6, 0), (5, 1))
+    }
+
+    assert len(digests) == 3
+
+
+def test_the_tracker_may_start_from_perturbed_corners(run_short: RunOf) -> None:
+    _result, rows = run_short({"start_error_px": 1.0})
+
+    assert rows[0, INDEX["tracker_error"]] > 0.3
+
+
+class Steady:
+    """Always answers the same."""
+
+    def __init__(self, command: Command) -> None:
+        self._command = command
+
+    def reset(self, level: Mapping[str, float | int]) -> None:
+        pass
+
+    def step(self, values: NDArray[np.float64]) -> Command:
+        return self._command
+
+
+@pytest.mark.parametrize("vehicle", ["girona500", "girona500-uwsim"])
+@pytest.mark.parametrize(
+    "command", [(0.0, 0.0, 1.0, 0.0), (1.0, 0.0, -1.0, 9.0), (1e300, -1e300, 1e300, 1e300)]
+)
+def test_a_wild_program_ends_with_a_finite_state_above_the_bottom_and_few_points(
+    vehicle: str, command: Command, currents: Benchmark
+) -> None:
+    config = currents.read({**SHORT, "vehicle": vehicle, "levels": 0.1, "level_duration_s": 20})
+    rows: list[Rows] = []
+
+    result = run_trial("currents-v1", config, Steady(command), seed=5, trial=0, on_rows=rows.append)
+
+    states = np.concatenate(rows)[:, INDEX["x"] : INDEX["current_z"] + 1]
+    assert np.isfinite(states).all()
+    assert states[:, 2].max() < 5.0
+    assert 0.0 <= result.score < 40.0
+
+
+def test_diving_onto_the_bottom_is_a_collision_in_rows_and_metrics(currents: Benchmark) -> None:
+    config = currents.read({**SHORT, "levels": 0.1, "level_duration_s": 20, "tracker": "truth"})
+    rows: list[Rows] = []
+
+    dive = Steady((0.0, 0.0, 1.0, 0.0))
+    result = run_trial("currents-v1", config, dive, seed=5, trial=0, on_rows=rows.append)
+
+    force = np.concatenate(rows)[:, INDEX["contact_n"]]
+    touched = np.flatnonzero(force)
+    assert touched[0] > 100
+    assert 10.0 < force[-1] < 300.0
+    level = result.levels[0]
+    assert level["whole_collisions"] >= 1.0
+    assert level["whole_contact_s"] == pytest.approx(len(touched) * 0.05)
+    assert level["whole_contact_max_n"] == force.max()
+
+
+def test_an_unknown_benchmark_is_a_key_error(short: Configuration) -> None:
+    with pytest.raises(KeyError):
+        run_trial("x-v1", short, BuiltIn("p", short), seed=0, trial=0, on_rows=_ignore)
+
+
+def test_the_summary_is_json_with_trials_levels_and_an_interval(
+    run_short: RunOf, short: Configuration
+) -> None:
+    result, _rows = run_short({})
+    results = [result, replace(result, trial=1)]
+
+    summary = summarise("currents-v1", short, results)
+
+    assert json.loads(json.dumps(summary, allow_nan=False)) == summary
+    assert summary["score"] == pytest.approx(result.score)
+    assert summary["score_low"] == pytest.approx(result.score)
+    assert (summary["rankable"], summary["level_held"]) == (True, 0.3)
+    assert [level["speed"] for level in summary["levels"]] == [0.1, 0.3]
+    assert [trial["trial"] for trial in summary["trials"]] == [0, 1]
+
+
+def test_one_trial_has_no_interval(run_short: RunOf, short: Configuration) -> None:
+    result, _rows = run_short({})
+
+    summary = summarise("currents-v1", short, [result])
+
+    assert (summary["score_low"], summary["score_high"]) == (None, None)
+
+
+@pytest.mark.parametrize("spoil", [{"points": math.nan}, {"whole_lost_percent": 100.0}])
+def test_a_trial_without_a_number_or_without_its_target_never_ranks(
+    run_short: RunOf, short: CurrentsConfiguration, spoil: dict[str, float]
+) -> None:
+    result, _rows = run_short({})
+    levels = (result.levels[0], {**result.levels[1], **spoil})
+    spoiled = replace(result, levels=levels, standing=EXPERIMENT.standing(short, levels))
+
+    summary = summarise("currents-v1", short, [result, spoiled])
+
+    assert summary["rankable"] is False
+    json.dumps(summary, allow_nan=False)
+
+
+def _ignore(_rows: Rows) -> None:
+    pass
+
+
+def test_a_score_of_ones_own_is_the_mean_of_the_trials_own_scores(
+    run_short: RunOf, currents: Benchmark
+) -> None:
+    config = currents.read({**SHORT, "score": "time + 100 * collision - rmse_m"})
+    result, _rows = run_short({})
+
+    own = summarise("currents-v1", config, [result, result])["own_score"]
+
+    assert own["expression"] == "time + 100 * collision - rmse_m"
+    assert own["value"] == pytest.approx(12.0 + 100.0 - result.overall["rmse_m"])
+    assert own["why"] == ""
+
+
+def test_a_score_of_ones_own_without_a_value_says_why() -> None:
+    own = own_score("2 * settling_s", [{"settling_s": 1.0}, {"settling_s": None}])
+
+    assert own is not None
+    assert own["value"] is None
+    assert "settling_s has no value" in own["why"]
+
+
+def test_the_summary_has_the_measures_of_every_level_and_of_the_run(
+    run_short: RunOf, short: Configuration
+) -> None:
+    result, rows = run_short({})
+
+    summary = summarise("currents-v1", short, [result])
+
+    assert tuple(summary["measures"]) == uwsim_metrics.NAMES
+    assert tuple(summary["levels"][0]["measures"]) == uwsim_metrics.NAMES
+    assert summary["measures"]["distance"] == pytest.approx(uwsim_metrics.distance(rows))
+    assert summary["overall"]["max_m"] == max(level["max_m"] for level in summary["levels"])

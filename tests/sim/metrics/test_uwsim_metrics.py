@@ -1,0 +1,122 @@
+"""The original module's measures on rows that a person can work out."""
+
+import math
+
+import numpy as np
+import pytest
+
+from seamark.sim.metrics import uwsim_metrics
+from seamark.sim.recording.telemetry import INDEX, WIDTH, Rows
+
+
+def rows_of(count: int, **columns: list[float]) -> Rows:
+    rows = np.zeros((count, WIDTH))
+    rows[:, INDEX["tracker_ok"]] = 1.0
+    for name, values in columns.items():
+        rows[:, INDEX[name]] = values
+    return rows
+
+
+def test_time_is_simulated() -> None:
+    assert uwsim_metrics.time(rows_of(3, t=[1.0, 1.5, 2.0], step_us=[1e9, 1e9, 1e9])) == 1.0
+
+
+def test_the_path_leaves_out_the_way_back_to_a_levels_start() -> None:
+    rows = rows_of(4, x=[0.0, 3.0, 0.0, 0.0], y=[0.0, 4.0, 0.0, 1.0], level=[0.0, 0.0, 1.0, 1.0])
+
+    assert uwsim_metrics.distance(rows) == 6.0
+
+
+def test_a_collision_costs_its_mean_and_its_greatest_speed() -> None:
+    rows = rows_of(3, u=[0.1, 0.0, 9.0], v=[0.0, 0.2, 0.0], contact_n=[5.0, 1.0, 0.0])
+
+    assert uwsim_metrics.contacts(rows) == pytest.approx(
+        {"ticks": 2.0, "mean_speed": 0.15, "max_speed": 0.2}
+    )
+    score = uwsim_metrics.collision(**uwsim_metrics.contacts(rows))
+    assert score == pytest.approx(1.0 - 0.15 / 0.5 - 0.2 / 0.5)
+    assert uwsim_metrics.collision(**uwsim_metrics.contacts(rows[2:])) == 1.0
+    assert uwsim_metrics.collision(ticks=1.0, mean_speed=9.0, max_speed=9.0) == 0.0
+
+
+def test_the_position_error_is_whole_and_by_axis() -> None:
+    result = uwsim_metrics.position_error(rows_of(2, x=[4.0, -2.0], y=[4.0, 4.0]), (1.0, 0.0, 0.0))
+
+    assert result == {"total": 5.0, "x": 3.0, "y": 4.0, "z": 0.0}
+
+
+def test_a_lost_target_is_no_part_of_the_norms() -> None:
+    rows = rows_of(2, tracked_x=[3.0, -1.0], tracked_y=[4.0, -1.0], tracker_error=[5.0, 99.0])
+    rows[1, INDEX["tracker_ok"]] = 0.0
+
+    assert uwsim_metrics.euclidean_norm(rows) == {"corners": 10.0, "centroid": 5.0}
+    assert math.isnan(uwsim_metrics.euclidean_norm(rows[1:])["corners"])
+
+
+def test_a_path_is_followed_with_iae_and_ise_apart() -> None:
+    rows = rows_of(3, x=[0.0, 1.0, 5.0], y=[0.0, 2.0, 4.0])
+
+    result = uwsim_metrics.path_following(rows, [(0.0, 0.0, 0.0), (2.0, 0.0, 0.0)], 0.5)
+
+    assert result == pytest.approx({"iae": 3.5, "ise": 14.5, "distanceToPath": 7.0 / 3.0})
+
+
+def test_the_target_is_centred_by_axis() -> None:
+    rows = rows_of(2, distance_px=[5.0, 5.0], error_x_px=[3.0, -3.0], error_y_px=[4.0, 4.0])
+
+    assert uwsim_metrics.object_centered_on_cam(rows) == {"total": 5.0, "x": 3.0, "y": 4.0}
+
+
+@pytest.mark.parametrize("axis", ["roll", "pitch", "yaw"])
+def test_a_turn_about_one_axis_is_the_angle_itself(axis: str) -> None:
+    rows = rows_of(2, **{axis: [0.0, 0.3]})
+
+    assert uwsim_metrics.attitude_error(rows) == pytest.approx(0.15)
+
+
+def test_a_turn_is_measured_from_how_the_level_starts() -> None:
+    rows = rows_of(3, yaw=[3.1, 3.1, 3.4 - 2 * math.pi])
+
+    assert uwsim_metrics.attitude_error(rows) == pytest.approx(0.1)
+
+
+def test_every_measure_of_a_level_is_in_the_table() -> None:
+    rows = rows_of(3, t=[0.0, 0.5, 1.0], x=[0.0, 3.0, 3.0], distance_px=[0.0, 1.0, 2.0])
+
+    result = uwsim_metrics.of_level(rows)
+
+    assert tuple(result) == uwsim_metrics.NAMES
+    assert (result["time"], result["distance"], result["positionError"]) == (1.5, 3.0, 2.0)
+    assert (result["pathFollowingIAE"], result["pathFollowingISE"]) == (3.0, 9.0)
+    assert (result["collision"], result["seenTicks"], result["objectCenteredOnCam"]) == (1, 3, 1)
+
+
+def levels() -> list[Rows]:
+    one = rows_of(4, t=[0.0, 0.5, 1.0, 1.5], x=[0.0, 1.0, 2.0, 4.0], tracker_error=[1.0] * 4)
+    two = rows_of(4, t=[2.0, 2.5, 3.0, 3.5], u=[0.0, 0.1, 0.3, 0.0], tracker_error=[3.0] * 4)
+    two[:, INDEX["level"]] = 1.0
+    two[1:3, INDEX["contact_n"]] = 7.0
+    two[1:, INDEX["tracker_ok"]] = 0.0
+    return [one, two]
+
+
+def test_over_the_run_a_measure_is_what_all_rows_together_give() -> None:
+    one, two = levels()
+    rows = np.concatenate([one, two])
+
+    result = uwsim_metrics.of_run([uwsim_metrics.of_level(one), uwsim_metrics.of_level(two)])
+
+    assert result["time"] == uwsim_metrics.time(rows) + 0.5
+    assert result["distance"] == uwsim_metrics.distance(rows)
+    assert result["corners"] == pytest.approx(uwsim_metrics.euclidean_norm(rows)["corners"])
+    assert result["collision"] == pytest.approx(
+        uwsim_metrics.collision(**uwsim_metrics.contacts(rows))
+    )
+    assert result["positionError"] == pytest.approx(7.0 / 8.0)
+    assert result["pathFollowingIAE"] == pytest.approx(3.5)
+
+
+def test_a_run_that_never_sees_its_target_has_no_norm() -> None:
+    level = uwsim_metrics.of_level(levels()[1][1:])
+
+    assert math.isnan(uwsim_metrics.of_run([level, level])["corners"])

@@ -1,0 +1,60 @@
+"""Compiled code belongs to the sources it was made of."""
+
+from pathlib import Path
+
+import pytest
+
+from seamark.sim.camera import raycast
+from seamark.sim.numerics import libm
+from seamark.sim.numerics.compiled_cache import ROOT, NamedAfterSources, stamp
+from seamark.sim.physics.plant import Plant
+
+SOURCES = {
+    "sim/__init__.py": "",
+    "sim/drag.py": "from seamark.sim.sines import sin\n",
+    "sim/sines.py": "import math\n",
+    "sim/camera/__init__.py": "from seamark.sim.camera import rays\n",
+    "sim/camera/rays.py": "import seamark.sim.drag\n",
+    "sim/water.py": "from seamark.sim import tides\n",
+    "sim/tides.py": "",
+}
+
+
+def _stamps(folder: Path, **changed: str) -> dict[str, str]:
+    for name, text in (SOURCES | changed).items():
+        path = folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text)
+    return {name: stamp(folder / name, folder) for name in SOURCES}
+
+
+@pytest.mark.parametrize(
+    ("changed", "affected"),
+    [
+        (
+            "sim/sines.py",
+            {"sim/sines.py", "sim/drag.py", "sim/camera/rays.py", "sim/camera/__init__.py"},
+        ),
+        ("sim/camera/rays.py", {"sim/camera/rays.py", "sim/camera/__init__.py"}),
+        ("sim/tides.py", {"sim/tides.py", "sim/water.py"}),
+    ],
+)
+def test_a_change_compiles_anew_what_depends_on_it_and_nothing_else(
+    tmp_path: Path, changed: str, affected: set[str]
+) -> None:
+    before = _stamps(tmp_path / "a")
+    after = _stamps(tmp_path / "b", **{changed: SOURCES[changed] + "# changed\n"})
+
+    assert {name for name in SOURCES if before[name] != after[name]} == affected
+
+
+def test_compiled_functions_are_kept_under_the_stamp_of_their_sources() -> None:
+    for function, module in ((libm.sin, libm), (raycast.draw, raycast)):
+        path = Path(module.__file__).resolve()
+        assert (
+            Path(function._cache.cache_path).name == f"numba-{path.stem}-{stamp(path, ROOT)[:16]}"
+        )
+
+
+def test_code_that_is_not_of_the_simulator_is_left_to_numba() -> None:
+    assert NamedAfterSources.from_function(Plant.pose, "/usr/lib/python3/other.py") is None

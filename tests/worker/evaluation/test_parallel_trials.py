@@ -1,0 +1,231 @@
+"""Trials in processes of their own: nobody who listens can tell, and nobody outlives the run."""
+
+import os
+import signal
+import time
+from collections.abc import Iterator
+from contextlib import closing
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from seamark.sandbox.isolation.level import Level
+from seamark.sandbox.isolation.proc_stats import tree
+from seamark.sandbox.languages.python import SELF_TEST
+from seamark.sandbox.limits import Limits
+from seamark.sandbox.outcome import Outcome, SandboxBroken
+from seamark.sandbox.probing.probes import probe
+from seamark.sim.engine.program import Command
+from seamark.sim.recording.telemetry import STEP_US, WIDTH
+from seamark.worker.evaluation.cores import Cores
+from seamark.worker.evaluation.evaluation import Ending, Evaluation
+from seamark.worker.evaluation.job import Job
+from seamark.worker.evaluation.local import Hearing, evaluate_here
+from seamark.worker.evaluation.parallel_trials import SideBySide, TrialBroken
+from seamark.worker.evaluation.trial import TrialEnd, TrialListener
+from tests.worker.conftest import SHORT
+from tests.worker.fakes import SLOW, FakeBox, FakeListener
+
+_ANY: Any = "a result"
+
+
+def places() -> Cores:
+    """Two cores; on a machine with one, nothing is side by side, and the tests hold too."""
+    return Cores(None, sorted(os.sched_getaffinity(0))[:2])
+
+
+@pytest.fixture
+def job(tmp_path: Path) -> Job:
+    program = tmp_path / "program"
+    program.write_text("the fake box does not read it")
+    return Job(
+        benchmark="currents-v1",
+        config=dict(SHORT),
+        seeds=(5, 6, 7),
+        shown_seed=5,
+        controller="upload",
+        program=program,
+    )
+
+
+class Logging(FakeListener):
+    """Keeps the log too."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.text = b""
+
+    def log(self, text: bytes) -> None:
+        self.text += text
+
+
+def heard_here(
+    processes: int, controller: str | tuple[bytes, str] = "pi", level: Level = Level.NONE
+) -> tuple[Ending, list[Any]]:
+    heard: list[Any] = []
+    hearing = Hearing(
+        rows=lambda rows: heard.append(np.delete(rows, STEP_US, axis=1).tolist()),
+        log=heard.append,
+        progress=heard.append,
+        cut=heard.append,
+    )
+    order = {"seed": 3, "trials": 3, "hearing": hearing, "processes": processes}
+    return evaluate_here("currents-v1", SHORT, controller=controller, level=level, **order), heard
+
+
+def test_what_is_heard_does_not_depend_on_the_number_of_processes() -> None:
+    one, heard_from_one = heard_here(1)
+    two, heard_from_two = heard_here(2)
+
+    assert asdict(two) == asdict(one)
+    assert heard_from_two == heard_from_one
+
+
+@pytest.fixture
+def level() -> Level:
+    isolation = probe()
+    if isolation.level < Level.MEDIUM:
+        pytest.skip(isolation.sentence())
+    return isolation.level
+
+
+@pytest.mark.host
+def test_an_upload_gives_the_same_from_boxes_that_waited_and_leaves_none(level: Level) -> None:
+    before = tree(os.getpid())
+    program = (SELF_TEST.encode(), "half.py")
+
+    one, heard_from_one = heard_here(1, program, level)
+    two, heard_from_two = heard_here(2, program, level)
+
+    assert (one.verdict, one.digest, one.metrics) == (two.verdict, two.digest, two.metrics)
+    assert (one.verdict, heard_from_two) == ("ok", heard_from_one)
+    assert tree(os.getpid()) == before
+
+
+@pytest.mark.parametrize("suspect", [False, True])
+def test_a_program_that_ends_early_ends_the_run_as_one_after_the_other(
+    job: Job, suspect: bool
+) -> None:
+    outcome = Outcome(verdict=SLOW.verdict, sentence="too slow", suspect_host=suspect)
+
+    def make(language: str, limits: Limits) -> FakeBox:
+        return FakeBox(ends_at=50, outcome=outcome)
+
+    one, two = FakeListener(), FakeListener()
+    in_turn = Evaluation(job, one, make).run()
+    beside = Evaluation(job, two, make, cores=places()).run()
+
+    assert beside == in_turn
+    assert (two.cuts, two.ended) == (one.cuts, one.ended) == ([0] if suspect else [], [])
+    assert len(np.concatenate(two.heard)) == len(np.concatenate(one.heard)) == 50
+
+
+class Deadly(FakeBox):
+    """Kills the simulator's process in the middle of a trial, as the kernel may."""
+
+    def step(self, values: Any) -> Command:
+        if self.steps == 30:
+            os.kill(os.getpid(), signal.SIGKILL)
+        return super().step(values)
+
+
+def test_a_trial_that_is_killed_is_our_failure_and_leaves_no_process(job: Job) -> None:
+    listener, before = FakeListener(), tree(os.getpid())
+
+    with pytest.raises(TrialBroken, match="trial 0 died: SIGKILL"):
+        Evaluation(job, listener, lambda *_: Deadly(), cores=places()).run()
+
+    assert len(np.concatenate(listener.heard)) == 20  # what had come by then is not lost
+    assert tree(os.getpid()) == before
+
+
+def test_a_trial_that_ends_without_a_result_says_how(job: Job) -> None:
+    with pytest.raises(TrialBroken, match="trial 0 died: exit code 3"):
+        Evaluation(job, FakeListener(), lambda *_: os._exit(3), cores=places()).run()
+
+
+def test_a_trial_that_breaks_before_its_program_comes_says_why() -> None:
+    nowhere = Cores(None, [4095])
+
+    with pytest.raises(TrialBroken, match="OSError"):
+        list(SideBySide(talkative, nowhere, 1).ends(FakeListener()))
+
+
+def test_a_broken_box_and_a_mistake_of_ours_are_told_apart(job: Job) -> None:
+    def broken(language: str, limits: Limits) -> FakeBox:
+        raise SandboxBroken("no room")
+
+    with pytest.raises(SandboxBroken, match="no room"):
+        Evaluation(job, FakeListener(), broken, cores=places()).run()
+    with pytest.raises(TrialBroken, match="ZeroDivisionError"):
+        Evaluation(job, FakeListener(), lambda *_: FakeBox(1 // 0), cores=places()).run()
+
+
+def talkative(trial: int, listener: TrialListener) -> TrialEnd:
+    """The later the trial, the more it says and the sooner it is done."""
+    time.sleep(0.05 * (3 - trial))
+    for at in range(20 * (1 + trial)):
+        listener.rows(np.full((300, WIDTH), 100.0 * trial + at))
+        listener.log(f"{trial}:{at} ".encode())
+    return TrialEnd(result=_ANY)
+
+
+@pytest.mark.parametrize("kept_max", [0, 2**20, 2**26])
+def test_everything_arrives_in_the_order_of_the_trials_however_little_is_kept(
+    kept_max: int,
+) -> None:
+    listener = Logging()
+
+    ends = list(SideBySide(talkative, places(), 4, kept_max=kept_max).ends(listener))
+
+    wanted = [(trial, at) for trial in range(4) for at in range(20 * (1 + trial))]
+    assert [rows[0, 0] for rows in listener.heard] == [100.0 * t + at for t, at in wanted]
+    assert listener.text == "".join(f"{t}:{at} " for t, at in wanted).encode()
+    assert [end.result for end in ends] == [_ANY] * 4
+
+
+def endless(trial: int, listener: TrialListener) -> TrialEnd:
+    """Trial 0 ends as soon as trial 1 runs; the others never do, but are told to."""
+    if trial > 0:
+        os.write(BEGUN[1], b"x")
+        try:
+            time.sleep(600)
+        finally:
+            os.write(BEGUN[1], b"y")
+    assert os.read(BEGUN[0], 1) == b"x"
+    return TrialEnd(result=_ANY)
+
+
+BEGUN = [-1, -1]
+
+
+@pytest.fixture
+def pipe() -> Iterator[None]:
+    BEGUN[:] = os.pipe()
+    yield
+    for descriptor in BEGUN:
+        os.close(descriptor)
+
+
+@pytest.mark.usefixtures("pipe")
+def test_whoever_stops_listening_stops_the_trials_in_order() -> None:
+    if places().count < 2:
+        pytest.skip("one core: no other trial runs meanwhile")
+    before = tree(os.getpid())
+
+    with closing(SideBySide(endless, places(), 3).ends(FakeListener())) as ends:
+        next(ends)
+
+    os.set_blocking(BEGUN[0], False)
+    assert b"y" in os.read(BEGUN[0], 10)  # it ended its box before itself
+    assert tree(os.getpid()) == before
+
+
+def test_the_outcomes_of_all_trials_are_added_up(job: Job) -> None:
+    ending = Evaluation(job, FakeListener(), lambda *_: FakeBox(), cores=places()).run()
+
+    assert (ending.verdict, ending.usage["cpu_s"]) == ("ok", 0.0)
+    assert [trial["trial"] for trial in (ending.metrics or {})["trials"]] == [0, 1, 2]

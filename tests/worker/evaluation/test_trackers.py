@@ -1,0 +1,174 @@
+"""Uploaded trackers through the whole chain, in real boxes: every bad answer has a clear cause."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from seamark.sandbox.isolation.level import Level
+from seamark.sandbox.limits import Limits
+from seamark.sandbox.probing.probes import probe
+from seamark.server.programs import starter_files
+from seamark.sim.recording.telemetry import INDEX, Rows
+from seamark.worker.evaluation.evaluation import Ending, Evaluation
+from seamark.worker.evaluation.job import Job
+from seamark.worker.evaluation.local import Hearing, evaluate_here
+from seamark.worker.evaluation.program_adapters import BoxedTracker
+from tests.worker.fakes import FakeBox, FakeListener
+
+NAME = "visibility-v1"
+SHORT = {"sweep_to": 0.5, "sweep_step": 0.5, "level_duration_s": 2.0}
+LARGE = {"camera_width_px": 640, "camera_height_px": 480, "camera_focal_px": 514.7}
+SQUARE = np.array([[10.0, 10.0], [50.0, 10.0], [50.0, 30.0], [10.0, 30.0]])
+PROGRAM = """
+class Tracker:
+    def __init__(self, config):
+        pass
+
+    def start(self, image, corners):
+        self.corners = corners.copy()
+
+    def update(self, image):
+        {answer}
+"""
+
+
+@pytest.fixture(scope="module")
+def level() -> Level:
+    isolation = probe()
+    if isolation.level < Level.MEDIUM:
+        pytest.skip(isolation.sentence())
+    return isolation.level
+
+
+class Heard:
+    """What a run told while it went."""
+
+    def __init__(self) -> None:
+        self.parts: list[Rows] = []
+        self.text = b""
+
+    def log(self, text: bytes) -> None:
+        self.text += text
+
+    @property
+    def rows(self) -> Rows:
+        return np.concatenate(self.parts)
+
+
+def evaluated(source: str, level: Level, **config: object) -> tuple[Ending, Heard]:
+    heard = Heard()
+    hearing = Hearing(
+        rows=heard.parts.append,
+        log=heard.log,
+        progress=lambda progress: None,
+        cut=lambda trial: heard.parts.clear(),
+    )
+    settings = SHORT | config
+    program = (source.encode(), "mine.py")
+    ending = evaluate_here(
+        NAME, settings, seed=3, controller=program, hearing=hearing, level=level, processes=1
+    )
+    return ending, heard
+
+
+@pytest.mark.host
+@pytest.mark.parametrize("size", [{}, LARGE], ids=["320x240", "640x480"])
+def test_the_template_tracker_follows_its_target(level: Level, size: dict[str, object]) -> None:
+    ending, _ = evaluated(starter_files.of("python", "tracker"), level, **size)
+
+    assert (ending.verdict, ending.sentence) == ("ok", "")
+    assert ending.metrics is not None
+    assert ending.metrics["overall"]["p1_percent"] > 90.0
+
+
+@pytest.mark.host
+@pytest.mark.parametrize(
+    ("answer", "verdict", "told"),
+    [
+        ("return self.corners[:3]", "protocol_error", "(3, 2)"),
+        ("return self.corners * float('nan')", "protocol_error", "nan"),
+        ("return 'here'", "protocol_error", "str"),
+        ("return self.corners + 1e9", "protocol_error", "1000000"),
+        ("raise ValueError('no idea')", "user_error", "no idea"),
+        ("while True: pass", "time_limit", "update(image)"),
+    ],
+)
+def test_what_is_no_answer_ends_the_run_with_its_cause(
+    level: Level, answer: str, verdict: str, told: str
+) -> None:
+    ending, heard = evaluated(PROGRAM.format(answer=answer), level)
+
+    assert ending.verdict == verdict
+    assert told in ending.sentence + ending.traceback
+    assert len(heard.rows) == 1  # the row of the start: the data so far is kept
+
+
+@pytest.mark.host
+def test_corners_that_are_no_convex_quadrilateral_count_as_lost_and_the_log_says_so(
+    level: Level,
+) -> None:
+    ending, heard = evaluated(PROGRAM.format(answer="return self.corners[[0, 2, 1, 3]]"), level)
+
+    assert ending.verdict == "ok"
+    assert heard.rows[:, INDEX["tracker_ok"]].tolist() == ([1.0] + [0.0] * 39) * 2
+    assert b"[78 of 78 answers of update() were no convex quadrilateral" in heard.text
+    assert ending.metrics is not None
+    assert ending.metrics["rankable"] is False
+
+
+@pytest.mark.host
+def test_a_tracker_sees_no_truth_but_the_corners_of_its_start(level: Level) -> None:
+    snoop = "print(sorted(vars(self)), sorted(k for k in self.config if 'seed' in k)); return None"
+    source = PROGRAM.format(answer=snoop).replace("        pass", "        self.config = config")
+
+    ending, heard = evaluated(source, level)
+
+    assert ending.verdict == "ok"
+    assert set(heard.text.splitlines()) == {b"['config', 'corners'] []"}
+
+
+class Answering(FakeBox):
+    """A box whose tracker gives the answers of a list, over and over."""
+
+    def __init__(self, *answers: object) -> None:
+        super().__init__()
+        self._answers = answers
+
+    def update(self, image: object) -> object:  # type: ignore[override]
+        self.steps += 1
+        return self._answers[self.steps % len(self._answers)]
+
+
+def test_an_answer_is_taken_over_and_none_is_a_loss_at_the_last_place() -> None:
+    tracker = BoxedTracker(Answering(None, SQUARE + 1.0))
+    tracker.start(np.zeros((60, 80), np.uint8), SQUARE)
+
+    first, second = (tracker.update(np.zeros((60, 80), np.uint8)) for _ in range(2))
+
+    assert (first.ok, second.ok) == (True, False)
+    assert np.array_equal(first.corners, SQUARE + 1.0)
+    assert np.array_equal(second.corners, SQUARE + 1.0)
+    assert tracker.window() == (0, 0, 80, 60)
+    assert tracker.remark() == ""
+
+
+def test_a_tracker_in_a_box_gives_the_same_bytes_one_after_the_other(tmp_path: Path) -> None:
+    program = tmp_path / "program"
+    program.write_text("the fake box does not read it")
+    job = Job(
+        benchmark=NAME,
+        config=dict(SHORT),
+        seeds=(3,),
+        shown_seed=3,
+        controller="upload",
+        program=program,
+    )
+
+    def make(language: str, limits: Limits) -> FakeBox:
+        return FakeBox()
+
+    endings = [Evaluation(job, FakeListener(), make).run() for _ in range(2)]
+
+    assert endings[0].digest == endings[1].digest
+    assert {ending.verdict for ending in endings} == {"ok"}

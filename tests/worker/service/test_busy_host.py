@@ -1,0 +1,53 @@
+"""What a host does beside a run is in no result."""
+
+import subprocess
+import sys
+
+import pytest
+
+from seamark.sandbox.isolation.level import Level
+from seamark.sandbox.probing.probes import probe
+from seamark.worker.evaluation.local import Hearing, evaluate_here
+
+pytestmark = [pytest.mark.host, pytest.mark.slow]
+
+CONFIG = {"levels": [0.0, 0.2], "level_duration_s": 4.0, "settle_s": 1.0}
+BUSY = 4
+SOURCE = b"""
+import numpy as np
+
+class Controller:
+    def __init__(self, config):
+        self.seen = np.zeros(3)
+
+    def step(self, observation):
+        self.seen = 0.9 * self.seen + 0.1 * observation.error
+        return [*(0.5 * observation.error + 0.1 * self.seen), 0.0]
+"""
+DEAF = Hearing(rows=lambda _: None, log=lambda _: None, progress=lambda _: None, cut=lambda _: None)
+
+
+def evaluated(level: Level) -> tuple[str, object]:
+    ending = evaluate_here(
+        "currents-v1", CONFIG, seed=5, controller=(SOURCE, "mine.py"), hearing=DEAF, level=level
+    )
+    assert ending.metrics is not None, ending.sentence
+    return ending.digest, ending.metrics["score"]
+
+
+def test_a_runs_score_is_the_same_with_four_busy_processes_beside_it() -> None:
+    level = probe().level
+    if level < Level.MEDIUM:
+        pytest.skip("needs a box")
+    alone = evaluated(level)
+
+    spin = [sys.executable, "-I", "-S", "-c", "while True: pass"]
+    neighbours = [subprocess.Popen(spin) for _ in range(BUSY)]
+    try:
+        beside_others = evaluated(level)
+    finally:
+        for neighbour in neighbours:
+            neighbour.kill()
+            neighbour.wait()
+
+    assert beside_others == alone

@@ -1,0 +1,96 @@
+"""A worker whose simulator is still being compiled, with a stand-in that is warm when told to."""
+
+import os
+import threading
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from seamark.sandbox.isolation.level import Level
+from seamark.worker.evaluation.job import Place
+from seamark.worker.service.host import Host
+from seamark.worker.service.run_loop import Member
+from seamark.worker.zygote.client import Simulator, SimulatorBroken
+from tests.worker.conftest import Service
+
+# Started as `seamark.worker.zygote.process` is; it is warm as soon as somebody
+# writes to the named pipe.
+SLOW = """
+import os, socket, sys
+control = socket.socket(fileno=int(sys.argv[1]))
+with open(os.environ["SLOW_START"]) as start:
+    if start.read() == "fail":
+        sys.exit(1)
+control.send(b"ready")
+control.recv(1)
+"""
+
+
+@pytest.fixture
+def start(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The named pipe that the stand-in waits for."""
+    path = tmp_path / "start"
+    os.mkfifo(path)
+    monkeypatch.setenv("SLOW_START", str(path))
+    return path
+
+
+@pytest.fixture
+def simulator(start: Path, tmp_path: Path) -> Iterator[Simulator]:
+    program = tmp_path / "slow.py"
+    program.write_text(SLOW)
+    made = Simulator(Place(Level.NONE, None), tmp_path, program=(str(program),))
+    yield made
+    made.stop()
+
+
+def test_a_simulator_is_warm_when_it_says_so(simulator: Simulator, start: Path) -> None:
+    assert not simulator.wait_warm(0.0)
+
+    start.write_text("go")
+
+    assert simulator.wait_warm(30.0)
+    assert simulator.wait_warm(0.0)
+
+
+def test_a_simulator_that_ends_while_it_starts_is_our_failure(
+    simulator: Simulator, start: Path
+) -> None:
+    assert not simulator.wait_warm(0.0)
+
+    start.write_text("fail")
+
+    with pytest.raises(SimulatorBroken):
+        simulator.wait_warm(30.0)
+
+
+def test_no_run_is_claimed_before_the_simulator_is_warm(
+    service: Service, simulator: Simulator
+) -> None:
+    run_id = service.queue()
+    stopping = threading.Event()
+    host = Host(service.settings, "w", Level.NONE, (), ())
+    member = Member(
+        service.app, service.settings, host, index=0, stopping=stopping, simulator=simulator
+    )
+    working = threading.Thread(target=member.work)
+
+    working.start()
+    working.join(1.0)  # it would claim within milliseconds
+    waits = working.is_alive()
+    attempts = service.show(run_id).attempt
+    stopping.set()
+    working.join(30.0)
+    member.close()
+
+    assert (waits, attempts) == (True, 0)
+
+
+def test_the_real_simulator_says_when_it_is_warm(tmp_path: Path) -> None:
+    simulator = Simulator(Place(Level.NONE, None), tmp_path)
+
+    warm = simulator.wait_warm(240.0)
+    simulator.stop()
+
+    assert warm

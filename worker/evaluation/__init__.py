@@ -1,0 +1,1 @@
+"""A run evaluated: trials, the program's box, checks."""

@@ -1,0 +1,139 @@
+"""A program in a box as the simulator sees it."""
+
+from collections.abc import Callable, Mapping
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seamark.sandbox.compilation import compiled
+from seamark.sandbox.isolation.level import Level
+from seamark.sandbox.limits import Limits
+from seamark.sandbox.outcome import Outcome
+from seamark.sandbox.pool import Pool
+from seamark.sandbox.protocol.answers import Corners
+from seamark.server.runs import trial_limits
+from seamark.sim.engine.program import Command
+from seamark.sim.trackers import Track, Window
+from seamark.sim.trackers.template.warps import is_convex
+from seamark.worker.evaluation.job import Place
+
+LONGEST_TRIAL_S = 3600.0  # [s] simulated, for which boxes in stock are good
+
+
+class BoxLike(Protocol):
+    """What is needed of a box; tests have one without a sandbox."""
+
+    def load(  # noqa: D102 - see seamark.sandbox.box.Box
+        self,
+        source: bytes,
+        filename: str,
+        config: Mapping[str, object],
+        layout: Mapping[str, object],
+    ) -> None: ...
+    def reset(self, level: Mapping[str, object]) -> None: ...  # noqa: D102
+    def step(self, values: Any) -> Command: ...  # noqa: D102
+    def start(self, image: Any, corners: Any) -> None: ...  # noqa: D102
+    def update(self, image: Any) -> Corners | None: ...  # noqa: D102
+    def finish(self) -> Outcome: ...  # noqa: D102
+    def take_output(self) -> bytes: ...  # noqa: D102
+    def close(self) -> None: ...  # noqa: D102
+
+
+MakeBox = Callable[[str, Limits], BoxLike]
+Compile = Callable[[str, bytes, str], bytes]  # language, source, file name -> what a box runs
+
+
+class Boxed:
+    """A `seamark.sim.engine.program.Program` over a box."""
+
+    def __init__(self, box: BoxLike) -> None:
+        self._box = box
+
+    def reset(self, level: Mapping[str, float | int]) -> None:
+        """Pass the level on; raises ProgramEnded."""
+        self._box.reset(level)
+
+    def step(self, values: NDArray[np.float64]) -> Command:
+        """Pass the observation on and return the checked answer; raises ProgramEnded."""
+        return self._box.step(values)
+
+    def remark(self) -> str:
+        """Return what its owner should know at the end of a trial; nothing here."""
+        return ""
+
+
+class BoxedTracker:
+    """A `seamark.sim.trackers.Tracker` over a box; it is shown whole pictures.
+
+    Corners that are no convex quadrilateral clockwise, as the ones it started from, cannot be the
+    target's: they count as lost, like None. A tracker that diverges in turbid water answers so
+    now and then, and that is no reason to end its run. What is no answer at all (another shape, a
+    number that is not finite) ends it: raises ProgramEnded.
+    """
+
+    def __init__(self, box: BoxLike) -> None:
+        self._box = box
+        self._last = np.zeros((4, 2))
+        self._window: Window = (0, 0, 0, 0)
+        self._answers = self._not_convex = 0
+
+    def start(self, image: NDArray[np.uint8], corners: NDArray[np.float64]) -> None:
+        """Show the target; raises ProgramEnded."""
+        self._last = corners.copy()
+        self._window = (0, 0, image.shape[1], image.shape[0])
+        self._box.start(image, corners)
+
+    def window(self) -> Window:
+        """Return the whole picture."""
+        return self._window
+
+    def update(self, image: NDArray[np.uint8]) -> Track:
+        """Return where the program sees the target; raises ProgramEnded."""
+        answer = self._box.update(image)
+        self._answers += 1
+        if answer is None:
+            return Track(self._last, ok=False, residual=1.0, iterations=0)
+        corners = np.array(answer, dtype=np.float64)
+        if not is_convex(corners):
+            self._not_convex += 1
+            return Track(self._last, ok=False, residual=1.0, iterations=0)
+        self._last = corners
+        return Track(corners, ok=True, residual=0.0, iterations=0)
+
+    def remark(self) -> str:
+        """Return how many answers were no convex quadrilateral, if any."""
+        if not self._not_convex:
+            return ""
+        return (
+            f"[{self._not_convex} of {self._answers} answers of update() were no convex "
+            "quadrilateral clockwise, as the corners of start() are: they count as lost.]\n"
+        )
+
+
+# role of a program -> what makes of its box something that takes part in a benchmark
+SOLUTIONS: Mapping[str, Callable[[BoxLike], Any]] = {
+    "controller": Boxed,
+    "tracker": BoxedTracker,
+}
+
+
+def pool_of(place: Place) -> Pool:
+    """Return the pool of boxes of a place; nothing waits in it yet."""
+    stock = {} if place.level is Level.NONE else dict.fromkeys(place.warm, place.warm_boxes)
+    limits = trial_limits.for_trial(LONGEST_TRIAL_S)
+    return Pool(stock, limits=limits, level=place.level, core=place.core)
+
+
+def real_compiler(place: Place) -> Compile:
+    """Return how programs are compiled on this host; raises ProgramEnded if one cannot be."""
+
+    def compile_program(language: str, source: bytes, filename: str) -> bytes:
+        return compiled(language, source, filename, level=place.level, core=place.core)
+
+    return compile_program
+
+
+def as_it_is(language: str, source: bytes, filename: str) -> bytes:
+    """Return the source: nothing is compiled."""
+    return source

@@ -1,0 +1,1 @@
+"""The worker as a service: claims runs, drives them, stores results."""

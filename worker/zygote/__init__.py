@@ -1,0 +1,1 @@
+"""The warm simulator process that is forked for each run."""
