@@ -173,6 +173,9 @@ def test_checkout_and_packages_may_lie_where_other_users_may_not_enter(tmp_path,
     home = tmp_path / "home"
     home.mkdir(mode=0o700)
     shutil.copytree(CHECKOUT / "sandbox", home / "checkout" / "sandbox")
+    (home / "checkout" / "seamark").mkdir()
+    (home / "checkout" / "seamark" / "__init__.py").touch()
+    (home / "checkout" / "seamark" / "sandbox").symlink_to("../sandbox")
     for name in PACKAGES:
         for folder in (package_folder(name), package_folder(name).with_name(f"{name}.libs")):
             copy = shutil.copytree if not _same_disk(folder, home) else _linked
