@@ -109,6 +109,10 @@ class Benchmark:
             preset |= choices.get(str(values.get(name)), {})
         return self.configuration.read({**preset, **values})
 
+    def restore(self, values: Mapping[str, object]) -> Configuration:
+        """Return the configuration of a stored run; never refuses one (`Configuration.restore`)."""
+        return self.configuration.restore(values)
+
     def schema(self) -> dict[str, Any]:
         """Return the JSON Schema (2020-12) that the form is generated from."""
         presets = {

@@ -9,9 +9,18 @@ import math
 import re
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
+from functools import cache
 from typing import Any, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, ValidationInfo, field_validator
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Field,
+    TypeAdapter,
+    ValidationError,
+    ValidationInfo,
+    field_validator,
+)
 from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
@@ -133,6 +142,19 @@ class Configuration(BaseModel, ABC):
         if errors:
             raise ConfigurationInvalid(errors)
         return configuration
+
+    @classmethod
+    def restore(cls, values: Mapping[str, object]) -> Self:
+        """Return the configuration of an earlier run, whatever today's rules accept.
+
+        Values are converted to the type of their setting (a JSON list to a tuple) but not
+        validated: one that is out of today's range stays as it was stored. A setting that no longer
+        exists is ignored. A setting that did not exist then, or had another type, has its default.
+        """
+        known = {name: field for name, field in cls.model_fields.items() if name in values}
+        return cls.model_construct(
+            **{name: _converted(values[name], field) for name, field in known.items()}
+        )
 
 
 def knob(  # noqa: PLR0913  # one keyword per word of the schema
@@ -280,6 +302,18 @@ def outside(value: object, field: FieldInfo) -> bool:
     if "x-items" in extra and isinstance(value, tuple):
         return not all(_inside(item, extra["x-items"]) for item in value)
     return False
+
+
+def _converted(value: object, field: FieldInfo) -> object:
+    try:
+        return _type_adapter(field.annotation).validate_python(value)
+    except ValidationError:
+        return field.default
+
+
+@cache
+def _type_adapter(annotation: Any) -> TypeAdapter[Any]:
+    return TypeAdapter(annotation)
 
 
 def _name(info: ValidationInfo) -> str:

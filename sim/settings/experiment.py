@@ -186,7 +186,8 @@ class ExperimentSettings(ChainSettings, SceneSettings, FaultSettings):
 
     def idle_columns(self) -> frozenset[str]:
         """Return the thrusts that the vehicle does not have, and the contact force without any."""
-        count = len(load(self.vehicle).thrusters)
+        known = self.vehicle in VEHICLES  # a stored run may name one that no longer exists
+        count = len(load(self.vehicle).thrusters) if known else THRUSTERS
         idle = {f"thrust_{i}" for i in range(count, THRUSTERS)}
         return frozenset(idle if self.contact else idle | {"contact_n"})
 

@@ -214,9 +214,14 @@ def _why_no_loop(name: str, values: Sequence[float]) -> str:
     return ""
 
 
+def _quantity(name: str) -> Metric:
+    """Return what an updater changes; a stored run may name one that no longer exists."""
+    return UPDATERS[name].quantity if name in UPDATERS else Metric(name, name, "", "higher")
+
+
 def describe(point: Mapping[str, float]) -> str:
     """Return a point of the grid in words, such as "Current 0.2 m/s, Repetition 2"."""
-    parts = ((UPDATERS[name].quantity, value) for name, value in point.items())
+    parts = ((_quantity(name), value) for name, value in point.items())
     return ", ".join(f"{what.label} {value:g} {what.unit}".strip() for what, value in parts)
 
 
@@ -231,7 +236,7 @@ def axes(config: Configuration) -> str:
     """Return what the parts of a `level_names` are, with their units; empty without a grid."""
     if not isinstance(config, GridSettings) or not config.has_grid():
         return ""
-    return " · ".join(_choice(UPDATERS[name].quantity) for name in config.coordinates(0))
+    return " · ".join(_choice(_quantity(name)) for name in config.coordinates(0))
 
 
 def comments(config: Configuration) -> list[str]:

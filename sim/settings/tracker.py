@@ -180,7 +180,8 @@ class TrackerSettings(Configuration):
 
     def exact(self) -> bool:
         """Return whether every processor gives the same bits."""
-        return self.tracker == TRUTH or TRACKERS[self.tracker].exact
+        known = TRACKERS.get(self.tracker)  # a stored run may name one that no longer exists
+        return self.tracker == TRUTH or (known is not None and known.exact)
 
     def broken_rules(self) -> dict[str, str]:
         """Return setting -> sentence for combinations that the tracker does not do."""

@@ -255,11 +255,16 @@ class VisibilityConfiguration(ExperimentSettings):
 
     def level_metric(self) -> Metric:
         """Return what a level's value is."""
-        return SWEEPS[self.sweep].level
+        return self._swept().level
+
+    def _swept(self) -> Sweep:
+        """Return what the levels change; a stored run may name a sweep that no longer exists."""
+        unknown = Sweep(self.sweep, Metric("value", self.sweep, "", "higher"))
+        return SWEEPS.get(self.sweep, unknown)
 
     def headline(self) -> Metric | None:
         """Return the sweep's own value where it is no optical depth."""
-        sweep = SWEEPS[self.sweep]
+        sweep = self._swept()
         if sweep.is_depth:
             return None
         return Metric("failure", "Failure level", sweep.level.unit, "higher")
@@ -284,7 +289,7 @@ class VisibilityConfiguration(ExperimentSettings):
 
     def score_values(self) -> tuple[float, ...]:
         """Return the value of each level in the unit of the score."""
-        return self.optical_depths() if SWEEPS[self.sweep].is_depth else self.level_values()
+        return self.optical_depths() if self._swept().is_depth else self.level_values()
 
 
 # What comes with a sweep: values of other settings.
