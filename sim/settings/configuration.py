@@ -9,7 +9,6 @@ import math
 import re
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
-from functools import cache
 from typing import Any, Literal, Self
 
 from pydantic import (
@@ -35,6 +34,9 @@ _LIMITS = (  # pydantic's name, its attribute, JSON Schema's word
     ("Le", "le", "maximum"),
     ("MaxLen", "max_length", "maxLength"),
 )
+_ADAPTERS: dict[object, TypeAdapter[Any]] = {
+    annotation: TypeAdapter(annotation) for annotation in (bool, int, float, str, tuple[float, ...])
+}
 JSON_TYPES: dict[object, str] = {bool: "boolean", int: "integer", float: "number", str: "string"}
 
 
@@ -151,10 +153,12 @@ class Configuration(BaseModel, ABC):
         validated: one that is out of today's range stays as it was stored. A setting that no longer
         exists is ignored. A setting that did not exist then, or had another type, has its default.
         """
-        known = {name: field for name, field in cls.model_fields.items() if name in values}
-        return cls.model_construct(
-            **{name: _converted(values[name], field) for name, field in known.items()}
-        )
+        known: dict[str, Any] = {
+            name: _converted(values[name], field)
+            for name, field in cls.model_fields.items()
+            if name in values
+        }
+        return cls.model_construct(None, **known)
 
 
 def knob(  # noqa: PLR0913  # one keyword per word of the schema
@@ -306,14 +310,9 @@ def outside(value: object, field: FieldInfo) -> bool:
 
 def _converted(value: object, field: FieldInfo) -> object:
     try:
-        return _type_adapter(field.annotation).validate_python(value)
+        return _ADAPTERS[field.annotation].validate_python(value)
     except ValidationError:
         return field.default
-
-
-@cache
-def _type_adapter(annotation: Any) -> TypeAdapter[Any]:
-    return TypeAdapter(annotation)
 
 
 def _name(info: ValidationInfo) -> str:
