@@ -22,7 +22,6 @@ COMMANDS = {  # name -> module:attribute, what it does; the second saves loading
     "db": ("db:db", "Look after the database."),
     "web": ("service:web", "Run the web server only."),
     "worker": ("service:worker", "Run a worker only."),
-    "beat": ("service:beat", "Run the timer only."),
 }
 
 

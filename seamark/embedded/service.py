@@ -1,4 +1,4 @@
-"""The embedded service: broker, web server, worker and timer as children of one process."""
+"""The embedded service: broker, web server and worker as children of one process."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ BROKER_S = 10.0
 LOOK_S = 0.2
 WORKER_GRACE_S = 20.0  # a run that is under way goes back into the line meanwhile
 WEB_GRACE_S = 6.0
-_NAMES = {"web": "the web server", "worker": "the worker", "beat": "the timer"}
+_NAMES = {"web": "the web server", "worker": "the worker"}
 
 
 class Embedded:

@@ -1,4 +1,4 @@
-"""The broker: Celery's configuration, shared by web, worker and beat, and the Redis client."""
+"""The broker: Celery's configuration, shared by web and worker, and the Redis client."""
 
 from typing import Any
 
@@ -11,7 +11,8 @@ from redis.exceptions import RedisError
 from seamark.server.settings import Settings
 
 QUEUE = "runs"
-WORK, SWEEP = "seamark.worker.service.tasks.work", "seamark.worker.service.tasks.sweep"
+# A fixed name: tickets that wait in the broker survive a move of the module.
+WORK = "seamark.work"
 TIME_LIMIT_S = 4 * 3600  # backstop; stalls, limits of the box and cancelling come long before
 _log = structlog.get_logger()
 
@@ -79,14 +80,6 @@ def celery_app(settings: Settings) -> Celery:
         broker_connection_max_retries=None,
         broker_pool_limit=4,
         broker_transport_options=transport,
-        beat_schedule={
-            "sweep": {
-                "task": SWEEP,
-                "schedule": settings.sweep_s,
-                "options": {"expires": settings.sweep_s, "priority": 0},
-            }
-        },
-        beat_schedule_filename=str(settings.data / "beat-schedule"),
     )
     return app
 
@@ -104,8 +97,12 @@ def ring(app: Celery, tickets: int = 1) -> bool:
 
 def top_up(app: Celery, redis: "Redis", waiting: int) -> int:
     """Send the tickets that queued runs lack and return their number."""
-    steps = app.conf.broker_transport_options["priority_steps"]
-    names = [QUEUE if step == 0 else f"{QUEUE}\x06\x16{step}" for step in steps]
-    there = sum(int(redis.llen(name)) for name in names)
+    there = sum(int(redis.llen(key)) for key in ticket_keys(app))
     missing = max(waiting - there, 0)
     return missing if missing and ring(app, missing) else 0
+
+
+def ticket_keys(app: Celery) -> list[str]:
+    """Return the keys of the lists in which tickets wait, one for each priority."""
+    steps = app.conf.broker_transport_options["priority_steps"]
+    return [QUEUE if step == 0 else f"{QUEUE}\x06\x16{step}" for step in steps]

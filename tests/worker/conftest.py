@@ -24,7 +24,7 @@ from seamark.server.programs import store
 from seamark.server.runs import door as runs
 from seamark.server.runs.files import RunFiles
 from seamark.server.settings import Settings
-from seamark.worker.service.command_lines import worker_arguments
+from seamark.worker.service.command_line import worker_arguments
 
 SHORT = {"levels": [0.0, 0.2], "level_duration_s": 4.0, "settle_s": 1.0}
 LONG = {"levels": [0.0, 0.2], "level_duration_s": 600.0, "settle_s": 1.0}
@@ -109,6 +109,15 @@ class Service:
 
     def ended(self, run_id: int, seconds: float = START_S) -> runs.RunView:
         return self.wait(run_id, lambda view: view.state.final, seconds)
+
+    def settled(self, seconds: float = 30.0) -> bool:
+        """Wait until the broker holds no ticket, neither waiting nor delivered."""
+        deadline = time.monotonic() + seconds
+        while self.redis.exists(*broker.ticket_keys(self.app), "unacked"):
+            if time.monotonic() > deadline:
+                return False
+            time.sleep(0.05)
+        return True
 
     def files(self, run_id: int) -> RunFiles:
         return RunFiles(self.settings.data, run_id)

@@ -1,4 +1,4 @@
-"""The Celery application of worker and beat: `celery -A seamark.worker.service.app worker`."""
+"""The Celery application of the worker: `celery -A seamark.worker.service.app worker`."""
 
 from seamark.server.log import configure
 from seamark.server.messaging.broker import celery_app

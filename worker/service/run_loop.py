@@ -11,7 +11,6 @@ from seamark.server.messaging import broker
 from seamark.server.runs import door as runs
 from seamark.server.settings import Settings
 from seamark.worker.service.host import Host
-from seamark.worker.service.maintenance import sweep_once
 from seamark.worker.service.run_driver import StopFlag, Tools, evaluate
 from seamark.worker.zygote.client import Simulator, SimulatorBroken
 
@@ -81,10 +80,6 @@ class Member:
         until = time.monotonic() + (pause_s if self._broken else 0.0)
         while time.monotonic() < until and not self._stopping.is_set():
             time.sleep(0.1)
-
-    def sweep(self) -> None:
-        """Return the runs of dead workers to the line and top up the tickets."""
-        sweep_once(self._app, self._database, self._redis, self._settings)
 
     def close(self) -> None:
         """End the simulator and close the connections."""

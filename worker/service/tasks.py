@@ -1,4 +1,4 @@
-"""What Celery calls: tickets, sweeps, and the start and end of its processes."""
+"""What Celery calls: the task of a ticket, and the start and end of its processes."""
 
 import mmap
 import os
@@ -30,12 +30,6 @@ _state: dict[str, Any] = {}
 def work() -> None:
     """Answer a ticket: evaluate the fairest run, if there is one."""
     _member().work()
-
-
-@app.task(name=broker.SWEEP)
-def sweep() -> None:
-    """Return the runs of dead workers to the line."""
-    _member().sweep()
 
 
 @worker_init.connect

@@ -1,4 +1,4 @@
-"""`seamark web`, `worker`, `beat`: the processes of a service, one each, for production."""
+"""`seamark web` and `seamark worker`: the processes of a service, one each, for production."""
 
 from __future__ import annotations
 
@@ -42,14 +42,13 @@ def web(host: str | None, port: int | None, processes: int, data: Path | None) -
 @data_option
 def worker(cores: int | None, data: Path | None) -> None:
     """Run a worker only (Celery). The broker's URL comes from SEAMARK_BROKER_URL."""
-    _celery(_settings(data, workers=cores), "worker")
+    settings = _settings(data, workers=cores)
+    from seamark.worker.service.command_line import worker_arguments
 
-
-@click.command()
-@data_option
-def beat(data: Path | None) -> None:
-    """Run the timer only (Celery beat): it looks for runs of dead workers."""
-    _celery(_settings(data), "beat")
+    environ = {k: v for k, v in os.environ.items() if not k.startswith("SEAMARK_")}
+    environ |= settings.environment()
+    arguments = [sys.executable, *worker_arguments(settings)]
+    os.execve(sys.executable, arguments, environ)  # noqa: S606 (no shell)
 
 
 def _settings(data: Path | None, **chosen: Any) -> Settings:
@@ -60,13 +59,3 @@ def _settings(data: Path | None, **chosen: Any) -> Settings:
             "processes need one that runs, for example redis://localhost:6379/0."
         )
     return settings
-
-
-def _celery(settings: Settings, part: str) -> None:
-    """Become the Celery process."""
-    from seamark.worker.service.command_lines import beat_arguments, worker_arguments
-
-    arguments = worker_arguments(settings) if part == "worker" else beat_arguments(settings)
-    environ = {k: v for k, v in os.environ.items() if not k.startswith("SEAMARK_")}
-    environ |= settings.environment()
-    os.execve(sys.executable, [sys.executable, *arguments], environ)  # noqa: S606 (no shell)

@@ -51,6 +51,13 @@ OUTSIDE = {  # what a program may not reach -> the words that it is told
     "open('/etc/shadow')": "FileNotFoundError",
     "__import__('socket').create_connection(('192.0.2.1', 80))": "PermissionError",
 }
+# As earlier versions named the tasks; their tickets may wait in a broker that was kept.
+EARLIER_TASKS = (
+    "worker.tasks.work",
+    "worker.tasks.sweep",
+    "seamark.worker.service.tasks.work",
+    "seamark.worker.service.tasks.sweep",
+)
 PI = Path(__file__).parents[1] / "conformance" / "pi.py"
 _DEAF = Hearing(
     rows=lambda _: None, log=lambda _: None, progress=lambda _: None, cut=lambda _: None
@@ -228,6 +235,16 @@ def test_a_running_run_is_cancelled_within_two_seconds_and_keeps_its_data(
     assert running.files(run_id).row_count() > 0
     after = running.queue()
     assert running.ended(after).state is RunState.SUCCEEDED
+
+
+def test_tickets_of_earlier_versions_do_no_harm(running: Service) -> None:
+    for name in EARLIER_TASKS:
+        running.app.send_task(name)
+
+    view = running.ended(running.queue())
+
+    assert view.state is RunState.SUCCEEDED
+    assert running.settled()  # no ticket waits or comes back
 
 
 def test_those_who_watch_see_the_state_the_telemetry_and_the_end(running: Service) -> None:
