@@ -69,6 +69,6 @@ def moved_level(
         world.plant.place(pose)
         shift = np.array(corners_px, dtype=np.float64)
         world.tracking = Tracking(world.camera, config, shift)
-        recorder = Recorder(config.ticks_per_level)
+        recorder = Recorder(config.control_steps_per_level)
         LevelLoop(world, BuiltIn(controller, config), trial=0, level=0).run(recorder, rows.append)
     return np.concatenate(rows)

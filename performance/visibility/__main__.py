@@ -34,7 +34,7 @@ def measure(case: Case) -> dict[str, Any]:
         for seed in range(SEEDS)
     ]
     levels = zip(*(result.levels for result in results), strict=True)
-    overall = [result.standing.overall for result in results]
+    overall = [result.trial_score.overall for result in results]
     return {
         "label": case.label,
         "scores": [result.score for result in results],

@@ -32,7 +32,7 @@ def show(path: BenchmarkPath) -> dict[str, Any]:
     found = registry.benchmark(path.benchmark)
     metric = found.headline
     return _short(path.benchmark) | {
-        "compares": found.compares,
+        "compares": found.participants,
         "headline": {
             "name": metric.name,
             "label": metric.label,

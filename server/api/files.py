@@ -66,13 +66,13 @@ def _csv(files: RunFiles, comments: list[str], start: int, stop: int) -> Iterato
 
 def _comments(view: RunView, rows: int) -> list[str]:
     benchmark = registry.benchmark(view.benchmark)
-    solution = view.program_name or benchmark.solution(view.controller, view.config)
+    solution = view.program_name or benchmark.solution_label_of(view.controller, view.config)
     seed = HIDDEN if view.seed is None else view.seed
     return [
         f"Seamark run {view.id}: {view.benchmark}, {benchmark.role} {solution}",
         f"kind {view.kind}, seed {seed}, trials {view.trials}",
         f"state {view.state.value} at the time of the download, {rows} rows",
-        *grid.comments(benchmark.read(view.config)),
+        *grid.level_comments(benchmark.read(view.config)),
         telemetry.units(),
     ]
 

@@ -26,7 +26,7 @@ def solution(run: RunView | Rank) -> str:
         return run.program_name
     if run.benchmark not in registry.BENCHMARKS:  # of an earlier version
         return run.controller
-    return registry.benchmark(run.benchmark).solution(run.controller, run.config)
+    return registry.benchmark(run.benchmark).solution_label_of(run.controller, run.config)
 
 
 def score_unit(run: RunView) -> str:

@@ -45,7 +45,7 @@ def show(run_id: int) -> ResponseReturnValue:
         level=config.level_metric(),
         axes=axes(config),
         headline=benchmark.headline_of(config),
-        held_unit=benchmark.held_unit_of(config),
+        level_held_unit=benchmark.level_held_unit_of(config),
         trials=measures.trials(run.metrics or {}),
         curve=curves.curve(benchmark, config, run, files),
         options=measures.options(benchmark.schema(), run.config),

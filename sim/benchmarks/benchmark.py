@@ -9,7 +9,7 @@ from seamark.sim.metrics.metric import Metric
 from seamark.sim.settings.configuration import (
     Configuration,
     ConfigurationInvalid,
-    extra_of,
+    schema_extras,
     schema_of,
 )
 
@@ -70,24 +70,25 @@ class Benchmark:
     name: str
     title: str
     summary: str
-    compares: str
+    participants: str
     role: str  # of the programs that take part: "controller" or "tracker"
     built_in: Mapping[str, str]  # name -> label of what takes part without a program
     experiment: str  # path, module:attribute, of a seamark.sim.engine.experiment.Experiment
     headline: Metric
-    full_score: float  # where a bar of the score ends
-    held_unit: str  # of the highest level held
+    score_bar_max: float  # where a bar of the score ends
+    level_held_unit: str  # of the highest level held
     charts: tuple[Chart, ...]
     tables: tuple[Table, ...]
-    telling: tuple[Metric, ...]  # of the tables, at each level of each trial and in short lists
+    key_metrics: tuple[Metric, ...]  # of the tables, at each level of each trial and in short lists
     overall: tuple[Metric, ...] = ()  # metrics over all levels
     baselines: Mapping[str, Baseline] = field(default_factory=dict)  # by the end of the user's name
-    called: Callable[[Mapping[str, object]], str] | None = None  # settings -> what they make
+    # settings -> name of the built-in solution that they make, where `built_in` does not say it
+    solution_label: Callable[[Mapping[str, object]], str] | None = None
     configuration: type[Configuration]
     groups: tuple[str, ...]  # of settings, in the form's order
     # setting -> its value -> values of other settings that come with the choice; the later one wins
     presets: Mapping[str, Mapping[str, Mapping[str, object]]] = field(default_factory=dict)
-    shortest: Mapping[str, object] = field(default_factory=dict)  # settings of a quick run
+    quick_settings: Mapping[str, object] = field(default_factory=dict)  # settings of a quick run
     ranked_trials: int = 10
     curve: Curve | None = None
 
@@ -134,32 +135,32 @@ class Benchmark:
         solution = {
             name: value
             for name, value in config.model_dump().items()
-            if extra_of(fields[name])["x-role"] == "solution"
+            if schema_extras(fields[name])["x-role"] == "solution"
         }
-        errors = config.why_not_ranked()
+        errors = config.ranking_errors()
         if errors:
             raise ConfigurationInvalid(errors)
         return self.configuration.read(solution)
 
     def charts_of(self, config: Configuration) -> tuple[Chart, ...]:
         """Return the charts of a run, without the columns in which nothing happens."""
-        idle = config.idle_columns()
+        idle = config.unused_columns()
         shown = (
             Chart(chart.title, chart.unit, tuple(c for c in chart.columns if c not in idle))
             for chart in self.charts
         )
         return tuple(chart for chart in shown if chart.columns)
 
-    def solution(self, controller: str, config: Mapping[str, object]) -> str:
+    def solution_label_of(self, controller: str, config: Mapping[str, object]) -> str:
         """Return what people call the built-in solution of a run."""
-        if self.called is not None:
-            return self.called(config)
+        if self.solution_label is not None:
+            return self.solution_label(config)
         return self.built_in.get(controller, controller)
 
-    def held_unit_of(self, config: Configuration) -> str:
+    def level_held_unit_of(self, config: Configuration) -> str:
         """Return the unit of the highest level held."""
         own = config.headline()
-        return self.held_unit if own is None else own.unit
+        return self.level_held_unit if own is None else own.unit
 
     def headline_of(self, config: Configuration) -> Metric:
         """Return what the score of a run with this configuration is."""

@@ -37,8 +37,8 @@ class LevelLoop:
         config = world.config
         self._world, self._program = world, program
         self._trial, self._level = trial, level
-        self._ticks, self._dt = config.ticks_per_level, config.control_period_s
-        self._steps = config.steps_per_tick
+        self._ticks, self._dt = config.control_steps_per_level, config.control_period_s
+        self._steps = config.physics_steps_per_control_step
         self._first_frame = level * self._ticks
         self._began = level * config.level_duration_s
         self._blurred = world.camera.effects.exposure_s > 0.0

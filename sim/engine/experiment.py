@@ -16,7 +16,7 @@ OnRows = Callable[[Rows], None]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Standing:
+class TrialScore:
     """What a trial is worth."""
 
     score: float  # more is better; the unit is that of the benchmark's headline
@@ -59,5 +59,5 @@ class Experiment(Protocol):
     def metrics(self, config: Any, level: int, rows: Rows) -> dict[str, Any]:
         """Return the metrics of a level by name, from all of its rows."""
 
-    def standing(self, config: Any, levels: Sequence[Mapping[str, Any]]) -> Standing:
+    def trial_score(self, config: Any, levels: Sequence[Mapping[str, Any]]) -> TrialScore:
         """Return what a trial with these metrics is worth."""

@@ -39,7 +39,7 @@ class PathLoop:
         """
         self._path, self._tracking = path, tracking
         self._trial, self._level = place
-        self._ticks, self._dt = config.ticks_per_level, config.control_period_s
+        self._ticks, self._dt = config.control_steps_per_level, config.control_period_s
         self._began = self._level * config.level_duration_s
         self._station = camera.place(station)
 

@@ -55,7 +55,7 @@ class Replay:
         experiment = registry.benchmark(benchmark).load()
         settings: Any = config
         self._level_s, self._dt = settings.level_duration_s, settings.control_period_s
-        self._ticks = settings.ticks_per_level
+        self._ticks = settings.control_steps_per_level
 
         @lru_cache(maxsize=_CAMERAS)
         def camera(trial: int, level: int) -> Camera:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from seamark.sim import registry
-from seamark.sim.engine.experiment import OnRows, Standing
+from seamark.sim.engine.experiment import OnRows, TrialScore
 from seamark.sim.metrics import uwsim_metrics
 from seamark.sim.metrics.score_expression import ExpressionInvalid, score_of
 from seamark.sim.metrics.station_keeping import mean_over_trials
@@ -26,14 +26,14 @@ class TrialResult:
 
     trial: int
     levels: tuple[Mapping[str, Any], ...]  # the metrics of each level
-    standing: Standing
+    trial_score: TrialScore
     digest: str  # SHA-256 of this trial's telemetry
     rows: int
 
     @property
     def overall(self) -> dict[str, Any]:
         """Return the metrics over all levels."""
-        return _plain(self.standing.overall)
+        return _plain(self.trial_score.overall)
 
     @property
     def measures(self) -> dict[str, Any]:
@@ -43,7 +43,7 @@ class TrialResult:
     @property
     def score(self) -> float:
         """Return the trial's score in the unit of the benchmark's headline."""
-        return self.standing.score
+        return self.trial_score.score
 
 
 def run_trial(
@@ -104,7 +104,7 @@ def run_trial(
     return TrialResult(
         trial=trial,
         levels=tuple(levels),
-        standing=experiment.standing(config, levels),
+        trial_score=experiment.trial_score(config, levels),
         digest=digest.hexdigest(),
         rows=rows,
     )
@@ -127,8 +127,8 @@ def summarise(
     """
     scores = [result.score for result in results]
     interval = bootstrap_interval(scores) if all(map(math.isfinite, scores)) else None
-    rankable = bool(results) and all(result.standing.rankable for result in results)
-    held = [result.standing.level_held for result in results]
+    rankable = bool(results) and all(result.trial_score.rankable for result in results)
+    held = [result.trial_score.level_held for result in results]
     return {
         "benchmark": benchmark,
         "score": mean(scores) if scores and all(map(math.isfinite, scores)) else None,
@@ -137,7 +137,7 @@ def summarise(
         "rankable": rankable,
         "level_held": _lowest(held),
         "overall": _mean_overall([result.overall for result in results]),
-        "own_score": own_score(config.own_score(), [_named(result) for result in results]),
+        "own_score": custom_score(config.custom_score(), [_named(result) for result in results]),
         "measures": _mean_overall([result.measures for result in results]),
         "trials": [_entry(result) for result in results],
         "levels": [
@@ -161,7 +161,7 @@ def _named(result: TrialResult) -> dict[str, Any]:
     return {"score": result.score} | result.overall | result.measures
 
 
-def own_score(
+def custom_score(
     expression: str, trials: Sequence[Mapping[str, float | None]]
 ) -> dict[str, Any] | None:
     """Return what the user's own expression gives, as the mean over trials; None without one.
@@ -198,9 +198,9 @@ def _entry(result: TrialResult) -> dict[str, Any]:
     return {
         "trial": result.trial,
         "score": result.score if math.isfinite(result.score) else None,
-        "level_held": result.standing.level_held,
+        "level_held": result.trial_score.level_held,
         "overall": result.overall,
-        "rankable": result.standing.rankable,
+        "rankable": result.trial_score.rankable,
         "digest": result.digest,
         "measures": result.measures,
         "levels": [_plain(level) for level in result.levels],

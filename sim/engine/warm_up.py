@@ -16,6 +16,6 @@ def warm_up() -> None:
     trackers.warm_up()
     for name in registry.BENCHMARKS:
         benchmark = registry.benchmark(name)
-        config = benchmark.read(benchmark.shortest)
+        config = benchmark.read(benchmark.quick_settings)
         solution = benchmark.load().built_in(next(iter(benchmark.built_in)), config)
         run_trial(name, config, solution, seed=0, trial=0, on_rows=lambda _rows: None)

@@ -203,13 +203,13 @@ def _sensors(config: ExperimentSettings, random: Streams) -> Sensors:
         max(1, round(period.scalar / config.physics_step_s))
         for period in (constants.DEPTH_PERIOD_S, constants.AHRS_PERIOD_S)
     )
-    steps = config.ticks_per_level * config.steps_per_tick
+    steps = config.control_steps_per_level * config.physics_steps_per_control_step
     seldom, often = steps // slow + 1, steps // fast + 1
     return Sensors(
         dvl=Dvl(
             random.dvl,
-            readings=steps // config.dvl_period_ticks + 1,
-            period_ticks=config.dvl_period_ticks,
+            readings=steps // config.dvl_period_steps + 1,
+            period_ticks=config.dvl_period_steps,
             sigma=config.dvl_sigma_m_s,
             bias=config.dvl_bias_m_s,
             scale_error=config.dvl_scale_error,

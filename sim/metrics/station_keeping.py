@@ -145,7 +145,7 @@ HELD = Metric(
 HEAD = (POINTS, HELD, SETTLING)
 WHOLE = "whole_"  # prefix of the metrics over a level's whole length
 _FIRST = ("rmse_m", "p95_m", "max_m", "rmse_px", "mean_x_px", "mean_y_px", "lost_percent")
-TELLING = tuple(metric for metric in METRICS if metric.name in _FIRST)
+KEY_METRICS = tuple(metric for metric in METRICS if metric.name in _FIRST)
 OVERALL = (  # what there is over a whole run
     POINTS,
     SETTLING,

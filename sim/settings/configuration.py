@@ -1,6 +1,6 @@
 """Configurations: flat, frozen, and every refusal a sentence that names the allowed range.
 
-A benchmark declares its settings with `knob`. The same declaration gives the check of a value, the
+A benchmark declares its settings with `setting`. The same declaration gives the validation, the
 JSON Schema that the form is generated from, and the text of the refusal, so they cannot disagree.
 """
 
@@ -64,7 +64,7 @@ class Configuration(BaseModel, ABC):
         field = cls.model_fields[_name(info)]
         if isinstance(value, bool) and field.annotation is not bool:
             raise ValueError("true and false are no numbers")
-        return _listed(value) if "x-items" in extra_of(field) else value
+        return _listed(value) if "x-items" in schema_extras(field) else value
 
     @field_validator("*", mode="after")
     @classmethod
@@ -76,14 +76,16 @@ class Configuration(BaseModel, ABC):
     @classmethod
     def applies(cls, name: str) -> Mapping[str, Sequence[str]]:
         """Return the choices of other settings beside which a setting does anything; {}: always."""
-        only: Mapping[str, Sequence[str]] = extra_of(cls.model_fields[name]).get("x-applies", {})
+        only: Mapping[str, Sequence[str]] = schema_extras(cls.model_fields[name]).get(
+            "x-applies", {}
+        )
         return only
 
-    def broken_rules(self) -> dict[str, str]:
+    def cross_field_errors(self) -> dict[str, str]:
         """Return setting -> sentence for rules between several settings; none here."""
         return {}
 
-    def why_not_ranked(self) -> dict[str, str]:
+    def ranking_errors(self) -> dict[str, str]:
         """Return setting -> sentence for what keeps this out of a ranked run; nothing here."""
         return {}
 
@@ -91,7 +93,7 @@ class Configuration(BaseModel, ABC):
         """Return whether every processor of x86-64 gives the same bits; so unless overridden."""
         return True
 
-    def idle_columns(self) -> frozenset[str]:
+    def unused_columns(self) -> frozenset[str]:
         """Return the columns of the telemetry that stay 0 in every such run; none here."""
         return frozenset()
 
@@ -99,18 +101,18 @@ class Configuration(BaseModel, ABC):
         """Return what the score is where it is not the benchmark's own headline; else None."""
         return None
 
-    def own_score(self) -> str:
+    def custom_score(self) -> str:
         """Return the user's own expression over measures; empty without one."""
         return str(getattr(self, "score", ""))
 
-    def _broken_expressions(self) -> dict[str, str]:
+    def _expression_errors(self) -> dict[str, str]:
         """Return setting -> sentence for expressions over names that cannot be worked out."""
         errors: dict[str, str] = {}
         for name, field in type(self).model_fields.items():
             text = getattr(self, name)
-            if text and "x-names" in extra_of(field):
+            if text and "x-names" in schema_extras(field):
                 try:
-                    check(text, extra_of(field)["x-names"])
+                    check(text, schema_extras(field)["x-names"])
                 except ExpressionInvalid as refusal:
                     errors[name] = f"{name} ({field.title}): {refusal}"
         return errors
@@ -140,7 +142,7 @@ class Configuration(BaseModel, ABC):
             configuration = cls(**{str(key): value for key, value in values.items()})
         except ValidationError as refusal:
             raise ConfigurationInvalid(_sentences(cls, refusal)) from None
-        errors = configuration.broken_rules() | configuration._broken_expressions()
+        errors = configuration.cross_field_errors() | configuration._expression_errors()
         if errors:
             raise ConfigurationInvalid(errors)
         return configuration
@@ -161,11 +163,11 @@ class Configuration(BaseModel, ABC):
         return cls.model_construct(None, **known)
 
 
-def knob(  # noqa: PLR0913  # one keyword per word of the schema
+def setting(  # noqa: PLR0913  # one keyword per word of the schema
     default: object,
     *,
     title: str,
-    says: str,
+    help: str,
     group: str,
     role: Role,
     unit: str = "",
@@ -186,8 +188,8 @@ def knob(  # noqa: PLR0913  # one keyword per word of the schema
     ----------
     default
         The benchmark's value; a ranked run uses it for every scenario setting.
-    title, says, group, unit
-        What the form shows. `says` is one line.
+    title, help, group, unit
+        What the form shows. `help` is one sentence.
     role
         "scenario" is what everybody has to share in a ranked run, "solution" is what competes.
     low, above, high
@@ -224,37 +226,37 @@ def knob(  # noqa: PLR0913  # one keyword per word of the schema
     return Field(
         default,
         title=title,
-        description=says,
+        description=help,
         json_schema_extra=extra,
         validate_default=True,
         **bounds,
     )
 
 
-def again(
+def override(
     inherited: FieldInfo,
     default: object,
     *,
-    says: str | None = None,
+    help: str | None = None,
     **changes: str,
-) -> Any:  # as `knob`
+) -> Any:  # as `setting`
     """Return a setting of another configuration with a default and words of its own.
 
     Parameters
     ----------
-    says
+    help
         What the form shows, if it is something else here.
     changes
-        Group, tag, source or role, as `knob` takes them.
+        Group, tag, source or role, as `setting` takes them.
     """
-    extra = extra_of(inherited) | {f"x-{word}": value for word, value in changes.items()}
-    description = says or inherited.description
+    extra = schema_extras(inherited) | {f"x-{word}": value for word, value in changes.items()}
+    description = help or inherited.description
     return FieldInfo.merge_field_infos(
         inherited, default=default, description=description, json_schema_extra=extra
     )
 
 
-def extra_of(field: FieldInfo) -> dict[str, Any]:
+def schema_extras(field: FieldInfo) -> dict[str, Any]:
     """Return the x- words of a setting."""
     extra = field.json_schema_extra
     return dict(extra) if isinstance(extra, Mapping) else {}
@@ -262,12 +264,12 @@ def extra_of(field: FieldInfo) -> dict[str, Any]:
 
 def group_of(field: FieldInfo) -> str:
     """Return the group of a setting."""
-    return str(extra_of(field)["x-group"])
+    return str(schema_extras(field)["x-group"])
 
 
 def allowed(field: FieldInfo) -> str:
     """Return the allowed values of a setting in words, such as "from 0 to 10 1/s"."""
-    extra = extra_of(field)
+    extra = schema_extras(field)
     if "enum" in extra:
         return "one of " + ", ".join(extra["enum"])
     if field.annotation is bool:
@@ -300,7 +302,7 @@ def _range(limits: Mapping[str, float | None], unit: str) -> str:
 
 def outside(value: object, field: FieldInfo) -> bool:
     """Return whether a choice or an item of a list is none of the allowed ones."""
-    extra = extra_of(field)
+    extra = schema_extras(field)
     if "enum" in extra:
         return value not in extra["enum"]
     if "x-items" in extra and isinstance(value, tuple):
@@ -377,7 +379,7 @@ def schema_of(cls: type[Configuration], *, title: str, groups: Sequence[str]) ->
 
 
 def _property(name: str, field: FieldInfo) -> dict[str, Any]:
-    extra = extra_of(field)
+    extra = schema_extras(field)
     default = field.default
     entry: dict[str, Any] = {"title": field.title or name, "description": field.description or ""}
     entry["default"] = list(default) if isinstance(default, tuple) else default

@@ -5,16 +5,16 @@ from typing import Any
 
 from seamark.sim.metrics import uwsim_metrics
 from seamark.sim.metrics.metric import Metric
-from seamark.sim.settings.configuration import knob
+from seamark.sim.settings.configuration import setting
 
 
-def own_score_knob(metrics: Iterable[Metric], *, group: str) -> Any:  # as knob itself
+def custom_score_setting(metrics: Iterable[Metric], *, group: str) -> Any:  # as setting itself
     """Return the setting: an expression over metrics of the whole run and the original measures."""
     names = ("score", *(metric.name for metric in metrics), *uwsim_metrics.NAMES)
-    return knob(
+    return setting(
         "",
         title="Score of your own",
-        says="Shown beside the benchmark's: an expression such as objectCenteredOnCam + corners.",
+        help="Shown beside the benchmark's: an expression such as objectCenteredOnCam + corners.",
         group=group,
         role="scenario",
         advanced=True,

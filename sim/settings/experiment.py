@@ -7,42 +7,42 @@ from functools import partial
 
 from seamark.sim.control.observation import THRUSTERS
 from seamark.sim.registry import TRUTH, VEHICLES, labels
-from seamark.sim.settings.configuration import knob
-from seamark.sim.settings.control_loop import ChainSettings
+from seamark.sim.settings.configuration import setting
+from seamark.sim.settings.control_loop import ControlLoopSettings
 from seamark.sim.settings.scene import SceneSettings
 from seamark.sim.settings.targets import TARGETS
 from seamark.sim.settings.thruster_faults import FaultSettings
 from seamark.sim.vehicles import load
 
-experiment = partial(knob, group="Experiment", role="scenario")
+experiment_setting = partial(setting, group="Experiment", role="scenario")
 
 SMALLEST_SIDE_PX = 16.0  # [px] a smaller target gives a tracker nothing to start from
 START_ERROR_SHARE = 0.1  # of the shorter side: the corners still make a convex figure
 
 
-class ExperimentSettings(ChainSettings, SceneSettings, FaultSettings):
+class ExperimentSettings(ControlLoopSettings, SceneSettings, FaultSettings):
     """A vehicle with a camera above the target, level after level."""
 
-    vehicle: str = experiment(
+    vehicle: str = experiment_setting(
         "girona500",
         title="Vehicle",
-        says="The plant; it brings its own defaults.",
+        help="The plant; it brings its own defaults.",
         choices=labels(VEHICLES),
     )
-    level_duration_s: float = experiment(
+    level_duration_s: float = experiment_setting(
         120.0,
         title="Length of a level",
-        says="Simulated time before the vehicle is put back and the current grows.",
+        help="Simulated time before the vehicle is put back and the current grows.",
         unit="s",
         low=2,
         high=600,
         tag="S",
         source="uwsimbenchmarks 988deda, trackingBenchmarkDynamics.xml",
     )
-    control_period_s: float = experiment(
+    control_period_s: float = experiment_setting(
         0.05,
         title="Control period",
-        says="Time between two pictures and two steps of the controller.",
+        help="Time between two pictures and two steps of the controller.",
         unit="s",
         low=0.01,
         high=0.5,
@@ -50,10 +50,10 @@ class ExperimentSettings(ChainSettings, SceneSettings, FaultSettings):
         source="20 pictures a second; the original's tracker waits 40 ms for each",
         advanced=True,
     )
-    physics_step_s: float = experiment(
+    physics_step_s: float = experiment_setting(
         0.01,
         title="Physics step",
-        says="Step of the integrator (fourth-order Runge-Kutta).",
+        help="Step of the integrator (fourth-order Runge-Kutta).",
         unit="s",
         low=0.001,
         high=0.02,
@@ -61,26 +61,26 @@ class ExperimentSettings(ChainSettings, SceneSettings, FaultSettings):
         source="within 1e-6 mm of the limit after 600 s",
         advanced=True,
     )
-    altitude_m: float = experiment(
+    altitude_m: float = experiment_setting(
         2.27,
         title="Camera above the target",
-        says="Height of the camera above the target's top when a level starts.",
+        help="Height of the camera above the target's top when a level starts.",
         unit="m",
         low=0.8,
         high=6,
         tag="D",
         source="uwsimbenchmarks 988deda, dynamicsTrackingScene.xml: poses of camera and box",
     )
-    contact: bool = experiment(
+    contact: bool = experiment_setting(
         True,
         title="Collisions",
-        says="Whether the vehicle can hit the bottom and the target, which stays where it is.",
+        help="Whether the vehicle can hit the bottom and the target, which stays where it is.",
         advanced=True,
     )
-    seabed_relief_m: float = experiment(
+    seabed_relief_m: float = experiment_setting(
         0.0,
         title="Mounds on the bottom",
-        says="Greatest height of seeded mounds, felt by hull, DVL and altimeter; 0 is flat. "
+        help="Greatest height of seeded mounds, felt by hull, DVL and altimeter; 0 is flat. "
         "Pictures show a flat bottom all the same.",
         unit="m",
         low=0,
@@ -89,10 +89,10 @@ class ExperimentSettings(ChainSettings, SceneSettings, FaultSettings):
         source="an option: the published scene is flat",
         advanced=True,
     )
-    seabed_flat_radius_m: float = experiment(
+    seabed_flat_radius_m: float = experiment_setting(
         2.0,
         title="Flat patch around the target",
-        says="Radius without mounds. With 2 m the picture is right at the station, and the DVL's "
+        help="Radius without mounds. With 2 m the picture is right at the station, and the DVL's "
         "beams meet no mound there.",
         unit="m",
         low=0.5,
@@ -101,17 +101,17 @@ class ExperimentSettings(ChainSettings, SceneSettings, FaultSettings):
         source="what the camera sees from the station",
         advanced=True,
     )
-    start_error_px: float = experiment(
+    start_error_px: float = experiment_setting(
         0.0,
         title="Error of the tracker's start",
-        says="Standard deviation of the corners that the tracker starts from.",
+        help="Standard deviation of the corners that the tracker starts from.",
         unit="px",
         low=0,
         high=10,
         advanced=True,
     )
 
-    def broken_rules(self) -> dict[str, str]:
+    def cross_field_errors(self) -> dict[str, str]:
         """Return setting -> sentence for the rules between several settings."""
         errors: dict[str, str] = {}
         if not multiple(self.control_period_s, self.physics_step_s):
@@ -130,9 +130,9 @@ class ExperimentSettings(ChainSettings, SceneSettings, FaultSettings):
                 f"physics step of {self.physics_step_s:g} s, such as 5 or 20 Hz, "
                 f"not {self.dvl_rate_hz:g} Hz."
             )
-        return errors | self._fault_rules() | self._picture_rules() | super().broken_rules()
+        return errors | self._fault_errors() | self._image_errors() | super().cross_field_errors()
 
-    def _fault_rules(self) -> dict[str, str]:
+    def _fault_errors(self) -> dict[str, str]:
         count = len(load(self.vehicle).thrusters)
         errors: dict[str, str] = {}
         if self.fault_thruster >= count:
@@ -147,7 +147,7 @@ class ExperimentSettings(ChainSettings, SceneSettings, FaultSettings):
             )
         return errors
 
-    def _picture_rules(self) -> dict[str, str]:
+    def _image_errors(self) -> dict[str, str]:
         """Refuse pictures in which no tracker could start."""
         errors: dict[str, str] = {}
         box = TARGETS[self.target]
@@ -178,13 +178,13 @@ class ExperimentSettings(ChainSettings, SceneSettings, FaultSettings):
             )
         return errors
 
-    def why_not_ranked(self) -> dict[str, str]:
+    def ranking_errors(self) -> dict[str, str]:
         """Return setting -> sentence for what keeps this configuration out of a ranked run."""
         if self.tracker == TRUTH:
             return {"tracker": "tracker (Tracker) must not be ground truth in a ranked run."}
         return {}
 
-    def idle_columns(self) -> frozenset[str]:
+    def unused_columns(self) -> frozenset[str]:
         """Return the thrusts that the vehicle does not have, and the contact force without any."""
         known = self.vehicle in VEHICLES  # a stored run may name one that no longer exists
         count = len(load(self.vehicle).thrusters) if known else THRUSTERS
@@ -196,17 +196,17 @@ class ExperimentSettings(ChainSettings, SceneSettings, FaultSettings):
         return len(self.level_values()) * self.level_duration_s
 
     @property
-    def steps_per_tick(self) -> int:
+    def physics_steps_per_control_step(self) -> int:
         """Physics steps between two control ticks."""
         return round(self.control_period_s / self.physics_step_s)
 
     @property
-    def dvl_period_ticks(self) -> int:
+    def dvl_period_steps(self) -> int:
         """Physics steps between two measurements of the DVL."""
         return round(1.0 / (self.dvl_rate_hz * self.physics_step_s))
 
     @property
-    def ticks_per_level(self) -> int:
+    def control_steps_per_level(self) -> int:
         """Control ticks of one level."""
         return round(self.level_duration_s / self.control_period_s)
 

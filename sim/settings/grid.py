@@ -12,13 +12,15 @@ from itertools import product
 from typing import Any, Self
 
 from seamark.sim.metrics.metric import Metric
-from seamark.sim.settings.configuration import Configuration, ConfigurationInvalid, knob
+from seamark.sim.settings.configuration import Configuration, ConfigurationInvalid, setting
 
-MOST_POINTS = 60
-MOST_S = 7200.0  # [s] simulated, all points of a trial together: what twelve long levels take
+MAX_POINTS = 60
+MAX_DURATION_S = (
+    7200.0  # [s] simulated, all points of a trial together: what twelve long levels take
+)
 NONE = "none"
 SPEED = "current_speed"
-COUNT_MAX = 12
+MAX_VALUES = 12
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,22 +74,22 @@ def _choice(what: Metric) -> str:
 
 
 CHOICES = {NONE: "Nothing"} | {name: _choice(one.quantity) for name, one in UPDATERS.items()}
-looping = partial(knob, group="Grid", role="scenario", advanced=True)
+grid_setting = partial(setting, group="Grid", role="scenario", advanced=True)
 
 
-def _loop(title: str, says: str) -> Any:  # as knob itself
-    return looping(NONE, title=title, says=says, choices=CHOICES)
+def _loop(title: str, help: str) -> Any:  # as setting itself
+    return grid_setting(NONE, title=title, help=help, choices=CHOICES)
 
 
-def _values(loop: str) -> Any:  # as knob itself
-    return looping(
+def _values(loop: str) -> Any:  # as setting itself
+    return grid_setting(
         (),
         title=f"Values of the {loop}",
-        says="With commas between, in the order in which they come; a repetition takes one number, "
+        help="With commas between, in the order in which they come; a repetition takes one number, "
         "how often.",
         low=-1000,
         high=2000,
-        length=(0, COUNT_MAX),
+        length=(0, MAX_VALUES),
     )
 
 
@@ -105,7 +107,7 @@ class GridSettings(Configuration):
     loop3_values: tuple[float, ...] = _values("third loop")
 
     @abstractmethod
-    def own_levels(self) -> tuple[float, ...]:
+    def base_levels(self) -> tuple[float, ...]:
         """Return the benchmark's levels: mean speeds [m/s] of the current."""
 
     def points(self) -> tuple[dict[str, float], ...]:
@@ -113,13 +115,13 @@ class GridSettings(Configuration):
         loops = list(self._loops())
         names = [name for name, _ in loops]
         if SPEED not in names:
-            loops.insert(0, (SPEED, self.own_levels()))
+            loops.insert(0, (SPEED, self.base_levels()))
             names.insert(0, SPEED)
         return tuple(
             dict(zip(names, values, strict=True)) for values in product(*(v for _, v in loops))
         )
 
-    def coordinates(self, level: int) -> dict[str, float]:
+    def grid_point(self, level: int) -> dict[str, float]:
         """Return where in the grid a level is; empty where there is no grid."""
         return self.points()[level] if self.has_grid() else {}
 
@@ -129,7 +131,7 @@ class GridSettings(Configuration):
 
     def at(self, level: int) -> Self:
         """Return the configuration of one level: what the loops set there is set."""
-        return self.model_copy(update=_settings(self.coordinates(level)))
+        return self.model_copy(update=_settings(self.grid_point(level)))
 
     def _loops(self) -> Iterator[tuple[str, Sequence[float]]]:
         for i in (1, 2, 3):
@@ -139,24 +141,24 @@ class GridSettings(Configuration):
             elif name != NONE:
                 yield name, values
 
-    def grid_rules(self) -> dict[str, str]:
+    def grid_errors(self) -> dict[str, str]:
         """Return setting -> sentence for loops that make no grid."""
-        errors = self._loop_rules()
+        errors = self._loop_errors()
         if errors or not self.has_grid():
             return errors
         count = len(self.points())
-        if count > MOST_POINTS:
-            return {"loop1_values": f"The grid has {count} points; at most {MOST_POINTS} are run."}
-        if self.trial_duration_s() > MOST_S:
+        if count > MAX_POINTS:
+            return {"loop1_values": f"The grid has {count} points; at most {MAX_POINTS} are run."}
+        if self.trial_duration_s() > MAX_DURATION_S:
             return {
                 "loop1_values": (
                     f"The grid takes {self.trial_duration_s():g} s of simulation; at most "
-                    f"{MOST_S:g} s are run. Take fewer points or shorter levels."
+                    f"{MAX_DURATION_S:g} s are run. Take fewer points or shorter levels."
                 )
             }
-        return self._point_rules()
+        return self._point_errors()
 
-    def _loop_rules(self) -> dict[str, str]:
+    def _loop_errors(self) -> dict[str, str]:
         errors: dict[str, str] = {}
         seen: set[str] = set()
         for i in (1, 2, 3):
@@ -172,7 +174,7 @@ class GridSettings(Configuration):
                 errors[f"loop{i}_values"] = f"loop{i}_values {reason}"
         return errors
 
-    def _point_rules(self) -> dict[str, str]:
+    def _point_errors(self) -> dict[str, str]:
         """Return the sentence about the first value of a loop that its setting refuses."""
         plain = self.model_dump()
         for i in (1, 2, 3):
@@ -207,8 +209,8 @@ def _settings(point: Mapping[str, float]) -> dict[str, object]:
 def _why_no_loop(name: str, values: Sequence[float]) -> str:
     if not values:
         return "must have at least one value."
-    if name == "repeat" and (len(values) > 1 or not 1 <= values[0] <= COUNT_MAX or values[0] % 1):
-        return f"must be one whole number from 1 to {COUNT_MAX} for a repetition."
+    if name == "repeat" and (len(values) > 1 or not 1 <= values[0] <= MAX_VALUES or values[0] % 1):
+        return f"must be one whole number from 1 to {MAX_VALUES} for a repetition."
     if name == SPEED and not all(0 <= value <= 1 for value in values):
         return "must be from 0 to 1 m/s for the current."
     return ""
@@ -236,10 +238,10 @@ def axes(config: Configuration) -> str:
     """Return what the parts of a `level_names` are, with their units; empty without a grid."""
     if not isinstance(config, GridSettings) or not config.has_grid():
         return ""
-    return " · ".join(_choice(_quantity(name)) for name in config.coordinates(0))
+    return " · ".join(_choice(_quantity(name)) for name in config.grid_point(0))
 
 
-def comments(config: Configuration) -> list[str]:
+def level_comments(config: Configuration) -> list[str]:
     """Return a line for each level, for the head of a table: what it sets."""
     if isinstance(config, GridSettings) and config.has_grid():
         told = [describe(point) for point in config.points()]

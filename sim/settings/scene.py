@@ -5,12 +5,12 @@ Tags of the defaults: S sourced, D derived from sourced, E our estimate.
 
 from functools import partial
 
-from seamark.sim.settings.configuration import knob
+from seamark.sim.settings.configuration import setting
 from seamark.sim.settings.image_effects import EffectSettings
 from seamark.sim.settings.targets import TARGETS
 
-water = partial(knob, group="Water and camera", role="scenario")
-sensor = partial(knob, group="Sensors", role="scenario")
+water_setting = partial(setting, group="Water and camera", role="scenario")
+sensor_setting = partial(setting, group="Sensors", role="scenario")
 WATER_TYPES = {
     "grey": "The same attenuation for every colour",
     "I": "Jerlov I (clearest ocean)",
@@ -28,10 +28,10 @@ WATER_TYPES = {
 class SceneSettings(EffectSettings):
     """Water, camera, target and sensors."""
 
-    target: str = water(
+    target: str = water_setting(
         "lettered",
         title="Target",
-        says="The box on the bottom that the camera looks at. A plain one shows nothing but its "
+        help="The box on the bottom that the camera looks at. A plain one shows nothing but its "
         "edges: give the template tracker a margin of 6 px.",
         choices={name: shape.label for name, shape in TARGETS.items()},
         tag="S",
@@ -39,32 +39,32 @@ class SceneSettings(EffectSettings):
         advanced=True,
     )
 
-    water_law: str = water(
+    water_law: str = water_setting(
         "beer",
         title="Law of the water",
-        says="How contrast decays with the distance.",
+        help="How contrast decays with the distance.",
         choices={"beer": "Beer-Lambert attenuation", "uwsim": "UWSim fog"},
     )
-    water_type: str = water(
+    water_type: str = water_setting(
         "IB",
         title="Type of water",
-        says="Colour of the attenuation.",
+        help="Colour of the attenuation.",
         choices=WATER_TYPES,
         tag="S",
         source="attenuation by Williamson & Hollins 2022 and Solonenko & Mobley 2015",
     )
-    water_attenuation_1_m: float = water(
+    water_attenuation_1_m: float = water_setting(
         0.2,
         title="Attenuation",
-        says="Only with grey water: beam attenuation, or the fog's density.",
+        help="Only with grey water: beam attenuation, or the fog's density.",
         unit="1/m",
         low=0,
         high=10,
     )
-    camera_noise_grey: float = water(
+    camera_noise_grey: float = water_setting(
         1.2,
         title="Camera noise",
-        says="Standard deviation of the read noise in grey levels of 255; with less than 0.8, "
+        help="Standard deviation of the read noise in grey levels of 255; with less than 0.8, "
         "rounding to whole levels would decide which tracker fails.",
         unit="grey",
         low=0.8,
@@ -73,10 +73,10 @@ class SceneSettings(EffectSettings):
         source="UWSim's 0.005 of full scale is 1.3 grey levels",
         advanced=True,
     )
-    camera_width_px: int = water(
+    camera_width_px: int = water_setting(
         640,
         title="Picture width",
-        says="Width of the camera's picture.",
+        help="Width of the camera's picture.",
         unit="px",
         low=160,
         high=1280,
@@ -84,10 +84,10 @@ class SceneSettings(EffectSettings):
         source="uwsimbenchmarks 988deda, dynamicsTrackingScene.xml",
         advanced=True,
     )
-    camera_height_px: int = water(
+    camera_height_px: int = water_setting(
         480,
         title="Picture height",
-        says="Height of the camera's picture.",
+        help="Height of the camera's picture.",
         unit="px",
         low=120,
         high=960,
@@ -95,10 +95,10 @@ class SceneSettings(EffectSettings):
         source="uwsimbenchmarks 988deda, dynamicsTrackingScene.xml",
         advanced=True,
     )
-    camera_focal_px: float = water(
+    camera_focal_px: float = water_setting(
         514.7,
         title="Focal length",
-        says="Focal length of the camera.",
+        help="Focal length of the camera.",
         unit="px",
         low=50,
         high=5000,
@@ -106,10 +106,10 @@ class SceneSettings(EffectSettings):
         source="uwsimbenchmarks 988deda, dynamicsTrackingScene.xml: 50° vertical field of view",
         advanced=True,
     )
-    target_truth: str = water(
+    target_truth: str = water_setting(
         "centroid",
         title="True place of the target",
-        says="Point that counts as the target's place in the picture.",
+        help="Point that counts as the target's place in the picture.",
         choices={
             "centroid": "Centre of the top face",
             "uwsim": "Projected origin of the object (the paper)",
@@ -117,10 +117,10 @@ class SceneSettings(EffectSettings):
         advanced=True,
     )
 
-    dvl_rate_hz: float = sensor(
+    dvl_rate_hz: float = sensor_setting(
         5.0,
         title="DVL rate",
-        says="Measurements per second.",
+        help="Measurements per second.",
         unit="Hz",
         low=0.5,
         high=20,
@@ -128,10 +128,10 @@ class SceneSettings(EffectSettings):
         source="UWSim DVLSensor and COLA2; Stonefish has 20 Hz",
         advanced=True,
     )
-    dvl_sigma_m_s: float = sensor(
+    dvl_sigma_m_s: float = sensor_setting(
         0.0015,
         title="DVL noise",
-        says="Standard deviation per axis.",
+        help="Standard deviation per axis.",
         unit="m/s",
         low=0,
         high=0.2,
@@ -139,10 +139,10 @@ class SceneSettings(EffectSettings):
         source="UWSim cirs.xml, COLA2, Stonefish girona500auv_full.scn",
         advanced=True,
     )
-    dvl_bias_m_s: float = sensor(
+    dvl_bias_m_s: float = sensor_setting(
         0.0,
         title="DVL bias",
-        says="Constant error along each axis.",
+        help="Constant error along each axis.",
         unit="m/s",
         low=-0.1,
         high=0.1,
@@ -150,30 +150,30 @@ class SceneSettings(EffectSettings):
         source="off; 0.002 m/s is a usual size, the data sheet was not found",
         advanced=True,
     )
-    dvl_scale_error: float = sensor(
+    dvl_scale_error: float = sensor_setting(
         0.0,
         title="DVL scale error",
-        says="Relative error of the scale.",
+        help="Relative error of the scale.",
         low=-0.1,
         high=0.1,
         tag="E",
         source="off; 0.003 is a usual size, the data sheet was not found",
         advanced=True,
     )
-    dvl_dropout: float = sensor(
+    dvl_dropout: float = sensor_setting(
         0.0,
         title="DVL drop-outs",
-        says="Share of the measurements that are missing.",
+        help="Share of the measurements that are missing.",
         low=0,
         high=0.9,
         tag="E",
         source="off",
         advanced=True,
     )
-    dvl_least_altitude_m: float = sensor(
+    dvl_least_altitude_m: float = sensor_setting(
         0.5,
         title="DVL blind below",
-        says="Nearer to the bottom than this the DVL has no bottom lock and keeps its last value.",
+        help="Nearer to the bottom than this the DVL has no bottom lock and keeps its last value.",
         unit="m",
         low=0,
         high=10,
@@ -181,10 +181,10 @@ class SceneSettings(EffectSettings):
         source="Stonefish girona500auv_full.scn, 0.5 to 81 m",
         advanced=True,
     )
-    depth_sigma_m: float = sensor(
+    depth_sigma_m: float = sensor_setting(
         0.01,
         title="Depth noise",
-        says="Standard deviation of the depth gauge.",
+        help="Standard deviation of the depth gauge.",
         unit="m",
         low=0,
         high=0.5,
@@ -192,10 +192,10 @@ class SceneSettings(EffectSettings):
         source="COLA2 sim_auv_nav_sensors.yaml",
         advanced=True,
     )
-    ahrs_sigma_rad: float = sensor(
+    ahrs_sigma_rad: float = sensor_setting(
         1e-4,
         title="Attitude noise",
-        says="Standard deviation of roll, pitch and yaw.",
+        help="Standard deviation of roll, pitch and yaw.",
         unit="rad",
         low=0,
         high=0.1,

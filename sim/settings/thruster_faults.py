@@ -2,40 +2,40 @@
 
 from functools import partial
 
-from seamark.sim.settings.configuration import Configuration, knob
+from seamark.sim.settings.configuration import Configuration, setting
 
-fault = partial(knob, group="Faults", role="scenario", advanced=True)
+fault_setting = partial(setting, group="Faults", role="scenario", advanced=True)
 
 
 class FaultSettings(Configuration):
     """One thruster that fails in every level."""
 
-    fault_thruster: int = fault(
+    fault_thruster: int = fault_setting(
         -1,
         title="Broken thruster",
-        says="Index as in the column thrust_0; -1 for none.",
+        help="Index as in the column thrust_0; -1 for none.",
         low=-1,
         high=7,
     )
-    fault_efficiency: float = fault(
+    fault_efficiency: float = fault_setting(
         0.0,
         title="What is left of its thrust",
-        says="Share of the thrust that the broken thruster still gives; 0 is dead.",
+        help="Share of the thrust that the broken thruster still gives; 0 is dead.",
         low=0,
         high=1,
     )
-    fault_delay_s: float = fault(
+    fault_delay_s: float = fault_setting(
         0.0,
         title="Its delay",
-        says="How much later than commanded the broken thruster acts.",
+        help="How much later than commanded the broken thruster acts.",
         unit="s",
         low=0,
         high=5,
     )
-    fault_from_s: float = fault(
+    fault_from_s: float = fault_setting(
         0.0,
         title="Broken from",
-        says="Time into each level at which the thruster breaks.",
+        help="Time into each level at which the thruster breaks.",
         unit="s",
         low=0,
         high=600,

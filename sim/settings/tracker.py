@@ -9,7 +9,7 @@ from functools import partial
 from typing import Any
 
 from seamark.sim.registry import TRACKERS, TRUTH
-from seamark.sim.settings.configuration import Configuration, knob
+from seamark.sim.settings.configuration import Configuration, setting
 from seamark.sim.trackers import visp
 from seamark.sim.trackers.choices import (
     CRITERIA,
@@ -21,23 +21,23 @@ from seamark.sim.trackers.choices import (
     refusals,
 )
 
-choosing = partial(knob, group="Tracker", role="solution")
+tracker_setting = partial(setting, group="Tracker", role="solution")
 
 
 def tracking(name: str, default: object, *, warps: Sequence[str] = (), **words: Any) -> Any:
     """Return the setting of an option, which only the trackers that have it look at."""
     having = [each for each, entry in TRACKERS.items() if name in entry.options]
     only = {"warp": warps} if warps else {}
-    return choosing(default, applies={"tracker": having, **only}, **words)
+    return tracker_setting(default, applies={"tracker": having, **only}, **words)
 
 
-def _number(name: str, default: float, *, title: str, says: str, unit: str = "") -> Any:
+def _number(name: str, default: float, *, title: str, help: str, unit: str = "") -> Any:
     low, high = RANGES[name]
     return tracking(
         name,
         default,
         title=title,
-        says=says,
+        help=help,
         unit=unit,
         low=low,
         high=high,
@@ -59,117 +59,117 @@ def _offered() -> dict[str, str]:
 class TrackerSettings(Configuration):
     """Which tracker, and how it works."""
 
-    tracker: str = choosing(
+    tracker: str = tracker_setting(
         "esm",
         title="Tracker",
-        says="Finds the target in the camera's picture.",
+        help="Finds the target in the camera's picture.",
         choices=_offered(),
     )
     warp: str = tracking(
         "warp",
         "homography",
         title="Warp",
-        says="What movement of the target in the picture the tracker can follow.",
+        help="What movement of the target in the picture the tracker can follow.",
         choices=WARPS,
     )
     criterion: str = tracking(
         "criterion",
         "zncc",
         title="Similarity",
-        says="What the tracker compares pictures by.",
+        help="What the tracker compares pictures by.",
         choices=CRITERIA,
     )
     method: str = tracking(
         "method",
         "esm",
         title="Method",
-        says="How the tracker searches.",
+        help="How the tracker searches.",
         choices=METHODS,
     )
     pyramid_levels: int = _number(
         "pyramid_levels",
         2,
         title="Pyramid levels",
-        says="Resolutions at most, each half the one before; more reach farther.",
+        help="Resolutions at most, each half the one before; more reach farther.",
     )
     coarse_iterations: int = _number(
         "coarse_iterations",
         6,
         title="Iterations on coarse levels",
-        says="At most, on each level but the finest.",
+        help="At most, on each level but the finest.",
     )
     fine_iterations: int = _number(
         "fine_iterations",
         5,
         title="Iterations on the finest level",
-        says="At most, on the picture itself.",
+        help="At most, on the picture itself.",
     )
     stop_px: float = _number(
         "stop_px",
         0.5,
         title="Stop below",
-        says="A step that moves every corner less is the last; of ssd and mi, less than a fifth.",
+        help="A step that moves every corner less is the last; of ssd and mi, less than a fifth.",
         unit="px",
     )
     sampling_px: float = _number(
         "sampling_px",
         1.0,
         title="Sampling",
-        says="Distance between the template's pixels in the first picture.",
+        help="Distance between the template's pixels in the first picture.",
         unit="px",
     )
     template_margin_px: int = _number(
         "template_margin_px",
         -3,
         title="Margin of the template",
-        says="How far it reaches beyond the target; a target without texture needs its edges.",
+        help="How far it reaches beyond the target; a target without texture needs its edges.",
         unit="px",
     )
     predict_motion: bool = tracking(
         "predict_motion",
         True,
         title="Predict the motion",
-        says="Whether the search starts where the target would be at constant speed.",
+        help="Whether the search starts where the target would be at constant speed.",
         advanced=True,
     )
     search_px: int = _number(
         "search_px",
         20,
         title="Search margin",
-        says="How far around the last place the picture is looked at, at most.",
+        help="How far around the last place the picture is looked at, at most.",
         unit="px",
     )
     reacquire_px: int = _number(
         "reacquire_px",
         0,
         title="Look again within",
-        says="How far a lost target is looked for, farther with each picture; 0 does not.",
+        help="How far a lost target is looked for, farther with each picture; 0 does not.",
         unit="px",
     )
 
     klt_points: int = _number(
-        "klt_points", 80, title="Points", says="KLT: how many corners are followed at most."
+        "klt_points", 80, title="Points", help="KLT: how many corners are followed at most."
     )
     klt_from: str = tracking(
         "klt_from",
         "first",
         title="Flow from",
-        says="KLT: the first picture does not drift, the one before stands larger changes.",
+        help="KLT: the first picture does not drift, the one before stands larger changes.",
         choices=KLT_FROM,
         advanced=True,
     )
     ecc_iterations: int = _number(
-        "ecc_iterations", 20, title="Iterations of ECC", says="ECC: at most, for each picture."
+        "ecc_iterations", 20, title="Iterations of ECC", help="ECC: at most, for each picture."
     )
 
     visp_iterations: int = _number(
-        "visp_iterations", 60, title="Iterations of ViSP", says="ViSP: at most, for each picture."
+        "visp_iterations", 60, title="Iterations of ViSP", help="ViSP: at most, for each picture."
     )
     visp_sl3: bool = tracking(
         "visp_sl3",
         True,
         title="Homography as SL(3)",
-        says="ViSP: the group's eight parameters; if not, the entries of the matrix.",
+        help="ViSP: the group's eight parameters; if not, the entries of the matrix.",
         warps=("homography",),
         advanced=True,
     )
@@ -183,6 +183,6 @@ class TrackerSettings(Configuration):
         known = TRACKERS.get(self.tracker)  # a stored run may name one that no longer exists
         return self.tracker == TRUTH or (known is not None and known.exact)
 
-    def broken_rules(self) -> dict[str, str]:
+    def cross_field_errors(self) -> dict[str, str]:
         """Return setting -> sentence for combinations that the tracker does not do."""
         return refusals(self.tracker, self.tracker_options())

@@ -41,7 +41,7 @@ def init(*, language: str, benchmark: str, folder: Path) -> None:
     if benchmark not in registry.BENCHMARKS:
         known = ", ".join(registry.BENCHMARKS)
         raise UsageRefused(f"There is no benchmark {benchmark}. There are: {known}.")
-    role, short = registry.benchmark(benchmark).role, registry.benchmark(benchmark).shortest
+    role, short = registry.benchmark(benchmark).role, registry.benchmark(benchmark).quick_settings
     try:
         files = starter_files.start(language, role)
     except KeyError:

@@ -122,10 +122,12 @@ def _head_of(order: Order) -> list[str]:
 
     benchmark = registry.benchmark(order.benchmark)
     program = order.program is not None
-    solution = order.controller if program else benchmark.solution(order.controller, order.config)
+    solution = (
+        order.controller if program else benchmark.solution_label_of(order.controller, order.config)
+    )
     return [
         f"{order.role} {solution}, seed {order.seed}, trials {order.trials}",
-        *grid.comments(benchmark.read(order.config)),
+        *grid.level_comments(benchmark.read(order.config)),
         telemetry.units(),
     ]
 

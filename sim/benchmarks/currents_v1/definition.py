@@ -10,24 +10,24 @@ from functools import partial
 from seamark.sim.benchmarks.benchmark import Baseline, Benchmark, Chart, Table
 from seamark.sim.control.observation import THRUSTERS
 from seamark.sim.metrics.metric import Metric
-from seamark.sim.metrics.station_keeping import HEAD, METRICS, OVERALL, TELLING, WHOLE
+from seamark.sim.metrics.station_keeping import HEAD, KEY_METRICS, METRICS, OVERALL, WHOLE
 from seamark.sim.registry import CONTROLLERS, VEHICLES, labels
-from seamark.sim.settings.configuration import knob
-from seamark.sim.settings.custom_score import own_score_knob
-from seamark.sim.settings.experiment import ExperimentSettings, experiment
+from seamark.sim.settings.configuration import setting
+from seamark.sim.settings.custom_score import custom_score_setting
+from seamark.sim.settings.experiment import ExperimentSettings, experiment_setting
 from seamark.sim.settings.grid import SPEED, GridSettings
 from seamark.sim.vehicles import load
 
-current = partial(knob, group="Current", role="scenario")
+current_setting = partial(setting, group="Current", role="scenario")
 
 
 class CurrentsConfiguration(ExperimentSettings, GridSettings):
     """Settings of currents-v1. Seed, trials and controller are not part of it."""
 
-    levels: tuple[float, ...] = experiment(
+    levels: tuple[float, ...] = experiment_setting(
         (0.0, 0.1, 0.2, 0.3, 0.4),
         title="Current levels",
-        says="Mean speed of the current at each level, in rising order.",
+        help="Mean speed of the current at each level, in rising order.",
         unit="m/s",
         low=0,
         high=1,
@@ -35,100 +35,100 @@ class CurrentsConfiguration(ExperimentSettings, GridSettings):
         tag="S",
         source="Pérez et al., the published experiment",
     )
-    settle_s: float = experiment(
+    settle_s: float = experiment_setting(
         30.0,
         title="Settle window",
-        says="Time at the start of each level that the settled metrics and the score leave out.",
+        help="Time at the start of each level that the settled metrics and the score leave out.",
         unit="s",
         low=0,
         high=599,
         tag="E",
         source="the first seconds after a start are the same for most controllers",
     )
-    score: str = own_score_knob(OVERALL, group="Experiment")
+    score: str = custom_score_setting(OVERALL, group="Experiment")
 
-    current_law: str = current(
+    current_law: str = current_setting(
         "relative",
         title="The current acts as",
-        says="Relative velocity is physics; the body force is what the paper's simulator did.",
+        help="Relative velocity is physics; the body force is what the paper's simulator did.",
         choices={
             "relative": "Relative velocity of the water",
             "force": "Force on the body (the paper's simulator)",
         },
     )
-    current_azimuth_rad: float = current(
+    current_azimuth_rad: float = current_setting(
         0.0,
         title="Direction of the current",
-        says="Where the water comes from, from the bow: 0 bow-on, 1.57 starboard (beam).",
+        help="Where the water comes from, from the bow: 0 bow-on, 1.57 starboard (beam).",
         unit="rad",
         low=-math.pi,
         high=math.pi,
         tag="E",
         source="the published direction overpowers the real vehicle's one sway thruster",
     )
-    current_swing_rad: float = current(
+    current_swing_rad: float = current_setting(
         0.7,
         title="Swing of the direction",
-        says="Amplitude of the sinusoid in the direction.",
+        help="Amplitude of the sinusoid in the direction.",
         unit="rad",
         low=0,
         high=1.57,
         tag="S",
         source="uwsimbenchmarks 988deda, trackingBenchmarkDynamics.xml",
     )
-    current_swing_period_s: float = current(
+    current_swing_period_s: float = current_setting(
         30.0,
         title="Period of the swing",
-        says="Period of the sinusoid in the direction.",
+        help="Period of the sinusoid in the direction.",
         unit="s",
         low=1,
         high=600,
         tag="S",
         source="uwsimbenchmarks 988deda, trackingBenchmarkDynamics.xml",
     )
-    current_wave_m_s: float = current(
+    current_wave_m_s: float = current_setting(
         0.005,
         title="Wave of the speed",
-        says="Amplitude of the sinusoid in the speed; level 0 has none.",
+        help="Amplitude of the sinusoid in the speed; level 0 has none.",
         unit="m/s",
         low=0,
         high=0.5,
         tag="S",
         source="uwsimbenchmarks 988deda, trackingBenchmarkDynamics.xml",
     )
-    current_wave_period_s: float = current(
+    current_wave_period_s: float = current_setting(
         4.0,
         title="Period of the wave",
-        says="Period of the sinusoid in the speed.",
+        help="Period of the sinusoid in the speed.",
         unit="s",
         low=1,
         high=600,
         tag="S",
         source="uwsimbenchmarks 988deda, trackingBenchmarkDynamics.xml",
     )
-    current_gust: float = current(
+    current_gust: float = current_setting(
         0.05,
         title="Gusts",
-        says="Standard deviation of the random part, as a share of the level.",
+        help="Standard deviation of the random part, as a share of the level.",
         low=0,
         high=0.5,
         tag="E",
         source="the original draws 1 % white noise at every call, which depends on the call rate",
     )
-    current_gust_time_s: float = current(
+    current_gust_time_s: float = current_setting(
         10.0,
         title="Gust time constant",
-        says="How long a gust lasts (Ornstein-Uhlenbeck process).",
+        help="How long a gust lasts (Ornstein-Uhlenbeck process).",
         unit="s",
         low=0.1,
         high=120,
         tag="E",
         source="some of them within a level",
     )
-    current_shear: float = current(
+    current_shear: float = current_setting(
         0.0,
         title="Shear over the bottom",
-        says="Exponent n: at height h the water has (h/h0)^n of its speed at the start's height "
+        help="Exponent n: at height h the water has (h/h0)^n of its speed at the start's height "
         "h0. 1/7 is usual, 0 is the same at every depth.",
         low=0,
         high=1,
@@ -136,10 +136,10 @@ class CurrentsConfiguration(ExperimentSettings, GridSettings):
         source="law and 1/7: DNV-RP-C205 (2010) 4.1.4; off in the published experiment",
         advanced=True,
     )
-    current_force_share: float = current(
+    current_force_share: float = current_setting(
         0.134,
         title="Share of the body force",
-        says="Only as body force, 410 k v² N: the share k; 0.134 gives the paper's 18 px.",
+        help="Only as body force, 410 k v² N: the share k; 0.134 gives the paper's 18 px.",
         low=0,
         high=1,
         tag="D",
@@ -147,7 +147,7 @@ class CurrentsConfiguration(ExperimentSettings, GridSettings):
         advanced=True,
     )
 
-    def broken_rules(self) -> dict[str, str]:
+    def cross_field_errors(self) -> dict[str, str]:
         """Return setting -> sentence for the rules between several settings."""
         errors: dict[str, str] = {}
         if any(b <= a for a, b in zip(self.levels, self.levels[1:], strict=False)):
@@ -162,7 +162,7 @@ class CurrentsConfiguration(ExperimentSettings, GridSettings):
                 "current_shear (Shear over the bottom) must be 0 where the current acts as a body "
                 "force: the water itself rests there."
             )
-        return errors | super().broken_rules() or self.grid_rules()
+        return errors | super().cross_field_errors() or self.grid_errors()
 
     def level_metric(self) -> Metric:
         """Return what a level's value is."""
@@ -172,7 +172,7 @@ class CurrentsConfiguration(ExperimentSettings, GridSettings):
         """Return the mean speeds [m/s]; in a grid, of each of its points."""
         return tuple(point[SPEED] for point in self.points())
 
-    def own_levels(self) -> tuple[float, ...]:
+    def base_levels(self) -> tuple[float, ...]:
         """Return the mean speeds [m/s] without a grid."""
         return self.levels
 
@@ -203,13 +203,13 @@ BENCHMARK = Benchmark(
         "Keep station above a black box on the bottom while the current grows from 0 to 0.4 m/s in "
         "five levels of 120 s."
     ),
-    compares="position controllers",
+    participants="position controllers",
     role="controller",
     built_in=labels(CONTROLLERS),
     experiment="seamark.sim.benchmarks.currents_v1.experiment:EXPERIMENT",
     headline=Metric("score", "Score", "of 100", "higher"),
-    full_score=100.0,
-    held_unit="m/s",
+    score_bar_max=100.0,
+    level_held_unit="m/s",
     charts=(
         Chart("Distance to the target", "px", ("distance_px",)),
         Chart("X error", "px", ("error_x_px",)),
@@ -239,15 +239,15 @@ BENCHMARK = Benchmark(
         "Faults",
     ),
     tables=(
-        Table("After the settle window of {settle_s:g} s", (*HEAD, *TELLING)),
+        Table("After the settle window of {settle_s:g} s", (*HEAD, *KEY_METRICS)),
         Table(
             "More metrics, after the settle window of {settle_s:g} s",
-            tuple(metric for metric in METRICS if metric not in TELLING),
+            tuple(metric for metric in METRICS if metric not in KEY_METRICS),
         ),
         Table("Whole levels", METRICS, prefix=WHOLE),
     ),
-    telling=TELLING[:1],
+    key_metrics=KEY_METRICS[:1],
     baselines={"p": Baseline("P, as it comes", "p"), "pi": Baseline("PI, as it comes", "pi")},
     presets={"vehicle": _presets()},
-    shortest={"levels": [0.1], "level_duration_s": 2.0, "settle_s": 1.0},
+    quick_settings={"levels": [0.1], "level_duration_s": 2.0, "settle_s": 1.0},
 )

@@ -9,7 +9,7 @@ from seamark.sim.camera.camera import Camera
 from seamark.sim.camera.target import start_pose
 from seamark.sim.control.observation import layout
 from seamark.sim.engine.closed_loop import LevelLoop
-from seamark.sim.engine.experiment import Standing
+from seamark.sim.engine.experiment import TrialScore
 from seamark.sim.engine.program import BuiltIn, Program
 from seamark.sim.engine.world import (
     Conditions,
@@ -66,19 +66,19 @@ class StationKeeping:
 
     def metrics(self, config: CurrentsConfiguration, level: int, rows: Rows) -> dict[str, Any]:
         """Return the metrics of a level, and where in a grid it is."""
-        grid = config.coordinates(level)
+        grid = config.grid_point(level)
         return level_metrics(rows, _facts(config, level)) | ({"grid": grid} if grid else {})
 
-    def standing(
+    def trial_score(
         self, config: CurrentsConfiguration, levels: Sequence[Mapping[str, Any]]
-    ) -> Standing:
+    ) -> TrialScore:
         """Return the mean of the levels' points, 0 to 100.
 
         A trial ranks if that is a number and the target was not lost all the time at any level.
         """
         score = mean([float(level["points"]) for level in levels])
         all_lost = any(level["whole_lost_percent"] >= 100.0 for level in levels)
-        return Standing(
+        return TrialScore(
             score=score,
             level_held=_held(levels),
             rankable=math.isfinite(score) and not all_lost,

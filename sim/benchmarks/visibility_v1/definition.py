@@ -18,17 +18,17 @@ from seamark.sim.metrics.metric import Metric
 from seamark.sim.metrics.tracking import FAILED_PERCENT, HELD, METRICS, level_metrics
 from seamark.sim.recording.telemetry import NAMES
 from seamark.sim.registry import TRACKERS
-from seamark.sim.settings.configuration import again, group_of, knob
-from seamark.sim.settings.custom_score import own_score_knob
+from seamark.sim.settings.configuration import group_of, override, setting
+from seamark.sim.settings.custom_score import custom_score_setting
 from seamark.sim.settings.experiment import ExperimentSettings, multiple
 from seamark.sim.trackers.choices import options_of
 
-sweeping = partial(knob, group="Sweep", role="scenario")
-motion = partial(knob, group="Motion", role="scenario")
+sweep_setting = partial(setting, group="Sweep", role="scenario")
+motion_setting = partial(setting, group="Motion", role="scenario")
 
 INHERITED = ExperimentSettings.model_fields
 _SCENE = "uwsimbenchmarks 988deda, visionBenchmarkScene.xml"
-MOST_LEVELS = 200
+MAX_LEVELS = 200
 DARKEST_STOPS = 5.5  # a camera of 1.2 grey read noise then has 54 grey; 64 is the most
 # Columns in which nothing happens while nobody steers.
 STEERING = ("current_", "error_x", "error_y", "error_z", "ref_", "dvl_", "thrust_", "contact_n")
@@ -77,114 +77,114 @@ SWEEPS = {
 class VisibilityConfiguration(ExperimentSettings):
     """Settings of visibility-v1. Seed, trials and program are not part of it."""
 
-    vehicle: str = again(INHERITED["vehicle"], "girona500", group="Motion")
-    level_duration_s: float = again(
+    vehicle: str = override(INHERITED["vehicle"], "girona500", group="Motion")
+    level_duration_s: float = override(
         INHERITED["level_duration_s"],
         5.0,
-        says="Simulated time before the tracker starts anew and the next level begins.",
+        help="Simulated time before the tracker starts anew and the next level begins.",
         source="uwsimbenchmarks: 5 s per level",
     )
-    altitude_m: float = again(INHERITED["altitude_m"], 1.27, source=_SCENE)
-    camera_width_px: int = again(INHERITED["camera_width_px"], 320, source=_SCENE)
-    camera_height_px: int = again(INHERITED["camera_height_px"], 240, source=_SCENE)
-    camera_focal_px: float = again(INHERITED["camera_focal_px"], 257.3, source=_SCENE)
-    water_type: str = again(
+    altitude_m: float = override(INHERITED["altitude_m"], 1.27, source=_SCENE)
+    camera_width_px: int = override(INHERITED["camera_width_px"], 320, source=_SCENE)
+    camera_height_px: int = override(INHERITED["camera_height_px"], 240, source=_SCENE)
+    camera_focal_px: float = override(INHERITED["camera_focal_px"], 257.3, source=_SCENE)
+    water_type: str = override(
         INHERITED["water_type"], "grey", tag="E", source="so that one number says how turbid it is"
     )
-    water_attenuation_1_m: float = again(
+    water_attenuation_1_m: float = override(
         INHERITED["water_attenuation_1_m"],
         0.2,
-        says="Grey water whose levels change something else: attenuation, or the fog's density.",
+        help="Grey water whose levels change something else: attenuation, or the fog's density.",
     )
-    kp: float = again(INHERITED["kp"], 0.5, role="scenario")
-    ki: float = again(INHERITED["ki"], 0.02, role="scenario")
-    control_heave: bool = again(INHERITED["control_heave"], False, role="scenario")
+    kp: float = override(INHERITED["kp"], 0.5, role="scenario")
+    ki: float = override(INHERITED["ki"], 0.02, role="scenario")
+    control_heave: bool = override(INHERITED["control_heave"], False, role="scenario")
 
-    sweep: str = sweeping(
+    sweep: str = sweep_setting(
         "turbidity",
         title="What gets worse",
-        says="What changes from level to level; it brings its own range.",
+        help="What changes from level to level; it brings its own range.",
         choices={name: sweep.label for name, sweep in SWEEPS.items()},
     )
-    sweep_from: float = sweeping(
-        0.0, title="First level", says="Value at the first level.", low=0, high=100
+    sweep_from: float = sweep_setting(
+        0.0, title="First level", help="Value at the first level.", low=0, high=100
     )
-    sweep_to: float = sweeping(
+    sweep_to: float = sweep_setting(
         7.0,
         title="Last level",
-        says="Value at the last level.",
+        help="Value at the last level.",
         low=0,
         high=100,
         tag="E",
         source="nothing can be tracked there any more",
     )
-    sweep_step: float = sweeping(
+    sweep_step: float = sweep_setting(
         0.25,
         title="Step",
-        says="From one level to the next.",
+        help="From one level to the next.",
         above=0,
         high=100,
         tag="E",
         source="fine enough to tell trackers apart",
     )
-    score: str = own_score_knob(METRICS, group="Experiment")
-    mode: str = motion(
+    score: str = custom_score_setting(METRICS, group="Experiment")
+    mode: str = motion_setting(
         "fixed",
         title="Who steers",
-        says="On the prescribed path all trackers see the same pictures.",
+        help="On the prescribed path all trackers see the same pictures.",
         choices={
             "fixed": "Nobody: a prescribed path",
             "free": "The tracker, by way of a PI controller",
         },
     )
-    path_swing_m: float = motion(
+    path_swing_m: float = motion_setting(
         0.25,
         applies={"mode": ["fixed"]},
         title="Swing of the path",
-        says="Prescribed path: how far it goes from its middle, ahead and aside; 0 stands still.",
+        help="Prescribed path: how far it goes from its middle, ahead and aside; 0 stands still.",
         unit="m",
         low=0,
         high=1,
         tag="E",
         source="the target stays in the picture",
     )
-    path_turn_rad: float = motion(
+    path_turn_rad: float = motion_setting(
         0.05,
         applies={"mode": ["fixed"]},
         title="Turn on the path",
-        says="Prescribed path: how far the heading turns; roll and pitch turn 0.6 times as far.",
+        help="Prescribed path: how far the heading turns; roll and pitch turn 0.6 times as far.",
         unit="rad",
         low=0,
         high=0.5,
         tag="E",
         source="a few degrees, as a vehicle in a current",
     )
-    path_heave_share: float = motion(
+    path_heave_share: float = motion_setting(
         0.2,
         applies={"mode": ["fixed"]},
         title="Rise on the path",
-        says="Prescribed path: how far it goes up and down, in shares of the swing; 0 stays level.",
+        help="Prescribed path: how far it goes up and down, in shares of the swing; 0 stays level.",
         low=0,
         high=1,
         tag="E",
         source="a vehicle holds its depth better than its place",
         advanced=True,
     )
-    path_period_s: float = motion(
+    path_period_s: float = motion_setting(
         5.0,
         applies={"mode": ["fixed"]},
         title="Period of the path",
-        says="Prescribed path: nominal time of one swing.",
+        help="Prescribed path: nominal time of one swing.",
         unit="s",
         low=1,
         high=120,
         tag="E",
         source="about a station-keeping vehicle's own",
     )
-    current_m_s: float = motion(
+    current_m_s: float = motion_setting(
         0.15,
         title="Current",
-        says="Free-running vehicle: mean speed of the current that moves it.",
+        help="Free-running vehicle: mean speed of the current that moves it.",
         unit="m/s",
         low=0,
         high=1,
@@ -198,11 +198,11 @@ class VisibilityConfiguration(ExperimentSettings):
         steering = name in STEERING_SETTINGS or group_of(cls.model_fields[name]) in STEERING_GROUPS
         return {**super().applies(name), **({"mode": ("free",)} if steering else {})}
 
-    def broken_rules(self) -> dict[str, str]:
+    def cross_field_errors(self) -> dict[str, str]:
         """Return setting -> sentence for the rules between several settings."""
-        return self._sweep_rules() | self._path_rules() | super().broken_rules()
+        return self._sweep_errors() | self._path_errors() | super().cross_field_errors()
 
-    def _sweep_rules(self) -> dict[str, str]:
+    def _sweep_errors(self) -> dict[str, str]:
         errors: dict[str, str] = {}
         span = self.sweep_to - self.sweep_from
         if span <= 0:
@@ -210,10 +210,10 @@ class VisibilityConfiguration(ExperimentSettings):
                 f"sweep_to (Last level) must be above the first level's {self.sweep_from:g}, "
                 f"not {self.sweep_to:g}."
             )
-        elif not multiple(span, self.sweep_step) or span / self.sweep_step >= MOST_LEVELS:
+        elif not multiple(span, self.sweep_step) or span / self.sweep_step >= MAX_LEVELS:
             errors["sweep_step"] = (
                 f"sweep_step (Step) must divide the {span:g} between first and last level into "
-                f"whole steps, at most {MOST_LEVELS - 1}; {self.sweep_step:g} does not."
+                f"whole steps, at most {MAX_LEVELS - 1}; {self.sweep_step:g} does not."
             )
         if self.sweep == "fog" and self.water_law != "uwsim":
             errors["water_law"] = (
@@ -235,7 +235,7 @@ class VisibilityConfiguration(ExperimentSettings):
             )
         return errors
 
-    def _path_rules(self) -> dict[str, str]:
+    def _path_errors(self) -> dict[str, str]:
         """Refuse a path on which the target leaves the picture."""
         room = 0.5 * min(self.camera_width_px, self.camera_height_px)
         per_m = self.camera_focal_px / self.altitude_m
@@ -269,10 +269,10 @@ class VisibilityConfiguration(ExperimentSettings):
             return None
         return Metric("failure", "Failure level", sweep.level.unit, "higher")
 
-    def idle_columns(self) -> frozenset[str]:
+    def unused_columns(self) -> frozenset[str]:
         """Return what a prescribed path leaves at 0; else what the vehicle does not have."""
         if self.mode == "free":
-            return super().idle_columns()
+            return super().unused_columns()
         return frozenset(name for name in NAMES if name.startswith(STEERING) and name not in SEEN)
 
     def optical_depths(self) -> tuple[float, ...]:
@@ -315,7 +315,7 @@ SWEEP_PRESETS: dict[str, dict[str, object]] = {
 }
 
 
-def _called(config: Mapping[str, object]) -> str:
+def _solution_label(config: Mapping[str, object]) -> str:
     """Return what tells a built-in tracker from the others, such as "esm zncc srt"."""
     tracker = str(config.get("tracker", ""))
     options = options_of(tracker) if tracker in TRACKERS else ()
@@ -342,13 +342,13 @@ BENCHMARK = Benchmark(
         "Follow a box in the camera's picture while the optical depth of the water rises from 0 "
         "to 7, 5 s each, until the tracker fails."
     ),
-    compares="trackers",
+    participants="trackers",
     role="tracker",
     built_in={"built-in": "Built-in tracker"},
     experiment="seamark.sim.benchmarks.visibility_v1.experiment:EXPERIMENT",
     headline=Metric("tau50", "τ50", "optical depth", "higher"),
-    full_score=7.25,
-    held_unit="optical depth",
+    score_bar_max=7.25,
+    level_held_unit="optical depth",
     charts=(
         Chart("Corner error", "px", ("tracker_error",)),
         Chart("The tracker says that it has the target", "1 = yes", ("tracker_ok",)),
@@ -382,7 +382,7 @@ BENCHMARK = Benchmark(
         values=VisibilityConfiguration.score_values,
         measure=level_metrics,
     ),
-    telling=METRICS[:1],
+    key_metrics=METRICS[:1],
     overall=METRICS,
     baselines={
         f"{criterion}-{warp}": Baseline(
@@ -392,7 +392,7 @@ BENCHMARK = Benchmark(
         )
         for criterion, warp in RANKED_TRACKERS
     },
-    called=_called,
+    solution_label=_solution_label,
     presets={"sweep": SWEEP_PRESETS},
-    shortest={"sweep_to": 0.25, "level_duration_s": 2.0},
+    quick_settings={"sweep_to": 0.25, "level_duration_s": 2.0},
 )

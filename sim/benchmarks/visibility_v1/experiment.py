@@ -13,7 +13,7 @@ from seamark.sim.camera.camera import Camera
 from seamark.sim.camera.target import start_pose
 from seamark.sim.camera.water import Water
 from seamark.sim.engine.closed_loop import LevelLoop
-from seamark.sim.engine.experiment import Level, Standing
+from seamark.sim.engine.experiment import Level, TrialScore
 from seamark.sim.engine.open_loop import PathLoop
 from seamark.sim.engine.prescribed_path import Path
 from seamark.sim.engine.program import BuiltIn
@@ -85,16 +85,16 @@ class Visibility:
         depth = {"optical_depth": config.optical_depths()[level]}
         return place | depth | level_metrics(rows)
 
-    def standing(
+    def trial_score(
         self, config: VisibilityConfiguration, levels: Sequence[Mapping[str, Any]]
-    ) -> Standing:
+    ) -> TrialScore:
         """Return the value of the first level at which the tracker fails.
 
         A tracker that fails at the first level does not rank.
         """
         values = config.score_values()
         score = failure_value(values, [level["p5_percent"] for level in levels])
-        return Standing(
+        return TrialScore(
             score=score,
             level_held=held_value(values, [level["held"] for level in levels]),
             rankable=math.isfinite(score) and score > values[0],

@@ -28,7 +28,7 @@ NAMES = list(registry.BENCHMARKS)
 def recorded(request: pytest.FixtureRequest) -> tuple[str, Configuration, Rows]:
     """A short trial of each benchmark."""
     entry = registry.benchmark(request.param)
-    config = entry.read(entry.shortest)
+    config = entry.read(entry.quick_settings)
     return request.param, config, _rows(request.param, config)
 
 
@@ -162,7 +162,7 @@ def test_a_tracker_that_works_on_the_data_set_is_as_good_as_in_the_benchmark(
 
 def test_the_corners_of_a_start_have_the_configured_error() -> None:
     entry = registry.benchmark("currents-v1")
-    config = entry.read({**entry.shortest, "start_error_px": 1.5})
+    config = entry.read({**entry.quick_settings, "start_error_px": 1.5})
     rows = _rows("currents-v1", config)
     files = _made(("currents-v1", config, rows), Choice(every=10))
 
@@ -176,7 +176,7 @@ def test_the_corners_of_a_start_have_the_configured_error() -> None:
 def test_camera_json_has_all_that_a_camera_is_made_of() -> None:
     name, entry = "visibility-v1", registry.benchmark("visibility-v1")
     disturbed = {"light_level": 0.5, "lamp": 2.0, "snow_per_m3": 200.0, "scatter_mrad": 3.0}
-    config = entry.read({**entry.shortest, **disturbed, "target": "plain"})
+    config = entry.read({**entry.quick_settings, **disturbed, "target": "plain"})
     rows = _rows(name, config)
     files = _made((name, config, rows), Choice(every=25))
     told = json.loads(files["camera.json"])

@@ -16,7 +16,7 @@ from seamark.sim.benchmarks.currents_v1.definition import CurrentsConfiguration
 from seamark.sim.benchmarks.currents_v1.experiment import EXPERIMENT
 from seamark.sim.control.observation import BOOLEANS, FIELDS, STARTS, empty
 from seamark.sim.engine.program import BuiltIn, Command
-from seamark.sim.engine.trial import own_score, run_trial, summarise
+from seamark.sim.engine.trial import custom_score, run_trial, summarise
 from seamark.sim.metrics import uwsim_metrics
 from seamark.sim.recording import telemetry
 from seamark.sim.recording.telemetry import INDEX, NAMES, Rows
@@ -82,7 +82,7 @@ def test_the_chain_keeps_station_with_the_template_tracker(run_short: RunOf) -> 
 
     assert rows[:, INDEX["tracker_error"]].max() < 0.5
     assert rows[:, INDEX["tracker_ok"]].min() == 1.0
-    assert result.standing.level_held == 0.3
+    assert result.trial_score.level_held == 0.3
 
 
 def test_pi_holds_a_bluerov_and_all_its_thrusters_work(run_short: RunOf) -> None:
@@ -91,7 +91,7 @@ def test_pi_holds_a_bluerov_and_all_its_thrusters_work(run_short: RunOf) -> None
     assert np.isfinite(rows).all()
     assert rows[:, INDEX["distance"]].max() < 0.6
     assert (np.ptp(rows[:, INDEX["thrust_0"] : INDEX["thrust_7"] + 1], axis=0) > 0.1).all()
-    assert result.standing.rankable
+    assert result.trial_score.rankable
 
 
 def test_rows_are_in_order_and_the_vehicle_is_put_back_at_each_level(run_short: RunOf) -> None:
@@ -276,7 +276,7 @@ def test_a_trial_without_a_number_or_without_its_target_never_ranks(
 ) -> None:
     result, _rows = run_short({})
     levels = (result.levels[0], {**result.levels[1], **spoil})
-    spoiled = replace(result, levels=levels, standing=EXPERIMENT.standing(short, levels))
+    spoiled = replace(result, levels=levels, trial_score=EXPERIMENT.trial_score(short, levels))
 
     summary = summarise("currents-v1", short, [result, spoiled])
 
@@ -302,7 +302,7 @@ def test_a_score_of_ones_own_is_the_mean_of_the_trials_own_scores(
 
 
 def test_a_score_of_ones_own_without_a_value_says_why() -> None:
-    own = own_score("2 * settling_s", [{"settling_s": 1.0}, {"settling_s": None}])
+    own = custom_score("2 * settling_s", [{"settling_s": 1.0}, {"settling_s": None}])
 
     assert own is not None
     assert own["value"] is None

@@ -154,8 +154,8 @@ def test_every_benchmark_takes_a_score_of_ones_own_and_ranked_runs_do_not(name: 
     entry = benchmark(name)
     config: Configuration = entry.read({"score": "score - 2 * distance"})
 
-    assert config.own_score() == "score - 2 * distance"
-    assert entry.ranked(config).own_score() == ""
+    assert config.custom_score() == "score - 2 * distance"
+    assert entry.ranked(config).custom_score() == ""
     with pytest.raises(ConfigurationInvalid, match=r"Score of your own.*did you mean distance"):
         entry.read({"score": "distanc"})
     with pytest.raises(ConfigurationInvalid, match=f"at most {LONGEST} characters"):

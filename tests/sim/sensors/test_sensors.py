@@ -150,7 +150,7 @@ def test_a_dvl_measures_as_often_as_its_rate_says_at_every_physics_step(
     rate: float, step: float, ticks: int
 ) -> None:
     config = benchmark("currents-v1").read({"dvl_rate_hz": rate, "physics_step_s": step})
-    device = Dvl(streams(1, 0, 0).dvl, period_ticks=config.dvl_period_ticks)
+    device = Dvl(streams(1, 0, 0).dvl, period_ticks=config.dvl_period_steps)
 
     readings = [device.measure(tick, TRUTH)[0] for tick in range(4 * ticks)]
 

@@ -33,7 +33,10 @@ def test_without_loops_levels_are_what_they_were() -> None:
 
     assert config.level_values() == config.levels == (0.0, 0.1, 0.2, 0.3, 0.4)
     assert config.at(3) == config
-    assert grid.comments(config)[3:] == ["level 3: Current 0.3 m/s", "level 4: Current 0.4 m/s"]
+    assert grid.level_comments(config)[3:] == [
+        "level 3: Current 0.3 m/s",
+        "level 4: Current 0.4 m/s",
+    ]
 
 
 def test_the_current_levels_are_the_outermost_loop_and_the_last_one_turns_fastest() -> None:
@@ -44,7 +47,7 @@ def test_the_current_levels_are_the_outermost_loop_and_the_last_one_turns_fastes
     wanted = itertools.product((0.0, 0.2), (0.5, 1.0), (1.0, 2.0))
     points = [tuple(point.values()) for point in config.points()]
     assert points == list(wanted)
-    assert tuple(config.coordinates(5)) == ("current_speed", "turbidity", "repeat")
+    assert tuple(config.grid_point(5)) == ("current_speed", "turbidity", "repeat")
     assert config.level_values() == (0.0,) * 4 + (0.2,) * 4
     assert config.trial_duration_s() == 16.0
 
@@ -90,7 +93,7 @@ def test_the_metrics_of_a_level_carry_its_point_and_the_held_level_needs_all_its
     states = np.concatenate(rows)[:, INDEX["x"] : INDEX["yaw"] + 1].reshape(4, 40, 6)
     assert not np.array_equal(states[2], states[3])  # a repetition has gusts of its own
     spoiled = [*result.levels[:3], {**result.levels[3], "held": False}]
-    assert StationKeeping().standing(config, spoiled).level_held == 0.0
+    assert StationKeeping().trial_score(config, spoiled).level_held == 0.0
 
 
 @pytest.mark.parametrize(

@@ -10,13 +10,13 @@ from seamark.sim.engine.replay import Replay
 from seamark.sim.recording.telemetry import WIDTH
 from seamark.sim.registry import BENCHMARKS, benchmark
 from seamark.sim.settings import grid
-from seamark.sim.settings.configuration import Configuration, ConfigurationInvalid, extra_of
+from seamark.sim.settings.configuration import Configuration, ConfigurationInvalid, schema_extras
 
 
 @pytest.mark.parametrize("name", BENCHMARKS)
 def test_a_valid_configuration_is_restored_as_it_was(name: str) -> None:
     entry = benchmark(name)
-    config = entry.read({**entry.shortest, "kp": 0.7, "warp": "affine"})
+    config = entry.read({**entry.quick_settings, "kp": 0.7, "warp": "affine"})
 
     stored = json.loads(json.dumps(config.model_dump(mode="json")))
 
@@ -58,16 +58,16 @@ def test_pages_can_describe_a_run_whose_choices_no_longer_exist(name: str) -> No
     choices = {
         setting: "no longer a choice"
         for setting, field in entry.configuration.model_fields.items()
-        if "enum" in extra_of(field)
+        if "enum" in schema_extras(field)
     }
     config = entry.restore({**choices, **{f"loop{i}_values": [1] for i in (1, 2, 3)}})
 
     assert len(choices) > 5
     assert entry.charts_of(config)
     assert entry.headline_of(config).label
-    assert entry.solution("no longer a controller", config.model_dump())
+    assert entry.solution_label_of("no longer a controller", config.model_dump())
     assert config.level_metric().label
-    assert len(grid.comments(config)) == len(config.level_values()) > 0
+    assert len(grid.level_comments(config)) == len(config.level_values()) > 0
     assert config.exact() is False
 
 

@@ -79,7 +79,7 @@ def test_an_observer_in_the_velocity_loop_keeps_station_within_centimetres(
     result = _on_the_realistic_vehicle(currents, "pi", velocity_observer_1_s=1.5)
 
     assert [level["rmse_m"] < 0.06 for level in result.levels] == [True] * 5
-    assert result.standing.level_held == 0.4
+    assert result.trial_score.level_held == 0.4
 
 
 @pytest.mark.slow

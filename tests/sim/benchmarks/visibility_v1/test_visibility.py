@@ -277,15 +277,15 @@ def test_a_target_that_stands_still_by_the_tracker_fails_at_the_first_level() ->
     result = run(SHORT | {"level_duration_s": 5.0}, Watching())
 
     assert result.score == 0.0
-    assert not result.standing.rankable
+    assert not result.trial_score.rankable
 
 
 def test_a_perfect_tracker_fails_at_no_level() -> None:
     result = run(SHORT | {"tracker": TRUTH})
 
     assert result.score == 1.5
-    assert result.standing.level_held == 1.0
-    assert result.standing.overall["p1_percent"] == 100.0
+    assert result.trial_score.level_held == 1.0
+    assert result.trial_score.overall["p1_percent"] == 100.0
 
 
 def test_the_template_is_learnt_in_the_first_levels_water() -> None:
@@ -306,7 +306,7 @@ def test_what_has_no_part_in_a_prescribed_path_stays_0_and_the_rest_moves() -> N
     run_trial(NAME, config, None, seed=5, trial=0, on_rows=rows.append)
     table = np.concatenate(rows)
 
-    idle = config.idle_columns()
+    idle = config.unused_columns()
     constant = {name for name, column in zip(NAMES, table.T, strict=True) if not np.ptp(column)}
     assert np.isfinite(table).all()
     assert all(not table[:, INDEX[name]].any() for name in idle)
