@@ -17,7 +17,7 @@ import numpy as np
 from performance import first_answers
 from performance.table import Row
 from seamark.sandbox.box import Box
-from seamark.sandbox.isolation.level import Level
+from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.languages.python import SELF_TEST
 from seamark.sandbox.limits import Limits
 from seamark.sandbox.probing.probes import probe
@@ -65,23 +65,23 @@ while True:
 def rows() -> list[Row]:
     """Measure and return the rows."""
     before = os.sched_getaffinity(0)
-    level = probe().level
+    isolation = probe().level
     core = max(before)
     os.sched_setaffinity(0, {core})
     try:
         pipe = _pipe_us()
         return [
             Row(
-                what=f"exchange with a program of {name}, level {level.name.lower()}",
-                value=_boxed_us(program, level, core),
+                what=f"exchange with a program of {name}, level {isolation.name.lower()}",
+                value=_boxed_us(program, isolation, core),
                 unit="us CPU",
                 peer="bare pipe, no checks",
                 peer_value=pipe,
             )
             for name, program in (("plain Python", PLAIN), ("NumPy", SELF_TEST))
         ] + [
-            *_images(level, core),
-            *first_answers.rows(level, core),
+            *_images(isolation, core),
+            *first_answers.rows(isolation, core),
         ]
     finally:
         os.sched_setaffinity(0, before)
@@ -107,9 +107,9 @@ def _pipe_us() -> float:
     return (own_s + peer_s) / STEPS * 1e6
 
 
-def _boxed_us(program: str, level: Level, core: int) -> float:
+def _boxed_us(program: str, isolation: IsolationLevel, core: int) -> float:
     values = array("d", [0.5] * FIELDS)
-    with Box(limits=Limits(), level=level, core=core) as box:
+    with Box(limits=Limits(), isolation=isolation, core=core) as box:
         box.load(program.encode(), "controller.py", {}, LAYOUT)
         box.reset({"index": 0})
         begin = time.process_time()
@@ -119,18 +119,18 @@ def _boxed_us(program: str, level: Level, core: int) -> float:
         return (own_s + box.finish().cpu_s) / STEPS * 1e6
 
 
-def _images(level: Level, core: int) -> list[Row]:
+def _images(isolation: IsolationLevel, core: int) -> list[Row]:
     """Return the rows of a tracker that is shown images of three sizes and looks at one pixel."""
     return [
         Row(what=f"exchange with a tracker, image {name}", value=value, unit="us CPU")
         for name, shape in IMAGES.items()
-        for value in (_shown_us(shape, level, core),)
+        for value in (_shown_us(shape, isolation, core),)
     ]
 
 
-def _shown_us(shape: tuple[int, ...], level: Level, core: int) -> float:
+def _shown_us(shape: tuple[int, ...], isolation: IsolationLevel, core: int) -> float:
     image = np.zeros(shape, np.uint8)
-    with Box(limits=Limits(), level=level, core=core) as box:
+    with Box(limits=Limits(), isolation=isolation, core=core) as box:
         box.load(TRACKER.encode(), "tracker.py", {}, {"role": "tracker"})
         box.start(image, [(0.0, 0.0)] * 4)
         box.update(image)  # the first use of a page costs more

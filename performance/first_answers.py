@@ -14,7 +14,7 @@ import time
 from performance.table import Row
 from seamark.sandbox.box import Box
 from seamark.sandbox.compilation import compiled
-from seamark.sandbox.isolation.level import Level
+from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.languages import LANGUAGES
 from seamark.sandbox.limits import Limits
 from seamark.sandbox.outcome import SandboxBroken
@@ -24,33 +24,33 @@ STARTS = 9
 NUMPY = (sys.executable, "-c", "import numpy")
 
 
-def rows(level: Level, core: int) -> list[Row]:
+def rows(isolation: IsolationLevel, core: int) -> list[Row]:
     """Measure all languages that this host has."""
     found: list[Row] = []
     for name in LANGUAGES:
         try:
-            program = _program(name, level)
+            program = _program(name, isolation)
         except SandboxBroken:  # not installed here
             continue
-        found += _of_language(name, program, level, core)
+        found += _of_language(name, program, isolation, core)
     return found
 
 
-def _program(name: str, level: Level) -> bytes:
+def _program(name: str, isolation: IsolationLevel) -> bytes:
     language = LANGUAGES[name]
     test = language.self_test
     source = test.encode() if isinstance(test, str) else test()
-    return compiled(language.tested_by or name, source, _filename(name), level=level)
+    return compiled(language.tested_by or name, source, _filename(name), isolation=isolation)
 
 
 def _filename(name: str) -> str:
     return f"self_test{LANGUAGES[name].suffixes[0]}"
 
 
-def _of_language(name: str, program: bytes, level: Level, core: int) -> list[Row]:
+def _of_language(name: str, program: bytes, isolation: IsolationLevel, core: int) -> list[Row]:
     starts, bare = [], []
     for _ in range(STARTS):
-        starts.append(_start(name, program, level, core))
+        starts.append(_start(name, program, isolation, core))
         bare.append(_bare_numpy() if name == "python" else (0.0, 0.0))
     cold, warm, cpu, warm_cpu, memory = (
         statistics.median(each) for each in zip(*starts, strict=True)
@@ -79,13 +79,13 @@ def _of_language(name: str, program: bytes, level: Level, core: int) -> list[Row
     ]
 
 
-def _start(name: str, program: bytes, level: Level, core: int) -> tuple[float, ...]:
+def _start(name: str, program: bytes, isolation: IsolationLevel, core: int) -> tuple[float, ...]:
     """Return wall times cold and warm [ms], their CPU times [ms], memory of a box that waits [MiB].
 
     CPU time is that of the box, the warm one of both sides.
     """
     begin = time.perf_counter()
-    with Box(name, limits=Limits(), level=level, core=core) as box:
+    with Box(name, limits=Limits(), isolation=isolation, core=core) as box:
         box.wait_ready()
         waiting = box.usage()
         ready, own_s = time.perf_counter(), time.process_time()

@@ -8,7 +8,7 @@ import resource
 import time
 
 from performance.table import Row
-from seamark.sandbox.isolation.level import Level
+from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.languages.python import SELF_TEST
 from seamark.sandbox.probing.probes import probe
 from seamark.sim.engine.warm_up import warm_up
@@ -25,12 +25,12 @@ def rows() -> list[Row]:
     before = os.sched_getaffinity(0)
     os.sched_setaffinity(0, {max(before)})
     try:
-        level = probe().level
-        measured = [_measure("built-in PI", "pi", Level.NONE)]
-        if level >= Level.MEDIUM:
+        isolation = probe().level
+        measured = [_measure("built-in PI", "pi", IsolationLevel.NONE)]
+        if isolation >= IsolationLevel.MEDIUM:
             program = (SELF_TEST.encode(), "controller.py")
-            name = f"program in its box, level {level.name.lower()}"
-            measured.append(_measure(name, program, level))
+            name = f"program in its box, level {isolation.name.lower()}"
+            measured.append(_measure(name, program, isolation))
     finally:
         os.sched_setaffinity(0, before)
     peak_mib = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
@@ -39,7 +39,9 @@ def rows() -> list[Row]:
     ]
 
 
-def _measure(name: str, controller: str | tuple[bytes, str], level: Level) -> tuple[Row, Row]:
+def _measure(
+    name: str, controller: str | tuple[bytes, str], isolation: IsolationLevel
+) -> tuple[Row, Row]:
     wall, cpu = time.perf_counter(), time.process_time()
     ending = evaluate_here(
         "currents-v1",
@@ -47,7 +49,7 @@ def _measure(name: str, controller: str | tuple[bytes, str], level: Level) -> tu
         seed=_SEED,
         controller=controller,
         hearing=quiet_hearing(),
-        level=level,
+        isolation=isolation,
     )
     wall_s = time.perf_counter() - wall
     cpu_s = time.process_time() - cpu + ending.usage.get("cpu_s", 0.0)

@@ -42,15 +42,15 @@ LAYOUT = {"observation": [["t", 0]], "command": []}
 
 def rows() -> list[Row]:
     """Run, and return what there is more of than before."""
-    level = probe().level
-    with Pool({"python": 1}, limits=Limits(), level=level) as pool:
+    isolation = probe().level
+    with Pool({"python": 1}, limits=Limits(), isolation=isolation) as pool:
         _run(pool, FIRST)
         before = _held()
         begin = time.perf_counter()
         survivors = _run(pool, RUNS)
         took_s = time.perf_counter() - begin
         after = _held()
-    title = f"left after {RUNS} runs, level {level.name.lower()}"
+    title = f"left after {RUNS} runs, level {isolation.name.lower()}"
     left = {"processes": survivors} | {name: after[name] - before[name] for name in after}
     return [
         *(Row(what=f"{name} {title}", value=float(count), unit="") for name, count in left.items()),

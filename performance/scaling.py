@@ -84,7 +84,7 @@ def _ranked(cores: int) -> Row:
         trials=_TRIALS,
         controller=(SELF_TEST.encode(), "controller.py"),
         hearing=quiet_hearing(),
-        level=probe().level,
+        isolation=probe().level,
     )
     if ending.verdict != "ok":
         raise RuntimeError(f"the program ended with {ending.verdict}: {ending.sentence}")

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple, Self, TypeVar, cast
 
 from seamark.sandbox import verdicts
 from seamark.sandbox.isolation.bwrap_command import IMAGES_DESCRIPTOR
-from seamark.sandbox.isolation.level import Level
+from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.isolation.process_tree import START_WITHIN_S, Confined, Layers
 from seamark.sandbox.isolation.shared_images import Pictures
 from seamark.sandbox.languages import LANGUAGES
@@ -46,7 +46,7 @@ class Box:
         language: str = "python",
         *,
         limits: Limits,
-        level: Level,
+        isolation: IsolationLevel,
         core: int | None = None,
         layers: Layers | None = None,
         runtime: Runtime | None = None,
@@ -59,7 +59,7 @@ class Box:
         self.limits = limits
         self._speak(LANGUAGES[language], compiling=runtime is not None)
         self._cage = Confined(
-            runtime or self._language.runtime(), limits, layers or Layers.of(level), core=core
+            runtime or self._language.runtime(), limits, layers or Layers.of(isolation), core=core
         )
         self._talk = Conversation(self._cage, limits)
         self._ready = self._closed = False

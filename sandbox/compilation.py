@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import NoReturn
 
 from seamark.sandbox.box import Box
-from seamark.sandbox.isolation.level import Level
+from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.languages import LANGUAGES
 from seamark.sandbox.limits import COMPILING, Limits
 from seamark.sandbox.outcome import Outcome, ProgramEnded, SandboxBroken, Verdict
@@ -21,7 +21,7 @@ def compiled(
     source: bytes,
     filename: str,
     *,
-    level: Level,
+    isolation: IsolationLevel,
     core: int | None = None,
     limits: Limits = COMPILING,
 ) -> bytes:
@@ -37,7 +37,7 @@ def compiled(
     compiler = LANGUAGES[language].compiler
     if compiler is None:
         return source
-    with Box(language, limits=limits, level=level, core=core, runtime=compiler()) as box:
+    with Box(language, limits=limits, isolation=isolation, core=core, runtime=compiler()) as box:
         try:
             box.load(source, filename, {}, LAYOUT)
             program = box.finish().output

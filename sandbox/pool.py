@@ -14,7 +14,7 @@ from types import TracebackType
 from typing import NamedTuple, Self
 
 from seamark.sandbox.box import Box
-from seamark.sandbox.isolation.level import Level
+from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.languages import LANGUAGES
 from seamark.sandbox.limits import Limits
 from seamark.sandbox.outcome import SandboxBroken
@@ -37,7 +37,7 @@ class Pool:
         stock: Mapping[str, int],
         *,
         limits: Limits,
-        level: Level,
+        isolation: IsolationLevel,
         core: int | None = None,
         oldest_s: float = OLDEST_S,
     ) -> None:
@@ -53,7 +53,7 @@ class Pool:
         """
         self._stock = {kind(language): count for language, count in stock.items()}
         self._limits = limits
-        self._level = level
+        self._isolation = isolation
         self._core = core
         self._oldest_s = oldest_s
         self._waiting: dict[str, list[Waiting]] = {language: [] for language in self._stock}
@@ -128,7 +128,7 @@ class Pool:
         self.close()
 
     def _new(self, language: str, limits: Limits) -> Box:
-        return Box(language, limits=limits, level=self._level, core=self._core)
+        return Box(language, limits=limits, isolation=self._isolation, core=self._core)
 
 
 def kind(language: str) -> str:

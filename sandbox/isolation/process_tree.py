@@ -24,7 +24,7 @@ from seamark.sandbox.isolation.bwrap_command import (
 )
 from seamark.sandbox.isolation.bwrap_status import Information
 from seamark.sandbox.isolation.cgroups import ControlGroup
-from seamark.sandbox.isolation.level import Level
+from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.isolation.shared_images import Pictures
 from seamark.sandbox.isolation.uid_slots import Slot
 from seamark.sandbox.languages.language import Runtime
@@ -48,13 +48,13 @@ class Layers:
     namespaces: tuple[str, ...] = NAMESPACES
 
     @classmethod
-    def of(cls, level: Level) -> Self:
+    def of(cls, isolation: IsolationLevel) -> Self:
         """Return the layers of a level; SandboxBroken if uploads may not run at it."""
-        if level < Level.MEDIUM:
+        if isolation < IsolationLevel.MEDIUM:
             raise SandboxBroken("this host cannot isolate programs: see `seamark doctor`")
         if not seccomp.supported():
             raise SandboxBroken(f"the system call filter is for {seccomp.MACHINE} alone")
-        return cls(groups=level is Level.STRONG, own_uid=os.geteuid() == 0)
+        return cls(groups=isolation is IsolationLevel.STRONG, own_uid=os.geteuid() == 0)
 
 
 class Confined:

@@ -9,12 +9,13 @@ from pathlib import Path
 from seamark.sandbox.box import Box
 from seamark.sandbox.isolation import cgroups, proc_stats, seccomp
 from seamark.sandbox.isolation.bwrap_command import bubblewrap
-from seamark.sandbox.isolation.level import Finding, Isolation, Level
+from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.isolation.process_tree import Layers
 from seamark.sandbox.languages.python import SELF_TEST
 from seamark.sandbox.languages.python_host import compile_packages
 from seamark.sandbox.limits import Limits
 from seamark.sandbox.outcome import Outcome, ProgramEnded, SandboxBroken, Verdict
+from seamark.sandbox.probing.report import Finding, IsolationReport
 
 LIMITS = Limits(cpu_s=10.0, wall_s=20.0, memory_mib=192, processes=12)
 LAYOUT = {
@@ -70,20 +71,22 @@ UNEXPECTED = (  # of what no setting of a host should make possible
 )
 
 
-def probe() -> Isolation:
+def probe() -> IsolationReport:
     """Try some mini attacks in real boxes; return the level that held and every finding."""
     findings = [*_requirements()]
     if not all(finding.ok for finding in findings):
-        return Isolation(Level.NONE, tuple(findings))
+        return IsolationReport(IsolationLevel.NONE, tuple(findings))
     groups = _try("control groups", cgroups.places)
     compiled = Finding("compiled packages", compile_packages())
     findings += [groups, _explained(compiled, "each box starts 100 ms later")]
-    for level in (Level.STRONG, Level.MEDIUM) if groups.ok else (Level.MEDIUM,):
-        attacks = [*_attacks(level)]
+    for isolation in (
+        (IsolationLevel.STRONG, IsolationLevel.MEDIUM) if groups.ok else (IsolationLevel.MEDIUM,)
+    ):
+        attacks = [*_attacks(isolation)]
         if all(finding.ok for finding in attacks):
-            return Isolation(level, (*findings, *attacks))
+            return IsolationReport(isolation, (*findings, *attacks))
         findings += [finding for finding in attacks if not finding.ok]
-    return Isolation(Level.NONE, tuple(findings))
+    return IsolationReport(IsolationLevel.NONE, tuple(findings))
 
 
 def _requirements() -> Iterator[Finding]:
@@ -93,24 +96,24 @@ def _requirements() -> Iterator[Finding]:
     yield _explained(machine, f"the filter is for {seccomp.MACHINE} alone")
 
 
-def _attacks(level: Level) -> Iterator[Finding]:
+def _attacks(isolation: IsolationLevel) -> Iterator[Finding]:
     """Yield one finding for each mini attack at a level; ends early if a box does not start."""
     try:
-        yield from _in_boxes(level)
+        yield from _in_boxes(isolation)
     except SandboxBroken as error:  # a very slow host starts some boxes and others too late
         yield _explained(Finding("box", ok=False), str(error))
 
 
-def _in_boxes(level: Level) -> Iterator[Finding]:
-    box = _try("box", lambda: _outcome(SELF_TEST, level))
+def _in_boxes(isolation: IsolationLevel) -> Iterator[Finding]:
+    box = _try("box", lambda: _outcome(SELF_TEST, isolation))
     yield box
     if not box.ok:
         return
-    yield from _from_inside(level)
-    yield _ends("memory", MEMORY, level, Verdict.MEMORY_LIMIT)
-    yield _ends("processes", PROCESSES, level, Verdict.PROCESS_LIMIT)
-    yield _try("survivors", lambda: _outcome(SURVIVOR, level))
-    yield _uid(level)
+    yield from _from_inside(isolation)
+    yield _ends("memory", MEMORY, isolation, Verdict.MEMORY_LIMIT)
+    yield _ends("processes", PROCESSES, isolation, Verdict.PROCESS_LIMIT)
+    yield _try("survivors", lambda: _outcome(SURVIVOR, isolation))
+    yield _uid(isolation)
 
 
 def _try(name: str, action: Callable[[], object]) -> Finding:
@@ -128,9 +131,11 @@ def _explained(finding: Finding, why: str) -> Finding:
     return replace(finding, why=why, remedy=REMEDY.get(finding.name, UNEXPECTED))
 
 
-def _outcome(source: str, level: Level, config: dict[str, object] | None = None) -> Outcome:
+def _outcome(
+    source: str, isolation: IsolationLevel, config: dict[str, object] | None = None
+) -> Outcome:
     """Run a program for one step and return how it ended."""
-    with Box(limits=LIMITS, level=level) as box:
+    with Box(limits=LIMITS, isolation=isolation) as box:
         try:
             box.load(source.encode(), "probe.py", config or {}, LAYOUT)
             box.step(OBSERVATION)
@@ -139,18 +144,18 @@ def _outcome(source: str, level: Level, config: dict[str, object] | None = None)
             return end.outcome
 
 
-def _ends(name: str, source: str, level: Level, expected: Verdict) -> Finding:
-    outcome = _outcome(source, level)
+def _ends(name: str, source: str, isolation: IsolationLevel, expected: Verdict) -> Finding:
+    outcome = _outcome(source, isolation)
     why = f"expected {expected}, got {outcome.verdict}: {outcome.sentence}"
     return _explained(Finding(name, outcome.verdict is expected), why)
 
 
-def _from_inside(level: Level) -> Iterator[Finding]:
+def _from_inside(isolation: IsolationLevel) -> Iterator[Finding]:
     """Yield what the attacks in probe_program.py got."""
     source = Path(__file__).with_name("probe_program.py").read_text(encoding="utf-8")
     with tempfile.NamedTemporaryFile() as canary:
         os.fchmod(canary.fileno(), 0o644)
-        outcome = _outcome(source, level, {"canary": canary.name})
+        outcome = _outcome(source, isolation, {"canary": canary.name})
     if outcome.verdict is not Verdict.OK:
         yield _explained(Finding("attacks", ok=False), outcome.sentence)
     for line in outcome.output.decode().splitlines():
@@ -158,14 +163,14 @@ def _from_inside(level: Level) -> Iterator[Finding]:
         yield _explained(Finding(name.replace("_", " "), not got), f"a program gets {got}")
 
 
-def _uid(level: Level) -> Finding:
+def _uid(isolation: IsolationLevel) -> Finding:
     """Return whether a program runs under a uid that owns nothing else of this host.
 
     As a plain user the uid is the worker's own: enough only with a control group around it.
     """
-    with Box(limits=LIMITS, level=level) as box:
+    with Box(limits=LIMITS, isolation=isolation) as box:
         box.wait_ready()
         uids = {proc_stats.uid_of(pid) for pid in box.processes()}
-    ok = 0 not in uids and (os.geteuid() not in uids or level is Level.STRONG)
-    own = Finding("own uid", ok or not Layers.of(level).own_uid)
+    ok = 0 not in uids and (os.geteuid() not in uids or isolation is IsolationLevel.STRONG)
+    own = Finding("own uid", ok or not Layers.of(isolation).own_uid)
     return _explained(own, f"programs run as uid {sorted(uids)}")

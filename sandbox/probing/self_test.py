@@ -9,7 +9,7 @@ from typing import Any
 
 from seamark.sandbox.box import Box
 from seamark.sandbox.compilation import compiled
-from seamark.sandbox.isolation.level import Level
+from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.languages import LANGUAGES
 from seamark.sandbox.limits import Limits
 from seamark.sandbox.outcome import ProgramEnded, SandboxBroken
@@ -28,13 +28,13 @@ CORNERS = ((1.0, 2.0), (3.0, 2.5), (3.0, 4.0), (1.0, 4.0))  # [px]
 MOVED = tuple((x + SECOND_LINE, y + SECOND_LINE) for x, y in CORNERS)
 
 
-def why_not(language: str, level: Level) -> str:
+def why_not(language: str, isolation: IsolationLevel) -> str:
     """Return why programs in this language cannot be run here; empty if they can."""
     known = LANGUAGES[language]
     name = f"self_test{known.suffixes[0]}"
 
     def answer(layout: dict[str, Any], ask: Callable[[Box], object]) -> object:
-        with Box(language, limits=LIMITS, level=level) as box:
+        with Box(language, limits=LIMITS, isolation=isolation) as box:
             box.load(program, name, {}, layout)
             said = ask(box)
             box.finish()
@@ -43,7 +43,7 @@ def why_not(language: str, level: Level) -> str:
     try:
         test = known.self_test
         source = test.encode() if isinstance(test, str) else test()
-        program = compiled(known.tested_by or language, source, name, level=level)
+        program = compiled(known.tested_by or language, source, name, isolation=isolation)
         command = answer(LAYOUT, lambda box: box.step(OBSERVATION))
         moved = answer(TRACKER, _track) if TRACKER["role"] in known.roles else MOVED
     except (SandboxBroken, ProgramEnded) as error:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from seamark.failures import PlatformFailed, ProgramFailed, UsageRefused
 
 if TYPE_CHECKING:
-    from seamark.sandbox.isolation.level import Level
+    from seamark.sandbox.isolation.level import IsolationLevel
     from seamark.server.programs.store import Prepared
 
 
@@ -45,13 +45,13 @@ def prepared_of(path: Path, *, benchmark: str) -> Prepared:
         raise ProgramFailed(str(reason)) from None
 
 
-def isolation() -> Level:
+def isolation_level() -> IsolationLevel:
     """Return at which level boxes can be made here; PlatformFailed if at none."""
-    from seamark.sandbox.isolation.level import Level
+    from seamark.sandbox.isolation.level import IsolationLevel
     from seamark.sandbox.probing.probes import probe
 
     found = probe()
-    if found.level is Level.NONE:
+    if found.level is IsolationLevel.NONE:
         raise PlatformFailed(
             f"Programs cannot be run here: {found.sentence()}. `seamark doctor` says how to "
             "mend it."

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from sqlalchemy import func, select
 from sqlalchemy.orm import Session
 
-from seamark.sandbox.isolation.level import Level
+from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.languages import LANGUAGES
 from seamark.server.accounts.permissions import Action, Viewer, can
 from seamark.server.database.engine import exclusive
@@ -144,8 +144,8 @@ def upload_refusal(session: Session, language: str, settings: Settings) -> str |
     ).all()
     if not workers:
         return None
-    needed = Level[settings.sandbox_min_level.upper()]
-    capable = [entry for entry in workers if Level[entry.level.upper()] >= needed]
+    needed = IsolationLevel[settings.sandbox_min_level.upper()]
+    capable = [entry for entry in workers if IsolationLevel[entry.level.upper()] >= needed]
     if not capable:
         return (
             f"This service cannot isolate uploaded programs well enough (it needs the level "

@@ -9,11 +9,12 @@ from typing import Any
 import pytest
 
 from seamark.sandbox.box import Box
-from seamark.sandbox.isolation.level import Isolation, Level
+from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.isolation.process_tree import Layers
 from seamark.sandbox.limits import Limits
 from seamark.sandbox.outcome import Outcome, ProgramEnded, Verdict
 from seamark.sandbox.probing.probes import probe
+from seamark.sandbox.probing.report import IsolationReport
 
 PROGRAMS = Path(__file__).with_name("programs")
 STEPS = 20
@@ -42,35 +43,39 @@ Run = Callable[..., Outcome]
 
 
 @pytest.fixture(scope="session")
-def isolation() -> Isolation:
+def report() -> IsolationReport:
     return probe()
 
 
 @pytest.fixture(scope="session")
-def level(isolation: Isolation) -> Level:
-    if isolation.level < Level.MEDIUM:
-        pytest.skip(isolation.sentence())
-    return isolation.level
+def isolation(report: IsolationReport) -> IsolationLevel:
+    if report.level < IsolationLevel.MEDIUM:
+        pytest.skip(report.sentence())
+    return report.level
 
 
 @pytest.fixture(scope="session")
-def run(level: Level) -> Run:
+def run(isolation: IsolationLevel) -> Run:
     """Return a function that runs one program of the corpus and tells how it ended."""
 
     def run_one(
-        name: str, *, at: Level = level, layers: Layers | None = None, limits: Limits = LIMITS
+        name: str,
+        *,
+        at: IsolationLevel = isolation,
+        layers: Layers | None = None,
+        limits: Limits = LIMITS,
     ) -> Outcome:
-        return stepped(PROGRAMS / f"{name}.py", Box(limits=limits, level=at, layers=layers))
+        return stepped(PROGRAMS / f"{name}.py", Box(limits=limits, isolation=at, layers=layers))
 
     return run_one
 
 
 @pytest.fixture(scope="session")
-def run_file(level: Level) -> Run:
+def run_file(isolation: IsolationLevel) -> Run:
     """Return a function that runs one program anywhere and tells how it ended."""
 
     def run_one(path: Path, *, layers: Layers | None = None, **config: object) -> Outcome:
-        return stepped(path, Box(limits=LIMITS, level=level, layers=layers), **config)
+        return stepped(path, Box(limits=LIMITS, isolation=isolation, layers=layers), **config)
 
     return run_one
 

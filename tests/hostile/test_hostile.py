@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from seamark.sandbox.isolation.level import Level
+from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.limits import Limits
 from seamark.sandbox.outcome import Outcome, Verdict
 from tests.hostile.conftest import limits_for
@@ -48,12 +48,12 @@ def test_a_hostile_program_ends_as_the_table_says(name, run, secret) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", AT_MEDIUM)
-def test_it_gets_nothing_at_level_medium_either(name, run, level) -> None:
-    if level is Level.MEDIUM:
+def test_it_gets_nothing_at_level_medium_either(name, run, isolation) -> None:
+    if isolation is IsolationLevel.MEDIUM:
         pytest.skip("it just ran at this level")
     expected = TABLE[name]
 
-    outcome = run(name, at=Level.MEDIUM, limits=limits_for(expected))
+    outcome = run(name, at=IsolationLevel.MEDIUM, limits=limits_for(expected))
 
     assert got(outcome) == ""
     assert outcome.verdict == expected["verdict"], outcome

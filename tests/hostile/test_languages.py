@@ -14,7 +14,7 @@ import pytest
 
 from seamark.sandbox.box import Box
 from seamark.sandbox.compilation import compiled
-from seamark.sandbox.isolation.level import Level
+from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.languages import language_of
 from seamark.sandbox.limits import COMPILING, Limits
 from seamark.sandbox.outcome import Outcome, ProgramEnded
@@ -37,7 +37,7 @@ Run = Callable[[str, str], Outcome]
 
 
 @pytest.fixture(scope="module")
-def run_native(level: Level) -> Run:
+def run_native(isolation: IsolationLevel) -> Run:
     """Return a function that compiles and runs one program and tells how it ended."""
 
     def run_one(kind: str, file: str) -> Outcome:
@@ -45,11 +45,11 @@ def run_native(level: Level) -> Run:
         language = language_of(name)
         limits = limits_for(TABLES[kind][file])
         limits = replace(limits, memory_mib=MEMORY_MIB.get(kind, limits.memory_mib))
-        if why := missing(language, level):
+        if why := missing(language, isolation):
             pytest.skip(why)
         try:
-            program = compiled(language, source, name, level=level, limits=COMPILER)
-            return stepped(language, program, name, level, limits)
+            program = compiled(language, source, name, isolation=isolation, limits=COMPILER)
+            return stepped(language, program, name, isolation, limits)
         except ProgramEnded as end:
             return end.outcome
 
@@ -72,12 +72,14 @@ def packed(kind: str, name: str) -> tuple[str, bytes]:
 
 
 @cache
-def missing(language: str, level: Level) -> str:
-    return why_not(language, level)
+def missing(language: str, isolation: IsolationLevel) -> str:
+    return why_not(language, isolation)
 
 
-def stepped(language: str, program: bytes, name: str, level: Level, limits: Limits) -> Outcome:
-    with Box(language, limits=limits, level=level) as box:
+def stepped(
+    language: str, program: bytes, name: str, isolation: IsolationLevel, limits: Limits
+) -> Outcome:
+    with Box(language, limits=limits, isolation=isolation) as box:
         box.load(program, name, {"kp": 0.5}, LAYOUT)
         box.reset({"index": 0})
         for tick in range(STEPS):
@@ -91,11 +93,13 @@ def test_every_program_has_an_expectation_and_every_expectation_a_program(kind) 
 
 
 @pytest.mark.parametrize(("kind", "name"), CASES)
-def test_a_hostile_program_ends_as_the_table_says(kind, name, run_native, level, secret) -> None:
+def test_a_hostile_program_ends_as_the_table_says(
+    kind, name, run_native, isolation, secret
+) -> None:
     expected = TABLES[kind][name]
     # Without control groups nobody counts for the box: stopped all the same, but named by what the
     # program made of the refusal.
-    named = expected.get("medium") if level is Level.MEDIUM else None
+    named = expected.get("medium") if isolation is IsolationLevel.MEDIUM else None
 
     outcome = run_native(kind, name)
 

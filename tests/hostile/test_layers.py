@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from seamark.sandbox.isolation.bwrap_command import NAMESPACES
-from seamark.sandbox.isolation.level import Level
+from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.isolation.process_tree import Layers
 from seamark.sandbox.outcome import Outcome
 
@@ -40,13 +40,13 @@ Attack = Callable[[Path, Layers], Outcome]
 
 
 @pytest.fixture
-def all_layers(level: Level) -> Layers:
-    return Layers.of(level)
+def all_layers(isolation: IsolationLevel) -> Layers:
+    return Layers.of(isolation)
 
 
 @pytest.fixture
-def strong(level: Level) -> None:
-    if level is not Level.STRONG:
+def strong(isolation: IsolationLevel) -> None:
+    if isolation is not IsolationLevel.STRONG:
         pytest.skip("needs control groups")
 
 
@@ -55,8 +55,8 @@ def without(name: str) -> tuple[str, ...]:
 
 
 @pytest.mark.parametrize("program", sorted(LAYERS.glob("*.py")), ids=lambda path: path.stem)
-def test_with_all_layers_nothing_is_got(program, run_file, level) -> None:
-    if program.stem == "memory_together" and level is not Level.STRONG:
+def test_with_all_layers_nothing_is_got(program, run_file, isolation) -> None:
+    if program.stem == "memory_together" and isolation is not IsolationLevel.STRONG:
         pytest.skip("nobody counts for the whole box without control groups")
 
     outcome = run_file(program, port=9)

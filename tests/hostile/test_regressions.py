@@ -7,7 +7,7 @@ import pytest
 
 from seamark.sandbox.box import Box
 from seamark.sandbox.isolation import proc_stats
-from seamark.sandbox.isolation.level import Level
+from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.outcome import Verdict
 from tests.hostile.conftest import LAYOUT, LIMITS, PROGRAMS
 
@@ -37,10 +37,15 @@ def test_judge0_cve_2024_29021_no_service_of_the_platform_can_be_reached(run) ->
     assert held(run("regression_judge0_cve_2024_29021"))
 
 
-def test_isolate_shared_dev_shm_two_boxes_at_once_see_nothing_of_each_other(level: Level) -> None:
+def test_isolate_shared_dev_shm_two_boxes_at_once_see_nothing_of_each_other(
+    isolation: IsolationLevel,
+) -> None:
     source = (PROGRAMS / "regression_isolate_shared_dev_shm.py").read_bytes()
 
-    with Box(limits=LIMITS, level=level) as one, Box(limits=LIMITS, level=level) as other:
+    with (
+        Box(limits=LIMITS, isolation=isolation) as one,
+        Box(limits=LIMITS, isolation=isolation) as other,
+    ):
         for box in (one, other):
             box.load(source, "a.py", {}, LAYOUT)
         outputs = [box.finish().output for box in (one, other)]
@@ -50,10 +55,10 @@ def test_isolate_shared_dev_shm_two_boxes_at_once_see_nothing_of_each_other(leve
     assert b"GOT" not in outputs[0]
 
 
-def test_bubblewrap_as_root_keeping_uid_0_a_program_is_nobody_on_the_host(run, level) -> None:
+def test_bubblewrap_as_root_keeping_uid_0_a_program_is_nobody_on_the_host(run, isolation) -> None:
     assert held(run("regression_bubblewrap_root_keeps_uid_0"))
 
-    with Box(limits=LIMITS, level=level) as box:
+    with Box(limits=LIMITS, isolation=isolation) as box:
         box.wait_ready()
         uids = {proc_stats.uid_of(pid) for pid in box.processes()}
     assert 0 not in uids or os.geteuid() != 0

@@ -15,9 +15,9 @@ COLON_MISSING = b"class Controller:\n    def step(self, observation)\n        re
 
 
 @pytest.fixture
-def end_of(level):
+def end_of(isolation):
     def load(source: bytes, limits: Limits) -> Outcome:
-        with Box(limits=limits, level=level) as box, pytest.raises(ProgramEnded) as end:
+        with Box(limits=limits, isolation=isolation) as box, pytest.raises(ProgramEnded) as end:
             box.load(source, "mine.py", {}, LAYOUT)
         return end.value.outcome
 

@@ -14,7 +14,7 @@ import pytest
 
 from seamark.sandbox.box import Box
 from seamark.sandbox.compilation import compiled
-from seamark.sandbox.isolation.level import Level
+from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.languages import language_of
 from seamark.sandbox.outcome import Outcome, ProgramEnded
 from seamark.sandbox.probing.self_test import why_not
@@ -32,21 +32,21 @@ MEDIUM += ["resizes_images.c", "unprotects_image.c", "writes_image.c", "changes_
 
 
 @cache
-def missing(language: str, level: Level) -> str:
-    return why_not(language, level)
+def missing(language: str, isolation: IsolationLevel) -> str:
+    return why_not(language, isolation)
 
 
-def shown(name: str, level: Level) -> tuple[Outcome, list[object]]:
+def shown(name: str, isolation: IsolationLevel) -> tuple[Outcome, list[object]]:
     """Show a tracker some images; return how it ended and what it answered."""
     answers: list[object] = []
     image = np.zeros((240, 320), np.uint8)
     language = language_of(name) or ""
-    if why := missing(language, level):
+    if why := missing(language, isolation):
         pytest.skip(why)
     limits = replace(limits_for(TABLE[name]), memory_mib=MEMORY_MIB.get(language, 128))
-    with Box(language, limits=limits, level=level) as box:
+    with Box(language, limits=limits, isolation=isolation) as box:
         try:
-            source = compiled(language, (TRACKERS / name).read_bytes(), name, level=level)
+            source = compiled(language, (TRACKERS / name).read_bytes(), name, isolation=isolation)
             box.load(source, name, {}, {"role": "tracker"})
             box.start(image, CORNERS)
             for value in range(SHOWN):
@@ -62,13 +62,13 @@ def test_every_tracker_has_an_expectation_and_every_expectation_a_tracker() -> N
 
 
 @pytest.mark.parametrize("name", sorted(TABLE))
-def test_a_hostile_tracker_ends_as_the_table_says(name, level) -> None:
+def test_a_hostile_tracker_ends_as_the_table_says(name, isolation) -> None:
     expected = TABLE[name]
 
     # Without control groups nobody counts for the box: see test_languages.py.
-    named = expected.get("medium") if level is Level.MEDIUM else None
+    named = expected.get("medium") if isolation is IsolationLevel.MEDIUM else None
 
-    outcome, answers = shown(name, level)
+    outcome, answers = shown(name, isolation)
 
     assert b"GOT" not in outcome.output
     assert outcome.verdict == (named or expected["verdict"]), outcome
@@ -79,8 +79,8 @@ def test_a_hostile_tracker_ends_as_the_table_says(name, level) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", MEDIUM)
-def test_it_gets_nothing_at_level_medium_either(name, level) -> None:
-    outcome, _ = shown(name, Level.MEDIUM)
+def test_it_gets_nothing_at_level_medium_either(name, isolation) -> None:
+    outcome, _ = shown(name, IsolationLevel.MEDIUM)
 
     assert b"GOT" not in outcome.output
     assert outcome.verdict == TABLE[name]["verdict"], outcome

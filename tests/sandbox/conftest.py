@@ -3,7 +3,7 @@
 import pytest
 
 from seamark.sandbox.box import Box
-from seamark.sandbox.isolation.level import Level
+from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.probing.probes import probe
 
 LAYOUT = {
@@ -36,8 +36,8 @@ def printed(box: Box, source: bytes) -> str:
 
 
 @pytest.fixture(scope="session")
-def level() -> Level:
-    isolation = probe()
-    if isolation.level < Level.MEDIUM:
-        pytest.skip(isolation.sentence())
-    return isolation.level
+def isolation() -> IsolationLevel:
+    report = probe()
+    if report.level < IsolationLevel.MEDIUM:
+        pytest.skip(report.sentence())
+    return report.level

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from seamark.sandbox.box import Box
-from seamark.sandbox.isolation.level import Level
+from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.limits import Limits
 from seamark.sandbox.outcome import ProgramEnded, SandboxBroken, Verdict
 from tests.sandbox.conftest import LAYOUT, VALUES, printed, program
@@ -21,8 +21,8 @@ pytestmark = pytest.mark.host
 
 
 @pytest.fixture
-def box(level: Level) -> Iterator[Box]:
-    with Box(limits=Limits(), level=level) as started:
+def box(isolation: IsolationLevel) -> Iterator[Box]:
+    with Box(limits=Limits(), isolation=isolation) as started:
         yield started
 
 
@@ -41,7 +41,9 @@ def test_an_observation_goes_in_and_a_command_comes_out(box, values) -> None:
     assert box.step(values) == (1.0, 2.0, 3.0, 0.5)
 
 
-def test_a_program_sees_the_same_descriptors_however_many_files_the_worker_has_open(level) -> None:
+def test_a_program_sees_the_same_descriptors_however_many_files_the_worker_has_open(
+    isolation,
+) -> None:
     source = (
         b"import os\n\n\ndef is_open(number):\n    try:\n        return bool(os.fstat(number))\n"
     )
@@ -50,7 +52,7 @@ def test_a_program_sees_the_same_descriptors_however_many_files_the_worker_has_o
     told = []
     with contextlib.ExitStack() as held:
         for _ in range(2):
-            with Box(limits=Limits(), level=level) as box:
+            with Box(limits=Limits(), isolation=isolation) as box:
                 told.append(printed(box, source))
             for number in [os.dup(0) for _ in range(40)]:
                 held.callback(os.close, number)
@@ -129,29 +131,29 @@ def test_a_program_of_two_mebibytes_is_loaded(box) -> None:
     assert box.step(VALUES) == (1.0, 2.0, 3.0, 4.0)
 
 
-def test_scipy_is_there(level) -> None:
+def test_scipy_is_there(isolation) -> None:
     source = b"from scipy import linalg, signal\n" + program(step="print(linalg.det([[2.0]]))")
 
-    with Box(limits=Limits(start_wall_s=60.0), level=level) as box:
+    with Box(limits=Limits(start_wall_s=60.0), isolation=isolation) as box:
         assert printed(box, source) == "2.0\n"
 
 
-def test_two_boxes_hash_alike_so_that_sets_have_one_order(level) -> None:
+def test_two_boxes_hash_alike_so_that_sets_have_one_order(isolation) -> None:
     source = program(step="print(hash('seamark'), {'a', 'b', 'c', 'd'})")
 
     texts = []
     for _ in range(2):
-        with Box(limits=Limits(), level=level) as box:
+        with Box(limits=Limits(), isolation=isolation) as box:
             texts.append(printed(box, source))
 
     assert texts[0] == texts[1]
 
 
-def test_a_program_stays_on_its_core(level) -> None:
+def test_a_program_stays_on_its_core(isolation) -> None:
     core = max(os.sched_getaffinity(0))
     source = b"import os\n" + program(step="print(os.sched_getaffinity(0))")
 
-    with Box(limits=Limits(), level=level, core=core) as box:
+    with Box(limits=Limits(), isolation=isolation, core=core) as box:
         assert printed(box, source) == f"{{{core}}}\n"
 
 
@@ -207,8 +209,8 @@ def test_output_is_taken_piece_by_piece_and_kept_as_a_whole(box) -> None:
     assert box.finish().output == b"1.0\n2.0\n"
 
 
-def test_more_than_a_pipe_holds_is_printed_in_one_step_without_a_stand_still(level) -> None:
-    with Box(limits=Limits(output_kib=4), level=level) as box:
+def test_more_than_a_pipe_holds_is_printed_in_one_step_without_a_stand_still(isolation) -> None:
+    with Box(limits=Limits(output_kib=4), isolation=isolation) as box:
         box.load(program(step="print('x' * 1_000_000)"), "a.py", {}, LAYOUT)
         box.step(VALUES)
         outcome = box.finish()
@@ -240,37 +242,39 @@ def test_the_cpu_time_of_the_start_is_not_the_programs(box) -> None:
     assert box.finish().cpu_s < 0.05
 
 
-def test_a_box_without_room_for_the_interpreter_is_our_failure(level) -> None:
-    if level is not Level.STRONG:
+def test_a_box_without_room_for_the_interpreter_is_our_failure(isolation) -> None:
+    if isolation is not IsolationLevel.STRONG:
         pytest.skip("without control groups the limit begins after the interpreter's start")
-    with Box(limits=Limits(memory_mib=8), level=level) as box, pytest.raises(SandboxBroken):
+    with Box(limits=Limits(memory_mib=8), isolation=isolation) as box, pytest.raises(SandboxBroken):
         box.load(program(), "a.py", {}, LAYOUT)
 
 
 def test_a_level_without_isolation_starts_nothing() -> None:
     with pytest.raises(SandboxBroken, match="cannot isolate"):
-        Box(limits=Limits(), level=Level.NONE)
+        Box(limits=Limits(), isolation=IsolationLevel.NONE)
 
 
-def test_a_box_closed_at_once_leaves_nothing(level) -> None:
+def test_a_box_closed_at_once_leaves_nothing(isolation) -> None:
     before = os.listdir("/proc/self/fd")
-    Box(limits=Limits(), level=level).close()
+    Box(limits=Limits(), isolation=isolation).close()
 
     assert len(os.listdir("/proc/self/fd")) == len(before)
 
 
-def test_an_answer_may_take_long_while_others_have_the_processor(level: Level) -> None:
+def test_an_answer_may_take_long_while_others_have_the_processor(isolation: IsolationLevel) -> None:
     waits = program(step="import time; time.sleep(0.9)")
     limits = Limits(step_cpu_s=0.3, step_wall_s=20.0)
 
-    with Box(limits=limits, level=level) as box:
+    with Box(limits=limits, isolation=isolation) as box:
         assert printed(box, waits) == ""
 
 
-def test_many_short_answers_may_take_no_longer_together_than_the_run(level: Level) -> None:
+def test_many_short_answers_may_take_no_longer_together_than_the_run(
+    isolation: IsolationLevel,
+) -> None:
     limits = Limits(cpu_s=1.0, wall_s=1.0)
 
-    with Box(limits=limits, level=level) as box:
+    with Box(limits=limits, isolation=isolation) as box:
         box.load(program(step="import time; time.sleep(0.015)"), "a.py", {}, LAYOUT)
         with pytest.raises(ProgramEnded) as end:
             deque((box.step(VALUES) for _ in range(200)), maxlen=0)
@@ -280,11 +284,11 @@ def test_many_short_answers_may_take_no_longer_together_than_the_run(level: Leve
     assert end.value.outcome.suspect_host
 
 
-def test_an_answer_that_computes_too_long_ends_by_its_cpu_time(level: Level) -> None:
+def test_an_answer_that_computes_too_long_ends_by_its_cpu_time(isolation: IsolationLevel) -> None:
     computes = program(step="while True: pass")
     limits = Limits(step_cpu_s=0.5, step_wall_s=60.0)
 
-    with Box(limits=limits, level=level) as box:
+    with Box(limits=limits, isolation=isolation) as box:
         ended = end_of(box, computes).outcome
 
     assert ended.verdict is Verdict.TIME_LIMIT

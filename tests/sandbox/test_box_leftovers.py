@@ -13,7 +13,7 @@ import pytest
 
 from seamark.sandbox.box import Box
 from seamark.sandbox.isolation import cgroups
-from seamark.sandbox.isolation.level import Level
+from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.limits import Limits
 from seamark.sandbox.outcome import ProgramEnded
 from tests.sandbox.conftest import printed, program
@@ -22,11 +22,11 @@ pytestmark = pytest.mark.host
 
 
 @pytest.mark.slow
-def test_nothing_is_left_after_fifty_runs(level) -> None:
+def test_nothing_is_left_after_fifty_runs(isolation) -> None:
     before = (sorted(os.listdir("/proc/self/fd")), threading.active_count())
     everybody = []
     for _ in range(50):
-        with Box(limits=Limits(), level=level) as box:
+        with Box(limits=Limits(), isolation=isolation) as box:
             box.wait_ready()
             everybody += [os.pidfd_open(pid) for pid in box.processes()]
             with contextlib.suppress(ProgramEnded):  # when both answer in time
@@ -44,10 +44,10 @@ def test_nothing_is_left_after_fifty_runs(level) -> None:
 WORKER = """
 import json, signal, sys
 from seamark.sandbox.box import Box
-from seamark.sandbox.isolation.level import Level
+from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.limits import Limits
 
-box = Box(limits=Limits(), level=Level(int(sys.argv[1])))
+box = Box(limits=Limits(), isolation=IsolationLevel(int(sys.argv[1])))
 if sys.argv[2] == "ready":
     box.wait_ready()
 print(json.dumps(box.processes()), flush=True)
@@ -55,9 +55,9 @@ signal.pause()
 """
 
 
-def killed_worker(level: Level, when: str) -> tuple[int, list[int]]:
+def killed_worker(isolation: IsolationLevel, when: str) -> tuple[int, list[int]]:
     """Kill a process that has a box; return its pid and descriptors of the box's processes."""
-    command = [sys.executable, "-c", WORKER, str(int(level)), when]
+    command = [sys.executable, "-c", WORKER, str(int(isolation)), when]
     with subprocess.Popen(command, stdout=subprocess.PIPE) as worker:
         assert worker.stdout is not None
         descriptors = [os.pidfd_open(pid) for pid in json.loads(worker.stdout.readline())]
@@ -65,21 +65,23 @@ def killed_worker(level: Level, when: str) -> tuple[int, list[int]]:
     return worker.pid, descriptors
 
 
-def test_a_box_dies_with_its_worker(level) -> None:
-    _, descriptors = killed_worker(level, "ready")
+def test_a_box_dies_with_its_worker(isolation) -> None:
+    _, descriptors = killed_worker(isolation, "ready")
 
     for descriptor in descriptors:
         assert select.select([descriptor], [], [], 5.0)[0]
         os.close(descriptor)
 
 
-def test_what_a_worker_killed_at_the_start_of_a_box_leaves_goes_with_the_next_box(level) -> None:
-    if level is not Level.STRONG:
+def test_what_a_worker_killed_at_the_start_of_a_box_leaves_goes_with_the_next_box(
+    isolation,
+) -> None:
+    if isolation is not IsolationLevel.STRONG:
         pytest.skip("needs control groups")
-    pids = [killed_worker(level, "at once")[0] for _ in range(3)]
+    pids = [killed_worker(isolation, "at once")[0] for _ in range(3)]
 
     for _ in range(2):  # a killed process may need a moment: then its group goes with the second
-        with Box(limits=Limits(), level=level) as box:
+        with Box(limits=Limits(), isolation=isolation) as box:
             printed(box, program())
 
     for folder in cgroups.places().folders():

@@ -4,7 +4,7 @@ import pytest
 
 from seamark.sandbox.box import Box
 from seamark.sandbox.compilation import compiled
-from seamark.sandbox.isolation.level import Level
+from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.languages import LANGUAGES, language_of
 from seamark.sandbox.limits import Limits
 from seamark.sandbox.outcome import Outcome, ProgramEnded, Verdict
@@ -40,17 +40,19 @@ int seamark_step(const seamark_observation *observation, seamark_command *comman
 
 
 @pytest.fixture(autouse=True, scope="module")
-def _compiler(level: Level) -> None:
-    if why := why_not("c++", level):
+def _compiler(isolation: IsolationLevel) -> None:
+    if why := why_not("c++", isolation):
         pytest.skip(why)
 
 
-def printed(level: Level, *, before: str = "", step: str = "", name: str = "mine.c") -> Outcome:
+def printed(
+    isolation: IsolationLevel, *, before: str = "", step: str = "", name: str = "mine.c"
+) -> Outcome:
     """Return how a program ended after one level of one step."""
     source = (PROGRAM % (before, step)).encode()
     language = str(language_of(name))
-    program = compiled(language, source, name, level=level)
-    with Box(language, limits=Limits(), level=level) as box:
+    program = compiled(language, source, name, isolation=isolation)
+    with Box(language, limits=Limits(), isolation=isolation) as box:
         box.load(program, name, CONFIG, LAYOUT)
         box.reset({"index": 2, "count": 5, "duration_s": 120.0, "dt": 0.05, "t": 240.0})
         box.step(VALUES)
@@ -58,8 +60,8 @@ def printed(level: Level, *, before: str = "", step: str = "", name: str = "mine
 
 
 @pytest.mark.parametrize("language", ["c", "c++"])
-def test_half_the_error_comes_out(language, level) -> None:
-    assert why_not(language, level) == ""
+def test_half_the_error_comes_out(language, isolation) -> None:
+    assert why_not(language, isolation) == ""
     assert LANGUAGES[language].compiler is not None
 
 
@@ -83,39 +85,39 @@ def test_half_the_error_comes_out(language, level) -> None:
         ("(double)(seamark_config_json()[0] == '{')", "1"),
     ],
 )
-def test_a_program_sees_fields_by_name_and_numbers_exactly(expression, expected, level) -> None:
-    outcome = printed(level, step=f'printf("%.17g\\n", {expression});')
+def test_a_program_sees_fields_by_name_and_numbers_exactly(expression, expected, isolation) -> None:
+    outcome = printed(isolation, step=f'printf("%.17g\\n", {expression});')
 
     assert outcome.output.decode() == expected + "\n"
 
 
-def test_a_program_hears_of_its_level(level) -> None:
+def test_a_program_hears_of_its_level(isolation) -> None:
     before = """
 static seamark_level seen;
 void seamark_reset(const seamark_level *level) { seen = *level; }
 """
     step = 'printf("%d %d %g %g %g\\n", seen.index, seen.count, seen.duration_s, seen.dt, seen.t);'
 
-    assert printed(level, before=before, step=step).output == b"2 5 120 0.05 240\n"
+    assert printed(isolation, before=before, step=step).output == b"2 5 120 0.05 240\n"
 
 
-def test_lines_are_seen_as_they_are_printed_also_those_of_streams(level) -> None:
+def test_lines_are_seen_as_they_are_printed_also_those_of_streams(isolation) -> None:
     source = PROGRAM % (
         "#include <iostream>",
         'std::cout << "a\\n"; puts("b"); std::cerr << "c\\n";',
     )
-    program = compiled("c++", source.encode(), "mine.cpp", level=level)
+    program = compiled("c++", source.encode(), "mine.cpp", isolation=isolation)
 
-    with Box("c++", limits=Limits(), level=level) as box:
+    with Box("c++", limits=Limits(), isolation=isolation) as box:
         box.load(program, "mine.cpp", {}, LAYOUT)
         box.step(VALUES)
         assert box.take_output() == b"a\nb\nc\n"
 
 
 @pytest.mark.parametrize("name", ["mine.c", "-o.c", "my file.c", "MINE.C", "größe.c", "mine.cc"])
-def test_the_compiler_names_the_uploaded_file_and_its_line(name, level) -> None:
+def test_the_compiler_names_the_uploaded_file_and_its_line(name, isolation) -> None:
     with pytest.raises(ProgramEnded) as end:
-        printed(level, step="nothing();", name=name)
+        printed(isolation, step="nothing();", name=name)
 
     outcome = end.value.outcome
     assert outcome.verdict is Verdict.COMPILE_ERROR
@@ -123,9 +125,9 @@ def test_the_compiler_names_the_uploaded_file_and_its_line(name, level) -> None:
     assert "/tmp" not in outcome.traceback
 
 
-def test_a_program_without_a_step_is_told_what_it_needs(level) -> None:
-    program = compiled("c", b"int x;\n", "mine.c", level=level)
-    with Box("c", limits=Limits(), level=level) as box, pytest.raises(ProgramEnded) as end:
+def test_a_program_without_a_step_is_told_what_it_needs(isolation) -> None:
+    program = compiled("c", b"int x;\n", "mine.c", isolation=isolation)
+    with Box("c", limits=Limits(), isolation=isolation) as box, pytest.raises(ProgramEnded) as end:
         box.load(program, "mine.c", {}, LAYOUT)
 
     outcome = end.value.outcome
@@ -134,27 +136,29 @@ def test_a_program_without_a_step_is_told_what_it_needs(level) -> None:
     assert "seamark.h" in outcome.sentence
 
 
-def test_a_source_in_python_is_not_compiled(level) -> None:
-    assert compiled("python", b"text", "mine.py", level=level) == b"text"
+def test_a_source_in_python_is_not_compiled(isolation) -> None:
+    assert compiled("python", b"text", "mine.py", isolation=isolation) == b"text"
 
 
-def test_the_same_source_gives_the_same_program(level) -> None:
-    programs = {compiled("c", (PROGRAM % ("", "")).encode(), "a.c", level=level) for _ in range(2)}
+def test_the_same_source_gives_the_same_program(isolation) -> None:
+    programs = {
+        compiled("c", (PROGRAM % ("", "")).encode(), "a.c", isolation=isolation) for _ in range(2)
+    }
 
     assert len(programs) == 1
 
 
-def test_what_is_no_program_is_the_users_error(level) -> None:
-    with Box("c", limits=Limits(), level=level) as box, pytest.raises(ProgramEnded) as end:
+def test_what_is_no_program_is_the_users_error(isolation) -> None:
+    with Box("c", limits=Limits(), isolation=isolation) as box, pytest.raises(ProgramEnded) as end:
         box.load(b"no program", "mine.c", {}, LAYOUT)
 
     assert end.value.outcome.verdict is Verdict.USER_ERROR
     assert "cannot be started" in end.value.outcome.sentence
 
 
-def test_no_program_beyond_the_limit_is_started(level) -> None:
+def test_no_program_beyond_the_limit_is_started(isolation) -> None:
     limits = Limits(binary_mib=1)
-    with Box("c", limits=limits, level=level) as box, pytest.raises(ProgramEnded) as end:
+    with Box("c", limits=limits, isolation=isolation) as box, pytest.raises(ProgramEnded) as end:
         box.load(b"x" * (1 << 21), "mine.c", {}, LAYOUT)
 
     assert "limit is 1024 KiB" in end.value.outcome.sentence

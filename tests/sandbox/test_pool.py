@@ -8,7 +8,7 @@ from dataclasses import replace
 import pytest
 
 from seamark.sandbox.box import Box
-from seamark.sandbox.isolation.level import Level
+from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.limits import Limits
 from seamark.sandbox.outcome import ProgramEnded, Verdict
 from seamark.sandbox.pool import Loan, Pool
@@ -26,8 +26,8 @@ class Controller:
 """
 
 
-def pool(level: Level, stock: int = 1, oldest_s: float = 600.0) -> Pool:
-    return Pool({"python": stock}, limits=LIMITS, level=level, oldest_s=oldest_s)
+def pool(isolation: IsolationLevel, stock: int = 1, oldest_s: float = 600.0) -> Pool:
+    return Pool({"python": stock}, limits=LIMITS, isolation=isolation, oldest_s=oldest_s)
 
 
 def answer(box: Box, t: float = 0.0) -> tuple[float, ...]:
@@ -40,16 +40,16 @@ def pid_of(box: Box) -> int:
     return box.processes()[0]
 
 
-def test_a_box_in_stock_answers_like_a_new_one_and_is_used_once(level) -> None:
-    with pool(level) as boxes:
+def test_a_box_in_stock_answers_like_a_new_one_and_is_used_once(isolation) -> None:
+    with pool(isolation) as boxes:
         boxes.refill()
         with boxes.take("python", LIMITS) as warm, boxes.take("python", LIMITS) as new:
             assert answer(warm) == answer(new) == (1.0, 2.0, 3.0, 4.0)
             assert pid_of(warm) != pid_of(new)
 
 
-def test_refilling_keeps_what_is_there_and_adds_what_is_missing(level) -> None:
-    with pool(level, stock=2) as boxes:
+def test_refilling_keeps_what_is_there_and_adds_what_is_missing(isolation) -> None:
+    with pool(isolation, stock=2) as boxes:
         boxes.refill()
         boxes.take("python", LIMITS).close()
         assert boxes.waiting() == 1
@@ -57,8 +57,8 @@ def test_refilling_keeps_what_is_there_and_adds_what_is_missing(level) -> None:
         assert boxes.waiting() == 2
 
 
-def test_a_box_that_waited_too_long_is_replaced(level) -> None:
-    with pool(level, oldest_s=0.0) as boxes:
+def test_a_box_that_waited_too_long_is_replaced(isolation) -> None:
+    with pool(isolation, oldest_s=0.0) as boxes:
         boxes.refill()
         before = len(os.listdir("/proc/self/fd"))
         boxes.refill()
@@ -67,8 +67,8 @@ def test_a_box_that_waited_too_long_is_replaced(level) -> None:
         assert len(os.listdir("/proc/self/fd")) == before
 
 
-def test_a_box_that_died_while_it_waited_is_replaced_by_a_new_one(level) -> None:
-    with pool(level, stock=1) as boxes:
+def test_a_box_that_died_while_it_waited_is_replaced_by_a_new_one(isolation) -> None:
+    with pool(isolation, stock=1) as boxes:
         boxes.refill()
         box = boxes._waiting["python"][0].box
         os.kill(pid_of(box), signal.SIGKILL)
@@ -78,9 +78,9 @@ def test_a_box_that_died_while_it_waited_is_replaced_by_a_new_one(level) -> None
             assert answer(other) == (1.0, 2.0, 3.0, 4.0)
 
 
-def test_a_box_in_stock_gets_the_times_of_its_run(level) -> None:
+def test_a_box_in_stock_gets_the_times_of_its_run(isolation) -> None:
     limits = replace(LIMITS, cpu_s=30.0, step_cpu_s=0.3)
-    with pool(level) as boxes:
+    with pool(isolation) as boxes:
         boxes.refill()
         with boxes.take("python", limits) as box:
             assert boxes.waiting() == 0
@@ -91,25 +91,33 @@ def test_a_box_in_stock_gets_the_times_of_its_run(level) -> None:
 
 
 @pytest.mark.parametrize("other", [{"memory_mib": 256}, {"processes": 8}, {"cpu_s": 61.0}])
-def test_what_the_kernel_holds_cannot_be_changed_so_that_a_new_box_is_made(level, other) -> None:
-    with pool(level) as boxes:
+def test_what_the_kernel_holds_cannot_be_changed_so_that_a_new_box_is_made(
+    isolation, other
+) -> None:
+    with pool(isolation) as boxes:
         boxes.refill()
         boxes.take("python", replace(LIMITS, **other)).close()
         assert boxes.waiting() == 1
 
 
-def test_a_box_takes_no_limits_that_do_not_fit_it(level) -> None:
-    with Box(limits=LIMITS, level=level) as box, pytest.raises(ValueError, match="do not fit"):
+def test_a_box_takes_no_limits_that_do_not_fit_it(isolation) -> None:
+    with (
+        Box(limits=LIMITS, isolation=isolation) as box,
+        pytest.raises(ValueError, match="do not fit"),
+    ):
         box.adopt(replace(LIMITS, memory_mib=1024), "python")
 
 
-def test_a_box_takes_no_language_that_starts_otherwise(level) -> None:
-    with Box(limits=LIMITS, level=level) as box, pytest.raises(ValueError, match="does not run"):
+def test_a_box_takes_no_language_that_starts_otherwise(isolation) -> None:
+    with (
+        Box(limits=LIMITS, isolation=isolation) as box,
+        pytest.raises(ValueError, match="does not run"),
+    ):
         box.adopt(LIMITS, "matlab")
 
 
-def test_compiled_languages_share_a_stock(level) -> None:
-    with Pool({"c": 1, "c++": 1}, limits=LIMITS, level=level) as boxes:
+def test_compiled_languages_share_a_stock(isolation) -> None:
+    with Pool({"c": 1, "c++": 1}, limits=LIMITS, isolation=isolation) as boxes:
         boxes.refill()
         assert boxes.waiting() == 1
         boxes.take("executable", LIMITS).close()
@@ -138,8 +146,8 @@ def in_a_fork(loan: Loan, boxes: Pool, kill: bool = False) -> bytes:
     return text
 
 
-def test_a_fork_uses_the_box_that_it_is_lent_and_no_other(level) -> None:
-    with pool(level, stock=2) as boxes:
+def test_a_fork_uses_the_box_that_it_is_lent_and_no_other(isolation) -> None:
+    with pool(isolation, stock=2) as boxes:
         boxes.refill()
         mine = boxes._waiting["python"][1].box
         loan = boxes.lend("python", 1)
@@ -153,9 +161,9 @@ def test_a_fork_uses_the_box_that_it_is_lent_and_no_other(level) -> None:
         assert answer(mine) == (1.0, 2.0, 3.0, 4.0)
 
 
-def test_the_box_of_a_fork_that_was_killed_ends_with_the_loan(level) -> None:
+def test_the_box_of_a_fork_that_was_killed_ends_with_the_loan(isolation) -> None:
     before = len(os.listdir("/proc/self/fd"))
-    with pool(level) as boxes:
+    with pool(isolation) as boxes:
         boxes.refill()
         loan = boxes.lend("python", 1)
         pidfds = [os.pidfd_open(pid) for pid in loan._lent[0].box.processes()]
@@ -170,10 +178,10 @@ def test_the_box_of_a_fork_that_was_killed_ends_with_the_loan(level) -> None:
     assert len(os.listdir("/proc/self/fd")) == before
 
 
-def test_a_box_moves_to_the_cores_of_who_takes_it(level) -> None:
+def test_a_box_moves_to_the_cores_of_who_takes_it(isolation) -> None:
     cores = os.sched_getaffinity(0)
     first, last = min(cores), max(cores)
-    with Pool({"python": 1}, limits=LIMITS, level=level, core=first) as boxes:
+    with Pool({"python": 1}, limits=LIMITS, isolation=isolation, core=first) as boxes:
         boxes.refill()
         os.sched_setaffinity(0, {last})
         try:
@@ -185,9 +193,9 @@ def test_a_box_moves_to_the_cores_of_who_takes_it(level) -> None:
             os.sched_setaffinity(0, cores)
 
 
-def test_no_box_is_left_when_the_pool_closes(level) -> None:
+def test_no_box_is_left_when_the_pool_closes(isolation) -> None:
     before = len(os.listdir("/proc/self/fd"))
-    with pool(level, stock=2) as boxes:
+    with pool(isolation, stock=2) as boxes:
         boxes.refill()
         waiting = [one.box for one in boxes._waiting["python"]]
         for box in waiting:

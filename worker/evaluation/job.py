@@ -5,7 +5,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Self
 
-from seamark.sandbox.isolation.level import Level
+from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.worker.evaluation.cores import NO_LOCKS, Cores
 
 
@@ -40,7 +40,7 @@ class Job:
 class Place:
     """Where evaluations run on this host."""
 
-    level: Level  # of isolation
+    isolation: IsolationLevel
     core: int | None  # where simulator and box of a single trial are; None: not pinned
     share: tuple[int, ...] = ()  # cores on which the trials of one run may be side by side
     locks: int = NO_LOCKS  # descriptor of what says which of them are in use
@@ -61,11 +61,13 @@ class Place:
 
     def to_text(self) -> str:
         """Return the place as it travels; the descriptor keeps its number."""
-        return json.dumps(asdict(self) | {"level": self.level.name})
+        return json.dumps(asdict(self) | {"isolation": self.isolation.name})
 
     @classmethod
     def from_text(cls, text: str) -> Self:
         """Read what `to_text` wrote."""
         values = json.loads(text)
         share, warm = tuple(values.pop("share")), tuple(values.pop("warm"))
-        return cls(level=Level[values.pop("level")], share=share, warm=warm, **values)
+        return cls(
+            isolation=IsolationLevel[values.pop("isolation")], share=share, warm=warm, **values
+        )

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from seamark.sandbox.isolation.level import Level
+from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.languages import language_of
 from seamark.server.checks import queue
 from seamark.server.programs.store import Prepared
@@ -55,7 +55,7 @@ def evaluate_here(
     trials: int = 1,
     controller: Controller,
     hearing: Hearing,
-    level: Level = Level.NONE,
+    isolation: IsolationLevel = IsolationLevel.NONE,
     processes: int | None = None,
 ) -> Ending:
     """Evaluate a controller and return how it ended, with metrics, manifest and digest.
@@ -65,8 +65,8 @@ def evaluate_here(
     controller
         Name of a built-in one, or a program, which runs in a box: (source, file name) of a single
         file, or what `seamark.server.programs.store.prepare` made of any upload.
-    level
-        Isolation of the box; see `seamark.sandbox.probing.probes.probe`.
+    isolation
+        How strongly the box isolates the program; see `seamark.sandbox.probing.probes.probe`.
     processes
         How many trials run side by side; as many as there are cores if it is not given. It makes
         no difference to what comes out.
@@ -80,7 +80,7 @@ def evaluate_here(
     duration = entry.trial_duration_s(entry.read(config))
     listener = _Listener(hearing, duration, trials)
     with job_of(benchmark, config, controller, seeds=(seed,) * trials) as job:
-        place = Place(level, None, share=tuple(sorted(os.sched_getaffinity(0))[:processes]))
+        place = Place(isolation, None, share=tuple(sorted(os.sched_getaffinity(0))[:processes]))
         compile_, cores = real_compiler(place), place.cores_for(trials)
         if cores is not None:
             warm_up()  # once, and not in each of the trials' processes
@@ -91,7 +91,7 @@ def evaluate_here(
 
 
 def check_here(
-    benchmark: str, config: Mapping[str, object], program: Prepared, *, level: Level
+    benchmark: str, config: Mapping[str, object], program: Prepared, *, isolation: IsolationLevel
 ) -> dict[str, Any]:
     """Return what `seamark.server.checks.report` says of a program after two simulated seconds.
 
@@ -100,7 +100,7 @@ def check_here(
     SandboxBroken
         The box failed, not the program.
     """
-    place, glimpse = Place(level, None), Glimpse()
+    place, glimpse = Place(isolation, None), Glimpse()
     with job_of(benchmark, config, program, seeds=(queue.SEED,)) as job:
         ending = check(job, glimpse, pool_of(place).take, real_compiler(place))
     return answer_of(job, glimpse.end(asdict(ending)))

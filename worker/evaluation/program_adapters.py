@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seamark.sandbox.compilation import compiled
-from seamark.sandbox.isolation.level import Level
+from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.limits import Limits
 from seamark.sandbox.outcome import Outcome
 from seamark.sandbox.pool import Pool
@@ -120,16 +120,20 @@ SOLUTIONS: Mapping[str, Callable[[BoxLike], Any]] = {
 
 def pool_of(place: Place) -> Pool:
     """Return the pool of boxes of a place; nothing waits in it yet."""
-    stock = {} if place.level is Level.NONE else dict.fromkeys(place.warm, place.warm_boxes)
+    stock = (
+        {}
+        if place.isolation is IsolationLevel.NONE
+        else dict.fromkeys(place.warm, place.warm_boxes)
+    )
     limits = trial_limits.for_trial(LONGEST_TRIAL_S)
-    return Pool(stock, limits=limits, level=place.level, core=place.core)
+    return Pool(stock, limits=limits, isolation=place.isolation, core=place.core)
 
 
 def real_compiler(place: Place) -> Compile:
     """Return how programs are compiled on this host; raises ProgramEnded if one cannot be."""
 
     def compile_program(language: str, source: bytes, filename: str) -> bytes:
-        return compiled(language, source, filename, level=place.level, core=place.core)
+        return compiled(language, source, filename, isolation=place.isolation, core=place.core)
 
     return compile_program
 

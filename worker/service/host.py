@@ -10,10 +10,11 @@ from typing import Any, Self
 import structlog
 from sqlalchemy import delete
 
-from seamark.sandbox.isolation.level import Finding, Isolation, Level
+from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.languages import LANGUAGES
 from seamark.sandbox.probing import self_test
 from seamark.sandbox.probing.probes import probe
+from seamark.sandbox.probing.report import Finding, IsolationReport
 from seamark.server.database.engine import Database
 from seamark.server.database.tables import Worker
 from seamark.server.runs.submission import finding_of
@@ -30,7 +31,7 @@ class Host:
 
     settings: Settings
     name: str
-    level: Level
+    isolation: IsolationLevel
     findings: tuple[Finding, ...]
     languages: tuple[str, ...]
     core_locks: int = field(default_factory=new_locks)
@@ -38,22 +39,22 @@ class Host:
     @classmethod
     def look(cls, settings: Settings, *, name: str) -> Self:
         """Try what this host can enforce and write it down for the web pages."""
-        isolation = probe()
-        tried = _tried(isolation, settings)
+        report = probe()
+        tried = _tried(report, settings)
         languages = tuple(one for one, why in tried.items() if not why)
         missing = tuple(_finding(one, why) for one, why in tried.items() if why)
-        findings = isolation.findings + missing
-        host = cls(settings, name, isolation.level, findings, languages)
+        findings = report.findings + missing
+        host = cls(settings, name, report.level, findings, languages)
         host._enlist()
         _log.info(
-            "worker_starting", worker=name, isolation=host.level.name, languages=host.languages
+            "worker_starting", worker=name, isolation=host.isolation.name, languages=host.languages
         )
         return host
 
     @property
-    def box_level(self) -> Level:
+    def box_isolation(self) -> IsolationLevel:
         """The level at which boxes are made; none where uploads are not run."""
-        return self.level if self.languages else Level.NONE
+        return self.isolation if self.languages else IsolationLevel.NONE
 
     def place(self, index: int) -> Place:
         """Return where the runs of one process of the pool are at home."""
@@ -64,7 +65,7 @@ class Host:
 
     def _place(self, core: int, **facts: Any) -> Place:
         warm_boxes = self.settings.warm_boxes
-        return Place(self.box_level, core, warm=self.languages, warm_boxes=warm_boxes, **facts)
+        return Place(self.box_isolation, core, warm=self.languages, warm_boxes=warm_boxes, **facts)
 
     def supervise(self) -> None:
         """Start what works beside the pool: who sweeps and says that this worker lives; checks."""
@@ -89,7 +90,7 @@ class Host:
                 Worker(
                     name=self.name,
                     slots=self.settings.workers,
-                    level=self.level.name.lower(),
+                    level=self.isolation.name.lower(),
                     languages=list(self.languages),
                     findings=[asdict(finding) for finding in self.findings],
                     started_at=now,
@@ -104,11 +105,11 @@ def _start(module: str, *arguments: str) -> None:
     subprocess.Popen(command, stdin=subprocess.DEVNULL)
 
 
-def _tried(isolation: Isolation, settings: Settings) -> dict[str, str]:
+def _tried(report: IsolationReport, settings: Settings) -> dict[str, str]:
     """Return each language with why it cannot be run here, empty if it can; none if too open."""
-    if isolation.level < Level[settings.sandbox_min_level.upper()]:
+    if report.level < IsolationLevel[settings.sandbox_min_level.upper()]:
         return {}
-    tried = {name: self_test.why_not(name, isolation.level) for name in LANGUAGES}
+    tried = {name: self_test.why_not(name, report.level) for name in LANGUAGES}
     for name, why in tried.items():
         if why:
             _log.warning("language_missing", language=name, why=why)

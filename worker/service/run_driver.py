@@ -8,7 +8,7 @@ import numpy as np
 import structlog
 from redis import Redis
 
-from seamark.sandbox.isolation.level import Level
+from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.server.database.engine import Database
 from seamark.server.programs import store
 from seamark.server.runs import door as runs
@@ -52,7 +52,7 @@ class Tools:
     database: Database
     redis: "Redis"
     simulator: Simulator
-    level: Level
+    isolation: IsolationLevel
     stopping: "StopFlag"
 
 
@@ -244,7 +244,7 @@ class Drive:
         return min(self._t_simulated / (self._trial_s * self._claim.trials), 1.0)
 
     def _isolation(self) -> str | None:
-        return self._tools.level.name.lower() if self._claim.program_sha256 else None
+        return self._tools.isolation.name.lower() if self._claim.program_sha256 else None
 
     def _log_tail(self) -> str:
         return self._files.log_text()[-LOG_TAIL:]

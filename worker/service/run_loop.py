@@ -93,6 +93,6 @@ class Member:
             database=self._database,
             redis=self._redis,
             simulator=self._simulator,
-            level=self._host.level,
+            isolation=self._host.isolation,
             stopping=self._stopping,
         )

@@ -57,12 +57,12 @@ def check(
 
 
 def _run(benchmark: str, values: dict[str, Any], prepared: Prepared) -> dict[str, Any]:
-    from seamark.cli.programs import isolation
+    from seamark.cli.programs import isolation_level
     from seamark.sandbox.outcome import SandboxBroken
     from seamark.worker.evaluation.local import check_here
 
     try:
-        return check_here(benchmark, values, prepared, level=isolation())
+        return check_here(benchmark, values, prepared, isolation=isolation_level())
     except SandboxBroken as broken:
         raise PlatformFailed(
             f"The sandbox failed: {broken}. `seamark doctor` says what this machine can do."

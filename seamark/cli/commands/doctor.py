@@ -15,7 +15,7 @@ import click
 from seamark.cli.options import answer, data_option, end, json_option, say, settings_of
 
 if TYPE_CHECKING:
-    from seamark.sandbox.isolation.level import Level
+    from seamark.sandbox.isolation.level import IsolationLevel
     from seamark.server.settings import Settings
 
 DISK_LOW_GIB = 2.0
@@ -136,13 +136,13 @@ def _broker(settings: Settings) -> Iterable[Check]:
 
 
 def _sandbox(settings: Settings) -> Iterable[Check]:
-    from seamark.sandbox.isolation.level import Level
+    from seamark.sandbox.isolation.level import IsolationLevel
     from seamark.sandbox.probing.probes import probe
 
     found = probe()
-    needed = Level[settings.sandbox_min_level.upper()]
+    needed = IsolationLevel[settings.sandbox_min_level.upper()]
     name = found.level.name.lower()
-    good = found.level >= needed and found.level > Level.NONE
+    good = found.level >= needed and found.level > IsolationLevel.NONE
     says = f"level {name}; uploads need {settings.sandbox_min_level}"
     yield Check("isolation", "ok" if good else "bad", says, "See the findings below.")
     for finding in found.findings:
@@ -152,12 +152,12 @@ def _sandbox(settings: Settings) -> Iterable[Check]:
         yield from _languages(found.level)
 
 
-def _languages(level: Level) -> Iterable[Check]:
+def _languages(isolation: IsolationLevel) -> Iterable[Check]:
     from seamark.sandbox.languages import LANGUAGES
     from seamark.sandbox.probing.self_test import why_not
 
     for language in LANGUAGES.values():
-        why = why_not(language.name, level)
+        why = why_not(language.name, isolation)
         remedy = f"{language.remedy}; without it the other languages still run."
         name = f"programs in {language.label}"
         yield Check(name, "warning" if why else "ok", why or "pass their self-test", remedy)

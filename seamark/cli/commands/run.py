@@ -133,16 +133,16 @@ def _head_of(order: Order) -> list[str]:
 
 
 def _evaluate(order: Order, recording: Recording, *, quiet: bool) -> Ending:
-    from seamark.cli.programs import isolation, program_of
+    from seamark.cli.programs import isolation_level, program_of
     from seamark.cli.progress import Progress
-    from seamark.sandbox.isolation.level import Level
+    from seamark.sandbox.isolation.level import IsolationLevel
     from seamark.sandbox.outcome import SandboxBroken
     from seamark.worker.evaluation.local import Hearing, evaluate_here
 
     program = (
         None if order.program is None else program_of(order.program, benchmark=order.benchmark)
     )
-    level = Level.NONE if program is None else isolation()
+    isolation = IsolationLevel.NONE if program is None else isolation_level()
     with Progress(order.benchmark, quiet=quiet) as bar:
         hearing = Hearing(
             rows=recording.add_rows,
@@ -158,7 +158,7 @@ def _evaluate(order: Order, recording: Recording, *, quiet: bool) -> Ending:
                 trials=order.trials,
                 controller=program or order.controller,
                 hearing=hearing,
-                level=level,
+                isolation=isolation,
             )
         except SandboxBroken as broken:
             raise PlatformFailed(

@@ -60,13 +60,13 @@ def _silent(_: str) -> None:
 
 def _isolation(settings: Settings) -> tuple[str, str]:
     """Return the level that this host reaches and what it means for uploads."""
-    from seamark.sandbox.isolation.level import Level
+    from seamark.sandbox.isolation.level import IsolationLevel
     from seamark.sandbox.probing.probes import probe
 
     found = probe()
-    needed = Level[settings.sandbox_min_level.upper()]
+    needed = IsolationLevel[settings.sandbox_min_level.upper()]
     name = found.level.name.lower()
-    if found.level >= needed and found.level > Level.NONE:
+    if found.level >= needed and found.level > IsolationLevel.NONE:
         return name, f"isolated, level {name}"
     return name, (
         f"refused: this machine isolates only {name}, {settings.sandbox_min_level} is needed. "

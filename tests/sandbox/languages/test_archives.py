@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import pytest
 
 from seamark.sandbox.box import Box
-from seamark.sandbox.isolation.level import Level
+from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.limits import Limits
 from seamark.sandbox.outcome import ProgramEnded, Verdict
 from seamark.server.programs.archives import normal_form
@@ -36,8 +36,8 @@ def packed(**files: str) -> bytes:
 
 
 @pytest.fixture
-def box(level: Level) -> Iterator[Box]:
-    with Box(limits=LIMITS, level=level) as made:
+def box(isolation: IsolationLevel) -> Iterator[Box]:
+    with Box(limits=LIMITS, isolation=isolation) as made:
         yield made
 
 

@@ -6,7 +6,7 @@ import pytest
 
 from seamark.sandbox.box import Box
 from seamark.sandbox.compilation import compiled
-from seamark.sandbox.isolation.level import Level
+from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.languages.executable import IDENTITY, refusal
 from seamark.sandbox.languages.native import SELF_TEST
 from seamark.sandbox.limits import Limits
@@ -36,14 +36,14 @@ CASES = [
 
 
 @pytest.fixture(scope="module")
-def executables(level: Level) -> Level:
-    if why := why_not("executable", level):
+def executables(isolation: IsolationLevel) -> IsolationLevel:
+    if why := why_not("executable", isolation):
         pytest.skip(why)
-    return level
+    return isolation
 
 
-def ended(program: bytes, level: Level) -> Outcome:
-    with Box("executable", limits=Limits(start_wall_s=5.0), level=level) as box:
+def ended(program: bytes, isolation: IsolationLevel) -> Outcome:
+    with Box("executable", limits=Limits(start_wall_s=5.0), isolation=isolation) as box:
         try:
             box.load(program, "mine.elf", {}, LAYOUT)
             box.step([0.0] * 6)
@@ -69,7 +69,7 @@ def test_what_is_refused_would_end_as_the_users_error(program, _, executables) -
 
 @pytest.mark.host
 def test_a_compiled_program_is_no_text_and_runs(executables) -> None:
-    program = compiled("c", SELF_TEST.encode(), "half.c", level=executables)
+    program = compiled("c", SELF_TEST.encode(), "half.c", isolation=executables)
 
     assert refusal(program) == ""
     assert store.prepare(program, "half").language == "executable"
@@ -81,7 +81,7 @@ def test_an_executable_that_speaks_no_protocol_ends_by_its_own_fault(executables
     text = (
         SELF_TEST + "#include <stdlib.h>\n__attribute__((constructor)) void f(void) { exit(0); }\n"
     )
-    program = compiled("c", text.encode(), "exits.c", level=executables)
+    program = compiled("c", text.encode(), "exits.c", isolation=executables)
 
     outcome = ended(program, executables)
 

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from seamark.sandbox.box import Box
 from seamark.sandbox.compilation import compiled
-from seamark.sandbox.isolation.level import Level
+from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.limits import Limits
 from seamark.sandbox.outcome import ProgramEnded, Verdict
 from seamark.sandbox.probing.self_test import why_not
@@ -89,19 +89,19 @@ Started = Callable[..., Box]
 
 
 @pytest.fixture(scope="module")
-def program(level: Level) -> bytes:
-    if why := why_not("c", level):
+def program(isolation: IsolationLevel) -> bytes:
+    if why := why_not("c", isolation):
         pytest.skip(why)
-    return compiled("c", PROGRAM.encode(), "mine.c", level=level)
+    return compiled("c", PROGRAM.encode(), "mine.c", isolation=isolation)
 
 
 @pytest.fixture
-def started(program: bytes, level: Level):
+def started(program: bytes, isolation: IsolationLevel):
     """Return a function that returns a box with the program in it."""
     boxes = []
 
     def start(role: str = "tracker", **config: float) -> Box:
-        box = Box("c", limits=LIMITS, level=level)
+        box = Box("c", limits=LIMITS, isolation=isolation)
         boxes.append(box)
         box.load(program, "mine.c", config, {"role": role})
         if role == "tracker":
@@ -203,9 +203,9 @@ def test_an_attack_on_the_memory_of_the_images_gets_nothing(started) -> None:
     assert b"GOT" not in box.finish().output
 
 
-def test_a_program_of_another_role_is_told_what_it_needs(level, program) -> None:
+def test_a_program_of_another_role_is_told_what_it_needs(isolation, program) -> None:
     layout = {"observation": [["t", 0]]}
-    with Box("c", limits=LIMITS, level=level) as box, pytest.raises(ProgramEnded) as end:
+    with Box("c", limits=LIMITS, isolation=isolation) as box, pytest.raises(ProgramEnded) as end:
         box.load(program, "mine.c", {}, layout)
 
     assert end.value.outcome.verdict is Verdict.COMPILE_ERROR

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from seamark.sandbox.box import Box
-from seamark.sandbox.isolation.level import Level
+from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.languages.inside.octave_relay import octave_value
 from seamark.sandbox.languages.language import Bind
 from seamark.sandbox.languages.octave.host import alternatives
@@ -51,14 +51,14 @@ def test_every_library_that_is_reached_over_etc_is_in_the_box(tmp_path: Path) ->
 
 
 @pytest.fixture(scope="module")
-def octave(level: Level) -> Level:
-    if why := why_not("matlab", level):
+def octave(isolation: IsolationLevel) -> IsolationLevel:
+    if why := why_not("matlab", isolation):
         pytest.skip(why)
-    return level
+    return isolation
 
 
-def ended(source: bytes, level: Level) -> Outcome:
-    with Box("matlab", limits=Limits(), level=level) as box:
+def ended(source: bytes, isolation: IsolationLevel) -> Outcome:
+    with Box("matlab", limits=Limits(), isolation=isolation) as box:
         try:
             box.load(source, "mine.m", CONFIG, LAYOUT)
             box.reset({"index": 2, "count": 5, "duration_s": 120.0, "dt": 0.05, "t": 240.0})

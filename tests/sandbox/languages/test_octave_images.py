@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from seamark.sandbox.box import Box
-from seamark.sandbox.isolation.level import Level
+from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.limits import Limits
 from seamark.sandbox.outcome import Outcome, ProgramEnded, Verdict
 from seamark.sandbox.probing.self_test import why_not
@@ -44,10 +44,10 @@ end
 
 
 @pytest.fixture(scope="module")
-def octave(level: Level) -> Level:
-    if why := why_not("matlab", level):
+def octave(isolation: IsolationLevel) -> IsolationLevel:
+    if why := why_not("matlab", isolation):
         pytest.skip(why)
-    return level
+    return isolation
 
 
 def image_of(shape: tuple[int, ...]) -> np.ndarray:
@@ -65,7 +65,7 @@ def told(image: np.ndarray) -> str:
 def test_a_tracker_sees_each_image_and_says_where_the_target_is(shape, octave) -> None:
     first, second, last = image_of(shape), image_of(shape) // 2, image_of(shape)
     last[0, 0] = 255
-    with Box("matlab", limits=Limits(), level=octave) as box:
+    with Box("matlab", limits=Limits(), isolation=octave) as box:
         box.load(TRACKER, "mine.m", {"gain": 0.5}, {"role": "tracker"})
         box.start(first, CORNERS)
         seen, lost = box.update(second), box.update(last)
@@ -81,15 +81,15 @@ def test_a_tracker_sees_each_image_and_says_where_the_target_is(shape, octave) -
 
 def test_a_detector_returns_what_it_found_with_labels(octave) -> None:
     expected = Detection("box", ((1.0, 2.0), (3.0, 2.0), (3.0, 4.0), (1.0, 4.0)), 0.5)
-    with Box("matlab", limits=Limits(), level=octave) as box:
+    with Box("matlab", limits=Limits(), isolation=octave) as box:
         box.load((DETECTOR % "[one, one]").encode(), "d.m", {}, {"role": "detector"})
         assert box.detect(image_of((24, 32))) == [expected, expected]
         assert box.finish().verdict is Verdict.OK
 
 
-def ended(source: str, octave: Level, role: str) -> Outcome:
+def ended(source: str, octave: IsolationLevel, role: str) -> Outcome:
     """Return how a tracker or detector ends that is shown two images."""
-    with Box("matlab", limits=Limits(), level=octave) as box:
+    with Box("matlab", limits=Limits(), isolation=octave) as box:
         try:
             box.load(source.encode(), "mine.m", {}, {"role": role})
             if role == "detector":

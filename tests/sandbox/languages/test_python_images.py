@@ -9,7 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 from seamark.sandbox.box import Box
-from seamark.sandbox.isolation.level import Level
+from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.isolation.shared_images import MOST_BYTES
 from seamark.sandbox.limits import Limits
 from seamark.sandbox.outcome import Outcome, ProgramEnded, Verdict
@@ -57,8 +57,8 @@ def picture(shape: tuple[int, ...] = (240, 320), seed: int = 1) -> NDArray[np.ui
 
 
 @pytest.fixture
-def box(level: Level) -> Iterator[Box]:
-    with Box(limits=Limits(), level=level) as started:
+def box(isolation: IsolationLevel) -> Iterator[Box]:
+    with Box(limits=Limits(), isolation=isolation) as started:
         yield started
 
 
@@ -256,8 +256,8 @@ def test_a_controller_holds_no_descriptor_of_images(box) -> None:
     assert len(box.finish().output.split(b",")) == 4
 
 
-def test_a_tracker_in_a_language_without_images_is_refused_in_words(level) -> None:
-    with Box("fmu", limits=Limits(), level=level) as box:
+def test_a_tracker_in_a_language_without_images_is_refused_in_words(isolation) -> None:
+    with Box("fmu", limits=Limits(), isolation=isolation) as box:
         with pytest.raises(ProgramEnded, match=r"tracker is written in Python, C, .* FMU") as end:
             box.load(b"", "a", {}, {"role": "tracker"})
 

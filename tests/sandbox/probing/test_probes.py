@@ -15,13 +15,14 @@ from seamark import sandbox
 from seamark.sandbox.box import Box
 from seamark.sandbox.isolation import proc_stats, uid_slots
 from seamark.sandbox.isolation.bwrap_command import Descriptors, bwrap_command
-from seamark.sandbox.isolation.level import Finding, Isolation, Level
+from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.isolation.readable_copies import SHELF
 from seamark.sandbox.languages import LANGUAGES, language_of
 from seamark.sandbox.languages.python_host import PACKAGES, package_folder, python_runtime
 from seamark.sandbox.limits import Limits
 from seamark.sandbox.outcome import Verdict
 from seamark.sandbox.probing.probes import probe
+from seamark.sandbox.probing.report import Finding, IsolationReport
 
 pytestmark = pytest.mark.host
 
@@ -44,7 +45,7 @@ REPORT = """
     report = {"level": found.level.name, "why": found.sentence(), "package": box.__file__}
     report["groups"] = str(cgroups.places().memory) if found.level.name == "STRONG" else ""
     for name, source in json.loads(SOURCES).items():
-        with Box(limits=Limits(cpu_s=2.0, memory_mib=192), level=found.level) as one:
+        with Box(limits=Limits(cpu_s=2.0, memory_mib=192), isolation=found.level) as one:
             try:
                 one.load(source.encode(), "a.py", {}, LAYOUT)
                 one.step([0.0, 0.1, 0.2, 0.3])
@@ -90,8 +91,8 @@ EXPECTED = {
 
 
 @as_root
-def test_bubblewrap_as_root_does_not_keep_uid_0(level) -> None:
-    with Box(limits=Limits(), level=level) as box:
+def test_bubblewrap_as_root_does_not_keep_uid_0(isolation) -> None:
+    with Box(limits=Limits(), isolation=isolation) as box:
         box.wait_ready()
         uids = {proc_stats.uid_of(pid) for pid in box.processes()}
 
@@ -99,8 +100,11 @@ def test_bubblewrap_as_root_does_not_keep_uid_0(level) -> None:
 
 
 @as_root
-def test_two_boxes_have_two_uids(level) -> None:
-    with Box(limits=Limits(), level=level) as one, Box(limits=Limits(), level=level) as two:
+def test_two_boxes_have_two_uids(isolation) -> None:
+    with (
+        Box(limits=Limits(), isolation=isolation) as one,
+        Box(limits=Limits(), isolation=isolation) as two,
+    ):
         one.wait_ready()
         two.wait_ready()
         uids = [proc_stats.uid_of(box.processes()[0]) for box in (one, two)]
@@ -109,11 +113,11 @@ def test_two_boxes_have_two_uids(level) -> None:
 
 
 def test_proc_1_environ_is_empty_because_bubblewrap_was_started_with_nothing(
-    level, monkeypatch
+    isolation, monkeypatch
 ) -> None:
     monkeypatch.setenv("SEAMARK_SECRET_KEY", "do-not-tell")
 
-    with Box(limits=Limits(), level=level) as box:
+    with Box(limits=Limits(), isolation=isolation) as box:
         box.wait_ready()
         init, *programs = box.processes()
         environments = [Path(f"/proc/{pid}/environ").read_bytes() for pid in (init, *programs)]
@@ -211,12 +215,14 @@ def test_a_host_without_bubblewrap_gets_no_level_and_a_remedy(monkeypatch) -> No
 
     found = probe()
 
-    assert found.level is Level.NONE
+    assert found.level is IsolationLevel.NONE
     assert any("apt-get install bubblewrap" in finding.remedy for finding in found.findings)
 
 
 def test_the_status_line_names_what_is_missing() -> None:
-    found = Isolation(Level.MEDIUM, (Finding("a", ok=True), Finding("b", ok=False, why="no b")))
+    found = IsolationReport(
+        IsolationLevel.MEDIUM, (Finding("a", ok=True), Finding("b", ok=False, why="no b"))
+    )
 
     assert found.sentence() == "isolation medium (b: no b)"
 

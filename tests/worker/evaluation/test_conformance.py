@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from pythonfmu.builder import FmuBuilder
 
-from seamark.sandbox.isolation.level import Level
+from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.languages import language_of
 from seamark.sandbox.limits import Limits
 from seamark.sandbox.probing.probes import probe
@@ -30,17 +30,17 @@ STRONG_CURRENT = SHORT | {"levels": [0.0, 0.6]}  # the reference meets its limit
 
 
 @pytest.fixture(scope="module")
-def level() -> Level:
-    isolation = probe()
-    if isolation.level < Level.MEDIUM:
-        pytest.skip(isolation.sentence())
-    return isolation.level
+def isolation() -> IsolationLevel:
+    report = probe()
+    if report.level < IsolationLevel.MEDIUM:
+        pytest.skip(report.sentence())
+    return report.level
 
 
 def evaluated(
     controller: Controller,
     config: dict[str, object],
-    level: Level,
+    isolation: IsolationLevel,
     trials: int = 1,
     benchmark: str = "currents-v1",
 ) -> Ending:
@@ -50,64 +50,64 @@ def evaluated(
         progress=lambda progress: None,
         cut=lambda trial: None,
     )
-    order = {"seed": 3, "trials": trials, "hearing": deaf, "level": level}
+    order = {"seed": 3, "trials": trials, "hearing": deaf, "isolation": isolation}
     return evaluate_here(benchmark, config, controller=controller, **order)
 
 
-def skip_without(name: str, level: Level) -> None:
-    if why := missing(str(language_of(name)), level):
+def skip_without(name: str, isolation: IsolationLevel) -> None:
+    if why := missing(str(language_of(name)), isolation):
         pytest.skip(why)
 
 
 @cache
-def missing(language: str, level: Level) -> str:
-    return why_not(language, level)
+def missing(language: str, isolation: IsolationLevel) -> str:
+    return why_not(language, isolation)
 
 
 @cache
-def built_in_digest(level: Level, heave: bool) -> str:
-    return evaluated("pi", STRONG_CURRENT | {"control_heave": heave}, level).digest
+def built_in_digest(isolation: IsolationLevel, heave: bool) -> str:
+    return evaluated("pi", STRONG_CURRENT | {"control_heave": heave}, isolation).digest
 
 
 @pytest.mark.parametrize(
     ("name", "heave"),
     [("pi.py", False), *((path.name, True) for path in sorted(PROGRAMS.iterdir()))],
 )
-def test_a_pi_in_another_language_gives_the_built_in_trajectory(name, heave, level) -> None:
-    skip_without(name, level)
+def test_a_pi_in_another_language_gives_the_built_in_trajectory(name, heave, isolation) -> None:
+    skip_without(name, isolation)
     config = STRONG_CURRENT | {"control_heave": heave}
 
-    upload = evaluated(((PROGRAMS / name).read_bytes(), name), config, level)
+    upload = evaluated(((PROGRAMS / name).read_bytes(), name), config, isolation)
 
     assert (upload.verdict, upload.sentence) == ("ok", "")
-    assert upload.digest == built_in_digest(level, heave)
+    assert upload.digest == built_in_digest(isolation, heave)
 
 
 @pytest.mark.parametrize("name", ["fmi2", "fmi3"])
-def test_a_pi_as_an_fmu_gives_the_built_in_trajectory(name, level, tmp_path) -> None:
-    skip_without("pi.fmu", level)
+def test_a_pi_as_an_fmu_gives_the_built_in_trajectory(name, isolation, tmp_path) -> None:
+    skip_without("pi.fmu", isolation)
     config = STRONG_CURRENT | {"control_heave": True}
 
     program = store.prepare(built.fmu(name, tmp_path), "pi.fmu")
-    upload = evaluated(program, config, level)
+    upload = evaluated(program, config, isolation)
 
     assert (upload.verdict, upload.sentence) == ("ok", "")
-    assert upload.digest == built_in_digest(level, True)
+    assert upload.digest == built_in_digest(isolation, True)
 
 
-def test_a_pi_exported_by_pythonfmu_gives_the_built_in_trajectory(level, tmp_path) -> None:
-    skip_without("pi.fmu", level)
+def test_a_pi_exported_by_pythonfmu_gives_the_built_in_trajectory(isolation, tmp_path) -> None:
+    skip_without("pi.fmu", isolation)
     made = FmuBuilder.build_FMU(built.FMUS / "pythonfmu_pi.py", dest=tmp_path)
     config = STRONG_CURRENT | {"control_heave": True}
 
-    upload = evaluated(store.prepare(made.read_bytes(), "pi.fmu"), config, level)
+    upload = evaluated(store.prepare(made.read_bytes(), "pi.fmu"), config, isolation)
 
     assert (upload.verdict, upload.sentence) == ("ok", "")
-    assert upload.digest == built_in_digest(level, True)
+    assert upload.digest == built_in_digest(isolation, True)
 
 
-def test_the_largest_uploads_and_an_fmu_of_five_mib_get_into_a_box(level, tmp_path) -> None:
-    skip_without("pi.fmu", level)
+def test_the_largest_uploads_and_an_fmu_of_five_mib_get_into_a_box(isolation, tmp_path) -> None:
+    skip_without("pi.fmu", isolation)
     most = Settings(data=tmp_path).upload_max_bytes
     assert most == Limits().source_kib << 10 == Limits().binary_mib << 20
     whole = io.BytesIO(built.fmu("fmi2", tmp_path))
@@ -117,25 +117,25 @@ def test_the_largest_uploads_and_an_fmu_of_five_mib_get_into_a_box(level, tmp_pa
 
     kept = store.store(whole, "pi.fmu", limit=most, data=tmp_path)
     program = (store.read(tmp_path, kept.sha256), kept.name)
-    upload = evaluated(program, STRONG_CURRENT | {"control_heave": True}, level)
+    upload = evaluated(program, STRONG_CURRENT | {"control_heave": True}, isolation)
 
     assert kept.size > 5 << 20
-    assert upload.digest == built_in_digest(level, True)
+    assert upload.digest == built_in_digest(isolation, True)
 
 
-def test_a_pi_as_embedded_coder_writes_it_gives_the_built_in_trajectory(level) -> None:
-    skip_without("pi.c", level)
+def test_a_pi_as_embedded_coder_writes_it_gives_the_built_in_trajectory(isolation) -> None:
+    skip_without("pi.c", isolation)
     config = STRONG_CURRENT | {"control_heave": True}
     files = {path.name: path.read_bytes() for path in built.MODEL.iterdir()}
 
     program = store.prepare(built.zipped(files), "pi.zip")
-    upload = evaluated(program, config, level)
+    upload = evaluated(program, config, isolation)
 
     assert (upload.verdict, upload.sentence) == ("ok", "")
-    assert upload.digest == built_in_digest(level, True)
+    assert upload.digest == built_in_digest(isolation, True)
 
 
-def test_the_templates_give_one_trajectory_and_hold_station(level, tmp_path) -> None:
+def test_the_templates_give_one_trajectory_and_hold_station(isolation, tmp_path) -> None:
     endings = []
     for kind in starter_files.KINDS:
         name, source = next(iter(starter_files.start(kind).items()))
@@ -143,8 +143,8 @@ def test_the_templates_give_one_trajectory_and_hold_station(level, tmp_path) -> 
             (tmp_path / name).write_bytes(source)
             target = tmp_path / "controller.elf"
             name, source = target.name, built.compiled_here([tmp_path / name], target, "-static")
-        skip_without(name, level)
-        endings.append(evaluated((source, name), SHORT, level))
+        skip_without(name, isolation)
+        endings.append(evaluated((source, name), SHORT, isolation))
 
     assert {ending.verdict for ending in endings} == {"ok"}
     assert len({ending.digest for ending in endings}) == 1
@@ -152,15 +152,15 @@ def test_the_templates_give_one_trajectory_and_hold_station(level, tmp_path) -> 
 
 @pytest.mark.parametrize("language", ["c", "c++", "matlab"])
 def test_a_tracker_in_another_language_gives_the_trajectory_of_the_one_in_python(
-    language, level
+    language, isolation
 ) -> None:
     name = starter_files.FILES["tracker"][language]
-    skip_without(name, level)
+    skip_without(name, isolation)
     texts = {TRACKER.name: TRACKER.read_bytes()}
     texts[name] = starter_files.of(language, "tracker").encode()
 
     endings = [
-        evaluated((text, file), SWEEP, level, benchmark="visibility-v1")
+        evaluated((text, file), SWEEP, isolation, benchmark="visibility-v1")
         for file, text in texts.items()
     ]
 
@@ -169,10 +169,12 @@ def test_a_tracker_in_another_language_gives_the_trajectory_of_the_one_in_python
     assert endings[0].metrics["overall"]["p5_percent"] > 50.0
 
 
-def test_a_program_that_cannot_be_compiled_ends_the_run_with_its_line(level) -> None:
-    skip_without("mine.c", level)
+def test_a_program_that_cannot_be_compiled_ends_the_run_with_its_line(isolation) -> None:
+    skip_without("mine.c", isolation)
 
-    ending = evaluated((b'#include "seamark.h"\nint x = y;\n', "mine.c"), SHORT, level, trials=2)
+    ending = evaluated(
+        (b'#include "seamark.h"\nint x = y;\n', "mine.c"), SHORT, isolation, trials=2
+    )
 
     assert ending.verdict == "compile_error"
     assert ending.sentence.startswith("mine.c:2:9: error: 'y' undeclared")

@@ -13,7 +13,7 @@ import pytest
 from fmpy.validation import validate_fmu
 
 from seamark.sandbox.box import Box
-from seamark.sandbox.isolation.level import Level
+from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.limits import Limits
 from seamark.sandbox.probing.probes import probe
 from seamark.sandbox.probing.self_test import why_not
@@ -57,9 +57,9 @@ def fmu(name: str, folder: Path) -> bytes:
     return built.zipped(members | {"binaries/linux64/controller.so": library})
 
 
-def boxed(program: bytes, level: Level) -> list[tuple[float, ...]]:
+def boxed(program: bytes, isolation: IsolationLevel) -> list[tuple[float, ...]]:
     """Return the commands of an FMU in a box."""
-    with Box("fmu", limits=Limits(), level=level) as box:
+    with Box("fmu", limits=Limits(), isolation=isolation) as box:
         box.load(program, "mine.fmu", CONFIG, LAYOUT)
         box.reset({"t": 0.0, "dt": DT_S})
         commands = [tuple(box.step([*ERROR, 1.0])) for _ in range(STEPS)]
@@ -89,9 +89,9 @@ def test_fmpy_finds_no_problem_in_it(name, tmp_path) -> None:
 @pytest.mark.host
 @pytest.mark.parametrize("name", ["fmi2", "fmi3", "template"])
 def test_fmpy_gets_the_outputs_that_a_box_gets(name, tmp_path) -> None:
-    level = probe().level
-    if level < Level.MEDIUM or (why := why_not("fmu", level)):
-        pytest.skip(why if level >= Level.MEDIUM else "no level")
+    isolation = probe().level
+    if isolation < IsolationLevel.MEDIUM or (why := why_not("fmu", isolation)):
+        pytest.skip(why if isolation >= IsolationLevel.MEDIUM else "no level")
     program = fmu(name, tmp_path)
     path = tmp_path / "mine.fmu"
     path.write_bytes(program)
@@ -109,7 +109,7 @@ def test_fmpy_gets_the_outputs_that_a_box_gets(name, tmp_path) -> None:
     )
 
     theirs = np.column_stack([result[output] for output in outputs])[1:, :3]
-    ours = np.array(boxed(program, level))[:, :3]
+    ours = np.array(boxed(program, isolation))[:, :3]
     assert theirs.shape == ours.shape
     assert np.allclose(theirs, ours, rtol=1e-12, atol=0.0)  # FMPy's steps differ in the last bits
     assert len(np.unique(ours[:, 1])) == STEPS  # the integral grows

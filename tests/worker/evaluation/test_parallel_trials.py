@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from seamark.sandbox.isolation.level import Level
+from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.isolation.proc_stats import tree
 from seamark.sandbox.languages.python import SELF_TEST
 from seamark.sandbox.limits import Limits
@@ -63,7 +63,9 @@ class Logging(FakeListener):
 
 
 def heard_here(
-    processes: int, controller: str | tuple[bytes, str] = "pi", level: Level = Level.NONE
+    processes: int,
+    controller: str | tuple[bytes, str] = "pi",
+    isolation: IsolationLevel = IsolationLevel.NONE,
 ) -> tuple[Ending, list[Any]]:
     heard: list[Any] = []
     hearing = Hearing(
@@ -73,7 +75,9 @@ def heard_here(
         cut=heard.append,
     )
     order = {"seed": 3, "trials": 3, "hearing": hearing, "processes": processes}
-    return evaluate_here("currents-v1", SHORT, controller=controller, level=level, **order), heard
+    return evaluate_here(
+        "currents-v1", SHORT, controller=controller, isolation=isolation, **order
+    ), heard
 
 
 def test_what_is_heard_does_not_depend_on_the_number_of_processes() -> None:
@@ -85,20 +89,22 @@ def test_what_is_heard_does_not_depend_on_the_number_of_processes() -> None:
 
 
 @pytest.fixture
-def level() -> Level:
-    isolation = probe()
-    if isolation.level < Level.MEDIUM:
-        pytest.skip(isolation.sentence())
-    return isolation.level
+def isolation() -> IsolationLevel:
+    report = probe()
+    if report.level < IsolationLevel.MEDIUM:
+        pytest.skip(report.sentence())
+    return report.level
 
 
 @pytest.mark.host
-def test_an_upload_gives_the_same_from_boxes_that_waited_and_leaves_none(level: Level) -> None:
+def test_an_upload_gives_the_same_from_boxes_that_waited_and_leaves_none(
+    isolation: IsolationLevel,
+) -> None:
     before = tree(os.getpid())
     program = (SELF_TEST.encode(), "half.py")
 
-    one, heard_from_one = heard_here(1, program, level)
-    two, heard_from_two = heard_here(2, program, level)
+    one, heard_from_one = heard_here(1, program, isolation)
+    two, heard_from_two = heard_here(2, program, isolation)
 
     assert (one.verdict, one.digest, one.metrics) == (two.verdict, two.digest, two.metrics)
     assert (one.verdict, heard_from_two) == ("ok", heard_from_one)

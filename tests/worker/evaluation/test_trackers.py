@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from seamark.sandbox.isolation.level import Level
+from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.limits import Limits
 from seamark.sandbox.probing.probes import probe
 from seamark.server.programs import starter_files
@@ -34,11 +34,11 @@ class Tracker:
 
 
 @pytest.fixture(scope="module")
-def level() -> Level:
-    isolation = probe()
-    if isolation.level < Level.MEDIUM:
-        pytest.skip(isolation.sentence())
-    return isolation.level
+def isolation() -> IsolationLevel:
+    report = probe()
+    if report.level < IsolationLevel.MEDIUM:
+        pytest.skip(report.sentence())
+    return report.level
 
 
 class Heard:
@@ -56,7 +56,7 @@ class Heard:
         return np.concatenate(self.parts)
 
 
-def evaluated(source: str, level: Level, **config: object) -> tuple[Ending, Heard]:
+def evaluated(source: str, isolation: IsolationLevel, **config: object) -> tuple[Ending, Heard]:
     heard = Heard()
     hearing = Hearing(
         rows=heard.parts.append,
@@ -67,15 +67,23 @@ def evaluated(source: str, level: Level, **config: object) -> tuple[Ending, Hear
     settings = SHORT | config
     program = (source.encode(), "mine.py")
     ending = evaluate_here(
-        NAME, settings, seed=3, controller=program, hearing=hearing, level=level, processes=1
+        NAME,
+        settings,
+        seed=3,
+        controller=program,
+        hearing=hearing,
+        isolation=isolation,
+        processes=1,
     )
     return ending, heard
 
 
 @pytest.mark.host
 @pytest.mark.parametrize("size", [{}, LARGE], ids=["320x240", "640x480"])
-def test_the_template_tracker_follows_its_target(level: Level, size: dict[str, object]) -> None:
-    ending, _ = evaluated(starter_files.of("python", "tracker"), level, **size)
+def test_the_template_tracker_follows_its_target(
+    isolation: IsolationLevel, size: dict[str, object]
+) -> None:
+    ending, _ = evaluated(starter_files.of("python", "tracker"), isolation, **size)
 
     assert (ending.verdict, ending.sentence) == ("ok", "")
     assert ending.metrics is not None
@@ -95,9 +103,9 @@ def test_the_template_tracker_follows_its_target(level: Level, size: dict[str, o
     ],
 )
 def test_what_is_no_answer_ends_the_run_with_its_cause(
-    level: Level, answer: str, verdict: str, told: str
+    isolation: IsolationLevel, answer: str, verdict: str, told: str
 ) -> None:
-    ending, heard = evaluated(PROGRAM.format(answer=answer), level)
+    ending, heard = evaluated(PROGRAM.format(answer=answer), isolation)
 
     assert ending.verdict == verdict
     assert told in ending.sentence + ending.traceback
@@ -106,9 +114,9 @@ def test_what_is_no_answer_ends_the_run_with_its_cause(
 
 @pytest.mark.host
 def test_corners_that_are_no_convex_quadrilateral_count_as_lost_and_the_log_says_so(
-    level: Level,
+    isolation: IsolationLevel,
 ) -> None:
-    ending, heard = evaluated(PROGRAM.format(answer="return self.corners[[0, 2, 1, 3]]"), level)
+    ending, heard = evaluated(PROGRAM.format(answer="return self.corners[[0, 2, 1, 3]]"), isolation)
 
     assert ending.verdict == "ok"
     assert heard.rows[:, INDEX["tracker_ok"]].tolist() == ([1.0] + [0.0] * 39) * 2
@@ -118,11 +126,11 @@ def test_corners_that_are_no_convex_quadrilateral_count_as_lost_and_the_log_says
 
 
 @pytest.mark.host
-def test_a_tracker_sees_no_truth_but_the_corners_of_its_start(level: Level) -> None:
+def test_a_tracker_sees_no_truth_but_the_corners_of_its_start(isolation: IsolationLevel) -> None:
     snoop = "print(sorted(vars(self)), sorted(k for k in self.config if 'seed' in k)); return None"
     source = PROGRAM.format(answer=snoop).replace("        pass", "        self.config = config")
 
-    ending, heard = evaluated(source, level)
+    ending, heard = evaluated(source, isolation)
 
     assert ending.verdict == "ok"
     assert set(heard.text.splitlines()) == {b"['config', 'corners'] []"}

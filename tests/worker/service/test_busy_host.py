@@ -5,7 +5,7 @@ import sys
 
 import pytest
 
-from seamark.sandbox.isolation.level import Level
+from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.probing.probes import probe
 from seamark.worker.evaluation.local import Hearing, evaluate_here
 
@@ -27,24 +27,29 @@ class Controller:
 DEAF = Hearing(rows=lambda _: None, log=lambda _: None, progress=lambda _: None, cut=lambda _: None)
 
 
-def evaluated(level: Level) -> tuple[str, object]:
+def evaluated(isolation: IsolationLevel) -> tuple[str, object]:
     ending = evaluate_here(
-        "currents-v1", CONFIG, seed=5, controller=(SOURCE, "mine.py"), hearing=DEAF, level=level
+        "currents-v1",
+        CONFIG,
+        seed=5,
+        controller=(SOURCE, "mine.py"),
+        hearing=DEAF,
+        isolation=isolation,
     )
     assert ending.metrics is not None, ending.sentence
     return ending.digest, ending.metrics["score"]
 
 
 def test_a_runs_score_is_the_same_with_four_busy_processes_beside_it() -> None:
-    level = probe().level
-    if level < Level.MEDIUM:
+    isolation = probe().level
+    if isolation < IsolationLevel.MEDIUM:
         pytest.skip("needs a box")
-    alone = evaluated(level)
+    alone = evaluated(isolation)
 
     spin = [sys.executable, "-I", "-S", "-c", "while True: pass"]
     neighbours = [subprocess.Popen(spin) for _ in range(BUSY)]
     try:
-        beside_others = evaluated(level)
+        beside_others = evaluated(isolation)
     finally:
         for neighbour in neighbours:
             neighbour.kill()

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from seamark.sandbox.isolation.level import Level
+from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.worker.evaluation.job import Place
 from seamark.worker.service.host import Host
 from seamark.worker.service.run_loop import Member
@@ -40,7 +40,7 @@ def start(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def simulator(start: Path, tmp_path: Path) -> Iterator[Simulator]:
     program = tmp_path / "slow.py"
     program.write_text(SLOW)
-    made = Simulator(Place(Level.NONE, None), tmp_path, program=(str(program),))
+    made = Simulator(Place(IsolationLevel.NONE, None), tmp_path, program=(str(program),))
     yield made
     made.stop()
 
@@ -70,7 +70,7 @@ def test_no_run_is_claimed_before_the_simulator_is_warm(
 ) -> None:
     run_id = service.queue()
     stopping = threading.Event()
-    host = Host(service.settings, "w", Level.NONE, (), ())
+    host = Host(service.settings, "w", IsolationLevel.NONE, (), ())
     member = Member(
         service.app, service.settings, host, index=0, stopping=stopping, simulator=simulator
     )
@@ -88,7 +88,7 @@ def test_no_run_is_claimed_before_the_simulator_is_warm(
 
 
 def test_the_real_simulator_says_when_it_is_warm(tmp_path: Path) -> None:
-    simulator = Simulator(Place(Level.NONE, None), tmp_path)
+    simulator = Simulator(Place(IsolationLevel.NONE, None), tmp_path)
 
     warm = simulator.wait_warm(240.0)
     simulator.stop()
