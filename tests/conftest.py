@@ -10,6 +10,7 @@ from redis import Redis
 from seamark.server.database.engine import Database
 from seamark.server.database.schema import upgrade
 from seamark.server.settings import Settings
+from tests.cast import Backend
 from tests.services import postgres, valkey
 
 
@@ -58,12 +59,14 @@ def postgres_url(_postgres: str) -> Iterator[str]:
 @pytest.fixture
 def settings(tmp_path: Path, database_url: str, redis_url: str) -> Settings:
     """Settings of a service of its own, with the isolation that this test host can give."""
-    return Settings(
-        data=tmp_path / "data",
-        database_url=database_url,
-        broker_url=redis_url,
-        secret_key="only-for-tests",
-        workers=1,
+    return Settings.model_validate(
+        {
+            "data": tmp_path / "data",
+            "database_url": database_url,
+            "broker_url": redis_url,
+            "secret_key": "only-for-tests",
+            "workers": 1,
+        }
     )
 
 
@@ -74,3 +77,9 @@ def database(settings: Settings) -> Iterator[Database]:
     opened = Database(settings.database_url)
     yield opened
     opened.close()
+
+
+@pytest.fixture
+def backend(database: Database, settings: Settings) -> Backend:
+    """The cast on the SQLite database of `settings`."""
+    return Backend.with_cast(database, settings)

@@ -9,36 +9,30 @@ from seamark.server.checks import queue
 from seamark.server.checks.queue import CheckRefused, CheckState
 from seamark.server.database.tables import Check
 from seamark.server.programs.store import StoredProgram
-from tests.server.conftest import Service
+from tests.cast import Backend
 
 PROGRAM = StoredProgram("0" * 64, "mine.py", "python", 9)
 ANSWER = {"ok": True}
 
 
-def order(service: Service, user_id: int) -> int:
+def order(service: Backend, user_id: int) -> int:
     with service.database.writing() as session:
         return queue.order(session, user_id, "currents-v1", {}, PROGRAM)
 
 
-def claim(service: Service, *languages: str) -> queue.CheckClaim | None:
+def claim(service: Backend, *languages: str) -> queue.CheckClaim | None:
     with service.database.writing() as session:
         return queue.claim(session, languages=languages or ("python",))
 
 
-def state(service: Service, check_id: int, user_id: int) -> CheckState | None:
+def state(service: Backend, check_id: int, user_id: int) -> CheckState | None:
     with service.database.reading() as session:
         view = queue.show(session, check_id, user_id)
     return None if view is None else view.state
 
 
-def user(service: Service, name: str) -> int:
-    user_id = service.user(name).user_id
-    assert user_id is not None
-    return user_id
-
-
-def test_a_new_check_replaces_the_one_that_still_waits_and_none_that_runs(both: Service) -> None:
-    ann = user(both, "ann")
+def test_a_new_check_replaces_the_one_that_still_waits_and_none_that_runs(both: Backend) -> None:
+    ann = both.user_id("ann")
     first = order(both, ann)
     second = order(both, ann)
 
@@ -48,8 +42,8 @@ def test_a_new_check_replaces_the_one_that_still_waits_and_none_that_runs(both: 
         order(both, ann)
 
 
-def test_checks_are_taken_in_order_by_who_knows_their_language(both: Service) -> None:
-    ann, ben = user(both, "ann"), user(both, "ben")
+def test_checks_are_taken_in_order_by_who_knows_their_language(both: Backend) -> None:
+    ann, ben = both.user_id("ann"), both.user_id("ben")
     made = [order(both, ann), order(both, ben)]
 
     assert claim(both, "c") is None
@@ -58,15 +52,15 @@ def test_checks_are_taken_in_order_by_who_knows_their_language(both: Service) ->
     assert [one.check_id for one in taken if one is not None] == made
 
 
-def test_only_its_owner_sees_a_check(both: Service) -> None:
-    ann, ben = user(both, "ann"), user(both, "ben")
+def test_only_its_owner_sees_a_check(both: Backend) -> None:
+    ann, ben = both.user_id("ann"), both.user_id("ben")
     check_id = order(both, ann)
 
     assert state(both, check_id, ben) is None
 
 
-def test_a_late_worker_writes_nothing(both: Service) -> None:
-    ann = user(both, "ann")
+def test_a_late_worker_writes_nothing(both: Backend) -> None:
+    ann = both.user_id("ann")
     check_id = order(both, ann)
     late = claim(both)
     assert late is not None
@@ -82,8 +76,8 @@ def test_a_late_worker_writes_nothing(both: Service) -> None:
     assert state(both, check_id, ann) is CheckState.DONE
 
 
-def test_a_check_that_breaks_its_workers_twice_is_our_failure(both: Service) -> None:
-    ann = user(both, "ann")
+def test_a_check_that_breaks_its_workers_twice_is_our_failure(both: Backend) -> None:
+    ann = both.user_id("ann")
     check_id = order(both, ann)
     for _ in range(2):
         taken = claim(both)
@@ -100,8 +94,8 @@ def test_a_check_that_breaks_its_workers_twice_is_our_failure(both: Service) -> 
     assert "not to blame" in view.answer["problems"][0]["sentence"]
 
 
-def test_old_checks_are_forgotten(both: Service) -> None:
-    ann = user(both, "ann")
+def test_old_checks_are_forgotten(both: Backend) -> None:
+    ann = both.user_id("ann")
     check_id = order(both, ann)
     taken = claim(both)
     assert taken is not None
@@ -115,9 +109,10 @@ def test_old_checks_are_forgotten(both: Service) -> None:
     assert state(both, check_id, ann) is None
 
 
-def test_only_so_many_checks_may_wait(both: Service) -> None:
+def test_only_so_many_checks_may_wait(both: Backend) -> None:
     for number in range(queue.WAITING_MAX):
-        order(both, user(both, f"user{number}"))
+        both.sign_up(f"user{number}")
+        order(both, both.user_id(f"user{number}"))
 
     with pytest.raises(CheckRefused, match="waiting"):
-        order(both, user(both, "late"))
+        order(both, both.user_id("ann"))

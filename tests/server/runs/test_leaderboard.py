@@ -1,76 +1,73 @@
+import time
+
 import pytest
-from hypothesis import HealthCheck, given
+from hypothesis import HealthCheck, example, given
 from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 from sqlalchemy import select
 from sqlalchemy.exc import IntegrityError
 from sqlalchemy.orm import Session
 
-from seamark.server.accounts.permissions import Viewer
 from seamark.server.database.tables import Best
 from seamark.server.runs import door as runs
 from seamark.server.runs import leaderboard
 from seamark.server.runs.door import Kind, RunState
 from seamark.server.runs.leaderboard import Cursor
-from tests.server.conftest import Service
+from tests.cast import Backend
 
 NAME = "currents-v1"
 
 
-def _ranked(both: Service, viewer: Viewer, score: float, **changes: object) -> int:
+def _ranked(both: Backend, who: str, score: float, **changes: object) -> int:
     """A ranked run that ended, private yet."""
-    run_id = both.queue(viewer, kind=Kind.RANKED)
-    claim = both.claim()
-    assert claim is not None
-    assert claim.run_id == run_id
+    claim = both.running(who, kind=Kind.RANKED)
     assert both.finish(claim, score=score, **changes)
-    return run_id
+    return claim.run_id
 
 
-def _publish(both: Service, run_id: int) -> bool:
+def _publish(both: Backend, run_id: int) -> bool:
     with both.database.writing() as session:
         return runs.publish(session, run_id)
 
 
-def _board(both: Service) -> list[tuple[str, float]]:
+def _board(both: Backend) -> list[tuple[str, float]]:
     with both.database.reading() as session:
         return [(rank.user, rank.score) for rank in leaderboard.page(session, NAME)]
 
 
-def test_only_published_ranked_runs_that_succeeded_are_ranked(both: Service) -> None:
-    ann = both.user("ann")
-    run_id = _ranked(both, ann, 60.0)
-    practice = both.queue(ann)
-    claim = both.claim()
-    assert claim is not None
-    both.finish(claim, score=99.0)
+def test_only_published_ranked_runs_that_succeeded_are_ranked(both: Backend) -> None:
+    run_id = _ranked(both, "ann", 60.0)
+    practice = both.running("ann")
+    both.finish(practice, score=99.0)
     failed = _ranked(
-        both, ann, 98.0, state=RunState.FAILED, cause="user_error", metrics={"score": 98.0}
+        both, "ann", 98.0, state=RunState.FAILED, cause="user_error", metrics={"score": 98.0}
     )
-    hidden = _ranked(both, ann, 97.0, metrics={"score": 97.0, "rankable": False})
+    hidden = _ranked(both, "ann", 97.0, metrics={"score": 97.0, "rankable": False})
 
     assert _board(both) == []
-    assert all(_publish(both, each) for each in (run_id, practice, failed, hidden))
+    assert all(_publish(both, each) for each in (run_id, practice.run_id, failed, hidden))
     assert _board(both) == [("ann", 60.0)]
 
 
-def test_the_best_of_a_user_counts_and_withdrawing_it_brings_the_next_back(both: Service) -> None:
-    ann, bob = both.user("ann"), both.user("bob")
-    low, high, other = _ranked(both, ann, 40.0), _ranked(both, ann, 80.0), _ranked(both, bob, 60.0)
+def test_the_best_of_a_user_counts_and_withdrawing_it_brings_the_next_back(both: Backend) -> None:
+    low, high, other = (
+        _ranked(both, who, score) for who, score in (("ann", 40.0), ("ann", 80.0), ("ben", 60.0))
+    )
     for run_id in (low, high, other):
         _publish(both, run_id)
-    assert _board(both) == [("ann", 80.0), ("bob", 60.0)]
+    assert _board(both) == [("ann", 80.0), ("ben", 60.0)]
 
     with both.database.writing() as session:
         assert runs.withdraw(session, high)
 
-    assert _board(both) == [("bob", 60.0), ("ann", 40.0)]
+    assert _board(both) == [("ben", 60.0), ("ann", 40.0)]
 
 
-def test_pages_by_cursor_are_the_whole_board_without_gaps(both: Service) -> None:
+def test_pages_by_cursor_are_the_whole_board_without_gaps(both: Backend) -> None:
     scores = [50.0, 50.0, 70.0, 30.0, 50.0]
     for index, score in enumerate(scores):
-        _publish(both, _ranked(both, both.user(f"user{index}"), score))
+        both.sign_up(f"user{index}")
+        _publish(both, _ranked(both, f"user{index}", score))
 
     with both.database.reading() as session:
         whole = leaderboard.page(session, NAME)
@@ -98,34 +95,30 @@ _acts = st.lists(
 
 
 @given(acts=_acts)
+@example(acts=[("run", 0, 60), ("publish", 0, 0), ("run", 0, 40), ("publish", 0, 1)])
+@example(acts=[("run", 1, 60), ("publish", 0, 0), ("withdraw", 0, 0)])
 @hypothesis_settings(
     max_examples=10, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
 )
 def test_a_rebuild_gives_the_rows_that_were_kept(
-    both: Service, acts: list[tuple[str, int, int]]
+    both: Backend, acts: list[tuple[str, int, int]]
 ) -> None:
-    with both.database.writing() as session:
-        session.execute(Best.__table__.delete())
-    cast = [both.user(f"u{id(acts)}x{index}x{len(_seen)}") for index in range(3)]
-    _seen.append(0)
+    users = [both.sign_up(f"u{time.time_ns()}") for _ in range(3)]
     made: list[int] = []
     for act, who, number in acts:
         if act == "run":
-            made.append(_ranked(both, cast[who], float(number)))
+            made.append(_ranked(both, users[who].name, float(number)))
         elif made:
             with both.database.writing() as session:
                 getattr(runs, act)(session, made[number % len(made)])
 
-    users = [viewer.user_id for viewer in cast]
+    user_ids = [user.user_id for user in users]
     with both.database.writing() as session:
-        kept = _rows(session, users)
+        kept = _rows(session, user_ids)
         leaderboard.rebuild(session)
-        rebuilt = _rows(session, users)
+        rebuilt = _rows(session, user_ids)
 
     assert rebuilt == kept
-
-
-_seen: list[int] = []
 
 
 def _rows(session: Session, users: list[int | None]) -> set[tuple[object, ...]]:
@@ -133,15 +126,14 @@ def _rows(session: Session, users: list[int | None]) -> set[tuple[object, ...]]:
     return {tuple(row) for row in session.execute(query.where(Best.user_id.in_(users)))}
 
 
-def test_no_score_that_is_no_number_can_be_stored(both: Service) -> None:
-    ann = both.user("ann")
-    run_id = _ranked(both, ann, 1.0)
+def test_no_score_that_is_no_number_can_be_stored(both: Backend) -> None:
+    run_id = _ranked(both, "ann", 1.0)
 
     with pytest.raises(IntegrityError), both.database.writing() as session:
         session.add(
             Best(
                 benchmark=NAME,
-                user_id=ann.user_id,
+                user_id=both.user_id("ann"),
                 run_id=run_id,
                 score=float("nan"),
                 score_low=0.0,

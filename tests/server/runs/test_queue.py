@@ -14,27 +14,27 @@ from seamark.server.runs import wait_estimate
 from seamark.server.runs.door import Beat, Kind, RunState
 from seamark.server.runs.failure_reasons import Cause
 from seamark.server.runs.states import NEXT_STATES
-from tests.server.conftest import Service
+from tests.cast import Backend
 
 
-def _heartbeat(both: Service, claim: runs.Claim) -> Beat:
+def _heartbeat(both: Backend, claim: runs.Claim) -> Beat:
     with both.database.writing() as session:
         return runs.heartbeat(session, claim, progress=0.5, t_simulated=1.0, isolation=None)
 
 
-def _silence(both: Service, run_id: int) -> None:
+def _silence(both: Backend, run_id: int) -> None:
     """Let the run's lease expire."""
     with both.database.writing() as session:
         session.execute(update(Run).where(Run.id == run_id).values(lease_until=time.time() - 1))
 
 
-def _sweep(both: Service) -> runs.SweepReport:
+def _sweep(both: Backend) -> runs.SweepReport:
     with both.database.writing() as session:
         return runs.sweep(session, both.settings)
 
 
-def test_a_run_is_claimed_once(both: Service) -> None:
-    run_id = both.queue(both.user("ann"))
+def test_a_run_is_claimed_once(both: Backend) -> None:
+    run_id = both.queue("ann")
 
     first, second = both.claim("w1"), both.claim("w2")
 
@@ -43,48 +43,43 @@ def test_a_run_is_claimed_once(both: Service) -> None:
     assert both.show(run_id).state is RunState.RUNNING
 
 
-def test_users_take_turns_whoever_queued_more(both: Service) -> None:
-    ann, bob = both.user("ann"), both.user("bob")
-    anns = [both.queue(ann) for _ in range(4)]
-    bobs = [both.queue(bob) for _ in range(2)]
+def test_users_take_turns_whoever_queued_more(both: Backend) -> None:
+    anns = [both.queue("ann") for _ in range(4)]
+    bens = [both.queue("ben") for _ in range(2)]
 
     order = []
     while (claim := both.claim()) is not None:
         order.append(claim.run_id)
         both.finish(claim)
 
-    assert order == [anns[0], bobs[0], anns[1], bobs[1], anns[2], anns[3]]
+    assert order == [anns[0], bens[0], anns[1], bens[1], anns[2], anns[3]]
 
 
-def test_who_has_most_running_waits_for_the_others(both: Service) -> None:
-    ann, bob = both.user("ann"), both.user("bob")
+def test_who_has_most_running_waits_for_the_others(both: Backend) -> None:
     for _ in range(3):
-        both.queue(ann)
+        both.queue("ann")
     both.claim()
     both.claim()
-    late = both.queue(bob)
+    late = both.queue("ben")
 
-    claim = both.claim()
+    claim = both.claim_next()
 
-    assert claim is not None
     assert claim.run_id == late
 
 
-def test_nobody_runs_more_than_the_cap(both: Service) -> None:
-    ann = both.user("ann")
+def test_nobody_runs_more_than_the_cap(both: Backend) -> None:
     for _ in range(5):
-        both.queue(ann)
+        both.queue("ann")
 
     claims = [both.claim() for _ in range(5)]
 
     assert sum(claim is not None for claim in claims) == both.settings.running_max
 
 
-def test_a_silent_workers_run_returns_to_its_old_place(both: Service) -> None:
-    ann, bob = both.user("ann"), both.user("bob")
-    first = both.queue(ann)
+def test_a_silent_workers_run_returns_to_its_old_place(both: Backend) -> None:
+    first = both.queue("ann")
     both.claim("dead")
-    both.queue(bob)
+    both.queue("ben")
     _silence(both, first)
 
     report = _sweep(both)
@@ -92,13 +87,11 @@ def test_a_silent_workers_run_returns_to_its_old_place(both: Service) -> None:
     assert (report.returned, report.given_up, report.queued) == ([first], [], 2)
     assert both.show(first).state is RunState.QUEUED
     assert both.show(first).position == 1
-    again = both.claim("alive")
-    assert again is not None
-    assert again.run_id == first
+    assert both.claim_next().run_id == first
 
 
-def test_a_late_worker_cannot_write(both: Service) -> None:
-    run_id = both.queue(both.user("ann"))
+def test_a_late_worker_cannot_write(both: Backend) -> None:
+    run_id = both.queue("ann")
     late = both.claim("late")
     assert late is not None
     _silence(both, run_id)
@@ -114,8 +107,8 @@ def test_a_late_worker_cannot_write(both: Service) -> None:
     assert both.show(run_id).attempt == 2
 
 
-def test_the_third_silence_is_a_failure_of_the_platform(both: Service) -> None:
-    run_id = both.queue(both.user("ann"))
+def test_the_third_silence_is_a_failure_of_the_platform(both: Backend) -> None:
+    run_id = both.queue("ann")
 
     for _ in range(3):
         assert both.claim() is not None
@@ -127,8 +120,8 @@ def test_the_third_silence_is_a_failure_of_the_platform(both: Service) -> None:
     assert view.detail["remedy"]
 
 
-def test_a_run_given_back_at_shutdown_is_no_failure(both: Service) -> None:
-    run_id = both.queue(both.user("ann"))
+def test_a_run_given_back_at_shutdown_is_no_failure(both: Backend) -> None:
+    run_id = both.queue("ann")
 
     for _ in range(5):
         claim = both.claim()
@@ -140,8 +133,8 @@ def test_a_run_given_back_at_shutdown_is_no_failure(both: Service) -> None:
 
 
 @pytest.mark.parametrize("claimed", [False, True])
-def test_a_live_run_is_cancelled_at_once(both: Service, *, claimed: bool) -> None:
-    run_id = both.queue(both.user("ann"))
+def test_a_live_run_is_cancelled_at_once(both: Backend, *, claimed: bool) -> None:
+    run_id = both.queue("ann")
     claim = both.claim() if claimed else None
 
     with both.database.writing() as session:
@@ -157,9 +150,8 @@ def test_a_live_run_is_cancelled_at_once(both: Service, *, claimed: bool) -> Non
         assert both.show(run_id).detail == {"t_reached": 3.0}
 
 
-def test_uploads_go_only_to_workers_that_can_run_them(both: Service) -> None:
-    ann = both.user("ann")
-    run_id = both.queue(ann)
+def test_uploads_go_only_to_workers_that_can_run_them(both: Backend) -> None:
+    run_id = both.queue("ann")
     with both.database.writing() as session:
         change = update(Run).where(Run.id == run_id)
         session.execute(change.values(language="python", program_sha256="0" * 64))
@@ -168,10 +160,9 @@ def test_uploads_go_only_to_workers_that_can_run_them(both: Service) -> None:
     assert both.claim("capable", languages=("python",)) is not None
 
 
-def test_a_result_without_a_finite_score_is_refused_and_nothing_is_written(both: Service) -> None:
-    run_id = both.queue(both.user("ann"))
-    claim = both.claim()
-    assert claim is not None
+def test_a_result_without_a_finite_score_is_refused_and_nothing_is_written(both: Backend) -> None:
+    run_id = both.queue("ann")
+    claim = both.claim_next()
 
     with pytest.raises(runs.ResultInvalid):
         both.finish(claim, score=float("nan"))
@@ -179,16 +170,15 @@ def test_a_result_without_a_finite_score_is_refused_and_nothing_is_written(both:
     assert both.show(run_id).state is RunState.RUNNING
 
 
-def test_a_ranked_run_shows_no_seed(both: Service) -> None:
-    run_id = both.queue(both.user("ann"), kind=Kind.RANKED)
+def test_a_ranked_run_shows_no_seed(both: Backend) -> None:
+    run_id = both.queue("ann", kind=Kind.RANKED)
 
     assert both.show(run_id).seed is None
     assert both.show(run_id).trials == both.settings.ranked_trials
 
 
-def test_the_place_in_the_line_is_the_order_of_claims(both: Service) -> None:
-    ann, bob, cat = both.user("ann"), both.user("bob"), both.user("cat")
-    queued = [both.queue(owner) for owner in (ann, ann, ann, bob, bob, cat)]
+def test_the_place_in_the_line_is_the_order_of_claims(both: Backend) -> None:
+    queued = [both.queue(who) for who in ("ann", "ann", "ann", "ben", "ben", "eva")]
     places = {run_id: both.show(run_id).position for run_id in queued}
 
     order = []
@@ -199,8 +189,8 @@ def test_the_place_in_the_line_is_the_order_of_claims(both: Service) -> None:
     assert [places[run_id] for run_id in order] == [1, 2, 3, 4, 5, 6]
 
 
-def test_a_page_sees_one_moment_even_if_a_worker_takes_the_run_meanwhile(both: Service) -> None:
-    run_id = both.queue(both.user("ada"))
+def test_a_page_sees_one_moment_even_if_a_worker_takes_the_run_meanwhile(both: Backend) -> None:
+    run_id = both.queue("ann")
 
     with both.database.reading() as session:
         before = runs.show(session, run_id, both.settings)
@@ -213,8 +203,8 @@ def test_a_page_sees_one_moment_even_if_a_worker_takes_the_run_meanwhile(both: S
     assert (before.state, after.state) == (runs.RunState.QUEUED, runs.RunState.QUEUED)
 
 
-def test_a_run_that_was_taken_after_it_was_read_has_no_place_in_the_line(both: Service) -> None:
-    run_id = both.queue(both.user("ada"))
+def test_a_run_that_was_taken_after_it_was_read_has_no_place_in_the_line(both: Backend) -> None:
+    run_id = both.queue("ann")
     with both.database.reading() as session:
         read_before = session.get_one(Run, run_id)
     assert both.claim() is not None
@@ -225,8 +215,8 @@ def test_a_run_that_was_taken_after_it_was_read_has_no_place_in_the_line(both: S
     assert wait.position is None
 
 
-def test_a_waiting_run_says_why(both: Service) -> None:
-    run_id = both.queue(both.user("ann"))
+def test_a_waiting_run_says_why(both: Backend) -> None:
+    run_id = both.queue("ann")
 
     assert "No worker is running" in (both.show(run_id).why_waiting or "")
 
@@ -234,9 +224,9 @@ def test_a_waiting_run_says_why(both: Service) -> None:
 class _Story:
     """What happens to the runs of one user, step by step."""
 
-    def __init__(self, both: Service) -> None:
+    def __init__(self, both: Backend) -> None:
         self.both = both
-        self.viewer = both.user(f"u{time.time_ns()}")
+        self.owner = both.sign_up(f"u{time.time_ns()}").name
         self.claims: list[runs.Claim] = []
         self.queued: list[int] = []
         self.finished: Counter[int] = Counter()
@@ -254,7 +244,7 @@ class _Story:
 
     def queue(self) -> None:
         if len(self.queued) < self.both.settings.quota_live:
-            self.queued.append(self.both.queue(self.viewer))
+            self.queued.append(self.both.queue(self.owner))
 
     def claim(self) -> None:
         claim = self.both.claim()
@@ -283,7 +273,7 @@ _steps = st.lists(
 @hypothesis_settings(
     max_examples=25, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
 )
-def test_no_run_is_lost_or_finished_twice_whatever_happens(both: Service, steps: list[str]) -> None:
+def test_no_run_is_lost_or_finished_twice_whatever_happens(both: Backend, steps: list[str]) -> None:
     story = _Story(both)
 
     for step in steps:
@@ -299,8 +289,9 @@ def test_the_table_of_moves_has_no_way_out_of_a_final_state() -> None:
     assert all(state.final for state in RunState if state not in NEXT_STATES)
 
 
-def test_workers_that_claim_at_the_same_time_get_different_runs(both: Service) -> None:
-    queued = [both.queue(both.user(f"user{number}")) for number in range(12)]
+def test_workers_that_claim_at_the_same_time_get_different_runs(both: Backend) -> None:
+    names = [f"user{number}" for number in range(12)]
+    queued = [both.queue(both.sign_up(name).name) for name in names]
 
     with ThreadPoolExecutor(6) as pool:
         claims = list(pool.map(both.claim, [f"w{number}" for number in range(12)]))

@@ -1,33 +1,19 @@
 import time
-from io import BytesIO
 
 import pytest
 from sqlalchemy import update
 
 from seamark.sandbox.languages import LANGUAGES
-from seamark.server.accounts.permissions import Viewer
 from seamark.server.database.tables import Run, Worker
-from seamark.server.programs import store
 from seamark.server.runs import baselines, leaderboard, submission
 from seamark.server.runs import door as runs
 from seamark.server.runs.door import Kind, OrderRejected, QuotaExceeded, RunState
 from seamark.sim import registry
 from seamark.sim.settings.configuration import ConfigurationInvalid
-from tests.server.conftest import Service
-
-GUEST = Viewer(guest="g")
-SOURCE = (
-    b"class Controller:\n"
-    b"    def __init__(self, config): pass\n"
-    b"    def step(self, observation): return [0, 0, 0, 0]\n"
-)
+from tests.cast import Backend
 
 
-def _program(both: Service) -> store.StoredProgram:
-    return store.store(BytesIO(SOURCE), "mine.py", limit=1000, data=both.settings.data)
-
-
-def _worker(both: Service, level: str, *languages: str, seen_at: float | None = None) -> None:
+def _worker(both: Backend, level: str, *languages: str, seen_at: float | None = None) -> None:
     now = time.time() if seen_at is None else seen_at
     worker = Worker(name=level, slots=1, level=level, languages=list(languages), findings=[])
     worker.started_at = worker.seen_at = now
@@ -35,8 +21,8 @@ def _worker(both: Service, level: str, *languages: str, seen_at: float | None = 
         session.add(worker)
 
 
-def test_an_order_is_completed_from_the_benchmark(both: Service) -> None:
-    run_id = both.queue(both.user("ann"), config={"kp": 0.7})
+def test_an_order_is_completed_from_the_benchmark(both: Backend) -> None:
+    run_id = both.queue("ann", config={"kp": 0.7})
 
     view = both.show(run_id)
     assert view.config["kp"] == 0.7
@@ -44,16 +30,16 @@ def test_an_order_is_completed_from_the_benchmark(both: Service) -> None:
     assert view.seed is not None
 
 
-def test_a_wrong_configuration_is_refused_by_field(both: Service) -> None:
+def test_a_wrong_configuration_is_refused_by_field(both: Backend) -> None:
     with pytest.raises(ConfigurationInvalid) as refusal:
-        both.queue(both.user("ann"), config={"kp": "much", "levels": []})
+        both.queue("ann", config={"kp": "much", "levels": []})
 
     assert set(refusal.value.errors) == {"kp", "levels"}
 
 
-def test_a_ranked_run_gets_the_scenario_of_the_benchmark(both: Service) -> None:
+def test_a_ranked_run_gets_the_scenario_of_the_benchmark(both: Backend) -> None:
     wishes = {"levels": [0.0], "kp": 0.9}
-    run_id = both.queue(both.user("ann"), config=wishes, kind=Kind.RANKED)
+    run_id = both.queue("ann", config=wishes, kind=Kind.RANKED)
 
     view = both.show(run_id)
     assert len(view.config["levels"]) > 1
@@ -73,37 +59,35 @@ def test_a_ranked_run_gets_the_scenario_of_the_benchmark(both: Service) -> None:
         {"seed": 2**31},
     ],
 )
-def test_a_guest_is_refused_what_breaks_a_rule(both: Service, wishes: dict[str, object]) -> None:
+def test_a_guest_is_refused_what_breaks_a_rule(both: Backend, wishes: dict[str, object]) -> None:
     with pytest.raises(OrderRejected):
-        both.queue(GUEST, **wishes)
+        both.queue("guest", **wishes)
 
 
-def test_a_guest_may_practise_with_a_built_in_controller_but_not_upload(both: Service) -> None:
-    assert both.queue(GUEST)
+def test_a_guest_may_practise_with_a_built_in_controller_but_not_upload(both: Backend) -> None:
+    assert both.queue("guest")
     with pytest.raises(OrderRejected, match="account"):
-        both.queue(GUEST, controller="upload", program=_program(both))
+        both.queue("guest", controller="upload", program=both.store_program())
 
 
-def test_nobody_in_particular_may_not_order(both: Service) -> None:
+def test_nobody_in_particular_may_not_order(both: Backend) -> None:
     with pytest.raises(OrderRejected):
-        both.queue(Viewer())
+        both.queue("nobody")
 
 
-def test_the_quota_of_live_runs_holds_and_is_given_back(both: Service) -> None:
-    ann = both.user("ann")
-    made = [both.queue(ann) for _ in range(both.settings.quota_live)]
+def test_the_quota_of_live_runs_holds_and_is_given_back(both: Backend) -> None:
+    made = [both.queue("ann") for _ in range(both.settings.quota_live)]
 
     with pytest.raises(QuotaExceeded, match="waiting or running"):
-        both.queue(ann)
+        both.queue("ann")
     with both.database.writing() as session:
         runs.request_cancel(session, made[0])
 
-    assert both.queue(ann)
+    assert both.queue("ann")
 
 
-def test_only_runs_that_completed_count_for_the_day(both: Service) -> None:
-    ann = both.user("ann")
-    done, broken, cancelled, old = (both.queue(ann) for _ in range(4))
+def test_only_runs_that_completed_count_for_the_day(both: Backend) -> None:
+    done, broken, cancelled, old = (both.queue("ann") for _ in range(4))
     claim = both.claim()
     assert claim is not None
     both.finish(claim)
@@ -113,49 +97,47 @@ def test_only_runs_that_completed_count_for_the_day(both: Service) -> None:
             change = update(Run).where(Run.id == run_id)
             values = {"state": "failed", "cause": cause, "finished_at": time.time() - age}
             session.execute(change.values(**values))
-        used = runs.quota(session, ann, both.settings)
+        used = runs.quota(session, both.viewers["ann"], both.settings)
 
     assert claim.run_id == done
     assert (used.live, used.day) == (0, 1)
 
 
-def test_uploads_are_refused_where_no_living_worker_isolates_them(both: Service) -> None:
-    ann = both.user("ann")
+def test_uploads_are_refused_where_no_living_worker_isolates_them(both: Backend) -> None:
     _worker(both, "weak", "python")
     _worker(both, "strong", "python", seen_at=time.time() - 3600)
 
     with pytest.raises(OrderRejected, match="seamark doctor"):
-        both.queue(ann, controller="upload", program=_program(both))
+        both.queue("ann", controller="upload", program=both.store_program())
 
 
-def test_uploads_wait_while_no_worker_is_there_at_all(both: Service) -> None:
-    assert both.queue(both.user("ann"), controller="upload", program=_program(both))
+def test_uploads_wait_while_no_worker_is_there_at_all(both: Backend) -> None:
+    assert both.queue("ann", controller="upload", program=both.store_program())
 
 
-def test_a_language_that_no_worker_has_is_refused(both: Service) -> None:
+def test_a_language_that_no_worker_has_is_refused(both: Backend) -> None:
     _worker(both, "strong", "c")
 
     with pytest.raises(OrderRejected, match="programs in Python"):
-        both.queue(both.user("ann"), controller="upload", program=_program(both))
+        both.queue("ann", controller="upload", program=both.store_program())
 
 
-def test_a_rerun_is_a_new_run_of_the_same_order(both: Service) -> None:
-    ann = both.user("ann")
-    old = both.show(both.queue(ann, config={"kp": 0.7}, seed=11, title="first"))
+def test_a_rerun_is_a_new_run_of_the_same_order(both: Backend) -> None:
+    old = both.show(both.queue("ann", config={"kp": 0.7}, seed=11, title="first"))
 
     with both.database.writing() as session:
-        new_id = runs.rerun(session, old.id, ann, both.settings)
+        new_id = runs.rerun(session, old.id, both.viewers["ann"], both.settings)
 
     new = both.show(new_id)
     assert new.rerun_of == old.id
     assert (new.config, new.seed, new.title) == (old.config, 11, "first")
 
 
-def test_baselines_are_queued_once_come_last_and_get_public(both: Service) -> None:
+def test_baselines_are_queued_once_come_last_and_get_public(both: Backend) -> None:
     with both.database.writing() as session:
         first = baselines.ensure(session, both.settings)
         second = baselines.ensure(session, both.settings)
-    late = both.queue(both.user("ann"))
+    late = both.queue("ann")
 
     order = []
     while (claim := both.claim()) is not None:
@@ -175,7 +157,7 @@ def test_baselines_are_queued_once_come_last_and_get_public(both: Service) -> No
     assert both.show(late).state is RunState.SUCCEEDED
 
 
-def test_baselines_never_take_two_workers_at_a_time(both: Service) -> None:
+def test_baselines_never_take_two_workers_at_a_time(both: Backend) -> None:
     with both.database.writing() as session:
         baselines.ensure(session, both.settings)
 
@@ -184,7 +166,7 @@ def test_baselines_never_take_two_workers_at_a_time(both: Service) -> None:
     assert [claim is None for claim in claims] == [False, True]
 
 
-def test_a_missing_language_is_refused_with_the_reason_of_the_worker(both: Service) -> None:
+def test_a_missing_language_is_refused_with_the_reason_of_the_worker(both: Backend) -> None:
     _worker(both, "strong", "python")
     found = {
         "name": submission.finding_of("matlab"),

@@ -1,0 +1,135 @@
+"""The people of the tests, and what they and their workers do with runs on a real database.
+
+ann owns, eva shares what she made, ben must see nothing of ann's, root is the administrator;
+a guest has only a cookie, and nobody not even that.
+"""
+
+import io
+from dataclasses import dataclass
+from typing import Any, Self
+
+from seamark.server.accounts import accounts
+from seamark.server.accounts.permissions import Viewer
+from seamark.server.database.engine import Database
+from seamark.server.programs import store
+from seamark.server.programs.store import StoredProgram
+from seamark.server.runs import queue as run_queue
+from seamark.server.runs import results, submission, views
+from seamark.server.runs.queue import Claim
+from seamark.server.runs.results import Report
+from seamark.server.runs.states import Kind, RunState
+from seamark.server.runs.views import RunView
+from seamark.server.settings import Settings
+
+USERS = ("ann", "eva", "ben")
+ADMIN = "root"
+PROGRAM = b"""
+class Controller:
+    def __init__(self, config): ...
+    def step(self, observation): ...
+"""
+PI_RUN: dict[str, Any] = {"benchmark": "currents-v1", "config": {}, "controller": "pi"}
+MANIFEST = {"seed": 7, "trials": [{"seed": 9}]}
+
+
+@dataclass
+class Backend:
+    """A database with the cast in it, and the steps of a run as the server's functions do them."""
+
+    database: Database
+    settings: Settings
+    viewers: dict[str, Viewer]
+
+    @classmethod
+    def with_cast(cls, database: Database, settings: Settings) -> Self:
+        """Sign up the people of the cast."""
+        backend = cls(database, settings, {"guest": Viewer(guest="g"), "nobody": Viewer()})
+        for name in USERS:
+            backend.sign_up(name)
+        backend.sign_up(ADMIN, is_admin=True)
+        return backend
+
+    def sign_up(self, name: str, *, is_admin: bool = False) -> Viewer:
+        with self.database.writing() as session:
+            user = accounts.sign_up(session, name, None, is_admin=is_admin)
+            viewer = Viewer(user_id=user.id, name=user.name, is_admin=is_admin)
+        self.viewers[name] = viewer
+        return viewer
+
+    def user_id(self, name: str) -> int:
+        number = self.viewers[name].user_id
+        assert number is not None
+        return number
+
+    def store_program(
+        self, source: bytes = PROGRAM, name: str = "mine.py", role: str = "controller"
+    ) -> StoredProgram:
+        """Store a program as an upload of it is stored."""
+        limit, data = self.settings.upload_max_bytes, self.settings.data
+        return store.store(io.BytesIO(source), name, limit=limit, data=data, role=role)
+
+    def queue(self, who: str = "ann", *, kind: str = "practice", **changes: Any) -> int:
+        """Queue a run of the built-in PI controller, or of what `changes` says."""
+        wanted = PI_RUN | {"viewer": self.viewers[who], "kind": Kind(kind)} | changes
+        with self.database.writing() as session:
+            return submission.enqueue(session, submission.Order(**wanted), self.settings)
+
+    def queue_program(self, who: str = "ann", **changes: Any) -> int:
+        """Queue a run of an uploaded program."""
+        return self.queue(who, controller="upload", program=self.store_program(), **changes)
+
+    def claim(self, worker: str = "w1", languages: tuple[str, ...] = ("python",)) -> Claim | None:
+        with self.database.writing() as session:
+            return run_queue.claim(session, worker, languages=languages, settings=self.settings)
+
+    def claim_next(self) -> Claim:
+        """Claim the run that is first in the queue; there must be one."""
+        claim = self.claim()
+        assert claim is not None
+        return claim
+
+    def running(self, who: str = "ann", **changes: Any) -> Claim:
+        """Queue a run and claim it; it must be the first in the queue."""
+        run_id = self.queue(who, **changes)
+        claim = self.claim_next()
+        assert claim.run_id == run_id
+        return claim
+
+    def finish(self, claim: Claim, score: float = 50.0, **changes: Any) -> bool:
+        """Report a success, or what `changes` says; False if the claim is no longer valid."""
+        metrics = {"score": score, "score_low": score - 5, "score_high": score + 5}
+        report: dict[str, Any] = {"metrics": metrics | {"level_held": 0.2}, "manifest": MANIFEST}
+        report |= {"state": RunState.SUCCEEDED, "digest": "0" * 64} | changes
+        with self.database.writing() as session:
+            return results.finish(session, claim, Report(**report))
+
+    def succeeded(self, who: str = "ann", **changes: Any) -> int:
+        claim = self.running(who, **changes)
+        assert self.finish(claim)
+        return claim.run_id
+
+    def failed(self, who: str = "ann", **detail: Any) -> int:
+        """Return a run whose program raised an error, described by `detail`."""
+        claim = self.running(who)
+        report: dict[str, Any] = dict.fromkeys(("metrics", "manifest", "digest"))
+        report |= {"state": RunState.FAILED, "cause": "user_error", "detail": detail}
+        assert self.finish(claim, **report)
+        return claim.run_id
+
+    def published(self, who: str = "eva", **changes: Any) -> int:
+        return self.publish(self.succeeded(who, **changes))
+
+    def publish(self, run_id: int) -> int:
+        with self.database.writing() as session:
+            assert results.publish(session, run_id)
+        return run_id
+
+    def cancel(self, run_id: int) -> bool:
+        with self.database.writing() as session:
+            return results.request_cancel(session, run_id)
+
+    def show(self, run_id: int) -> RunView:
+        with self.database.reading() as session:
+            view = views.show(session, run_id, self.settings)
+        assert view is not None
+        return view
