@@ -1,5 +1,5 @@
-"""The uploads go through the real route: the application of the interface's own tests."""
+"""Hostile uploads go through the route itself: they need the application of the API's tests."""
 
-from tests.server.api.conftest import Site, site
+from tests.server.api.conftest import site
 
-__all__ = ["Site", "site"]
+__all__ = ["site"]

@@ -1,8 +1,7 @@
-"""An application with a cast: ann owns, ben must see nothing, root is the admin; their tokens."""
+"""The application with the cast; each role of the API's tests has a token."""
 
-import io
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -13,24 +12,15 @@ from sqlalchemy import select
 from werkzeug.test import TestResponse
 
 from seamark.server.accounts import accounts
-from seamark.server.accounts.permissions import Viewer
 from seamark.server.app import create_app
-from seamark.server.checks import queue
-from seamark.server.database.engine import Database
+from seamark.server.checks import queue as check_queue
 from seamark.server.database.tables import Run
-from seamark.server.programs import store
-from seamark.server.runs import door as runs
 from seamark.server.runs.files import RunFiles
 from seamark.server.runs.states import RunState
-from seamark.server.settings import Settings
 from seamark.server.web.services import Services
 from seamark.sim.recording.telemetry import INDEX, WIDTH
+from tests.cast import Backend
 
-PROGRAM = b"""
-class Controller:
-    def __init__(self, config): ...
-    def step(self, observation): ...
-"""
 ROLES = {  # role -> account, scopes, days
     "other": ("ben", ("read", "submit"), 1.0),
     "owner": ("ann", ("read", "submit"), 1.0),
@@ -42,17 +32,14 @@ ROLES = {  # role -> account, scopes, days
 
 
 @dataclass
-class Site:
-    """The application with its database, and the few things that most tests do to it."""
+class Site(Backend):
+    """The application on the database of the cast."""
 
     app: Flask
-    database: Database
-    settings: Settings
-    viewers: dict[str, Viewer]
-    tokens: dict[str, str] = field(default_factory=dict)
+    headers: dict[str, dict[str, str]]  # role -> headers of a request
 
     @property
-    def held(self) -> Services:
+    def services(self) -> Services:
         services: Services = self.app.extensions["seamark"]
         return services
 
@@ -60,57 +47,26 @@ class Site:
         return self.app.test_client()
 
     def call(self, role: str, method: str, path: str, **options: Any) -> TestResponse:
-        token = self.tokens.get(role)
-        headers = {"Authorization": f"Bearer {token}"} if token else {}
-        headers |= options.pop("headers", {})
+        headers = self.headers[role] | options.pop("headers", {})
         return self.client().open(path, method=method, headers=headers, **options)
 
-    def queue(self, name: str = "ann", **wishes: Any) -> int:
-        order = {"benchmark": "currents-v1", "config": {}, "controller": "pi"} | wishes
-        with self.database.writing() as session:
-            order = runs.Order(viewer=self.viewers[name], **order)
-            return runs.enqueue(session, order, self.settings)
+    def clear_queue(self) -> None:
+        """Cancel the queued runs, so that the next run to be claimed is the next one queued."""
+        with self.database.reading() as session:
+            queued = list(session.scalars(select(Run.id).where(Run.state == RunState.QUEUED)))
+        for run_id in queued:
+            self.cancel(run_id)
 
-    def clear_line(self) -> None:
-        """Cancel what waits, so that the next run to be claimed is the next one queued."""
+    def queue_check(self, who: str = "ann") -> int:
+        program = self.store_program()
         with self.database.writing() as session:
-            waiting = select(Run.id).where(Run.state == RunState.QUEUED)
-            for run_id in list(session.scalars(waiting)):
-                runs.request_cancel(session, run_id)
+            return check_queue.order(session, self.user_id(who), "currents-v1", {}, program)
 
-    def upload(self) -> int:
-        data, limit = self.settings.data, self.settings.upload_max_bytes
-        program = store.store(io.BytesIO(PROGRAM), "mine.py", limit=limit, data=data)
-        return self.queue(controller="upload", program=program)
-
-    def check(self, name: str = "ann") -> int:
-        """Order a check that nobody carries out."""
-        limit, data = self.settings.upload_max_bytes, self.settings.data
-        program = store.store(io.BytesIO(PROGRAM), "mine.py", limit=limit, data=data)
-        user_id = self.viewers[name].user_id
-        assert user_id is not None
-        with self.database.writing() as session:
-            return queue.order(session, user_id, "currents-v1", {}, program)
-
-    def end(self, **changes: Any) -> None:
-        with self.database.writing() as session:
-            claim = runs.claim(session, "w1", languages=("python",), settings=self.settings)
-        assert claim is not None
-        metrics = {"score": 50.0, "score_low": 45.0, "score_high": 55.0, "level_held": 0.2}
-        manifest = {"seed": 7, "trials": [{"seed": 9}]}
-        report = {"state": RunState.SUCCEEDED, "metrics": metrics, "manifest": manifest}
-        with self.database.writing() as session:
-            assert runs.finish(
-                session, claim, runs.Report(**(report | {"digest": "0" * 64} | changes))
-            )
-
-    def finished(self, *, public: bool = False) -> int:
-        run_id = self.upload()
-        self.end()
+    def recorded(self, **changes: Any) -> int:
+        """Return a run of an uploaded program that succeeded, with 2 s of telemetry and a log."""
+        program = self.store_program()
+        run_id = self.succeeded(controller="upload", program=program, **changes)
         self.record(run_id, rows=40)
-        if public:
-            with self.database.writing() as session:
-                assert runs.publish(session, run_id)
         return run_id
 
     def record(self, run_id: int, *, rows: int) -> None:
@@ -124,18 +80,14 @@ class Site:
 
 
 @pytest.fixture
-def site(settings: Settings, database: Database) -> Iterator[Site]:
+def site(backend: Backend) -> Iterator[Site]:
     """A service without a worker."""
-    app = create_app(settings)
-    viewers, tokens = {}, {}
-    with database.writing() as session:
-        for name in ("ann", "ben", "root"):
-            user = accounts.sign_up(session, name, None, is_admin=name == "root")
-            viewers[name] = Viewer(user_id=user.id, name=name, is_admin=name == "root")
+    app = create_app(backend.settings)
+    headers: dict[str, dict[str, str]] = {"guest": {}}
+    with backend.database.writing() as session:
         for role, (name, scopes, days) in ROLES.items():
-            user_id = viewers[name].user_id
-            assert user_id is not None
-            tokens[role] = accounts.new_token(session, user_id, role, scopes, days=days)
-    made = Site(app, database, settings, viewers, tokens)
-    yield made
-    made.held.close()
+            token = accounts.new_token(session, backend.user_id(name), role, scopes, days=days)
+            headers[role] = {"Authorization": f"Bearer {token}"}
+    site = Site(**vars(backend), app=app, headers=headers)
+    yield site
+    site.services.close()

@@ -12,10 +12,9 @@ from hypothesis import strategies as st
 
 from seamark.server.api.series import thin
 from seamark.server.messaging import live_events
-from seamark.server.runs import door as runs
-from seamark.server.runs.states import Kind, RunState
 from seamark.sim.recording.telemetry import NAMES, from_bytes, from_csv
-from tests.server.api.conftest import PROGRAM, Site
+from tests.cast import PROGRAM
+from tests.server.api.conftest import Site
 
 RUNS = "/api/v1/runs"
 
@@ -177,8 +176,7 @@ def test_the_pages_of_a_list_are_the_list(site: Site) -> None:
 
 
 def test_the_hidden_seeds_of_a_ranked_run_are_shown_to_nobody(site: Site) -> None:
-    run_id = site.queue(kind=runs.Kind.RANKED)
-    site.end()
+    run_id = site.succeeded(kind="ranked")
 
     shown = [
         site.call("owner", "GET", f"{RUNS}/{run_id}{part}").text
@@ -193,8 +191,8 @@ def test_the_hidden_seeds_of_a_ranked_run_are_shown_to_nobody(site: Site) -> Non
 def test_events_go_on_after_the_last_one_that_was_seen(site: Site) -> None:
     run_id = site.queue()
     for progress in (0.1, 0.2, 0.3):
-        live_events.append(site.held.redis, run_id, live_events.STATE, {"progress": progress})
-    live_events.append(site.held.redis, run_id, live_events.END, {})
+        live_events.append(site.services.redis, run_id, live_events.STATE, {"progress": progress})
+    live_events.append(site.services.redis, run_id, live_events.END, {})
     path = f"{RUNS}/{run_id}/events"
     everything = events_of(site.call("owner", "GET", path).text)
     second = everything[2][0]  # after the state that greets
@@ -203,11 +201,11 @@ def test_events_go_on_after_the_last_one_that_was_seen(site: Site) -> None:
 
     assert [kind for _, kind in everything] == ["state"] * 4 + ["end"]
     assert events_of(resumed.text)[1:] == everything[3:]
-    assert site.held.fanout.open_streams == 0
+    assert site.services.fanout.open_streams == 0
 
 
 def test_a_run_that_has_ended_is_told_again_from_its_files(site: Site) -> None:
-    run_id = site.finished()
+    run_id = site.recorded()
 
     answer = site.call("owner", "GET", f"{RUNS}/{run_id}/events")
 
@@ -218,9 +216,9 @@ def test_a_run_that_has_ended_is_told_again_from_its_files(site: Site) -> None:
 
 def test_a_stream_too_many_is_sent_away_with_a_time(site: Site) -> None:
     run_id = site.queue()
-    fanout = live_events.Fanout(site.held.redis, streams_max=1)
+    fanout = live_events.Fanout(site.services.redis, streams_max=1)
     waiting = fanout.subscribe(run_id)
-    live_events.append(site.held.redis, run_id, live_events.STATE, {})
+    live_events.append(site.services.redis, run_id, live_events.STATE, {})
     next(waiting)
 
     with pytest.raises(live_events.TooManyStreams):
@@ -231,7 +229,7 @@ def test_a_stream_too_many_is_sent_away_with_a_time(site: Site) -> None:
 
 
 def test_telemetry_comes_the_same_in_every_form_also_while_it_runs(site: Site) -> None:
-    run_id = site.upload()
+    run_id = site.queue_program()
     site.record(run_id, rows=700)
     path = f"{RUNS}/{run_id}"
 
@@ -246,7 +244,7 @@ def test_telemetry_comes_the_same_in_every_form_also_while_it_runs(site: Site) -
 
 
 def test_the_log_is_read_in_pieces(site: Site) -> None:
-    path = f"{RUNS}/{site.finished()}/log"
+    path = f"{RUNS}/{site.recorded()}/log"
 
     first = site.call("owner", "GET", path)
     rest = site.call("owner", "GET", f"{path}?after={first.headers['X-Next-Offset']}")
@@ -273,8 +271,7 @@ def test_thinning_keeps_the_extremes_and_never_more_than_asked(
 
 
 def test_a_ranked_public_run_stands_on_the_leaderboard_in_both_forms(site: Site) -> None:
-    run_id = site.queue(kind=runs.Kind.RANKED, title="=1+1")
-    site.end()
+    run_id = site.succeeded(kind="ranked", title="=1+1")
     assert site.call("owner", "POST", f"{RUNS}/{run_id}/publish").status_code == 200
     path = "/api/v1/leaderboards/currents-v1"
 
@@ -300,9 +297,8 @@ def test_the_service_is_alive_but_not_ready_without_a_worker(site: Site) -> None
 
 
 def test_a_failed_run_says_why(site: Site) -> None:
-    run_id = site.upload()
     detail = {"title": "It stopped", "sentence": "Because.", "remedy": "Mend it."}
-    site.end(state=RunState.FAILED, cause="user_error", metrics=None, detail=detail)
+    run_id = site.failed(**detail)
 
     shown = site.call("owner", "GET", f"{RUNS}/{run_id}").get_json()
 
@@ -311,7 +307,7 @@ def test_a_failed_run_says_why(site: Site) -> None:
 
 
 def test_a_data_set_holds_a_picture_for_every_chosen_row(site: Site) -> None:
-    run_id = site.finished()
+    run_id = site.recorded()
 
     answer = site.call("owner", "GET", f"{RUNS}/{run_id}/dataset.zip?every=10&begin=0.5")
 
@@ -332,13 +328,13 @@ def test_a_data_set_holds_a_picture_for_every_chosen_row(site: Site) -> None:
 def test_a_data_set_without_pictures_is_refused(
     site: Site, query: str, status: int, slug: str
 ) -> None:
-    answer = site.call("owner", "GET", f"{RUNS}/{site.finished()}/dataset.zip?{query}")
+    answer = site.call("owner", "GET", f"{RUNS}/{site.recorded()}/dataset.zip?{query}")
 
     problem_of(answer, status, slug)
 
 
 def test_a_data_set_has_no_more_pictures_than_a_web_server_can_draw(site: Site) -> None:
-    run_id = site.finished()
+    run_id = site.recorded()
     site.record(run_id, rows=2000)
 
     answer = site.call("owner", "GET", f"{RUNS}/{run_id}/dataset.zip?every=1")
@@ -347,8 +343,7 @@ def test_a_data_set_has_no_more_pictures_than_a_web_server_can_draw(site: Site) 
 
 
 def test_a_ranked_run_has_no_data_set(site: Site) -> None:
-    run_id = site.queue(kind=Kind.RANKED)
-    site.end()
+    run_id = site.succeeded(kind="ranked")
     site.record(run_id, rows=40)
 
     answer = site.call("owner", "GET", f"{RUNS}/{run_id}/dataset.zip")

@@ -6,8 +6,9 @@ import json
 import pytest
 from werkzeug.test import TestResponse
 
+from tests.cast import PROGRAM
 from tests.hostile.uploads.archives import Entry, beside_main
-from tests.server.api.conftest import PROGRAM, Site
+from tests.server.api.conftest import Site
 
 CHECKS = "/api/v1/checks"
 

@@ -60,8 +60,8 @@ def run_of(site: Site, kind: str) -> int:
     makers = {
         "": lambda: 1,
         "queued": site.queue,
-        "private": site.finished,
-        "public": lambda: site.finished(public=True),
+        "private": site.recorded,
+        "public": lambda: site.publish(site.recorded()),
     }
     return makers[kind]()
 
@@ -78,12 +78,12 @@ def statuses(site: Site, role: str) -> dict[tuple[str, str], int]:
     for (method, rule), (kind, body, _) in TABLE.items():
         path = (
             rule.replace("<int:run_id>", str(run_of(site, kind)))
-            .replace("<int:check_id>", str(site.check() if "check_id" in rule else 0))
+            .replace("<int:check_id>", str(site.queue_check() if "check_id" in rule else 0))
             .replace("<string:benchmark>", "currents-v1")
             .replace("<int:token_id>", str(spare_token(site) if "token_id" in rule else 0))
         )
         found[method, rule] = site.call(role, method, path, **body).status_code
-        site.clear_line()
+        site.clear_queue()
     return found
 
 

@@ -11,7 +11,7 @@ OPEN = ("/", "/submit/currents-v1", "/runs/", "/leaderboards/currents-v1", "/sig
         "/status", "/docs/start", "/docs/controller", "/docs/runs", "/docs/metrics",
         "/docs/telemetry", "/docs/physics", "/docs/physics/girona500.urdf",
         "/benchmarks/currents-v1")  # fmt: skip
-# what is asked for -> answers to stranger, ben, ann (the owner), root (the admin)
+# request -> status for a stranger, ben, the owner, root
 OF_PRIVATE_RUN = {
     ("GET", "/runs/{}"): (404, 404, 200, 200),
     ("POST", "/runs/{}/publish"): (404, 404, 303, 303),
@@ -35,29 +35,32 @@ def test_open_pages_are_shown_to_everybody(site: Site, path: str) -> None:
 
 @pytest.mark.parametrize("asked", OF_PRIVATE_RUN, ids=" ".join)
 def test_a_private_run_is_nothing_to_others(site: Site, asked: tuple[str, str]) -> None:
-    run_id = site.finished("ann")
+    run_id = site.succeeded("ann")
 
-    assert _answers(site, asked, run_id) == OF_PRIVATE_RUN[asked]
+    assert _answers(site, asked, run_id, "ann") == OF_PRIVATE_RUN[asked]
 
 
 @pytest.mark.parametrize("asked", OF_PUBLIC_RUN, ids=" ".join)
 def test_a_public_run_is_shown_to_all_and_changed_by_its_owner(
     site: Site, asked: tuple[str, str]
 ) -> None:
-    run_id = site.finished("ann", public=True)
+    run_id = site.published("eva")
 
-    assert _answers(site, asked, run_id) == OF_PUBLIC_RUN[asked]
+    assert _answers(site, asked, run_id, "eva") == OF_PUBLIC_RUN[asked]
 
 
-def _answers(site: Site, asked: tuple[str, str], run_id: int) -> tuple[int, ...]:
+def _answers(site: Site, asked: tuple[str, str], run_id: int, owner: str) -> tuple[int, ...]:
     method, path = asked
-    ask = {"GET": "get", "POST": "post"}[method]
+    send = {"GET": "get", "POST": "post"}[method]
     address = path.format(run_id)
-    return tuple(getattr(site.browser(role), ask)(address).status_code for role in ROLES)
+    return tuple(
+        getattr(site.browser(role), send)(address).status_code
+        for role in ("stranger", "ben", owner, "root")
+    )
 
 
 def test_a_private_run_answers_like_one_that_does_not_exist(site: Site) -> None:
-    run_id = site.finished("ann")
+    run_id = site.succeeded("ann")
 
     pages = [site.browser("ben").get(f"/runs/{i}").text for i in (run_id, run_id + 999)]
     private, none = (re.sub(r'name="csrf_token" value="[^"]+"', "", page) for page in pages)
@@ -67,7 +70,7 @@ def test_a_private_run_answers_like_one_that_does_not_exist(site: Site) -> None:
 
 @pytest.mark.parametrize("action", ["cancel", "publish", "withdraw", "rerun"])
 def test_nothing_is_changed_by_get(site: Site, action: str) -> None:
-    run_id = site.finished("ann")
+    run_id = site.succeeded("ann")
 
     answer = site.browser("ann").get(f"/runs/{run_id}/{action}")
 
@@ -87,7 +90,7 @@ def test_a_post_without_the_secret_is_refused(site: Site, path: str) -> None:
 
 @pytest.mark.parametrize("name", ["cancel", "publish", "withdraw", "rerun"])
 def test_a_run_is_not_changed_without_the_secret(site: Site, name: str) -> None:
-    run_id = site.finished("ann")
+    run_id = site.succeeded("ann")
 
     answer = site.browser("ann").client.post(f"/runs/{run_id}/{name}")
 
@@ -95,7 +98,7 @@ def test_a_run_is_not_changed_without_the_secret(site: Site, name: str) -> None:
 
 
 def test_the_api_refuses_a_cookie_without_the_secret(site: Site) -> None:
-    run_id = site.finished("ann")
+    run_id = site.succeeded("ann")
 
     answer = site.browser("ann").client.post(f"/api/v1/runs/{run_id}/publish")
 
@@ -103,7 +106,7 @@ def test_the_api_refuses_a_cookie_without_the_secret(site: Site) -> None:
 
 
 def test_only_an_admin_sees_the_runs_of_others_in_the_list(site: Site) -> None:
-    run_id = site.finished("ann", title="secret plan")
+    run_id = site.succeeded("ann", title="secret plan")
 
     seen = {role: "secret plan" in site.browser(role).get("/runs/?of=all").text for role in ROLES}
 

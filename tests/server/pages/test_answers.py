@@ -77,8 +77,8 @@ def test_a_program_gets_errors_as_problem_documents(site: Site) -> None:
 def test_a_published_ranked_run_stands_on_the_leaderboard_and_a_private_one_does_not(
     site: Site,
 ) -> None:
-    site.finished("ann", kind="ranked", public=True)
-    site.finished("ben", kind="ranked")
+    site.published("ann", kind="ranked")
+    site.succeeded("ben", kind="ranked")
 
     page = site.browser().get("/leaderboards/currents-v1").text
 
@@ -87,7 +87,7 @@ def test_a_published_ranked_run_stands_on_the_leaderboard_and_a_private_one_does
 
 def test_overlapping_intervals_share_the_rank(site: Site) -> None:
     for name in ("ann", "ben"):
-        site.finished(name, kind="ranked", public=True)
+        site.published(name, kind="ranked")
 
     page = site.browser().get("/leaderboards/currents-v1").text
 
@@ -96,8 +96,8 @@ def test_overlapping_intervals_share_the_rank(site: Site) -> None:
 
 
 def test_the_pages_of_the_leaderboard_follow_each_other(site: Site) -> None:
-    site.finished("ann", kind="ranked", public=True)
-    site.finished("ben", kind="ranked", public=True)
+    site.published("ann", kind="ranked")
+    site.published("ben", kind="ranked")
     with site.database.reading() as session:
         first = leaderboard.page(session, "currents-v1", limit=1)[0]
 
@@ -108,7 +108,7 @@ def test_the_pages_of_the_leaderboard_follow_each_other(site: Site) -> None:
 
 
 def test_my_runs_are_filtered_by_state(site: Site) -> None:
-    site.finished("ann", title="done one")
+    site.succeeded("ann", title="done one")
     site.queue("ann", title="waiting one")
 
     page = site.browser("ann").get("/runs/?state=queued").text
@@ -135,8 +135,8 @@ def test_sizes_and_times_are_written_for_people() -> None:
 
 
 def test_an_admin_finds_the_runs_of_one_user_and_takes_them_home(site: Site) -> None:
-    site.finished("ann", title="=first")
-    site.finished("ben", title="second")
+    site.succeeded("ann", title="=first")
+    site.succeeded("ben", title="second")
     admin = site.browser("root")
 
     page = admin.get("/runs/?of=all&user=BEN").text

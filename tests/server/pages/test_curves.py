@@ -31,11 +31,11 @@ def _rows(trial: int, errors_px: list[float]) -> np.ndarray:
 
 
 def test_the_chart_grows_by_the_levels_that_are_over(site: Site) -> None:
-    run_id = site.queue("ann", **VISIBILITY)
-    files = RunFiles(site.settings.data, run_id, site.claim().attempt)
-    before = _curve(site, run_id)
+    claim = site.running("ann", **VISIBILITY)
+    files = RunFiles(site.settings.data, claim.run_id, claim.attempt)
+    before = _curve(site, claim.run_id)
     files.append_rows(_rows(0, [0.5, 3.0, 0.5]))
-    during = _curve(site, run_id)
+    during = _curve(site, claim.run_id)
 
     assert before is not None
     assert during is not None
@@ -48,12 +48,12 @@ def test_the_chart_grows_by_the_levels_that_are_over(site: Site) -> None:
 def test_the_chart_of_a_live_run_is_the_mean_over_its_trials_and_marks_the_failure_so_far(
     site: Site,
 ) -> None:
-    run_id = site.queue("ann", **VISIBILITY, trials=2)
-    files = RunFiles(site.settings.data, run_id, site.claim().attempt)
+    claim = site.running("ann", **VISIBILITY, trials=2)
+    files = RunFiles(site.settings.data, claim.run_id, claim.attempt)
     files.append_rows(_rows(0, [0.5, 9.0]))
     files.append_rows(_rows(1, [9.0, 9.0, 9.0]))
 
-    curve = _curve(site, run_id)
+    curve = _curve(site, claim.run_id)
 
     assert curve is not None
     assert curve["lines"][0]["values"] == [50.0, 0.0]
@@ -61,15 +61,15 @@ def test_the_chart_of_a_live_run_is_the_mean_over_its_trials_and_marks_the_failu
 
 
 def test_the_chart_of_a_run_that_ended_shows_its_metrics_and_marks_its_score(site: Site) -> None:
-    run_id = site.queue("ann", **VISIBILITY)
+    claim = site.running("ann", **VISIBILITY)
     levels = [
         {"level": k, "value": k / 4, "optical_depth": k / 4, "p5_percent": p5, "p1_percent": p1}
         for k, (p5, p1) in enumerate([(100.0, 90.0), (80.0, 20.0), (10.0, 0.0)])
     ]
     score = {"score": 0.5, "score_low": None, "score_high": None, "level_held": 0.25}
-    site.end(site.claim(), metrics=score | {"levels": levels, "trials": []})
+    assert site.finish(claim, metrics=score | {"levels": levels, "trials": []})
 
-    curve = _curve(site, run_id)
+    curve = _curve(site, claim.run_id)
 
     assert curve is not None
     assert curve["lines"][0]["values"] == [100.0, 80.0, 10.0]
@@ -78,7 +78,7 @@ def test_the_chart_of_a_run_that_ended_shows_its_metrics_and_marks_its_score(sit
 
 
 def test_a_benchmark_of_controllers_has_no_chart_over_its_levels(site: Site) -> None:
-    assert _curve(site, site.finished("ann")) is None
+    assert _curve(site, site.succeeded("ann")) is None
 
 
 @pytest.mark.parametrize(

@@ -20,13 +20,12 @@ SEED = 11
 @pytest.fixture
 def recorded(site: Site) -> int:
     """A run of two short levels, with its telemetry."""
-    run_id = site.queue("ann", config=CONFIG, controller="p", seed=SEED)
-    claim = site.claim()
-    files = RunFiles(site.settings.data, run_id, claim.attempt)
+    claim = site.running("ann", config=CONFIG, controller="p", seed=SEED)
+    files = RunFiles(site.settings.data, claim.run_id, claim.attempt)
     config = registry.benchmark("currents-v1").read(claim.config)
     program = BuiltIn("p", config)
     run_trial("currents-v1", config, program, seed=SEED, trial=0, on_rows=files.append_rows)
-    return run_id
+    return claim.run_id
 
 
 def _decoded(jpeg: bytes | None) -> np.ndarray:

@@ -32,12 +32,12 @@ def test_a_waiting_run_shows_its_place_and_why_it_waits(site: Site) -> None:
 
 
 def test_a_run_that_succeeded_shows_score_metrics_and_digest(site: Site) -> None:
-    run_id = site.queue("ann")
+    claim = site.running("ann")
     levels = [{"level": 0, "speed": 0.1, "rmse_m": 0.0123, "points": 95.3, "held": True}]
     metrics = {"score": 95.3, "score_low": None, "score_high": None, "level_held": 0.1}
-    site.end(site.claim(), metrics=metrics | {"levels": levels, "trials": []})
+    assert site.finish(claim, metrics=metrics | {"levels": levels, "trials": []})
 
-    page = _page(site, run_id)
+    page = _page(site, claim.run_id)
 
     assert "95.30" in page
     assert "RMSE of the distance" in page
@@ -63,12 +63,12 @@ def test_a_failed_run_shows_cause_remedy_traceback_log_and_time(site: Site) -> N
 
 
 def test_hostile_names_logs_and_tracebacks_stay_text(site: Site) -> None:
-    run_id = site.queue("ann", title=HOSTILE)
-    claim = site.claim()
+    claim = site.running("ann", title=HOSTILE)
+    run_id = claim.run_id
     RunFiles(site.settings.data, run_id, claim.attempt).append_log(HOSTILE.encode())
     detail = dict.fromkeys(("title", "sentence", "remedy", "traceback", "log_tail"), HOSTILE)
     failure = {"state": runs.RunState.FAILED, "cause": "user_error", "metrics": None}
-    site.end(claim, **failure, detail=detail | {"t_reached": 1.0})
+    assert site.finish(claim, **failure, detail=detail | {"t_reached": 1.0})
     site.publish(run_id)
 
     pages = [_page(site, run_id), _page(site, run_id, "ben")]
@@ -103,7 +103,7 @@ def test_cancelling_a_waiting_run_ends_it_and_tells_the_open_pages(
 
 
 def test_publishing_shows_the_run_to_everybody_and_withdrawing_hides_it(site: Site) -> None:
-    run_id = site.finished("ann")
+    run_id = site.succeeded("ann")
     owner, other = site.browser("ann"), site.browser("ben")
 
     seen = [other.get(f"/runs/{run_id}").status_code]
@@ -116,8 +116,8 @@ def test_publishing_shows_the_run_to_everybody_and_withdrawing_hides_it(site: Si
 
 @pytest.mark.parametrize("state", ["running", "cancelled"])
 def test_data_so_far_is_offered_in_every_state(site: Site, state: str) -> None:
-    run_id = site.queue("ann")
-    claim = site.claim()
+    claim = site.running("ann")
+    run_id = claim.run_id
     RunFiles(site.settings.data, run_id, claim.attempt).append_rows(np.zeros((3, WIDTH)))
     if state == "cancelled":
         site.browser("ann").post(f"/runs/{run_id}/cancel")

@@ -101,7 +101,7 @@ def test_a_vehicle_brings_its_defaults_also_without_javascript(site: Site) -> No
 
 
 def test_a_form_can_begin_with_the_configuration_of_a_run(site: Site) -> None:
-    run_id = site.finished("ann", config={"kp": 1.25})
+    run_id = site.succeeded("ann", config={"kp": 1.25})
 
     own = site.browser("ann").get(f"{FORM}?from={run_id}").text
     foreign = site.browser("ben").get(f"{FORM}?from={run_id}").text
@@ -203,7 +203,7 @@ def test_a_used_up_quota_is_said_on_the_form(site: Site) -> None:
 
 
 def test_running_again_makes_a_new_run_of_the_same_order(site: Site) -> None:
-    first = site.finished("ann", config={"kp": 0.4}, seed=11)
+    first = site.succeeded("ann", config={"kp": 0.4}, seed=11)
 
     answer = site.browser("ann").post(f"/runs/{first}/rerun")
 
