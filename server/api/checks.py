@@ -10,6 +10,7 @@ from flask_openapi3.blueprint import APIBlueprint
 from flask_openapi3.models.tag import Tag
 from werkzeug.datastructures import FileStorage
 
+from seamark.server import workers
 from seamark.server.accounts.permissions import READ, SUBMIT, Action, can
 from seamark.server.api import gate, reading
 from seamark.server.api.schemas import CheckAnswer, CheckPath, CheckQuery, RunOrder
@@ -17,7 +18,7 @@ from seamark.server.checks import queue, report
 from seamark.server.checks.queue import CheckRefused, CheckState, CheckView
 from seamark.server.programs import store
 from seamark.server.programs.store import Prepared, UploadRejected
-from seamark.server.runs.submission import role_of, upload_refusal, worker_alive
+from seamark.server.runs.submission import role_of
 from seamark.server.web import rate_limits
 from seamark.server.web.problems import Problem
 from seamark.server.web.services import services
@@ -99,7 +100,7 @@ def _received(file: FileStorage, benchmark: str) -> Prepared:
 def _order(benchmark: str, config: dict[str, Any], prepared: Prepared) -> int:
     held = services()
     with held.database.reading() as session:
-        refusal = upload_refusal(session, prepared.language, held.settings)
+        refusal = workers.upload_refusal(session, prepared.language, held.settings)
     if refusal:
         raise Problem("invalid-request", refusal)
     program = store.keep(prepared, held.settings.data)
@@ -116,7 +117,7 @@ def _order(benchmark: str, config: dict[str, Any], prepared: Prepared) -> int:
 def _waited_for(check_id: int, seconds: float) -> CheckView:
     """Return the check when it is done, or after some seconds; at once if no worker is there."""
     with services().database.reading() as session:
-        if not worker_alive(session):
+        if not workers.alive_count(session):
             seconds = 0.0
     deadline = time.monotonic() + seconds
     looks = iter(LOOKS_S)

@@ -20,10 +20,11 @@ from redis.exceptions import RedisError
 from sqlalchemy import func, select, text
 from sqlalchemy.exc import SQLAlchemyError
 
-from seamark.server.database.tables import Run, Worker
+from seamark.server import workers
+from seamark.server.database.tables import Run
 from seamark.server.runs.states import RunState
-from seamark.server.runs.submission import ALIVE_S
 from seamark.server.web.services import Services, services
+from seamark.server.workers import WorkerStatus
 
 page = Blueprint("health", __name__)
 _KEY = "seamark-metrics"
@@ -65,7 +66,7 @@ class _Queue(Collector):
             oldest = database.scalar(
                 select(func.min(Run.queued_at)).where(Run.state == RunState.QUEUED)
             )
-            workers = _workers(self._held)
+            listed = workers.listed(database)
         for state, count in counts.items():
             runs.add_metric((state,), count)
         waited = 0.0 if oldest is None else max(time.time() - oldest, 0.0)
@@ -73,16 +74,24 @@ class _Queue(Collector):
         yield GaugeMetricFamily(
             "seamark_queue_oldest_seconds", "Waiting time of the oldest queued run", value=waited
         )
-        yield GaugeMetricFamily("seamark_workers_alive", "Workers alive", value=workers)
+        alive = [worker for worker in listed if worker.alive]
+        yield GaugeMetricFamily("seamark_workers_alive", "Workers alive", value=len(alive))
+        yield _process_states(alive)
         yield GaugeMetricFamily(
             "seamark_streams_open", "Live streams", value=self._held.fanout.open_streams
         )
 
 
-def _workers(held: Services) -> int:
-    with held.database.reading() as database:
-        alive = select(func.count()).where(Worker.seen_at > time.time() - ALIVE_S)
-        return database.scalar(alive) or 0
+def _process_states(alive: Iterable[WorkerStatus]) -> GaugeMetricFamily:
+    states = GaugeMetricFamily(
+        "seamark_worker_process_up",
+        "Whether a side process of a worker is running (1) or broken (0)",
+        labels=("worker", "process"),
+    )
+    for worker in alive:
+        for name, state in worker.processes.items():
+            states.add_metric((worker.name, name), float(state == workers.RUNNING))
+    return states
 
 
 def start_watch() -> None:
@@ -145,7 +154,8 @@ def _broker() -> str:
 
 
 def _worker() -> str:
-    return "ok" if _workers(services()) else "no worker is alive"
+    with services().database.reading() as database:
+        return "ok" if workers.alive_count(database) else "no worker is alive"
 
 
 @page.get("/metrics")

@@ -18,7 +18,7 @@ from sqlalchemy import delete, func, select, update
 from sqlalchemy.orm import Session
 
 from seamark.server.checks import report
-from seamark.server.database.engine import exclusive
+from seamark.server.database.advisory_locks import AdvisoryLock, acquire
 from seamark.server.database.tables import Check, Run
 from seamark.server.programs.store import StoredProgram
 
@@ -29,7 +29,6 @@ ATTEMPTS_MAX = 2
 WAITING_MAX = 20
 KEPT_S, STALE_S = 3600.0, 600.0  # a check that is done; one for which no worker came
 SEED = 1  # of the water and noise: the same for all, so that a check can be repeated
-_LOCK = 0x5EA_0003
 _log = structlog.get_logger()
 
 
@@ -90,7 +89,7 @@ def order(
     CheckRefused
         The user's last check is being carried out, or too many wait.
     """
-    exclusive(session, _LOCK)
+    acquire(session, AdvisoryLock.CHECKS)
     mine = Check.user_id == user_id
     session.execute(delete(Check).where(mine, Check.state == CheckState.QUEUED))
     running = (Check.state == CheckState.RUNNING) & (Check.lease_until > time.time())
@@ -132,7 +131,7 @@ def waiting(session: Session, *, languages: Collection[str]) -> bool:
 
 def claim(session: Session, *, languages: Collection[str]) -> CheckClaim | None:
     """Take the check that waits longest; nobody has more than one, so that this is fair."""
-    exclusive(session, _LOCK)
+    acquire(session, AdvisoryLock.CHECKS)
     suitable = Check.language.in_(sorted(languages))
     query = select(Check).where(Check.state == CheckState.QUEUED, suitable).order_by(Check.id)
     check = session.scalar(query.limit(1))
@@ -169,7 +168,7 @@ def give_back(session: Session, check_id: int, attempt: int) -> None:
 
 def sweep(session: Session) -> None:
     """Return the checks of dead workers to the line, and forget the old ones."""
-    exclusive(session, _LOCK)
+    acquire(session, AdvisoryLock.CHECKS)
     now = time.time()
     lost = select(Check).where(Check.state == CheckState.RUNNING, Check.lease_until < now)
     for check in session.scalars(lost).all():

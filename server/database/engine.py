@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from sqlalchemy import Engine, create_engine, event, text
+from sqlalchemy import Engine, create_engine, event
 from sqlalchemy.orm import Session
 
 BUSY_MS = 10_000  # SQLite waits this long for another writer
@@ -47,22 +47,9 @@ class Database:
         with Session(self._readers, autoflush=False, expire_on_commit=False) as session:
             yield session
 
-    def dispose_after_fork(self) -> None:
-        """Forget the parent's connections without closing them; a child calls it first."""
-        self.engine.dispose(close=False)
-
     def close(self) -> None:
         """Close all connections."""
         self.engine.dispose()
-
-
-def exclusive(session: Session, key: int) -> None:
-    """Let only one transaction pass here at a time, until it ends.
-
-    SQLite has one writer anyway (BEGIN IMMEDIATE); PostgreSQL takes an advisory lock.
-    """
-    if session.get_bind().dialect.name == "postgresql":
-        session.execute(text("SELECT pg_advisory_xact_lock(:key)"), {"key": key})
 
 
 def _prepare_sqlite(engine: Engine) -> None:

@@ -227,5 +227,7 @@ class Worker(Base):
     level: Mapped[str] = mapped_column(String(10))
     languages: Mapped[list[str]] = mapped_column(_Json)
     findings: Mapped[list[dict[str, Any]]] = mapped_column(_Json)
+    # side process -> "running", or what is wrong (see server/workers.py)
+    processes: Mapped[dict[str, str]] = mapped_column(_Json, default=dict, server_default="{}")
     started_at: Mapped[float]
     seen_at: Mapped[float]

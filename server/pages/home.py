@@ -1,16 +1,14 @@
 """The start page: what this is, how to begin, what happens now."""
 
-import time
-
 from flask import Blueprint, g, render_template
 from flask.typing import ResponseReturnValue
 from sqlalchemy import func, select
 
-from seamark.server.database.tables import Run, Worker
+from seamark.server import workers
+from seamark.server.database.tables import Run
 from seamark.server.pages import benchmarks
 from seamark.server.runs import door as runs
 from seamark.server.runs import leaderboard
-from seamark.server.runs.submission import ALIVE_S
 from seamark.server.web.services import services
 from seamark.sim import registry
 
@@ -32,8 +30,7 @@ def show() -> ResponseReturnValue:
         live = func.count().filter(Run.state.in_(runs.LIVE))
         simulated = func.coalesce(func.sum(Run.t_simulated), 0.0)
         done, waiting, simulated_s = session.execute(select(ended, live, simulated)).one()
-        alive = Worker.seen_at > time.time() - ALIVE_S
-        workers = session.scalar(select(func.count()).where(alive)) or 0
+        alive = workers.alive_count(session)
     return render_template(
         "home/index.html",
         benchmark=benchmarks.first(),
@@ -42,5 +39,5 @@ def show() -> ResponseReturnValue:
         done=done,
         live=waiting,
         simulated_h=simulated_s / 3600,
-        workers=workers,
+        workers=alive,
     )

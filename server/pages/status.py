@@ -1,6 +1,5 @@
 """The state of the service: workers, what their hosts can enforce, the queue."""
 
-import time
 from collections import Counter
 
 from flask import Blueprint, render_template
@@ -8,29 +7,27 @@ from flask.typing import ResponseReturnValue
 from sqlalchemy import func, select
 
 from seamark.sandbox.languages import LANGUAGES
-from seamark.server.database.tables import Run, Worker
+from seamark.server import workers
+from seamark.server.database.tables import Run
 from seamark.server.runs import door as runs
-from seamark.server.runs.submission import ALIVE_S, upload_refusal
 from seamark.server.web.services import services
 
-GONE_S = 86_400.0  # workers that were last seen before this are not shown
 page = Blueprint("status", __name__)
 
 
 @page.get("/status")
 def show() -> ResponseReturnValue:
     """Show the workers, the length of the queue and whether uploads are accepted."""
-    held, now = services(), time.time()
+    held = services()
     with held.database.reading() as session:
-        recent = select(Worker).where(Worker.seen_at > now - GONE_S).order_by(Worker.name)
-        workers = list(session.scalars(recent))
+        listed = workers.listed(session)
         by_state = select(Run.state, func.count()).group_by(Run.state)
         counts = Counter(dict(session.execute(by_state).all()))
         oldest = session.scalar(select(func.min(Run.queued_at)).where(Run.state == "queued"))
-        refusal = upload_refusal(session, "python", held.settings)
+        refusal = workers.upload_refusal(session, "python", held.settings)
     return render_template(
         "status/show.html",
-        workers=[(worker, worker.seen_at > now - ALIVE_S) for worker in workers],
+        workers=listed,
         labels={name: language.label for name, language in LANGUAGES.items()},
         counts={state.value: counts[state.value] for state in runs.RunState},
         oldest=oldest,

@@ -6,6 +6,7 @@ from flask import Blueprint, g, redirect, render_template, request, url_for
 from flask.typing import ResponseReturnValue
 
 from seamark.sandbox.languages import LANGUAGES
+from seamark.server import workers
 from seamark.server.accounts.permissions import Action, can
 from seamark.server.pages import benchmarks, fields, sent_programs
 from seamark.server.pages.row_numbers import row_number
@@ -13,7 +14,6 @@ from seamark.server.programs import archives, starter_files
 from seamark.server.programs.store import TEXT_MAX_BYTES, StoredProgram, UploadRejected
 from seamark.server.runs import door as runs
 from seamark.server.runs import trial_limits
-from seamark.server.runs.submission import upload_refusal
 from seamark.server.web import authentication
 from seamark.server.web.rate_limits import ORDER, limiter, who
 from seamark.server.web.services import services
@@ -144,7 +144,7 @@ def _show(
     unknown = {key: text for key, text in errors.items() if key not in _places(schema)}
     with held.database.reading() as session:
         refusals = {
-            language.name: upload_refusal(session, language.name, held.settings)
+            language.name: workers.upload_refusal(session, language.name, held.settings)
             for language in LANGUAGES.values()
             if benchmark.role in language.roles
         }

@@ -11,14 +11,13 @@ from sqlalchemy.orm import Session
 
 from seamark.server.accounts.accounts import RESERVED_PREFIX
 from seamark.server.accounts.permissions import Viewer
-from seamark.server.database.engine import exclusive
+from seamark.server.database.advisory_locks import AdvisoryLock, acquire
 from seamark.server.database.tables import Run, User
 from seamark.server.runs.states import Kind, RunState
 from seamark.server.runs.submission import Order, enqueue
 from seamark.server.settings import Settings
 from seamark.sim import registry
 
-_LOCK = 0x5EA_0003
 _log = structlog.get_logger()
 
 
@@ -28,7 +27,7 @@ def ensure(session: Session, settings: Settings) -> list[int]:
     The worker computes them like everybody's runs; they become public when they succeed. A baseline
     that failed or was withdrawn is not queued again by itself: somebody should look at it.
     """
-    exclusive(session, _LOCK)
+    acquire(session, AdvisoryLock.BASELINES)
     made: list[int] = []
     for name in registry.BENCHMARKS:
         for ending, baseline in registry.benchmark(name).baselines.items():

@@ -6,7 +6,6 @@ the first picture is asked for or the background thread of `warm_up` is done.
 
 import json
 import threading
-from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
@@ -15,10 +14,10 @@ import structlog
 from numpy.typing import NDArray
 
 from seamark.server.runs.files import RunFiles
+from seamark.server.runs.seeds import TrialSeeds, trial_seeds
 from seamark.server.runs.views import RunView
 from seamark.server.settings import Settings
 from seamark.sim import registry
-from seamark.sim.engine.seeds import hidden_seed
 from seamark.sim.recording.telemetry import INDEX, WIDTH
 
 if TYPE_CHECKING:
@@ -46,7 +45,7 @@ def picture(settings: Settings, run: RunView, *, trial: int, t: float) -> bytes 
         return None
     config = json.dumps(run.config, sort_keys=True)
     with _lock:
-        shot = _replay(run.benchmark, config, _seeds(settings, run)).shot(row)
+        shot = _replay(run.benchmark, config, trial_seeds(run, settings)).shot(row)
         image, truth = shot.colour(), shot.corners()
     return _jpeg(_marked(image, row, truth))
 
@@ -70,25 +69,8 @@ def _warm_up() -> None:
     _log.info("camera_warm")
 
 
-@dataclass(frozen=True, slots=True)
-class Seeds:
-    """The seed of each trial: the run's own, or hidden ones."""
-
-    own: int | None
-    secret: bytes = field(repr=False)
-    benchmark: str
-
-    def __call__(self, trial: int) -> int:
-        """Return the seed of a trial."""
-        return hidden_seed(self.secret, self.benchmark, trial) if self.own is None else self.own
-
-
-def _seeds(settings: Settings, run: RunView) -> Seeds:
-    return Seeds(run.seed, settings.secret_key.encode(), run.benchmark)
-
-
 @lru_cache(maxsize=4)
-def _replay(benchmark: str, config: str, seeds: Seeds) -> "Replay":
+def _replay(benchmark: str, config: str, seeds: TrialSeeds) -> "Replay":
     """Return the pictures of a configuration; a run's page asks for many of them."""
     from seamark.sim.engine.replay import Replay  # noqa: PLC0415 - as above
 

@@ -15,14 +15,14 @@ from sqlalchemy import Select, String, cast, delete, func, literal, or_, select,
 from sqlalchemy.dialects import postgresql, sqlite
 from sqlalchemy.orm import Session
 
-from seamark.server.database.engine import exclusive
-from seamark.server.database.tables import Run, Turn, User, Worker
+from seamark.server import workers
+from seamark.server.database.advisory_locks import AdvisoryLock, acquire
+from seamark.server.database.tables import Run, Turn, User
 from seamark.server.runs.failure_reasons import Cause, words
 from seamark.server.runs.states import RunState, move
 from seamark.server.settings import Settings
 
 _log = structlog.get_logger()
-_CLAIM_LOCK = 0x5EA_0002
 _DAY_S = 86_400.0
 
 
@@ -77,7 +77,7 @@ def claim(
     languages
         Of the uploads that this worker may run; empty: built-in controllers only.
     """
-    exclusive(session, _CLAIM_LOCK)
+    acquire(session, AdvisoryLock.CLAIM)
     run_id = session.scalar(_fairest(languages, settings.running_max))
     if run_id is None:
         return None
@@ -141,7 +141,7 @@ def give_back(
 
 def sweep(session: Session, settings: Settings) -> SweepReport:
     """Return the runs of dead workers to the line; the caller then tops up the tickets."""
-    exclusive(session, _CLAIM_LOCK)
+    acquire(session, AdvisoryLock.CLAIM)
     now = time.time()
     report = SweepReport()
     expired = select(Run).where(Run.state == RunState.RUNNING, Run.lease_until < now)
@@ -150,7 +150,7 @@ def sweep(session: Session, settings: Settings) -> SweepReport:
         if state is not None:
             (report.returned if state is RunState.QUEUED else report.given_up).append(run.id)
     session.execute(delete(Turn).where(Turn.served_at < now - _DAY_S))
-    session.execute(delete(Worker).where(Worker.seen_at < now - _DAY_S))
+    workers.forget_dead(session)
     return SweepReport(report.returned, report.given_up, waiting(session))
 
 

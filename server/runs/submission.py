@@ -8,11 +8,11 @@ from dataclasses import dataclass
 from sqlalchemy import func, select
 from sqlalchemy.orm import Session
 
-from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.languages import LANGUAGES
+from seamark.server import workers
 from seamark.server.accounts.permissions import Action, Viewer, can
-from seamark.server.database.engine import exclusive
-from seamark.server.database.tables import Run, User, Worker
+from seamark.server.database.advisory_locks import AdvisoryLock, acquire
+from seamark.server.database.tables import Run, User
 from seamark.server.programs.store import StoredProgram
 from seamark.server.runs.failure_reasons import UNCHARGED
 from seamark.server.runs.states import LIVE, Kind, RunState
@@ -20,9 +20,7 @@ from seamark.server.settings import Settings
 from seamark.sim.engine.seeds import SEED_MAX
 
 UPLOAD = "upload"  # the name of the controller that an upload brings
-ALIVE_S = 35.0  # a worker writes `seen_at` every 10 s
 _DAY_S = 86_400.0
-_ORDER_LOCK = 0x5EA_0001
 
 
 class QuotaExceeded(Exception):
@@ -76,7 +74,7 @@ def enqueue(session: Session, order: Order, settings: Settings) -> int:
     """
     config = _configuration(order)
     _check_rules(session, order, settings)
-    exclusive(session, _ORDER_LOCK)  # two orders at once must not both see the last free place
+    acquire(session, AdvisoryLock.SUBMISSION)
     _check_quota(session, order.viewer, settings)
     run = _row(order, config, settings)
     session.add(run)
@@ -128,44 +126,6 @@ def role_of(benchmark: str) -> str:
     return registry.benchmark(benchmark).role if known else "controller"
 
 
-def finding_of(language: str) -> str:
-    """Return the name of the finding by which a worker says why it cannot run a language."""
-    return f"programs in {LANGUAGES[language].label}"
-
-
-def upload_refusal(session: Session, language: str, settings: Settings) -> str | None:
-    """Return why uploads in `language` cannot be run now, or None if they can.
-
-    Only workers that are alive count; with none alive the run waits and is not refused.
-    """
-    alive = Worker.seen_at > time.time() - ALIVE_S
-    workers = session.execute(
-        select(Worker.level, Worker.languages, Worker.findings).where(alive)
-    ).all()
-    if not workers:
-        return None
-    needed = IsolationLevel[settings.sandbox_min_level.upper()]
-    capable = [entry for entry in workers if IsolationLevel[entry.level.upper()] >= needed]
-    if not capable:
-        return (
-            f"This service cannot isolate uploaded programs well enough (it needs the level "
-            f"{settings.sandbox_min_level}), so it runs only what is built in. "
-            "`seamark doctor` tells the operator how to mend it."
-        )
-    if any(language in entry.languages for entry in capable):
-        return None
-    told = (found for entry in capable for found in entry.findings)
-    why = next((found["why"] for found in told if found["name"] == finding_of(language)), "")
-    sentence = f"No worker of this service can run {finding_of(language)}"
-    return f"{sentence}: {why.rstrip('.')}." if why else f"{sentence}."
-
-
-def worker_alive(session: Session) -> bool:
-    """Return whether any worker has said lately that it lives."""
-    alive = select(Worker.name).where(Worker.seen_at > time.time() - ALIVE_S)
-    return session.scalar(alive.limit(1)) is not None
-
-
 def _configuration(order: Order) -> dict[str, object]:
     """Return the complete configuration; a ranked run gets the benchmark's scenario."""
     from seamark.sim import registry  # noqa: PLC0415 - as above
@@ -195,7 +155,7 @@ def _check_rules(session: Session, order: Order, settings: Settings) -> None:
     if not can(viewer, Action.UPLOAD):
         raise OrderRejected("Running a program of your own needs an account.")
     _check_role(order.benchmark, order.program)
-    if reason := upload_refusal(session, order.program.language, settings):
+    if reason := workers.upload_refusal(session, order.program.language, settings):
         raise OrderRejected(reason)
 
 

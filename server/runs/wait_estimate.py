@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from sqlalchemy import func, select
 from sqlalchemy.orm import Session
 
-from seamark.server.database.tables import Run, Turn, User, Worker
+from seamark.server import workers
+from seamark.server.database.tables import Run, Turn, User
 from seamark.server.runs.states import RunState
-from seamark.server.runs.submission import ALIVE_S, upload_refusal
 from seamark.server.settings import Settings
 
 _RECENT = 20  # ended runs of the same sort from which a duration is estimated
@@ -29,7 +29,7 @@ def wait_of(session: Session, run: Run, settings: Settings) -> Wait:
     now = time.time()
     if run.state == RunState.RUNNING:
         return Wait(None, _left_s(run, now, typical), None)
-    slots = session.scalar(select(func.sum(Worker.slots)).where(Worker.seen_at > now - ALIVE_S))
+    slots = workers.slot_count(session)
     position = _position(session, run)
     if position is None:
         return Wait(None, typical, None)
@@ -112,10 +112,12 @@ def _left_s(run: Run, now: float, typical: float | None) -> float | None:
     return None if typical is None else max(typical - elapsed, 0.0)
 
 
-def _why(session: Session, run: Run, settings: Settings, *, slots: int | None, ahead: int) -> str:
+def _why(session: Session, run: Run, settings: Settings, *, slots: int, ahead: int) -> str:
     if not slots:
         return "No worker is running. The run starts as soon as one is there."
-    if run.language is not None and (refusal := upload_refusal(session, run.language, settings)):
+    if run.language is not None and (
+        refusal := workers.upload_refusal(session, run.language, settings)
+    ):
         return refusal
     mine = (Run.owner == run.owner) & (Run.state == RunState.RUNNING)
     running = session.scalar(select(func.count()).where(mine)) or 0

@@ -3,21 +3,19 @@
 import os
 import subprocess
 import sys
-import time
 from dataclasses import asdict, dataclass, field
 from typing import Any, Self
 
 import structlog
-from sqlalchemy import delete
 
 from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.languages import LANGUAGES
 from seamark.sandbox.probing import self_test
 from seamark.sandbox.probing.probes import probe
 from seamark.sandbox.probing.report import Finding, IsolationReport
+from seamark.server import workers
 from seamark.server.database.engine import Database
 from seamark.server.database.tables import Worker
-from seamark.server.runs.submission import finding_of
 from seamark.server.settings import Settings
 from seamark.worker.evaluation.cores import new_locks
 from seamark.worker.evaluation.job import Place
@@ -79,23 +77,21 @@ class Host:
         """Take this worker off the list."""
         database = Database(self.settings.database_url)
         with database.writing() as session:
-            session.execute(delete(Worker).where(Worker.name == self.name))
+            workers.unregister(session, self.name)
         database.close()
 
     def _enlist(self) -> None:
-        now = time.time()
         database = Database(self.settings.database_url)
         with database.writing() as session:
-            session.merge(
+            workers.register(
+                session,
                 Worker(
                     name=self.name,
                     slots=self.settings.workers,
                     level=self.isolation.name.lower(),
                     languages=list(self.languages),
                     findings=[asdict(finding) for finding in self.findings],
-                    started_at=now,
-                    seen_at=now,
-                )
+                ),
             )
         database.close()  # before the pool forks: connections must not be shared
 
@@ -118,4 +114,4 @@ def _tried(report: IsolationReport, settings: Settings) -> dict[str, str]:
 
 def _finding(language: str, why: str) -> Finding:
     remedy = f"{LANGUAGES[language].remedy}, then restart the worker"
-    return Finding(finding_of(language), ok=False, why=why, remedy=remedy)
+    return Finding(workers.finding_of(language), ok=False, why=why, remedy=remedy)

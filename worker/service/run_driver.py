@@ -12,12 +12,12 @@ from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.server.database.engine import Database
 from seamark.server.programs import store
 from seamark.server.runs import door as runs
-from seamark.server.runs.door import Beat, Claim, Kind, Report, RunState
+from seamark.server.runs.door import Beat, Claim, Report, RunState
 from seamark.server.runs.failure_reasons import Cause, words
 from seamark.server.runs.files import RunFiles
+from seamark.server.runs.seeds import trial_seeds
 from seamark.server.settings import Settings
 from seamark.sim import registry
-from seamark.sim.engine.seeds import hidden_seed
 from seamark.sim.settings.configuration import ConfigurationInvalid
 from seamark.worker.evaluation.job import Job
 from seamark.worker.ipc.messages import Frame, StreamBroken
@@ -170,7 +170,7 @@ class Drive:
         return Job(
             benchmark=claim.benchmark,
             config=claim.config,
-            seeds=seeds(claim, settings),
+            seeds=tuple(map(trial_seeds(claim, settings), range(claim.trials))),
             shown_seed=claim.seed,
             controller=claim.controller,
             program=None if program is None else store.path(settings.data, program),
@@ -286,11 +286,3 @@ def _refuse(tools: Tools, claim: Claim, sentence: str) -> bool:
         live.state(report.state, progress=0.0, t_simulated=0.0)
         live.end()
     return True
-
-
-def seeds(claim: Claim, settings: Settings) -> tuple[int, ...]:
-    """Return the seed of each trial: the user's own, or the hidden ones of a ranked run."""
-    if claim.kind == Kind.RANKED:
-        secret = settings.secret_key.encode()
-        return tuple(hidden_seed(secret, claim.benchmark, trial) for trial in range(claim.trials))
-    return (claim.seed or 0,) * claim.trials

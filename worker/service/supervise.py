@@ -13,11 +13,10 @@ import threading
 import time
 
 import structlog
-from sqlalchemy import update
 from sqlalchemy.exc import SQLAlchemyError
 
+from seamark.server import workers
 from seamark.server.database.engine import Database
-from seamark.server.database.tables import Worker
 from seamark.server.messaging import broker
 from seamark.worker.ipc.process_control import die_with_parent
 from seamark.worker.service.app import app, settings
@@ -41,8 +40,7 @@ def main(name: str) -> None:
                 tidy_at += TIDY_S
                 forget_programs(database, settings)
             with database.writing() as session:
-                seen = update(Worker).where(Worker.name == name).values(seen_at=time.time())
-                session.execute(seen)
+                workers.heartbeat(session, name)
             sweep_once(app, database, redis, settings)
         except SQLAlchemyError:
             _log.exception("sweep_failed", worker=name)

@@ -4,8 +4,9 @@ import pytest
 from sqlalchemy import update
 
 from seamark.sandbox.languages import LANGUAGES
+from seamark.server import workers
 from seamark.server.database.tables import Run, Worker
-from seamark.server.runs import baselines, leaderboard, submission
+from seamark.server.runs import baselines, leaderboard
 from seamark.server.runs import door as runs
 from seamark.server.runs.door import Kind, OrderRejected, QuotaExceeded, RunState
 from seamark.sim import registry
@@ -169,7 +170,7 @@ def test_baselines_never_take_two_workers_at_a_time(both: Backend) -> None:
 def test_a_missing_language_is_refused_with_the_reason_of_the_worker(both: Backend) -> None:
     _worker(both, "strong", "python")
     found = {
-        "name": submission.finding_of("matlab"),
+        "name": workers.finding_of("matlab"),
         "ok": False,
         "why": "octave is not installed.",
     }
@@ -178,7 +179,7 @@ def test_a_missing_language_is_refused_with_the_reason_of_the_worker(both: Backe
         worker.findings = [found]
 
     with both.database.reading() as session:
-        told = {name: submission.upload_refusal(session, name, both.settings) for name in LANGUAGES}
+        told = {name: workers.upload_refusal(session, name, both.settings) for name in LANGUAGES}
 
     assert told["python"] is None
     assert told["matlab"] == (

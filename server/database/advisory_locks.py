@@ -1,0 +1,25 @@
+"""Advisory locks: one transaction at a time in each critical section. Every number stands here."""
+
+from enum import IntEnum, unique
+
+from sqlalchemy import text
+from sqlalchemy.orm import Session
+
+
+@unique
+class AdvisoryLock(IntEnum):
+    """The critical sections of the service. PostgreSQL knows a lock by its number alone."""
+
+    SUBMISSION = 0x5EA_0001  # quota check and insert of a run
+    CLAIM = 0x5EA_0002  # claims of runs and recovery of expired leases
+    CHECKS = 0x5EA_0003  # the queue of checks
+    BASELINES = 0x5EA_0004  # looking for baselines and queueing the missing ones
+
+
+def acquire(session: Session, lock: AdvisoryLock) -> None:
+    """Wait for the lock and hold it until the transaction ends.
+
+    SQLite has a single writer anyway (BEGIN IMMEDIATE); PostgreSQL takes an advisory lock.
+    """
+    if session.get_bind().dialect.name == "postgresql":
+        session.execute(text("SELECT pg_advisory_xact_lock(:key)"), {"key": int(lock)})

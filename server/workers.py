@@ -1,0 +1,140 @@
+"""The workers of the service: which are alive, what their hosts can run, how they are doing."""
+
+import time
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from sqlalchemy import ColumnElement, delete, func, select, update
+from sqlalchemy.orm import Session
+
+from seamark.sandbox.isolation.level import IsolationLevel
+from seamark.sandbox.languages import LANGUAGES
+from seamark.server.database.tables import Worker
+from seamark.server.settings import Settings
+
+ALIVE_S = 35.0  # a worker counts as dead after this time without a heartbeat
+LISTED_S = 86_400.0  # dead workers stay listed for a day
+RUNNING = "running"  # of a side process; any other text says what is wrong
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class WorkerStatus:
+    """A worker as the status page and the metrics show it."""
+
+    name: str
+    alive: bool
+    slots: int
+    level: str
+    languages: Sequence[str]
+    findings: Sequence[Mapping[str, Any]]
+    processes: Mapping[str, str]  # side process -> "running" or what is wrong
+    started_at: float
+    seen_at: float
+
+    @property
+    def broken_processes(self) -> dict[str, str]:
+        """The side processes that are not running, with what is wrong."""
+        return {name: state for name, state in self.processes.items() if state != RUNNING}
+
+
+def register(session: Session, worker: Worker) -> None:
+    """List a worker that starts; replaces what is left of one with the same name."""
+    worker.started_at = worker.seen_at = time.time()
+    worker.processes = {}
+    session.merge(worker)
+
+
+def heartbeat(session: Session, name: str) -> None:
+    """Record that a worker is alive."""
+    session.execute(update(Worker).where(Worker.name == name).values(seen_at=time.time()))
+
+
+def report_processes(session: Session, name: str, processes: Mapping[str, str]) -> None:
+    """Record how the side processes of a worker are doing.
+
+    Parameters
+    ----------
+    processes
+        Side process -> `RUNNING`, or for instance "restarting since 12:00:05".
+    """
+    change = update(Worker).where(Worker.name == name)
+    session.execute(change.values(processes=dict(processes)))
+
+
+def unregister(session: Session, name: str) -> None:
+    """Take a worker that shuts down off the list."""
+    session.execute(delete(Worker).where(Worker.name == name))
+
+
+def forget_dead(session: Session) -> None:
+    """Take the workers off the list that have been dead for a day."""
+    session.execute(delete(Worker).where(Worker.seen_at < time.time() - LISTED_S))
+
+
+def listed(session: Session) -> list[WorkerStatus]:
+    """Return all workers that were seen in the last day, by name."""
+    now = time.time()
+    recent = select(Worker).where(Worker.seen_at > now - LISTED_S).order_by(Worker.name)
+    return [
+        WorkerStatus(
+            name=worker.name,
+            alive=worker.seen_at > now - ALIVE_S,
+            slots=worker.slots,
+            level=worker.level,
+            languages=worker.languages,
+            findings=worker.findings,
+            processes=worker.processes,
+            started_at=worker.started_at,
+            seen_at=worker.seen_at,
+        )
+        for worker in session.scalars(recent)
+    ]
+
+
+def alive_count(session: Session) -> int:
+    """Return how many workers are alive."""
+    return session.scalar(select(func.count()).where(_is_alive())) or 0
+
+
+def slot_count(session: Session) -> int:
+    """Return how many runs the living workers can run at the same time."""
+    return session.scalar(select(func.sum(Worker.slots)).where(_is_alive())) or 0
+
+
+def finding_of(language: str) -> str:
+    """Return the name of the finding by which a worker says why it cannot run a language."""
+    return f"programs in {LANGUAGES[language].label}"
+
+
+def upload_refusal(session: Session, language: str, settings: Settings) -> str | None:
+    """Return why uploads in `language` cannot be run now, or None if they can.
+
+    With no worker alive the run waits for one and is not refused.
+    """
+    alive = list(session.scalars(select(Worker).where(_is_alive())))
+    if not alive:
+        return None
+    needed = IsolationLevel[settings.sandbox_min_level.upper()]
+    isolating = [worker for worker in alive if IsolationLevel[worker.level.upper()] >= needed]
+    if not isolating:
+        return (
+            "This service cannot run uploaded programs: none of its workers reaches the "
+            f"isolation level {settings.sandbox_min_level}. Built-in controllers and trackers "
+            "work. For the operator: `seamark doctor` says what is missing."
+        )
+    if any(language in worker.languages for worker in isolating):
+        return None
+    return _language_refusal(language, isolating)
+
+
+def _language_refusal(language: str, workers: Collection[Worker]) -> str:
+    name = finding_of(language)
+    findings = (finding for worker in workers for finding in worker.findings)
+    why = next((finding["why"] for finding in findings if finding["name"] == name), "")
+    sentence = f"No worker of this service can run {name}"
+    return f"{sentence}: {why.rstrip('.')}." if why else f"{sentence}."
+
+
+def _is_alive() -> ColumnElement[bool]:
+    return Worker.seen_at > time.time() - ALIVE_S

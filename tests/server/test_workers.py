@@ -1,0 +1,82 @@
+import time
+
+from sqlalchemy import update
+
+from seamark.server import workers
+from seamark.server.database.tables import Worker
+from tests.cast import Backend
+
+
+def _register(both: Backend, name: str, *, slots: int = 2) -> None:
+    with both.database.writing() as session:
+        worker = Worker(name=name, slots=slots, level="strong", languages=[], findings=[])
+        workers.register(session, worker)
+
+
+def _silence(both: Backend, name: str, seconds: float) -> None:
+    """Let the last heartbeat of a worker be some seconds ago."""
+    with both.database.writing() as session:
+        change = update(Worker).where(Worker.name == name)
+        session.execute(change.values(seen_at=time.time() - seconds))
+
+
+def test_a_worker_is_alive_until_its_heartbeats_stop(both: Backend) -> None:
+    _register(both, "a", slots=2)
+    _register(both, "b", slots=3)
+    _silence(both, "b", workers.ALIVE_S + 1)
+
+    with both.database.reading() as session:
+        counts = workers.alive_count(session), workers.slot_count(session)
+        listed = {worker.name: worker.alive for worker in workers.listed(session)}
+
+    assert counts == (1, 2)
+    assert listed == {"a": True, "b": False}
+
+
+def test_a_heartbeat_brings_a_worker_back(both: Backend) -> None:
+    _register(both, "a")
+    _silence(both, "a", workers.ALIVE_S + 1)
+
+    with both.database.writing() as session:
+        workers.heartbeat(session, "a")
+
+    with both.database.reading() as session:
+        assert workers.alive_count(session) == 1
+
+
+def test_a_worker_that_shuts_down_or_is_dead_for_a_day_is_not_listed(both: Backend) -> None:
+    for name in ("stopped", "dead", "alive"):
+        _register(both, name)
+    _silence(both, "dead", workers.LISTED_S + 1)
+
+    with both.database.writing() as session:
+        workers.unregister(session, "stopped")
+        workers.forget_dead(session)
+
+    with both.database.reading() as session:
+        assert [worker.name for worker in workers.listed(session)] == ["alive"]
+
+
+def test_the_side_processes_of_a_worker_are_reported(both: Backend) -> None:
+    _register(both, "a")
+
+    with both.database.writing() as session:
+        states = {"maintenance": workers.RUNNING, "checks": "restarting since 12:00:05"}
+        workers.report_processes(session, "a", states)
+
+    with both.database.reading() as session:
+        (status,) = workers.listed(session)
+    assert status.processes == states
+    assert status.broken_processes == {"checks": "restarting since 12:00:05"}
+
+
+def test_a_worker_that_starts_again_reports_its_side_processes_anew(both: Backend) -> None:
+    _register(both, "a")
+    with both.database.writing() as session:
+        workers.report_processes(session, "a", {"checks": "restarting since 12:00:05"})
+
+    _register(both, "a")
+
+    with both.database.reading() as session:
+        (status,) = workers.listed(session)
+    assert status.processes == {}
