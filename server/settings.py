@@ -9,7 +9,7 @@ from typing import Literal, Self
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 PREFIX = "SEAMARK_"
-LevelName = Literal["none", "weak", "medium", "strong"]
+LevelName = Literal["none", "medium", "strong"]  # of seamark.sandbox.isolation.level
 DEFAULTS_IN_WORDS = {  # of settings whose default depends on others or on the machine
     "database_url": "SQLite in the data folder",
     "broker_url": "none; `seamark up` brings one",
@@ -78,6 +78,8 @@ class Settings(BaseModel):
         filled.setdefault("database_url", f"sqlite:///{data / 'seamark.db'}")
         if str(filled.get("public", "")).lower() in {"1", "true", "yes", "on", "t", "y"}:
             filled.setdefault("sandbox_min_level", "strong")
+        if filled.get("sandbox_min_level") == "weak":  # of earlier versions; no host ever had it
+            filled["sandbox_min_level"] = "medium"
         return filled
 
     @model_validator(mode="after")

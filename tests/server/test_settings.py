@@ -25,6 +25,10 @@ def test_a_public_service_wants_the_strong_sandbox_unless_told_otherwise(tmp_pat
     assert told.sandbox_min_level == "medium"
 
 
+def test_the_isolation_level_weak_of_earlier_versions_means_medium(tmp_path: Path) -> None:
+    assert _load(tmp_path, SEAMARK_SANDBOX_MIN_LEVEL="weak").sandbox_min_level == "medium"
+
+
 def test_the_secret_is_made_once_and_is_for_the_owner_alone(tmp_path: Path) -> None:
     first, second = _load(tmp_path), _load(tmp_path)
 

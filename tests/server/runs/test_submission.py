@@ -105,7 +105,7 @@ def test_only_runs_that_completed_count_for_the_day(both: Backend) -> None:
 
 
 def test_uploads_are_refused_where_no_living_worker_isolates_them(both: Backend) -> None:
-    _worker(both, "weak", "python")
+    _worker(both, "none", "python")
     _worker(both, "strong", "python", seen_at=time.time() - 3600)
 
     with pytest.raises(OrderRejected, match="seamark doctor"):
