@@ -72,7 +72,7 @@ def _running_side_by_side(service: Service, run_id: int) -> list[int]:
 
 
 def test_a_trial_that_is_killed_costs_one_attempt_and_nothing_is_lost(two_cores: Service) -> None:
-    run_id = two_cores.upload(P, TRIALS, trials=4)
+    run_id = two_cores.submit_program(P, TRIALS, trials=4)
 
     os.kill(_running_side_by_side(two_cores, run_id)[-1], signal.SIGKILL)
     view = two_cores.ended(run_id)
@@ -86,12 +86,11 @@ def test_a_trial_that_is_killed_costs_one_attempt_and_nothing_is_lost(two_cores:
 
 
 def test_a_cancel_ends_all_trials_within_two_seconds(two_cores: Service) -> None:
-    run_id = two_cores.upload(P, LONG, trials=10)
+    run_id = two_cores.submit_program(P, LONG, trials=10)
     _running_side_by_side(two_cores, run_id)
 
     asked = time.monotonic()
-    with two_cores.database.writing() as session:
-        assert runs.request_cancel(session, run_id)
+    assert two_cores.cancel(run_id)
     view = two_cores.wait(run_id, lambda view: "t_reached" in view.detail)
     took = time.monotonic() - asked
 
@@ -108,7 +107,7 @@ def test_two_runs_at_once_give_the_bytes_of_a_local_run(two_cores: Service) -> N
     order = {"seed": 3, "trials": 3, "hearing": deaf}
     wanted = evaluate_here("currents-v1", SHORT, controller="p", processes=1, **order).digest
 
-    queued = [two_cores.queue(controller="p", trials=3), two_cores.upload(P, trials=3)]
+    queued = [two_cores.submit(controller="p", trials=3), two_cores.submit_program(P, trials=3)]
     views = [two_cores.ended(run_id) for run_id in queued]
 
     assert [view.digest for view in views] == [wanted, wanted]

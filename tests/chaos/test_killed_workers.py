@@ -15,7 +15,7 @@ pytestmark = [pytest.mark.slow, pytest.mark.host]
 
 def _killed_in_the_middle(service: Service) -> None:
     service.start_worker()
-    run_id = service.queue({**LONG, "level_duration_s": 200.0})
+    run_id = service.submit({**LONG, "level_duration_s": 200.0})
     service.wait(run_id, lambda view: view.t_simulated > 0)
     service.kill_worker()
 
@@ -23,7 +23,7 @@ def _killed_in_the_middle(service: Service) -> None:
     view = service.ended(run_id)
 
     assert (view.state, view.attempt) == (RunState.SUCCEEDED, 2)
-    again = service.ended(service.queue(SHORT, controller="p"))
+    again = service.ended(service.submit(SHORT, controller="p"))
     assert again.state is RunState.SUCCEEDED
     assert digest(service.files(run_id).rows()) == view.digest
     assert service.files(run_id).attempts() == [1, 2]
@@ -39,7 +39,7 @@ def test_a_run_whose_worker_was_killed_finishes_once_in_production(production: S
 
 def test_a_worker_that_is_told_to_stop_gives_its_run_back_at_once(service: Service) -> None:
     worker = service.start_worker()
-    run_id = service.queue(LONG, trials=10)
+    run_id = service.submit(LONG, trials=10)
     service.wait(run_id, lambda view: view.t_simulated > 0)
 
     os.kill(worker.pid, signal.SIGTERM)

@@ -5,26 +5,23 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
-from io import BytesIO
 from pathlib import Path
 from typing import Any
 
 import pytest
 from redis import Redis
 
-from seamark.server.accounts import accounts
-from seamark.server.accounts.permissions import Viewer
 from seamark.server.checks import queue
 from seamark.server.database.engine import Database
 from seamark.server.database.schema import upgrade
 from seamark.server.messaging import broker
-from seamark.server.programs import store
-from seamark.server.runs import door as runs
 from seamark.server.runs.files import RunFiles
+from seamark.server.runs.views import RunView
 from seamark.server.settings import Settings
 from seamark.worker.service.command_line import worker_arguments
+from tests.cast import Backend
 
 SHORT = {"levels": [0.0, 0.2], "level_duration_s": 4.0, "settle_s": 1.0}
 LONG = {"levels": [0.0, 0.2], "level_duration_s": 600.0, "settle_s": 1.0}
@@ -33,13 +30,10 @@ QUICK = {"lease_s": 3.0, "heartbeat_s": 1.0, "sweep_s": 1.0, "workers": 1}
 
 
 @dataclass
-class Service:
-    """What the tests do to a service."""
+class Service(Backend):
+    """The cast's database with a broker and workers, and what the tests do to them."""
 
-    settings: Settings
-    database: Database
     redis: Redis
-    viewer: Viewer
     workers: list[subprocess.Popen[bytes]] = field(default_factory=list)
 
     def __post_init__(self) -> None:
@@ -58,27 +52,21 @@ class Service:
         os.killpg(worker.pid, signal.SIGKILL)
         worker.wait()
 
-    def queue(self, config: dict[str, object] = SHORT, **wishes: object) -> int:
-        order = {"benchmark": "currents-v1", "config": config, "controller": "pi", "seed": 3}
-        with self.database.writing() as session:
-            order_ = runs.Order(viewer=self.viewer, **(order | wishes))
-            run_id = runs.enqueue(session, order_, self.settings)
+    def submit(self, config: Mapping[str, object] = SHORT, **changes: Any) -> int:
+        """Queue a run and tell the workers."""
+        run_id = self.queue(config=config, **({"seed": 3} | changes))
         assert broker.ring(self.app)
         return run_id
 
-    def upload(self, source: str, config: dict[str, object] = SHORT, **wishes: object) -> int:
-        return self.queue(config, controller="upload", program=self.keep(source), **wishes)
-
-    def keep(self, source: str, role: str = "controller") -> store.StoredProgram:
-        stream = BytesIO(source.encode())
-        data = self.settings.data
-        return store.store(stream, "mine.py", limit=10**6, data=data, role=role)
+    def submit_program(
+        self, source: str, config: Mapping[str, object] = SHORT, **changes: Any
+    ) -> int:
+        program = self.store_program(source.encode())
+        return self.submit(config, controller="upload", program=program, **changes)
 
     def check(self, source: bytes, name: str = "mine.py", **config: object) -> dict[str, Any]:
-        """Return what a check of a program says."""
-        program = store.store(BytesIO(source), name, limit=10**6, data=self.settings.data)
-        user_id = self.viewer.user_id
-        assert user_id is not None
+        """Return the report of a check of a program."""
+        program, user_id = self.store_program(source, name), self.user_id("ann")
         with self.database.writing() as session:
             check_id = queue.order(session, user_id, "currents-v1", dict(config), program)
         queue.ring(self.redis)
@@ -92,22 +80,16 @@ class Service:
             assert time.monotonic() < deadline, f"still {view.state}"
             time.sleep(0.02)  # the database announces nothing
 
-    def show(self, run_id: int) -> runs.RunView:
-        with self.database.reading() as session:
-            view = runs.show(session, run_id, self.settings)
-        assert view is not None
-        return view
-
     def wait(
-        self, run_id: int, until: Callable[[runs.RunView], bool], seconds: float = START_S
-    ) -> runs.RunView:
+        self, run_id: int, until: Callable[[RunView], bool], seconds: float = START_S
+    ) -> RunView:
         deadline = time.monotonic() + seconds
         while not until(view := self.show(run_id)):
             assert time.monotonic() < deadline, f"still {view.state}, attempt {view.attempt}"
             time.sleep(0.02)  # the database announces nothing
         return view
 
-    def ended(self, run_id: int, seconds: float = START_S) -> runs.RunView:
+    def ended(self, run_id: int, seconds: float = START_S) -> RunView:
         return self.wait(run_id, lambda view: view.state.final, seconds)
 
     def settled(self, seconds: float = 30.0) -> bool:
@@ -131,11 +113,8 @@ class Service:
 
 def service_with(settings: Settings) -> Service:
     upgrade(settings)
-    database = Database(settings.database_url)
-    with database.writing() as session:
-        user = accounts.sign_up(session, "ann", None)
-        viewer = Viewer(user_id=user.id, name=user.name)
-    return Service(settings, database, broker.connect(settings), viewer)
+    backend = Backend.with_cast(Database(settings.database_url), settings)
+    return Service(**vars(backend), redis=broker.connect(settings))
 
 
 @pytest.fixture(scope="module")
@@ -144,8 +123,9 @@ def running(tmp_path_factory: pytest.TempPathFactory, _valkey: str) -> Iterator[
     data = tmp_path_factory.mktemp("service")
     with Redis.from_url(_valkey) as client:
         client.flushall()
+    urls = {"data": data, "broker_url": _valkey}
     quotas = {"quota_live": 100, "quota_day": 1000}
-    made = service_with(Settings(data=data, broker_url=_valkey, **QUICK, **quotas))
+    made = service_with(Settings.model_validate(urls | QUICK | quotas))
     made.start_worker()
     yield made
     made.close()
@@ -163,6 +143,7 @@ def service(settings: Settings) -> Iterator[Service]:
 def production(tmp_path: Path, postgres_url: str, redis_tcp_url: str) -> Iterator[Service]:
     """A service on PostgreSQL and TCP, without a worker yet."""
     urls = {"database_url": postgres_url, "broker_url": redis_tcp_url}
-    made = service_with(Settings(data=tmp_path / "data", secret_key="test", **urls, **QUICK))
+    more = {"data": tmp_path / "data", "secret_key": "test"}
+    made = service_with(Settings.model_validate(urls | more | QUICK))
     yield made
     made.close()

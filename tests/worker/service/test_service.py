@@ -12,7 +12,7 @@ import pytest
 
 from seamark.server.database.tables import Run
 from seamark.server.messaging import broker, live_events
-from seamark.server.programs import starter_files, store
+from seamark.server.programs import starter_files
 from seamark.server.runs import door as runs
 from seamark.server.runs.door import RunState
 from seamark.sim.recording.telemetry import digest
@@ -78,9 +78,9 @@ def test_trackers_give_the_server_the_bytes_of_a_local_run_too(running: Service)
     wanted = evaluate_here(
         "visibility-v1", VISIBILITY, seed=3, controller="built-in", hearing=_DEAF
     )
-    program = running.keep(source, "tracker")
-    built_in = running.queue(controller="built-in", **order)
-    upload = running.queue(controller="upload", program=program, **order)
+    program = running.store_program(source.encode(), role="tracker")
+    built_in = running.submit(controller="built-in", **order)
+    upload = running.submit(controller="upload", program=program, **order)
 
     ours, theirs = (running.ended(run_id) for run_id in (built_in, upload))
 
@@ -93,9 +93,9 @@ def test_trackers_give_the_server_the_bytes_of_a_local_run_too(running: Service)
 def test_the_server_gives_the_bytes_of_a_local_run(running: Service) -> None:
     wanted = {"p": _here("p"), "pi": _here("pi"), "upload": _here("p")}
     made = {
-        "p": running.queue(controller="p"),
-        "pi": running.queue(controller="pi"),
-        "upload": running.upload(UPLOADED_P),
+        "p": running.submit(controller="p"),
+        "pi": running.submit(controller="pi"),
+        "upload": running.submit_program(UPLOADED_P),
     }
     views = {name: running.ended(run_id) for name, run_id in made.items()}
 
@@ -114,10 +114,9 @@ def test_the_server_gives_the_bytes_of_a_local_run(running: Service) -> None:
 def test_the_server_compiles_a_program_and_gives_the_bytes_of_a_local_run(
     running: Service,
 ) -> None:
-    with PI_C.open("rb") as stream:
-        program = store.store(stream, PI_C.name, limit=10**6, data=running.settings.data)
+    program = running.store_program(PI_C.read_bytes(), PI_C.name)
 
-    view = running.ended(running.queue(controller="upload", program=program))
+    view = running.ended(running.submit(controller="upload", program=program))
 
     assert (view.state, view.language) == (RunState.SUCCEEDED, "c")
     assert view.digest == _here("pi")
@@ -152,7 +151,10 @@ def elsewhere() -> str:
 def test_the_bytes_are_those_of_the_command_line_under_load_and_beside_another_run(
     running: Service, elsewhere: str, load: None
 ) -> None:
-    queued = [running.queue(controller="pi"), running.upload(PI.read_text(encoding="utf-8"))]
+    queued = [
+        running.submit(controller="pi"),
+        running.submit_program(PI.read_text(encoding="utf-8")),
+    ]
     in_this_process = evaluate_here("currents-v1", SHORT, seed=3, controller="pi", hearing=_DEAF)
 
     digests = [running.ended(run_id).digest for run_id in queued]
@@ -164,7 +166,7 @@ def test_every_bad_program_gets_its_cause_and_words(running: Service) -> None:
     made = {}
     views = {}
     for cause, source in PROGRAMS.items():
-        made[cause] = running.upload(source)
+        made[cause] = running.submit_program(source)
         views[cause] = running.ended(made[cause])
 
     assert {cause: view.cause for cause, view in views.items()} == {
@@ -181,12 +183,12 @@ def test_every_bad_program_gets_its_cause_and_words(running: Service) -> None:
 
 def test_a_program_that_reaches_outside_is_told_that_there_is_nothing(running: Service) -> None:
     for reach, error in OUTSIDE.items():
-        view = running.ended(running.upload(f"{STEP}  {reach}\n  return [0, 0, 0, 0]\n"))
+        view = running.ended(running.submit_program(f"{STEP}  {reach}\n  return [0, 0, 0, 0]\n"))
 
         assert (view.state, view.cause) == (RunState.FAILED, "user_error")
         assert view.detail["sentence"].startswith(error)
         assert "no network" in view.detail["remedy"]
-    assert running.ended(running.queue()).state is RunState.SUCCEEDED
+    assert running.ended(running.submit()).state is RunState.SUCCEEDED
 
 
 def test_a_configuration_that_became_invalid_ends_at_once_and_blames_no_program(
@@ -194,7 +196,7 @@ def test_a_configuration_that_became_invalid_ends_at_once_and_blames_no_program(
 ) -> None:
     with running.database.writing() as session:
         order = runs.Order(
-            viewer=running.viewer, benchmark="currents-v1", config=SHORT, controller="pi"
+            viewer=running.viewers["ann"], benchmark="currents-v1", config=SHORT, controller="pi"
         )
         run_id = runs.enqueue(session, order, running.settings)
         # As an update of the software leaves it that has narrowed a range.
@@ -208,11 +210,11 @@ def test_a_configuration_that_became_invalid_ends_at_once_and_blames_no_program(
 
 
 def test_what_breaks_on_our_side_is_tried_three_times_and_blames_nobody(running: Service) -> None:
-    program = running.keep(UPLOADED_P)
+    program = running.store_program(UPLOADED_P.encode())
     for path in (running.settings.data / "programs").iterdir():
         path.unlink()
 
-    view = running.ended(running.queue(SHORT, controller="upload", program=program))
+    view = running.ended(running.submit(SHORT, controller="upload", program=program))
 
     assert (view.state, view.cause, view.attempt) == (RunState.FAILED, "platform_error", 3)
     assert "FileNotFoundError" not in str(view)
@@ -221,19 +223,18 @@ def test_what_breaks_on_our_side_is_tried_three_times_and_blames_nobody(running:
 def test_a_running_run_is_cancelled_within_two_seconds_and_keeps_its_data(
     running: Service,
 ) -> None:
-    run_id = running.queue(LONG, trials=10)
+    run_id = running.submit(LONG, trials=10)
     running.wait(run_id, lambda view: view.t_simulated > 0)
 
     asked = time.monotonic()
-    with running.database.writing() as session:
-        assert runs.request_cancel(session, run_id)
+    assert running.cancel(run_id)
     view = running.wait(run_id, lambda view: "t_reached" in view.detail)
     took = time.monotonic() - asked
 
     assert view.state is RunState.CANCELLED
     assert took < 2.0
     assert running.files(run_id).row_count() > 0
-    after = running.queue()
+    after = running.submit()
     assert running.ended(after).state is RunState.SUCCEEDED
 
 
@@ -241,7 +242,7 @@ def test_tickets_of_earlier_versions_do_no_harm(running: Service) -> None:
     for name in EARLIER_TASKS:
         running.app.send_task(name)
 
-    view = running.ended(running.queue())
+    view = running.ended(running.submit())
 
     assert view.state is RunState.SUCCEEDED
     assert running.settled()  # no ticket waits or comes back
@@ -249,7 +250,7 @@ def test_tickets_of_earlier_versions_do_no_harm(running: Service) -> None:
 
 def test_those_who_watch_see_the_state_the_telemetry_and_the_end(running: Service) -> None:
     fanout = live_events.Fanout(running.redis)
-    run_id = running.upload(UPLOADED_P)
+    run_id = running.submit_program(UPLOADED_P)
     events = fanout.subscribe(run_id)
 
     seen = list(events)
@@ -266,7 +267,7 @@ def test_those_who_watch_see_the_state_the_telemetry_and_the_end(running: Servic
 
 
 def test_a_check_is_answered_while_long_runs_have_all_places(running: Service) -> None:
-    run_id = running.queue(LONG, trials=10)
+    run_id = running.submit(LONG, trials=10)
     running.wait(run_id, lambda view: view.t_simulated > 0)
 
     answer = running.check(UPLOADED_P.encode())
@@ -274,8 +275,7 @@ def test_a_check_is_answered_while_long_runs_have_all_places(running: Service) -
     assert (answer["ok"], answer["problems"]) == (True, [])
     assert (answer["step_us"]["count"], answer["output"][:5]) == (40, "gains")
     assert running.show(run_id).state is RunState.RUNNING
-    with running.database.writing() as session:
-        assert runs.request_cancel(session, run_id)
+    assert running.cancel(run_id)
 
 
 @pytest.mark.parametrize(
@@ -309,9 +309,9 @@ def test_a_check_of_c_shows_each_message_of_the_compiler(running: Service) -> No
 
 def test_a_check_leaves_no_run_and_takes_nothing_of_the_quota(running: Service) -> None:
     with running.database.reading() as session:
-        before = runs.quota(session, running.viewer, running.settings)
+        before = runs.quota(session, running.viewers["ann"], running.settings)
 
     running.check(UPLOADED_P.encode())
 
     with running.database.reading() as session:
-        assert runs.quota(session, running.viewer, running.settings) == before
+        assert runs.quota(session, running.viewers["ann"], running.settings) == before

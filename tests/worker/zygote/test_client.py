@@ -68,7 +68,7 @@ def test_a_simulator_that_ends_while_it_starts_is_our_failure(
 def test_no_run_is_claimed_before_the_simulator_is_warm(
     service: Service, simulator: Simulator
 ) -> None:
-    run_id = service.queue()
+    run_id = service.submit()
     stopping = threading.Event()
     host = Host(service.settings, "w", IsolationLevel.NONE, (), ())
     member = Member(
