@@ -1,9 +1,9 @@
-"""Repeat the published experiment on its own plant and draw its figure.
+"""Repeat the published experiment on its own plant and draw the figure.
 
     python -m performance.paper_figures [--out docs/figures/p-and-pi.png] [--tracker esm]
 
-Prints our numbers beside the planar check of the same laws, and writes one picture: X and Y error
-in px over the five levels, P (Kp 0.5) and PI (Kp 0.5, Ki 0.02).
+Prints our numbers beside a planar check of the same laws, and writes one figure: X and Y error in
+px over the five levels, P (Kp 0.5) and PI (Kp 0.5, Ki 0.02).
 """
 
 import argparse
@@ -20,8 +20,8 @@ from seamark.sim.recording.telemetry import INDEX, Rows
 from seamark.sim.registry import benchmark
 
 PX_PER_M = 514.7 / 2.27  # focal length over height
-WINDOW_S = 30.0  # the last part of a level, two periods of the force on Y
-BAND_PX = 2.0  # "back at zero" in the table below
+WINDOW_S = 30.0  # end of a level: two periods of the force on Y
+BAND_PX = 2.0  # counts as zero in the table below
 SMOOTHING_S = 1.0
 LAWS = {"p": "P (Kp 0.5)", "pi": "PI (Kp 0.5, Ki 0.02)"}
 
@@ -48,25 +48,25 @@ Y_AXIS = Planar(5.0, 2, _rectified)
 
 
 def planar_check(axis: Planar, level: float, ki: float) -> tuple[float, float, float]:
-    """Return mean, least and greatest error [px] in the window, with perfect sensors.
+    """Return mean, minimum and maximum error [px] in the window, with perfect sensors.
 
     One axis, 147 kg with 148 N s²/m² of drag, thrust 153.8 u|u| N with a lag of 0.2 s, DVL at 5 Hz.
     """
     dt, mass, drag, lag = 0.01, 147.0, 148.0, 0.2
-    place = speed = thrust = measured = integral = 0.0
+    position = speed = thrust = measured = integral = 0.0
     errors = []
     for step in range(12_000):
         if step % 20 == 0:
             measured = speed
-        integral -= ki * place * dt
-        effort = axis.effort * (-0.5 * place + integral - measured)
+        integral -= ki * position * dt
+        effort = axis.effort * (-0.5 * position + integral - measured)
         effort = min(max(effort, -1.0), 1.0)
         thrust += dt / lag * (axis.thrusters * 153.8 * effort * abs(effort) - thrust)
         push = axis.force(level, step * dt) + thrust - drag * speed * abs(speed)
         speed += dt * push / mass
-        place += dt * speed
+        position += dt * speed
         if step >= 9_000:
-            errors.append(place * PX_PER_M)
+            errors.append(position * PX_PER_M)
     return sum(errors) / len(errors), min(errors), max(errors)
 
 
@@ -76,57 +76,57 @@ def run(controller: str, tracker: str) -> Rows:
 
 
 class Facts(NamedTuple):
-    """What the published figure shows of one level and one axis, in px."""
+    """What the published figure shows for one level and one axis, in px."""
 
     mean: float
-    least: float
-    greatest: float
-    back_s: float | None  # from when the smoothed error stays within the band
+    minimum: float
+    maximum: float
+    return_s: float | None  # time from which the smoothed error stays within the band
 
 
 def facts(rows: Rows, level: int, axis: str) -> Facts:
-    """Return the facts of one level; signs such that the current pushes to the positive side."""
+    """Return the facts of one level; errors are positive in the direction of the current."""
     mine = rows[rows[:, INDEX["level"]] == level]
-    sign = -1.0 if axis == "x" else 1.0  # pushed to starboard, the target goes to the left
+    sign = -1.0 if axis == "x" else 1.0  # when pushed to starboard, the target moves left
     error = sign * mine[:, INDEX[f"error_{axis}_px"]]
     dt = float(mine[1, INDEX["t"]] - mine[0, INDEX["t"]])
     late = error[-round(WINDOW_S / dt) :]
     width = round(SMOOTHING_S / dt)
     smooth = np.convolve(error, np.full(width, 1.0 / width), mode="valid")
     outside = np.flatnonzero(np.abs(smooth) > BAND_PX)
-    back = None if len(outside) and outside[-1] == len(smooth) - 1 else 0.0
-    if back is not None and len(outside):
-        back = float(outside[-1] + 1) * dt
-    return Facts(float(late.mean()), float(late.min()), float(late.max()), back)
+    return_s = None if len(outside) and outside[-1] == len(smooth) - 1 else 0.0
+    if return_s is not None and len(outside):
+        return_s = float(outside[-1] + 1) * dt
+    return Facts(float(late.mean()), float(late.min()), float(late.max()), return_s)
 
 
 def table(p_rows: Rows, pi_rows: Rows) -> str:
     """Return our numbers beside the planar check, as a Markdown table."""
     lines = [
-        "| V m/s | X, P: ours (planar) | X, PI: ours (back within 2 px) | Y, P: ours (planar) "
+        "| V m/s | X, P: ours (planar) | X, PI: ours (within 2 px after) | Y, P: ours (planar) "
         "| Y, PI: ours (planar) |",
         "|---|---|---|---|---|",
     ]
     for level, speed in enumerate(benchmark("currents-v1").read({}).model_dump()["levels"]):
         x_p, x_pi = facts(p_rows, level, "x"), facts(pi_rows, level, "x")
         y_p, y_pi = facts(p_rows, level, "y"), facts(pi_rows, level, "y")
-        back = "never" if x_pi.back_s is None else f"{x_pi.back_s:.0f} s"
+        settled = "never" if x_pi.return_s is None else f"{x_pi.return_s:.0f} s"
         planar = planar_check(X_AXIS, speed, 0.0)[0]
         y_planar = [_range(planar_check(Y_AXIS, speed, ki)) for ki in (0.0, 0.02)]
         lines.append(
-            f"| {speed:g} | {x_p.mean:.1f} ({planar:.1f}) | {x_pi.mean:.1f} ({back}) "
+            f"| {speed:g} | {x_p.mean:.1f} ({planar:.1f}) | {x_pi.mean:.1f} ({settled}) "
             f"| {_range(y_p)} ({y_planar[0]}) | {_range(y_pi)} ({y_planar[1]}) |"
         )
     return "\n".join(lines)
 
 
 def _range(values: Facts | tuple[float, float, float]) -> str:
-    mean, least, greatest = values[:3]
-    return f"{mean:.1f} [{least:.1f} to {greatest:.1f}]"
+    mean, minimum, maximum = values[:3]
+    return f"{mean:.1f} [{minimum:.1f} to {maximum:.1f}]"
 
 
 def draw(p_rows: Rows, pi_rows: Rows, out: Path) -> None:
-    """Write the figure: X and Y error over time, both controllers."""
+    """Write the figure: X and Y error over time for both controllers."""
     with figure(out, rows=2, height=5.5) as axes:
         for axis, panel in zip("xy", axes, strict=True):
             sign = -1.0 if axis == "x" else 1.0

@@ -1,4 +1,4 @@
-"""The simulator against what is published, what can be worked out by hand, and another solver.
+"""The simulator against published results, closed forms and an independent solver.
 
 `python -m performance.validation` writes docs/validation.md and its plots. One file per part.
 """

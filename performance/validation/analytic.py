@@ -1,4 +1,4 @@
-"""Cases that can be worked out by hand: the plant's number, the closed form, and the error.
+"""Cases with a closed form: the plant's result, the exact one, and the error.
 
 Each case changes the vehicle so that the closed form is exact (no drag, neutral, or all centres in
 one point), never the plant's code.
@@ -29,7 +29,7 @@ DRIFT_S, COAST_S, RISE_S = 60.0, 20.0, 120.0
 
 
 class Case(NamedTuple):
-    """Our number beside the closed form's."""
+    """One result of the plant and its closed form."""
 
     what: str
     vehicle: str
@@ -53,13 +53,13 @@ def neutral(vehicle: Vehicle) -> Vehicle:
 
 
 def balanced(vehicle: Vehicle) -> Vehicle:
-    """Return it neutral, all centres in the origin: an axis that moves alone moves no other."""
+    """Return the vehicle neutral, with all centres at the origin: the axes are then decoupled."""
     centre = _none(3)
     return replace(neutral(vehicle), centre_of_gravity=centre, centre_of_buoyancy=centre)
 
 
 def free(vehicle: Vehicle) -> Vehicle:
-    """Return it without drag."""
+    """Return the vehicle without drag."""
     return replace(vehicle, drag_linear=(_none(6),), drag_quadratic=(_none(6),))
 
 
@@ -79,7 +79,7 @@ def coasting_speed(linear: float, quadratic: float, mass: float, v0: float, t: f
 
 
 def commands_along(vehicle: Vehicle, axis: int) -> Array | None:
-    """Return commands, (n,), that push along one axis alone; None if the thrusters cannot."""
+    """Return commands, (n,), for a wrench along one axis only; None if there are none."""
     matrix = vehicle.allocation()
     wanted = np.eye(6)[axis]
     share = np.linalg.pinv(matrix) @ wanted
@@ -92,7 +92,7 @@ def commands_along(vehicle: Vehicle, axis: int) -> Array | None:
 
 
 def terminal_speeds(vehicle: Vehicle) -> Iterator[Case]:
-    """Yield the terminal speed of every axis that the thrusters move by itself."""
+    """Yield the terminal speed of every axis that the thrusters can drive by itself."""
     plant = Plant(balanced(vehicle), STILL)
     for axis, name in enumerate(AXES):
         commands = commands_along(vehicle, axis)
@@ -109,7 +109,7 @@ def terminal_speeds(vehicle: Vehicle) -> Iterator[Case]:
 
 
 def coasting(vehicle: Vehicle) -> Iterator[Case]:
-    """Yield the speed left after coasting ahead from 1 m/s."""
+    """Yield the speed left after coasting forward from 1 m/s."""
     plant = Plant(balanced(vehicle), STILL)
     plant.state[7] = 1.0
     plant.advance(0, np.zeros(len(vehicle.thrusters)), round(COAST_S / plant.step_s))
@@ -121,20 +121,20 @@ def coasting(vehicle: Vehicle) -> Iterator[Case]:
 
 
 def righting_periods(vehicle: Vehicle) -> Iterator[Case]:
-    """Yield the small swing's period in roll and pitch, without drag."""
+    """Yield the period of small oscillations in roll and pitch, without drag."""
     changed = free(neutral(vehicle))
     lever = vehicle.centre_of_gravity.value[2] - vehicle.centre_of_buoyancy.value[2]
     mobility = np.linalg.inv(vehicle.mass_rigid() + vehicle.mass_added())
     for axis in (3, 4):
-        # The other axes are free as well: the swing takes the inertia that the inverse shows.
+        # The other axes are free too, so the effective inertia follows from the inverse.
         stiffness = vehicle.weight.scalar * lever * float(mobility[axis, axis])
         expected = 2.0 * np.pi / float(np.sqrt(stiffness))
         plant, angles = Plant(changed, STILL, step_s=0.005), []
         plant.place(0.01 * np.eye(6)[axis])
         idle = np.zeros(len(vehicle.thrusters))
-        for tick in range(round(2.5 * expected / plant.step_s)):
+        for step in range(round(2.5 * expected / plant.step_s)):
             angles.append(float(plant.pose()[axis]))
-            plant.advance(tick, idle, 1)
+            plant.advance(step, idle, 1)
         ours = _period(np.array(angles), plant.step_s)
         yield Case(f"righting period, {AXES[axis]}", vehicle.name, ours, expected, "s")
 
@@ -147,7 +147,7 @@ def _period(angles: Array, step: float) -> float:
 
 
 def added_mass(vehicle: Vehicle) -> Iterator[Case]:
-    """Yield the first acceleration along the axes that the thrusters move: F / (m + A)."""
+    """Yield the initial acceleration along the axes that the thrusters can drive: F / (m + A)."""
     changed = balanced(vehicle)
     inertia = np.diag(changed.mass_rigid() + changed.mass_added())
     for axis in (0, 1, 2, 5):
@@ -155,13 +155,13 @@ def added_mass(vehicle: Vehicle) -> Iterator[Case]:
         if commands is None:
             continue
         plant = Plant(changed, STILL, step_s=1e-4)
-        plant.advance(0, commands, round(5.0 / plant.step_s))  # until the thrust stands
+        plant.advance(0, commands, round(5.0 / plant.step_s))  # until the thrust is steady
         plant.state[:13] = np.eye(13)[3]  # at rest again, upright
         plant.advance(0, commands, 1)
         push = float((vehicle.allocation() @ plant.thrust())[axis])
         unit = "m/s²" if axis < 3 else "rad/s²"
         ours = float(plant.velocity()[axis]) / plant.step_s
-        what = f"first acceleration F / (m + A), {AXES[axis]}"
+        what = f"initial acceleration F / (m + A), {AXES[axis]}"
         yield Case(what, vehicle.name, ours, push / float(inertia[axis]), unit)
 
 
@@ -170,7 +170,7 @@ def buoyancy(vehicle: Vehicle) -> Iterator[Case]:
     net = vehicle.weight.scalar - vehicle.buoyancy.scalar
     if abs(net) < 1e-9:
         return
-    # The centres on one vertical: the vehicle then rises upright, as the closed form wants it.
+    # With both centres on one vertical the vehicle stays upright, as the closed form assumes.
     centre = replace(vehicle.centre_of_gravity, value=(0.0, 0.0, 0.0))
     plant = Plant(replace(vehicle, centre_of_gravity=centre, centre_of_buoyancy=_none(3)), STILL)
     plant.advance(0, np.zeros(len(vehicle.thrusters)), round(RISE_S / plant.step_s))
@@ -193,27 +193,27 @@ def drift(vehicle: Vehicle) -> Iterator[Case]:
 
 
 def energy_taken(vehicle: Vehicle) -> Iterator[Case]:
-    """Yield the kinetic energy lost in 10 s beside the work of the drag, integrated on its own."""
+    """Yield the kinetic energy lost in 10 s and the separately integrated work of the drag."""
     plant = Plant(balanced(vehicle), STILL)
     mass = plant.vehicle.mass_rigid() + plant.vehicle.mass_added()
     linear, quadratic = vehicle.linear_drag(), vehicle.quadratic_drag()
     plant.state[7:13] = 0.8, -0.5, 0.3, 0.2, -0.3, 0.4
     energies, powers = [], []
-    for tick in range(1001):
+    for step in range(1001):
         v = plant.velocity()
         energies.append(0.5 * float(v @ mass @ v))
         powers.append(float((linear + quadratic * np.abs(v)) @ (v * v)))
-        plant.advance(tick, np.zeros(len(vehicle.thrusters)), 1)
+        plant.advance(step, np.zeros(len(vehicle.thrusters)), 1)
     if max(np.diff(energies)) > 0.0:
-        raise RuntimeError(f"drag gave energy to {vehicle.name}")
+        raise RuntimeError(f"drag added energy to {vehicle.name}")
     weights = np.array([1.0, *(4.0, 2.0) * 499, 4.0, 1.0])  # Simpson's rule
     work = float(weights @ np.array(powers)) * plant.step_s / 3.0
     yield Case(
-        "energy that drag takes in 10 s", vehicle.name, energies[0] - energies[-1], work, "J"
+        "energy dissipated by drag in 10 s", vehicle.name, energies[0] - energies[-1], work, "J"
     )
 
 
-KINDS: tuple[Callable[[Vehicle], Iterator[Case]], ...] = (
+FAMILIES: tuple[Callable[[Vehicle], Iterator[Case]], ...] = (
     terminal_speeds,
     coasting,
     righting_periods,
@@ -226,7 +226,7 @@ KINDS: tuple[Callable[[Vehicle], Iterator[Case]], ...] = (
 
 def cases(name: str) -> list[Case]:
     """Return all cases of one vehicle."""
-    return [case for kind in KINDS for case in kind(load(name))]
+    return [case for family in FAMILIES for case in family(load(name))]
 
 
 def section(names: list[str], _figures: Path) -> str:
@@ -242,19 +242,19 @@ def section(names: list[str], _figures: Path) -> str:
         [
             f"{verdict} {len(found)} errors are within {LARGEST_ERROR_PERCENT:g} %. The largest is "
             f"{worst.error_percent:.3f} % ({worst.vehicle}, {worst.what}).",
-            "How: the plant of `sim/physics/plant.py` with the vehicle's own numbers, no random "
-            "part. For a closed form to be exact the case leaves something out: terminal speeds, "
-            "coasting, first acceleration, drift and energy have all centres in one point and "
-            "neutral weight, the righting period has no drag. Thrust is half of the weaker limit "
-            "of the thrusters, through their curve and lag, for "
-            f"{TERMINAL_S:g} s: straight motion of a body with more added mass abeam than ahead is "
-            "unstable (Munk moment), and within a minute rounding errors turn it aside. Drag "
-            "v' = -(a v + b v²) / m has the "
-            "terminal speed (sqrt(a² + 4 b F) - a) / 2b and the coasting speed "
-            "a v0 e / (a + b v0 (1 - e)) with e = exp(-a t / m). The righting period is "
-            "2 pi / sqrt(W z (M^-1)_kk) of a swing of 0.01 rad. Energy never grew from one step to "
-            "the next in any run; its loss is compared with Simpson's rule over the drag's power. "
-            "An axis that the thrusters cannot drive by itself has no row.",
+            "Method: the plant of `sim/physics/plant.py` with the vehicle's own parameters and no "
+            "random part. Each case simplifies the vehicle so that the closed form is exact: "
+            "terminal speed, coasting, initial acceleration, drift and energy have neutral "
+            "buoyancy and all centres at one point; the righting period has no drag. The thrust "
+            "is half of the thrusters' weaker limit, through their curve and lag, for "
+            f"{TERMINAL_S:g} s: straight motion of a body with more added mass in sway than in "
+            "surge is unstable (Munk moment), and within a minute rounding errors turn it. With "
+            "drag v' = -(a v + b v²) / m the terminal speed is (sqrt(a² + 4 b F) - a) / 2b and the "
+            "coasting speed a v0 e / (a + b v0 (1 - e)) with e = exp(-a t / m). The righting "
+            "period of an oscillation of 0.01 rad is 2 pi / sqrt(W z (M^-1)_kk). The energy never "
+            "increased from one step to the next; its loss is compared with the drag power "
+            "integrated by Simpson's rule. An axis that the thrusters cannot drive by itself has "
+            "no row.",
             table(("vehicle", "case", "ours", "closed form", "unit", "error %"), rows),
         ]
     )

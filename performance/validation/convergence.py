@@ -1,4 +1,4 @@
-"""Convergence: the error of the trajectory against the length of the step."""
+"""Convergence: the error of the trajectory over the step size."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -13,11 +13,11 @@ from seamark.sim.physics.current import GUST_GRID_S, Current, Pattern
 from seamark.sim.physics.plant import STEP_S, Plant
 from seamark.sim.vehicles import Array, Vehicle, load
 
-TITLE = "Convergence with the step"
+TITLE = "Convergence with the step size"
 SEED = 1
 DURATION_S = 20.0
 START = np.array([0.0, 0.0, 2.0, 0.15, -0.1, 0.4])
-STEPS_S = tuple(GUST_GRID_S / 2**k for k in range(6))  # whole parts of the gust's grid
+STEPS_S = tuple(GUST_GRID_S / 2**k for k in range(6))  # divisors of the gust grid's spacing
 FINEST_S = GUST_GRID_S / 2**8
 TYPICAL_SPEED = 0.5  # [m/s, rad/s]
 FLOOR_M = 1e-11  # below, rounding hides the order
@@ -32,13 +32,13 @@ class Curve(NamedTuple):
 
 
 def commands(count: int) -> Array:
-    """Return a lively manoeuvre for any number of thrusters, (count,)."""
+    """Return commands for a vigorous manoeuvre with any number of thrusters, (count,)."""
     manoeuvre: Array = 0.45 * np.cos(1.7 * np.arange(count) + 0.3)
     return manoeuvre
 
 
 def with_linear_drag(vehicle: Vehicle) -> Vehicle:
-    """Return the vehicle with the linear drag that equals its own at TYPICAL_SPEED."""
+    """Return the vehicle with purely linear drag that equals its own at TYPICAL_SPEED."""
     linear = vehicle.linear_drag() + vehicle.quadratic_drag() * TYPICAL_SPEED
     six = vehicle.drag_linear[0]
     return replace(
@@ -48,7 +48,7 @@ def with_linear_drag(vehicle: Vehicle) -> Vehicle:
     )
 
 
-def end_place(vehicle: Vehicle, current: Current, step_s: float) -> Array:
+def end_position(vehicle: Vehicle, current: Current, step_s: float) -> Array:
     """Return where the manoeuvre ends, (3,) [m]."""
     plant = Plant(vehicle, current, step_s=step_s)
     plant.place(START)
@@ -57,7 +57,7 @@ def end_place(vehicle: Vehicle, current: Current, step_s: float) -> Array:
 
 
 def order_of(steps: tuple[float, ...], errors: tuple[float, ...]) -> float:
-    """Return the slope of log error over log step, where rounding does not count yet."""
+    """Return the slope of log error over log step, above the level of rounding errors."""
     used = [(h, e) for h, e in zip(steps, errors, strict=True) if e > FLOOR_M]
     logs = np.log(np.array(used))
     return float(np.polyfit(logs[:, 0], logs[:, 1], 1)[0])
@@ -67,13 +67,13 @@ def curve(vehicle: Vehicle, label: str, *, gusts: bool) -> Curve:
     """Return the errors of one vehicle, with the gusts of the seed or without."""
     rng = streams(SEED, 0, 0).gust if gusts else None
     current = Current(0.3, pattern=Pattern(azimuth_rad=0.5), rng=rng)
-    exact = end_place(vehicle, current, FINEST_S)
-    errors = tuple(float(np.abs(end_place(vehicle, current, h) - exact).max()) for h in STEPS_S)
+    exact = end_position(vehicle, current, FINEST_S)
+    errors = tuple(float(np.abs(end_position(vehicle, current, h) - exact).max()) for h in STEPS_S)
     return Curve(f"{vehicle.name}, {label}", errors, order_of(STEPS_S, errors))
 
 
 def curves_of(name: str) -> list[Curve]:
-    """Return the three curves of a vehicle: made smooth, as it is, and as it is with gusts."""
+    """Return the three curves of a vehicle: smooth drag, its own drag, and that with gusts."""
     vehicle = load(name)
     return [
         curve(with_linear_drag(vehicle), "linear drag", gusts=False),
@@ -96,8 +96,8 @@ def draw(curves: list[Curve], out: Path) -> None:
         axes.axvline(STEP_S, color="0.6", linewidth=0.8)
         axes.set_xticks(STEPS_S, [f"{1e3 * h:.3g}" for h in STEPS_S], minor=False)
         axes.set_xticks([], minor=True)
-        axes.set_xlabel("step [ms] (vertical line: the step that runs use)")
-        axes.set_ylabel(f"error of the place after {DURATION_S:g} s [mm]")
+        axes.set_xlabel("step [ms] (vertical line: the step used in runs)")
+        axes.set_ylabel(f"position error after {DURATION_S:g} s [mm]")
         axes.legend(fontsize=8, loc="center left", bbox_to_anchor=(1.0, 0.5))
 
 
@@ -116,20 +116,20 @@ def section(names: list[str], figures: Path) -> str:
     header = ("vehicle, water", *(f"{1e3 * h:g} ms" for h in STEPS_S), "order")
     return "\n\n".join(
         [
-            f"With linear drag the order is between {min(smooth):.2f} and {max(smooth):.2f}; "
-            f"Runge-Kutta's is 4. With the vehicles' own drag it is between {min(own):.2f} and "
-            f"{max(own):.2f}: the second derivative of v abs(v) jumps where an axis changes its "
-            "direction, and the step that holds such a moment is of third order only. It costs "
-            f"nothing that counts: even at {1e3 * STEPS_S[working - 1]:g} ms no error is above "
-            f"{1e3 * above:.0e} mm.",
-            f"How: a manoeuvre of {DURATION_S:g} s with constant commands from a tilted start, in "
-            f"0.3 m/s of current; the largest error of a coordinate against a step of "
-            f"{1e3 * FINEST_S:.3g} ms. Linear drag is the vehicle's own at {TYPICAL_SPEED:g} m/s. "
-            f"Gusts are those of seed {SEED}; their grid of {1e3 * GUST_GRID_S:g} ms has a kink at "
-            f"each node, so steps are whole parts of it, as the working step of "
-            f"{1e3 * STEP_S:g} ms is. The order is the slope over the errors above "
-            f"{1e3 * FLOOR_M:.0e} mm; below, rounding counts. Errors in mm:",
+            f"With linear drag the order is between {min(smooth):.2f} and {max(smooth):.2f}; that "
+            "of the Runge-Kutta method is 4. With the vehicles' own drag it is between "
+            f"{min(own):.2f} and {max(own):.2f}: the second derivative of v abs(v) jumps where an "
+            "axis reverses its direction, and a step across such an instant is only of third "
+            "order. The effect is negligible: even at "
+            f"{1e3 * STEPS_S[working - 1]:g} ms no error is above {1e3 * above:.0e} mm.",
+            f"Method: a manoeuvre of {DURATION_S:g} s with constant commands from a tilted start, "
+            f"in a current of 0.3 m/s; the largest error of a coordinate relative to a step of "
+            f"{1e3 * FINEST_S:.3g} ms. The linear drag equals the vehicle's own at "
+            f"{TYPICAL_SPEED:g} m/s. The gusts are those of seed {SEED}; they are piecewise linear "
+            f"on a grid of {1e3 * GUST_GRID_S:g} ms, so all steps divide it, as does the working "
+            f"step of {1e3 * STEP_S:g} ms. The order is the slope over the errors above "
+            f"{1e3 * FLOOR_M:.0e} mm; below that, rounding errors dominate. Errors in mm:",
             table(header, rows),
-            "![Error over step](figures/convergence.png)",
+            "![Error over step size](figures/convergence.png)",
         ]
     )

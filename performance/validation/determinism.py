@@ -1,4 +1,4 @@
-"""The same run in other processes and as if on other processors: which columns differ."""
+"""The same run in other processes and with fewer CPU instructions: which columns differ."""
 
 import os
 import subprocess
@@ -25,14 +25,14 @@ import numpy as np
 from performance.validation.determinism import short_run
 np.save(sys.argv[1], short_run())
 """
-# Instructions that are taken away: from Numba's compiler, glibc's functions, NumPy's and OpenCV's
-# choice of kernels. A cache of its own, so that nothing compiled before is used.
+# Instruction sets masked for Numba's compiler, glibc's functions and OpenCV's choice of kernels.
+# Numba gets a cache of its own, so that it uses no code compiled earlier.
 OLD_NUMBA = {"NUMBA_CPU_NAME": "generic", "NUMBA_CPU_FEATURES": ""}
 OLD_GLIBC = {"GLIBC_TUNABLES": "glibc.cpu.hwcaps=-AVX2,-FMA,-AVX512F,-AVX512VL,-AVX512BW"}
 OLD_OPENCV = {"OPENCV_CPU_DISABLE": "AVX2,FMA3,AVX,AVX512_SKX,AVX512_ICL"}
 SETTINGS: Mapping[str, Mapping[str, str]] = {
-    "as it is": {},
-    "another process, other hash seed, one thread": {
+    "unchanged": {},
+    "another hash seed, one thread": {
         "PYTHONHASHSEED": "7",
         "OMP_NUM_THREADS": "1",
     },
@@ -44,7 +44,7 @@ SETTINGS: Mapping[str, Mapping[str, str]] = {
 
 
 class Outcome(NamedTuple):
-    """One process's telemetry against the first one's."""
+    """The telemetry of one process, compared with that of the first."""
 
     what: str
     digest: str
@@ -57,7 +57,7 @@ def short_run() -> Rows:
 
 
 def in_process(settings: Mapping[str, str], folder: Path) -> Rows:
-    """Return the telemetry of the short run in a process with these variables."""
+    """Return the telemetry of the short run in a process with these environment variables."""
     out = folder / "rows.npy"
     environment = {"PATH": os.environ.get("PATH", ""), **settings}
     if "NUMBA_CPU_NAME" in settings:
@@ -74,7 +74,7 @@ def differing_columns(first: Rows, second: Rows) -> list[str]:
 
 
 def outcomes(settings: Mapping[str, Mapping[str, str]] = SETTINGS) -> list[Outcome]:
-    """Return what each process gave; the first is what the others are compared with."""
+    """Return the outcome of each process; the first is the reference for the others."""
     found: list[Outcome] = []
     first: Rows | None = None
     for what, variables in settings.items():
@@ -90,7 +90,7 @@ def section(_names: list[str], _figures: Path) -> str:
     found = outcomes()
     columns = sorted({name for entry in found for name in entry.differing})
     verdict = (
-        f"All {len(found)} processes gave the same bytes in every column of the telemetry."
+        f"All {len(found)} processes gave the same bytes in every telemetry column."
         if not columns
         else f"**These columns differ:** {', '.join(columns)}."
     )
@@ -101,12 +101,12 @@ def section(_names: list[str], _figures: Path) -> str:
     return "\n\n".join(
         [
             verdict,
-            f"How: PI, `{VEHICLE}`, tracker `esm`, levels {', '.join(f'{v:g}' for v in LEVELS)} "
-            f"m/s of {LEVEL_S:g} s, seed {SEED}; every row is a process of its own on one machine "
-            f"({cpu_class()['level']}), compared column by column and byte by byte; the digest is "
-            "the telemetry's, without the controller's wall time. Masking instructions stands in "
-            "for an older processor of the same family; it is no test on another maker's "
-            "processor, nor on other versions of the libraries.",
+            f"Method: PI, `{VEHICLE}`, tracker `esm`, levels {', '.join(f'{v:g}' for v in LEVELS)} "
+            f"m/s of {LEVEL_S:g} s each, seed {SEED}. Each row is a process of its own on one "
+            f"machine ({cpu_class()['level']}), compared column by column and byte by byte. The "
+            "digest is that of the telemetry without the controller's wall time. Masked "
+            "instructions stand in for an older processor of the same family; processors of other "
+            "manufacturers and other versions of the libraries are not tested.",
             table(("process", "digest (first 16 digits)", "columns that differ"), rows),
         ]
     )

@@ -1,4 +1,4 @@
-"""The six facts of the published experiment, each with our number beside it."""
+"""The six findings of the published experiment, compared with ours."""
 
 from pathlib import Path
 from typing import NamedTuple
@@ -12,10 +12,10 @@ from performance.validation.markdown import signed, table
 from performance.validation.trials import PAPER_VEHICLE, SEED, configured
 from seamark.sim.recording.telemetry import INDEX, Rows
 
-TITLE = "The six facts of the published experiment"
+TITLE = "The six findings of the published experiment"
 PUBLISHED_X_PX = 18.0  # P on X at 0.4 m/s, read off the published figure
-PUBLISHED_BACK_S = 40.0  # PI on X, the stronger levels
-FIRST_ESTIMATE_Y_PX = (1.6, 3.3, 5.1, 6.9)  # of this project, before the simulator existed
+PUBLISHED_RETURN_S = 40.0  # PI on X, the stronger levels
+FIRST_ESTIMATE_Y_PX = (1.6, 3.3, 5.1, 6.9)  # ours, from before the simulator existed
 KI = 0.02
 
 
@@ -33,14 +33,14 @@ def level_of(rows: Rows, level: int) -> Rows:
 
 
 def late_rms(rows: Rows, level: int, axis: str) -> float:
-    """Return the root mean square error [px] of one axis in the last part of a level."""
+    """Return the root mean square error [px] of one axis over the last WINDOW_S of a level."""
     mine = level_of(rows, level)
     late = mine[mine[:, INDEX["t"]] > mine[-1, INDEX["t"]] - WINDOW_S, INDEX[f"error_{axis}_px"]]
     return float(np.sqrt(np.mean(late * late)))
 
 
 def error_after(rows: Rows, level: int, seconds: float) -> float:
-    """Return the X error [px], meaned over 2 s, so long after a level began."""
+    """Return the X error [px], averaged over 2 s, at a time after the start of a level."""
     mine = level_of(rows, level)
     t = mine[:, INDEX["t"]] - mine[0, INDEX["t"]]
     near = np.abs(t - seconds) <= 1.0
@@ -48,7 +48,7 @@ def error_after(rows: Rows, level: int, seconds: float) -> float:
 
 
 def x_with_p(pair: Pair, speeds: tuple[float, ...]) -> str:
-    """Return fact 1."""
+    """Return finding 1."""
     ours = [facts(pair.p, level, "x").mean for level in range(len(speeds))]
     planar = [planar_check(X_AXIS, speed, 0.0)[0] for speed in speeds]
     rows = [
@@ -57,26 +57,27 @@ def x_with_p(pair: Pair, speeds: tuple[float, ...]) -> str:
     ]
     return "\n\n".join(
         [
-            f"Published: P settles beside the target, about {PUBLISHED_X_PX:g} px at "
-            f"{speeds[-1]:g} m/s and less below. Ours: **{ours[-1]:.1f} px**, in proportion to the "
-            "level. This one number is not a test: the share k of the body force (0.134) is fitted "
-            "to it. What is a test is that the other levels come out in proportion.",
+            f"Published: P settles beside the target, with an error of about "
+            f"{PUBLISHED_X_PX:g} px at {speeds[-1]:g} m/s and less at lower speeds. Ours: "
+            f"**{ours[-1]:.1f} px**, proportional to the level. This number is no test, because "
+            "the share k of the body force (0.134) is fitted to it. The test is that the other "
+            "levels are in proportion.",
             table(("level m/s", "ours px", "planar check px", "published px"), rows),
         ]
     )
 
 
 def x_with_pi(pair: Pair, speeds: tuple[float, ...]) -> str:
-    """Return fact 2."""
+    """Return finding 2."""
     levels = range(1, len(speeds))
     found = [facts(pair.pi, level, "x") for level in levels]
-    at_40 = [error_after(pair.pi, level, PUBLISHED_BACK_S) for level in levels]
+    at_40 = [error_after(pair.pi, level, PUBLISHED_RETURN_S) for level in levels]
     rows = [
         (
             *(
                 f"{speeds[level]:g}",
                 signed(f.mean),
-                "never" if f.back_s is None else f"{f.back_s:.0f}",
+                "never" if f.return_s is None else f"{f.return_s:.0f}",
             ),
             signed(late),
         )
@@ -84,16 +85,16 @@ def x_with_pi(pair: Pair, speeds: tuple[float, ...]) -> str:
     ]
     return "\n\n".join(
         [
-            f"Published: PI comes back to zero at every level, at the stronger ones after about "
-            f"{PUBLISHED_BACK_S:g} s. Ours: it comes back at every level. When depends on what "
-            f"counts as zero: within {BAND_PX:g} px (smoothed over 1 s) it takes longer than "
-            f"published at the strongest levels, and after {PUBLISHED_BACK_S:g} s "
-            f"{at_40[-1]:.1f} px of the error are left at {speeds[-1]:g} m/s. The figure's "
-            "resolution does not tell which threshold the authors had in mind.",
+            f"Published: PI returns to zero at every level, at the stronger ones after about "
+            f"{PUBLISHED_RETURN_S:g} s. Ours: it returns at every level. The time depends on the "
+            f"threshold: to within {BAND_PX:g} px (smoothed over 1 s) it takes longer than "
+            f"published at the strongest levels, and after {PUBLISHED_RETURN_S:g} s "
+            f"an error of {at_40[-1]:.1f} px remains at {speeds[-1]:g} m/s. The resolution of the "
+            "published figure does not show which threshold the authors used.",
             table(
                 (
                     *("level m/s", f"mean of the last {WINDOW_S:g} s, px"),
-                    *(f"within {BAND_PX:g} px after s", f"px after {PUBLISHED_BACK_S:g} s"),
+                    *(f"within {BAND_PX:g} px after s", f"px after {PUBLISHED_RETURN_S:g} s"),
                 ),
                 rows,
             ),
@@ -102,7 +103,7 @@ def x_with_pi(pair: Pair, speeds: tuple[float, ...]) -> str:
 
 
 def on_y(pair: Pair, speeds: tuple[float, ...]) -> str:
-    """Return fact 3."""
+    """Return finding 3."""
     rows, better = [], []
     for level, speed in enumerate(speeds[1:], start=1):
         p, pi = facts(pair.p, level, "y"), facts(pair.pi, level, "y")
@@ -116,18 +117,18 @@ def on_y(pair: Pair, speeds: tuple[float, ...]) -> str:
     header = ("level m/s", "P ours", "P planar", "PI ours", "PI planar", "RMS of PI over P")
     return "\n\n".join(
         [
-            "Published: a sinusoid that grows with the current with both; PI slightly better, "
-            "but it does not cancel it. Ours: the same; PI leaves "
-            f"{100.0 * min(better):.0f} to {100.0 * max(better):.0f} % of P's RMS error, most of "
-            "it the mean that P keeps. Mean (least to greatest) of the last "
+            "Published: a sinusoid that grows with the current for both controllers; PI is "
+            "slightly better but does not cancel it. Ours: the same. PI leaves "
+            f"{100.0 * min(better):.0f} to {100.0 * max(better):.0f} % of P's RMS error; most of "
+            "what it removes is the mean error of P. Mean (minimum to maximum) over the last "
             f"{WINDOW_S:g} s of a level, px:",
             table(header, rows),
             "The body force on Y is rectified (it never changes its sign), so P has a mean "
-            f"error: {_listed(mine)} px. An early estimate of this project had "
-            f"{_listed(FIRST_ESTIMATE_Y_PX)} px. It drove Y with the sway axis (effort 6 per m/s, "
-            "one thruster), and with these the planar check gives "
-            f"{_listed(swapped)} px. In the published plant Y is surge: effort 5, two thrusters; "
-            "the simulator and the planar check, which share no code, agree on that.",
+            f"error: {_listed(mine)} px. An early estimate of ours was "
+            f"{_listed(FIRST_ESTIMATE_Y_PX)} px. It drove Y by the sway axis (effort 6 per m/s, "
+            "one thruster); with these values the planar check gives "
+            f"{_listed(swapped)} px. In the published plant Y is surge (effort 5, two thrusters); "
+            "the simulator and the planar check, which share no code, agree on this.",
         ]
     )
 
@@ -137,7 +138,7 @@ def _listed(values: tuple[float, ...] | list[float]) -> str:
 
 
 def without_current(pair: Pair) -> str:
-    """Return fact 6."""
+    """Return finding 6."""
     rows = [
         (law.upper(), *(f"{late_rms(mine, 0, axis):.2f}" for axis in "xy"))
         for law, mine in zip(("p", "pi"), pair, strict=True)
@@ -145,10 +146,10 @@ def without_current(pair: Pair) -> str:
     weak = [late_rms(mine, 1, "x") for mine in pair]
     return "\n\n".join(
         [
-            "Published: with no or little current P and PI look alike. Ours: in still water they "
-            "do: what is left is the noise of the DVL. At 0.1 m/s they already differ on X "
+            "Published: with little or no current P and PI look alike. Ours: in still water they "
+            "do, and what remains is the noise of the DVL. At 0.1 m/s they already differ on X "
             f"({weak[0]:.1f} px RMS with P, {weak[1]:.1f} px with PI at the end of the level), "
-            "so for a low current we agree less than for none. RMS in px, last "
+            "so the agreement is worse for a weak current than for none. RMS in px, last "
             f"{WINDOW_S:g} s, level 0:",
             table(("controller", "X", "Y"), rows),
         ]
@@ -162,11 +163,11 @@ def section(_names: list[str], figures: Path) -> str:
     speeds = configured(vehicle=PAPER_VEHICLE).levels
     return "\n\n".join(
         [
-            f"How: benchmark `currents-v1`, vehicle `{PAPER_VEHICLE}` with the defaults that it "
-            f"brings, tracker `esm` (homography), P with Kp 0.5 and PI with Kp 0.5, Ki {KI:g}, "
-            f"seed {SEED}, trial 0. Signs are such that the current pushes to the positive side. "
-            "The planar check integrates one axis by itself (`performance/paper_figures.py`): no "
-            "camera, no tracker, no noise.",
+            f"Method: benchmark `currents-v1`, vehicle `{PAPER_VEHICLE}` with its own defaults, "
+            f"tracker `esm` (homography), P with Kp 0.5 and PI with Kp 0.5, Ki {KI:g}, "
+            f"seed {SEED}, trial 0. Errors are positive in the direction of the current. "
+            "The planar check (`performance/paper_figures.py`) integrates a single axis without "
+            "camera, tracker or noise.",
             "![X and Y error of P and PI over the five levels](figures/p-and-pi.png)",
             "### 1. P on X\n",
             x_with_p(pair, speeds),

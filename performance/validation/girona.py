@@ -1,4 +1,4 @@
-"""P and PI on the realistic vehicle: the same task with honest water, several seeds."""
+"""P and PI on the realistic vehicle: the same task with a physical current, several seeds."""
 
 from pathlib import Path
 
@@ -38,12 +38,12 @@ def section(_names: list[str], _figures: Path) -> str:
     )
     return "\n\n".join(
         [
-            f"Score of 100, mean and range over the seeds: {score_text}.",
-            f"How: `currents-v1` with its defaults on `{VEHICLE}` (current bow-on as relative "
-            "velocity, gusts, depth and heading held, tracker `esm`), built-in gains, seeds "
-            f"{', '.join(map(str, SEEDS))}, trial 0; means over the seeds of each level after its "
-            "settle window. Nothing of this is published; it shows what the published controllers "
-            "are worth in water that obeys physics.",
+            f"Score out of 100, mean and range over the seeds: {score_text}.",
+            f"Method: `currents-v1` with its defaults on `{VEHICLE}` (head current as relative "
+            "velocity, gusts, depth and heading hold, tracker `esm`), built-in gains, seeds "
+            f"{', '.join(map(str, SEEDS))}, trial 0; means over the seeds for each level after its "
+            "settle window. There is no published counterpart; this shows how the published "
+            "controllers perform in a physically consistent current.",
             table(header, rows),
         ]
     )

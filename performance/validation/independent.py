@@ -1,4 +1,4 @@
-"""The plant beside the independent reference: a free manoeuvre of a minute."""
+"""The plant compared with the independent reference over a free manoeuvre of a minute."""
 
 from pathlib import Path
 from typing import NamedTuple
@@ -14,7 +14,7 @@ from seamark.sim.vehicles import Array, load
 
 TITLE = "Comparison with an independent implementation"
 LEG_S = 10.0
-TURNS = (1.0, -0.6, 0.3, -1.0, 0.8, 0.5)  # the commands of each leg, as shares
+LEG_SCALES = (1.0, -0.6, 0.3, -1.0, 0.8, 0.5)  # factor on the commands in each leg
 LEVEL, AZIMUTH = 0.4, 0.5
 
 
@@ -23,7 +23,7 @@ class Difference(NamedTuple):
 
     name: str
     law: str
-    place_mm: float
+    position_mm: float
     angle_rad: float
     speed_mm_s: float
     travelled_m: float
@@ -31,7 +31,7 @@ class Difference(NamedTuple):
 
 def legs_of(count: int) -> list[Leg]:
     """Return the manoeuvre for a number of thrusters."""
-    return [Leg(LEG_S, share * commands(count)) for share in TURNS]
+    return [Leg(LEG_S, scale * commands(count)) for scale in LEG_SCALES]
 
 
 def plant_end(name: str, legs: list[Leg], water: Water) -> Array:
@@ -39,25 +39,25 @@ def plant_end(name: str, legs: list[Leg], water: Water) -> Array:
     pattern = Pattern(azimuth_rad=water.azimuth, law="force" if water.force else "relative")
     plant = Plant(load(name), Current(water.level, pattern=pattern))
     plant.place(START)
-    tick = 0
+    step = 0
     for leg in legs:
         steps = round(leg.seconds / plant.step_s)
-        plant.advance(tick, leg.command, steps)
-        tick += steps
+        plant.advance(step, leg.command, steps)
+        step += steps
     return np.concatenate((plant.pose(), plant.velocity(), plant.thrust()))
 
 
 def difference(name: str, *, force: bool) -> Difference:
-    """Return how far the two are apart after the manoeuvre."""
+    """Return the difference between the two after the manoeuvre."""
     legs = legs_of(len(load(name).thrusters))
     water = Water(level=LEVEL, azimuth=AZIMUTH, force=force)
     ours, other = plant_end(name, legs, water), reference(load(name), START, legs, water)
     apart = np.abs(ours - other)
-    turned = apart[3:6] % (2.0 * np.pi)  # the reference counts whole turns
+    turned = apart[3:6] % (2.0 * np.pi)  # the reference does not wrap angles
     return Difference(
         name=name,
         law="force" if force else "relative",
-        place_mm=1e3 * float(apart[:3].max()),
+        position_mm=1e3 * float(apart[:3].max()),
         angle_rad=float(np.minimum(turned, 2.0 * np.pi - turned).max()),
         speed_mm_s=1e3 * float(apart[6:9].max()),
         travelled_m=float(np.linalg.norm(ours[:3] - START[:3])),
@@ -67,28 +67,27 @@ def difference(name: str, *, force: bool) -> Difference:
 def section(names: list[str], _figures: Path) -> str:
     """Return the section's text."""
     found = [difference(name, force=force) for name in names for force in (False, True)]
-    worst = max(entry.place_mm for entry in found)
+    worst = max(entry.position_mm for entry in found)
     rows = [
         (
-            *(d.name, d.law, f"{d.travelled_m:.1f}", f"{d.place_mm:.1e}"),
+            *(d.name, d.law, f"{d.travelled_m:.1f}", f"{d.position_mm:.1e}"),
             *(f"{d.angle_rad:.1e}", f"{d.speed_mm_s:.1e}"),
         )
         for d in found
     ]
-    header = ("vehicle", "current law", "moved m", "place mm", "angle rad", "speed mm/s")
+    header = ("vehicle", "current law", "moved m", "position mm", "angle rad", "speed mm/s")
     return "\n\n".join(
         [
-            f"After {LEG_S * len(TURNS):g} s the places differ by at most {worst:.1e} mm.",
-            f"How: {len(TURNS)} legs of {LEG_S:g} s with different commands on all thrusters, "
-            f"from a tilted start, in {LEVEL:g} m/s of current with both sinusoids and no gust; "
-            "nothing controls the vehicle. The reference (`performance/validation/reference.py`) "
-            "shares the vehicles' numbers with the plant, and the mass and allocation "
-            "matrices that the vehicle's file makes of them, but no equation of motion: Euler "
-            "angles instead of a quaternion, Fossen's C(v) from the blocks of the mass matrix, "
-            "thrust curves inverted by Brent's method, SciPy's DOP853 at a relative tolerance of "
-            "1e-11. "
-            f"The plant steps {1e3 * STEP_S:g} ms. A wrong number in a vehicle's file would be "
-            "wrong in both; the last section is for that.",
+            f"After {LEG_S * len(LEG_SCALES):g} s the positions differ by at most {worst:.1e} mm.",
+            f"Method: {len(LEG_SCALES)} legs of {LEG_S:g} s in open loop with different commands "
+            f"on all thrusters, from a tilted start, in a current of {LEVEL:g} m/s with both "
+            "sinusoids and no gusts. The reference (`performance/validation/reference.py`) shares "
+            "the vehicle parameters with the plant, and the mass and allocation matrices computed "
+            "from them, but no equation of motion: Euler angles instead of a quaternion, Fossen's "
+            "C(v) from the blocks of the mass matrix, thrust curves inverted by Brent's method, "
+            "SciPy's DOP853 with a relative tolerance of 1e-11. "
+            f"The plant's step is {1e3 * STEP_S:g} ms. A wrong parameter in a vehicle's file would "
+            "be wrong in both; the last section lists their sources.",
             table(header, rows),
         ]
     )

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Sequence
 
 
 def table(header: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
-    """Return a Markdown table; cells are written with `str`, their bars escaped."""
+    """Return a Markdown table; cells are converted with `str` and their bars escaped."""
     lines = [_line(header), "|" + "---|" * len(header)]
     return "\n".join([*lines, *(_line(row) for row in rows)])
 
@@ -14,6 +14,6 @@ def _line(cells: Sequence[object]) -> str:
 
 
 def signed(value: float, digits: int = 1) -> str:
-    """Return a number that never reads -0.0."""
+    """Return the formatted number, never as -0.0."""
     text = f"{value:.{digits}f}"
     return text[1:] if float(text) == 0.0 and text.startswith("-") else text

@@ -1,4 +1,4 @@
-"""The published offset of about -5 px on Y: what gives it in this simulator, and what does not."""
+"""The published offset of about -5 px on Y: what reproduces it here, and what does not."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -21,11 +21,11 @@ STILL: Mapping[str, Any] = {
     "settle_s": 30.0,
 }
 VISIBILITY_HEIGHT_M = 1.27  # S: UWSim visionBenchmarkScene.xml
-VISIBILITY_AT_PX = (98.0, 43.0)  # S: the constant ground truth there, right and below the centre
+VISIBILITY_AT_PX = (98.0, 43.0)  # S: its constant ground truth, right of and below the centre
 
 
 def late_y(rows: Rows) -> float:
-    """Return the mean Y error [px] of the last part."""
+    """Return the mean Y error [px] over the last LATE_S."""
     t = rows[:, INDEX["t"]]
     return float(rows[t >= t[-1] - LATE_S, INDEX["error_y_px"]].mean())
 
@@ -33,16 +33,16 @@ def late_y(rows: Rows) -> float:
 def offset(controller: str, *, shift_px: float = 0.0, **values: Any) -> float:
     """Return the Y error [px] at which a controller settles.
 
-    `shift_px` moves all corners that the tracker starts from.
+    `shift_px` is the offset of all corners at which the tracker is initialised.
     """
     corners = np.tile([0.0, shift_px], (4, 1))
     return late_y(moved_level(controller, corners_px=corners, **{**STILL, **values}))
 
 
-def pictured(
+def projected(
     points: NDArray[np.float64], camera: NDArray[np.float64], focal: float
 ) -> NDArray[np.float64]:
-    """Return where a level camera that heads north sees points, (k, 2) [px] from the centre."""
+    """Return the image of points in a level camera heading north, (k, 2) [px] from the centre."""
     away = points - camera
     return np.stack([focal * away[:, 1] / away[:, 2], -focal * away[:, 0] / away[:, 2]], axis=1)
 
@@ -54,22 +54,22 @@ def box_corners(target: Target) -> NDArray[np.float64]:
 
 
 def rectangle_shift(camera: NDArray[np.float64], target: Target) -> NDArray[np.float64]:
-    """Return how the rectangle around all eight corners differs from the top face, (4, 2) [px].
+    """Return the bounding rectangle of all eight corners minus the top face, (4, 2) [px].
 
-    It is what the original gives a tracker to start from: sides that show make it larger.
+    The original initialises its tracker with that rectangle; visible sides make it larger.
     """
     focal = CURRENTS.focal_px
-    seen = pictured(box_corners(target), camera, focal)
+    seen = projected(box_corners(target), camera, focal)
     (left, upper), (right, lower) = seen.min(axis=0), seen.max(axis=0)
     around = np.array([[left, upper], [right, upper], [right, lower], [left, lower]])
-    return around - pictured(target.top_corners(), camera, focal)
+    return around - projected(target.top_corners(), camera, focal)
 
 
 def original_start(controller: str) -> float:
-    """Return the Y error [px] for the original scene's start and both of its conventions.
+    """Return the Y error [px] for the start and both conventions of the original scene.
 
-    The vehicle starts above the target, its camera therefore beside it by the mount; the tracker
-    starts from the rectangle around the whole box; the truth is the projected origin.
+    The vehicle starts above the target, so its camera is off by the mounting offset; the tracker is
+    initialised with the bounding rectangle of the whole box; the truth is the projected origin.
     """
     target, height = Target(), configured(**STILL).altitude_m
     camera = target.top_centre() + np.array([MOUNT_M[0], MOUNT_M[1], -height])
@@ -85,7 +85,7 @@ def original_start(controller: str) -> float:
 
 
 def parallax_share(height_m: float) -> float:
-    """Return the origin's parallax per pixel that the target is off the centre."""
+    """Return the parallax of the origin per pixel between target and image centre."""
     return 1.0 - height_m / (height_m + 0.5 * Target().height_m)
 
 
@@ -95,12 +95,12 @@ def visibility_parallax(optics: Optics = VISIBILITY) -> tuple[float, float]:
     right, below = (px * VISIBILITY_HEIGHT_M / optics.focal_px for px in VISIBILITY_AT_PX)
     camera = target.top_centre() + np.array([below, -right, -VISIBILITY_HEIGHT_M])
     points = np.stack([target.origin(), target.top_centre()])
-    origin, top = pictured(points, camera, optics.focal_px).tolist()
+    origin, top = projected(points, camera, optics.focal_px).tolist()
     return origin[0] - top[0], origin[1] - top[1]
 
 
 def text() -> str:
-    """Return the fact's text."""
+    """Return the text of the finding."""
     height = configured(**STILL).altitude_m
     needed = abs(PUBLISHED_PX) / parallax_share(height)
     side = visibility_parallax()
@@ -117,27 +117,27 @@ def text() -> str:
         for what, found in (
             ("truth is the centre of the top face (ours)", held),
             ("truth is the projected origin of the box (`target_truth=uwsim`)", uwsim),
-            ("that, the original scene's start, tracker begun around all eight corners", original),
-            ("tracker begun 5 px off on Y", shifted),
-            ("the same at 0.4 m/s: change against an unshifted start", strong),
+            ("as above, with the original scene's start and initial tracker rectangle", original),
+            ("tracker initialised 5 px off on Y", shifted),
+            ("the same at 0.4 m/s: change relative to an exact initialisation", strong),
         )
     ]
     return "\n\n".join(
         [
-            "**Not reproduced by itself, and the ground-truth convention alone does not explain "
-            "it.** Means of the Y error in px over the last 30 s of a minute in still water:",
-            table(("what is changed", "P", "PI"), rows),
+            "**Not reproduced by default, and the ground-truth convention alone does not explain "
+            "it.** Mean Y error in px over the last 30 s of a minute in still water:",
+            table(("change", "P", "PI"), rows),
             "The projected origin lies below the top face, so it differs from the visible centre "
-            f"by parallax: {100.0 * parallax_share(height):.1f} % of the distance from the image's "
-            "centre. A station keeper brings the target to the centre, where that is nothing; 5 px "
+            f"by parallax: {100.0 * parallax_share(height):.1f} % of the distance from the image "
+            "centre. A station keeper brings the target to the centre, where this vanishes; 5 px "
             f"would need a target {needed:.0f} px away. In the original's static visibility view "
             f"(target {VISIBILITY_AT_PX[0]:g} px right and {VISIBILITY_AT_PX[1]:g} px below the "
             f"centre at {VISIBILITY_HEIGHT_M:g} m) the convention does give {side[0]:.1f} px on X "
-            f"and {side[1]:.1f} px on Y, with a perfect tracker: there it matters, here it does "
-            "not. What gives the published picture, for P and PI alike and at every level, is what "
-            "the paper itself says: a tracker that is 5 px off and guides the vehicle there. Our "
-            "tracker is begun at the true corners and stays within a tenth of a pixel of them, so "
-            "it has no such offset; where the authors' tracker had its own from cannot be told "
-            f"from the figure. (Seed {SEED}, tracker `esm`.)",
+            f"and {side[1]:.1f} px on Y with a perfect tracker: it matters there, but not here. "
+            "What reproduces the published figure, for P and PI alike and at every level, is the "
+            "paper's own explanation: a tracker that is 5 px off guides the vehicle to that "
+            "offset. Our tracker is initialised at the true corners and stays within a tenth of a "
+            "pixel of them, so it has no such offset; the figure does not show where the offset "
+            f"of the authors' tracker came from. (Seed {SEED}, tracker `esm`.)",
         ]
     )

@@ -1,4 +1,4 @@
-"""The page: all sections, one after the other."""
+"""The page with all its sections."""
 
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from multiprocessing import get_context
@@ -34,16 +34,16 @@ def titles() -> list[str]:
 
 
 def introduction() -> str:
-    """Return what stands above the sections."""
+    """Return the text above the sections."""
     used = ", ".join(f"{name} {versions()[name]}" for name in SHOWN_VERSIONS)
     return "\n\n".join(
         [
             "# Validation",
-            "This page is written by `./run validation`; every number of ours comes from that "
-            "computation. Published numbers are those of Pérez, Sales, Marín and Sanz, *Online "
+            "This page is written by `./run validation`, which computes every number of ours. "
+            "The published numbers are those of Pérez, Sales, Marín and Sanz, *Online "
             "Tool for Benchmarking of Simulated Intervention Autonomous Underwater Vehicles*.",
-            f"Computed with the simulator's sources `{code_sha256()[:16]}` (SHA-256 over `sim/`, "
-            f"as in a run's manifest), {used}.",
+            f"Computed with simulator sources `{code_sha256()[:16]}` (SHA-256 over `sim/`, as in "
+            f"the manifest of a run), {used}.",
         ]
     )
 
@@ -58,10 +58,10 @@ def section_text(title: str, names: list[str], figures: Path) -> str:
 def write(out: Path) -> None:
     """Compute everything and write the page to `out`, its plots to `figures` beside it.
 
-    Two sections at a time, the slowest first; each in its own process, which changes no number.
+    Two sections run at a time, the slowest first, each in a process of its own.
     """
     names, texts = vehicles.names(), {}
-    context = get_context("spawn")  # threads of Numba and OpenCV do not survive a fork
+    context = get_context("spawn")  # the threads of Numba and OpenCV do not survive a fork
     with ProcessPoolExecutor(max_workers=2, mp_context=context) as pool:
         pending = {
             pool.submit(section_text, title, names, out.parent / "figures"): title

@@ -1,4 +1,4 @@
-"""Plots: one look, small files, the same bytes for the same numbers."""
+"""Plots: one style, small files, the same bytes for the same numbers."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -11,9 +11,9 @@ DPI = 100
 
 @contextmanager
 def figure(out: Path, *, rows: int = 1, height: float = 4.0) -> Iterator[Any]:
-    """Give the axes of a new figure, one or an array of `rows`, and write it to `out` at the end.
+    """Yield the axes of a new figure (an array if `rows` > 1); write it to `out` at the end.
 
-    Matplotlib is of the development group and loaded only here.
+    Matplotlib is a development dependency and imported only here.
     """
     import matplotlib  # noqa: PLC0415
 
@@ -26,5 +26,5 @@ def figure(out: Path, *, rows: int = 1, height: float = 4.0) -> Iterator[Any]:
         panel.grid(alpha=0.3)
     out.parent.mkdir(parents=True, exist_ok=True)
     drawing.tight_layout()
-    drawing.savefig(out, metadata={"Software": None})  # no version inside: bytes stay the same
+    drawing.savefig(out, metadata={"Software": None})  # no version: same bytes
     pyplot.close(drawing)

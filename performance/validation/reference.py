@@ -1,9 +1,9 @@
-"""A second simulator, written apart from the first: SciPy, Euler angles, Fossen's matrices.
+"""A second, independent simulator: SciPy, Euler angles, Fossen's matrices.
 
-It shares with `sim` the vehicle's numbers and the mass and allocation matrices made of them, and
-no equation of motion: rotations are three elementary ones instead of a quaternion, C(v) is built
-from the blocks of the mass matrix, thrust curves are inverted by Brent's method, and an adaptive
-Dormand-Prince 8(5,3) solver integrates. For tests and for the validation; far too slow to be used.
+It shares with `sim` the vehicle parameters and the mass and allocation matrices computed from them,
+but no equation of motion: rotations are composed of three elementary ones instead of a quaternion,
+C(v) is built from the blocks of the mass matrix, thrust curves are inverted by Brent's method, and
+an adaptive Dormand-Prince 8(5,3) solver integrates. For tests and validation; too slow for runs.
 """
 
 from collections.abc import Callable, Sequence
@@ -15,20 +15,20 @@ from scipy.optimize import brentq
 
 from seamark.sim.vehicles import STANDARD_GRAVITY, Array, Vehicle
 
-FORCE = 410.0 * 0.134  # [N s²/m²] S and D: sim/physics/current.py, the published body force
+FORCE = 410.0 * 0.134  # [N s²/m²] S and D: the published body force, see sim/physics/current.py
 
 
 class Leg(NamedTuple):
-    """A part of a manoeuvre: the thrusters' commands, (n,) in [-1, 1], and how long they last."""
+    """One leg of a manoeuvre: its duration and constant thruster commands, (n,) in [-1, 1]."""
 
     seconds: float
     command: Array
 
 
 class Water(NamedTuple):
-    """The current without gusts: its level [m/s], where it comes from [rad], and its law.
+    """The current without gusts: its level [m/s], the direction it comes from [rad], and its law.
 
-    With an exponent n it is ((bottom - z) / height)^n of that at the depth z [m].
+    With an exponent n, the speed at depth z [m] is scaled by ((bottom - z) / height)^n.
     """
 
     level: float
@@ -39,14 +39,14 @@ class Water(NamedTuple):
     height: float = 1.0
 
 
-def cross(vector: Array) -> Array:
-    """Return the matrix whose product with b is vector x b."""
+def skew(vector: Array) -> Array:
+    """Return the skew-symmetric matrix S with S b = vector x b."""
     x, y, z = vector
     return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
 
 
-def turn(angles: Array) -> Array:
-    """Return the rotation from body to world as three elementary rotations."""
+def rotation_matrix(angles: Array) -> Array:
+    """Return the rotation matrix from body to world, composed of three elementary rotations."""
     (cr, cp, cy), (sr, sp, sy) = np.cos(angles), np.sin(angles)
     about_x = np.array([[1, 0, 0], [0, cr, -sr], [0, sr, cr]])
     about_y = np.array([[cp, 0, sp], [0, 1, 0], [-sp, 0, cp]])
@@ -55,24 +55,28 @@ def turn(angles: Array) -> Array:
     return rotation
 
 
-def skewed(mass: Array, velocity: Array) -> Array:
+def coriolis(mass: Array, velocity: Array) -> Array:
     """Return Fossen's C(v), (6, 6), from the blocks of the mass matrix."""
     a = mass[:3, :3] @ velocity[:3] + mass[:3, 3:] @ velocity[3:]
     b = mass[3:, :3] @ velocity[:3] + mass[3:, 3:] @ velocity[3:]
-    return np.block([[np.zeros((3, 3)), -cross(a)], [-cross(a), -cross(b)]])
+    return np.block([[np.zeros((3, 3)), -skew(a)], [-skew(a), -skew(b)]])
 
 
 def euler_rates(angles: Array, rates: Array) -> Array:
     """Return the rates of roll, pitch and yaw, (3,) [rad/s], for body rates p, q, r."""
     roll, pitch, _yaw = angles
     p, q, r = rates
-    lean = q * np.sin(roll) + r * np.cos(roll)
+    s = q * np.sin(roll) + r * np.cos(roll)  # yaw rate times cos(pitch)
     return np.array(
-        [p + lean * np.tan(pitch), q * np.cos(roll) - r * np.sin(roll), lean / np.cos(pitch)]
+        [
+            p + yaw_rate * np.tan(pitch),
+            q * np.cos(roll) - r * np.sin(roll),
+            yaw_rate / np.cos(pitch),
+        ]
     )
 
 
-def stream(t: float, water: Water) -> tuple[Array, Array, Array]:
+def current(t: float, water: Water) -> tuple[Array, Array, Array]:
     """Return the water's velocity and acceleration, (3,) NED, and the body force, (6,) [N]."""
     w1, w2 = 2 * np.pi / 4, 2 * np.pi / 30
     v, dv = water.level + 0.005 * np.sin(w1 * t), 0.005 * w1 * np.cos(w1 * t)
@@ -110,47 +114,47 @@ def reference(vehicle: Vehicle, start: Array, legs: Sequence[Leg], water: Water)
     start : (6,) [m, rad]
         Pose at rest with the thrusters stopped: x, y, z, roll, pitch, yaw.
     """
-    state, began = np.concatenate((start, np.zeros(6 + len(vehicle.thrusters)))), 0.0
+    state, start_s = np.concatenate((start, np.zeros(6 + len(vehicle.thrusters)))), 0.0
     for leg in legs:
         target = np.array([thrust_of(vehicle, float(value)) for value in leg.command])
         rate = _rate_of(vehicle, target, water)
-        span = (began, began + leg.seconds)
+        span = (start_s, start_s + leg.seconds)
         answer = solve_ivp(rate, span, state, method="DOP853", rtol=1e-11, atol=1e-12)
-        state, began = np.asarray(answer.y[:, -1]), span[1]
+        state, start_s = np.asarray(answer.y[:, -1]), span[1]
     return state
 
 
 def _rate_of(vehicle: Vehicle, target: Array, water: Water) -> Callable[[float, Array], Array]:
     rigid, added = vehicle.mass_rigid(), vehicle.mass_added()
-    solve = np.linalg.inv(rigid + added)
+    inverse_mass = np.linalg.inv(rigid + added)
     weight, buoyancy = vehicle.weight.scalar, vehicle.buoyancy.scalar
     centres = (vehicle.centre_of_gravity, vehicle.centre_of_buoyancy)
-    heavy, light = (np.array(centre.value) for centre in centres)
+    gravity_centre, buoyancy_centre = (np.array(centre.value) for centre in centres)
 
     def rate(t: float, y: Array) -> Array:
         angles, nu, thrust = y[3:6], y[6:12], y[12:]
-        rotation = turn(angles)
-        flow, rise, push = stream(t, water)
-        slipping = np.zeros(3)
+        rotation = rotation_matrix(angles)
+        flow, flow_rate, push = current(t, water)
+        shear = np.zeros(3)
         if water.exponent:
-            over = water.bottom - y[2]
-            share = (over / water.height) ** water.exponent
+            height = water.bottom - y[2]
+            share = (height / water.height) ** water.exponent
             sinking = (rotation @ nu[:3])[2]
-            slipping = -flow * water.exponent * share / over * sinking
-            flow, rise = share * flow, share * rise
+            shear = -flow * water.exponent * share / height * sinking
+            flow, flow_rate = share * flow, share * flow_rate
         carried = np.concatenate((rotation.T @ flow, np.zeros(3)))
         relative = nu - carried
-        down = rotation.T @ (np.array([0.0, 0.0, 1.0]) - rise / STANDARD_GRAVITY)
-        moment = np.cross(weight * heavy - buoyancy * light, down)
+        down = rotation.T @ (np.array([0.0, 0.0, 1.0]) - flow_rate / STANDARD_GRAVITY)
+        moment = np.cross(weight * gravity_centre - buoyancy * buoyancy_centre, down)
         restoring = np.concatenate(((weight - buoyancy) * down, moment))
         drag = vehicle.linear_drag() + vehicle.quadratic_drag() * np.abs(relative)
         total = vehicle.allocation() @ thrust + push + restoring - drag * relative
-        total -= skewed(rigid, relative) @ relative + skewed(added, relative) @ relative
-        # The added mass goes with the water along the hull's own path, the hull does not.
-        total += added @ np.concatenate((rotation.T @ slipping, np.zeros(3)))
-        speeding = solve @ total
-        speeding[:3] += rotation.T @ rise - np.cross(nu[3:], carried[:3])
+        total -= coriolis(rigid, relative) @ relative + coriolis(added, relative) @ relative
+        # The change of the current along the vehicle's path in depth acts on the added mass alone.
+        total += added @ np.concatenate((rotation.T @ shear, np.zeros(3)))
+        acceleration = inverse_mass @ total
+        acceleration[:3] += rotation.T @ flow_rate - np.cross(nu[3:], carried[:3])
         lag = (target - thrust) / vehicle.lag.scalar
-        return np.concatenate((rotation @ nu[:3], euler_rates(angles, nu[3:]), speeding, lag))
+        return np.concatenate((rotation @ nu[:3], euler_rates(angles, nu[3:]), acceleration, lag))
 
     return rate

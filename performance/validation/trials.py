@@ -1,4 +1,4 @@
-"""Trials that the validation looks at: telemetry and result of the built-in controllers."""
+"""Trials of the built-in controllers for the validation: telemetry and result."""
 
 from collections.abc import Sequence
 from contextlib import closing
@@ -22,14 +22,14 @@ PAPER_VEHICLE = "girona500-uwsim"
 
 
 class Trial(NamedTuple):
-    """One trial: telemetry of all levels, and metrics."""
+    """One trial: the telemetry of all levels, and its result."""
 
     rows: Rows
     result: TrialResult
 
 
 def configured(**values: object) -> CurrentsConfiguration:
-    """Return a configuration of the benchmark; what is left out is the vehicle's default."""
+    """Return a configuration of the benchmark; omitted settings are the vehicle's defaults."""
     config = benchmark(BENCHMARK).read(values)
     if not isinstance(config, CurrentsConfiguration):
         raise TypeError(f"{BENCHMARK} is configured by a {type(config).__name__}")
@@ -52,14 +52,14 @@ def moved_level(
     corners_px: Sequence[Sequence[float]] | NDArray[np.float64],
     **values: object,
 ) -> Rows:
-    """Return the telemetry of the first level, begun in a way that no configuration offers.
+    """Return the telemetry of the first level from a start that no configuration offers.
 
     Parameters
     ----------
     start_m : (2,) [m]
-        Where the vehicle starts, north and east of the place above the target.
+        Start of the vehicle, north and east of the position above the target.
     corners_px : (4, 2) [px]
-        Added to the true corners that the tracker starts from.
+        Offset from the true corners at which the tracker is initialised.
     """
     config = configured(**values)
     rows: list[Rows] = []

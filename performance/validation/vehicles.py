@@ -1,4 +1,4 @@
-"""Every vehicle's numbers, read from the vehicle itself."""
+"""The parameters of every vehicle, read from its file."""
 
 from pathlib import Path
 
@@ -6,11 +6,11 @@ from performance.validation.markdown import table
 from seamark.sim.registry import VEHICLES
 from seamark.sim.vehicles import TAGS, Quantity, Vehicle, load
 
-TITLE = "The vehicles' numbers and where they are from"
+TITLE = "Vehicle parameters and their sources"
 
 
 def names() -> list[str]:
-    """Return the names of all vehicles, in the order of the alphabet."""
+    """Return the names of all vehicles, in alphabetical order."""
     return sorted(VEHICLES)
 
 
@@ -24,7 +24,7 @@ def vehicle_text(vehicle: Vehicle) -> str:
         (key.replace("_", " "), q.meaning, _value(q), q.unit, q.tag, q.source)
         for key, q in vehicle.quantities()
     ]
-    header = ("number", "meaning", "value", "unit", "tag", "source")
+    header = ("parameter", "meaning", "value", "unit", "tag", "source")
     title = f"### `{vehicle.name}`: {vehicle.title}"
     return f"{title}\n\n{vehicle.summary}\n\n{table(header, rows)}"
 
@@ -34,7 +34,7 @@ def section(found: list[str], _figures: Path) -> str:
     tags = "; ".join(f"**{tag}** {meaning}" for tag, meaning in TAGS.items())
     return "\n\n".join(
         [
-            f"How: read from the files of `sim/vehicles`, which the simulator uses. Tags: {tags}.",
+            f"Read from the files of `sim/vehicles`, as used by the simulator. Tags: {tags}.",
             *(vehicle_text(load(name)) for name in found),
         ]
     )

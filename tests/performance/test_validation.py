@@ -86,7 +86,7 @@ def test_a_minute_of_free_motion_agrees_with_the_reference(name: str) -> None:
     found = independent.difference(name, force=False)
 
     assert found.travelled_m > 1.0
-    assert found.place_mm < 1e-3
+    assert found.position_mm < 1e-3
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -111,7 +111,10 @@ def test_the_rectangle_around_the_box_is_the_top_face_for_a_camera_above_it() ->
 
 def test_the_parallax_of_the_origin_is_that_of_the_visibility_view() -> None:
     assert np.abs(offset.visibility_parallax()) == pytest.approx([4.77, 2.09], abs=0.01)
-    assert offset.pictured(np.eye(3), np.array([0.0, 0.0, -1.0]), CURRENTS.focal_px).shape == (3, 2)
+    assert offset.projected(np.eye(3), np.array([0.0, 0.0, -1.0]), CURRENTS.focal_px).shape == (
+        3,
+        2,
+    )
 
 
 def test_columns_that_differ_in_one_bit_are_named() -> None:
