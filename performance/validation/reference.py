@@ -67,13 +67,7 @@ def euler_rates(angles: Array, rates: Array) -> Array:
     roll, pitch, _yaw = angles
     p, q, r = rates
     s = q * np.sin(roll) + r * np.cos(roll)  # yaw rate times cos(pitch)
-    return np.array(
-        [
-            p + yaw_rate * np.tan(pitch),
-            q * np.cos(roll) - r * np.sin(roll),
-            yaw_rate / np.cos(pitch),
-        ]
-    )
+    return np.array([p + s * np.tan(pitch), q * np.cos(roll) - r * np.sin(roll), s / np.cos(pitch)])
 
 
 def current(t: float, water: Water) -> tuple[Array, Array, Array]:
