@@ -34,7 +34,7 @@ def create_app(settings: Settings) -> OpenAPI:
         static_folder=str(_FOLDER / "static"),
         static_url_path="/static",
         doc_ui=False,  # /api/docs is the API's own page
-        validation_error_callback=lambda error: problems.of_validation(error).response(),
+        validation_error_callback=lambda error: problems.from_validation_error(error).response(),
     )
     _configure(app, settings)
     _believe_proxies(app, settings.proxies)

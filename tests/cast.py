@@ -66,7 +66,7 @@ class Backend:
     ) -> StoredProgram:
         """Store a program as an upload of it is stored."""
         limit, data = self.settings.upload_max_bytes, self.settings.data
-        return store.store(io.BytesIO(source), name, limit=limit, data=data, role=role)
+        return store.save_upload(io.BytesIO(source), name, limit=limit, data=data, role=role)
 
     def queue(self, who: str = "ann", *, kind: str = "practice", **changes: Any) -> int:
         """Queue a run of the built-in PI controller, or of what `changes` says."""

@@ -9,10 +9,10 @@ from seamark.failures import PlatformFailed, ProgramFailed, UsageRefused
 
 if TYPE_CHECKING:
     from seamark.sandbox.isolation.level import IsolationLevel
-    from seamark.server.programs.store import Prepared
+    from seamark.server.programs.store import PreparedProgram
 
 
-def program_of(path: Path, *, benchmark: str) -> Prepared:
+def program_of(path: Path, *, benchmark: str) -> PreparedProgram:
     """Return the program in a file as an upload of it would be kept.
 
     Raises
@@ -23,13 +23,13 @@ def program_of(path: Path, *, benchmark: str) -> Prepared:
         An upload of it would be refused.
     """
     prepared = prepared_of(path, benchmark=benchmark)
-    if prepared.flaws:
-        raise ProgramFailed("\n".join(flaw.text() for flaw in prepared.flaws))
+    if prepared.diagnostics:
+        raise ProgramFailed("\n".join(diagnostic.text() for diagnostic in prepared.diagnostics))
     return prepared
 
 
-def prepared_of(path: Path, *, benchmark: str) -> Prepared:
-    """Return the program in a file with its flaws; raises as `program_of`."""
+def prepared_of(path: Path, *, benchmark: str) -> PreparedProgram:
+    """Return the program in a file with its diagnostics; raises as `program_of`."""
     from seamark.sandbox.languages import language_of
     from seamark.server.programs.archives import is_archive
     from seamark.server.programs.store import UploadRejected, prepare

@@ -1,4 +1,4 @@
-"""Who may do what: the one place that decides."""
+"""Permissions: the only place that decides who may do what."""
 
 from dataclasses import dataclass
 from enum import StrEnum
@@ -9,7 +9,7 @@ SCOPES: tuple[str, ...] = (READ, SUBMIT, ADMIN)
 
 
 class Action(StrEnum):
-    """What can be asked for. Those of the second group are about one run."""
+    """What a viewer may do; the second group applies to one run."""
 
     SUBMIT = "submit"
     UPLOAD = "upload"
@@ -28,24 +28,24 @@ class Action(StrEnum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Viewer:
-    """Who asks: a user, a guest known by the hash of a cookie, or nobody in particular."""
+    """Who sent a request: a user, a guest identified by a cookie, or an anonymous visitor."""
 
     user_id: int | None = None
     name: str = ""
     is_admin: bool = False
-    guest: str | None = None
+    guest: str | None = None  # hash of the cookie
     scopes: frozenset[str] = frozenset(SCOPES)  # fewer for a token
 
     @property
     def owner(self) -> str | None:
-        """The key under which this viewer's runs are queued and counted."""
+        """The key under which this viewer's runs are queued and counted; None if anonymous."""
         if self.user_id is not None:
             return f"user:{self.user_id}"
         return None if self.guest is None else f"guest:{self.guest}"
 
 
 class Owned(Protocol):
-    """What `can` must know of a run: tables.Run and runs.RunView have it."""
+    """What `can` needs to know about a run; tables.Run and RunView provide it."""
 
     @property
     def user_id(self) -> int | None: ...  # noqa: D102 - the attribute of tables.Run
@@ -57,16 +57,22 @@ class Owned(Protocol):
 
 _NEEDS_USER = {Action.UPLOAD, Action.SUBMIT_RANKED, Action.MANAGE_ACCOUNT}
 _READS = {Action.VIEW, Action.VIEW_PROGRAM, Action.VIEW_LOG}
-_SCOPE = {Action.ADMINISTER: ADMIN} | dict.fromkeys(_READS, READ)  # the others need SUBMIT
+
+
+def required_scope(action: Action) -> str:
+    """Return the scope that a token needs for an action."""
+    if action is Action.ADMINISTER:
+        return ADMIN
+    return READ if action in _READS else SUBMIT
 
 
 def can(viewer: Viewer, action: Action, run: Owned | None = None) -> bool:
-    """Return whether `viewer` may do `action`, to `run` if the action is about a run."""
+    """Return whether `viewer` may perform `action`, on `run` if it applies to a run."""
     if action is Action.ADMINISTER:
         return viewer.is_admin and ADMIN in viewer.scopes
     if run is not None and run.public and action in _READS:
         return True
-    if viewer.owner is None or _SCOPE.get(action, SUBMIT) not in viewer.scopes:
+    if viewer.owner is None or required_scope(action) not in viewer.scopes:
         return False
     if action in _NEEDS_USER:
         return viewer.user_id is not None
@@ -76,9 +82,9 @@ def can(viewer: Viewer, action: Action, run: Owned | None = None) -> bool:
 
 
 def _may_on_run(viewer: Viewer, action: Action, run: Owned) -> bool:
-    """Decide for a run that is not public, or for more than looking at it."""
+    """Decide for a private run, or for an action other than reading."""
     if action is Action.PUBLISH and viewer.user_id is None:
-        return False  # a guest has no name under which something could be published
+        return False  # a guest has no name to publish under
     if owns(viewer, run):
         return True
     if action is Action.RERUN:

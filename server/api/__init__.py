@@ -1,4 +1,4 @@
-"""The HTTP interface under /api/v1: one file per resource."""
+"""The HTTP API under /api/v1: one file per resource."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from seamark.server.api import (
     benchmarks,
     checks,
     datasets,
-    document,
     events,
     files,
     health,
     leaderboards,
+    openapi,
     runs,
     series,
 )
@@ -35,10 +35,10 @@ RESOURCES = (
 
 
 def register(app: Flask) -> None:
-    """Add the interface, its documentation, and the addresses for operators."""
+    """Add the API, its documentation, and the endpoints for operators."""
     app.register_error_handler(Problem, Problem.response)
     for resource in RESOURCES:
         app.register_blueprint(resource)
-    app.register_blueprint(document.page)
+    app.register_blueprint(openapi.page)
     app.register_blueprint(health.page)
-    document.keep(app, RESOURCES)
+    openapi.store(app, RESOURCES)

@@ -12,8 +12,14 @@ from flask_wtf.csrf import generate_csrf
 
 from seamark.server.accounts import accounts
 from seamark.server.accounts.permissions import READ, SUBMIT, Action, can
-from seamark.server.api import gate, reading
-from seamark.server.api.schemas import MeAnswer, TokenAnswer, TokenOrder, TokenPath, TokensAnswer
+from seamark.server.api import authorization, request_body
+from seamark.server.api.schemas import (
+    MeResponse,
+    TokenPath,
+    TokenRequest,
+    TokenResponse,
+    TokensResponse,
+)
 from seamark.server.database.tables import Token
 from seamark.server.runs import door as runs
 from seamark.server.web.problems import Problem
@@ -29,10 +35,10 @@ api = APIBlueprint(
 )
 
 
-@api.get("/me", responses={200: MeAnswer})
+@api.get("/me", responses={200: MeResponse})
 def me() -> Response:
     """Show who asks, what the token may do and what is left of the quotas."""
-    asking = gate.viewer()
+    asking = authorization.viewer()
     used: dict[str, int] | None = None
     if asking.owner is not None:
         with services().database.reading() as database:
@@ -53,22 +59,22 @@ def me() -> Response:
     return answer
 
 
-@api.get("/tokens", responses={200: TokensAnswer})
+@api.get("/tokens", responses={200: TokensResponse})
 def list_tokens() -> dict[str, Any]:
     """List one's tokens; their texts are not kept."""
-    user_id = gate.need_user()
-    gate.need_scope(READ)
+    user_id = authorization.require_account()
+    authorization.require_scope(READ)
     with services().database.reading() as database:
         return {"tokens": [_shown(token) for token in accounts.tokens(database, user_id)]}
 
 
-@api.post("/tokens", responses={201: TokenAnswer})
+@api.post("/tokens", responses={201: TokenResponse})
 def create_token() -> Response:
     """Make a token. Its text is in this answer and can never be shown again."""
-    user_id = gate.need_user()
+    user_id = authorization.require_account()
     _need_account_rights()
-    order = reading.body(TokenOrder)
-    missing = set(order.scopes) - gate.viewer().scopes
+    order = request_body.json_body(TokenRequest)
+    missing = set(order.scopes) - authorization.viewer().scopes
     if missing:
         raise Problem("scope-missing", f"A token cannot give away {', '.join(sorted(missing))}.")
     with services().database.writing() as database:
@@ -86,7 +92,7 @@ def create_token() -> Response:
 @api.delete("/tokens/<int:token_id>", responses={204: None})
 def delete_token(path: TokenPath) -> Response:
     """Delete a token; it stops working at once."""
-    user_id = gate.need_user()
+    user_id = authorization.require_account()
     _need_account_rights()
     with services().database.writing() as database:
         if not accounts.revoke_token(database, user_id, path.token_id):
@@ -95,7 +101,7 @@ def delete_token(path: TokenPath) -> Response:
 
 
 def _need_account_rights() -> None:
-    if not can(gate.viewer(), Action.MANAGE_ACCOUNT):
+    if not can(authorization.viewer(), Action.MANAGE_ACCOUNT):
         raise Problem("scope-missing", f"This call needs the scope {SUBMIT}.")
 
 

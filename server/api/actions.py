@@ -12,8 +12,8 @@ from redis.exceptions import RedisError
 from sqlalchemy.orm import Session
 
 from seamark.server.accounts.permissions import Action
-from seamark.server.api import gate
-from seamark.server.api.schemas import RunAnswer, RunPath, run_answer
+from seamark.server.api import authorization
+from seamark.server.api.schemas import RunPath, RunResponse, run_answer
 from seamark.server.messaging import live_events
 from seamark.server.runs import door as runs
 from seamark.server.runs.states import RunState
@@ -30,30 +30,30 @@ api = APIBlueprint(
 _log = structlog.get_logger()
 
 
-@api.post("/runs/<int:run_id>/cancel", responses={200: RunAnswer})
+@api.post("/runs/<int:run_id>/cancel", responses={200: RunResponse})
 def cancel(path: RunPath) -> dict[str, Any]:
     """Cancel a run that waits or runs. What it recorded so far stays."""
-    before = gate.run_for(path.run_id, Action.CANCEL)
+    before = authorization.run_for(path.run_id, Action.CANCEL)
     after = _change(path.run_id, runs.request_cancel, f"It is {before.state.value} already.")
     if before.state is RunState.QUEUED:
         _tell_listeners(path.run_id)
     return run_answer(after)
 
 
-@api.post("/runs/<int:run_id>/publish", responses={200: RunAnswer})
+@api.post("/runs/<int:run_id>/publish", responses={200: RunResponse})
 def publish(path: RunPath) -> dict[str, Any]:
     """Make a run that has ended public; a ranked one enters the leaderboard."""
-    before = gate.run_for(path.run_id, Action.PUBLISH)
+    before = authorization.run_for(path.run_id, Action.PUBLISH)
     why = (
         "It is public already." if before.public else "Only a run that has ended can be published."
     )
     return run_answer(_change(path.run_id, runs.publish, why))
 
 
-@api.post("/runs/<int:run_id>/withdraw", responses={200: RunAnswer})
+@api.post("/runs/<int:run_id>/withdraw", responses={200: RunResponse})
 def withdraw(path: RunPath) -> dict[str, Any]:
     """Make a public run private again and take it off the leaderboard."""
-    gate.run_for(path.run_id, Action.WITHDRAW)
+    authorization.run_for(path.run_id, Action.WITHDRAW)
     return run_answer(_change(path.run_id, runs.withdraw, "It is not public."))
 
 

@@ -7,7 +7,7 @@ from typing import Any
 from flask_openapi3.blueprint import APIBlueprint
 from flask_openapi3.models.tag import Tag
 
-from seamark.server.api.schemas import BenchmarkAnswer, BenchmarkPath, BenchmarksAnswer
+from seamark.server.api.schemas import BenchmarkPath, BenchmarkResponse, BenchmarksResponse
 from seamark.server.web.problems import Problem
 from seamark.sim import registry
 
@@ -19,13 +19,13 @@ api = APIBlueprint(
 )
 
 
-@api.get("/benchmarks", responses={200: BenchmarksAnswer})
+@api.get("/benchmarks", responses={200: BenchmarksResponse})
 def list_all() -> dict[str, Any]:
     """List the benchmarks."""
     return {"benchmarks": [_short(name) for name in registry.BENCHMARKS]}
 
 
-@api.get("/benchmarks/<string:benchmark>", responses={200: BenchmarkAnswer})
+@api.get("/benchmarks/<string:benchmark>", responses={200: BenchmarkResponse})
 def show(path: BenchmarkPath) -> dict[str, Any]:
     """Show one benchmark with the JSON Schema of its configuration."""
     check(path.benchmark)

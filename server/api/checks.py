@@ -12,12 +12,12 @@ from werkzeug.datastructures import FileStorage
 
 from seamark.server import workers
 from seamark.server.accounts.permissions import READ, SUBMIT, Action, can
-from seamark.server.api import gate, reading
-from seamark.server.api.schemas import CheckAnswer, CheckPath, CheckQuery, RunOrder
+from seamark.server.api import authorization, request_body
+from seamark.server.api.schemas import CheckPath, CheckQuery, CheckResponse, RunRequest
 from seamark.server.checks import queue, report
 from seamark.server.checks.queue import CheckRefused, CheckState, CheckView
 from seamark.server.programs import store
-from seamark.server.programs.store import Prepared, UploadRejected
+from seamark.server.programs.store import PreparedProgram, UploadRejected
 from seamark.server.runs.submission import role_of
 from seamark.server.web import rate_limits
 from seamark.server.web.problems import Problem
@@ -38,7 +38,7 @@ api = APIBlueprint(
 )
 
 
-@api.post("/checks", responses={200: CheckAnswer, 202: CheckAnswer})
+@api.post("/checks", responses={200: CheckResponse, 202: CheckResponse})
 @rate_limits.limiter.limit(rate_limits.CHECK, key_func=rate_limits.who)
 def create(query: CheckQuery) -> Response:
     """Check a program: read it, compile it, run two simulated seconds of the configuration.
@@ -46,30 +46,30 @@ def create(query: CheckQuery) -> Response:
     The form is that of `POST /runs`. What is wrong comes as `problems` with status 200; with 202
     it is not known yet: ask `Location` again. Costs nothing of the quota; one check at a time.
     """
-    order, file = reading.body_or_form(
-        RunOrder,
+    order, file = request_body.json_or_multipart(
+        RunRequest,
         json_part="run",
         file_part="program",
         file_max_bytes=services().settings.upload_max_bytes,
     )
-    gate.need_scope(SUBMIT)
-    if not can(gate.viewer(), Action.UPLOAD):
+    authorization.require_scope(SUBMIT)
+    if not can(authorization.viewer(), Action.UPLOAD):
         raise Problem("account-needed", "Checking a program needs an account, as uploading does.")
     if file is None:
         needed = "Send the program to be checked."
         raise Problem("invalid-request", needed, errors={"program": needed})
     config = _configuration(order)
     prepared = _received(file, order.benchmark)
-    if prepared.flaws:
+    if prepared.diagnostics:
         return jsonify(_done(order.benchmark, prepared))
     check_id = _order(order.benchmark, config, prepared)
     return _answer(_waited_for(check_id, query.wait))
 
 
-@api.get("/checks/<int:check_id>", responses={200: CheckAnswer})
+@api.get("/checks/<int:check_id>", responses={200: CheckResponse})
 def show(path: CheckPath) -> Response:
     """Show one of your checks; `state` is done when there is an answer."""
-    gate.need_scope(READ)
+    authorization.require_scope(READ)
     view = _view(path.check_id)
     answer = jsonify(_document(view))
     if view.state is not CheckState.DONE:
@@ -78,7 +78,7 @@ def show(path: CheckPath) -> Response:
     return answer
 
 
-def _configuration(order: RunOrder) -> dict[str, Any]:
+def _configuration(order: RunRequest) -> dict[str, Any]:
     if order.benchmark not in registry.BENCHMARKS:
         unknown = f"There is no benchmark {order.benchmark}."
         raise Problem("invalid-request", unknown, errors={"benchmark": unknown})
@@ -89,28 +89,30 @@ def _configuration(order: RunOrder) -> dict[str, Any]:
     return dict(config.model_dump(mode="json"))
 
 
-def _received(file: FileStorage, benchmark: str) -> Prepared:
+def _received(file: FileStorage, benchmark: str) -> PreparedProgram:
     stream, limit = cast("BinaryIO", file.stream), services().settings.upload_max_bytes
     try:
-        return store.receive(stream, file.filename or "", limit=limit, role=role_of(benchmark))
+        return store.read_upload(stream, file.filename or "", limit=limit, role=role_of(benchmark))
     except UploadRejected as reason:
-        raise reading.refused(reason) from None
+        raise request_body.upload_problem(reason) from None
 
 
-def _order(benchmark: str, config: dict[str, Any], prepared: Prepared) -> int:
+def _order(benchmark: str, config: dict[str, Any], prepared: PreparedProgram) -> int:
     held = services()
     with held.database.reading() as session:
         refusal = workers.upload_refusal(session, prepared.language, held.settings)
     if refusal:
         raise Problem("invalid-request", refusal)
-    program = store.keep(prepared, held.settings.data)
+    program = store.save(prepared, held.settings.data)
     try:
         with held.database.writing() as session:
-            check_id = queue.order(session, gate.need_user(), benchmark, config, program)
+            check_id = queue.enqueue(
+                session, authorization.require_account(), benchmark, config, program
+            )
     except CheckRefused as reason:
         wait = {"Retry-After": str(reason.retry_after_s)}
         raise Problem("rate-limited", str(reason), headers=wait) from None
-    queue.ring(held.redis)
+    queue.wake_worker(held.redis)
     return check_id
 
 
@@ -131,7 +133,7 @@ def _waited_for(check_id: int, seconds: float) -> CheckView:
 
 def _view(check_id: int) -> CheckView:
     with services().database.reading() as session:
-        view = queue.show(session, check_id, gate.need_user())
+        view = queue.show(session, check_id, authorization.require_account())
     if view is None:
         raise Problem("not-found", _GONE.format(check_id))
     return view
@@ -147,12 +149,12 @@ def _answer(view: CheckView) -> Response:
 
 
 def _document(view: CheckView) -> dict[str, Any]:
-    said = view.answer or report.of_reading([]) | {"ok": None}
+    said = view.report or report.from_diagnostics([]) | {"ok": None}
     names = ("id", "benchmark", "program_name", "language")
     return {name: getattr(view, name) for name in names} | {"state": view.state.value} | said
 
 
-def _done(benchmark: str, prepared: Prepared) -> dict[str, Any]:
+def _done(benchmark: str, prepared: PreparedProgram) -> dict[str, Any]:
     """Return the document of a program whose text says enough."""
     about = {
         "id": None,
@@ -161,4 +163,4 @@ def _done(benchmark: str, prepared: Prepared) -> dict[str, Any]:
         "language": prepared.language,
         "state": CheckState.DONE.value,
     }
-    return about | report.of_reading(prepared.flaws)
+    return about | report.from_diagnostics(prepared.diagnostics)

@@ -10,7 +10,7 @@ from flask import Response
 from flask_openapi3.blueprint import APIBlueprint
 from flask_openapi3.models.tag import Tag
 
-from seamark.server.api import gate
+from seamark.server.api import authorization
 from seamark.server.api.schemas import DatasetQuery, RunPath
 from seamark.server.runs.files import RunFiles
 from seamark.server.web.problems import Problem
@@ -42,7 +42,7 @@ def dataset(path: RunPath, query: DatasetQuery) -> Response:
     """
     from seamark.sim.engine.dataset import Choice, archive  # noqa: PLC0415 (it loads OpenCV)
 
-    view = gate.run_for(path.run_id)
+    view = authorization.run_for(path.run_id)
     if view.seed is None:
         raise Problem(
             "conflict",

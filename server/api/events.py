@@ -13,7 +13,7 @@ from flask_openapi3.models.tag import Tag
 from redis.exceptions import RedisError
 
 from seamark.server.accounts.permissions import Action, can
-from seamark.server.api import gate
+from seamark.server.api import authorization
 from seamark.server.api.schemas import RunPath
 from seamark.server.messaging import live_events
 from seamark.server.messaging.live_events import Event
@@ -44,7 +44,7 @@ def stream(path: RunPath) -> Response:
 
     Goes on after the header Last-Event-ID. A run that has ended is told again.
     """
-    view = gate.run_for(path.run_id)
+    view = authorization.run_for(path.run_id)
     held = services()
     if request.method == "HEAD":
         return _response(iter(()))
@@ -52,7 +52,7 @@ def stream(path: RunPath) -> Response:
         return _response(_told_again(held, view, request.headers.get("Last-Event-ID")))
     if held.fanout.open_streams >= held.settings.streams_max:
         raise Problem("streams-full", headers={"Retry-After": str(FULL_RETRY_S)})
-    shows_log = can(gate.viewer(), Action.VIEW_LOG, view)
+    shows_log = can(authorization.viewer(), Action.VIEW_LOG, view)
     events = _as_it_happens(held, view, request.headers.get("Last-Event-ID"))
     return _response(event for event in events if shows_log or event.kind != live_events.LOG)
 

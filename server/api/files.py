@@ -10,7 +10,7 @@ from flask_openapi3.blueprint import APIBlueprint
 from flask_openapi3.models.tag import Tag
 
 from seamark.server.accounts.permissions import Action
-from seamark.server.api import gate
+from seamark.server.api import authorization
 from seamark.server.api.schemas import CameraQuery, LogQuery, RunPath, TelemetryQuery
 from seamark.server.programs import store
 from seamark.server.runs.files import RunFiles
@@ -46,7 +46,7 @@ def files_of(view: RunView) -> RunFiles:
 @api.get("/runs/<int:run_id>/telemetry.csv", responses=_content("text/csv"))
 def telemetry_csv(path: RunPath, query: TelemetryQuery) -> Response:
     """Download all rows so far: comment lines with #, the header row, one row per 0.05 s."""
-    view = gate.run_for(path.run_id)
+    view = authorization.run_for(path.run_id)
     files = files_of(view)
     stop = files.row_count()
     answer = Response(
@@ -80,7 +80,7 @@ def _comments(view: RunView, rows: int) -> list[str]:
 @api.get("/runs/<int:run_id>/telemetry.f64", responses=_content("application/octet-stream"))
 def telemetry_f64(path: RunPath, query: TelemetryQuery) -> Response:
     """Download all rows so far as little-endian float64; X-Columns names the columns."""
-    view = gate.run_for(path.run_id)
+    view = authorization.run_for(path.run_id)
     files = files_of(view)
     stop = files.row_count()
     pieces = (
@@ -97,7 +97,7 @@ def telemetry_f64(path: RunPath, query: TelemetryQuery) -> Response:
 @api.get("/runs/<int:run_id>/metrics.json", responses=_content("application/json", "object"))
 def metrics(path: RunPath) -> Response:
     """Show the metrics; 404 until there are some."""
-    view = gate.run_for(path.run_id)
+    view = authorization.run_for(path.run_id)
     found = view.metrics or files_of(view).metrics()
     if found is None:
         raise Problem("not-found", f"Run {view.id} has no metrics (yet): it is {view.state.value}.")
@@ -107,7 +107,7 @@ def metrics(path: RunPath) -> Response:
 @api.get("/runs/<int:run_id>/manifest.json", responses=_content("application/json", "object"))
 def manifest(path: RunPath) -> Response:
     """Show the manifest: versions, configuration, seed and digest; 404 until there is one."""
-    view = gate.run_for(path.run_id)
+    view = authorization.run_for(path.run_id)
     found = view.manifest or files_of(view).manifest()
     if found is None:
         raise Problem(
@@ -133,7 +133,7 @@ def _without_secrets(value: Any) -> Any:
 @api.get("/runs/<int:run_id>/config.json", responses=_content("application/json", "object"))
 def config(path: RunPath) -> Response:
     """Download the configuration; `seamark run --config` reads it."""
-    view = gate.run_for(path.run_id)
+    view = authorization.run_for(path.run_id)
     answer = jsonify(view.config)
     _name(answer, view, "config.json")
     return answer
@@ -142,7 +142,7 @@ def config(path: RunPath) -> Response:
 @api.get("/runs/<int:run_id>/log", responses=_content("text/plain"))
 def log(path: RunPath, query: LogQuery) -> Response:
     """Show what the program printed from byte `after` on; X-Next-Offset is the next `after`."""
-    view = gate.run_for(path.run_id, Action.VIEW_LOG)
+    view = authorization.run_for(path.run_id, Action.VIEW_LOG)
     part = files_of(view).log(query.after)
     answer = Response(part.text, content_type="text/plain; charset=utf-8")
     answer.headers["X-Next-Offset"] = str(max(part.next, query.after))
@@ -153,7 +153,7 @@ def log(path: RunPath, query: LogQuery) -> Response:
 @api.get("/runs/<int:run_id>/program", responses=_content("text/plain"))
 def program(path: RunPath) -> Response:
     """Download the uploaded program: one's own, or that of a public run."""
-    view = gate.run_for(path.run_id, Action.VIEW_PROGRAM)
+    view = authorization.run_for(path.run_id, Action.VIEW_PROGRAM)
     if view.program_sha256 is None:
         raise Problem("not-found", f"Run {view.id} has no program: what it used is built in.")
     try:
@@ -163,7 +163,7 @@ def program(path: RunPath) -> Response:
     answer = Response(source, content_type="text/plain; charset=utf-8")
     _name(answer, view, view.program_name or "program")
     answer.set_etag(view.program_sha256)
-    return gate.conditional(answer)
+    return authorization.conditional(answer)
 
 
 @api.get("/runs/<int:run_id>/camera.jpg", responses=_content("image/jpeg"))
@@ -171,13 +171,13 @@ def camera(path: RunPath, query: CameraQuery) -> Response:
     """Show the vehicle's view at a simulated time, with the tracker's box and the truth."""
     from seamark.server.runs import camera_view  # noqa: PLC0415 (it loads OpenCV)
 
-    view = gate.run_for(path.run_id)
+    view = authorization.run_for(path.run_id)
     picture = camera_view.picture(services().settings, view, trial=query.trial, t=query.t)
     if picture is None:
         raise Problem("not-found", "There is no telemetry of that trial (yet).")
     answer = Response(picture, content_type="image/jpeg")
     answer.add_etag()
-    return gate.conditional(answer)
+    return authorization.conditional(answer)
 
 
 def _name(answer: Response, view: RunView, name: str) -> None:

@@ -9,7 +9,7 @@ from flask_openapi3.blueprint import APIBlueprint
 from flask_openapi3.models.tag import Tag
 
 from seamark.server.api.benchmarks import check
-from seamark.server.api.schemas import BenchmarkPath, RankQuery, RanksAnswer
+from seamark.server.api.schemas import BenchmarkPath, RankQuery, RanksResponse
 from seamark.server.runs import leaderboard
 from seamark.server.runs.leaderboard import Cursor, Rank
 from seamark.server.web import csv_export
@@ -30,7 +30,7 @@ api = APIBlueprint(
 )
 
 
-@api.get("/leaderboards/<string:benchmark>", responses={200: RanksAnswer})
+@api.get("/leaderboards/<string:benchmark>", responses={200: RanksResponse})
 def show(path: BenchmarkPath, query: RankQuery) -> Response:
     """Show the ranks of one benchmark, with intervals and ties; JSON or CSV."""
     check(path.benchmark)

@@ -11,13 +11,13 @@ from flask_openapi3.models.tag import Tag
 from werkzeug.datastructures import FileStorage
 
 from seamark.server.accounts.permissions import READ, SUBMIT, Action, can
-from seamark.server.api import gate, reading
+from seamark.server.api import authorization, request_body
 from seamark.server.api.schemas import (
-    RunAnswer,
-    RunOrder,
     RunPath,
-    RunsAnswer,
+    RunRequest,
+    RunResponse,
     RunsQuery,
+    RunsResponse,
     run_answer,
 )
 from seamark.server.programs import store
@@ -42,7 +42,7 @@ api = APIBlueprint(
 )
 
 
-@api.post("/runs", responses={202: RunAnswer})
+@api.post("/runs", responses={202: RunResponse})
 @rate_limits.limiter.limit(rate_limits.ORDER, key_func=rate_limits.who)
 def create() -> Response:
     """Order a run of a built-in controller (JSON) or of a program (multipart).
@@ -50,10 +50,10 @@ def create() -> Response:
     Guests may try built-in controllers; programs and ranked runs need an account.
     """
     limit = services().settings.upload_max_bytes
-    order, file = reading.body_or_form(
-        RunOrder, json_part="run", file_part="program", file_max_bytes=limit
+    order, file = request_body.json_or_multipart(
+        RunRequest, json_part="run", file_part="program", file_max_bytes=limit
     )
-    gate.need_scope(SUBMIT)
+    authorization.require_scope(SUBMIT)
     viewer = authentication.become_guest()
     if viewer.owner is None:
         raise Problem("unauthenticated")
@@ -71,7 +71,7 @@ def stored_program(file: FileStorage, benchmark: str) -> StoredProgram:
     if benchmark not in registry.BENCHMARKS:
         raise Problem("invalid-request", f"There is no benchmark {benchmark}.")
     try:
-        return store.store(
+        return store.save_upload(
             cast("BinaryIO", file.stream),
             file.filename or "",
             limit=settings.upload_max_bytes,
@@ -79,10 +79,10 @@ def stored_program(file: FileStorage, benchmark: str) -> StoredProgram:
             role=role_of(benchmark),
         )
     except UploadRejected as reason:
-        raise reading.refused(reason) from None
+        raise request_body.upload_problem(reason) from None
 
 
-def _enqueue(order: RunOrder, program: StoredProgram | None) -> int:
+def _enqueue(order: RunRequest, program: StoredProgram | None) -> int:
     built_in = order.controller if program is None else None
     if program is None and built_in is None:
         needed = "Name a built-in controller, or send a program."
@@ -92,7 +92,7 @@ def _enqueue(order: RunOrder, program: StoredProgram | None) -> int:
         raise Problem("invalid-request", both, errors={"controller": both})
     return refused_in_words(
         runs.Order(
-            viewer=gate.viewer(),
+            viewer=authorization.viewer(),
             benchmark=order.benchmark,
             config=order.config,
             kind=Kind(order.kind),
@@ -118,7 +118,7 @@ def refused_in_words(order: runs.Order | int) -> int:
     try:
         with services().database.writing() as database:
             if isinstance(order, int):
-                run_id = runs.rerun(database, order, gate.viewer(), settings)
+                run_id = runs.rerun(database, order, authorization.viewer(), settings)
             else:
                 run_id = runs.enqueue(database, order, settings)
     except ConfigurationInvalid as wrong:
@@ -144,18 +144,18 @@ def _accepted(run_id: int) -> Response:
     return answer
 
 
-@api.post("/runs/<int:run_id>/rerun", responses={202: RunAnswer})
+@api.post("/runs/<int:run_id>/rerun", responses={202: RunResponse})
 def rerun(path: RunPath) -> Response:
     """Order the same run again; it is a new run with a number of its own."""
-    gate.run_for(path.run_id, Action.RERUN)
+    authorization.run_for(path.run_id, Action.RERUN)
     return _accepted(refused_in_words(path.run_id))
 
 
-@api.get("/runs", responses={200: RunsAnswer})
+@api.get("/runs", responses={200: RunsResponse})
 def list_some(query: RunsQuery) -> dict[str, Any]:
     """List runs, newest first; pages are followed by `after` = `next`."""
-    gate.need_scope(READ)
-    if query.which == "all" and not gate.is_operator():
+    authorization.require_scope(READ)
+    if query.which == "all" and not authorization.is_operator():
         raise Problem("forbidden", "Only admins may list the runs of all users.")
     with services().database.reading() as database:
         wanted = runs.Wanted(
@@ -164,19 +164,21 @@ def list_some(query: RunsQuery) -> dict[str, Any]:
             benchmark=query.benchmark,
             kind=query.kind,
         )
-        page = runs.listing(database, gate.viewer(), wanted, after=query.after, limit=query.limit)
+        page = runs.listing(
+            database, authorization.viewer(), wanted, after=query.after, limit=query.limit
+        )
     return {"runs": [run_answer(view, whole=False) for view in page.runs], "next": page.next}
 
 
-@api.get("/runs/<int:run_id>", responses={200: RunAnswer, 304: None})
+@api.get("/runs/<int:run_id>", responses={200: RunResponse, 304: None})
 def show(path: RunPath) -> Response:
     """Show a run: state, place in the line, progress, result, links. Has an ETag."""
-    view = gate.run_for(path.run_id)
+    view = authorization.run_for(path.run_id)
     answer = jsonify(run_answer(view))
     answer.set_etag(hashlib.sha256(f"{view.id}-{view.version}".encode()).hexdigest()[:24])
     if not view.state.final:
         answer.headers["Retry-After"] = str(_retry_s(view))
-    return gate.conditional(answer)
+    return authorization.conditional(answer)
 
 
 def _retry_s(view: RunView) -> int:

@@ -6,6 +6,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
+from seamark.server.programs.diagnostics import Diagnostic
 from seamark.server.runs.views import RunView
 from seamark.sim.engine.seeds import SEED_MAX
 
@@ -44,7 +45,7 @@ class TokenPath(BaseModel):
     token_id: int = Field(ge=1, le=ID_MAX, description="The token's number")
 
 
-class RunOrder(BaseModel):
+class RunRequest(BaseModel):
     """A run to be made."""
 
     model_config = ConfigDict(extra="forbid")
@@ -138,7 +139,7 @@ def _ordinary_scopes() -> list[Scope]:
     return ["read", "submit"]
 
 
-class TokenOrder(BaseModel):
+class TokenRequest(BaseModel):
     """A token to be made."""
 
     model_config = ConfigDict(extra="forbid")
@@ -154,7 +155,7 @@ class Answer(BaseModel):
     model_config = ConfigDict(extra="allow")
 
 
-class BenchmarkAnswer(Answer):
+class BenchmarkResponse(Answer):
     """A benchmark; `schema` only when one is asked for."""
 
     name: str
@@ -163,13 +164,13 @@ class BenchmarkAnswer(Answer):
     links: dict[str, str]
 
 
-class BenchmarksAnswer(Answer):
+class BenchmarksResponse(Answer):
     """All benchmarks."""
 
-    benchmarks: list[BenchmarkAnswer]
+    benchmarks: list[BenchmarkResponse]
 
 
-class RunAnswer(Answer):
+class RunResponse(Answer):
     """A run as the interface shows it. Times are seconds since 1970, UTC."""
 
     id: int
@@ -206,18 +207,7 @@ class CheckQuery(BaseModel):
     )
 
 
-class FlawAnswer(Answer):
-    """One thing that is wrong with a program; `warning`: it runs all the same."""
-
-    sentence: str
-    stage: Literal["read", "compile", "start", "run"]
-    file: str | None
-    line: int | None
-    column: int | None
-    warning: bool
-
-
-class CheckAnswer(Answer):
+class CheckResponse(Answer):
     """A check; what it says is there when `state` is done. `id` is null if nothing had to run."""
 
     id: int | None
@@ -226,7 +216,7 @@ class CheckAnswer(Answer):
     program_name: str
     language: str
     ok: bool | None
-    problems: list[FlawAnswer]
+    problems: list[Diagnostic]
     traceback: str
     output: str
     t_simulated: float
@@ -234,14 +224,14 @@ class CheckAnswer(Answer):
     step_us: dict[str, float] | None
 
 
-class RunsAnswer(Answer):
+class RunsResponse(Answer):
     """A page of runs, newest first."""
 
-    runs: list[RunAnswer]
+    runs: list[RunResponse]
     next: int | None
 
 
-class SeriesAnswer(Answer):
+class SeriesResponse(Answer):
     """Thinned columns on one time axis; null where there is no number."""
 
     t: list[float]
@@ -250,7 +240,7 @@ class SeriesAnswer(Answer):
     final: bool
 
 
-class RankAnswer(Answer):
+class RankResponse(Answer):
     """A row of the leaderboard."""
 
     rank: int
@@ -265,15 +255,15 @@ class RankAnswer(Answer):
     reached_at: float
 
 
-class RanksAnswer(Answer):
+class RanksResponse(Answer):
     """A page of the leaderboard."""
 
     benchmark: str
-    ranks: list[RankAnswer]
+    ranks: list[RankResponse]
     next: str | None
 
 
-class TokenAnswer(Answer):
+class TokenResponse(Answer):
     """A token; `token` is its text, shown once when it is made."""
 
     id: int
@@ -285,13 +275,13 @@ class TokenAnswer(Answer):
     token: str | None = None
 
 
-class TokensAnswer(Answer):
+class TokensResponse(Answer):
     """One's tokens, newest first."""
 
-    tokens: list[TokenAnswer]
+    tokens: list[TokenResponse]
 
 
-class MeAnswer(Answer):
+class MeResponse(Answer):
     """Who asks, and what is left of the quotas."""
 
     name: str

@@ -10,9 +10,9 @@ from flask_openapi3.blueprint import APIBlueprint
 from flask_openapi3.models.tag import Tag
 from numpy.typing import NDArray
 
-from seamark.server.api import gate
+from seamark.server.api import authorization
 from seamark.server.api.files import files_of
-from seamark.server.api.schemas import RunPath, SeriesAnswer, SeriesQuery
+from seamark.server.api.schemas import RunPath, SeriesQuery, SeriesResponse
 from seamark.server.web.problems import Problem
 from seamark.sim.recording.telemetry import INDEX
 
@@ -27,11 +27,11 @@ api = APIBlueprint(
 )
 
 
-@api.get("/runs/<int:run_id>/series.json", responses={200: SeriesAnswer})
+@api.get("/runs/<int:run_id>/series.json", responses={200: SeriesResponse})
 def series(path: RunPath, query: SeriesQuery) -> dict[str, Any]:
     """Show columns of one trial on one time axis; thinned, with the peaks kept."""
     names = _names(query.columns)
-    view = gate.run_for(path.run_id)
+    view = authorization.run_for(path.run_id)
     rows = files_of(view).rows_of_trial(query.trial)
     t, columns = thin(rows[:, INDEX["t"]], rows[:, [INDEX[n] for n in names]], query.max_points)
     return {

@@ -1,1 +1,1 @@
-"""Checks of a program before it is submitted."""
+"""Checks: a short trial of a program before it is submitted."""

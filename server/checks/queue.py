@@ -1,8 +1,8 @@
-"""Checks: two simulated seconds of a program before it is submitted. A queue of its own.
+"""The queue of checks: two simulated seconds of a program before it is submitted.
 
-Not rows of `runs`: a check is in no list, no quota and no rank, lives for an hour, and must not
-wait behind runs that take minutes. Its states are queued -> running -> done; a claim is a lease
-with the attempt as fencing token, as for runs.
+Checks are not rows of `runs`: they appear in no list, count towards no quota, expire after an hour
+and must not wait behind runs that take minutes. States: queued -> running -> done. As for runs, a
+claim is a lease with the attempt as fencing token.
 """
 
 import time
@@ -17,23 +17,24 @@ from redis.exceptions import RedisError
 from sqlalchemy import delete, func, select, update
 from sqlalchemy.orm import Session
 
-from seamark.server.checks import report
+from seamark.server.checks.report import platform_failure
 from seamark.server.database.advisory_locks import AdvisoryLock, acquire
 from seamark.server.database.tables import Check, Run
 from seamark.server.programs.store import StoredProgram
 
-BELL = "seamark:checks"  # a list in the broker; what is in it says nothing
-BELL_MAX = 100
-LEASE_S = 150.0  # longer than any check may take, so that it needs no heartbeat
+WAKE_UP_KEY = "seamark:checks"  # a list in the broker; its items have no meaning
+WAKE_UPS_MAX = 100
+LEASE_S = 150.0  # longer than any check takes: no heartbeat is needed
 ATTEMPTS_MAX = 2
 WAITING_MAX = 20
-KEPT_S, STALE_S = 3600.0, 600.0  # a check that is done; one for which no worker came
-SEED = 1  # of the water and noise: the same for all, so that a check can be repeated
+DONE_KEPT_S = 3600.0  # until a finished check is deleted
+QUEUED_KEPT_S = 600.0  # until a check that no worker claimed is deleted
+SEED = 1  # the same for all checks, so that they are repeatable
 _log = structlog.get_logger()
 
 
 class CheckState(StrEnum):
-    """Where a check is."""
+    """The state of a check."""
 
     QUEUED = "queued"
     RUNNING = "running"
@@ -41,7 +42,7 @@ class CheckState(StrEnum):
 
 
 class CheckRefused(Exception):
-    """Too many checks. The text is for who asked; `retry_after_s` for the API."""
+    """Too many checks. The text is for the user, `retry_after_s` for the API."""
 
     def __init__(self, sentence: str, *, retry_after_s: int) -> None:
         super().__init__(sentence)
@@ -50,7 +51,7 @@ class CheckRefused(Exception):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CheckClaim:
-    """The right to carry out one check, and what that needs."""
+    """A worker's lease on a check, with what it needs to run it."""
 
     check_id: int
     attempt: int
@@ -70,34 +71,34 @@ class CheckView:
     benchmark: str
     program_name: str
     language: str
-    answer: dict[str, Any] | None
+    report: dict[str, Any] | None  # see seamark.server.checks.report
 
 
-def order(
+def enqueue(
     session: Session,
     user_id: int,
     benchmark: str,
     config: dict[str, Any],
     program: StoredProgram,
 ) -> int:
-    """Insert a check and return its id. The caller commits, then calls `ring`.
+    """Insert a check and return its id. The caller commits, then calls `wake_worker`.
 
-    One that the same user still has waiting is replaced by it.
+    It replaces a check of the same user that is still queued.
 
     Raises
     ------
     CheckRefused
-        The user's last check is being carried out, or too many wait.
+        The user's previous check is running, or the queue is full.
     """
     acquire(session, AdvisoryLock.CHECKS)
     mine = Check.user_id == user_id
     session.execute(delete(Check).where(mine, Check.state == CheckState.QUEUED))
     running = (Check.state == CheckState.RUNNING) & (Check.lease_until > time.time())
     if session.scalar(select(Check.id).where(mine, running)) is not None:
-        raise CheckRefused("Your last check has not ended yet.", retry_after_s=2)
+        raise CheckRefused("Your previous check is still running.", retry_after_s=2)
     waiting = select(func.count()).where(Check.state == CheckState.QUEUED)
     if (session.scalar(waiting) or 0) >= WAITING_MAX:
-        raise CheckRefused("Many checks are waiting; try again soon.", retry_after_s=10)
+        raise CheckRefused("The queue of checks is full; try again soon.", retry_after_s=10)
     check = Check(
         user_id=user_id,
         benchmark=benchmark,
@@ -113,24 +114,24 @@ def order(
     return check.id
 
 
-def ring(redis: "Redis") -> None:
-    """Wake a worker up; if the broker is away it will look by itself."""
+def wake_worker(redis: Redis) -> None:
+    """Wake up a worker; without the broker, workers find the check by polling."""
     try:
-        redis.rpush(BELL, 1)
-        redis.ltrim(BELL, -BELL_MAX, -1)
+        redis.rpush(WAKE_UP_KEY, 1)
+        redis.ltrim(WAKE_UP_KEY, -WAKE_UPS_MAX, -1)
     except RedisError as error:
-        _log.warning("check_bell_failed", error=str(error))
+        _log.warning("check_wake_up_failed", error=str(error))
 
 
 def waiting(session: Session, *, languages: Collection[str]) -> bool:
-    """Return whether there is a check to be claimed."""
+    """Return whether there is a check to claim."""
     suitable = Check.language.in_(sorted(languages))
     query = select(Check.id).where(Check.state == CheckState.QUEUED, suitable).limit(1)
     return session.scalar(query) is not None
 
 
 def claim(session: Session, *, languages: Collection[str]) -> CheckClaim | None:
-    """Take the check that waits longest; nobody has more than one, so that this is fair."""
+    """Claim the oldest check. This is fair, since each user has at most one."""
     acquire(session, AdvisoryLock.CHECKS)
     suitable = Check.language.in_(sorted(languages))
     query = select(Check).where(Check.state == CheckState.QUEUED, suitable).order_by(Check.id)
@@ -151,42 +152,41 @@ def claim(session: Session, *, languages: Collection[str]) -> CheckClaim | None:
     )
 
 
-def finish(session: Session, claim: CheckClaim, answer: dict[str, Any]) -> bool:
-    """Store the answer; False if the check is no longer this worker's."""
-    values = {"state": CheckState.DONE, "answer": answer, "finished_at": time.time()}
+def finish(session: Session, claim: CheckClaim, report: dict[str, Any]) -> bool:
+    """Store the report; False if this worker no longer holds the lease."""
+    values = _done(report)
     return _move(session, claim.check_id, claim.attempt, values)
 
 
-def give_back(session: Session, check_id: int, attempt: int) -> None:
-    """Let a check that we broke be tried again, or say that it is our failure."""
+def release(session: Session, check_id: int, attempt: int) -> None:
+    """Requeue a check after a failure of the service; report the failure after the last attempt."""
     values: dict[str, Any] = {"state": CheckState.QUEUED, "lease_until": None}
     if attempt >= ATTEMPTS_MAX:
-        answer = report.our_failure()
-        values = {"state": CheckState.DONE, "answer": answer, "finished_at": time.time()}
+        values = _done(platform_failure())
     _move(session, check_id, attempt, values)
 
 
-def sweep(session: Session) -> None:
-    """Return the checks of dead workers to the line, and forget the old ones."""
+def recover(session: Session) -> None:
+    """Release the checks of dead workers, and delete old ones."""
     acquire(session, AdvisoryLock.CHECKS)
     now = time.time()
-    lost = select(Check).where(Check.state == CheckState.RUNNING, Check.lease_until < now)
-    for check in session.scalars(lost).all():
-        give_back(session, check.id, check.attempt)
-    session.execute(delete(Check).where(Check.finished_at < now - KEPT_S))
-    stale = (Check.state == CheckState.QUEUED) & (Check.queued_at < now - STALE_S)
+    expired = select(Check).where(Check.state == CheckState.RUNNING, Check.lease_until < now)
+    for check in session.scalars(expired).all():
+        release(session, check.id, check.attempt)
+    session.execute(delete(Check).where(Check.finished_at < now - DONE_KEPT_S))
+    stale = (Check.state == CheckState.QUEUED) & (Check.queued_at < now - QUEUED_KEPT_S)
     session.execute(delete(Check).where(stale))
 
 
 def refers_to(session: Session, sha256: str) -> bool:
-    """Return whether a run or a check needs the program with this key."""
+    """Return whether a run or a check uses the program with this key."""
     run = select(Run.id).where(Run.program_sha256 == sha256).limit(1)
     check = select(Check.id).where(Check.program_sha256 == sha256).limit(1)
     return session.scalar(run) is not None or session.scalar(check) is not None
 
 
 def show(session: Session, check_id: int, user_id: int) -> CheckView | None:
-    """Return one of the user's checks; None if there is no such one."""
+    """Return one of the user's checks; None if there is no such check."""
     check = session.get(Check, check_id)
     if check is None or check.user_id != user_id:
         return None
@@ -196,12 +196,16 @@ def show(session: Session, check_id: int, user_id: int) -> CheckView | None:
         benchmark=check.benchmark,
         program_name=check.program_name,
         language=check.language,
-        answer=check.answer,
+        report=check.answer,
     )
 
 
+def _done(report: dict[str, Any]) -> dict[str, Any]:
+    return {"state": CheckState.DONE, "answer": report, "finished_at": time.time()}
+
+
 def _move(session: Session, check_id: int, attempt: int, values: dict[str, Any]) -> bool:
-    """Change a running check, as the holder of this attempt only."""
+    """Update a running check, but only as the holder of this attempt."""
     change = (
         update(Check)
         .where(Check.id == check_id, Check.attempt == attempt)

@@ -1,4 +1,4 @@
-"""What a check says: its problems with their places, the program's output, its time per step."""
+"""The report of a check: diagnostics with their locations, the output, the time per step."""
 
 import re
 from collections.abc import Sequence
@@ -7,82 +7,85 @@ from typing import Any
 
 import numpy as np
 
-from seamark.server.programs.diagnostics import Flaw, Stage
+from seamark.server.programs.diagnostics import Diagnostic, Stage
 from seamark.server.runs.failure_reasons import WORDS, Cause
 
-OUTPUT_MAX = 8000  # [character] shown, from the end
-FLAWS_MAX = 50
-# As runners write it: "... (line 3 of law/pid.py)"
-_PLACE = re.compile(r" \((?:\w+ begins in )?line (\d+) of ([^()]+)\)$")
+OUTPUT_MAX = 8000  # [character] of the output, from its end
+DIAGNOSTICS_MAX = 50
+# As the runners write it: "... (line 3 of law/pid.py)"
+_LOCATION = re.compile(r" \((?:\w+ begins in )?line (\d+) of ([^()]+)\)$")
 # As compilers write it: "controller.c:3:5: error: ..."
-_COMPILER = re.compile(r"^([^\s:]+):(\d+):(?:(\d+):)? (?:fatal )?(error|warning): (.*)$", re.M)
-_IN_CALL = re.compile(r"(, in |^|seamark_)(step|reset|start|update|detect)\b", re.M)
+_COMPILER_MESSAGE = re.compile(
+    r"^([^\s:]+):(\d+):(?:(\d+):)? (?:fatal )?(error|warning): (.*)$", re.MULTILINE
+)
+_IN_CALL = re.compile(r"(, in |^|seamark_)(step|reset|start|update|detect)\b", re.MULTILINE)
 
 
 @dataclass(slots=True)
-class Seen:
-    """What was seen of a program while it ran."""
+class CheckOutcome:
+    """What was observed of a program while it ran."""
 
     verdict: str = "ok"  # a cause of `seamark.server.runs.failure_reasons`, or "ok"
     sentence: str = ""
     traceback: str = ""
     output: str = ""
     t_simulated: float = 0.0  # [s]
-    step_us: list[float] = field(default_factory=list)  # wall time of each answer
-    usage: dict[str, float] = field(default_factory=dict)  # cpu_s, memory_mib: start included
+    step_us: list[float] = field(default_factory=list)  # wall time of each step
+    usage: dict[str, float] = field(default_factory=dict)  # cpu_s, memory_mib; includes the start
 
 
-def of_reading(flaws: Sequence[Flaw]) -> dict[str, Any]:
-    """Return the answer for a program that need not be run to see what is wrong."""
-    return _document(list(flaws), Seen())
+def from_diagnostics(diagnostics: Sequence[Diagnostic]) -> dict[str, Any]:
+    """Return the report of a program that was only read."""
+    return _document(diagnostics, CheckOutcome())
 
 
-def of_running(seen: Seen, *, step_allowed_us: float) -> dict[str, Any]:
-    """Return the answer for a program that was run.
+def from_outcome(outcome: CheckOutcome, *, step_allowed_us: float) -> dict[str, Any]:
+    """Return the report of a program that was run.
 
     Parameters
     ----------
     step_allowed_us : float
-        CPU time that a whole run has for each step on average.
+        Average CPU time [µs] per step within the limits of a whole run.
     """
-    flaws = [] if seen.verdict == "ok" else _flaws(seen)
-    took = _cpu_us(seen)
-    if not flaws and took > step_allowed_us:
+    diagnostics = [] if outcome.verdict == "ok" else _from_failure(outcome)
+    step_us = _cpu_us_per_step(outcome)
+    if not diagnostics and step_us > step_allowed_us:
         sentence = (
-            f"A step takes {took / 1000:.1f} ms; a whole run would be ended by its time limit, "
-            f"which leaves {step_allowed_us / 1000:.1f} ms of CPU time for each."
+            f"A step takes {step_us / 1000:.1f} ms. A whole run would exceed its time limit, "
+            f"which allows {step_allowed_us / 1000:.1f} ms of CPU time per step."
         )
-        flaws.append(Flaw(sentence=sentence, stage=Stage.RUN, warning=True))
-    return _document(flaws, seen)
+        diagnostics.append(Diagnostic(sentence=sentence, stage=Stage.RUN, warning=True))
+    return _document(diagnostics, outcome)
 
 
-def _cpu_us(seen: Seen) -> float:
-    """Return how much of a core a step takes at most.
+def platform_failure() -> dict[str, Any]:
+    """Return the report for a failure of the service rather than of the program."""
+    reason = WORDS[Cause.PLATFORM_ERROR]
+    sentence = f"{reason.title}. {reason.sentence}"
+    return _document([Diagnostic(sentence=sentence, stage=Stage.RUN)], CheckOutcome())
 
-    The CPU time holds the program's start, the wall time whatever else the host does: the smaller
-    of the two accuses nobody wrongly.
+
+def _cpu_us_per_step(outcome: CheckOutcome) -> float:
+    """Return an upper bound of the CPU time [µs] per step.
+
+    The CPU time includes the start of the program, the wall time whatever else the host does; the
+    smaller of the two avoids false warnings.
     """
-    if not seen.step_us:
+    if not outcome.step_us:
         return 0.0
-    cpu_us = seen.usage.get("cpu_s", 0.0) * 1e6 / len(seen.step_us)
-    return min(cpu_us, float(np.median(seen.step_us)))
+    cpu_us = outcome.usage.get("cpu_s", 0.0) * 1e6 / len(outcome.step_us)
+    return min(cpu_us, float(np.median(outcome.step_us)))
 
 
-def our_failure() -> dict[str, Any]:
-    """Return the answer when the service and not the program failed."""
-    said = WORDS[Cause.PLATFORM_ERROR]
-    return _document([Flaw(sentence=f"{said.title}. {said.sentence}", stage=Stage.RUN)], Seen())
-
-
-def _document(flaws: list[Flaw], seen: Seen) -> dict[str, Any]:
-    steps = np.array(seen.step_us)
+def _document(diagnostics: Sequence[Diagnostic], outcome: CheckOutcome) -> dict[str, Any]:
+    steps = np.array(outcome.step_us)
     return {
-        "ok": all(flaw.warning for flaw in flaws),
-        "problems": [flaw.to_json() for flaw in flaws[:FLAWS_MAX]],
-        "traceback": seen.traceback,
-        "output": seen.output[-OUTPUT_MAX:],
-        "t_simulated": seen.t_simulated,
-        "usage": seen.usage or None,
+        "ok": all(diagnostic.warning for diagnostic in diagnostics),
+        "problems": [diagnostic.to_json() for diagnostic in diagnostics[:DIAGNOSTICS_MAX]],
+        "traceback": outcome.traceback,
+        "output": outcome.output[-OUTPUT_MAX:],
+        "t_simulated": outcome.t_simulated,
+        "usage": outcome.usage or None,
         "step_us": None
         if not len(steps)
         else {
@@ -93,39 +96,39 @@ def _document(flaws: list[Flaw], seen: Seen) -> dict[str, Any]:
     }
 
 
-def _flaws(seen: Seen) -> list[Flaw]:
-    """Return what ended the program, with its place; all messages of a compiler."""
-    if seen.verdict == Cause.COMPILE_ERROR:
-        told = [_of_compiler(match) for match in _COMPILER.finditer(seen.traceback)]
-        if told:
-            return told
-    place = _PLACE.search(seen.sentence)
-    sentence = seen.sentence[: place.start()] if place else seen.sentence
+def _from_failure(outcome: CheckOutcome) -> list[Diagnostic]:
+    """Return all messages of the compiler, or else what ended the program and where."""
+    if outcome.verdict == Cause.COMPILE_ERROR:
+        messages = _COMPILER_MESSAGE.finditer(outcome.traceback)
+        if diagnostics := [_from_compiler(match) for match in messages]:
+            return diagnostics
+    location = _LOCATION.search(outcome.sentence)
+    sentence = outcome.sentence[: location.start()] if location else outcome.sentence
     return [
-        Flaw(
-            sentence=sentence or WORDS[Cause(seen.verdict)].sentence,
-            stage=_stage(seen),
-            file=place[2] if place else None,
-            line=int(place[1]) if place else None,
+        Diagnostic(
+            sentence=sentence or WORDS[Cause(outcome.verdict)].sentence,
+            stage=_stage(outcome),
+            file=location[2] if location else None,
+            line=int(location[1]) if location else None,
         )
     ]
 
 
-def _of_compiler(match: re.Match[str]) -> Flaw:
-    file, line, column, kind, sentence = match.groups()
-    return Flaw(
+def _from_compiler(match: re.Match[str]) -> Diagnostic:
+    file, line, column, severity, sentence = match.groups()
+    return Diagnostic(
         sentence=sentence,
         stage=Stage.COMPILE,
         file=file,
         line=int(line),
         column=int(column) if column else None,
-        warning=kind == "warning",
+        warning=severity == "warning",
     )
 
 
-def _stage(seen: Seen) -> Stage:
-    if seen.verdict == Cause.COMPILE_ERROR:
+def _stage(outcome: CheckOutcome) -> Stage:
+    if outcome.verdict == Cause.COMPILE_ERROR:
         return Stage.COMPILE
-    in_call = _IN_CALL.search(f"{seen.sentence}\n{seen.traceback}")
-    answered = seen.step_us or seen.verdict == Cause.PROTOCOL_ERROR
+    in_call = _IN_CALL.search(f"{outcome.sentence}\n{outcome.traceback}")
+    answered = outcome.step_us or outcome.verdict == Cause.PROTOCOL_ERROR
     return Stage.RUN if answered or in_call else Stage.START

@@ -7,15 +7,14 @@ from seamark.server.pages import (
     benchmarks,
     docs,
     errors,
-    formats,
     home,
     leaderboard,
-    row_numbers,
     run,
     runs,
     status,
     submit,
 )
+from seamark.server.web import template_filters, url_converters
 
 PAGES = (
     home.page,
@@ -32,8 +31,8 @@ PAGES = (
 
 def register(app: Flask) -> None:
     """Add all pages, the filters of their templates and the pages of errors."""
-    row_numbers.register(app)
+    url_converters.register(app)
     for page in PAGES:
         app.register_blueprint(page)
-    formats.register(app)
+    template_filters.register(app)
     errors.register(app)

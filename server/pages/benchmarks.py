@@ -3,7 +3,7 @@
 from flask import Blueprint, abort, redirect, render_template, url_for
 from flask.typing import ResponseReturnValue
 
-from seamark.server.pages import fields
+from seamark.server.pages import form_fields
 from seamark.sim import registry, vehicles
 from seamark.sim.benchmarks.benchmark import Benchmark
 from seamark.sim.physics import constants
@@ -28,7 +28,7 @@ def show(name: str) -> ResponseReturnValue:
         benchmarks=labels(),
         levels=len(config.level_values()),
         duration_s=config.trial_duration_s(),
-        groups=fields.groups(benchmark.schema(), {}, {}, order=benchmark.groups),
+        groups=form_fields.groups(benchmark.schema(), {}, {}, order=benchmark.groups),
         tags=vehicles.TAGS,
         vehicles=[vehicles.load(entry) for entry in registry.VEHICLES],
         constants_of=constants.GROUPS,

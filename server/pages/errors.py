@@ -7,9 +7,9 @@ from flask_wtf.csrf import CSRFError
 from werkzeug.exceptions import HTTPException
 
 from seamark.server.accounts.permissions import Viewer
-from seamark.server.pages.formats import size
 from seamark.server.web import problems
 from seamark.server.web.services import services
+from seamark.server.web.template_filters import size
 
 _DRAIN_MAX = 32 * 2**20  # [byte] of a refused upload that are read and thrown away
 _log = structlog.get_logger()
@@ -52,13 +52,13 @@ def register(app: Flask) -> None:
     def show_http(error: HTTPException) -> ResponseReturnValue:
         if error.code == 413:
             _drain()
-        if problems.wanted():
-            return problems.of_http(error).response()
+        if problems.prefers_json():
+            return problems.from_http_exception(error).response()
         return _page(error)
 
     @app.errorhandler(CSRFError)
     def show_csrf(error: CSRFError) -> ResponseReturnValue:
-        if problems.wanted():
+        if problems.prefers_json():
             return problems.Problem("csrf").response()
         return _render(
             403,

@@ -10,7 +10,7 @@ from sqlalchemy.orm import Session
 
 from seamark.server.accounts.permissions import Action, can
 from seamark.server.messaging import live_events
-from seamark.server.pages import benchmarks, curves, measures
+from seamark.server.pages import benchmarks, level_chart, metric_tables
 from seamark.server.runs import door as runs
 from seamark.server.runs.files import RunFiles
 from seamark.server.web import authentication
@@ -40,15 +40,15 @@ def show(run_id: int) -> ResponseReturnValue:
         may=may,
         log=log,
         has_rows=files.row_count() > 0,
-        tables=measures.tables(benchmark, run.config, run.metrics or {}),
-        facts=measures.facts(benchmark, run.metrics or {}),
+        tables=metric_tables.tables(benchmark, run.config, run.metrics or {}),
+        facts=metric_tables.facts(benchmark, run.metrics or {}),
         level=config.level_metric(),
         axes=axes(config),
         headline=benchmark.headline_of(config),
         level_held_unit=benchmark.level_held_unit_of(config),
-        trials=measures.trials(run.metrics or {}),
-        curve=curves.curve(benchmark, config, run, files),
-        options=measures.options(benchmark.schema(), run.config),
+        trials=metric_tables.trials(run.metrics or {}),
+        curve=level_chart.curve(benchmark, config, run, files),
+        options=metric_tables.options(benchmark.schema(), run.config),
         page_data={
             "id": run.id,
             "live": not run.state.final,

@@ -8,11 +8,11 @@ from flask.typing import ResponseReturnValue
 
 from seamark.server.accounts.permissions import Viewer
 from seamark.server.pages import benchmarks
-from seamark.server.pages.formats import iso, solution
-from seamark.server.pages.row_numbers import row_number
 from seamark.server.runs import door as runs
 from seamark.server.web import csv_export
 from seamark.server.web.services import Services, services
+from seamark.server.web.template_filters import iso, solution
+from seamark.server.web.url_converters import row_number
 
 SIZE = 25
 COLUMNS = (

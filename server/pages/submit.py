@@ -8,8 +8,7 @@ from flask.typing import ResponseReturnValue
 from seamark.sandbox.languages import LANGUAGES
 from seamark.server import workers
 from seamark.server.accounts.permissions import Action, can
-from seamark.server.pages import benchmarks, fields, sent_programs
-from seamark.server.pages.row_numbers import row_number
+from seamark.server.pages import benchmarks, form_fields, submitted_program
 from seamark.server.programs import archives, starter_files
 from seamark.server.programs.store import TEXT_MAX_BYTES, StoredProgram, UploadRejected
 from seamark.server.runs import door as runs
@@ -17,6 +16,7 @@ from seamark.server.runs import trial_limits
 from seamark.server.web import authentication
 from seamark.server.web.rate_limits import ORDER, limiter, who
 from seamark.server.web.services import services
+from seamark.server.web.url_converters import row_number
 from seamark.sim.benchmarks.benchmark import Benchmark
 from seamark.sim.settings.configuration import ConfigurationInvalid
 
@@ -43,7 +43,7 @@ def create(name: str) -> ResponseReturnValue:
     """Queue a run, or show the form again with the reason why not."""
     benchmark = benchmarks.by_name(name)
     answers = request.form.to_dict()
-    values = fields.read(benchmark.schema(), answers)
+    values = form_fields.read(benchmark.schema(), answers)
     program: StoredProgram | None = None
     refused: dict[str, str] = {}
     status = 422
@@ -71,7 +71,7 @@ def _sent(
 ) -> tuple[StoredProgram | None, dict[str, str]]:
     """Return the program of a form, or why it is none, beside what else is wrong."""
     try:
-        return sent_programs.take(benchmark, answers), {}
+        return submitted_program.take(benchmark, answers), {}
     except UploadRejected as refusal:
         return None, {"program": str(refusal)}
 
@@ -85,7 +85,7 @@ def _order(
     """Return the order in a posted form."""
     kind = runs.Kind.RANKED if answers.get("kind") == runs.Kind.RANKED else runs.Kind.PRACTICE
     if kind is runs.Kind.RANKED:  # the scenario is the benchmark's, whatever the form says
-        values = fields.solution(benchmark.schema(), values)
+        values = form_fields.solution(benchmark.schema(), values)
     config = benchmark.read(values)
     trials = _whole(answers, "trials", "The number of trials")
     return runs.Order(
@@ -154,12 +154,12 @@ def _show(
         benchmark=benchmark,
         text_max=TEXT_MAX_BYTES,
         benchmarks=benchmarks.labels(),
-        groups=fields.groups(schema, values, errors, order=benchmark.groups),
+        groups=form_fields.groups(schema, values, errors, order=benchmark.groups),
         presets=schema.get("x-presets", {}),
         defaults={name: entry["default"] for name, entry in schema["properties"].items()},
         answers=answers or {"controller": _first_choice(benchmark)},
         errors=errors,
-        kept=kept and {"program": kept, "token": sent_programs.token(benchmark, kept)},
+        kept=kept and {"program": kept, "token": submitted_program.token(benchmark, kept)},
         archives=archives.SUFFIXES,
         file_names=starter_files.FILES[benchmark.role],
         general=" ".join(unknown.values()),

@@ -1,4 +1,4 @@
-"""What is wrong with a program, with the place of it: for the form, the API and `check`."""
+"""Diagnostics of a program, as the form, the API and `seamark check` show them."""
 
 from dataclasses import asdict, dataclass
 from enum import StrEnum
@@ -6,31 +6,31 @@ from typing import Any
 
 
 class Stage(StrEnum):
-    """When a flaw showed."""
+    """When the problem was found."""
 
-    READ = "read"  # in the text, without running anything
+    READ = "read"  # in the source, without running anything
     COMPILE = "compile"
-    START = "start"  # import and __init__, or the native program's start
+    START = "start"  # import and __init__, or the start of a native program
     RUN = "run"  # reset and step, in a real simulation
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Flaw:
-    """One thing that is wrong, in a sentence that says what to do."""
+class Diagnostic:
+    """One problem of a program: where it is, and a sentence that says how to fix it."""
 
     sentence: str
     stage: Stage = Stage.READ
     file: str | None = None
     line: int | None = None  # from 1
     column: int | None = None  # from 1
-    warning: bool = False  # worth a look, but the program runs
+    warning: bool = False  # the program runs nevertheless
 
     def to_json(self) -> dict[str, Any]:
-        """Return it as the API shows it."""
+        """Return the JSON object of the API."""
         return asdict(self)
 
     def text(self) -> str:
-        """Return one line for a terminal, as compilers write them."""
-        place = ":".join(str(part) for part in (self.file, self.line, self.column) if part)
-        kind = "warning: " if self.warning else ""
-        return f"{place}: {kind}{self.sentence}" if place else f"{kind}{self.sentence}"
+        """Return one line for a terminal, in the format of compilers."""
+        location = ":".join(str(part) for part in (self.file, self.line, self.column) if part)
+        message = f"warning: {self.sentence}" if self.warning else self.sentence
+        return f"{location}: {message}" if location else message

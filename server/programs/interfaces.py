@@ -1,27 +1,27 @@
-"""What a program in Python has to define, for each role that a benchmark can ask for."""
+"""The class that a Python program has to define, for each role a benchmark can ask for."""
 
 from dataclasses import dataclass
 
 
 @dataclass(frozen=True, slots=True)
-class Role:
-    """A class and the methods by which it is called: name -> its arguments after self."""
+class Interface:
+    """A class and its methods: name -> arguments after self."""
 
-    maker: str
+    class_name: str
     required: dict[str, tuple[str, ...]]
     optional: dict[str, tuple[str, ...]]
 
 
-ROLES = {
-    "controller": Role(
+INTERFACES = {
+    "controller": Interface(
         "Controller",
         {"__init__": ("config",), "step": ("observation",)},
         {"reset": ("level",)},
     ),
-    "tracker": Role(
+    "tracker": Interface(
         "Tracker",
         {"__init__": ("config",), "start": ("image", "corners"), "update": ("image",)},
         {},
     ),
-    "detector": Role("Detector", {"__init__": ("config",), "detect": ("image",)}, {}),
+    "detector": Interface("Detector", {"__init__": ("config",), "detect": ("image",)}, {}),
 }

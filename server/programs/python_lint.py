@@ -1,101 +1,100 @@
-"""What can be said about a program in Python without running it: from its syntax tree alone."""
+"""Static checks of a Python program: its syntax tree is inspected, nothing is run."""
 
 import ast
 import difflib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
-from seamark.server.programs.diagnostics import Flaw
-from seamark.server.programs.interfaces import ROLES, Role
+from seamark.server.programs.diagnostics import Diagnostic
+from seamark.server.programs.interfaces import INTERFACES, Interface
 from seamark.sim.metrics.syntax_trees import module_of
 
-PARSED_MAX = 512 * 1024  # [B] over all files; what is longer is read in its box only
+PARSED_MAX = 512 * 1024  # [B] over all files; anything beyond is first parsed in the sandbox
 TEMPLATE = "The documentation has a template to start from."
 _Method = ast.FunctionDef | ast.AsyncFunctionDef
 
 
-def flaws_of(files: Mapping[str, bytes], main: str, role: str) -> list[Flaw]:
-    """Return what is wrong with the texts, in the order of their lines; runs nothing of them.
+def lint(files: Mapping[str, bytes], main: str, role: str) -> list[Diagnostic]:
+    """Return the problems found in the source, in the order of the files and lines.
 
     Parameters
     ----------
     files
-        Path -> content, of Python files and of others, which are left alone.
+        Path -> content. Files other than Python are skipped.
     main
-        The path of the file that defines the class of the role.
+        Path of the file that defines the class.
+    role
+        A key of `INTERFACES`.
     """
-    flaws, trees, room = list[Flaw](), dict[str, ast.Module](), PARSED_MAX
+    found, trees, remaining = list[Diagnostic](), dict[str, ast.Module](), PARSED_MAX
     for path in sorted(files, key=lambda path: path != main):
         if not path.endswith(".py") and path != main:
             continue
-        room -= len(files[path])
-        if room < 0:
+        remaining -= len(files[path])
+        if remaining < 0:
             break
-        flaw, tree = _read(path, files[path])
-        if flaw is not None:
-            flaws.append(flaw)
-        if tree is not None:
+        tree = _parse(path, files[path])
+        if isinstance(tree, Diagnostic):
+            found.append(tree)
+        else:
             trees[path] = tree
     if main in trees:
-        flaws += _interface(trees[main], main, ROLES[role])
-    return flaws
+        found += _check_interface(trees[main], main, INTERFACES[role])
+    return found
 
 
-def _read(path: str, content: bytes) -> tuple[Flaw | None, ast.Module | None]:
-    """Return the tree of a text, or what keeps it from having one."""
+def _parse(path: str, content: bytes) -> ast.Module | Diagnostic:
     try:
-        text = content.decode("utf-8-sig")
-        return None, module_of(text, path)
+        return module_of(content.decode("utf-8-sig"), path)
     except UnicodeDecodeError as error:
-        line = content[: error.start].count(b"\n") + 1
-        return Flaw(sentence="The text is not UTF-8.", file=path, line=line), None
+        first_bad = content[: error.start].count(b"\n") + 1
+        return Diagnostic(sentence="The source is not UTF-8.", file=path, line=first_bad)
     except SyntaxError as error:
-        where = (error.lineno, error.offset or None)
-        return Flaw(sentence=f"{error.msg}.", file=path, line=where[0], column=where[1]), None
+        line, column = error.lineno, error.offset or None
+        return Diagnostic(sentence=f"{error.msg}.", file=path, line=line, column=column)
     except (ValueError, RecursionError, MemoryError):
-        return Flaw(sentence="This is not a Python text that can be read.", file=path), None
+        return Diagnostic(sentence="The file cannot be parsed as Python.", file=path)
 
 
 @dataclass
 class _Class:
-    """What is known of the class: its methods, and whether it may have more."""
+    """What the source shows of the class."""
 
     node: ast.ClassDef
     methods: dict[str, _Method] = field(default_factory=dict)
-    names: set[str] = field(default_factory=set)  # also of assigned ones, whose arguments hide
-    open_ended: bool = False  # a base, decorator or later assignment may bring methods
+    names: set[str] = field(default_factory=set)  # including assigned ones: signature unknown
+    open_ended: bool = False  # a base class, decorator or later assignment may add methods
 
 
-def _interface(tree: ast.Module, file: str, role: Role) -> Iterator[Flaw]:
-    """Yield what the class lacks."""
+def _check_interface(tree: ast.Module, file: str, interface: Interface) -> Iterator[Diagnostic]:
     classes = {node.name: node for node in tree.body if isinstance(node, ast.ClassDef)}
-    if role.maker not in classes:
-        if not _may_define(tree, role.maker):
-            yield _missing(classes, file, role)
+    if interface.class_name not in classes:
+        if not _may_define(tree, interface.class_name):
+            yield _class_missing(classes, file, interface.class_name)
         return
-    found = _Class(classes[role.maker])
+    found = _Class(classes[interface.class_name])
     _collect(found, found.node, classes, depth=0)
     found.open_ended |= _used_elsewhere(tree, found.node)
-    yield from _methods(found, file, role)
+    yield from _check_methods(found, file, interface)
 
 
-def _missing(classes: Mapping[str, ast.ClassDef], file: str, role: Role) -> Flaw:
-    near = difflib.get_close_matches(role.maker, classes, n=1, cutoff=0.7)
-    near = near or [name for name in classes if name.lower() == role.maker.lower()]
-    if near:
-        sentence = f"There is no class named {role.maker}, but {near[0]}: is that its name?"
-        return Flaw(sentence=sentence, file=file, line=classes[near[0]].lineno)
-    return Flaw(sentence=f"There is no class named {role.maker}. {TEMPLATE}", file=file)
+def _class_missing(classes: Mapping[str, ast.ClassDef], file: str, name: str) -> Diagnostic:
+    similar = difflib.get_close_matches(name, classes, n=1, cutoff=0.7)
+    similar = similar or [other for other in classes if other.lower() == name.lower()]
+    if similar:
+        sentence = f"There is no class {name}. Did you mean to call {similar[0]} {name}?"
+        return Diagnostic(sentence=sentence, file=file, line=classes[similar[0]].lineno)
+    return Diagnostic(sentence=f"There is no class {name}. {TEMPLATE}", file=file)
 
 
-def _may_define(tree: ast.Module, maker: str) -> bool:
-    """Return whether the name may exist: a class, an assignment or an import, at any depth."""
+def _may_define(tree: ast.Module, name: str) -> bool:
+    """Return whether a class, an assignment or an import at any depth may define the name."""
     for node in ast.walk(tree):
-        if isinstance(node, ast.ClassDef) and node.name == maker:
+        if isinstance(node, ast.ClassDef) and node.name == name:
             return True
-        if isinstance(node, ast.Name) and node.id == maker:
+        if isinstance(node, ast.Name) and node.id == name:
             return True
-        if isinstance(node, ast.alias) and (node.asname or node.name) in {maker, "*"}:
+        if isinstance(node, ast.alias) and (node.asname or node.name) in {name, "*"}:
             return True
     return False
 
@@ -103,7 +102,7 @@ def _may_define(tree: ast.Module, maker: str) -> bool:
 def _collect(
     found: _Class, node: ast.ClassDef, classes: Mapping[str, ast.ClassDef], *, depth: int
 ) -> None:
-    """Add the methods of a class and of its bases in the same file; the first one found counts."""
+    """Add the methods of a class and of its bases in the same file, in resolution order."""
     for part in node.body:
         if isinstance(part, ast.FunctionDef | ast.AsyncFunctionDef):
             found.methods.setdefault(part.name, part)
@@ -121,7 +120,7 @@ def _collect(
 
 
 def _used_elsewhere(tree: ast.Module, node: ast.ClassDef) -> bool:
-    """Return whether the module does more with the class than defining it, such as setattr."""
+    """Return whether the module uses the class outside its definition, such as in setattr."""
     inside = {id(part) for part in ast.walk(node)}
     return any(
         isinstance(part, ast.Name) and part.id == node.name and id(part) not in inside
@@ -129,37 +128,38 @@ def _used_elsewhere(tree: ast.Module, node: ast.ClassDef) -> bool:
     )
 
 
-def _methods(found: _Class, file: str, role: Role) -> Iterator[Flaw]:
-    for name, arguments in (role.required | role.optional).items():
-        call = f"{name}({', '.join(('self', *arguments))})"
+def _check_methods(found: _Class, file: str, interface: Interface) -> Iterator[Diagnostic]:
+    for name, arguments in (interface.required | interface.optional).items():
+        signature = f"{name}({', '.join(('self', *arguments))})"
         if name in found.methods:
-            if reason := _refuses(found.methods[name], len(arguments)):
+            if reason := _not_callable(found.methods[name], len(arguments)):
                 line = found.methods[name].lineno
-                yield Flaw(sentence=f"{name} {reason}; write {call}.", file=file, line=line)
-        elif name in role.required and name not in found.names and not found.open_ended:
-            sentence = f"{role.maker} has no method {call}."
-            yield Flaw(sentence=sentence, file=file, line=found.node.lineno)
+                sentence = f"{name} {reason}; write {signature}."
+                yield Diagnostic(sentence=sentence, file=file, line=line)
+        elif name in interface.required and name not in found.names and not found.open_ended:
+            sentence = f"{interface.class_name} has no method {signature}."
+            yield Diagnostic(sentence=sentence, file=file, line=found.node.lineno)
 
 
-def _refuses(method: _Method, given: int) -> str | None:
+def _not_callable(method: _Method, given: int) -> str | None:
     """Return why a call with `given` arguments after self would fail; None if it would not."""
     if isinstance(method, ast.AsyncFunctionDef):
-        return "is async, but nothing awaits it"
-    marks = {mark.id if isinstance(mark, ast.Name) else "?" for mark in method.decorator_list}
-    if marks - {"staticmethod", "classmethod"}:
-        return None  # a decorator may change the arguments
-    given += "staticmethod" not in marks
-    places = [*method.args.posonlyargs, *method.args.args]
-    most = None if method.args.vararg else len(places)
-    least = len(places) - len(method.args.defaults)
-    named = [
+        return "is async, but is never awaited"
+    decorators = {node.id if isinstance(node, ast.Name) else "?" for node in method.decorator_list}
+    if decorators - {"staticmethod", "classmethod"}:
+        return None  # a decorator may change the signature
+    given += "staticmethod" not in decorators
+    positional = [*method.args.posonlyargs, *method.args.args]
+    most = None if method.args.vararg else len(positional)
+    least = len(positional) - len(method.args.defaults)
+    keyword_only = [
         argument.arg
         for argument, default in zip(method.args.kwonlyargs, method.args.kw_defaults, strict=True)
         if default is None
     ]
-    if named:
-        return f"needs {named[0]} by name, which nobody gives"
+    if keyword_only:
+        return f"has the required keyword-only argument {keyword_only[0]}, which is never passed"
     if given < least or (most is not None and given > most):
-        took = f"{least}" if least == most else f"at least {least}" if given < least else f"{most}"
-        return f"takes {took} argument{'' if took == '1' else 's'} and is called with {given}"
+        count = f"{least}" if least == most else f"at least {least}" if given < least else f"{most}"
+        return f"takes {count} argument{'' if count == '1' else 's'} but is called with {given}"
     return None

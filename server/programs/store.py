@@ -1,4 +1,4 @@
-"""Uploaded programs: checked while they are read, kept under their SHA-256, never executed here."""
+"""Uploaded programs: checked while they are read, stored under their SHA-256, never run here."""
 
 import fcntl
 import hashlib
@@ -17,20 +17,20 @@ from seamark.sandbox.languages import LANGUAGES, language_of
 from seamark.sandbox.limits import Limits
 from seamark.server.programs import archives, python_lint
 from seamark.server.programs.archives import ArchiveRefused
-from seamark.server.programs.diagnostics import Flaw
+from seamark.server.programs.diagnostics import Diagnostic
 
 _CHUNK = 64 * 1024
 _SHA256 = re.compile(r"[0-9a-f]{64}")
 _LIMITS = Limits()
-TEXT_MAX_BYTES = 2 * 2**20  # of a program that a person writes; archives may have more
+TEXT_MAX_BYTES = 2 * 2**20  # of a source file; archives may be larger
 
 
 class UploadRejected(Exception):
-    """The upload breaks a rule. Its text is written for the user and shown on the form."""
+    """The upload breaks a rule. The text is for the user and shown on the form."""
 
 
 class UploadTooLarge(UploadRejected):
-    """It is longer than a program of its kind may be."""
+    """The upload is larger than a program of its type may be."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,66 +40,66 @@ class StoredProgram:
     sha256: str
     name: str
     language: str
-    size: int
+    size: int  # [B]
 
 
 @dataclass(frozen=True, slots=True)
-class Prepared:
-    """An upload in normal form, and what is wrong with it as far as reading shows."""
+class PreparedProgram:
+    """An upload in normal form, with the problems found in its source."""
 
     name: str
     language: str
-    content: bytes  # a text, or a plain zip archive (see server/archives)
-    flaws: tuple[Flaw, ...] = ()
+    content: bytes  # source text, or a plain zip archive (see seamark.server.programs.archives)
+    diagnostics: tuple[Diagnostic, ...] = ()
 
 
-def store(
+def save_upload(
     stream: BinaryIO, filename: str, *, limit: int, data: Path, role: str = "controller"
 ) -> StoredProgram:
-    """Check an upload, keep it and return its key; raises UploadRejected with a sentence.
+    """Check an upload and store it; raises UploadRejected if anything is wrong with it.
 
     Parameters
     ----------
-    limit : int [byte]
-        A longer upload is refused without being read to its end, a text already at
+    limit : int [B]
+        A larger upload is rejected without reading the rest; source files already at
         `TEXT_MAX_BYTES`.
     data : Path
         The data folder of the settings.
     role
-        What the benchmark asks for: a key of `seamark.server.programs.interfaces.ROLES`.
+        What the benchmark evaluates: a key of `seamark.server.programs.interfaces.INTERFACES`.
     """
-    prepared = receive(stream, filename, limit=limit, role=role)
-    if prepared.flaws:
-        raise UploadRejected(" ".join(_said(flaw) for flaw in prepared.flaws[:3]))
-    return keep(prepared, data)
+    prepared = read_upload(stream, filename, limit=limit, role=role)
+    if prepared.diagnostics:
+        raise UploadRejected(" ".join(_as_sentence(one) for one in prepared.diagnostics[:3]))
+    return save(prepared, data)
 
 
-def receive(stream: BinaryIO, filename: str, *, limit: int, role: str) -> Prepared:
-    """Return an upload as it would be kept; raises UploadRejected if it is none at all."""
+def read_upload(stream: BinaryIO, filename: str, *, limit: int, role: str) -> PreparedProgram:
+    """Read an upload into normal form; raises UploadRejected if it cannot be a program."""
     name = _clean(filename)
-    language = _known(name)  # before anything is read
+    language = _language_by_suffix(name)  # before anything is read
     if language is not None and LANGUAGES[language].is_text:
         limit = min(limit, TEXT_MAX_BYTES)
     return prepare(_read(stream, limit), name, role=role)
 
 
-def prepare(source: bytes, filename: str, *, role: str = "controller") -> Prepared:
-    """Return an upload as it would be kept. Runs nothing of it; raises UploadRejected."""
+def prepare(source: bytes, filename: str, *, role: str = "controller") -> PreparedProgram:
+    """Return a program in normal form. Runs nothing of it; raises UploadRejected."""
     name = _clean(filename)
-    language = _known(name)
+    language = _language_by_suffix(name)
     if not source.strip():
         raise UploadRejected(f"{name} is empty.")
     if language is None or LANGUAGES[language].packed:
-        return _prepared_archive(source, name, language, role)
-    files = {name: source}
-    flaws = python_lint.flaws_of(files, name, role) if language == "python" else []
-    if language != "python":
-        _check_kind(name, source, language)
-    return Prepared(name, language, source, tuple(flaws))
+        return _prepare_archive(source, name, language, role)
+    if language == "python":
+        found = python_lint.lint({name: source}, name, role)
+        return PreparedProgram(name, language, source, tuple(found))
+    _check_format(name, source, language)
+    return PreparedProgram(name, language, source)
 
 
-def keep(prepared: Prepared, data: Path) -> StoredProgram:
-    """Put a program into the store and return its key."""
+def save(prepared: PreparedProgram, data: Path) -> StoredProgram:
+    """Put a program into the store, or renew one that is already there."""
     sha256 = hashlib.sha256(prepared.content).hexdigest()
     with _store_lock(data, fcntl.LOCK_SH):
         _write(prepared.content, path(data, sha256))
@@ -107,100 +107,114 @@ def keep(prepared: Prepared, data: Path) -> StoredProgram:
 
 
 def path(data: Path, sha256: str) -> Path:
-    """Return where the program with this key is kept."""
+    """Return where the program with this key is stored."""
     if not _SHA256.fullmatch(sha256):
         raise ValueError(f"not a SHA-256: {sha256!r}")
     return data / "programs" / sha256
 
 
 def read(data: Path, sha256: str) -> bytes:
-    """Return the program's text; raises FileNotFoundError if it is not kept."""
+    """Return the content of a program; raises FileNotFoundError if it is not in the store."""
     return path(data, sha256).read_bytes()
 
 
 def touch(data: Path, sha256: str) -> bool:
-    """Keep a program for another while; False if it is gone."""
+    """Reset the age of a program, so that it is not deleted soon; False if it is gone."""
     with _store_lock(data, fcntl.LOCK_SH):
-        place = path(data, sha256)
-        if not place.exists():
-            return False
-        os.utime(place)
+        return _renew(path(data, sha256))
+
+
+def delete_unused(data: Path, *, older_than_s: float, used: Callable[[str], bool]) -> int:
+    """Delete old programs that nothing refers to; return how many.
+
+    The age counts from the last upload or `touch`: the submission that will refer to a recent
+    program may still be in progress. Uploads and other workers' deletions may run at the same
+    time, so any file may vanish between listing the folder and taking the lock.
+    """
+    deleted, limit = 0, time.time() - older_than_s
+    for file in (data / "programs").glob("*"):
+        if not _is_older(file, limit) or used(file.name):
+            continue
+        with _store_lock(data, fcntl.LOCK_EX):
+            if _is_older(file, limit):  # it may have been uploaded again in the meantime
+                file.unlink()
+                deleted += 1
+    return deleted
+
+
+def _is_older(file: Path, limit: float) -> bool:
+    """Return whether the file exists and was last written or touched before `limit`."""
+    try:
+        return file.stat().st_mtime < limit
+    except FileNotFoundError:
+        return False
+
+
+def _renew(file: Path) -> bool:
+    """Set the file's time to now; False if there is no such file."""
+    try:
+        os.utime(file)
+    except FileNotFoundError:
+        return False
     return True
 
 
-def forget_unused(data: Path, *, older_than_s: float, used: Callable[[str], bool]) -> int:
-    """Delete the programs that nothing refers to; return their number.
-
-    A young one may belong to an order that is being written, therefore the age: it is counted from
-    the last time that somebody sent it.
-    """
-    gone, limit = 0, time.time() - older_than_s
-    for place in (data / "programs").glob("*"):
-        if place.stat().st_mtime >= limit or used(place.name):
-            continue
-        with _store_lock(data, fcntl.LOCK_EX):  # it may just have been sent again
-            if place.stat().st_mtime < limit:
-                place.unlink()
-                gone += 1
-    return gone
-
-
-def _known(name: str) -> str | None:
-    """Return the language by the file's suffix; None for an archive, whose files will tell."""
+def _language_by_suffix(name: str) -> str | None:
+    """Return the language; None for an archive, where the main file decides."""
     language = language_of(name)
     if language is None and not archives.is_archive(name):
-        raise UploadRejected(f"{name}: no language is known for this kind of file.")
+        raise UploadRejected(f"{name}: this file type is not supported.")
     return language
 
 
-def _prepared_archive(source: bytes, name: str, language: str | None, role: str) -> Prepared:
+def _prepare_archive(source: bytes, name: str, language: str | None, role: str) -> PreparedProgram:
     try:
         files = archives.files_of(source, name, limits=_LIMITS)
         content = archives.normal_form(files, limits=_LIMITS)
     except ArchiveRefused as reason:
         raise UploadRejected(f"{name}: {reason}") from None
     if language is not None:
-        return Prepared(name, language, content)
-    language, main = _main_of(files, name)
-    flaws = python_lint.flaws_of(files, main, role) if language == "python" else []
-    return Prepared(name, language, content, tuple(flaws))
+        return PreparedProgram(name, language, content)
+    language, main = _main_file(files, name)
+    found = python_lint.lint(files, main, role) if language == "python" else []
+    return PreparedProgram(name, language, content, tuple(found))
 
 
-def _main_of(files: dict[str, bytes], name: str) -> tuple[str, str]:
-    """Return language and path of the file by which an archive is known."""
+def _main_file(files: dict[str, bytes], name: str) -> tuple[str, str]:
+    """Return language and path of the archive's main file."""
     for language in LANGUAGES.values():
         for main in language.mains:
             if main in files:
                 return language.name, main
     known = ", ".join(f"{main} ({one.label})" for one in LANGUAGES.values() for main in one.mains)
-    near = sorted(path for path in files if "/" not in path)[:5]
+    top = sorted(path for path in files if "/" not in path)[:5]
     raise UploadRejected(
-        f"{name}: the archive needs one of {known} at its top; it has "
-        f"{', '.join(near) or 'only folders'}."
+        f"{name}: the archive needs one of {known} at its top level; it has "
+        f"{', '.join(top) or 'only folders'}."
     )
 
 
-def _check_kind(name: str, source: bytes, language: str) -> None:
+def _check_format(name: str, source: bytes, language: str) -> None:
     """Raise UploadRejected if these bytes cannot be a program of this language."""
     refusal = LANGUAGES[language].refusal
     if refusal is None:
-        _check_text(name, source)
+        _check_utf8(name, source)
     elif reason := refusal(source):
         raise UploadRejected(f"{name}: {reason}")
 
 
-def _check_text(name: str, source: bytes) -> None:
+def _check_utf8(name: str, source: bytes) -> None:
     try:
         source.decode("utf-8")
     except UnicodeDecodeError as error:
         line = source[: error.start].count(b"\n") + 1
-        raise UploadRejected(f"{name}, line {line}: the text is not UTF-8.") from None
+        raise UploadRejected(f"{name}, line {line}: the source is not UTF-8.") from None
 
 
-def _said(flaw: Flaw) -> str:
-    """Return a flaw as a sentence of a refusal."""
-    where = f"{flaw.file}, line {flaw.line}" if flaw.line else str(flaw.file)
-    return f"{where}: {flaw.sentence}"
+def _as_sentence(diagnostic: Diagnostic) -> str:
+    file = str(diagnostic.file)
+    location = f"{file}, line {diagnostic.line}" if diagnostic.line else file
+    return f"{location}: {diagnostic.sentence}"
 
 
 def _clean(filename: str) -> str:
@@ -213,34 +227,33 @@ def _clean(filename: str) -> str:
 
 
 def _read(stream: BinaryIO, limit: int) -> bytes:
-    parts: list[bytes] = []
+    chunks: list[bytes] = []
     size = 0
-    while part := stream.read(_CHUNK):
-        size += len(part)
+    while chunk := stream.read(_CHUNK):
+        size += len(chunk)
         if size > limit:
             raise UploadTooLarge(f"The file is larger than {limit / 2**20:g} MiB.")
-        parts.append(part)
-    return b"".join(parts)
+        chunks.append(chunk)
+    return b"".join(chunks)
 
 
 @contextmanager
-def _store_lock(data: Path, kind: int) -> Iterator[None]:
-    """Keep what is being written from being deleted as unused, and the other way round."""
+def _store_lock(data: Path, mode: int) -> Iterator[None]:
+    """Lock the store: shared (LOCK_SH) to add programs, exclusive (LOCK_EX) to delete them."""
     folder = data / "programs"
     folder.mkdir(parents=True, exist_ok=True)
     with (data / "programs.lock").open("a") as lock:
-        fcntl.flock(lock, kind)
+        fcntl.flock(lock, mode)
         yield
 
 
-def _write(source: bytes, place: Path) -> None:
-    """Write the file whole or not at all; who is second finds it there already, and young again."""
-    if place.exists():
-        os.utime(place)
+def _write(content: bytes, target: Path) -> None:
+    """Write the file atomically, or renew it if it exists."""
+    if _renew(target):
         return
-    draft = place.with_name(f"{place.name}.{secrets.token_hex(8)}")
+    draft = target.with_name(f"{target.name}.{secrets.token_hex(8)}")
     with draft.open("wb") as file:
-        file.write(source)
+        file.write(content)
         file.flush()
         os.fsync(file.fileno())
-    draft.replace(place)
+    draft.replace(target)

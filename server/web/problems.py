@@ -1,4 +1,4 @@
-"""Errors of the HTTP interface: RFC 9457 problem documents with a stable `type` and a page each."""
+"""Errors of the HTTP API: RFC 9457 problem documents, each `type` stable and with its own page."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ MEDIA_TYPE = "application/problem+json"
 
 
 @dataclass(frozen=True, slots=True)
-class Kind:
-    """One kind of problem: its address is `/problems/<slug>` and never changes."""
+class ProblemType:
+    """A type of problem; its address `/problems/<slug>` never changes."""
 
     slug: str
     status: int
@@ -28,123 +28,142 @@ class Kind:
     remedy: str
 
 
-_KINDS = (
-    Kind("bad-request", 400, "The request cannot be read", "Send what the documentation shows."),
-    Kind(
-        "unauthenticated",
-        401,
-        "Who asks is not known",
-        "Sign in, or send `Authorization: Bearer <token>`. Tokens are made on the account page, "
-        "by POST /api/v1/tokens or with `seamark token new`.",
-    ),
-    Kind(
-        "token-invalid",
-        401,
-        "The token is not valid",
-        "It is misspelt, expired or was withdrawn. Make a new one on the account page.",
-    ),
-    Kind(
-        "csrf",
-        403,
-        "The form's secret is missing",
-        "A browser's cookie is not enough to change something: send the value `csrf_token` of "
-        "GET /api/v1/me as header X-CSRFToken, or use a token instead of the cookie.",
-    ),
-    Kind(
-        "scope-missing",
-        403,
-        "The token may not do this",
-        "Make a token with the scope that `detail` names.",
-    ),
-    Kind("forbidden", 403, "This is not yours to do", "Only the owner or an admin may do this."),
-    Kind(
-        "account-needed",
-        403,
-        "This needs an account",
-        "Without an account what is built in can be tried. Sign up to upload programs, "
-        "to make ranked runs and to publish.",
-    ),
-    Kind(
-        "not-found",
-        404,
-        "There is no such thing",
-        "It does not exist, or it is private and belongs to somebody else.",
-    ),
-    Kind(
-        "method-not-allowed",
-        405,
-        "This method does not work here",
-        "The header Allow names the methods that do.",
-    ),
-    Kind(
-        "conflict",
-        409,
-        "The run's state does not allow this",
-        "For example, only a run that has ended can be published or cancelled no more.",
-    ),
-    Kind(
-        "payload-too-large",
-        413,
-        "The upload is too large",
-        "The limit stands in `detail`. Data files do not belong into a program.",
-    ),
-    Kind(
-        "unsupported-media-type",
-        415,
-        "This media type is not understood",
-        "Send application/json, or multipart/form-data with the parts `run` and `program`.",
-    ),
-    Kind(
-        "range-not-satisfiable",
-        416,
-        "The range lies outside",
-        "Ask for a range inside of what there is.",
-    ),
-    Kind(
-        "invalid-request",
-        422,
-        "A value is not acceptable",
-        "`errors` names each field and says what it accepts.",
-    ),
-    Kind(
-        "invalid-configuration",
-        422,
-        "The configuration is not acceptable",
-        "`errors` names each field and its range. GET /api/v1/benchmarks/<id> has the schema.",
-    ),
-    Kind(
-        "upload-rejected",
-        422,
-        "The program was not accepted",
-        "`detail` says which rule it breaks and, for source code, in which line.",
-    ),
-    Kind(
-        "quota-exceeded",
-        429,
-        "The quota is used up",
-        "Wait until one of your runs has ended; the header Retry-After has a guess.",
-    ),
-    Kind("rate-limited", 429, "Too many requests", "Wait as long as Retry-After says."),
-    Kind(
-        "internal-error",
-        500,
-        "Seamark made a mistake",
-        "This is our fault. Nothing was charged to your quota; try again.",
-    ),
-    Kind(
-        "unavailable",
-        503,
-        "A part of the service is not there",
-        "Try again after the seconds in Retry-After.",
-    ),
-    Kind(
-        "streams-full",
-        503,
-        "All places for live streams are taken",
-        "Try again after the seconds in Retry-After, or ask GET /api/v1/runs/<id> now and then.",
-    ),
-)
-KINDS: Mapping[str, Kind] = {kind.slug: kind for kind in _KINDS}
+PROBLEM_TYPES: Mapping[str, ProblemType] = {
+    slug: ProblemType(slug, status, title, remedy)
+    for slug, status, title, remedy in (
+        (
+            "bad-request",
+            400,
+            "The request could not be parsed",
+            "The API documentation shows what to send.",
+        ),
+        (
+            "unauthenticated",
+            401,
+            "Authentication is required",
+            "Sign in, or send `Authorization: Bearer <token>`. Create tokens on the account page, "
+            "by POST /api/v1/tokens or with `seamark token new`.",
+        ),
+        (
+            "token-invalid",
+            401,
+            "The token is not valid",
+            "It is misspelled, expired or revoked. Create a new one on the account page.",
+        ),
+        (
+            "csrf",
+            403,
+            "The CSRF token is missing or invalid",
+            "With cookie authentication, send the value `csrf_token` of GET /api/v1/me in the "
+            "header X-CSRFToken, or authenticate with a token instead.",
+        ),
+        (
+            "scope-missing",
+            403,
+            "The token lacks a scope",
+            "Create a token with the scope named in `detail`.",
+        ),
+        (
+            "forbidden",
+            403,
+            "You do not have permission",
+            "Only the owner or an admin may do this.",
+        ),
+        (
+            "account-needed",
+            403,
+            "This requires an account",
+            "Without an account you can try the built-in programs. Sign up to upload programs, "
+            "start ranked runs and publish.",
+        ),
+        (
+            "not-found",
+            404,
+            "Not found",
+            "It does not exist, or it is private and belongs to someone else.",
+        ),
+        (
+            "method-not-allowed",
+            405,
+            "Method not allowed",
+            "The header Allow lists the methods that are.",
+        ),
+        (
+            "conflict",
+            409,
+            "The current state does not allow this",
+            "For example, a run can only be published once it has finished.",
+        ),
+        (
+            "payload-too-large",
+            413,
+            "The upload is too large",
+            "`detail` states the limit. Leave data files out of the program.",
+        ),
+        (
+            "unsupported-media-type",
+            415,
+            "Unsupported media type",
+            "Send application/json, or multipart/form-data with the parts `run` and `program`.",
+        ),
+        (
+            "range-not-satisfiable",
+            416,
+            "Range not satisfiable",
+            "Request a range within the size of the file.",
+        ),
+        (
+            "invalid-request",
+            422,
+            "Invalid request",
+            "`errors` lists each invalid field and what it accepts.",
+        ),
+        (
+            "invalid-configuration",
+            422,
+            "Invalid configuration",
+            "`errors` lists each invalid field and its range. GET /api/v1/benchmarks/<id> returns "
+            "the schema.",
+        ),
+        (
+            "upload-rejected",
+            422,
+            "The program was rejected",
+            "`detail` names the rule it breaks and, for source code, the line.",
+        ),
+        (
+            "quota-exceeded",
+            429,
+            "Quota exceeded",
+            "Wait until one of your runs has finished; Retry-After gives an estimate.",
+        ),
+        (
+            "rate-limited",
+            429,
+            "Too many requests",
+            "Wait for the number of seconds in Retry-After.",
+        ),
+        (
+            "internal-error",
+            500,
+            "Internal server error",
+            "This is a fault of the service. Your quota was not charged; try again.",
+        ),
+        (
+            "unavailable",
+            503,
+            "Temporarily unavailable",
+            "Try again after the number of seconds in Retry-After.",
+        ),
+        (
+            "streams-full",
+            503,
+            "Too many live streams",
+            "Try again after the number of seconds in Retry-After, or poll "
+            "GET /api/v1/runs/<id> instead.",
+        ),
+    )
+}
 
 _BY_STATUS = {
     400: "bad-request",
@@ -164,18 +183,18 @@ _BY_STATUS = {
 
 
 class Problem(Exception):
-    """A request that cannot be answered as asked. Its text is written for who asked.
+    """A request that is refused. The text is for the client.
 
     Parameters
     ----------
     slug
-        One of `KINDS`.
+        A key of `PROBLEM_TYPES`.
     detail
-        What is wrong with this request, in one sentence.
+        What is wrong with this request, in one sentence; the title if empty.
     errors
         Field -> sentence; dotted names for nested fields.
     headers
-        More headers of the answer, for example Retry-After.
+        Additional response headers, for example Retry-After.
     """
 
     def __init__(
@@ -186,8 +205,8 @@ class Problem(Exception):
         errors: Mapping[str, str] | None = None,
         headers: Mapping[str, str] | None = None,
     ) -> None:
-        self.kind = KINDS[slug]
-        self.detail = detail or self.kind.title
+        self.type = PROBLEM_TYPES[slug]
+        self.detail = detail or self.type.title
         self.errors = dict(errors or {})
         self.headers = dict(headers or {})
         super().__init__(self.detail)
@@ -195,9 +214,9 @@ class Problem(Exception):
     def document(self) -> dict[str, object]:
         """Return the members of the problem document."""
         members: dict[str, object] = {
-            "type": f"/problems/{self.kind.slug}",
-            "title": self.kind.title,
-            "status": self.kind.status,
+            "type": f"/problems/{self.type.slug}",
+            "title": self.type.title,
+            "status": self.type.status,
             "detail": self.detail,
         }
         if self.errors:
@@ -207,28 +226,28 @@ class Problem(Exception):
         return members
 
     def response(self) -> Response:
-        """Return the answer with the problem document."""
-        answer = Response(
+        """Return the response with the problem document."""
+        response = Response(
             json.dumps(self.document()),
-            status=self.kind.status,
+            status=self.type.status,
             content_type=MEDIA_TYPE,
         )
-        if self.kind.status == 401:
-            answer.headers["WWW-Authenticate"] = 'Bearer realm="seamark"'
-        answer.headers.extend(self.headers)
-        answer.headers["Cache-Control"] = "no-store"
-        return answer
+        if self.type.status == 401:
+            response.headers["WWW-Authenticate"] = 'Bearer realm="seamark"'
+        response.headers.extend(self.headers)
+        response.headers["Cache-Control"] = "no-store"
+        return response
 
 
-def of_http(error: HTTPException) -> Problem:
-    """Return the problem that says the same as an exception of werkzeug, with Allow kept."""
+def from_http_exception(error: HTTPException) -> Problem:
+    """Return the problem for an exception of werkzeug; keeps the headers that matter."""
     status = error.code or 500
     slug = _BY_STATUS.get(status, "bad-request" if status < 500 else "internal-error")
     if status == 401 and "Authorization" in request.headers:
         slug = "token-invalid"
     detail = error.description or ""
-    if detail == type(error).description:  # werkzeug's own words, about addresses typed by hand
-        detail = _own_words(status) or detail
+    if detail == type(error).description:  # werkzeug's default text is written for browsers
+        detail = _default_detail(status) or detail
     kept = {
         name: value
         for name, value in error.get_headers(request.environ)
@@ -237,30 +256,30 @@ def of_http(error: HTTPException) -> Problem:
     return Problem(slug, detail, headers=kept)
 
 
-def _own_words(status: int) -> str:
-    """Return what is wrong with the present request, empty where the status says it all."""
+def _default_detail(status: int) -> str:
+    """Return what is wrong with the current request, empty where the title says it all."""
     if status == 404:
-        return f"There is no address {request.path}."
+        return f"There is nothing at {request.path}."
     if status == 405:
-        return f"{request.method} does not work at {request.path}; Allow names what does."
+        return f"{request.path} does not support {request.method}."
     if status == 413:
         limit = services().settings.upload_max_bytes
-        return f"An upload may have {limit} bytes; this request is larger."
-    return KINDS["unsupported-media-type"].remedy if status == 415 else ""
+        return f"The request is too large; uploads are limited to {limit} bytes."
+    return PROBLEM_TYPES["unsupported-media-type"].remedy if status == 415 else ""
 
 
-def of_validation(error: ValidationError, *, prefix: str = "") -> Problem:
-    """Return the problem that names each field which pydantic did not accept."""
+def from_validation_error(error: ValidationError) -> Problem:
+    """Return the problem that names each field rejected by pydantic."""
     errors = {}
     for item in error.errors(include_url=False, include_context=False, include_input=False):
         field = ".".join(str(part) for part in item["loc"]) or "body"
-        errors[prefix + field] = item["msg"]
-    named = "; ".join(f"{field}: {text}" for field, text in errors.items())
-    return Problem("invalid-request", f"Not acceptable: {named}.", errors=errors)
+        errors[field] = item["msg"]
+    details = "; ".join(f"{field}: {text}" for field, text in errors.items())
+    return Problem("invalid-request", f"Invalid: {details}.", errors=errors)
 
 
-def wanted() -> bool:
-    """Return whether the present request asks for a problem document and not for a page."""
+def prefers_json() -> bool:
+    """Return whether the client expects a problem document rather than a page."""
     if request.path.startswith("/api/") and request.path != "/api/docs":
         return True
     best = request.accept_mimetypes.best_match(["text/html", "application/json", MEDIA_TYPE])

@@ -68,8 +68,8 @@ class Service(Backend):
         """Return the report of a check of a program."""
         program, user_id = self.store_program(source, name), self.user_id("ann")
         with self.database.writing() as session:
-            check_id = queue.order(session, user_id, "currents-v1", dict(config), program)
-        queue.ring(self.redis)
+            check_id = queue.enqueue(session, user_id, "currents-v1", dict(config), program)
+        queue.wake_worker(self.redis)
         deadline = time.monotonic() + START_S
         while True:
             with self.database.reading() as session:

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from seamark.sandbox.outcome import Outcome, ProgramEnded, Verdict
 from seamark.server.checks import report
-from seamark.server.checks.report import Seen
+from seamark.server.checks.report import CheckOutcome
 from seamark.server.runs import trial_limits
 from seamark.sim import registry
 from seamark.sim.recording.telemetry import INDEX, STEP_US
@@ -26,7 +26,7 @@ class Glimpse:
     """A listener that keeps what a check shows; it may stand before another one."""
 
     def __init__(self) -> None:
-        self.seen = Seen()
+        self.seen = CheckOutcome()
         self._log = bytearray()
 
     def rows(self, rows: Rows) -> None:
@@ -41,9 +41,9 @@ class Glimpse:
 
     def cut(self, trial: int, why: str) -> None:
         """Forget all: the host was slow and it is done again."""
-        self.seen, self._log = Seen(), bytearray()
+        self.seen, self._log = CheckOutcome(), bytearray()
 
-    def end(self, ending: Mapping[str, Any]) -> Seen:
+    def end(self, ending: Mapping[str, Any]) -> CheckOutcome:
         """Return everything; `ending` has the fields of `Ending`."""
         for name in ("verdict", "sentence", "traceback", "usage"):
             setattr(self.seen, name, ending[name])
@@ -100,11 +100,11 @@ def _ending(outcome: Outcome) -> Ending:
     )
 
 
-def answer_of(job: Job, seen: Seen) -> dict[str, Any]:
+def answer_of(job: Job, seen: CheckOutcome) -> dict[str, Any]:
     """Return the document for what was seen, measured against what a whole run may use."""
     entry = registry.benchmark(job.benchmark)
     config = entry.read(job.config)
     trial_s = entry.trial_duration_s(config)
     steps_per_s = len(seen.step_us) / max(seen.t_simulated, 1.0)
     allowed_s = trial_limits.for_trial(trial_s).cpu_s / max(trial_s * steps_per_s, 1.0)
-    return report.of_running(seen, step_allowed_us=allowed_s * 1e6)
+    return report.from_outcome(seen, step_allowed_us=allowed_s * 1e6)

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.languages import language_of
 from seamark.server.checks import queue
-from seamark.server.programs.store import Prepared
+from seamark.server.programs.store import PreparedProgram
 from seamark.sim import registry
 from seamark.sim.engine.warm_up import warm_up
 from seamark.worker.evaluation.check import Glimpse, answer_of, check
@@ -26,7 +26,7 @@ from seamark.worker.evaluation.job import Job, Place
 from seamark.worker.evaluation.program_adapters import pool_of, real_compiler
 
 Rows = NDArray[np.float64]
-Controller = str | tuple[bytes, str] | Prepared
+Controller = str | tuple[bytes, str] | PreparedProgram
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,7 +91,11 @@ def evaluate_here(
 
 
 def check_here(
-    benchmark: str, config: Mapping[str, object], program: Prepared, *, isolation: IsolationLevel
+    benchmark: str,
+    config: Mapping[str, object],
+    program: PreparedProgram,
+    *,
+    isolation: IsolationLevel,
 ) -> dict[str, Any]:
     """Return what `seamark.server.checks.report` says of a program after two simulated seconds.
 
@@ -121,7 +125,7 @@ def job_of(
     if isinstance(controller, str):
         yield plain
         return
-    if isinstance(controller, Prepared):
+    if isinstance(controller, PreparedProgram):
         source, name, language = controller.content, controller.name, controller.language
     else:
         source, name = controller

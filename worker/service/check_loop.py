@@ -73,7 +73,7 @@ class Lane:
     def _wait(self) -> None:
         """Wait for the bell, or for a while."""
         try:
-            self._redis.blpop([queue.BELL], timeout=LOOK_S)
+            self._redis.blpop([queue.WAKE_UP_KEY], timeout=LOOK_S)
         except RedisError:
             self._ended.wait(LOOK_S)
 
@@ -92,7 +92,7 @@ class Lane:
         except (SimulatorBroken, StreamBroken, Stopping) as broken:
             _log.error("check_broken", check=claim.check_id, why=str(broken))
             with self._database.writing() as session:
-                queue.give_back(session, claim.check_id, claim.attempt)
+                queue.release(session, claim.check_id, claim.attempt)
             return not self._ended.is_set()
         with self._database.writing() as session:
             stored = queue.finish(session, claim, answer)

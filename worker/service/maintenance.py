@@ -21,7 +21,7 @@ def sweep_once(app: Celery, database: Database, redis: "Redis", settings: Settin
     """Sweep, tell those who watch, and top up the tickets; a broker that is away is no failure."""
     with database.writing() as session:
         report = runs.sweep(session, settings)
-        queue.sweep(session)
+        queue.recover(session)
     try:
         for run_id in report.returned:
             _tell(redis, run_id, RunState.QUEUED)
@@ -43,7 +43,7 @@ def forget_programs(database: Database, settings: Settings) -> None:
         with database.reading() as session:
             return queue.refers_to(session, sha256)
 
-    gone = store.forget_unused(settings.data, older_than_s=UNUSED_S, used=used)
+    gone = store.delete_unused(settings.data, older_than_s=UNUSED_S, used=used)
     if gone:
         _log.info("programs_forgotten", count=gone)
 

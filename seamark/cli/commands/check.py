@@ -11,7 +11,7 @@ from seamark.cli.options import answer, configuration_options, end, json_option,
 from seamark.failures import PlatformFailed
 
 if TYPE_CHECKING:
-    from seamark.server.programs.store import Prepared
+    from seamark.server.programs.store import PreparedProgram
 
 SHOWN_OUTPUT = 2000  # [character]
 
@@ -45,8 +45,8 @@ def check(
 
     values = configuration_of(benchmark, config, pairs).model_dump(mode="json")
     prepared = prepared_of(file, benchmark=benchmark)
-    if prepared.flaws:
-        found = report.of_reading(prepared.flaws)
+    if prepared.diagnostics:
+        found = report.from_diagnostics(prepared.diagnostics)
     else:
         found = _run(benchmark, values, prepared)
     if as_json:
@@ -56,7 +56,7 @@ def check(
     end(0 if found["ok"] else 1)
 
 
-def _run(benchmark: str, values: dict[str, Any], prepared: Prepared) -> dict[str, Any]:
+def _run(benchmark: str, values: dict[str, Any], prepared: PreparedProgram) -> dict[str, Any]:
     from seamark.cli.programs import isolation_level
     from seamark.sandbox.outcome import SandboxBroken
     from seamark.worker.evaluation.local import check_here
@@ -70,10 +70,10 @@ def _run(benchmark: str, values: dict[str, Any], prepared: Prepared) -> dict[str
 
 
 def _report(file: Path, found: dict[str, Any]) -> None:
-    from seamark.server.programs.diagnostics import Flaw
+    from seamark.server.programs.diagnostics import Diagnostic
 
     for problem in found["problems"]:
-        say(Flaw(**problem).text())
+        say(Diagnostic(**problem).text())
     if found["traceback"] and not any(p["stage"] == "compile" for p in found["problems"]):
         say(found["traceback"].rstrip())
     if found["output"]:

@@ -60,7 +60,7 @@ class Site(Backend):
     def queue_check(self, who: str = "ann") -> int:
         program = self.store_program()
         with self.database.writing() as session:
-            return check_queue.order(session, self.user_id(who), "currents-v1", {}, program)
+            return check_queue.enqueue(session, self.user_id(who), "currents-v1", {}, program)
 
     def recorded(self, **changes: Any) -> int:
         """Return a run of an uploaded program that succeeded, with 2 s of telemetry and a log."""

@@ -17,7 +17,7 @@ ANSWER = {"ok": True}
 
 def order(service: Backend, user_id: int) -> int:
     with service.database.writing() as session:
-        return queue.order(session, user_id, "currents-v1", {}, PROGRAM)
+        return queue.enqueue(session, user_id, "currents-v1", {}, PROGRAM)
 
 
 def claim(service: Backend, *languages: str) -> queue.CheckClaim | None:
@@ -38,7 +38,7 @@ def test_a_new_check_replaces_the_one_that_still_waits_and_none_that_runs(both: 
 
     assert (state(both, first, ann), state(both, second, ann)) == (None, CheckState.QUEUED)
     assert claim(both) is not None
-    with pytest.raises(CheckRefused, match="has not ended"):
+    with pytest.raises(CheckRefused, match="still running"):
         order(both, ann)
 
 
@@ -66,7 +66,7 @@ def test_a_late_worker_writes_nothing(both: Backend) -> None:
     assert late is not None
     with both.database.writing() as session:
         session.execute(update(Check).values(lease_until=time.time() - 1))
-        queue.sweep(session)
+        queue.recover(session)
     again = claim(both)
     assert again is not None
 
@@ -83,15 +83,15 @@ def test_a_check_that_breaks_its_workers_twice_is_our_failure(both: Backend) -> 
         taken = claim(both)
         assert taken is not None
         with both.database.writing() as session:
-            queue.give_back(session, taken.check_id, taken.attempt)
+            queue.release(session, taken.check_id, taken.attempt)
 
     with both.database.reading() as session:
         view = queue.show(session, check_id, ann)
 
     assert view is not None
-    assert view.answer is not None
-    assert not view.answer["ok"]
-    assert "not to blame" in view.answer["problems"][0]["sentence"]
+    assert view.report is not None
+    assert not view.report["ok"]
+    assert "not to blame" in view.report["problems"][0]["sentence"]
 
 
 def test_old_checks_are_forgotten(both: Backend) -> None:
@@ -101,10 +101,10 @@ def test_old_checks_are_forgotten(both: Backend) -> None:
     assert taken is not None
     with both.database.writing() as session:
         queue.finish(session, taken, ANSWER)
-        session.execute(update(Check).values(finished_at=time.time() - queue.KEPT_S - 1))
+        session.execute(update(Check).values(finished_at=time.time() - queue.DONE_KEPT_S - 1))
 
     with both.database.writing() as session:
-        queue.sweep(session)
+        queue.recover(session)
 
     assert state(both, check_id, ann) is None
 
@@ -114,5 +114,5 @@ def test_only_so_many_checks_may_wait(both: Backend) -> None:
         both.sign_up(f"user{number}")
         order(both, both.user_id(f"user{number}"))
 
-    with pytest.raises(CheckRefused, match="waiting"):
+    with pytest.raises(CheckRefused, match="full"):
         order(both, both.user_id("ann"))

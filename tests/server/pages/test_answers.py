@@ -2,8 +2,8 @@
 
 import pytest
 
-from seamark.server.pages.formats import duration, number, size
 from seamark.server.runs import leaderboard
+from seamark.server.web.template_filters import duration, number, size
 from tests.server.pages.conftest import Site
 
 

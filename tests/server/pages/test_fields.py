@@ -3,7 +3,7 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
-from seamark.server.pages import fields
+from seamark.server.pages import form_fields
 from seamark.sim import registry
 
 SCHEMA = registry.benchmark("currents-v1").schema()
@@ -16,23 +16,23 @@ def _number_schema(kind: str) -> dict[str, object]:
 
 @given(value=finite)
 def test_a_number_survives_being_shown_and_read(value: float) -> None:
-    shown = fields.text_of(value)
+    shown = form_fields.text_of(value)
 
-    assert fields.read(_number_schema("number"), {"x": shown}) == {"x": value}
+    assert form_fields.read(_number_schema("number"), {"x": shown}) == {"x": value}
 
 
 @given(values=st.lists(finite, min_size=1, max_size=12))
 def test_a_list_survives_being_shown_and_read(values: list[float]) -> None:
-    shown = fields.text_of(values)
+    shown = form_fields.text_of(values)
 
-    assert fields.read(_number_schema("array"), {"x": shown}) == {"x": values}
+    assert form_fields.read(_number_schema("array"), {"x": shown}) == {"x": values}
 
 
 @given(text=st.text())
 def test_no_text_breaks_the_reading_of_a_form(text: str) -> None:
     form = dict.fromkeys(SCHEMA["properties"], text)
 
-    values = fields.read(SCHEMA, form)
+    values = form_fields.read(SCHEMA, form)
 
     assert set(values) == set(SCHEMA["properties"])
 
@@ -41,27 +41,27 @@ def test_the_untouched_form_gives_the_defaults_of_each_vehicle() -> None:
     benchmark = registry.benchmark("currents-v1")
 
     for vehicle in registry.VEHICLES:
-        shown = fields.groups(SCHEMA, {"vehicle": vehicle}, {})
+        shown = form_fields.groups(SCHEMA, {"vehicle": vehicle}, {})
         entries = [entry for group in shown for entry in (*group.shown, *group.folded)]
         texts = {entry.name: entry.value for entry in entries}
         posted = {name: text for name, text in texts.items() if text != "false"}
         form = posted | {f"{name}.there": "1" for name in texts}
-        read = benchmark.read(fields.read(SCHEMA, form))
+        read = benchmark.read(form_fields.read(SCHEMA, form))
         assert read == benchmark.read({"vehicle": vehicle})
 
 
 def test_a_checkbox_that_is_not_ticked_is_false_only_if_the_form_had_it() -> None:
     schema = {"properties": {"x": {"type": "boolean", "default": True}}}
 
-    assert fields.read(schema, {}) == {}
-    assert fields.read(schema, {"x.there": "1"}) == {"x": False}
-    assert fields.read(schema, {"x.there": "1", "x": "on"}) == {"x": True}
+    assert form_fields.read(schema, {}) == {}
+    assert form_fields.read(schema, {"x.there": "1"}) == {"x": False}
+    assert form_fields.read(schema, {"x.there": "1", "x": "on"}) == {"x": True}
 
 
 def test_groups_follow_the_order_given() -> None:
     order = ("Tracker", "Current")
 
-    titles = [group.title for group in fields.groups(SCHEMA, {}, {}, order=order)]
+    titles = [group.title for group in form_fields.groups(SCHEMA, {}, {}, order=order)]
 
     assert tuple(titles[:2]) == order
 
@@ -69,10 +69,10 @@ def test_groups_follow_the_order_given() -> None:
 def test_a_setting_applies_only_with_the_choices_that_look_at_it() -> None:
     entry = {"x-applies": {"tracker": ["esm", "visp"], "warp": ["homography"]}}
 
-    assert fields.applying(entry, {"tracker": "visp", "warp": "homography"})
-    assert not fields.applying(entry, {"tracker": "klt", "warp": "homography"})
-    assert not fields.applying(entry, {"tracker": "esm", "warp": "srt"})
-    assert fields.applying({}, {})
+    assert form_fields.applying(entry, {"tracker": "visp", "warp": "homography"})
+    assert not form_fields.applying(entry, {"tracker": "klt", "warp": "homography"})
+    assert not form_fields.applying(entry, {"tracker": "esm", "warp": "srt"})
+    assert form_fields.applying({}, {})
 
 
 def test_every_option_of_a_tracker_says_with_which_trackers_it_applies() -> None:

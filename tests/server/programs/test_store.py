@@ -1,4 +1,6 @@
 import os
+import threading
+from concurrent.futures import ThreadPoolExecutor
 from io import BytesIO
 from pathlib import Path
 
@@ -11,7 +13,7 @@ GOOD = b"class Controller(Base):\n    pass\n"
 
 
 def _store(source: bytes, data: Path, name: str = "mine.py") -> store.StoredProgram:
-    return store.store(BytesIO(source), name, limit=1000, data=data)
+    return store.save_upload(BytesIO(source), name, limit=1000, data=data)
 
 
 def test_a_program_is_kept_under_its_hash_and_once(tmp_path: Path) -> None:
@@ -28,7 +30,7 @@ def test_a_program_is_kept_under_its_hash_and_once(tmp_path: Path) -> None:
         (b"", "a.py", "empty"),
         (b" \n", "a.py", "empty"),
         (b"x" * 1001, "a.py", "larger"),
-        (GOOD, "a.exe", "no language"),
+        (GOOD, "a.exe", "not supported"),
         (GOOD, "", "no name"),
         (GOOD, "a/..", "no name"),
         (b"\n\xff" + GOOD, "a.py", "line 2.*UTF-8"),
@@ -36,8 +38,8 @@ def test_a_program_is_kept_under_its_hash_and_once(tmp_path: Path) -> None:
         (b"x = 1\n", "a.py", "Controller"),
         (b"int x;\n\xff", "a.c", "line 2.*UTF-8"),
         (b"\n", "a.cpp", "empty"),
-        (b"\0" + GOOD, "a.py", "can be read"),
-        (b"(" * 900 + GOOD, "a.py", "line 1|can be read"),
+        (b"\0" + GOOD, "a.py", "cannot be parsed"),
+        (b"(" * 900 + GOOD, "a.py", "line 1|cannot be parsed"),
     ],
 )
 def test_an_upload_that_breaks_a_rule_is_refused_in_words(
@@ -79,7 +81,7 @@ def test_an_upload_too_large_is_not_read_to_its_end(tmp_path: Path) -> None:
     stream = BytesIO(b"x" * 10_000_000)
 
     with pytest.raises(UploadRejected):
-        store.store(stream, "a.py", limit=1000, data=tmp_path)
+        store.save_upload(stream, "a.py", limit=1000, data=tmp_path)
 
     assert stream.tell() < 200_000
 
@@ -95,7 +97,7 @@ def test_only_old_programs_that_nothing_refers_to_are_forgotten(tmp_path: Path) 
     for sha256 in kept[:2]:
         os.utime(store.path(tmp_path, sha256), (0, 0))
 
-    gone = store.forget_unused(tmp_path, older_than_s=60, used=lambda key: key == kept[0])
+    gone = store.delete_unused(tmp_path, older_than_s=60, used=lambda key: key == kept[0])
 
     assert gone == 1
     assert [store.touch(tmp_path, sha256) for sha256 in kept] == [True, False, True]
@@ -107,4 +109,38 @@ def test_a_program_sent_again_is_young_again(tmp_path: Path) -> None:
 
     _store(GOOD, tmp_path)
 
-    assert store.forget_unused(tmp_path, older_than_s=60, used=lambda _: False) == 0
+    assert store.delete_unused(tmp_path, older_than_s=60, used=lambda _: False) == 0
+
+
+def test_two_workers_delete_every_unused_program_once(tmp_path: Path) -> None:
+    for number in range(3):
+        sha256 = _store(GOOD + b"# %d" % number, tmp_path).sha256
+        os.utime(store.path(tmp_path, sha256), (0, 0))
+    deleted_by_other = []
+
+    def used(_: str) -> bool:  # called between listing the folder and taking the lock
+        other = store.delete_unused(tmp_path, older_than_s=60, used=lambda _: False)
+        deleted_by_other.append(other)
+        return False
+
+    deleted = store.delete_unused(tmp_path, older_than_s=60, used=used)
+
+    assert (deleted_by_other, deleted) == ([3], 0)
+
+
+def test_uploads_survive_two_workers_that_delete_at_the_same_time(tmp_path: Path) -> None:
+    ended = threading.Event()
+
+    def delete() -> None:
+        while not ended.is_set():
+            store.delete_unused(tmp_path, older_than_s=60, used=lambda _: False)
+
+    with ThreadPoolExecutor(2) as workers:
+        deleting = [workers.submit(delete) for _ in range(2)]
+        for number in range(300):  # every file is first a draft, which is then renamed
+            sha256 = _store(GOOD + b"# %d" % number, tmp_path).sha256
+            assert store.read(tmp_path, sha256)
+            os.utime(store.path(tmp_path, sha256), (0, 0))
+        ended.set()
+
+    assert [one.result() for one in deleting] == [None, None]

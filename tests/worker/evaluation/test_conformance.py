@@ -115,7 +115,7 @@ def test_the_largest_uploads_and_an_fmu_of_five_mib_get_into_a_box(isolation, tm
         archive.writestr("resources/table.bin", np.random.default_rng(1).bytes(5 << 20))
     whole.seek(0)
 
-    kept = store.store(whole, "pi.fmu", limit=most, data=tmp_path)
+    kept = store.save_upload(whole, "pi.fmu", limit=most, data=tmp_path)
     program = (store.read(tmp_path, kept.sha256), kept.name)
     upload = evaluated(program, STRONG_CURRENT | {"control_heave": True}, isolation)
 

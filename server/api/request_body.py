@@ -1,4 +1,4 @@
-"""Reads the body of a request: JSON, or JSON in one part of a form with a file in another."""
+"""Request bodies: JSON, or multipart forms with a JSON part and a file part."""
 
 from __future__ import annotations
 
@@ -10,27 +10,27 @@ from pydantic import BaseModel, ValidationError
 from werkzeug.datastructures import FileStorage
 
 from seamark.server.programs.store import UploadRejected, UploadTooLarge
-from seamark.server.web.problems import Problem, of_validation
+from seamark.server.web.problems import Problem, from_validation_error
 
 JSON_MAX_BYTES = 256 * 1024
-FORM_MARGIN_BYTES = 512 * 1024  # what a form may hold beside the program
+FORM_MARGIN_BYTES = 512 * 1024  # of a form besides the program
 Model = TypeVar("Model", bound=BaseModel)
 
 
-def body(model: type[Model]) -> Model:
-    """Return the JSON body, checked; raises Problem."""
+def json_body(model: type[Model]) -> Model:
+    """Return the validated JSON body; raises Problem."""
     if not request.is_json:
         raise Problem("unsupported-media-type", "Send the body as application/json.")
     request.max_content_length = JSON_MAX_BYTES
     return parse(model, request.get_data(cache=False))
 
 
-def body_or_form(
+def json_or_multipart(
     model: type[Model], *, json_part: str, file_part: str, file_max_bytes: int
 ) -> tuple[Model, FileStorage | None]:
-    """Return the checked JSON and the file, which only a multipart form can bring."""
+    """Return the validated JSON and, from a multipart form, the file; raises Problem."""
     if request.is_json:
-        return body(model), None
+        return json_body(model), None
     if request.mimetype != "multipart/form-data":
         raise Problem("unsupported-media-type")
     request.max_content_length = file_max_bytes + FORM_MARGIN_BYTES
@@ -39,7 +39,7 @@ def body_or_form(
         raise Problem(
             "invalid-request",
             f"The part {json_part} is missing.",
-            errors={json_part: "A text in JSON is needed."},
+            errors={json_part: "This part is required and contains JSON."},
         )
     file = request.files.get(file_part)
     if file is not None:
@@ -48,18 +48,18 @@ def body_or_form(
 
 
 def parse(model: type[Model], data: bytes) -> Model:
-    """Return the checked model of a JSON text."""
+    """Return the validated model of a JSON text; raises Problem."""
     try:
-        # Not pydantic's reader: it refuses NaN as bad JSON, without naming the field it stands in.
+        # Not pydantic's parser: it rejects NaN as malformed JSON, without naming the field.
         value = json.loads(data)
     except (ValueError, RecursionError) as error:
-        raise Problem("bad-request", f"This is not JSON: {error}.") from None
+        raise Problem("bad-request", f"The body is not valid JSON: {error}.") from None
     if not isinstance(value, dict):
         raise Problem("invalid-request", "The body must be a JSON object.")
     try:
         return model.model_validate(value)
     except ValidationError as error:
-        raise of_validation(error) from None
+        raise from_validation_error(error) from None
 
 
 def _check_size(file: FileStorage, limit: int) -> None:
@@ -68,12 +68,12 @@ def _check_size(file: FileStorage, limit: int) -> None:
     if size > limit:
         raise Problem(
             "payload-too-large",
-            f"The program has {size / 2**20:.1f} MiB; at most {limit / 2**20:g} MiB are taken.",
+            f"The program is {size / 2**20:.1f} MiB large; the limit is {limit / 2**20:g} MiB.",
         )
 
 
-def refused(reason: UploadRejected) -> Problem:
-    """Return the problem of an upload that was not accepted."""
+def upload_problem(reason: UploadRejected) -> Problem:
+    """Return the problem for a rejected upload."""
     large = isinstance(reason, UploadTooLarge)
     slug = "payload-too-large" if large else "upload-rejected"
     return Problem(slug, str(reason), errors={"program": str(reason)})

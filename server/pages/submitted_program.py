@@ -41,7 +41,7 @@ def take(benchmark: Benchmark, answers: dict[str, str]) -> StoredProgram:
         return _of_editor(benchmark, answers, keeping)
     file = request.files.get("program")
     if file is not None and file.filename:
-        return store.store(cast(BinaryIO, file.stream), file.filename, **keeping)
+        return store.save_upload(cast(BinaryIO, file.stream), file.filename, **keeping)
     kept = _kept(benchmark, answers.get(FIELD, ""))
     if kept is None:
         raise UploadRejected("Choose a file, or write the program in the editor.")
@@ -60,7 +60,7 @@ def _of_editor(benchmark: Benchmark, answers: dict[str, str], keeping: Any) -> S
         raise UploadRejected("Choose one of the languages of the list.")
     # A browser sends line ends as CR LF; the program keeps those that its author typed.
     text = answers.get("program_text", "").replace("\r\n", "\n").encode()
-    return store.store(io.BytesIO(text), name, **keeping)
+    return store.save_upload(io.BytesIO(text), name, **keeping)
 
 
 def _kept(benchmark: Benchmark, text: str) -> StoredProgram | None:

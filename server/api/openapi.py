@@ -1,4 +1,4 @@
-"""The OpenAPI 3.1 document, the page that shows it, and a page for every kind of problem."""
+"""The OpenAPI 3.1 document, its page, and a page for each type of problem."""
 
 from __future__ import annotations
 
@@ -6,22 +6,22 @@ from collections.abc import Iterable
 from importlib.metadata import version
 from typing import Any
 
-from flask import Blueprint, Response, abort, current_app, jsonify, render_template
+from flask import Blueprint, Flask, Response, abort, current_app, jsonify, render_template
 from flask_openapi3.blueprint import APIBlueprint
 
-from seamark.server.api.schemas import RunOrder, TokenOrder
-from seamark.server.web.problems import KINDS, MEDIA_TYPE
+from seamark.server.api.schemas import RunRequest, TokenRequest
+from seamark.server.web.problems import MEDIA_TYPE, PROBLEM_TYPES
 
-page = Blueprint("api_document", __name__)
+page = Blueprint("openapi", __name__)
 _KEY = "seamark-openapi"
 _REF = "#/components/schemas/{model}"
-_ANYBODY: list[dict[str, list[str]]] = [{}, {"token": []}, {"cookie": []}]
+_SECURITY: list[dict[str, list[str]]] = [{}, {"token": []}, {"cookie": []}]
 PROBLEM_SCHEMA: dict[str, Any] = {
     "type": "object",
     "description": "RFC 9457",
     "required": ["type", "title", "status", "detail"],
     "properties": {
-        "type": {"type": "string", "description": "/problems/<kind>; stable, with a page"},
+        "type": {"type": "string", "description": "/problems/<slug>; stable, with its own page"},
         "title": {"type": "string"},
         "status": {"type": "integer"},
         "detail": {"type": "string", "description": "What is wrong with this request"},
@@ -35,11 +35,11 @@ PROBLEM_SCHEMA: dict[str, Any] = {
         },
     },
 }
-_ABOUT = """Everything that the pages do can be done by programs.
+_DESCRIPTION = """Everything on the web pages can also be done through this API.
 
-Authorise with `Authorization: Bearer <token>` (account page, `POST /api/v1/tokens` or
+Authenticate with `Authorization: Bearer <token>` (account page, `POST /api/v1/tokens` or
 `seamark token new`). Errors are `application/problem+json` with a stable `type`.
-Times are seconds since 1970 (UTC). Lists are paged by `after` = `next`.
+Times are seconds since 1970 (UTC). To get the next page of a list, pass its `next` as `after`.
 """
 
 
@@ -49,8 +49,8 @@ def build(blueprints: Iterable[APIBlueprint]) -> dict[str, Any]:
     schemas: dict[str, Any] = {"Problem": PROBLEM_SCHEMA}
     tags: dict[str, dict[str, Any]] = {}
     for blueprint in blueprints:
-        for uri, item in blueprint.paths.items():
-            paths.setdefault(uri, {}).update(_plain(item))
+        for path, item in blueprint.paths.items():
+            paths.setdefault(path, {}).update(_plain(item))
         for name, schema in blueprint.components_schemas.items():
             schemas[name] = _plain(schema)
         for tag in blueprint.tags:
@@ -62,7 +62,7 @@ def build(blueprints: Iterable[APIBlueprint]) -> dict[str, Any]:
     return {
         "openapi": "3.1.0",
         "jsonSchemaDialect": "https://json-schema.org/draft/2020-12/schema",
-        "info": {"title": "Seamark", "version": version("seamark"), "description": _ABOUT},
+        "info": {"title": "Seamark", "version": version("seamark"), "description": _DESCRIPTION},
         "servers": [{"url": "/"}],
         "tags": list(tags.values()),
         "paths": dict(sorted(paths.items())),
@@ -84,18 +84,18 @@ def _plain(model: Any) -> dict[str, Any]:
 
 
 def _add_bodies(paths: dict[str, Any], schemas: dict[str, Any]) -> None:
-    """Describe the bodies that are read by hand: flask-openapi3 knows one media type only."""
-    for model in (RunOrder, TokenOrder):
+    """Describe the request bodies: flask-openapi3 supports a single media type only."""
+    for model in (RunRequest, TokenRequest):
         schemas[model.__name__] = model.model_json_schema(ref_template=_REF)
-    as_json = {"application/json": {"schema": {"$ref": _REF.format(model="TokenOrder")}}}
+    as_json = {"application/json": {"schema": {"$ref": _REF.format(model="TokenRequest")}}}
     paths["/api/v1/tokens"]["post"]["requestBody"] = {"required": True, "content": as_json}
-    order = {"$ref": _REF.format(model="RunOrder")}
+    run = {"$ref": _REF.format(model="RunRequest")}
     form = {
         "type": "object",
         "required": ["run"],
         "properties": {
-            "run": order,
-            "program": {"type": "string", "format": "binary", "description": "The controller"},
+            "run": run,
+            "program": {"type": "string", "format": "binary", "description": "The program"},
         },
     }
     as_form = {
@@ -104,7 +104,7 @@ def _add_bodies(paths: dict[str, Any], schemas: dict[str, Any]) -> None:
             "encoding": {"run": {"contentType": "application/json"}},
         }
     }
-    both = {"application/json": {"schema": order}} | as_form
+    both = {"application/json": {"schema": run}} | as_form
     paths["/api/v1/runs"]["post"]["requestBody"] = {"required": True, "content": both}
     paths["/api/v1/checks"]["post"]["requestBody"] = {"required": True, "content": as_form}
 
@@ -112,39 +112,38 @@ def _add_bodies(paths: dict[str, Any], schemas: dict[str, Any]) -> None:
 def _complete(operation: dict[str, Any]) -> None:
     problem = {"schema": {"$ref": _REF.format(model="Problem")}}
     operation["responses"]["default"] = {
-        "description": "A problem document; `type` names the kind.",
+        "description": "A problem document; `type` says which.",
         "content": {MEDIA_TYPE: problem},
     }
-    operation["security"] = _ANYBODY
+    operation["security"] = _SECURITY
 
 
-def keep(app: Any, blueprints: Iterable[APIBlueprint]) -> None:
-    """Make the document once, at the start."""
+def store(app: Flask, blueprints: Iterable[APIBlueprint]) -> None:
+    """Build the document once, at the start."""
     app.extensions[_KEY] = build(blueprints)
 
 
 @page.get("/api/v1/openapi.json")
 def openapi() -> Response:
-    """Show the OpenAPI document."""
+    """Return the OpenAPI document."""
     return jsonify(current_app.extensions[_KEY])
 
 
 @page.get("/api/docs")
 def docs() -> str:
-    """Show the OpenAPI document to people."""
+    """Show the API documentation."""
     return render_template("api/docs.html", api=current_app.extensions[_KEY])
 
 
 @page.get("/problems/<slug>")
 def problem(slug: str) -> str:
-    """Explain one kind of problem."""
-    kind = KINDS.get(slug)
-    if kind is None:
+    """Explain one type of problem."""
+    if slug not in PROBLEM_TYPES:
         abort(404)
-    return render_template("api/problem.html", kind=kind)
+    return render_template("api/problem.html", type=PROBLEM_TYPES[slug])
 
 
 @page.get("/problems")
 def problems() -> str:
-    """List the kinds of problems."""
-    return render_template("api/problems.html", kinds=KINDS.values())
+    """List the types of problems."""
+    return render_template("api/problems.html", types=PROBLEM_TYPES.values())

@@ -4,8 +4,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from seamark.server.pages import fields
-from seamark.server.pages.formats import plain
+from seamark.server.pages import form_fields
+from seamark.server.web.template_filters import plain
 from seamark.sim.benchmarks import benchmark
 from seamark.sim.benchmarks.benchmark import Benchmark
 from seamark.sim.metrics.metric import Metric
@@ -89,15 +89,15 @@ def trials(metrics: Mapping[str, Any]) -> list[Mapping[str, Any]]:
 
 def options(schema: Mapping[str, Any], config: Mapping[str, Any]) -> dict[str, list[Option]]:
     """Return group -> chosen settings that do anything; `changed` marks those not the default."""
-    preset = fields.preset_of(schema, config)
+    preset = form_fields.preset_of(schema, config)
     chosen: dict[str, list[Option]] = {}
     for name, entry in schema["properties"].items():
-        if name not in config or not fields.applying(entry, config):
+        if name not in config or not form_fields.applying(entry, config):
             continue
-        text = fields.text_of(config[name])
+        text = form_fields.text_of(config[name])
         shown = {"true": "yes", "false": "no"} if entry["type"] == "boolean" else {}
         label = (entry.get("x-labels") or shown).get(text, text)
-        default = fields.text_of(preset.get(name, entry.get("default")))
+        default = form_fields.text_of(preset.get(name, entry.get("default")))
         option = Option(entry["title"], label, entry.get("x-unit", ""), text != default)
         chosen.setdefault(entry.get("x-group", ""), []).append(option)
     return chosen
