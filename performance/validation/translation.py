@@ -9,7 +9,7 @@ import numpy as np
 from performance.validation.markdown import table
 from performance.validation.plots import COLOURS, figure
 from performance.validation.trials import PAPER_VEHICLE, configured, trial
-from seamark.sim.metrics.station_keeping import lost
+from seamark.sim.metrics.windows import lost
 from seamark.sim.recording.telemetry import INDEX, Rows
 from seamark.sim.vehicles import load
 

@@ -24,8 +24,9 @@ from seamark.server.runs import trial_limits
 from seamark.server.runs.failure_reasons import WORDS
 from seamark.server.web.services import services
 from seamark.sim import registry, vehicles
+from seamark.sim.benchmarks import metrics_documentation
 from seamark.sim.control import observation
-from seamark.sim.metrics import definitions, station_keeping, tracking
+from seamark.sim.metrics import station_keeping, tracking
 from seamark.sim.metrics.score_expression import FUNCTIONS
 from seamark.sim.physics import constants
 from seamark.sim.recording import telemetry
@@ -140,10 +141,8 @@ def _metrics() -> dict[str, Any]:
 
 def _measures() -> dict[str, Any]:
     return {
-        "tables": definitions.TABLES,
-        "formulas": definitions.FORMULAS,
-        "over": definitions.OVER,
-        "original": definitions.ORIGINAL,
+        "groups": metrics_documentation.metric_groups(),
+        "original": metrics_documentation.ORIGINAL,
         "functions": FUNCTIONS,
     }
 

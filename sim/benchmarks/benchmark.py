@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from seamark.sim.entry import Entry
-from seamark.sim.metrics.metric import Metric
+from seamark.sim.metrics.metric import Metric, MetricGroup
 from seamark.sim.settings.configuration import (
     Configuration,
     ConfigurationInvalid,
@@ -80,6 +80,7 @@ class Benchmark:
     charts: tuple[Chart, ...]
     tables: tuple[Table, ...]
     key_metrics: tuple[Metric, ...]  # of the tables, at each level of each trial and in short lists
+    metric_groups: tuple[MetricGroup, ...]  # what is computed of a level, for the documentation
     overall: tuple[Metric, ...] = ()  # metrics over all levels
     baselines: Mapping[str, Baseline] = field(default_factory=dict)  # by the end of the user's name
     # settings -> name of the built-in solution that they make, where `built_in` does not say it

@@ -11,8 +11,8 @@ import numpy as np
 from seamark.sim import registry
 from seamark.sim.engine.experiment import OnRows, TrialScore
 from seamark.sim.metrics import uwsim_metrics
+from seamark.sim.metrics.metric import mean_over_trials, over_run
 from seamark.sim.metrics.score_expression import ExpressionInvalid, score_of
-from seamark.sim.metrics.station_keeping import mean_over_trials
 from seamark.sim.numerics.statistics import bootstrap_interval, mean
 from seamark.sim.recording.telemetry import Digest, Recorder, Rows
 from seamark.sim.settings.configuration import Configuration
@@ -37,8 +37,8 @@ class TrialResult:
 
     @property
     def measures(self) -> dict[str, Any]:
-        """Return the original benchmark module's measures over all levels."""
-        return _plain(uwsim_metrics.of_run([level["measures"] for level in self.levels]))
+        """Return the original benchmark module's metrics over all levels."""
+        return _plain(over_run(uwsim_metrics.METRICS, [level["measures"] for level in self.levels]))
 
     @property
     def score(self) -> float:
@@ -95,7 +95,7 @@ def run_trial(
                 begun.run(recorder, deliver)
             _deliver_rest(recorder, deliver)
             whole = np.concatenate(kept)
-            original = uwsim_metrics.of_level(whole)
+            original = uwsim_metrics.level_metrics(whole)
             levels.append(experiment.metrics(config, level, whole) | {"measures": original})
             rows += len(whole)
             kept.clear()

@@ -1,19 +1,119 @@
-"""A number with a name, a unit and a direction."""
+"""What a metric is. Each is declared once: name, unit, formula, aggregation and function.
 
+A run's metrics.json, the tables of its page, the names that a custom score may use and
+docs/measures.md all come from that declaration.
+"""
+
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any, Generic, Literal, TypeVar
+
+from seamark.sim.numerics.statistics import mean, root_mean_square
+
+Levels = Sequence[Mapping[str, Any]]  # the metrics of each level by name
+Source = TypeVar("Source")  # what a metric is computed from, such as a window of a level
 
 
 @dataclass(frozen=True, slots=True)
 class Metric:
-    """A number that a run ends with; `better` is "lower" or "higher".
-
-    `over` says how those of equally long levels become one over the run: "mean", "rms" (root of the
-    mean square), "sum" or "max".
-    """
+    """A number with a name, a unit and a direction."""
 
     name: str
     label: str
     unit: str
-    better: str
-    over: str = "mean"
-    meaning: str = ""  # one more sentence where the label alone does not say it
+    better: Literal["lower", "higher"]
+    meaning: str = ""  # one more phrase where the label does not explain it
+
+
+@dataclass(frozen=True, slots=True)
+class Aggregation:
+    """How the values of the levels, which are equally long, become one over the run.
+
+    `of` takes the name of the metric and the metrics of each level.
+    """
+
+    description: str
+    of: Callable[[str, Levels], float | None]
+
+
+def _aggregation(
+    description: str, combine: Callable[[Sequence[float]], float | None]
+) -> Aggregation:
+    """Return an aggregation of the values alone; None if a level has no value."""
+
+    def of(name: str, levels: Levels) -> float | None:
+        values = [level[name] for level in levels]
+        return None if None in values else combine(values)
+
+    return Aggregation(description, of)
+
+
+def _maximum(values: Sequence[float]) -> float:
+    return math.nan if any(map(math.isnan, values)) else max(values)
+
+
+MEAN = _aggregation("mean of the levels", mean)
+RMS = _aggregation("root mean square of the levels", root_mean_square)
+SUM = _aggregation("sum of the levels", math.fsum)
+MAX = _aggregation("maximum of the levels", _maximum)
+
+
+def weighted_by(weight: str) -> Aggregation:
+    """Return the mean of the levels weighted by another metric; nan if all weights are 0."""
+
+    def of(name: str, levels: Levels) -> float:
+        weighted = [(level[name], level[weight]) for level in levels if level[weight]]
+        total = math.fsum(count for _, count in weighted)
+        return math.fsum(value * count for value, count in weighted) / total if total else math.nan
+
+    return Aggregation(f"mean of the levels, weighted by `{weight}`", of)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LevelMetric(Metric, Generic[Source]):
+    """A metric of one level, computed from its telemetry.
+
+    `compute` returns nan where the value is undefined, and None where there is none.
+    """
+
+    formula: str
+    compute: Callable[[Source], float | None]
+    over: Aggregation = MEAN
+
+
+@dataclass(frozen=True, slots=True)
+class MetricGroup:
+    """Metrics that are documented together."""
+
+    title: str
+    metrics: tuple[LevelMetric[Any], ...]
+
+
+def compute_all(
+    metrics: Iterable[LevelMetric[Source]], source: Source, *, prefix: str = ""
+) -> dict[str, float | None]:
+    """Return name -> value of each metric, in the order of their declarations."""
+    return {f"{prefix}{metric.name}": metric.compute(source) for metric in metrics}
+
+
+def over_run(metrics: Iterable[LevelMetric[Any]], levels: Levels) -> dict[str, float | None]:
+    """Return each metric over all levels of a trial, from the metrics of each level."""
+    return {metric.name: metric.over.of(metric.name, levels) for metric in metrics}
+
+
+def mean_over_trials(trials: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    """Return the mean of each metric over trials, nested ones too; None where one has none."""
+    result: dict[str, Any] = {}
+    for name, first in trials[0].items():
+        values = [trial[name] for trial in trials]
+        if isinstance(first, Mapping):
+            result[name] = mean_over_trials(values)
+        elif name == "held":
+            result[name] = all(values)
+        elif name == "level" or isinstance(first, str):
+            result[name] = first
+        else:
+            missing = any(value is None for value in values)
+            result[name] = None if missing else mean([float(value) for value in values])
+    return result

@@ -1,191 +1,47 @@
-"""Metrics of a level: what a run ends with, computed from its telemetry alone.
+"""Metrics of station keeping: computed from the telemetry of a level alone.
 
-Every metric exists for the settled part of a level and, with the prefix `whole_`, for all of it.
+Each exists for the part of a level after the settle window and, with the prefix `whole_`, for the
+whole level. In the formulas d is the true distance of the camera from its station [m], e that of
+the target from the image centre [px], N the number of control steps, dt the control period.
 """
 
 import math
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+from functools import partial
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from seamark.sim.control.observation import THRUSTERS
-from seamark.sim.metrics.metric import Metric
+from seamark.sim.metrics.metric import (
+    MAX,
+    RMS,
+    SUM,
+    LevelMetric,
+    Metric,
+    MetricGroup,
+    compute_all,
+)
+from seamark.sim.metrics.windows import LOST_PX, Level, LevelFacts, Window, percent
 from seamark.sim.numerics.statistics import mean, percentile, root_mean_square
 from seamark.sim.recording.telemetry import INDEX, Rows
 
-SCORE_LENGTH_M = 0.25  # [m] RMSE at which a level gives half of its points
+SCORE_LENGTH_M = 0.25  # [m] RMSE at which a level earns half of its points
 HELD_P95_M = (
-    0.5  # [m] a level is held if 95 % of the time stays within, and the target is never lost
+    0.5  # [m] a level is held if 95 % of the time stays within and the target is never lost
 )
 CIRCLES_M = (0.1, 0.25, 0.5)  # [m] watch circles
 SETTLED_M = 0.1  # [m]
-LOST_PX = 15.0  # [px] E: half of the target's shorter side at 2.27 m
 FULL_THRUST = 0.98  # share of the limit from which a thruster counts as saturated; E
 ENERGY_EXPONENT = 1.5  # ideal propeller: power grows with the thrust to the power of 1.5
 REBOUND_S = 0.5  # S: ExperimentMeasurer, contacts closer than this are one collision
 VRX_BASE = 0.75  # VRX StationkeepingScoringPlugin
-
-METRICS: tuple[Metric, ...] = (
-    Metric(
-        "rmse_m",
-        "RMSE of the distance",
-        "m",
-        "lower",
-        "rms",
-        meaning="root of the mean square: large errors weigh more",
-    ),
-    Metric("mae_m", "Mean distance", "m", "lower"),
-    Metric(
-        "p95_m",
-        "Distance, 95th percentile",
-        "m",
-        "lower",
-        "max",
-        meaning="95 % of the time the distance is smaller",
-    ),
-    Metric("max_m", "Largest distance", "m", "lower", "max"),
-    Metric("rmse_px", "RMSE of the distance in the picture", "px", "lower", "rms"),
-    Metric("mae_px", "Mean distance in the picture", "px", "lower"),
-    Metric("p95_px", "Distance in the picture, 95th percentile", "px", "lower", "max"),
-    Metric("max_px", "Largest distance in the picture", "px", "lower", "max"),
-    Metric(
-        "mean_x_px",
-        "Mean X error",
-        "px",
-        "lower",
-        meaning="what a constant current leaves behind along image X (starboard)",
-    ),
-    Metric(
-        "mean_y_px",
-        "Mean Y error",
-        "px",
-        "lower",
-        meaning="what a constant current leaves behind along image Y (aft)",
-    ),
-    Metric("in_0_1_m_percent", "Time within 0.1 m", "%", "higher"),
-    Metric("in_0_25_m_percent", "Time within 0.25 m", "%", "higher"),
-    Metric("in_0_5_m_percent", "Time within 0.5 m", "%", "higher"),
-    Metric("iae_m_s", "Integral of the absolute error", "m s", "lower", "sum"),
-    Metric("ise_m2_s", "Integral of the squared error", "m² s", "lower", "sum"),
-    Metric(
-        "itae_m_s2",
-        "Integral of time times absolute error",
-        "m s²",
-        "lower",
-        "sum",
-        meaning="late errors cost more",
-    ),
-    Metric("heading_rmse_rad", "RMSE of the heading", "rad", "lower", "rms"),
-    Metric(
-        "vrx_m",
-        "VRX station-keeping error",
-        "m",
-        "lower",
-        meaning="distance plus weighted heading error, as in the VRX competition",
-    ),
-    Metric("thrust_rms_n", "RMS thrust of all thrusters", "N", "lower", "rms"),
-    Metric(
-        "energy_n15_s",
-        "Energy proxy, integral of thrust^1.5",
-        "N^1.5 s",
-        "lower",
-        "sum",
-        meaning="an ideal propeller's power grows with thrust^1.5",
-    ),
-    Metric(
-        "variation_m_s",
-        "Total variation of the references",
-        "m/s",
-        "lower",
-        "sum",
-        meaning="sum of all changes: how restless the controller is",
-    ),
-    Metric("saturated_s", "Time with a thruster at its limit", "s", "lower", "sum"),
-    Metric("lost_percent", "Time with the target lost", "%", "lower"),
-    Metric(
-        "collisions",
-        "Collisions",
-        "",
-        "lower",
-        "sum",
-        meaning="contacts less than 0.5 s apart count as one",
-    ),
-    Metric("contact_s", "Time in contact", "s", "lower", "sum"),
-    Metric(
-        "contact_max_n",
-        "Greatest contact force",
-        "N",
-        "lower",
-        "max",
-        meaning="the net force on the hull, mean over one control period",
-    ),
-)
-SETTLING = Metric(
-    "settling_s",
-    "Settling time to 0.1 m",
-    "s",
-    "lower",
-    "max",
-    meaning="time from which the distance stays within 0.1 m",
-)
-POINTS = Metric(
-    "points",
-    "Points of the level",
-    "of 100",
-    "higher",
-    meaning="100 / (1 + RMSE / 0.25 m) x (1 - share of the time lost)",
-)
-HELD = Metric(
-    "held", "Held", "", "higher", meaning="95 % of the time within 0.5 m, and the target never lost"
-)
-HEAD = (POINTS, HELD, SETTLING)
-WHOLE = "whole_"  # prefix of the metrics over a level's whole length
-_FIRST = ("rmse_m", "p95_m", "max_m", "rmse_px", "mean_x_px", "mean_y_px", "lost_percent")
-KEY_METRICS = tuple(metric for metric in METRICS if metric.name in _FIRST)
-OVERALL = (  # what there is over a whole run
-    POINTS,
-    SETTLING,
-    *METRICS,
-    *(replace(metric, name=f"{WHOLE}{metric.name}") for metric in METRICS),
-)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class LevelFacts:
-    """What the metrics need beside the rows of one level."""
-
-    level: int
-    speed: float  # [m/s]
-    dt: float  # [s]
-    settle_s: float
-    limits_n: tuple[float, float]  # greatest thrust forward, reverse
-    heading: float = 0.0  # [rad] wanted
-
-
-def level_metrics(rows: Rows, facts: LevelFacts) -> dict[str, Any]:
-    """Return the metrics of one level, name -> float (None where there is none), and its points."""
-    first = min(round(facts.settle_s / facts.dt), len(rows))
-    settled = _window(rows[first:], facts)
-    whole = _window(rows, facts)
-    result: dict[str, Any] = {"level": facts.level, "speed": facts.speed}
-    result |= settled | {f"{WHOLE}{name}": value for name, value in whole.items()}
-    result["settling_s"] = settling_time(_column(rows, "distance"), facts.dt)
-    result["points"] = points(settled["rmse_m"], whole["lost_percent"] / 100.0)
-    result["held"] = bool(whole["p95_m"] < HELD_P95_M and whole["lost_percent"] == 0.0)
-    return result
-
-
-def points(rmse_m: float, lost_share: float) -> float:
-    """Return the points of a level, 0 to 100: bounded, so one bad level costs at most its share."""
-    return 100.0 / (1.0 + rmse_m / SCORE_LENGTH_M) * (1.0 - lost_share)
+WHOLE = "whole_"  # prefix of the metrics over the whole length of a level
 
 
 def settling_time(distance: Sequence[float], dt: float) -> float | None:
-    """Return the time [s] from which the distance stays within 0.1 m; None if it does not."""
+    """Return the time [s] from which the distance stays within `SETTLED_M`; None if it does not."""
     last_outside = -1
     for at, value in enumerate(distance):
         if not value <= SETTLED_M:
@@ -193,138 +49,310 @@ def settling_time(distance: Sequence[float], dt: float) -> float | None:
     return None if last_outside == len(distance) - 1 else (last_outside + 1) * dt
 
 
-def lost(rows: Rows) -> NDArray[np.bool_]:
-    """Return at which rows the target is lost, (k,): by the tracker's word or by ground truth."""
-    by_truth = ~(rows[:, INDEX["tracker_error"]] <= LOST_PX)  # nan counts as lost
-    result: NDArray[np.bool_] = by_truth | (rows[:, INDEX["tracker_ok"]] == 0.0)
-    return result
+def points(rmse_m: float, lost_share: float) -> float:
+    """Return the points of a level, 0 to 100: bounded, so one bad level costs at most its share."""
+    return 100.0 / (1.0 + rmse_m / SCORE_LENGTH_M) * (1.0 - lost_share)
 
 
-def _window(rows: Rows, facts: LevelFacts) -> dict[str, float]:
-    return (
-        _distances(rows)
-        | _integrals(rows, facts.dt)
-        | _headings(rows, facts)
-        | _efforts(rows, facts)
-        | {"lost_percent": _percent(lost(rows).tolist())}
-        | _contacts(_column(rows, "contact_n"), facts.dt)
+def _defined(values: list[float]) -> list[float]:
+    """Return the values; nan alone if one is nan, since nan has no order."""
+    return [math.nan] if any(map(math.isnan, values)) else values
+
+
+def _p95(values: list[float]) -> float:
+    return percentile(values, 0.95)
+
+
+def _largest(values: list[float]) -> float:
+    return max(values, default=math.nan)
+
+
+def _distance_metrics(
+    unit: str, symbol: str, what: str, column: str
+) -> Iterable[LevelMetric[Window]]:
+    """Yield RMSE, mean, 95th percentile and maximum of a column of distances."""
+
+    def of(statistic: Any) -> Any:
+        return lambda window: statistic(_defined(window.column(column)))
+
+    metric = partial(LevelMetric, unit=unit, better="lower")
+    yield metric(
+        name=f"rmse_{unit}",
+        label=f"RMSE of the {what}",
+        meaning="root mean square: large errors weigh more",
+        formula=f"sqrt(sum {symbol}^2 / N)",
+        over=RMS,
+        compute=of(root_mean_square),
+    )
+    yield metric(
+        name=f"mae_{unit}",
+        label=f"Mean {what}",
+        formula=f"sum {symbol} / N",
+        compute=of(mean),
+    )
+    yield metric(
+        name=f"p95_{unit}",
+        label=f"95th percentile of the {what}",
+        meaning=f"95 % of the time the {what} is smaller",
+        formula=f"95th percentile of {symbol} over the control steps, interpolated",
+        over=MAX,
+        compute=of(_p95),
+    )
+    yield metric(
+        name=f"max_{unit}",
+        label=f"Maximum {what}",
+        formula=f"max {symbol}",
+        over=MAX,
+        compute=of(_largest),
     )
 
 
-def _distances(rows: Rows) -> dict[str, float]:
-    result: dict[str, float] = {}
-    for unit, name in (("m", "distance"), ("px", "distance_px")):
-        values = _column(rows, name)
-        if any(map(math.isnan, values)):
-            values = [
-                math.nan
-            ]  # order statistics of nan would be nonsense that looks like a number
-        result |= {
-            f"rmse_{unit}": root_mean_square(values),
-            f"mae_{unit}": mean(values),
-            f"p95_{unit}": percentile(values, 0.95),
-            f"max_{unit}": max(values, default=math.nan),
-        }
-    for axis in "xy":
-        result[f"mean_{axis}_px"] = mean(_column(rows, f"error_{axis}_px"))
-    distance = _column(rows, "distance")
-    for radius in CIRCLES_M:
-        name = f"in_{radius:g}_m_percent".replace("0.", "0_")
-        result[name] = _percent([value <= radius for value in distance])
-    return result
+def _mean_error_metric(axis: str, direction: str) -> LevelMetric[Window]:
+    return LevelMetric(
+        name=f"mean_{axis}_px",
+        label=f"Mean {axis.upper()} error",
+        unit="px",
+        better="lower",
+        meaning=f"steady-state error under a constant current, along image "
+        f"{axis.upper()} ({direction})",
+        formula=f"sum of (target - centre) along image {axis.upper()} / N, signed",
+        compute=lambda window: mean(window.column(f"error_{axis}_px")),
+    )
 
 
-def _integrals(rows: Rows, dt: float) -> dict[str, float]:
-    """Return IAE, ISE and ITAE; time counts from the window's start."""
-    distance = _column(rows, "distance")
-    return {
-        "iae_m_s": math.fsum(distance) * dt,
-        "ise_m2_s": math.fsum(value * value for value in distance) * dt,
-        "itae_m_s2": math.fsum(at * dt * value for at, value in enumerate(distance)) * dt,
-    }
+def _circle_metric(radius_m: float) -> LevelMetric[Window]:
+    return LevelMetric(
+        name=f"in_{radius_m:g}_m_percent".replace("0.", "0_"),
+        label=f"Time within {radius_m:g} m",
+        unit="%",
+        better="higher",
+        formula=f"100 x control steps with d <= {radius_m:g} m / N",
+        compute=lambda window: percent([d <= radius_m for d in window.distance_m]),
+    )
 
 
-def _headings(rows: Rows, facts: LevelFacts) -> dict[str, float]:
-    turn = 2.0 * math.pi
-    off = [abs((yaw - facts.heading + math.pi) % turn - math.pi) for yaw in _column(rows, "yaw")]
-    distance = _column(rows, "distance")
-    vrx = [d + VRX_BASE**d * h for d, h in zip(distance, off, strict=True)]
-    return {"heading_rmse_rad": root_mean_square(off), "vrx_m": mean(vrx)}
+def _vrx(window: Window) -> float:
+    pairs = zip(window.distance_m, window.heading_error, strict=True)
+    return mean([distance + VRX_BASE**distance * heading for distance, heading in pairs])
 
 
-def _efforts(rows: Rows, facts: LevelFacts) -> dict[str, float]:
-    thrust = rows[:, INDEX["thrust_0"] : INDEX["thrust_0"] + THRUSTERS]
-    size = np.abs(thrust)
-    forward, reverse = facts.limits_n
-    full = (thrust >= FULL_THRUST * forward) | (thrust <= -FULL_THRUST * reverse)
-    references = rows[:, INDEX["ref_u"] : INDEX["ref_w"] + 1]
-    squares = (size * size).sum(axis=1).tolist()
-    return {
-        "thrust_rms_n": math.sqrt(mean(squares)) if squares else math.nan,
-        "energy_n15_s": math.fsum((size * np.sqrt(size)).ravel().tolist()) * facts.dt,
-        "variation_m_s": math.fsum(np.abs(np.diff(references, axis=0)).ravel().tolist()),
-        "saturated_s": float(full.any(axis=1).sum()) * facts.dt,
-    }
+def _thrust_rms(window: Window) -> float:
+    squares = (np.abs(window.thrust) * np.abs(window.thrust)).sum(axis=1).tolist()
+    return math.sqrt(mean(squares)) if squares else math.nan
 
 
-def _contacts(forces: Sequence[float], dt: float) -> dict[str, float]:
-    """Return how often, how long and how hard [N] the hull touched something.
+def _energy(window: Window) -> float:
+    size = np.abs(window.thrust)
+    return math.fsum((size * np.sqrt(size)).ravel().tolist()) * window.dt
 
-    Contacts less than `REBOUND_S` apart are one collision. A force is the mean over a control
-    period: what a blow peaks at within it depends on the hull's stiffness, which is not modelled.
-    """
-    touched = [at for at, force in enumerate(forces) if force > 0.0]
-    apart = round(REBOUND_S / dt)
+
+def _variation(window: Window) -> float:
+    references = window.rows[:, INDEX["ref_u"] : INDEX["ref_w"] + 1]
+    return math.fsum(np.abs(np.diff(references, axis=0)).ravel().tolist())
+
+
+def _saturated(window: Window) -> float:
+    forward, reverse = window.facts.limits_n
+    full = (window.thrust >= FULL_THRUST * forward) | (window.thrust <= -FULL_THRUST * reverse)
+    return float(full.any(axis=1).sum()) * window.dt
+
+
+def _collisions(window: Window) -> float:
+    """Return the number of contacts, where those less than `REBOUND_S` apart are one."""
+    touched = [at for at, force in enumerate(window.column("contact_n")) if force > 0.0]
+    apart = round(REBOUND_S / window.dt)
     starts = sum(1 for a, b in pairwise(touched) if b - a > apart)
-    return {
-        "collisions": float(starts + bool(touched)),
-        "contact_s": len(touched) * dt,
-        "contact_max_n": max(forces, default=math.nan),
-    }
+    return float(starts + bool(touched))
 
 
-def _column(rows: Rows, name: str) -> list[float]:
-    values: list[float] = rows[:, INDEX[name]].tolist()
-    return values
+def _contact_time(window: Window) -> float:
+    return sum(1 for force in window.column("contact_n") if force > 0.0) * window.dt
 
 
-def _percent(flags: Sequence[bool]) -> float:
-    return 100.0 * sum(flags) / len(flags) if flags else math.nan
+METRICS: tuple[LevelMetric[Window], ...] = (
+    *_distance_metrics("m", "d", "distance", "distance"),
+    *_distance_metrics("px", "e", "distance in the image", "distance_px"),
+    _mean_error_metric("x", "starboard"),
+    _mean_error_metric("y", "aft"),
+    *(_circle_metric(radius_m) for radius_m in CIRCLES_M),
+    LevelMetric(
+        name="iae_m_s",
+        label="Integral of the absolute error",
+        unit="m s",
+        better="lower",
+        formula="sum d dt",
+        over=SUM,
+        compute=lambda window: math.fsum(window.distance_m) * window.dt,
+    ),
+    LevelMetric(
+        name="ise_m2_s",
+        label="Integral of the squared error",
+        unit="m² s",
+        better="lower",
+        formula="sum d^2 dt",
+        over=SUM,
+        compute=lambda window: math.fsum(d * d for d in window.distance_m) * window.dt,
+    ),
+    LevelMetric(
+        name="itae_m_s2",
+        label="Integral of time times absolute error",
+        unit="m s²",
+        better="lower",
+        meaning="late errors cost more",
+        formula="sum t d dt, t from the start of the window",
+        over=SUM,
+        compute=lambda window: (
+            math.fsum(at * window.dt * d for at, d in enumerate(window.distance_m)) * window.dt
+        ),
+    ),
+    LevelMetric(
+        name="heading_rmse_rad",
+        label="RMSE of the heading",
+        unit="rad",
+        better="lower",
+        formula="sqrt(sum (yaw - reference)^2 / N), the angle within -pi to pi",
+        over=RMS,
+        compute=lambda window: root_mean_square(window.heading_error),
+    ),
+    LevelMetric(
+        name="vrx_m",
+        label="VRX station-keeping error",
+        unit="m",
+        better="lower",
+        meaning="distance plus weighted heading error, as in the VRX competition",
+        formula=f"sum (d + {VRX_BASE:g}^d abs(yaw - reference)) / N, as in the VRX competition",
+        compute=_vrx,
+    ),
+    LevelMetric(
+        name="thrust_rms_n",
+        label="RMS thrust of all thrusters",
+        unit="N",
+        better="lower",
+        formula="sqrt(sum over control steps and thrusters of thrust^2 / N)",
+        over=RMS,
+        compute=_thrust_rms,
+    ),
+    LevelMetric(
+        name="energy_n15_s",
+        label=f"Energy proxy, integral of thrust^{ENERGY_EXPONENT:g}",
+        unit=f"N^{ENERGY_EXPONENT:g} s",
+        better="lower",
+        meaning=f"the power of an ideal propeller grows with thrust^{ENERGY_EXPONENT:g}",
+        formula=f"sum over control steps and thrusters of abs(thrust)^{ENERGY_EXPONENT:g} dt",
+        over=SUM,
+        compute=_energy,
+    ),
+    LevelMetric(
+        name="variation_m_s",
+        label="Total variation of the references",
+        unit="m/s",
+        better="lower",
+        meaning="sum of all changes: how restless the controller is",
+        formula="sum of the absolute changes of the three velocity references",
+        over=SUM,
+        compute=_variation,
+    ),
+    LevelMetric(
+        name="saturated_s",
+        label="Time with a saturated thruster",
+        unit="s",
+        better="lower",
+        formula=f"control steps with a thruster at {100.0 * FULL_THRUST:g} % of its limit or more, "
+        "times dt",
+        over=SUM,
+        compute=_saturated,
+    ),
+    LevelMetric(
+        name="lost_percent",
+        label="Time with the target lost",
+        unit="%",
+        better="lower",
+        formula="100 x control steps at which the tracker reports a loss, or its corners are more "
+        f"than {LOST_PX:g} px from the true ones / N",
+        compute=lambda window: window.lost_percent,
+    ),
+    LevelMetric(
+        name="collisions",
+        label="Collisions",
+        unit="",
+        better="lower",
+        meaning=f"contacts less than {REBOUND_S:g} s apart count as one",
+        formula=f"number of contacts, those less than {REBOUND_S:g} s apart counted as one",
+        over=SUM,
+        compute=_collisions,
+    ),
+    LevelMetric(
+        name="contact_s",
+        label="Time in contact",
+        unit="s",
+        better="lower",
+        formula="control steps with a contact force, times dt",
+        over=SUM,
+        compute=_contact_time,
+    ),
+    LevelMetric(
+        # The peak of a blow within a control period depends on the stiffness of the hull, which is
+        # not modelled.
+        name="contact_max_n",
+        label="Maximum contact force",
+        unit="N",
+        better="lower",
+        meaning="the net force on the hull, mean over one control period",
+        formula="maximum contact force, mean over a control period",
+        over=MAX,
+        compute=lambda window: _largest(window.column("contact_n")),
+    ),
+)
+POINTS: LevelMetric[Level] = LevelMetric(
+    name="points",
+    label="Points of the level",
+    unit="of 100",
+    better="higher",
+    meaning=f"100 / (1 + RMSE / {SCORE_LENGTH_M:g} m) x (1 - share of the time lost)",
+    formula=f"100 / (1 + rmse_m / {SCORE_LENGTH_M:g} m) x (1 - {WHOLE}lost_percent / 100)",
+    compute=lambda level: points(
+        root_mean_square(_defined(level.settled.distance_m)), level.whole.lost_percent / 100.0
+    ),
+)
+SETTLING: LevelMetric[Level] = LevelMetric(
+    name="settling_s",
+    label=f"Settling time to {SETTLED_M:g} m",
+    unit="s",
+    better="lower",
+    meaning=f"time from which the distance stays within {SETTLED_M:g} m",
+    formula=f"first time from which d <= {SETTLED_M:g} m until the end; none if it ends outside",
+    over=MAX,
+    compute=lambda level: settling_time(level.whole.distance_m, level.whole.dt),
+)
+HELD = Metric(
+    "held",
+    "Held",
+    "",
+    "higher",
+    meaning=f"95 % of the time within {HELD_P95_M:g} m, and the target never lost",
+)
+HEAD = (POINTS, HELD, SETTLING)
+_KEY = ("rmse_m", "p95_m", "max_m", "rmse_px", "mean_x_px", "mean_y_px", "lost_percent")
+KEY_METRICS = tuple(metric for metric in METRICS if metric.name in _KEY)
+GROUP = MetricGroup("Position controllers", (POINTS, SETTLING, *METRICS))
 
 
-def over_run(levels: Sequence[Mapping[str, Any]]) -> dict[str, float | None]:
-    """Return metrics over all levels of a trial from those of each level, which are equally long.
-
-    Means, roots of mean squares, sums and maxima are those of all rows together. Only of the 95th
-    percentiles it is the greatest. None where a level has none.
-    """
-    result: dict[str, float | None] = {}
-    for metric in OVERALL:
-        values = [level[metric.name] for level in levels]
-        result[metric.name] = None if None in values else _OVER[metric.over](values)
-    return result
+def overall(metrics: Iterable[LevelMetric[Window]] = METRICS) -> tuple[LevelMetric[Any], ...]:
+    """Return what there is over a whole run, given the metrics of a window."""
+    whole = (replace(metric, name=f"{WHOLE}{metric.name}") for metric in metrics)
+    return (POINTS, SETTLING, *metrics, *whole)
 
 
-_OVER: Mapping[str, Callable[[Sequence[float]], float]] = {
-    "mean": mean,
-    "rms": root_mean_square,
-    "sum": math.fsum,
-    "max": lambda values: math.nan if any(map(math.isnan, values)) else max(values),
-}
-
-
-def mean_over_trials(trials: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
-    """Return the mean of each metric over trials, also of those within; None where one has none."""
-    result: dict[str, Any] = {}
-    for name, first in trials[0].items():
-        values = [trial[name] for trial in trials]
-        if isinstance(first, Mapping):
-            result[name] = mean_over_trials(values)
-        elif name == "held":
-            result[name] = all(values)
-        elif name == "level" or isinstance(first, str):
-            result[name] = first
-        else:
-            none = any(value is None for value in values)
-            result[name] = None if none else mean([float(value) for value in values])
-    return result
+def level_metrics(
+    rows: Rows, facts: LevelFacts, metrics: Iterable[LevelMetric[Window]] = METRICS
+) -> dict[str, Any]:
+    """Return the metrics of one level, name -> float (None where there is none)."""
+    level = Level(rows, facts)
+    within = percentile(_defined(level.whole.distance_m), 0.95) < HELD_P95_M
+    return (
+        {"level": facts.level, "speed": facts.speed}
+        | compute_all(metrics, level.settled)
+        | compute_all(metrics, level.whole, prefix=WHOLE)
+        | compute_all((SETTLING, POINTS), level)
+        | {"held": within and level.whole.lost_percent == 0.0}
+    )

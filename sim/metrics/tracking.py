@@ -1,18 +1,25 @@
 """Metrics of a tracker over one level, from its telemetry alone.
 
-A picture succeeds if the tracker gives corners and their alignment error, the root mean square
+An image succeeds if the tracker reports corners and their alignment error, the root mean square
 distance of the four corners from the true ones, is at most the limit (POT-210, Liang et al. 2018:
 precision at 5 px). "Lost" is an alignment error above 10 px (Lieberknecht et al. 2009). The first
-picture of a level does not count: the tracker is told where the target is.
+image of a level does not count: the tracker is initialised with the true corners.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from seamark.sim.metrics.metric import Metric
+from seamark.sim.metrics.metric import (
+    Aggregation,
+    LevelMetric,
+    Levels,
+    Metric,
+    MetricGroup,
+    compute_all,
+)
 from seamark.sim.numerics.statistics import mean
 from seamark.sim.recording.telemetry import INDEX, Rows
 
@@ -21,51 +28,93 @@ LOST_PX = 10.0
 FAILED_PERCENT = 50.0  # of p@5: a level with less is the first that the tracker fails
 HELD_PERCENT = 95.0  # of p@5: a level with at least so much is held
 
-METRICS: tuple[Metric, ...] = (
-    Metric("p5_percent", "p@5", "%", "higher", meaning="pictures within 5 px"),
-    Metric("p1_percent", "p@1", "%", "higher", meaning="pictures within 1 px"),
-    Metric("corner_px", "Corner error", "px", "lower", meaning="mean of the pictures within 5 px"),
-    Metric(
-        "admitted_percent",
-        "Lost and admitted",
-        "%",
-        "lower",
-        meaning="pictures in which the tracker says that the target is lost",
+
+class Images:
+    """The images of a level that count: all but the first."""
+
+    def __init__(self, rows: Rows) -> None:
+        self.error = rows[1:, INDEX["tracker_error"]]  # (n,) [px]
+        self.reported = rows[1:, INDEX["tracker_ok"]] == 1.0  # the tracker reports the target
+
+    def within(self, limit_px: float) -> NDArray[np.bool_]:
+        """Return which images succeed, (n,); one with a nan error does not."""
+        result: NDArray[np.bool_] = self.reported & (self.error <= limit_px)
+        return result
+
+
+def _corner_error(images: Images) -> float | None:
+    errors = images.error[images.within(FAR_PX)].tolist()
+    return mean(errors) if errors else None
+
+
+def _corner_error_over_run(name: str, levels: Levels) -> float | None:
+    errors = [level[P5.name] * (level[name] or 0.0) for level in levels]
+    successes = mean([level[P5.name] for level in levels])
+    return mean(errors) / successes if successes > 0.0 else None
+
+
+def _precision(limit_px: float) -> LevelMetric[Images]:
+    return LevelMetric(
+        name=f"p{limit_px:g}_percent",
+        label=f"p@{limit_px:g}",
+        unit="%",
+        better="higher",
+        meaning=f"images within {limit_px:g} px",
+        formula=f"100 x images with corners at most {limit_px:g} px from the true ones / all but "
+        "the first",
+        compute=lambda images: _percent(images.within(limit_px)),
+    )
+
+
+P5 = _precision(FAR_PX)
+METRICS: tuple[LevelMetric[Images], ...] = (
+    P5,
+    _precision(NEAR_PX),
+    LevelMetric(
+        name="corner_px",
+        label="Corner error",
+        unit="px",
+        better="lower",
+        meaning=f"mean of the images within {FAR_PX:g} px",
+        formula=f"mean of the RMS corner error of the images within {FAR_PX:g} px",
+        compute=_corner_error,
+        over=Aggregation(f"mean of all images within {FAR_PX:g} px", _corner_error_over_run),
     ),
-    Metric(
-        "not_admitted_percent",
-        "Lost, not admitted",
-        "%",
-        "lower",
-        meaning="pictures in which it says that it has the target and is more than 10 px off",
+    LevelMetric(
+        name="admitted_percent",
+        label="Lost and reported",
+        unit="%",
+        better="lower",
+        meaning="images in which the tracker reports that it lost the target",
+        formula="100 x images in which the tracker reports a loss / all but the first",
+        compute=lambda images: _percent(~images.reported),
+    ),
+    LevelMetric(
+        name="not_admitted_percent",
+        label="Lost, not reported",
+        unit="%",
+        better="lower",
+        meaning=f"images in which it reports the target and is more than {LOST_PX:g} px off",
+        formula=f"100 x images more than {LOST_PX:g} px off without a report / all but the first",
+        compute=lambda images: _percent(images.reported & ~(images.error <= LOST_PX)),
     ),
 )
-HELD = Metric("held", "Held", "", "higher", meaning="p@5 of at least 95 %")
+HELD = Metric("held", "Held", "", "higher", meaning=f"p@{FAR_PX:g} of at least {HELD_PERCENT:g} %")
+GROUP = MetricGroup("Trackers", METRICS)
 
 
-def level_metrics(rows: Rows) -> dict[str, Any]:
+def level_metrics(rows: Rows, metrics: Iterable[LevelMetric[Images]] = METRICS) -> dict[str, Any]:
     """Return the metrics of one level, name -> float; `corner_px` is None without any success."""
-    asked = rows[1:]
-    error = asked[:, INDEX["tracker_error"]]
-    says_ok = asked[:, INDEX["tracker_ok"]] == 1.0
-    # Comparisons with nan are False: an error that is no number is no success, and it is lost.
-    within = {limit: says_ok & (error <= limit) for limit in (FAR_PX, NEAR_PX)}
-    good = error[within[FAR_PX]].tolist()
-    result: dict[str, Any] = {
-        "p5_percent": _percent(within[FAR_PX]),
-        "p1_percent": _percent(within[NEAR_PX]),
-        "corner_px": mean(good) if good else None,
-        "admitted_percent": _percent(~says_ok),
-        "not_admitted_percent": _percent(says_ok & ~(error <= LOST_PX)),
-    }
-    result["held"] = result["p5_percent"] >= HELD_PERCENT
+    result: dict[str, Any] = compute_all(metrics, Images(rows))
+    result["held"] = result[P5.name] >= HELD_PERCENT
     return result
 
 
 def failure_value(values: Sequence[float], p5_percent: Sequence[float]) -> float:
-    """Return the first of the rising values, two or more, at which p@5 is below half.
+    """Return the first of two or more increasing values at which p@5 is below `FAILED_PERCENT`.
 
-    A tracker that never fails gets the value that would come next: more than one that fails last.
+    A tracker that never fails scores the value that would come next: more than one that fails at
+    the last level.
     """
     for value, share in zip(values, p5_percent, strict=True):
         if share < FAILED_PERCENT:
@@ -81,19 +130,6 @@ def held_value(values: Sequence[float], held: Sequence[bool]) -> float | None:
             break
         last = value
     return last
-
-
-def over_levels(levels: Sequence[Mapping[str, Any]]) -> dict[str, float | None]:
-    """Return each metric over all levels, which have equally many pictures."""
-    result: dict[str, float | None] = {
-        metric.name: mean([level[metric.name] for level in levels])
-        for metric in METRICS
-        if metric.unit == "%"
-    }
-    errors = [level["p5_percent"] * (level["corner_px"] or 0.0) for level in levels]
-    successes = mean([level["p5_percent"] for level in levels])
-    result["corner_px"] = mean(errors) / successes if successes > 0.0 else None
-    return result
 
 
 def _percent(flags: NDArray[np.bool_]) -> float:

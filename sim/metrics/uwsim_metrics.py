@@ -1,49 +1,36 @@
-"""The measures of the original benchmark module (uwsimbenchmarks), from telemetry rows.
+"""The metrics of the original benchmark module (uwsimbenchmarks), from telemetry rows.
 
-Same definitions; where the original is wrong, the corrected one is here. `docs/measures.md` has all
-formulas and names each error.
+The definitions are the original's; where it is wrong, they are corrected. `docs/measures.md` has
+all formulas and names each error.
 """
 
 import math
 from collections.abc import Mapping, Sequence
+from functools import cached_property, partial
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
-from seamark.sim.metrics.metric import Metric
+from seamark.sim.metrics.metric import (
+    MAX,
+    SUM,
+    Aggregation,
+    LevelMetric,
+    Levels,
+    MetricGroup,
+    compute_all,
+    over_run,
+    weighted_by,
+)
 from seamark.sim.numerics.statistics import mean
 from seamark.sim.recording.telemetry import INDEX, Rows
 
 COLLISION_SPEED_M_S = 0.5  # S: uwsimbenchmarks, the speed at which a collision costs all
-Points = Sequence[tuple[float, float, float]]
+Point = tuple[float, float, float]  # [m] NED
 Column = NDArray[np.float64]  # (k,)
 Turn = tuple[Column, Column]  # sine and cosine
 ANGLES = ("roll", "pitch", "yaw")
-MEASURES: tuple[Metric, ...] = (
-    Metric("time", "Simulated time", "s", "lower", "sum"),
-    Metric("collision", "Collision: 1 without any", "", "higher"),
-    Metric("contactTicks", "Control ticks in contact", "", "lower", "sum"),
-    Metric("contactSpeedMean", "Mean speed in contact", "m/s", "lower"),
-    Metric("contactSpeedMax", "Greatest speed in contact", "m/s", "lower", "max"),
-    Metric("positionError", "Mean distance from the wanted place", "m", "lower"),
-    Metric("positionErrorX", "Mean error along north", "m", "lower"),
-    Metric("positionErrorY", "Mean error along east", "m", "lower"),
-    Metric("positionErrorZ", "Mean error along down", "m", "lower"),
-    Metric("positionErrorAngle", "Mean angle from the wanted attitude", "rad", "lower"),
-    Metric("distance", "Travelled distance", "m", "lower", "sum"),
-    Metric("corners", "Tracked corners to true corners, norm of all eight numbers", "px", "lower"),
-    Metric("centroid", "Tracked centre to true centre", "px", "lower"),
-    Metric("seenTicks", "Control ticks with a tracked target", "", "higher", "sum"),
-    Metric("objectCenteredOnCam", "Target to image centre", "px", "lower"),
-    Metric("objectCenteredOnCamX", "Target to image centre along X", "px", "lower"),
-    Metric("objectCenteredOnCamY", "Target to image centre along Y", "px", "lower"),
-    Metric("pathFollowingIAE", "Integral of the distance to the path", "m s", "lower", "sum"),
-    Metric("pathFollowingISE", "Integral of its square", "m² s", "lower", "sum"),
-    Metric("distanceToPath", "Mean distance to the path", "m", "lower"),
-)
-NAMES = tuple(measure.name for measure in MEASURES)
-SUMS = tuple(measure.name for measure in MEASURES if measure.over == "sum")
 
 
 def time(rows: Rows) -> float:
@@ -53,24 +40,24 @@ def time(rows: Rows) -> float:
 
 
 def contacts(rows: Rows) -> dict[str, float]:
-    """Return the number of ticks in contact, and mean and greatest speed [m/s] during them."""
+    """Return the number of control steps in contact, and mean and maximum speed [m/s] in them."""
     touching = rows[rows[:, INDEX["contact_n"]] > 0.0]
     speeds = _lengths(touching[:, INDEX["u"] : INDEX["w"] + 1])
     return {
-        "ticks": float(len(speeds)),
+        "steps": float(len(speeds)),
         "mean_speed": mean(speeds) if speeds else 0.0,
         "max_speed": max(speeds, default=0.0),
     }
 
 
-def collision(*, ticks: float, mean_speed: float, max_speed: float) -> float:
+def collision(*, steps: float, mean_speed: float, max_speed: float) -> float:
     """Return 1 for no collision, down to 0, from what `contacts` gives."""
-    if not ticks:
+    if not steps:
         return 1.0
     return max(0.0, 1.0 - (mean_speed + max_speed) / COLLISION_SPEED_M_S)
 
 
-def position_error(rows: Rows, target: tuple[float, float, float]) -> dict[str, float]:
+def position_error(rows: Rows, target: Point) -> dict[str, float]:
     """Return mean distance from a place, NED, and the mean size of each axis's error [m]."""
     off = rows[:, INDEX["x"] : INDEX["z"] + 1] - np.array(target)
     axes = {axis: mean(np.abs(off[:, i]).tolist()) for i, axis in enumerate("xyz")}
@@ -115,7 +102,7 @@ def object_centered_on_cam(rows: Rows) -> dict[str, float]:
     }
 
 
-def path_following(rows: Rows, path: Points, dt: float) -> dict[str, float]:
+def path_following(rows: Rows, path: Sequence[Point], dt: float) -> dict[str, float]:
     """Return IAE [m s], ISE [m² s] and mean distance [m] to a path of one or more points, NED."""
     places = rows[:, INDEX["x"] : INDEX["z"] + 1]
     if len(path) == 1:
@@ -128,66 +115,6 @@ def path_following(rows: Rows, path: Points, dt: float) -> dict[str, float]:
         "ise": math.fsum(value * value for value in off) * dt,
         "distanceToPath": mean(off),
     }
-
-
-def of_level(rows: Rows) -> dict[str, float]:
-    """Return all measures of one level by name; nan where there is none.
-
-    Wanted is the pose at which the level starts, above the target; it is the path too.
-    """
-    if not len(rows):
-        return dict.fromkeys(NAMES, math.nan)
-    dt = round(time(rows) / max(len(rows) - 1, 1), 9)
-    start = rows[0, INDEX["x"] : INDEX["z"] + 1].tolist()
-    place = (start[0], start[1], start[2])
-    wanted, followed = position_error(rows, place), path_following(rows, [place], dt)
-    seen, centred, hit = euclidean_norm(rows), object_centered_on_cam(rows), contacts(rows)
-    return {
-        "time": time(rows) + dt,  # the last row stands for a whole tick
-        "collision": collision(**hit),
-        "contactTicks": hit["ticks"],
-        "contactSpeedMean": hit["mean_speed"],
-        "contactSpeedMax": hit["max_speed"],
-        "positionError": wanted["total"],
-        "positionErrorX": wanted["x"],
-        "positionErrorY": wanted["y"],
-        "positionErrorZ": wanted["z"],
-        "positionErrorAngle": attitude_error(rows),
-        "distance": distance(rows),
-        "corners": seen["corners"],
-        "centroid": seen["centroid"],
-        "seenTicks": float((rows[:, INDEX["tracker_ok"]] == 1.0).sum()),
-        "objectCenteredOnCam": centred["total"],
-        "objectCenteredOnCamX": centred["x"],
-        "objectCenteredOnCamY": centred["y"],
-        "pathFollowingIAE": followed["iae"],
-        "pathFollowingISE": followed["ise"],
-        "distanceToPath": followed["distanceToPath"],
-    }
-
-
-def of_run(levels: Sequence[Mapping[str, float]]) -> dict[str, float]:
-    """Return the measures over all levels of a trial, from those of each."""
-    whole = {name: mean([level[name] for level in levels]) for name in NAMES}
-    for name in SUMS:
-        whole[name] = math.fsum(level[name] for level in levels)
-    for name in ("corners", "centroid"):
-        whole[name] = _weighted(levels, name, "seenTicks")
-    whole["contactSpeedMean"] = _weighted(levels, "contactSpeedMean", "contactTicks")
-    whole["contactSpeedMax"] = max((level["contactSpeedMax"] for level in levels), default=0.0)
-    whole["collision"] = collision(
-        ticks=whole["contactTicks"],
-        mean_speed=whole["contactSpeedMean"],
-        max_speed=whole["contactSpeedMax"],
-    )
-    return whole
-
-
-def _weighted(levels: Sequence[Mapping[str, float]], name: str, weight: str) -> float:
-    """Return the mean over all rows that count, where a level without any has none."""
-    found = [(level[name], level[weight]) for level in levels if level[weight]]
-    total = math.fsum(count for _, count in found)
-    return math.fsum(value * count for value, count in found) / total if total else math.nan
 
 
 def _to_piece(place: Sequence[float], start: Sequence[float], end: Sequence[float]) -> float:
@@ -224,3 +151,222 @@ def _column(rows: Rows, name: str) -> list[float]:
 
 def _lengths(vectors: Rows) -> list[float]:
     return [math.hypot(*vector) for vector in vectors.tolist()]
+
+
+class Level:
+    """The rows of a level, at least one, and what several metrics need of them.
+
+    The reference is the pose at which the level starts, above the target; it is the path too.
+    """
+
+    def __init__(self, rows: Rows) -> None:
+        self.rows = rows
+        self.dt = round(time(rows) / max(len(rows) - 1, 1), 9)  # [s]
+
+    @cached_property
+    def contacts(self) -> Mapping[str, float]:
+        """What `contacts` returns."""
+        return contacts(self.rows)
+
+    @cached_property
+    def position(self) -> Mapping[str, float]:
+        """What `position_error` returns."""
+        return position_error(self.rows, self._start())
+
+    @cached_property
+    def path(self) -> Mapping[str, float]:
+        """What `path_following` returns."""
+        return path_following(self.rows, [self._start()], self.dt)
+
+    @cached_property
+    def tracked(self) -> Mapping[str, float]:
+        """What `euclidean_norm` returns."""
+        return euclidean_norm(self.rows)
+
+    @cached_property
+    def centred(self) -> Mapping[str, float]:
+        """What `object_centered_on_cam` returns."""
+        return object_centered_on_cam(self.rows)
+
+    def _start(self) -> Point:
+        x, y, z = self.rows[0, INDEX["x"] : INDEX["z"] + 1].tolist()
+        return x, y, z
+
+
+def _collision_over_run(_name: str, levels: Levels) -> float | None:
+    steps, mean_speed, max_speed = over_run(CONTACTS, levels).values()
+    if steps is None or mean_speed is None or max_speed is None:
+        return None
+    return collision(steps=steps, mean_speed=mean_speed, max_speed=max_speed)
+
+
+_metric = partial(LevelMetric, better="lower")
+CONTACTS: tuple[LevelMetric[Level], ...] = (
+    _metric(
+        name="contactTicks",
+        label="Control steps in contact",
+        unit="",
+        formula="control steps with a contact force",
+        over=SUM,
+        compute=lambda level: level.contacts["steps"],
+    ),
+    _metric(
+        name="contactSpeedMean",
+        label="Mean speed in contact",
+        unit="m/s",
+        formula="mean speed over ground during contact; 0 without any",
+        over=weighted_by("contactTicks"),
+        compute=lambda level: level.contacts["mean_speed"],
+    ),
+    _metric(
+        name="contactSpeedMax",
+        label="Maximum speed in contact",
+        unit="m/s",
+        formula="maximum speed over ground during contact; 0 without any",
+        over=MAX,
+        compute=lambda level: level.contacts["max_speed"],
+    ),
+)
+METRICS: tuple[LevelMetric[Level], ...] = (
+    _metric(
+        name="time",
+        label="Simulated time",
+        unit="s",
+        formula="control steps times dt, simulated",
+        over=SUM,
+        compute=lambda level: time(level.rows) + level.dt,  # the last row is a whole control step
+    ),
+    LevelMetric(
+        name="collision",
+        label="Collision: 1 without any",
+        unit="",
+        better="higher",
+        formula="max(0, 1 - (contactSpeedMean + contactSpeedMax) / "
+        f"{COLLISION_SPEED_M_S:g} m/s); 1 without contact",
+        over=Aggregation("the formula with the values over the run", _collision_over_run),
+        compute=lambda level: collision(**level.contacts),
+    ),
+    *CONTACTS,
+    _metric(
+        name="positionError",
+        label="Mean distance from the reference position",
+        unit="m",
+        formula="mean distance from the position at which the level starts",
+        compute=lambda level: level.position["total"],
+    ),
+    _metric(
+        name="positionErrorX",
+        label="Mean error along north",
+        unit="m",
+        formula="mean absolute error along north",
+        compute=lambda level: level.position["x"],
+    ),
+    _metric(
+        name="positionErrorY",
+        label="Mean error along east",
+        unit="m",
+        formula="mean absolute error along east",
+        compute=lambda level: level.position["y"],
+    ),
+    _metric(
+        name="positionErrorZ",
+        label="Mean error along down",
+        unit="m",
+        formula="mean absolute error along down",
+        compute=lambda level: level.position["z"],
+    ),
+    _metric(
+        name="positionErrorAngle",
+        label="Mean angle from the reference attitude",
+        unit="rad",
+        formula="mean angle of the rotation from the attitude at which the level starts",
+        compute=lambda level: attitude_error(level.rows),
+    ),
+    _metric(
+        name="distance",
+        label="Travelled distance",
+        unit="m",
+        formula="sum of the distances between control steps; the reset between levels not counted",
+        over=SUM,
+        compute=lambda level: distance(level.rows),
+    ),
+    _metric(
+        name="corners",
+        label="Tracked corners to true corners, norm of all eight numbers",
+        unit="px",
+        formula="mean norm of all eight numbers of (tracked - true corners), control steps with a "
+        "tracked target",
+        over=weighted_by("seenTicks"),
+        compute=lambda level: level.tracked["corners"],
+    ),
+    _metric(
+        name="centroid",
+        label="Tracked centre to true centre",
+        unit="px",
+        formula="mean norm of (tracked - true centre), control steps with a tracked target",
+        over=weighted_by("seenTicks"),
+        compute=lambda level: level.tracked["centroid"],
+    ),
+    LevelMetric(
+        name="seenTicks",
+        label="Control steps with a tracked target",
+        unit="",
+        better="higher",
+        formula="control steps at which the tracker reports the target",
+        over=SUM,
+        compute=lambda level: float((level.rows[:, INDEX["tracker_ok"]] == 1.0).sum()),
+    ),
+    _metric(
+        name="objectCenteredOnCam",
+        label="Target to image centre",
+        unit="px",
+        formula="mean distance of the true target from the image centre",
+        compute=lambda level: level.centred["total"],
+    ),
+    _metric(
+        name="objectCenteredOnCamX",
+        label="Target to image centre along X",
+        unit="px",
+        formula="mean absolute distance along image X",
+        compute=lambda level: level.centred["x"],
+    ),
+    _metric(
+        name="objectCenteredOnCamY",
+        label="Target to image centre along Y",
+        unit="px",
+        formula="mean absolute distance along image Y",
+        compute=lambda level: level.centred["y"],
+    ),
+    _metric(
+        name="pathFollowingIAE",
+        label="Integral of the distance to the path",
+        unit="m s",
+        formula="sum of the distance to the path, times dt",
+        over=SUM,
+        compute=lambda level: level.path["iae"],
+    ),
+    _metric(
+        name="pathFollowingISE",
+        label="Integral of the squared distance to the path",
+        unit="m² s",
+        formula="sum of the squared distance to the path, times dt",
+        over=SUM,
+        compute=lambda level: level.path["ise"],
+    ),
+    _metric(
+        name="distanceToPath",
+        label="Mean distance to the path",
+        unit="m",
+        formula="mean distance to the path",
+        compute=lambda level: level.path["distanceToPath"],
+    ),
+)
+NAMES = tuple(metric.name for metric in METRICS)
+GROUP = MetricGroup("The original benchmark module", METRICS)
+
+
+def level_metrics(rows: Rows) -> dict[str, float | None]:
+    """Return all metrics of one level by name; nan where there is none."""
+    if not len(rows):
+        return dict.fromkeys(NAMES, math.nan)
+    return compute_all(METRICS, Level(rows))

@@ -9,7 +9,7 @@ from seamark.sim.settings.configuration import setting
 
 
 def custom_score_setting(metrics: Iterable[Metric], *, group: str) -> Any:  # as setting itself
-    """Return the setting: an expression over metrics of the whole run and the original measures."""
+    """Return the setting: an expression over these metrics and those of the original module."""
     names = ("score", *(metric.name for metric in metrics), *uwsim_metrics.NAMES)
     return setting(
         "",

@@ -10,7 +10,7 @@ from functools import partial
 from seamark.sim.benchmarks.benchmark import Baseline, Benchmark, Chart, Table
 from seamark.sim.control.observation import THRUSTERS
 from seamark.sim.metrics.metric import Metric
-from seamark.sim.metrics.station_keeping import HEAD, KEY_METRICS, METRICS, OVERALL, WHOLE
+from seamark.sim.metrics.station_keeping import GROUP, HEAD, KEY_METRICS, METRICS, WHOLE, overall
 from seamark.sim.registry import CONTROLLERS, VEHICLES, labels
 from seamark.sim.settings.configuration import setting
 from seamark.sim.settings.custom_score import custom_score_setting
@@ -45,7 +45,7 @@ class CurrentsConfiguration(ExperimentSettings, GridSettings):
         tag="E",
         source="the first seconds after a start are the same for most controllers",
     )
-    score: str = custom_score_setting(OVERALL, group="Experiment")
+    score: str = custom_score_setting(overall(), group="Experiment")
 
     current_law: str = current_setting(
         "relative",
@@ -247,6 +247,7 @@ BENCHMARK = Benchmark(
         Table("Whole levels", METRICS, prefix=WHOLE),
     ),
     key_metrics=KEY_METRICS[:1],
+    metric_groups=(GROUP,),
     baselines={"p": Baseline("P, as it comes", "p"), "pi": Baseline("PI, as it comes", "pi")},
     presets={"vehicle": _presets()},
     quick_settings={"levels": [0.1], "level_duration_s": 2.0, "settle_s": 1.0},

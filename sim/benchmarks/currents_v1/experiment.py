@@ -20,7 +20,9 @@ from seamark.sim.engine.world import (
     water_of,
     world_of,
 )
-from seamark.sim.metrics.station_keeping import LevelFacts, level_metrics, over_run
+from seamark.sim.metrics.metric import over_run
+from seamark.sim.metrics.station_keeping import level_metrics, overall
+from seamark.sim.metrics.windows import LevelFacts
 from seamark.sim.numerics.random_streams import Streams, streams
 from seamark.sim.numerics.statistics import mean
 from seamark.sim.physics.current import Current, Pattern, Shear
@@ -82,7 +84,7 @@ class StationKeeping:
             score=score,
             level_held=_held(levels),
             rankable=math.isfinite(score) and not all_lost,
-            overall=over_run(levels),
+            overall=over_run(overall(), levels),
         )
 
 

@@ -15,7 +15,7 @@ from functools import partial
 
 from seamark.sim.benchmarks.benchmark import Baseline, Benchmark, Chart, Curve, Table
 from seamark.sim.metrics.metric import Metric
-from seamark.sim.metrics.tracking import FAILED_PERCENT, HELD, METRICS, level_metrics
+from seamark.sim.metrics.tracking import FAILED_PERCENT, GROUP, HELD, METRICS, level_metrics
 from seamark.sim.recording.telemetry import NAMES
 from seamark.sim.registry import TRACKERS
 from seamark.sim.settings.configuration import group_of, override, setting
@@ -383,6 +383,7 @@ BENCHMARK = Benchmark(
         measure=level_metrics,
     ),
     key_metrics=METRICS[:1],
+    metric_groups=(GROUP,),
     overall=METRICS,
     baselines={
         f"{criterion}-{warp}": Baseline(

@@ -19,7 +19,8 @@ from seamark.sim.engine.prescribed_path import Path
 from seamark.sim.engine.program import BuiltIn
 from seamark.sim.engine.tracker_in_loop import tracking_of
 from seamark.sim.engine.world import Conditions, camera_of, noise_seed_of, water_of, world_of
-from seamark.sim.metrics.tracking import failure_value, held_value, level_metrics, over_levels
+from seamark.sim.metrics.metric import over_run
+from seamark.sim.metrics.tracking import METRICS, failure_value, held_value, level_metrics
 from seamark.sim.numerics.libm import exp
 from seamark.sim.numerics.random_streams import Streams, streams
 from seamark.sim.physics.current import Current, Pattern
@@ -98,7 +99,7 @@ class Visibility:
             score=score,
             level_held=held_value(values, [level["held"] for level in levels]),
             rankable=math.isfinite(score) and score > values[0],
-            overall=over_levels(levels),
+            overall=over_run(METRICS, levels),
         )
 
 

@@ -8,16 +8,16 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from seamark.sim.metrics.metric import mean_over_trials, over_run
 from seamark.sim.metrics.station_keeping import (
     METRICS,
     SETTLING,
-    LevelFacts,
     level_metrics,
-    mean_over_trials,
-    over_run,
+    overall,
     points,
     settling_time,
 )
+from seamark.sim.metrics.windows import LevelFacts
 from seamark.sim.recording.telemetry import INDEX, WIDTH, Rows
 
 FACTS = LevelFacts(level=1, speed=0.2, dt=0.5, settle_s=1.0, limits_n=(100.0, 80.0))
@@ -50,7 +50,7 @@ def test_the_integrals_are_named_for_what_they_are() -> None:
     assert result["whole_itae_m_s2"] == pytest.approx(0.5 * (0.5 * 1 + 1.0 * 2))
 
 
-def test_time_within_the_watch_circles_is_a_share_of_the_ticks() -> None:
+def test_time_within_the_watch_circles_is_a_share_of_the_control_steps() -> None:
     result = level_metrics(rows_of([0.05, 0.2, 0.4, 0.6]), FACTS)
 
     circles = [result[f"whole_in_{name}_m_percent"] for name in ("0_1", "0_25", "0_5")]
@@ -178,7 +178,7 @@ def test_over_the_run_means_sums_and_greatest_are_those_of_all_rows(
     one, two = rows_of(first[:length]), rows_of(second[:length])
     two[:, INDEX["thrust_0"]] = 3.0
 
-    run = over_run([level_metrics(one, FACTS), level_metrics(two, FACTS)])
+    run = over_run(overall(), [level_metrics(one, FACTS), level_metrics(two, FACTS)])
 
     all_rows = level_metrics(np.concatenate([one, two]), replace(FACTS, settle_s=0.0))
     for name in ("rmse_m", "mae_m", "max_m", "iae_m_s", "in_0_25_m_percent", "thrust_rms_n"):
@@ -191,8 +191,8 @@ def test_a_level_that_does_not_settle_leaves_the_run_without_a_settling_time() -
         level_metrics(rows_of([1.0] * 3), FACTS),
     )
 
-    assert over_run([settled, settled])["settling_s"] == 0.0
-    assert over_run([settled, unsettled])["settling_s"] is None
+    assert over_run(overall(), [settled, settled])["settling_s"] == 0.0
+    assert over_run(overall(), [settled, unsettled])["settling_s"] is None
 
 
 def test_the_mean_over_trials_reaches_what_is_within_and_keeps_words() -> None:

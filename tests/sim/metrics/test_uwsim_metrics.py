@@ -1,4 +1,4 @@
-"""The original module's measures on rows that a person can work out."""
+"""The original module's metrics on rows that can be computed by hand."""
 
 import math
 
@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from seamark.sim.metrics import uwsim_metrics
+from seamark.sim.metrics.metric import over_run
 from seamark.sim.recording.telemetry import INDEX, WIDTH, Rows
 
 
@@ -31,12 +32,12 @@ def test_a_collision_costs_its_mean_and_its_greatest_speed() -> None:
     rows = rows_of(3, u=[0.1, 0.0, 9.0], v=[0.0, 0.2, 0.0], contact_n=[5.0, 1.0, 0.0])
 
     assert uwsim_metrics.contacts(rows) == pytest.approx(
-        {"ticks": 2.0, "mean_speed": 0.15, "max_speed": 0.2}
+        {"steps": 2.0, "mean_speed": 0.15, "max_speed": 0.2}
     )
     score = uwsim_metrics.collision(**uwsim_metrics.contacts(rows))
     assert score == pytest.approx(1.0 - 0.15 / 0.5 - 0.2 / 0.5)
     assert uwsim_metrics.collision(**uwsim_metrics.contacts(rows[2:])) == 1.0
-    assert uwsim_metrics.collision(ticks=1.0, mean_speed=9.0, max_speed=9.0) == 0.0
+    assert uwsim_metrics.collision(steps=1.0, mean_speed=9.0, max_speed=9.0) == 0.0
 
 
 def test_the_position_error_is_whole_and_by_axis() -> None:
@@ -80,10 +81,10 @@ def test_a_turn_is_measured_from_how_the_level_starts() -> None:
     assert uwsim_metrics.attitude_error(rows) == pytest.approx(0.1)
 
 
-def test_every_measure_of_a_level_is_in_the_table() -> None:
+def test_every_metric_of_a_level_is_in_the_table() -> None:
     rows = rows_of(3, t=[0.0, 0.5, 1.0], x=[0.0, 3.0, 3.0], distance_px=[0.0, 1.0, 2.0])
 
-    result = uwsim_metrics.of_level(rows)
+    result = uwsim_metrics.level_metrics(rows)
 
     assert tuple(result) == uwsim_metrics.NAMES
     assert (result["time"], result["distance"], result["positionError"]) == (1.5, 3.0, 2.0)
@@ -100,11 +101,13 @@ def levels() -> list[Rows]:
     return [one, two]
 
 
-def test_over_the_run_a_measure_is_what_all_rows_together_give() -> None:
+def test_over_the_run_a_metric_is_what_all_rows_together_give() -> None:
     one, two = levels()
     rows = np.concatenate([one, two])
 
-    result = uwsim_metrics.of_run([uwsim_metrics.of_level(one), uwsim_metrics.of_level(two)])
+    result = over_run(
+        uwsim_metrics.METRICS, [uwsim_metrics.level_metrics(one), uwsim_metrics.level_metrics(two)]
+    )
 
     assert result["time"] == uwsim_metrics.time(rows) + 0.5
     assert result["distance"] == uwsim_metrics.distance(rows)
@@ -117,6 +120,6 @@ def test_over_the_run_a_measure_is_what_all_rows_together_give() -> None:
 
 
 def test_a_run_that_never_sees_its_target_has_no_norm() -> None:
-    level = uwsim_metrics.of_level(levels()[1][1:])
+    level = uwsim_metrics.level_metrics(levels()[1][1:])
 
-    assert math.isnan(uwsim_metrics.of_run([level, level])["corners"])
+    assert math.isnan(over_run(uwsim_metrics.METRICS, [level, level])["corners"])

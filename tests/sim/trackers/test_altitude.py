@@ -8,7 +8,7 @@ import pytest
 
 from seamark.sim.engine.program import BuiltIn
 from seamark.sim.engine.trial import run_trial
-from seamark.sim.metrics.station_keeping import lost
+from seamark.sim.metrics.windows import lost
 from seamark.sim.recording.telemetry import INDEX, Rows
 from seamark.sim.registry import benchmark
 

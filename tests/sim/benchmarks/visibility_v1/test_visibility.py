@@ -23,12 +23,12 @@ from seamark.sim.benchmarks.visibility_v1.definition import (
 from seamark.sim.benchmarks.visibility_v1.experiment import EXPERIMENT, water_at
 from seamark.sim.engine.prescribed_path import Path
 from seamark.sim.engine.trial import TrialResult, run_trial
+from seamark.sim.metrics.metric import over_run
 from seamark.sim.metrics.tracking import (
     METRICS,
     failure_value,
     held_value,
     level_metrics,
-    over_levels,
 )
 from seamark.sim.recording.telemetry import INDEX, NAMES, WIDTH, Rows
 from seamark.sim.registry import TRUTH, benchmark
@@ -218,7 +218,7 @@ def test_a_tracker_that_admits_its_loss_has_no_success_however_near_it_is() -> N
 def test_the_metrics_over_all_levels_weigh_each_picture_alike() -> None:
     levels = [level_metrics(rows_of([1.0, 1.0])), level_metrics(rows_of([4.0, 20.0]))]
 
-    found = over_levels(levels)
+    found = over_run(METRICS, levels)
 
     assert set(found) == {metric.name for metric in METRICS}
     assert found["p5_percent"] == 75.0
