@@ -1,4 +1,4 @@
-"""Services that several packages are tested with: real databases and a real broker."""
+"""Fixtures that several packages share: real databases, a real broker, the cast."""
 
 import uuid
 from collections.abc import Iterator
@@ -43,7 +43,7 @@ def database_url(tmp_path: Path) -> str:
 
 @pytest.fixture(scope="session")
 def _postgres() -> Iterator[str]:
-    if reason := postgres.why_not():
+    if reason := postgres.reason_unavailable():
         pytest.skip(reason)
     with postgres.server() as folder:
         yield folder
@@ -58,7 +58,7 @@ def postgres_url(_postgres: str) -> Iterator[str]:
 
 @pytest.fixture
 def settings(tmp_path: Path, database_url: str, redis_url: str) -> Settings:
-    """Settings of a service of its own, with the isolation that this test host can give."""
+    """Settings of a service with its own data folder, database and broker."""
     return Settings.model_validate(
         {
             "data": tmp_path / "data",

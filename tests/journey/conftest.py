@@ -1,9 +1,8 @@
-"""The real service, started as a user starts it, in a temporary folder."""
+"""The real service, started by `seamark up` in a temporary folder, and browsers to visit it."""
 
 import contextlib
 import os
 import shutil
-import socket
 import subprocess
 import sys
 import tempfile
@@ -18,6 +17,7 @@ import pytest
 from playwright.sync_api import Browser, sync_playwright
 
 from tests.journey.visitor import Visitor
+from tests.services.ports import free_port
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
 START_S = 90.0
@@ -32,34 +32,28 @@ class Service:
     data: Path
 
 
-def _free_port() -> int:
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
-
-
-def _answers(url: str) -> bool:
+def _is_ready(url: str) -> bool:
     try:
-        with urllib.request.urlopen(f"{url}/readyz", timeout=2) as answer:  # noqa: S310 - our own
-            return bool(answer.status == 200)
+        with urllib.request.urlopen(f"{url}/readyz", timeout=2) as response:  # noqa: S310 - our own
+            return bool(response.status == 200)
     except (urllib.error.URLError, OSError):
         return False
 
 
-def _wait(process: "subprocess.Popen[bytes]", url: str, log: Path) -> None:
-    give_up = time.monotonic() + START_S
-    while not _answers(url):
-        if process.poll() is not None or time.monotonic() > give_up:
-            pytest.fail(f"the service did not come up:\n{log.read_text()[-4000:]}")
+def _wait_until_ready(process: "subprocess.Popen[bytes]", url: str, log: Path) -> None:
+    deadline = time.monotonic() + START_S
+    while not _is_ready(url):
+        if process.poll() is not None or time.monotonic() > deadline:
+            pytest.fail(f"the service did not start:\n{log.read_text()[-4000:]}")
         with contextlib.suppress(subprocess.TimeoutExpired):
-            process.wait(0.2)  # wakes up at once when the service ends
+            process.wait(0.2)  # returns at once when the service ends
 
 
 @contextlib.contextmanager
 def running(**settings: str) -> Iterator[Service]:
-    """Start `seamark up` on a free port; one hidden seed, so that a ranked run is short."""
+    """Run `seamark up` on a free port, with one ranked trial so that a ranked run is short."""
     with tempfile.TemporaryDirectory(prefix="seamark-journey-") as folder:
-        port, data, log = _free_port(), Path(folder) / "data", Path(folder) / "log"
+        port, data, log = free_port(), Path(folder) / "data", Path(folder) / "log"
         command = [sys.executable, "-m", "seamark.cli.main", "up", "--port", str(port)]
         with log.open("wb") as output:
             process = subprocess.Popen(
@@ -71,7 +65,7 @@ def running(**settings: str) -> Iterator[Service]:
             )
         try:
             url = f"http://127.0.0.1:{port}"
-            _wait(process, url, log)
+            _wait_until_ready(process, url, log)
             yield Service(url, data)
         finally:
             process.terminate()
@@ -84,14 +78,14 @@ def running(**settings: str) -> Iterator[Service]:
 
 @pytest.fixture(scope="session")
 def service() -> Iterator[Service]:
-    """Give the service with its embedded default: SQLite and a broker of its own."""
+    """The service with its embedded defaults: SQLite and its own broker."""
     with running() as embedded:
         yield embedded
 
 
 @pytest.fixture
 def production(postgres_url: str, redis_tcp_url: str) -> Iterator[Service]:
-    """Give the same service on PostgreSQL and a broker over TCP, by settings alone."""
+    """The same service on PostgreSQL and a broker over TCP, by settings alone."""
     variables = {"SEAMARK_DATABASE_URL": postgres_url, "SEAMARK_BROKER_URL": redis_tcp_url}
     with running(**variables) as started:
         yield started
@@ -99,21 +93,21 @@ def production(postgres_url: str, redis_tcp_url: str) -> Iterator[Service]:
 
 @pytest.fixture(scope="session")
 def chromium() -> Iterator[Browser]:
-    """Give the system's Chromium without a window."""
+    """The Chromium of this system, headless."""
     if CHROMIUM is None:
         pytest.skip("chromium is not installed (Debian: apt-get install chromium)")
-    quiet = ["--disable-background-networking", "--disable-component-update", "--no-first-run"]
+    options = ["--disable-background-networking", "--disable-component-update", "--no-first-run"]
     if os.geteuid() == 0:
-        quiet.append("--no-sandbox")  # Chromium refuses its own sandbox as root
+        options.append("--no-sandbox")  # Chromium refuses its own sandbox as root
     with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=quiet)
+        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=options)
         yield browser
         browser.close()
 
 
 @pytest.fixture
 def visitor(chromium: Browser, service: Service) -> Iterator[Visitor]:
-    """Give somebody in front of a large screen."""
+    """A visitor with a desktop screen."""
     context = chromium.new_context(viewport={"width": 1280, "height": 900})
     yield Visitor(context.new_page(), service.url)
     context.close()
@@ -121,7 +115,7 @@ def visitor(chromium: Browser, service: Service) -> Iterator[Visitor]:
 
 @pytest.fixture
 def phone(chromium: Browser, service: Service) -> Iterator[Visitor]:
-    """Give somebody with a telephone."""
+    """A visitor with a phone."""
     context = chromium.new_context(viewport={"width": 375, "height": 800}, is_mobile=True)
     yield Visitor(context.new_page(), service.url)
     context.close()

@@ -1,9 +1,9 @@
-"""From a stranger to a place on the leaderboard, in a real browser with the real service."""
+"""From the first visit to a rank on the leaderboard, in a real browser with the real service."""
 
 import re
 
 import pytest
-from playwright.sync_api import Browser, expect
+from playwright.sync_api import Browser, FilePayload, expect
 
 from tests.journey.conftest import Service
 from tests.journey.visitor import PROGRAM, Visitor, shorten
@@ -11,7 +11,7 @@ from tests.journey.visitor import PROGRAM, Visitor, shorten
 pytestmark = [pytest.mark.browser, pytest.mark.host, pytest.mark.slow]
 
 
-def test_a_stranger_watches_pi_without_an_account(visitor: Visitor) -> None:
+def test_a_visitor_without_an_account_can_run_the_pi_controller(visitor: Visitor) -> None:
     page = visitor.page
     visitor.open("/")
     page.get_by_role("link", name="Start a run").click()
@@ -23,7 +23,7 @@ def test_a_stranger_watches_pi_without_an_account(visitor: Visitor) -> None:
     expect(page.get_by_text("RMSE of the distance").first).to_be_visible()
     expect(page.locator("[data-camera] img")).to_be_visible()
     expect(page.locator(".uplot canvas")).to_have_count(3)
-    assert (visitor.wrong, visitor.violations()) == ([], [])
+    assert (visitor.errors, visitor.violations()) == ([], [])
 
 
 def test_an_uploaded_controller_goes_from_sign_up_to_the_leaderboard(visitor: Visitor) -> None:
@@ -31,7 +31,7 @@ def test_an_uploaded_controller_goes_from_sign_up_to_the_leaderboard(visitor: Vi
     visitor.sign_up("journey")
     visitor.open("/submit/currents-v1")
     page.get_by_text("My own program").click()
-    file = {"name": "mine.py", "mimeType": "text/x-python", "buffer": PROGRAM.encode()}
+    file = FilePayload(name="mine.py", mimeType="text/x-python", buffer=PROGRAM.encode())
     page.locator("#program").set_input_files(file)
     page.get_by_text("Ranked", exact=True).click()
     expect(page.get_by_label("Length of a level")).to_be_disabled()
@@ -49,10 +49,10 @@ def test_an_uploaded_controller_goes_from_sign_up_to_the_leaderboard(visitor: Vi
     expect(row).to_contain_text("mine.py")
     lines = download.value.path().read_text().splitlines()
     assert len([line for line in lines if not line.startswith("#")]) == 1 + 5 * 120 * 20
-    assert (visitor.wrong, visitor.violations()) == ([], [])
+    assert (visitor.errors, visitor.violations()) == ([], [])
 
 
-def test_a_program_that_divides_by_zero_is_told_so_with_its_line(visitor: Visitor) -> None:
+def test_a_program_that_divides_by_zero_fails_with_its_error_on_the_page(visitor: Visitor) -> None:
     page = visitor.page
     visitor.sign_up("zero")
     visitor.open("/submit/currents-v1")
@@ -66,10 +66,10 @@ def test_a_program_that_divides_by_zero_is_told_so_with_its_line(visitor: Visito
 
     expect(page.get_by_text("user_error")).to_be_visible()
     expect(page.get_by_text("ZeroDivisionError").first).to_be_visible()
-    assert (visitor.wrong, visitor.violations()) == ([], [])
+    assert (visitor.errors, visitor.violations()) == ([], [])
 
 
-def test_a_wrong_gain_is_marked_at_its_field_and_the_rest_is_kept(visitor: Visitor) -> None:
+def test_an_invalid_gain_is_marked_at_its_field_and_other_values_are_kept(visitor: Visitor) -> None:
     page = visitor.page
     visitor.open("/submit/currents-v1")
     page.get_by_label("Proportional gain Kp").fill("99")
@@ -82,7 +82,7 @@ def test_a_wrong_gain_is_marked_at_its_field_and_the_rest_is_kept(visitor: Visit
     assert visitor.violations() == []
 
 
-def test_choosing_the_papers_vehicle_brings_its_defaults(visitor: Visitor) -> None:
+def test_choosing_a_vehicle_sets_its_defaults_and_keeps_other_values(visitor: Visitor) -> None:
     page = visitor.page
     visitor.open("/submit/currents-v1")
     page.get_by_label("Proportional gain Kp").fill("0.8")
@@ -93,7 +93,7 @@ def test_choosing_the_papers_vehicle_brings_its_defaults(visitor: Visitor) -> No
     expect(page.get_by_label("Proportional gain Kp")).to_have_value("0.8")
 
 
-def test_settings_of_steering_are_shown_only_where_the_tracker_steers(visitor: Visitor) -> None:
+def test_steering_settings_are_shown_only_if_the_tracker_steers(visitor: Visitor) -> None:
     page = visitor.page
     visitor.open("/submit/visibility-v1")
     sensors = page.get_by_role("group", name="Sensors")
@@ -107,12 +107,12 @@ def test_settings_of_steering_are_shown_only_where_the_tracker_steers(visitor: V
     assert visitor.violations() == []
 
 
-def test_an_upload_of_three_megabytes_ends_with_a_clear_sentence(visitor: Visitor) -> None:
+def test_a_file_of_three_megabytes_is_refused_with_the_limit(visitor: Visitor) -> None:
     page = visitor.page
     visitor.sign_up("heavy")
     visitor.open("/submit/currents-v1")
     page.get_by_text("My own program").click()
-    file = {"name": "big.py", "mimeType": "text/x-python", "buffer": b"#" * 3_000_000}
+    file = FilePayload(name="big.py", mimeType="text/x-python", buffer=b"#" * 3_000_000)
     page.locator("#program").set_input_files(file)
 
     page.get_by_role("button", name="Start the run").click()
@@ -126,7 +126,9 @@ def test_an_upload_of_three_megabytes_ends_with_a_clear_sentence(visitor: Visito
      "/docs/start", "/docs/controller", "/docs/physics", "/docs/telemetry", "/api/docs",
      "/benchmarks/currents-v1"],
 )  # fmt: skip
-def test_a_phone_never_scrolls_sideways(chromium: Browser, service: Service, path: str) -> None:
+def test_no_page_scrolls_sideways_on_a_phone(
+    chromium: Browser, service: Service, path: str
+) -> None:
     context = chromium.new_context(viewport={"width": 375, "height": 800})
     page = context.new_page()
     page.goto(service.url + path)

@@ -1,4 +1,4 @@
-"""The check before a run, from the editor, as its author sees it."""
+"""The check button of the editor."""
 
 import pytest
 from playwright.sync_api import Page, expect
@@ -18,7 +18,7 @@ def _write(visitor: Visitor, text: str) -> Page:
     return page
 
 
-def test_only_a_program_can_be_checked_and_a_good_one_is_said_to_run(visitor: Visitor) -> None:
+def test_the_check_button_appears_with_a_program_and_reports_that_it_runs(visitor: Visitor) -> None:
     visitor.sign_up("checker")
     visitor.open("/submit/currents-v1")
     expect(visitor.page.get_by_role("button", name="Check the program")).to_be_hidden()
@@ -28,10 +28,10 @@ def test_only_a_program_can_be_checked_and_a_good_one_is_said_to_run(visitor: Vi
 
     expect(page.locator("#check-answer")).to_contain_text("It runs:", timeout=RUN_MS)
     expect(page.locator("#check-answer .notice.good")).to_be_visible()
-    assert (visitor.wrong, visitor.violations()) == ([], [])
+    assert (visitor.errors, visitor.violations()) == ([], [])
 
 
-def test_the_line_of_an_error_leads_to_its_place_in_the_editor(visitor: Visitor) -> None:
+def test_clicking_the_line_of_an_error_selects_it_in_the_editor(visitor: Visitor) -> None:
     visitor.sign_up("careless")
     wrong = PROGRAM.replace("x, y, _ = observation.error", "x, y, _ = observation.eror")
     line = next(at for at, text in enumerate(wrong.splitlines(), 1) if "eror" in text)
@@ -48,4 +48,4 @@ def test_the_line_of_an_error_leads_to_its_place_in_the_editor(visitor: Visitor)
     }""")
     assert selected == wrong.splitlines()[line - 1]
     expect(page.locator("#check-answer .notice.bad")).to_be_visible()
-    assert (visitor.wrong, visitor.violations()) == ([], [])
+    assert (visitor.errors, visitor.violations()) == ([], [])

@@ -1,4 +1,4 @@
-"""From the HTTP form to the leaderboard's row, on both kinds of database and broker."""
+"""From the form to the leaderboard without scripts, embedded and on PostgreSQL."""
 
 import re
 import time
@@ -22,26 +22,26 @@ class Controller:
 """
 
 
-class Stranger:
-    """Fills in forms as a browser without scripts would."""
+class FormClient:
+    """Submits forms as a browser without scripts would."""
 
     def __init__(self, client: httpx.Client) -> None:
         self.client = client
 
     def post(self, page: str, action: str, fields: dict[str, str], **files: object) -> str:
-        """Send the form of a page with its hidden token; return the page that answers."""
+        """Submit the form of a page with its CSRF token; return the path that it leads to."""
         token = re.search(r'name="csrf_token" value="([^"]+)"', self.client.get(page).text)
         assert token is not None
-        answer = self.client.post(action, data={"csrf_token": token[1], **fields}, files=files)  # type: ignore[arg-type]
-        answer.raise_for_status()
-        return str(answer.url.path)
+        response = self.client.post(action, data={"csrf_token": token[1], **fields}, files=files)  # type: ignore[arg-type]
+        response.raise_for_status()
+        return str(response.url.path)
 
     def ended(self, path: str) -> dict[str, object]:
-        """Return the run when it has ended."""
-        give_up = time.monotonic() + RUN_S
+        """Return the run once it has ended."""
+        deadline = time.monotonic() + RUN_S
         while True:
             run: dict[str, object] = self.client.get(f"/api/v1{path}").json()
-            if run["state"] not in ("queued", "running") or time.monotonic() > give_up:
+            if run["state"] not in ("queued", "running") or time.monotonic() > deadline:
                 return run
             time.sleep(0.25)
 
@@ -52,26 +52,26 @@ def test_an_upload_goes_from_the_form_to_the_leaderboard(
 ) -> None:
     running: Service = request.getfixturevalue(where)
     with httpx.Client(base_url=running.url, follow_redirects=True, timeout=30.0) as client:
-        ended, row, page = _journey(Stranger(client))
+        ended, rows, page = _journey(FormClient(client))
 
     assert (ended["state"], ended["cause"]) == ("succeeded", None)
-    assert [entry["controller"] for entry in row] == ["mine.py"]
+    assert [entry["controller"] for entry in rows] == ["mine.py"]
     assert "forms" in page
 
 
-def _journey(stranger: Stranger) -> tuple[dict[str, object], list[dict[str, object]], str]:
-    """Sign up, upload, wait, publish; return the run, the own rows and the page of ranks."""
-    stranger.post("/sign-up", "/sign-up", {"name": "forms", "password": "correct horse battery"})
+def _journey(forms: FormClient) -> tuple[dict[str, object], list[dict[str, object]], str]:
+    """Sign up, upload, wait, publish; return the run, its rows and the page of the leaderboard."""
+    forms.post("/sign-up", "/sign-up", {"name": "forms", "password": "correct horse battery"})
 
-    run = stranger.post(
+    run = forms.post(
         "/submit/currents-v1",
         "/submit/currents-v1",
         {"controller": "upload", "source": "file", "kind": "ranked", "kp": "1.0"},
         program=("mine.py", PROGRAM, "text/x-python"),
     )
-    ended = stranger.ended(run)
-    stranger.post(run, f"{run}/publish", {})
+    ended = forms.ended(run)
+    forms.post(run, f"{run}/publish", {})
 
-    board = stranger.client.get("/api/v1/leaderboards/currents-v1").json()
+    board = forms.client.get("/api/v1/leaderboards/currents-v1").json()
     mine = [row for row in board["ranks"] if row["user"] == "forms"]
-    return ended, mine, stranger.client.get("/leaderboards/currents-v1").text
+    return ended, mine, forms.client.get("/leaderboards/currents-v1").text

@@ -1,4 +1,4 @@
-"""What somebody has typed is not lost on the way to an account."""
+"""Form entries survive signing up and a refused submission."""
 
 import pytest
 from playwright.sync_api import expect
@@ -8,7 +8,7 @@ from tests.journey.visitor import Visitor
 pytestmark = [pytest.mark.browser, pytest.mark.host, pytest.mark.slow]
 
 
-def test_signing_up_from_the_form_brings_its_entries_back(visitor: Visitor) -> None:
+def test_form_entries_are_restored_after_signing_up(visitor: Visitor) -> None:
     page = visitor.page
     visitor.open("/submit/visibility-v1")
     page.get_by_label("Name of the run").fill("mine")
@@ -22,15 +22,17 @@ def test_signing_up_from_the_form_brings_its_entries_back(visitor: Visitor) -> N
     expect(page.locator("#seed")).to_have_value("42")
     page.get_by_role("button", name="Start afresh").click()
     expect(page.locator("#seed")).to_have_value("")
-    assert (visitor.wrong, visitor.violations()) == ([], [])
+    assert (visitor.errors, visitor.violations()) == ([], [])
 
 
-def test_a_form_that_was_sent_begins_empty_again_unless_it_was_refused(visitor: Visitor) -> None:
+def test_the_form_is_empty_after_an_accepted_run_and_restored_after_a_refused_one(
+    visitor: Visitor,
+) -> None:
     page = visitor.page
     visitor.open("/submit/currents-v1")
     page.locator("#seed").fill("7")
-    secret = page.locator("#run-form input[name=csrf_token]")
-    secret.evaluate("input => { input.value = 'of another time'; }")
+    token = page.locator("#run-form input[name=csrf_token]")
+    token.evaluate("input => { input.value = 'expired'; }")
     page.get_by_role("button", name="Start the run").click()
     page.get_by_role("link", name="Back to the form").click()
     expect(page.locator("#seed")).to_have_value("7")

@@ -1,4 +1,4 @@
-"""A run's page while it runs and afterwards: data, camera, tables of a grid."""
+"""The page of a run while it runs and afterwards: data, camera, tables of a grid."""
 
 import re
 from typing import Any
@@ -26,14 +26,14 @@ _PIXELS = """(image) => {
 
 
 def _start(visitor: Visitor, config: dict[str, Any], trials: int = 1) -> None:
-    """Order a run without the form and open its page."""
-    order = {"benchmark": "currents-v1", "controller": "p", "trials": trials, "config": config}
-    answer = visitor.page.request.post(f"{visitor.url}/api/v1/runs", data=order)
-    visitor.open(f"/runs/{answer.json()['id']}")
+    """Submit a run through the API and open its page."""
+    run = {"benchmark": "currents-v1", "controller": "p", "trials": trials, "config": config}
+    response = visitor.page.request.post(f"{visitor.url}/api/v1/runs", data=run)
+    visitor.open(f"/runs/{response.json()['id']}")
 
 
 def _seek(page: Page, seconds: float) -> str:
-    """Move the slider as a hand does and return the picture that comes."""
+    """Move the slider and return the camera image that it shows."""
     page.locator("[data-time]").fill(str(seconds))
     expect(page.locator("[data-camera] img")).to_have_attribute(
         "src", re.compile(f"t={seconds:.2f}$")
@@ -42,7 +42,7 @@ def _seek(page: Page, seconds: float) -> str:
     return pixels
 
 
-def test_the_data_of_a_run_can_be_taken_home_while_it_runs(visitor: Visitor) -> None:
+def test_telemetry_can_be_downloaded_while_the_run_is_running(visitor: Visitor) -> None:
     page = visitor.page
     _start(visitor, LONG, trials=10)
     expect(page.locator("[data-camera] img")).to_be_visible(timeout=60_000)
@@ -57,10 +57,10 @@ def test_the_data_of_a_run_can_be_taken_home_while_it_runs(visitor: Visitor) -> 
     rows = [line for line in lines if not line.startswith("#")]
     assert any("state running" in line for line in lines[:10])
     assert 1 < len(rows) < 1 + 10 * 4 * 600 * 20
-    assert (visitor.wrong, visitor.violations()) == ([], [])
+    assert (visitor.errors, visitor.violations()) == ([], [])
 
 
-def test_slider_and_play_button_change_the_picture(visitor: Visitor) -> None:
+def test_the_slider_and_the_play_button_change_the_camera_image(visitor: Visitor) -> None:
     page = visitor.page
     _start(visitor, {"levels": [0.0, 0.4], "level_duration_s": 20, "settle_s": 2})
     visitor.wait_for("succeeded")
@@ -73,10 +73,10 @@ def test_slider_and_play_button_change_the_picture(visitor: Visitor) -> None:
 
     assert early == again
     assert early != late
-    assert (visitor.wrong, visitor.violations()) == ([], [])
+    assert (visitor.errors, visitor.violations()) == ([], [])
 
 
-def test_the_tables_of_a_grid_scroll_in_their_own_box_on_a_phone(phone: Visitor) -> None:
+def test_the_wide_tables_of_a_grid_scroll_inside_their_own_box_on_a_phone(phone: Visitor) -> None:
     page = phone.page
     _start(phone, GRID, trials=2)
     phone.wait_for("succeeded")
@@ -90,4 +90,4 @@ def test_the_tables_of_a_grid_scroll_in_their_own_box_on_a_phone(phone: Visitor)
     )
     assert whole <= 375
     assert [True, 0] in boxes
-    assert (phone.wrong, phone.violations()) == ([], [])
+    assert (phone.errors, phone.violations()) == ([], [])

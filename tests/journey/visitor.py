@@ -5,7 +5,7 @@ import re
 from playwright.sync_api import Page, expect
 
 RUN_MS = 120_000
-WORDS = "correct horse battery"
+PASSWORD = "correct horse battery"
 PROGRAM = """
 class Controller:
     def __init__(self, config):
@@ -18,7 +18,7 @@ class Controller:
         x, y, _ = observation.error
         return [self.kp * x, self.kp * y, 0.0, 0.0]
 """
-# A page that breaks its own rules, or a script that fails, says so here.
+# Collects violations of the content security policy.
 _COLLECT = """
 window.violations = [];
 document.addEventListener("securitypolicyviolation", (event) => {
@@ -28,19 +28,19 @@ document.addEventListener("securitypolicyviolation", (event) => {
 
 
 class Visitor:
-    """A page that keeps what went wrong on it."""
+    """Uses the pages as a person would, and collects the errors of their scripts."""
 
     def __init__(self, page: Page, url: str) -> None:
         self.page, self.url = page, url
-        self.wrong: list[str] = []
+        self.errors: list[str] = []
         page.add_init_script(_COLLECT)
-        page.on("pageerror", lambda error: self.wrong.append(f"{page.url}: {error}"))
-        page.on("console", self._heard)
+        page.on("pageerror", lambda error: self.errors.append(f"{page.url}: {error}"))
+        page.on("console", self._on_console)
         page.on("dialog", lambda dialog: dialog.accept())
 
-    def _heard(self, message: object) -> None:
+    def _on_console(self, message: object) -> None:
         if getattr(message, "type", "") == "error":
-            self.wrong.append(f"{self.page.url}: {getattr(message, 'text', '')}")
+            self.errors.append(f"{self.page.url}: {getattr(message, 'text', '')}")
 
     def open(self, path: str) -> None:
         self.page.goto(self.url + path)
@@ -51,7 +51,7 @@ class Visitor:
 
     def fill_in_account(self, name: str) -> None:
         self.page.get_by_label("Name").fill(name)
-        self.page.get_by_label("Password").fill(WORDS)
+        self.page.get_by_label("Password").fill(PASSWORD)
         self.page.get_by_role("button", name="Make the account").click()
         expect(self.page.get_by_role("link", name=name, exact=True)).to_be_visible()
 
@@ -65,7 +65,7 @@ class Visitor:
 
 
 def shorten(page: Page) -> None:
-    """Make the experiment a few seconds long."""
+    """Fill in an experiment of a few seconds."""
     page.get_by_label("Current levels").fill("0, 0.1")
     page.get_by_label("Length of a level").fill("10")
     page.get_by_label("Settle window").fill("2")

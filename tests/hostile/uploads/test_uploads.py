@@ -223,7 +223,7 @@ def streamed() -> bytes:
             return len(data)
 
     pipe = Pipe()
-    with zipfile.ZipFile(pipe, "w", DEFLATED) as packed:  # type: ignore[arg-type]
+    with zipfile.ZipFile(pipe, "w", DEFLATED) as packed:
         packed.writestr("main.py", MAIN)
         packed.writestr("lib/gains.py", b"KP = 0.5\n")
     return bytes(pipe.all)
