@@ -75,8 +75,8 @@ class Service(Backend):
             with self.database.reading() as session:
                 view = queue.show(session, check_id, user_id)
             assert view is not None
-            if view.answer is not None:
-                return view.answer
+            if view.report is not None:
+                return view.report
             assert time.monotonic() < deadline, f"still {view.state}"
             time.sleep(0.02)  # the database announces nothing
 
