@@ -1,7 +1,7 @@
-"""Our trackers beside ViSP's and OpenCV's: the same pictures in the same run, one thread.
+"""Our trackers compared with those of ViSP and OpenCV: same images, same run, one thread.
 
-`python -m performance trackers` prints the table; `python -m performance.trackers` writes it to
-docs/trackers-table.md too.
+`python -m performance trackers` prints the tables; `python -m performance.trackers` also writes
+them to docs/trackers-table.md.
 """
 
 from dataclasses import replace
@@ -9,12 +9,12 @@ from dataclasses import replace
 import cv2
 
 from performance.trackers.contenders import CONTENDERS, FILTERS, PEERS
-from performance.trackers.race import Result, least, race
+from performance.trackers.race import Result, fastest, race
 from performance.trackers.sequences import FRAMES, SEQUENCES
 from seamark.sim.trackers.visp import why_not
 
 ROUNDS = 3
-_HEAD = ("tracker", "us a picture", "times", "median px", "95 % px", "lost at picture")
+_HEAD = ("tracker", "us per image", "speed-up", "median px", "95 % px", "lost at image")
 
 
 def table() -> str:
@@ -23,17 +23,17 @@ def table() -> str:
     parts = []
     for name, draw in SEQUENCES.items():
         sequence = draw()
-        begin = replace(sequence, pictures=sequence.pictures[:3], corners=sequence.corners[:3])
+        start = replace(sequence, images=sequence.images[:3], corners=sequence.corners[:3])
         results = []
         for contenders, rounds in ((CONTENDERS, ROUNDS), (FILTERS, 1)):
-            race(contenders, begin)  # warm
-            results += least([race(contenders, sequence) for _ in range(rounds)])
+            race(contenders, start)  # warm-up
+            results += fastest([race(contenders, sequence) for _ in range(rounds)])
         parts.append(
-            f"### {name}: {FRAMES} pictures, corners move up to {sequence.fastest_px():.1f} px\n\n"
-            + _markdown(results)
+            f"### {name}: {FRAMES} images, "
+            f"corners move up to {sequence.largest_step_px():.1f} px\n\n{_markdown(results)}"
         )
     if reason := why_not():
-        parts.append(f"ViSP took no part: {reason}.")
+        parts.append(f"ViSP is not included: {reason}.")
     return "\n\n".join(parts) + "\n"
 
 

@@ -9,19 +9,22 @@ from seamark.sim.recording.manifest import cpu_class
 PAGE = Path(__file__).parents[2] / "docs" / "trackers-table.md"
 _INTRODUCTION = """# Trackers beside ViSP and OpenCV
 
-Made by `python -m performance.trackers` on {cpu}.
-The same pictures in the same run, one thread, all trackers in turn, some pictures each (CSRT and
-KCF, a thousand times slower, after the others). Times are medians over the pictures of CPU time,
-the least of {rounds} rounds; ViSP's is that of its own `track()`, without the pipe to it. "times"
-is how many times faster than ViSP's fastest homography that kept the target (or of all, if none
-did).
-ViSP's templates leave out 3 px at the rim of the target, as ours do. It has sampling 2 (MI with
-homography 1, or it is lost), two pyramid levels down to full resolution (ZNCC and MI one; with two
-they lose this target), and for its ESM `setGain(2)`.
-Errors are root mean squares over the four corners, of the pictures until the first with more than
-10 px, where a tracker counts as lost. On the plain target, which shows nothing but its edges, all
-are started 6 px beyond it. Times differ from machine to machine and with what else runs:
-compare within the table.
+Written by `python -m performance.trackers` on {cpu}.
+
+All trackers process the same images in the same run, on one thread, in turns of some images each
+(CSRT and KCF, a thousand times slower, after the others). Times are medians over the images of the
+CPU time, taking the fastest of {rounds} rounds for each image; ViSP's is that of its own `track()`,
+without the pipe to its process. "Speed-up" is relative to ViSP's fastest homography that kept the
+target (or its fastest homography overall if none did).
+
+ViSP's templates leave out 3 px at the rim of the target, as ours do. ViSP runs with sampling 2 (MI
+with homography: 1, otherwise it loses the target), two pyramid levels down to full resolution (ZNCC
+and MI: one; with two they lose this target), and `setGain(2)` for its ESM.
+
+Errors are root mean squares over the four corners, over the images before the first with more than
+10 px, where a tracker counts as lost. On the plain target, which has nothing but its edges, all
+trackers are initialised 6 px beyond it. Times depend on the machine and its load: compare them only
+within one table.
 
 """
 

@@ -1,4 +1,4 @@
-"""Who takes part, with settings that treat each fairly."""
+"""The trackers compared, with settings that are fair to each."""
 
 from dataclasses import dataclass, field
 
@@ -15,10 +15,10 @@ class Contender:
 def _visp(
     label: str, criterion: str, method: str, warp: str, iterations: int, *, sampling_px: int = 2
 ) -> Contender:
-    # Sampling 2 is what its own examples and UWSim use. Its pyramid goes down to full resolution,
-    # its ESM gets the gain that undoes its half steps, and its template leaves out the target's rim
-    # as ours does (all in the bridge): without any of these it is worse than it is. Its ZNCC and MI
-    # lose this target on a coarser level, so they have one.
+    # Sampling 2 is what ViSP's examples and UWSim use. In the bridge, its pyramid goes down to full
+    # resolution, its ESM gets the gain that undoes its half steps, and its template leaves out the
+    # target's rim as ours does: without any of these it would perform worse. Its ZNCC and MI lose
+    # this target on a coarser pyramid level, so they have one.
     options: dict[str, object] = {
         "criterion": criterion,
         "method": method,
@@ -49,6 +49,6 @@ CONTENDERS = (
     Contender("OpenCV KLT srt", "klt", {"warp": "srt"}),
     Contender("OpenCV box by correlation", "box"),
 )
-# A race of their own: after 30 pictures of theirs, a second, the quick ones took twice their time.
+# Raced separately: 30 of their images take a second, after which fast trackers took twice as long.
 FILTERS = (Contender("OpenCV CSRT", "csrt"), Contender("OpenCV KCF", "kcf"))
-PEERS = ("ViSP", "homography")  # begin and end of the labels that the ratios are to the fastest of
+PEERS = ("ViSP", "homography")  # start and end of the labels of the reference: the fastest of these

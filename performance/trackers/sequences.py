@@ -1,8 +1,8 @@
-"""Sequences of pictures with true corners, made by our camera, as the literature's tests are.
+"""Image sequences with true corners, rendered by our camera, like those in the literature.
 
-A vehicle moves in sums of sinusoids over a box whose top is 85x57 px in the first picture of
-320x240; the template is what a tracker takes of it. All pictures are drawn before anything is
-measured, so that drawing disturbs no tracker's cache more than another's.
+A vehicle moves in sums of sinusoids over a box whose top is 85x57 px in the first image of 320x240;
+each tracker takes its template from that image. All images are rendered before the measurement, so
+that rendering disturbs the caches of all trackers alike.
 """
 
 from collections.abc import Callable
@@ -17,7 +17,7 @@ from seamark.sim.camera import CURRENTS, VISIBILITY, Camera, Optics, Target, Wat
 FRAMES = 300
 RATE_HZ = 20.0
 HEIGHT_M = 1.27  # S: the paper's visibility scene
-BOX = Target(width_m=0.28)  # E: 85x57 px, the size that the peers are known for
+BOX = Target(width_m=0.28)  # E: 85x57 px, a size for which the other libraries are known
 _DEGREE = np.pi / 180.0
 # E: amplitude, frequency [Hz] and phase of the sinusoids of north, east, down [m], roll, pitch, yaw
 _WAVES = (
@@ -29,15 +29,14 @@ _WAVES = (
     ((8 * _DEGREE, 0.05, 0.0),),
 )
 
-
 _UNIT = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
-PLAIN_MARGIN_PX = 6.0  # S: a uniform target's template was grown by as much in our research
+PLAIN_MARGIN_PX = 6.0  # S: the margin of a uniform target's template in our earlier work
 
 
-def carried(
+def transformed(
     old: NDArray[np.float64], new: NDArray[np.float64], points: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Return points (n, 2) under the homography that takes one quadrilateral to another."""
+    """Return points (n, 2) under the homography that maps one quadrilateral to another."""
     h = cv2.getPerspectiveTransform(old.astype(np.float32), new.astype(np.float32))
     moved = cv2.perspectiveTransform(points[:, None].astype(np.float64), h)
     return np.asarray(moved[:, 0], dtype=np.float64)
@@ -45,26 +44,26 @@ def carried(
 
 @dataclass(frozen=True, slots=True)
 class Sequence:
-    """Pictures (n, H, W) and true corners (n, 4, 2) [px]."""
+    """Images (n, H, W) and true corners (n, 4, 2) [px]."""
 
-    pictures: NDArray[np.uint8]
+    images: NDArray[np.uint8]
     corners: NDArray[np.float64]
-    margin_px: float = 0.0  # how far beyond the target all trackers are started
+    margin_px: float = 0.0  # how far beyond the target all trackers are initialised
 
     def start_corners(self) -> NDArray[np.float64]:
-        """Return the corners (4, 2) [px] that trackers are given with the first picture."""
+        """Return the corners (4, 2) [px] that trackers are given with the first image."""
         quad = self.corners[0]
         width, height = (float(np.linalg.norm(quad[k] - quad[0])) for k in (1, 3))
         beyond = np.array([self.margin_px / width, self.margin_px / height])
-        return carried(_UNIT, quad, _UNIT + np.sign(_UNIT - 0.5) * beyond)
+        return transformed(_UNIT, quad, _UNIT + np.sign(_UNIT - 0.5) * beyond)
 
-    def fastest_px(self) -> float:
-        """Return the largest way of a corner from one picture to the next."""
+    def largest_step_px(self) -> float:
+        """Return the largest displacement of a corner from one image to the next."""
         return float(np.linalg.norm(np.diff(self.corners, axis=0), axis=2).max())
 
 
 def motion(frames: int, *, speed: float) -> NDArray[np.float64]:
-    """Return poses (frames, 6) [m, rad] about the start, `speed` times as fast as the slow ones."""
+    """Return poses (frames, 6) [m, rad] about the start, `speed` times as fast as _WAVES."""
     t = np.arange(frames) / RATE_HZ * speed
     columns = [
         sum((a * np.sin(2 * np.pi * f * t + p) for a, f, p in waves), np.zeros(frames))
@@ -73,24 +72,24 @@ def motion(frames: int, *, speed: float) -> NDArray[np.float64]:
     return np.column_stack(columns)
 
 
-def _drawn(
+def _rendered(
     optics: Optics, water: Water, speed: float, box: Target = BOX, margin_px: float = 0.0
 ) -> Sequence:
     camera = Camera(optics, water, box, noise_seed=3)
     poses = start_pose(optics, box, HEIGHT_M) + motion(FRAMES, speed=speed)
-    pictures = np.stack([camera.grey(pose, k) for k, pose in enumerate(poses)])
+    images = np.stack([camera.grey(pose, k) for k, pose in enumerate(poses)])
     truth = np.stack([camera.corners(pose) for pose in poses])
-    return Sequence(pictures, truth, margin_px)
+    return Sequence(images, truth, margin_px)
 
 
-# What each shows: the figure to reach, fast motion (over 12 px a picture), little contrast (a fifth
-# of the light arrives), a target without texture, and four times the pixels.
+# In order: the reference case, fast motion (over 12 px per image), low contrast (a fifth of the
+# light arrives), a target without texture, and four times the pixels.
 SEQUENCES: dict[str, Callable[[], Sequence]] = {
-    "clear": lambda: _drawn(VISIBILITY, Water(), 1.0),
-    "fast": lambda: _drawn(VISIBILITY, Water(), 2.6),
-    "turbid": lambda: _drawn(VISIBILITY, Water.grey(1.2), 1.0),
-    "plain": lambda: _drawn(
+    "clear": lambda: _rendered(VISIBILITY, Water(), 1.0),
+    "fast": lambda: _rendered(VISIBILITY, Water(), 2.6),
+    "turbid": lambda: _rendered(VISIBILITY, Water.grey(1.2), 1.0),
+    "plain": lambda: _rendered(
         VISIBILITY, Water(), 1.0, replace(BOX, lettered=False), PLAIN_MARGIN_PX
     ),
-    "640x480": lambda: _drawn(CURRENTS, Water(), 1.0),
+    "640x480": lambda: _rendered(CURRENTS, Water(), 1.0),
 }

@@ -1,6 +1,6 @@
-"""How long the built-in trackers keep their target: `python -m performance.visibility [GROUP ...]`.
+"""How turbid the water may get for each tracker: `python -m performance.visibility [GROUP ...]`.
 
-Runs visibility-v1 as a ranked run would, on seeds of our own. What was measured is kept in
-docs/visibility.json, from which docs/visibility.md and its plots are made: a group that is not
-named keeps its figures.
+Runs visibility-v1 like a ranked run, on known seeds. The results are stored in
+docs/visibility.json, from which docs/visibility.md and its plot are generated; groups that are not
+named keep their results.
 """

@@ -1,4 +1,4 @@
-"""`python -m performance.visibility [GROUP ...]`: measure, keep, and write the page."""
+"""`python -m performance.visibility [GROUP ...]`: measure, store, and write the page."""
 
 import json
 import os
@@ -19,7 +19,7 @@ from seamark.sim.trackers.visp import why_not
 
 NAME = "visibility-v1"
 DOCS = Path(__file__).parents[2] / "docs"
-KEPT = DOCS / "visibility.json"
+RESULTS = DOCS / "visibility.json"
 METRICS = ("p5_percent", "p1_percent", "corner_px", "not_admitted_percent")
 
 
@@ -54,18 +54,18 @@ def main(names: list[str]) -> int:
     if unknown:
         print(f"There is no group {', '.join(unknown)}; there are {', '.join(GROUPS)}.")
         return 2
-    kept: dict[str, Any] = json.loads(KEPT.read_text()) if KEPT.exists() else {}
+    results: dict[str, Any] = json.loads(RESULTS.read_text()) if RESULTS.exists() else {}
     with ProcessPoolExecutor(max_workers=min(2, os.cpu_count() or 1)) as pool:
         for name in names or GROUPS:
             if name.startswith("visp") and (reason := why_not()):
-                print(f"{name} is left out: {reason}.")
+                print(f"{name} is skipped: {reason}.")
                 continue
-            kept[name] = []
+            results[name] = []
             for one in pool.map(measure, GROUPS[name]):
                 print(f"{one['label']:32} {mean(one['scores']):.2f} {one['scores']}", flush=True)
-                kept[name].append(one)
-                KEPT.write_text(json.dumps(kept, indent=1) + "\n", encoding="utf-8")
-    write(kept, DOCS)
+                results[name].append(one)
+                RESULTS.write_text(json.dumps(results, indent=1) + "\n", encoding="utf-8")
+    write(results, DOCS)
     return 0
 
 

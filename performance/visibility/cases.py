@@ -1,4 +1,4 @@
-"""What is measured: trackers, motions and targets, by group."""
+"""The measured cases: trackers, motions and targets, by group."""
 
 from collections.abc import Mapping
 from typing import NamedTuple
@@ -6,8 +6,8 @@ from typing import NamedTuple
 from seamark.sim.settings.targets import TARGETS
 from seamark.sim.trackers.choices import CRITERIA, METHODS, WARPS
 
-SEEDS, STEP, LEVEL_S = 10, 0.25, 5.0  # as a ranked run: of the levels, in optical depth and [s]
-SHORTEST_S = 2.0  # that a level may last; for trackers that take 5 to 200 ms a picture
+SEEDS, STEP, LEVEL_S = 10, 0.25, 5.0  # as in a ranked run; step in optical depth, duration in s
+SHORTEST_S = 2.0  # shortest level allowed; for trackers that take 5 to 200 ms per image
 
 
 class Case(NamedTuple):
@@ -27,7 +27,7 @@ def _opencv(tracker: str, warp: str) -> Case:
 
 
 def _visp(criterion: str, method: str, warp: str = "homography", **more: object) -> Case:
-    """One of ViSP's, as performance/trackers has them; these take 1 to 10 ms a picture."""
+    """Return a case for ViSP, set up as in performance/trackers."""
     config: dict[str, object] = {
         "tracker": "visp",
         "criterion": criterion,
@@ -46,9 +46,9 @@ _SHORT = {
     "forward_additional": "fa",
     "forward_compositional": "fc",
 }
-# Every warp can follow this one: the vehicle stays level, at one height and heading.
+# A path that every warp can follow: the vehicle stays level, at one height and heading.
 IN_PLANE: dict[str, object] = {"path_turn_rad": 0.0, "path_heave_share": 0.0}
-MARGIN = {"template_margin_px": 6}  # for a target that shows nothing but its edges
+MARGIN = {"template_margin_px": 6}  # for a target that has nothing but its edges
 ON_TARGETS: Mapping[str, Mapping[str, object]] = {
     "zncc": {"criterion": "zncc"},
     "ssd": {"criterion": "ssd"},

@@ -1,4 +1,4 @@
-"""docs/visibility.md and its plots, from what was measured."""
+"""docs/visibility.md and its plot, from the stored results."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from itertools import pairwise
@@ -13,8 +13,8 @@ from seamark.sim.numerics.statistics import bootstrap_interval, mean
 from seamark.sim.settings.targets import TARGETS
 from seamark.sim.trackers.choices import CRITERIA, WARPS
 
-Measured = Mapping[str, Any]  # one case, as __main__ keeps it
-HEAD = ("tracker", "τ50 (95 % interval)", "p@5 [%]", "p@1 [%]", "error [px]", "unadmitted [%]")
+Measured = Mapping[str, Any]  # one case, as __main__ stores it
+HEAD = ("tracker", "τ50 (95 % interval)", "p@5 [%]", "p@1 [%]", "error [px]", "undetected [%]")
 DRAWN = (
     "esm zncc srt",
     "esm zncc homography",
@@ -25,67 +25,68 @@ DRAWN = (
     "visp zncc ic homography",
     "visp ssd ic homography",
 )
-_PAGE = """# How long trackers keep their target in turbid water
+_PAGE = """# How turbid the water may get for each tracker
 
-Made by `python -m performance.visibility`, which takes names of groups to measure only these; all
-numbers are computed, none typed. visibility-v1 as a ranked run has it (moving vehicle on a
+Written by `python -m performance.visibility`, which computes all numbers; give it names of groups
+to measure only these. The benchmark is visibility-v1 as in a ranked run (vehicle moving on a
 prescribed path, 320x240, optical depth 0 to 7 in steps of 0.25, 5 s each) on ten seeds. τ50 is the
-optical depth of the first level with fewer than half of the pictures within 5 px; the interval is a
-95 % bootstrap over the seeds. The other columns are over all levels; the error is the mean corner
-error of the pictures within 5 px; unadmitted is the share of pictures in which the tracker is more
-than 10 px off and says that it has the target.
+optical depth of the first level with fewer than half of the images within 5 px, with a 95 %
+bootstrap interval over the seeds. The other columns are over all levels: p@5 and p@1 are the
+shares of images within 5 px and 1 px, the error is the mean corner error of the images within
+5 px, and "undetected" is the share of images in which the tracker is more than 10 px off but
+reports the target as found.
 
 ![p@5 over the optical depth](figures/visibility.png)
 
-## Ours and OpenCV's
+## Seamark and OpenCV
 
 {ours}
 
-{verdicts}
+{comparison}
 
-## ViSP's
+## ViSP
 
-Of the twelve that three criteria and four methods make, ViSP has ten: its headers have no ZNCC with
-ESM and none with forward compositional steps. All are set up as in [the table](trackers-table.md).
-They take 5 to 200 ms a picture, so their levels last {visp_level_s:g} s; seeds and steps are the
-same.
+ViSP has ten of the twelve combinations of three criteria and four methods: its headers have no
+ZNCC with ESM or with the forward compositional method. All are set up as in
+[the table](trackers-table.md). They take 5 to 200 ms per image, so their levels last
+{visp_level_s:g} s; seeds and steps are the same.
 
 {visp}
 
 ## Fewer degrees of freedom
 
-On the benchmark's path the vehicle turns, tilts and rises, which a translation cannot follow; its
-errors come from the motion and not from the water. On the path `path_turn_rad=0
-path_heave_share=0` it moves at one height and heading, which every warp can follow. There the
-number of parameters alone makes the difference. τ50 on both:
+On the benchmark's path the vehicle turns, tilts and rises. A translation cannot follow this, so
+its errors come from the motion and not from the water. With `path_turn_rad=0` and
+`path_heave_share=0` the vehicle keeps its height and heading, which every warp can follow, so only
+the number of parameters makes a difference. τ50 on both paths:
 
 {freedom}
 
-{freedom_verdicts}
+{freedom_summary}
 
 ## Targets
 
-τ50 by target, with homography. The plain box shows nothing but its edges, and by default a template
-leaves out the outermost 3 px: with `template_margin_px=6` it has them.
+τ50 by target, with homography. The plain box has nothing but its edges, and by default a template
+leaves out the outermost 3 px; with `template_margin_px=6` it includes them.
 
 {targets}
 {missing}
-The rules of the benchmark stand in `sim/benchmarks/visibility_v1/definition.py`.
+The rules of the benchmark are in `sim/benchmarks/visibility_v1/definition.py`.
 """
 
 
-def write(kept: Mapping[str, Sequence[Measured]], docs: Path) -> None:
-    """Write the page and its plot; a group that was never measured is left empty."""
-    found = {name: {one["label"]: one for one in cases} for name, cases in kept.items()}
+def write(results: Mapping[str, Sequence[Measured]], docs: Path) -> None:
+    """Write the page and its plot; groups without results are left empty."""
+    found = {name: {one["label"]: one for one in cases} for name, cases in results.items()}
     ours = found.get("ours", {}) | found.get("opencv", {})
     visp = found.get("visp", {}) | found.get("visp-slow", {})
     text = _PAGE.format(
         ours=table(HEAD, _rows(ours)),
-        verdicts="\n".join(_verdicts(ours)),
+        comparison="\n".join(_comparison(ours)),
         visp=table(HEAD, _rows(visp)),
         visp_level_s=SHORTEST_S,
         freedom=table(("criterion", "path", *WARPS), _freedom(ours, found.get("in-plane", {}))),
-        freedom_verdicts="\n".join(_chains(found.get("in-plane", {}))),
+        freedom_summary="\n".join(_freedom_summary(found.get("in-plane", {}))),
         missing=_missing(found),
         targets=table(("target", *ON_TARGETS), _targets(found.get("targets", {}), ours)),
     )
@@ -94,7 +95,7 @@ def write(kept: Mapping[str, Sequence[Measured]], docs: Path) -> None:
 
 
 def _missing(found: Mapping[str, Mapping[str, Measured]]) -> str:
-    """Return which cases have not been measured, as a paragraph; nothing if all were."""
+    """Return a paragraph that lists the cases without results; empty if there are none."""
     absent = {
         group: [case.label for case in cases if case.label not in found.get(group, {})]
         for group, cases in GROUPS.items()
@@ -112,7 +113,7 @@ def _tau(one: Measured | None) -> str:
 
 
 def _rows(found: Mapping[str, Measured]) -> Iterable[Sequence[str]]:
-    """Yield the rows, the longest-lasting tracker first."""
+    """Yield the rows, the highest τ50 first."""
     for label, one in sorted(found.items(), key=lambda item: -mean(item[1]["scores"])):
         overall = one["overall"]
         corner = overall["corner_px"]
@@ -126,8 +127,8 @@ def _rows(found: Mapping[str, Measured]) -> Iterable[Sequence[str]]:
         )
 
 
-def _verdicts(ours: Mapping[str, Measured]) -> Iterable[str]:
-    """Yield what the figures say about SSD beside the others."""
+def _comparison(ours: Mapping[str, Measured]) -> Iterable[str]:
+    """Yield how SSD compares with the other criteria."""
     score = {label: mean(one["scores"]) for label, one in ours.items()}
     names = [f"esm {criterion} homography" for criterion in ("ssd", "zncc", "mi")]
     if not set(names) <= set(score):
@@ -135,12 +136,12 @@ def _verdicts(ours: Mapping[str, Measured]) -> Iterable[str]:
     ssd, *others = (score[name] for name in names)
     yield (
         f"- Homography: SSD fails at {ssd:.2f}, ZNCC and MI at {min(others):.2f} or later. SSD "
-        "compares grey values with those of clear water, and the veil changes them long before the "
-        "letters are gone."
+        "compares grey values with those in clear water; the veil changes them long before the "
+        "letters disappear."
     )
     yield (
-        "- An upright box (`box`, `kcf`, `csrt`) has errors of its own on this path, as a "
-        "translation has: it cannot follow the turn. What they say is coarse, p@1 shows it."
+        "- An axis-aligned box (`box`, `kcf`, `csrt`) cannot follow the rotation on this path, nor "
+        "can a translation; their answers are coarse, as p@1 shows."
     )
 
 
@@ -151,8 +152,8 @@ def _freedom(ours: Mapping[str, Measured], plane: Mapping[str, Measured]) -> Ite
         yield [criterion, "in the plane", *(_tau(plane.get(label)) for _, label in pairs)]
 
 
-def _chains(plane: Mapping[str, Measured]) -> Iterable[str]:
-    """Yield whether fewer degrees of freedom last longer where all can follow."""
+def _freedom_summary(plane: Mapping[str, Measured]) -> Iterable[str]:
+    """Yield whether τ50 rises with fewer degrees of freedom where every warp can follow."""
     for criterion in CRITERIA:
         labels = [f"{criterion} {warp}" for warp in WARPS]
         if not set(labels) <= set(plane):
@@ -165,8 +166,8 @@ def _chains(plane: Mapping[str, Measured]) -> Iterable[str]:
             "at every step" if all(a >= b for a, b in pairwise(means)) else "but not at every step"
         )
         yield (
-            f"- {criterion.upper()}: fewer degrees of freedom last longer, {word}. The translation "
-            f"lasts {mean(differences):+.2f} beside the homography, on the same seeds "
+            f"- {criterion.upper()}: τ50 increases with fewer degrees of freedom, {word}. On the "
+            f"same seeds the translation differs from the homography by {mean(differences):+.2f} "
             f"({low:+.2f} to {high:+.2f})."
         )
 
@@ -188,5 +189,5 @@ def _draw(found: Mapping[str, Measured], out: Path) -> None:
             axes.plot(depths, one["p5"], style, color=f"C{number}", label=label, linewidth=1.8)
         axes.axhline(FAILED_PERCENT, color="#64748b", linewidth=1.0, linestyle=":")
         axes.set_xlabel("optical depth τ = c·Z")
-        axes.set_ylabel("pictures within 5 px (p@5) [%]")
+        axes.set_ylabel("images within 5 px (p@5) [%]")
         axes.legend(fontsize=8)

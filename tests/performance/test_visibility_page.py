@@ -1,4 +1,4 @@
-"""How long trackers last: the cases are the benchmark's, the page says what they show."""
+"""The visibility page: its cases are valid and its sentences follow from the results."""
 
 from pathlib import Path
 from typing import Any
@@ -25,7 +25,7 @@ def _measured(label: str, scores: list[float]) -> dict[str, Any]:
 
 
 @pytest.mark.parametrize("group", GROUPS)
-def test_every_case_is_one_that_the_benchmark_takes(group: str) -> None:
+def test_the_benchmark_accepts_every_case(group: str) -> None:
     for case in GROUPS[group]:
         settings = {"sweep_step": STEP, "level_duration_s": case.level_s, **case.config}
         try:
@@ -34,7 +34,7 @@ def test_every_case_is_one_that_the_benchmark_takes(group: str) -> None:
             assert why_not(), (case.label, refusal.errors)  # noqa: PT017  # ViSP is not here
 
 
-def test_no_two_cases_of_a_group_have_one_name() -> None:
+def test_the_cases_of_a_group_have_different_names() -> None:
     for cases in GROUPS.values():
         assert len({case.label for case in cases}) == len(cases)
 
@@ -49,7 +49,7 @@ def test_a_path_in_the_plane_neither_turns_nor_rises() -> None:
     assert first[2:] == later[2:]
 
 
-def test_the_page_says_whether_fewer_degrees_of_freedom_last_longer(tmp_path: Path) -> None:
+def test_the_page_says_whether_fewer_degrees_of_freedom_raise_the_score(tmp_path: Path) -> None:
     (tmp_path / "figures").mkdir()
     scores = {"translation": 5.5, "rt": 5.5, "srt": 5.4, "affine": 5.6, "homography": 5.0}
     kept = {"in-plane": [_measured(f"ssd {warp}", [at, at]) for warp, at in scores.items()]}
@@ -58,6 +58,6 @@ def test_the_page_says_whether_fewer_degrees_of_freedom_last_longer(tmp_path: Pa
     write(kept, tmp_path)
     text = (tmp_path / "visibility.md").read_text(encoding="utf-8")
 
-    assert "SSD: fewer degrees of freedom last longer, but not at every step." in text
-    assert "+0.50 beside the homography" in text
-    assert "their levels last 2 s" in text
+    assert "SSD: τ50 increases with fewer degrees of freedom, but not at every step." in text
+    assert "differs from the homography by +0.50" in text
+    assert "their levels last\n2 s" in text

@@ -1,4 +1,4 @@
-"""`python -m performance.tracker_pictures [FOLDER]`: draw the figures of docs/trackers.md anew."""
+"""`python -m performance.tracker_figures [FOLDER]`: redraw the figures of docs/trackers.md."""
 
 import sys
 from collections.abc import Callable, Iterable, Mapping
@@ -10,7 +10,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from performance.pictures import FOLDER, Picture
+from performance.camera_figures import FOLDER, Image
 from performance.trackers.sequences import HEIGHT_M
 from performance.validation.plots import figure
 from seamark.sim.camera import VISIBILITY, Camera, Target, Water, start_pose
@@ -19,33 +19,33 @@ from seamark.sim.trackers.template.tracker import TemplateTracker
 
 Corners = NDArray[np.float64]
 
-TRUE, TRACKED, LOST = (90, 200, 90), (40, 120, 255), (60, 60, 230)  # blue, green, red
-SCALE = 16  # OpenCV draws in sixteenths of a pixel
+TRUE, TRACKED, LOST = (90, 200, 90), (40, 120, 255), (60, 60, 230)  # BGR
+SCALE = 16  # OpenCV draws to a sixteenth of a pixel (shift=4)
 CROP = (slice(40, 200), slice(40, 280))
 BOX = Target()  # of visibility-v1
 START = start_pose(VISIBILITY, BOX, HEIGHT_M)
 DEPTHS = (0.0, 2.0, 4.0, 5.5)
-PX_M = VISIBILITY.focal_px / HEIGHT_M  # pixels that a metre sideways moves the target
+PX_M = VISIBILITY.focal_px / HEIGHT_M  # displacement of the target per metre sideways
 DISTANCES_PX = range(0, 31, 2)
 DIRECTIONS = 12
 NEAR_PX = 1.0
 STEPS = range(1, 13)
-FIRST_PX, FIRST_RAD = 3.0, 0.05  # where the iterations begin
-CLOUD = range(12, 24)  # pictures in which a cloud of sediment hides the target
-DRIFT_PX = 4.0  # of the target, a picture
+FIRST_PX, FIRST_RAD = 3.0, 0.05  # initial error of the iterations
+CLOUD = range(12, 24)  # images in which a cloud of sediment hides the target
+DRIFT_PX = 4.0  # of the target, per image
 
 
 @dataclass(frozen=True, slots=True)
-class Followed:
-    """A picture with what a tracker made of it."""
+class Tracked:
+    """An image with the tracker's result."""
 
-    picture: Picture  # (H, W)
+    image: Image  # (H, W)
     true: Corners
     corners: Corners
     ok: bool
 
     def error_px(self) -> float:
-        """Return the root mean square over the corners."""
+        """Return the root mean square error over the corners."""
         return float(np.sqrt(((self.corners - self.true) ** 2).sum(axis=1).mean()))
 
 
@@ -58,54 +58,54 @@ def follow(
     poses: Iterable[NDArray[np.float64]],
     camera_at: Mapping[int, Camera] | Camera,
     **options: Any,
-) -> list[Followed]:
-    """Return what the template tracker makes of the pictures after the first, which is in clear."""
-    tracker, done = TemplateTracker(**options), []
+) -> list[Tracked]:
+    """Return the template tracker's results for all images after the first, clear one."""
+    tracker, results = TemplateTracker(**options), []
     for k, pose in enumerate(poses):
         camera = camera_at if isinstance(camera_at, Camera) else camera_at[k]
         true = camera.corners(pose)
         if k == 0:
             tracker.start(clear().grey(pose, 0), true)
             continue
-        picture = camera.grey(pose, k)
-        track = tracker.update(picture)
-        done.append(Followed(picture, true, track.corners.copy(), track.ok))
-    return done
+        image = camera.grey(pose, k)
+        track = tracker.update(image)
+        results.append(Tracked(image, true, track.corners.copy(), track.ok))
+    return results
 
 
-def tile(one: Followed, name: str) -> Picture:
-    """Return the picture (H, W, 3) with the true corners, those tracked, and a name."""
-    drawn = cv2.cvtColor(one.picture, cv2.COLOR_GRAY2BGR)
-    for corners, colour in ((one.true, TRUE), (one.corners, TRACKED if one.ok else LOST)):
+def tile(result: Tracked, caption: str) -> Image:
+    """Return the image (H, W, 3) with true and tracked corners and a caption."""
+    drawn = cv2.cvtColor(result.image, cv2.COLOR_GRAY2BGR)
+    for corners, colour in ((result.true, TRUE), (result.corners, TRACKED if result.ok else LOST)):
         points = np.round(corners * SCALE).astype(np.int32)[:, None]
         cv2.polylines(drawn, [points], isClosed=True, color=colour, lineType=cv2.LINE_AA, shift=4)
-    part: Picture = np.array(drawn[CROP], dtype=np.uint8)
-    part[:18] //= 3  # a dark band for white letters
-    text = name + ("" if one.ok else " LOST")
+    part: Image = np.array(drawn[CROP], dtype=np.uint8)
+    part[:18] //= 3  # dark band behind the white caption
+    text = caption + ("" if result.ok else " LOST")
     white = (255, 255, 255)
     cv2.putText(part, text, (4, 13), cv2.FONT_HERSHEY_SIMPLEX, 0.4, white, 1, cv2.LINE_AA)
     return part
 
 
 def rising() -> list[NDArray[np.float64]]:
-    """Return poses of a vehicle that rises by half a metre, turns and tilts meanwhile."""
-    way = np.array([0.08, 0.05, -0.5, 0.10, 0.08, 0.35])
-    return [START + share * way for share in np.linspace(0.0, 1.0, 81)]
+    """Return poses of a vehicle that rises by half a metre while it turns and tilts."""
+    motion = np.array([0.08, 0.05, -0.5, 0.10, 0.08, 0.35])
+    return [START + share * motion for share in np.linspace(0.0, 1.0, 81)]
 
 
-def warps() -> Picture:
-    """Return the last picture of the rise as each warp has it, the first one before them."""
+def warps() -> Image:
+    """Return the last image of the ascent with each warp's result, after the first image."""
     poses = rising()
-    before = follow(poses[:2], clear())[0]
-    tiles = [tile(before, "at the start")]
+    first = follow(poses[:2], clear())[0]
+    tiles = [tile(first, "at the start")]
     for warp in WARPS:
         last = follow(poses, clear(), warp=warp)[-1]
         tiles.append(tile(last, f"{warp}: {last.error_px():.2f} px"))
     return sheet(tiles, columns=3)
 
 
-def criteria() -> Picture:
-    """Return pictures of ever more turbid water, a row for each criterion."""
+def criteria() -> Image:
+    """Return images in increasingly turbid water, one row per criterion."""
     poses = [START + np.array([0.002 * k, 0.001 * k, 0, 0, 0, 0.002 * k]) for k in range(21)]
     tiles = []
     for criterion in CRITERIA:
@@ -117,25 +117,25 @@ def criteria() -> Picture:
     return sheet(tiles, columns=len(DEPTHS))
 
 
-def sheet(tiles: list[Picture], *, columns: int) -> Picture:
+def sheet(tiles: list[Image], *, columns: int) -> Image:
     """Return the tiles in rows."""
     rows = [np.hstack(tiles[k : k + columns]) for k in range(0, len(tiles), columns)]
     return np.asarray(np.vstack(rows), dtype=np.uint8)
 
 
-def moved(distance_px: float, *, turn_rad: float = 0.0, **options: Any) -> list[Followed]:
-    """Return what becomes of targets that move so far at once, each in another direction."""
-    found = []
+def moved(distance_px: float, *, turn_rad: float = 0.0, **options: Any) -> list[Tracked]:
+    """Return the results for targets that move this far between two images, in all directions."""
+    results = []
     for k in range(DIRECTIONS):
         angle = 2.0 * np.pi * k / DIRECTIONS
-        way = distance_px / PX_M * np.array([np.cos(angle), np.sin(angle)])
-        step = np.array([*way, 0.0, 0.0, 0.0, turn_rad])
-        found += follow([START, START + step], clear(), search_px=60, **options)
-    return found
+        shift = distance_px / PX_M * np.array([np.cos(angle), np.sin(angle)])
+        step = np.array([*shift, 0.0, 0.0, 0.0, turn_rad])
+        results += follow([START, START + step], clear(), search_px=60, **options)
+    return results
 
 
 def basin(out: Path) -> None:
-    """Draw how far a target may move between two pictures, by pyramid levels."""
+    """Draw how far a target may move between two images, by number of pyramid levels."""
     with figure(out) as axes:
         for levels in (1, 2, 3):
             shares = []
@@ -145,13 +145,13 @@ def basin(out: Path) -> None:
             axes.plot(
                 list(DISTANCES_PX), shares, label=f"{levels} level{'s' * (levels > 1)}", marker="."
             )
-        axes.set_xlabel("way of the target from one picture to the next [px]")
+        axes.set_xlabel("displacement of the target between two images [px]")
         axes.set_ylabel(f"found within {NEAR_PX:g} px [%]")
         axes.legend()
 
 
 def iterations(out: Path) -> None:
-    """Draw how the error shrinks with each step of a method, on one level."""
+    """Draw how the error decreases with each iteration of a method, on one pyramid level."""
     with figure(out) as axes:
         for name, label in METHODS.items():
             options: dict[str, Any] = {"method": name, "pyramid_levels": 1, "stop_px": 0.0001}
@@ -165,33 +165,33 @@ def iterations(out: Path) -> None:
                 for n in STEPS
             ]
             axes.semilogy(list(STEPS), errors, label=label, marker=".")
-        axes.set_xlabel("iterations at most")
+        axes.set_xlabel("maximum number of iterations")
         axes.set_ylabel("median corner error [px]")
         axes.legend()
 
 
-def cloud() -> Picture:
-    """Return a target that drifts behind a cloud, without and with looking for it again."""
+def cloud() -> Image:
+    """Return images of a target that drifts behind a cloud, without and with re-acquisition."""
     poses = [START + np.array([0, (60 - k * DRIFT_PX) / PX_M, 0, 0, 0, 0]) for k in range(30)]
-    murky = Camera(VISIBILITY, Water.grey(8.0 / HEIGHT_M), BOX, noise_seed=3)
-    cameras = {k: murky if k in CLOUD else clear() for k in range(len(poses))}
+    turbid = Camera(VISIBILITY, Water.grey(8.0 / HEIGHT_M), BOX, noise_seed=3)
+    cameras = {k: turbid if k in CLOUD else clear() for k in range(len(poses))}
     tiles = []
     for reach in (0, 120):
-        found = follow(poses, cameras, reacquire_px=reach)
+        results = follow(poses, cameras, reacquire_px=reach)
         for k in (CLOUD.start - 1, CLOUD.start + 4, CLOUD.stop + 1, len(poses) - 1):
-            tiles.append(tile(found[k - 1], f"reacquire_px {reach}, picture {k}"))
+            tiles.append(tile(results[k - 1], f"reacquire_px {reach}, image {k}"))
     return sheet(tiles, columns=4)
 
 
 def main(folder: Path) -> int:
     """Write the figures."""
-    sheets: dict[str, Callable[[], Picture]] = {
+    sheets: dict[str, Callable[[], Image]] = {
         "warps": warps,
         "criteria": criteria,
         "cloud": cloud,
     }
     for name, draw in sheets.items():
-        coarse = draw() // 8 * 8 + 4  # without the noise's last bits: a third of the size
+        coarse = draw() // 8 * 8 + 4  # without the low bits of the noise: a third of the size
         path = folder / f"trackers-{name}.png"
         cv2.imwrite(str(path), coarse, [cv2.IMWRITE_PNG_COMPRESSION, 9])
     basin(folder / "trackers-basin.png")

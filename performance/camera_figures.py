@@ -1,4 +1,4 @@
-"""`python -m performance.pictures [FOLDER]`: draw the contact sheets of docs/camera.md anew."""
+"""`python -m performance.camera_figures [FOLDER]`: redraw the contact sheets of docs/camera.md."""
 
 import sys
 from pathlib import Path
@@ -12,10 +12,10 @@ from seamark.sim.camera import JERLOV, VISIBILITY, Camera, Target, Water, start_
 from seamark.sim.camera.effects import Effects
 from seamark.sim.settings.targets import TARGETS
 
-Picture = NDArray[np.uint8]
+Image = NDArray[np.uint8]
 
 FOLDER = Path(__file__).resolve().parent.parent / "docs" / "figures"
-WINDOW = (slice(30, 210), slice(40, 280))  # of each picture
+WINDOW = (slice(30, 210), slice(40, 280))  # crop of each image
 COLUMNS = 4
 WATER = Water.of_type("II")
 MOVING = (0.6, 0.3, 0.0, 0.0, 0.0, 0.1)  # [m/s, rad/s]
@@ -35,20 +35,20 @@ EFFECTS: dict[str, dict[str, Any]] = {
 }
 
 
-def drawn(water: Water, target: Target, effects: dict[str, Any], frame: int = 40) -> Picture:
-    """Return a coloured picture (180, 240, 3) from the same place."""
+def rendered(water: Water, target: Target, effects: dict[str, Any], frame: int = 40) -> Image:
+    """Return a colour image (180, 240, 3), always from the same pose."""
     camera = Camera(VISIBILITY, water, target, noise_seed=3, effects=Effects(**effects))
     offset = np.array([0.04, -0.03, 0.0, 0.02, 0.01, 0.2])
     pose = start_pose(VISIBILITY, target, 1.27) + offset
     return camera.colour(np.concatenate([pose, MOVING]), frame)[WINDOW]
 
 
-def sheet(pictures: dict[str, Picture]) -> Picture:
-    """Return the pictures side by side, each with its name."""
+def sheet(images: dict[str, Image]) -> Image:
+    """Return the images side by side, each with its caption."""
     tiles = []
-    for name, picture in pictures.items():
-        tile = np.ascontiguousarray(picture)
-        tile[:22] //= 3  # a dark band for white letters
+    for name, image in images.items():
+        tile = np.ascontiguousarray(image)
+        tile[:22] //= 3  # dark band behind the white caption
         white = (255, 255, 255)
         cv2.putText(tile, name, (6, 16), cv2.FONT_HERSHEY_SIMPLEX, 0.45, white, 1, cv2.LINE_AA)
         tiles.append(tile)
@@ -57,7 +57,7 @@ def sheet(pictures: dict[str, Picture]) -> Picture:
     return np.vstack(rows)
 
 
-def sheets() -> dict[str, Picture]:
+def sheets() -> dict[str, Image]:
     """Return file name -> contact sheet."""
     target = Target()
     waters = {f"Jerlov {name}": Water.of_type(name) for name in JERLOV}
@@ -72,16 +72,16 @@ def sheets() -> dict[str, Picture]:
         for name, box in TARGETS.items()
     }
     return {
-        "camera-water.png": sheet({k: drawn(w, target, {}) for k, w in waters.items()}),
-        "camera-effects.png": sheet({k: drawn(WATER, target, e) for k, e in EFFECTS.items()}),
-        "camera-targets.png": sheet({k: drawn(WATER, box, {}) for k, box in boxes.items()}),
+        "camera-water.png": sheet({k: rendered(w, target, {}) for k, w in waters.items()}),
+        "camera-effects.png": sheet({k: rendered(WATER, target, e) for k, e in EFFECTS.items()}),
+        "camera-targets.png": sheet({k: rendered(WATER, box, {}) for k, box in boxes.items()}),
     }
 
 
 def main(folder: Path) -> int:
     """Write the sheets."""
-    for name, picture in sheets().items():
-        coarse = picture // 8 * 8 + 4  # without the noise's last bits: a third of the size
+    for name, image in sheets().items():
+        coarse = image // 8 * 8 + 4  # without the low bits of the noise: a third of the size
         cv2.imwrite(str(folder / name), coarse, [cv2.IMWRITE_PNG_COMPRESSION, 9])
     return 0
 
