@@ -12,7 +12,7 @@ from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.languages.python import SELF_TEST
 from seamark.sandbox.probing.probes import probe
 from seamark.sim.engine.warm_up import warm_up
-from seamark.worker.evaluation.local import Hearing, evaluate_here
+from seamark.worker.evaluation.local import evaluate_locally
 
 _SEED = 7
 _SETTINGS: dict[str, object] = {"tracker": "esm", "warp": "homography", "criterion": "zncc"}
@@ -43,30 +43,20 @@ def _measure(
     name: str, controller: str | tuple[bytes, str], isolation: IsolationLevel
 ) -> tuple[Row, Row]:
     wall, cpu = time.perf_counter(), time.process_time()
-    ending = evaluate_here(
+    outcome = evaluate_locally(
         "currents-v1",
         _SETTINGS,
         seed=_SEED,
         controller=controller,
-        hearing=quiet_hearing(),
         isolation=isolation,
     )
     wall_s = time.perf_counter() - wall
-    cpu_s = time.process_time() - cpu + ending.usage.get("cpu_s", 0.0)
+    cpu_s = time.process_time() - cpu + outcome.usage.get("cpu_s", 0.0)
     return (
         _beside_the_sea(f"600 s, {name}: CPU", cpu_s, "s CPU"),
         _beside_the_sea(f"600 s, {name}: wall, one core", wall_s, "s wall"),
     )
 
 
-def quiet_hearing() -> Hearing:
-    """Return one that keeps nothing: only time is of interest."""
-    return Hearing(rows=_ignore, log=_ignore, progress=_ignore, cut=_ignore)
-
-
 def _beside_the_sea(what: str, value_s: float, unit: str) -> Row:
     return Row(what=what, value=value_s, unit=unit, peer="simulated time", peer_value=_SIMULATED_S)
-
-
-def _ignore(_: object) -> None:
-    """Hear nothing."""

@@ -6,12 +6,11 @@ import subprocess
 import sys
 import time
 
-from performance.full_run import quiet_hearing
 from performance.table import Row
 from seamark.sandbox.languages.python import SELF_TEST
 from seamark.sandbox.probing.probes import probe
 from seamark.sim.engine.warm_up import warm_up
-from seamark.worker.evaluation.local import evaluate_here
+from seamark.worker.evaluation.local import evaluate_locally
 
 _LEVELS = {"levels": [0.0, 0.2], "level_duration_s": 120.0}
 _TRIALS = 10
@@ -77,17 +76,16 @@ def _ranked(cores: int) -> Row:
     """Measure ten trials of the whole benchmark with an uploaded program, as a ranked run has."""
     warm_up()
     began = time.perf_counter()
-    ending = evaluate_here(
+    outcome = evaluate_locally(
         "currents-v1",
         {},
         seed=7,
         trials=_TRIALS,
         controller=(SELF_TEST.encode(), "controller.py"),
-        hearing=quiet_hearing(),
         isolation=probe().level,
     )
-    if ending.verdict != "ok":
-        raise RuntimeError(f"the program ended with {ending.verdict}: {ending.sentence}")
+    if outcome.failure is not None:
+        raise RuntimeError(f"the program ended with {outcome.failure}: {outcome.sentence}")
     return Row(
         what=f"{_TRIALS} trials of currents-v1 with a program in its box, {cores} cores",
         value=time.perf_counter() - began,

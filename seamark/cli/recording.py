@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from seamark.worker.evaluation.evaluation import Ending
+    from seamark.worker.ipc.outcomes import RunOutcome
 
 FILES = ("manifest.json", "metrics.json", "telemetry.csv", "log.txt")
 
@@ -44,30 +44,30 @@ class Recording:
         """Take what the program printed."""
         self._log.append(text)
 
-    def cut(self, trial: int) -> None:
-        """Forget the rows of a trial that is done again."""
+    def discard(self, trial: int) -> None:
+        """Discard the rows of a trial that starts again."""
         from seamark.sim.recording.telemetry import INDEX
 
         at = INDEX["trial"]
         self._rows = [rows[rows[:, at] < trial] for rows in self._rows]
 
-    def save(self, benchmark: str, ending: Ending | None) -> None:
-        """Write the files; without `ending` (interrupted) only telemetry and log."""
+    def save(self, benchmark: str, outcome: RunOutcome | None) -> None:
+        """Write the files; without `outcome` (interrupted) only telemetry and log."""
         if self._folder is None:
             return
         from seamark.sim.recording import telemetry
 
         comments = [f"Seamark {benchmark}", *self.comments]
         with (self._folder / "telemetry.csv").open("w", encoding="utf-8") as table:
-            if ending is not None:
-                comments.append(f"digest {ending.digest}")
+            if outcome is not None:
+                comments.append(f"digest {outcome.digest}")
             table.write(telemetry.header(comments))
             for rows in self._rows:
                 table.write(telemetry.csv_lines(rows))
         (self._folder / "log.txt").write_bytes(b"".join(self._log))
-        if ending is not None:
-            self._write_json("manifest.json", ending.manifest)
-            self._write_json("metrics.json", ending.metrics)
+        if outcome is not None:
+            self._write_json("manifest.json", outcome.manifest)
+            self._write_json("metrics.json", outcome.metrics)
 
     def _write_json(self, name: str, value: object) -> None:
         path = Path(self._folder or ".", name)

@@ -17,10 +17,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import IO
 
-PR_SET_PDEATHSIG = 1  # linux/prctl.h
+from seamark.worker.ipc.process_control import RestartBackoff, die_with_parent, exit_reason
+
 PR_SET_CHILD_SUBREAPER = 36  # linux/prctl.h
-FIRST_WAIT_S, LONGEST_WAIT_S = 0.5, 30.0  # between a death and the next start
-STEADY_S = 60.0  # a child that lived this long starts again without waiting long
 STOP_SIGNALS = frozenset({signal.SIGINT, signal.SIGTERM, signal.SIGHUP})
 WATCHED = STOP_SIGNALS | {signal.SIGCHLD}
 LOG_KEPT_BYTES = 8 * 1024 * 1024  # a larger log is set aside at the next start
@@ -43,7 +42,7 @@ class Child:
     grace_s: float = 10.0
     process: subprocess.Popen[bytes] | None = None
     started_at: float = 0.0
-    deaths: int = 0
+    backoff: RestartBackoff = field(default_factory=RestartBackoff)
     due_at: float | None = None
     exits: list[int] = field(default_factory=list)
 
@@ -59,10 +58,8 @@ def _bind_to_parent(parent: int) -> Callable[[], None]:
     """Return what runs in the child between fork and exec: it dies with its parent."""
 
     def prepare() -> None:
-        _libc.prctl(PR_SET_PDEATHSIG, signal.SIGTERM)
+        die_with_parent(parent, signal.SIGTERM)
         signal.pthread_sigmask(signal.SIG_SETMASK, ())
-        if os.getppid() != parent:  # the parent died before prctl
-            os._exit(1)
 
     return prepare
 
@@ -136,16 +133,14 @@ class Supervisor:
         if process is None or process.returncode is None:
             return
         now = time.monotonic()
-        if now - child.started_at > STEADY_S:
-            child.deaths = 0
-        wait_s = min(FIRST_WAIT_S * 2**child.deaths, LONGEST_WAIT_S)
-        child.deaths += 1
+        child.backoff.note_life(now - child.started_at)
+        wait_s = child.backoff.next_wait_s()
         child.exits.append(process.returncode)
         child.process = None
         child.due_at = now + wait_s
         self._kill_session(process.pid)  # what it leaves behind must not run beside its successor
         self._say(
-            f"{child.name} ended ({_how(process.returncode)}); "
+            f"{child.name} ended ({exit_reason(process.returncode)}); "
             f"it starts again in {wait_s:g} s. Why: {child.log}"
         )
 
@@ -212,7 +207,3 @@ class Supervisor:
 def _child_pids() -> list[int]:
     listing = Path(f"/proc/self/task/{os.getpid()}/children")
     return [int(pid) for pid in listing.read_text().split()] if listing.exists() else []
-
-
-def _how(code: int) -> str:
-    return f"exit {code}" if code >= 0 else signal.Signals(-code).name

@@ -1,4 +1,4 @@
-"""Trials side by side in a real service: one that is killed costs an attempt, a cancel ends all."""
+"""Parallel trials in a real service: a killed one costs an attempt, a cancel ends all."""
 
 import os
 import signal
@@ -14,7 +14,7 @@ from seamark.server.runs import door as runs
 from seamark.server.runs.door import RunState
 from seamark.server.settings import Settings
 from seamark.sim.recording.telemetry import INDEX, digest
-from seamark.worker.evaluation.local import Hearing, evaluate_here
+from seamark.worker.evaluation.local import evaluate_locally
 from tests.worker.conftest import LONG, QUICK, SHORT, Service, service_with
 
 pytestmark = [pytest.mark.slow, pytest.mark.host]
@@ -59,7 +59,7 @@ def _simulates(pid: int) -> bool:
         return False
 
 
-def _running_side_by_side(service: Service, run_id: int) -> list[int]:
+def _running_in_parallel(service: Service, run_id: int) -> list[int]:
     found: list[int] = []
 
     def both(view: runs.RunView) -> bool:
@@ -74,7 +74,7 @@ def _running_side_by_side(service: Service, run_id: int) -> list[int]:
 def test_a_trial_that_is_killed_costs_one_attempt_and_nothing_is_lost(two_cores: Service) -> None:
     run_id = two_cores.submit_program(P, TRIALS, trials=4)
 
-    os.kill(_running_side_by_side(two_cores, run_id)[-1], signal.SIGKILL)
+    os.kill(_running_in_parallel(two_cores, run_id)[-1], signal.SIGKILL)
     view = two_cores.ended(run_id)
 
     assert (view.state, view.attempt) == (RunState.SUCCEEDED, 2)
@@ -87,7 +87,7 @@ def test_a_trial_that_is_killed_costs_one_attempt_and_nothing_is_lost(two_cores:
 
 def test_a_cancel_ends_all_trials_within_two_seconds(two_cores: Service) -> None:
     run_id = two_cores.submit_program(P, LONG, trials=10)
-    _running_side_by_side(two_cores, run_id)
+    _running_in_parallel(two_cores, run_id)
 
     asked = time.monotonic()
     assert two_cores.cancel(run_id)
@@ -101,11 +101,9 @@ def test_a_cancel_ends_all_trials_within_two_seconds(two_cores: Service) -> None
 
 
 def test_two_runs_at_once_give_the_bytes_of_a_local_run(two_cores: Service) -> None:
-    deaf = Hearing(
-        rows=lambda _: None, log=lambda _: None, progress=lambda _: None, cut=lambda _: None
-    )
-    order = {"seed": 3, "trials": 3, "hearing": deaf}
-    wanted = evaluate_here("currents-v1", SHORT, controller="p", processes=1, **order).digest
+    wanted = evaluate_locally(
+        "currents-v1", SHORT, controller="p", seed=3, trials=3, processes=1
+    ).digest
 
     queued = [two_cores.submit(controller="p", trials=3), two_cores.submit_program(P, trials=3)]
     views = [two_cores.ended(run_id) for run_id in queued]

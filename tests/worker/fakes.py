@@ -60,7 +60,7 @@ class FakeBox:
 
 
 class FakeBoxes:
-    """Hands out given boxes, one after the other."""
+    """Makes the given boxes, one after the other."""
 
     def __init__(self, *boxes: FakeBox) -> None:
         self.boxes = boxes
@@ -72,21 +72,21 @@ class FakeBoxes:
 
 
 class FakeListener:
-    """Keeps what it hears, and forgets a trial when it is told to."""
+    """Keeps what it receives, and discards the rows of a trial that starts again."""
 
     def __init__(self) -> None:
-        self.heard: list[NDArray[np.float64]] = []
-        self.cuts: list[int] = []
+        self.received: list[NDArray[np.float64]] = []
+        self.restarted: list[int] = []
         self.ended: list[int] = []
 
     def rows(self, rows: NDArray[np.float64]) -> None:
-        self.heard.append(rows)
+        self.received.append(rows)
 
     def log(self, text: bytes) -> None: ...
 
     def trial_ended(self, trial: int) -> None:
         self.ended.append(trial)
 
-    def cut(self, trial: int, why: str) -> None:
-        self.cuts.append(trial)
-        self.heard = [rows for rows in self.heard if rows[0, 0] != trial]
+    def trial_restarted(self, trial: int, reason: str) -> None:
+        self.restarted.append(trial)
+        self.received = [rows for rows in self.received if rows[0, 0] != trial]

@@ -2,51 +2,35 @@
 
 import hashlib
 import json
-from collections.abc import Generator, Mapping
+from collections.abc import Generator, Mapping, Sequence
 from contextlib import closing
-from dataclasses import dataclass, field
-from typing import Any, Protocol
+from typing import Any
 
-from seamark.sandbox.outcome import Outcome, ProgramEnded
+import numpy as np
+from numpy.typing import NDArray
+
+from seamark.sandbox.outcome import Outcome, ProgramEnded, Verdict
 from seamark.sandbox.pool import Pool
+from seamark.server.runs.failure_reasons import Cause
 from seamark.sim.engine.trial import TrialResult, summarise
 from seamark.sim.recording.manifest import manifest
 from seamark.sim.recording.telemetry import Digest
-from seamark.worker.evaluation.box_supply import Supply
 from seamark.worker.evaluation.cores import Cores
 from seamark.worker.evaluation.job import Job
-from seamark.worker.evaluation.parallel_trials import SideBySide
-from seamark.worker.evaluation.program_adapters import Compile, MakeBox, as_it_is
-from seamark.worker.evaluation.trial import OneTrial, Rows, TrialEnd, TrialListener
+from seamark.worker.evaluation.parallel_trials import ParallelTrials
+from seamark.worker.evaluation.program_adapters import Compile, MakeBox, without_compiling
+from seamark.worker.evaluation.trial import TrialRunner
+from seamark.worker.evaluation.warm_boxes import WarmBoxes
+from seamark.worker.ipc.listener import Listener
+from seamark.worker.ipc.outcomes import RunOutcome, TrialOutcome
 
-BENCHMARK_ERROR = "benchmark_error"
 NO_SCORE = "A trial ended without a score: its state left the range in which numbers are finite."
 
 
-class Listener(TrialListener, Protocol):
-    """Who hears what happens while the trials run."""
-
-    def trial_ended(self, trial: int) -> None:
-        """Hear that a trial has ended."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Ending:
-    """How the evaluation ended; without metrics if the program ended it."""
-
-    verdict: str = "ok"  # a value of seamark.sandbox.outcome.Verdict, or "benchmark_error"
-    sentence: str = ""
-    traceback: str = ""
-    usage: dict[str, float] = field(default_factory=dict)  # of the program; never compared
-    metrics: dict[str, Any] | None = None
-    manifest: dict[str, Any] | None = None
-    digest: str = ""
-
-
 class Evaluation:
-    """Runs a job's trials: side by side on `cores`, or without them one after the other, here.
+    """Runs a job's trials: in parallel on `cores`; without `cores` one after the other, here.
 
-    With a `pool`, whose `take` is `make_box`, the boxes of trials side by side come from it too.
+    With a `pool`, whose `take` is `make_box`, the boxes of parallel trials come from it too.
     """
 
     def __init__(
@@ -55,87 +39,74 @@ class Evaluation:
         listener: Listener,
         make_box: MakeBox,
         *,
-        compile_program: Compile = as_it_is,
+        compile_program: Compile = without_compiling,
         cores: Cores | None = None,
         pool: Pool | None = None,
     ) -> None:
         self._job = job
-        self._listener = _Digesting(listener)
-        self._one = OneTrial(job, make_box, compile_program)
+        self._listener = _DigestingListener(listener)
+        self._runner = TrialRunner(job, make_box, compile_program)
         self._cores = cores
-        self._supply: Supply | None = None
+        self._warm_boxes: WarmBoxes | None = None
         if cores is not None and pool is not None and job.program is not None:
-            self._supply = Supply(pool, job.language, cores.count)
-        self._outcomes: list[Outcome] = []
+            self._warm_boxes = WarmBoxes(pool, job.language, cores.count)
+        self._programs: list[Outcome] = []  # one per trial of an upload
 
-    def run(self) -> Ending:
-        """Run all trials; a program that ends early ends the evaluation, as data."""
+    def run(self) -> RunOutcome:
+        """Run all trials; a program that fails ends the evaluation, as data."""
         try:
-            self._one.prepare(self._listener)
+            self._runner.compile(self._listener)
         except ProgramEnded as ended:
-            return self._ended(TrialEnd(outcome=ended.outcome))
+            return self._failed(TrialOutcome(program=ended.outcome))
         results: list[TrialResult] = []
-        with closing(self._ends()) as ends:
-            for trial, end in enumerate(ends):
-                if end.result is None:
-                    return self._ended(end)
-                if end.outcome is not None:
-                    self._outcomes.append(end.outcome)
+        with closing(self._trial_outcomes()) as outcomes:
+            for trial, outcome in enumerate(outcomes):
+                if outcome.result is None:
+                    return self._failed(outcome)
+                if outcome.program is not None:
+                    self._programs.append(outcome.program)
                 self._listener.trial_ended(trial)
-                results.append(end.result)
-        return self._summary(results)
+                results.append(outcome.result)
+        return self._scored(results)
 
-    def _ends(self) -> Generator[TrialEnd, None, None]:
+    def _trial_outcomes(self) -> Generator[TrialOutcome, None, None]:
         count = len(self._job.seeds)
         if self._cores is not None:
-            trials = SideBySide(self._one.run, self._cores, count, supply=self._supply)
-            yield from trials.ends(self._listener)
+            trials = ParallelTrials(
+                self._runner.run, self._cores, count, warm_boxes=self._warm_boxes
+            )
+            yield from trials.outcomes(self._listener)
         else:
             for trial in range(count):
-                yield self._one.run(trial, self._listener)
+                yield self._runner.run(trial, self._listener)
 
-    def _summary(self, results: list[TrialResult]) -> Ending:
-        metrics = summarise(self._job.benchmark, self._one.config, results)
-        if not _storable(metrics):
-            return self._ending(verdict=BENCHMARK_ERROR, sentence=NO_SCORE)
+    def _scored(self, results: Sequence[TrialResult]) -> RunOutcome:
+        metrics = summarise(self._job.benchmark, self._runner.config, results)
+        if not _is_json(metrics):
+            return self._outcome(failure=Cause.BENCHMARK_ERROR, sentence=NO_SCORE)
         if metrics["score"] is None:
-            return self._ending(verdict=BENCHMARK_ERROR, sentence=NO_SCORE, metrics=metrics)
-        return self._ending(metrics=metrics)
+            return self._outcome(
+                failure=Cause.BENCHMARK_ERROR, sentence=NO_SCORE, metrics=dict(metrics)
+            )
+        return self._outcome(metrics=dict(metrics))
 
-    def _ended(self, end: TrialEnd) -> Ending:
-        outcome = end.outcome
-        if outcome is None:
-            return self._ending(verdict=BENCHMARK_ERROR, sentence=end.lost)
-        self._outcomes.append(outcome)
-        return self._ending(
-            verdict=str(outcome.verdict), sentence=outcome.sentence, traceback=outcome.traceback
-        )
+    def _failed(self, outcome: TrialOutcome) -> RunOutcome:
+        if outcome.program is not None:
+            self._programs.append(outcome.program)
+        return self._outcome(**reason_of(outcome))
 
-    def _ending(
-        self,
-        *,
-        verdict: str = "ok",
-        sentence: str = "",
-        traceback: str = "",
-        metrics: Mapping[str, Any] | None = None,
-    ) -> Ending:
+    def _outcome(self, **values: Any) -> RunOutcome:
         digest = self._listener.digest.hexdigest()
-        return Ending(
-            verdict=verdict,
-            sentence=sentence,
-            traceback=traceback,
-            usage=_usage(self._outcomes),
-            metrics=None if metrics is None else dict(metrics),
-            manifest=self._manifest(digest),
-            digest=digest,
+        return RunOutcome(
+            usage=_usage(self._programs), manifest=self._manifest(digest), digest=digest, **values
         )
 
     def _manifest(self, digest: str) -> dict[str, Any]:
         """Return the manifest; the seed of a ranked run stays hidden."""
-        source = self._one.source
+        source = self._runner.source
         return manifest(
             self._job.benchmark,
-            self._one.config,
+            self._runner.config,
             seed=self._job.shown_seed,
             trials=len(self._job.seeds),
             controller=self._job.controller,
@@ -144,18 +115,32 @@ class Evaluation:
         )
 
 
-def _usage(outcomes: list[Outcome]) -> dict[str, float]:
-    """Return what the program used over all trials: a report, no part of any score."""
-    if not outcomes:
+def reason_of(trial: TrialOutcome) -> dict[str, Any]:
+    """Return why a trial has no result, as fields of a RunOutcome; none if nothing failed."""
+    program = trial.program
+    if program is None:
+        return {"failure": Cause.BENCHMARK_ERROR, "sentence": trial.divergence}
+    if program.verdict is Verdict.OK:
         return {}
     return {
-        "cpu_s": sum(outcome.cpu_s for outcome in outcomes),
-        "wall_s": sum(outcome.wall_s for outcome in outcomes),
-        "memory_mib": max(outcome.memory_mib for outcome in outcomes),
+        "failure": Cause(program.verdict),
+        "sentence": program.sentence,
+        "traceback": program.traceback,
     }
 
 
-def _storable(metrics: Mapping[str, Any]) -> bool:
+def _usage(programs: Sequence[Outcome]) -> dict[str, float]:
+    """Return what the program used over all trials: a report, no part of any score."""
+    if not programs:
+        return {}
+    return {
+        "cpu_s": sum(program.cpu_s for program in programs),
+        "wall_s": sum(program.wall_s for program in programs),
+        "memory_mib": max(program.memory_mib for program in programs),
+    }
+
+
+def _is_json(metrics: Mapping[str, Any]) -> bool:
     """Return whether the metrics are JSON, which has no NaN and no infinity."""
     try:
         json.dumps(metrics, allow_nan=False)
@@ -164,15 +149,15 @@ def _storable(metrics: Mapping[str, Any]) -> bool:
     return True
 
 
-class _Digesting:
-    """Passes everything on, and computes the digest of the rows that count."""
+class _DigestingListener:
+    """Forwards everything, and computes the digest of the rows that count."""
 
     def __init__(self, listener: Listener) -> None:
         self._listener = listener
         self.digest = Digest()
         self._before_trial = Digest()
 
-    def rows(self, rows: Rows) -> None:
+    def rows(self, rows: NDArray[np.float64]) -> None:
         self.digest.add(rows)
         self._listener.rows(rows)
 
@@ -183,6 +168,6 @@ class _Digesting:
         self._before_trial = self.digest.copy()
         self._listener.trial_ended(trial)
 
-    def cut(self, trial: int, why: str) -> None:
+    def trial_restarted(self, trial: int, reason: str) -> None:
         self.digest = self._before_trial.copy()
-        self._listener.cut(trial, why)
+        self._listener.trial_restarted(trial, reason)

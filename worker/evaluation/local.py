@@ -7,7 +7,7 @@ import os
 import tempfile
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -20,10 +20,13 @@ from seamark.server.checks import queue
 from seamark.server.programs.store import PreparedProgram
 from seamark.sim import registry
 from seamark.sim.engine.warm_up import warm_up
-from seamark.worker.evaluation.check import Glimpse, answer_of, check
-from seamark.worker.evaluation.evaluation import Ending, Evaluation
-from seamark.worker.evaluation.job import Job, Place
-from seamark.worker.evaluation.program_adapters import pool_of, real_compiler
+from seamark.sim.recording.telemetry import INDEX
+from seamark.worker.evaluation.check import CheckRecorder, check
+from seamark.worker.evaluation.evaluation import Evaluation
+from seamark.worker.evaluation.job import Job
+from seamark.worker.evaluation.program_adapters import box_pool, sandboxed_compiler
+from seamark.worker.evaluation.worker_slot import WorkerSlot
+from seamark.worker.ipc.outcomes import RunOutcome
 
 Rows = NDArray[np.float64]
 Controller = str | tuple[bytes, str] | PreparedProgram
@@ -37,27 +40,31 @@ class Progress:
     t_simulated: float
 
 
+def _ignore(_: object) -> None:
+    """Do nothing."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Hearing:
-    """What to call while the trials run."""
+class Callbacks:
+    """Functions that are called while the trials run."""
 
-    rows: Callable[[Rows], None]
-    log: Callable[[bytes], None]
-    progress: Callable[[Progress], None]
-    cut: Callable[[int], None]  # forget the rows of this trial: it is done again
+    rows: Callable[[Rows], None] = _ignore
+    log: Callable[[bytes], None] = _ignore
+    progress: Callable[[Progress], None] = _ignore
+    trial_restarted: Callable[[int], None] = _ignore  # the rows of this trial are void
 
 
-def evaluate_here(
+def evaluate_locally(
     benchmark: str,
     config: Mapping[str, object],
     *,
     seed: int,
     trials: int = 1,
     controller: Controller,
-    hearing: Hearing,
+    callbacks: Callbacks | None = None,
     isolation: IsolationLevel = IsolationLevel.NONE,
     processes: int | None = None,
-) -> Ending:
+) -> RunOutcome:
     """Evaluate a controller and return how it ended, with metrics, manifest and digest.
 
     Parameters
@@ -66,10 +73,10 @@ def evaluate_here(
         Name of a built-in one, or a program, which runs in a box: (source, file name) of a single
         file, or what `seamark.server.programs.store.prepare` made of any upload.
     isolation
-        How strongly the box isolates the program; see `seamark.sandbox.probing.probes.probe`.
+        Isolation level of the box; see `seamark.sandbox.probing.probes.probe`.
     processes
-        How many trials run side by side; as many as there are cores if it is not given. It makes
-        no difference to what comes out.
+        How many trials run in parallel; as many as there are cores by default. It makes no
+        difference to the result.
 
     Raises
     ------
@@ -78,43 +85,49 @@ def evaluate_here(
     """
     entry = registry.benchmark(benchmark)
     duration = entry.trial_duration_s(entry.read(config))
-    listener = _Listener(hearing, duration, trials)
+    listener = _CallbackListener(callbacks or Callbacks(), duration, trials)
     with job_of(benchmark, config, controller, seeds=(seed,) * trials) as job:
-        place = Place(isolation, None, share=tuple(sorted(os.sched_getaffinity(0))[:processes]))
-        compile_, cores = real_compiler(place), place.cores_for(trials)
+        shared_cores = tuple(sorted(os.sched_getaffinity(0))[:processes])
+        slot = WorkerSlot(isolation, None, shared_cores=shared_cores)
+        cores = slot.cores_for(trials)
         if cores is not None:
-            warm_up()  # once, and not in each of the trials' processes
-        with pool_of(place) as pool:
+            warm_up()  # once, and not in the process of each trial
+        with box_pool(slot) as pool:
             return Evaluation(
-                job, listener, pool.take, compile_program=compile_, cores=cores, pool=pool
+                job,
+                listener,
+                pool.take,
+                compile_program=sandboxed_compiler(slot),
+                cores=cores,
+                pool=pool,
             ).run()
 
 
-def check_here(
+def check_locally(
     benchmark: str,
     config: Mapping[str, object],
     program: PreparedProgram,
     *,
     isolation: IsolationLevel,
 ) -> dict[str, Any]:
-    """Return what `seamark.server.checks.report` says of a program after two simulated seconds.
+    """Return the report (`seamark.server.checks.report`) on a program after two simulated seconds.
 
     Raises
     ------
     SandboxBroken
         The box failed, not the program.
     """
-    place, glimpse = Place(isolation, None), Glimpse()
+    slot, recorder = WorkerSlot(isolation, None), CheckRecorder()
     with job_of(benchmark, config, program, seeds=(queue.SEED,)) as job:
-        ending = check(job, glimpse, pool_of(place).take, real_compiler(place))
-    return answer_of(job, glimpse.end(asdict(ending)))
+        outcome = check(job, recorder, box_pool(slot).take, sandboxed_compiler(slot))
+    return recorder.report(job, outcome)
 
 
 @contextmanager
 def job_of(
     benchmark: str, config: Mapping[str, object], controller: Controller, *, seeds: tuple[int, ...]
 ) -> Iterator[Job]:
-    """Give a job, with the program in a file that is gone afterwards."""
+    """Provide a job, with the program in a file that is deleted afterwards."""
     plain = Job(
         benchmark=benchmark,
         config=dict(config),
@@ -136,30 +149,26 @@ def job_of(
         yield replace(plain, program=program, filename=name, language=language)
 
 
-class _Listener:
-    """A `seamark.worker.evaluation.evaluation.Listener` that also knows how far the run is."""
+class _CallbackListener:
+    """A `seamark.worker.ipc.listener.Listener` that calls back, with the progress of the run."""
 
-    def __init__(self, hearing: Hearing, trial_s: float, trials: int) -> None:
-        self._hearing = hearing
+    def __init__(self, callbacks: Callbacks, trial_s: float, trials: int) -> None:
+        self._callbacks = callbacks
         self._trial_s = trial_s
         self._trials = trials
 
     def rows(self, rows: Rows) -> None:
-        """Pass the rows on, and the progress that they show."""
-        self._hearing.rows(rows)
-        t = float(rows[-1, 0]) * self._trial_s + float(rows[-1, 2])
-        self._hearing.progress(Progress(min(t / (self._trial_s * self._trials), 1.0), t))
+        self._callbacks.rows(rows)
+        t = float(rows[-1, INDEX["trial"]]) * self._trial_s + float(rows[-1, INDEX["t"]])
+        self._callbacks.progress(Progress(min(t / (self._trial_s * self._trials), 1.0), t))
 
     def log(self, text: bytes) -> None:
-        """Pass the program's output on."""
-        self._hearing.log(text)
+        self._callbacks.log(text)
 
     def trial_ended(self, trial: int) -> None:
-        """Show that the trial is complete."""
         t = (trial + 1) * self._trial_s
-        self._hearing.progress(Progress((trial + 1) / self._trials, t))
+        self._callbacks.progress(Progress((trial + 1) / self._trials, t))
 
-    def cut(self, trial: int, why: str) -> None:
-        """Pass on that the trial is done again."""
-        self._hearing.cut(trial)
-        self._hearing.log(f"[Trial {trial + 1} is done again: {why}]\n".encode())
+    def trial_restarted(self, trial: int, reason: str) -> None:
+        self._callbacks.trial_restarted(trial)
+        self._callbacks.log(f"[Trial {trial + 1} starts again: {reason}]\n".encode())

@@ -16,13 +16,13 @@ from seamark.server.runs import trial_limits
 from seamark.sim.engine.program import Command
 from seamark.sim.trackers import Track, Window
 from seamark.sim.trackers.template.warps import is_convex
-from seamark.worker.evaluation.job import Place
+from seamark.worker.evaluation.worker_slot import WorkerSlot
 
-LONGEST_TRIAL_S = 3600.0  # [s] simulated, for which boxes in stock are good
+LONGEST_TRIAL_S = 3600.0  # [s] simulated, for which the limits of warm boxes suffice
 
 
 class BoxLike(Protocol):
-    """What is needed of a box; tests have one without a sandbox."""
+    """The methods of a box that a trial calls; tests have one without a sandbox."""
 
     def load(  # noqa: D102 - see seamark.sandbox.box.Box
         self,
@@ -44,31 +44,31 @@ MakeBox = Callable[[str, Limits], BoxLike]
 Compile = Callable[[str, bytes, str], bytes]  # language, source, file name -> what a box runs
 
 
-class Boxed:
+class ControllerAdapter:
     """A `seamark.sim.engine.program.Program` over a box."""
 
     def __init__(self, box: BoxLike) -> None:
         self._box = box
 
     def reset(self, level: Mapping[str, float | int]) -> None:
-        """Pass the level on; raises ProgramEnded."""
+        """Announce a level to the program; raises ProgramEnded."""
         self._box.reset(level)
 
     def step(self, values: NDArray[np.float64]) -> Command:
-        """Pass the observation on and return the checked answer; raises ProgramEnded."""
+        """Send the observation and return the checked answer; raises ProgramEnded."""
         return self._box.step(values)
 
-    def remark(self) -> str:
-        """Return what its owner should know at the end of a trial; nothing here."""
+    def note(self) -> str:
+        """Return a note for the program's owner at the end of a trial; none here."""
         return ""
 
 
-class BoxedTracker:
-    """A `seamark.sim.trackers.Tracker` over a box; it is shown whole pictures.
+class TrackerAdapter:
+    """A `seamark.sim.trackers.Tracker` over a box; it is shown whole images.
 
-    Corners that are no convex quadrilateral clockwise, as the ones it started from, cannot be the
-    target's: they count as lost, like None. A tracker that diverges in turbid water answers so
-    now and then, and that is no reason to end its run. What is no answer at all (another shape, a
+    Corners that are not a convex quadrilateral, clockwise as at the start, cannot be the target's:
+    they count as lost, like None. A tracker that diverges in turbid water gives such an answer now
+    and then, which is no reason to end its run. What is not an answer at all (another shape, a
     number that is not finite) ends it: raises ProgramEnded.
     """
 
@@ -85,7 +85,7 @@ class BoxedTracker:
         self._box.start(image, corners)
 
     def window(self) -> Window:
-        """Return the whole picture."""
+        """Return the whole image."""
         return self._window
 
     def update(self, image: NDArray[np.uint8]) -> Track:
@@ -93,51 +93,55 @@ class BoxedTracker:
         answer = self._box.update(image)
         self._answers += 1
         if answer is None:
-            return Track(self._last, ok=False, residual=1.0, iterations=0)
+            return self._lost()
         corners = np.array(answer, dtype=np.float64)
         if not is_convex(corners):
             self._not_convex += 1
-            return Track(self._last, ok=False, residual=1.0, iterations=0)
+            return self._lost()
         self._last = corners
         return Track(corners, ok=True, residual=0.0, iterations=0)
 
-    def remark(self) -> str:
-        """Return how many answers were no convex quadrilateral, if any."""
+    def _lost(self) -> Track:
+        return Track(self._last, ok=False, residual=1.0, iterations=0)
+
+    def note(self) -> str:
+        """Return how many answers were not a convex quadrilateral, if any."""
         if not self._not_convex:
             return ""
         return (
-            f"[{self._not_convex} of {self._answers} answers of update() were no convex "
-            "quadrilateral clockwise, as the corners of start() are: they count as lost.]\n"
+            f"[{self._not_convex} of {self._answers} answers of update() were not a convex "
+            "quadrilateral, clockwise like the corners of start(): they count as lost.]\n"
         )
 
 
-# role of a program -> what makes of its box something that takes part in a benchmark
-SOLUTIONS: Mapping[str, Callable[[BoxLike], Any]] = {
-    "controller": Boxed,
-    "tracker": BoxedTracker,
+# role of a program -> the adapter that makes its box a participant of a benchmark
+ADAPTERS: Mapping[str, Callable[[BoxLike], Any]] = {
+    "controller": ControllerAdapter,
+    "tracker": TrackerAdapter,
 }
 
 
-def pool_of(place: Place) -> Pool:
-    """Return the pool of boxes of a place; nothing waits in it yet."""
-    stock = (
-        {}
-        if place.isolation is IsolationLevel.NONE
-        else dict.fromkeys(place.warm, place.warm_boxes)
-    )
+def box_pool(slot: WorkerSlot) -> Pool:
+    """Return the pool of boxes of a slot; no box has been started yet."""
+    warm = slot.languages if slot.isolation is not IsolationLevel.NONE else ()
     limits = trial_limits.for_trial(LONGEST_TRIAL_S)
-    return Pool(stock, limits=limits, isolation=place.isolation, core=place.core)
+    return Pool(
+        dict.fromkeys(warm, slot.warm_boxes),
+        limits=limits,
+        isolation=slot.isolation,
+        core=slot.core,
+    )
 
 
-def real_compiler(place: Place) -> Compile:
-    """Return how programs are compiled on this host; raises ProgramEnded if one cannot be."""
+def sandboxed_compiler(slot: WorkerSlot) -> Compile:
+    """Return the function that compiles programs in a box of this slot."""
 
     def compile_program(language: str, source: bytes, filename: str) -> bytes:
-        return compiled(language, source, filename, isolation=place.isolation, core=place.core)
+        return compiled(language, source, filename, isolation=slot.isolation, core=slot.core)
 
     return compile_program
 
 
-def as_it_is(language: str, source: bytes, filename: str) -> bytes:
-    """Return the source: nothing is compiled."""
+def without_compiling(language: str, source: bytes, filename: str) -> bytes:
+    """Return the source as it is."""
     return source

@@ -1,1 +1,1 @@
-"""Messages between the processes of a worker."""
+"""Messages between the processes of a worker, and what binds these processes together."""

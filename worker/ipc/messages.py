@@ -1,74 +1,202 @@
-"""What a simulator child tells its celery child: small framed messages over a stream socket."""
+"""Messages between the processes of a worker: types, one encoder, one decoder.
+
+On the wire, a stream socket: one byte for the type, the payload's length (uint32, little-endian),
+the payload.
+"""
 
 import json
+import pickle
 import select
 import socket
 import struct
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from enum import Enum
-from typing import Any
+from typing import Any, NamedTuple
 
-_HEADER = struct.Struct("<cI")
+import numpy as np
+from numpy.typing import NDArray
+
+from seamark.sim.recording.telemetry import WIDTH
+from seamark.worker.ipc.outcomes import RunOutcome, TrialOutcome
+
 LENGTH_MAX = 64 * 2**20  # [byte]
+_HEADER = struct.Struct("<cI")
 _CHUNK = 256 * 1024
 
 
-class Kind(Enum):
-    """The sorts of messages; the first four may come often."""
+@dataclass(frozen=True, slots=True)
+class Started:
+    """A process has taken the job."""
 
-    ROWS = b"R"  # float64 bytes of whole telemetry rows
-    LOG = b"L"  # what the program printed
-    TRIAL = b"T"  # JSON: a trial has ended, {"trial", ...}
-    CUT = b"X"  # JSON: forget this trial's rows, it is done again, {"trial", "why"}
-    HELLO = b"H"  # JSON: {"pid"}
-    ENDING = b"D"  # JSON: how the evaluation ended, see seamark.worker.evaluation.evaluation.Ending
-    ERROR = b"E"  # text: a traceback of ours
-    RESULT = b"P"  # pickle: how one trial ended, from a fork to its parent alone
+    pid: int
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Rows:
+    """Telemetry, (k, WIDTH)."""
+
+    rows: NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)
-class Frame:
-    """One message."""
+class Log:
+    """What the program printed."""
 
-    kind: Kind
-    payload: bytes
+    text: bytes
 
-    def json(self) -> dict[str, Any]:
-        """Return the payload of a JSON message."""
-        value: dict[str, Any] = json.loads(self.payload)
-        return value
+
+@dataclass(frozen=True, slots=True)
+class TrialEnded:
+    """A trial is complete: all of its telemetry has been sent."""
+
+    trial: int
+
+
+@dataclass(frozen=True, slots=True)
+class TrialRestarted:
+    """A trial starts again, for `reason`: its telemetry so far is void."""
+
+    trial: int
+    reason: str
+
+
+@dataclass(frozen=True, slots=True)
+class TrialReport:
+    """How one trial ended; sent by a fork to its parent, and unpickled by nobody else."""
+
+    pickled: bytes
+
+    @classmethod
+    def of(cls, outcome: TrialOutcome) -> "TrialReport":
+        """Return the report of an outcome."""
+        return cls(pickle.dumps(outcome))
+
+    def outcome(self) -> TrialOutcome:
+        """Return the outcome that was reported."""
+        # From a fork of this very process, which could as well write into our memory.
+        outcome: TrialOutcome = pickle.loads(self.pickled)  # noqa: S301
+        return outcome
+
+
+@dataclass(frozen=True, slots=True)
+class BoxFailed:
+    """The sandbox failed, not the program; from the fork of a trial to its parent."""
+
+    reason: str
+
+
+@dataclass(frozen=True, slots=True)
+class RunEnded:
+    """The evaluation is complete."""
+
+    outcome: RunOutcome
+
+
+@dataclass(frozen=True, slots=True)
+class Crashed:
+    """The sending process raised an exception of ours."""
+
+    traceback: str
+
+
+Message = (
+    Started
+    | Rows
+    | Log
+    | TrialEnded
+    | TrialRestarted
+    | TrialReport
+    | BoxFailed
+    | RunEnded
+    | Crashed
+)
 
 
 class StreamBroken(Exception):
     """The other side sent something that is no message: our failure."""
 
 
-def send(channel: socket.socket, kind: Kind, payload: bytes | Mapping[str, Any]) -> None:
+class _Codec(NamedTuple):
+    code: bytes  # one byte on the wire
+    encode: Callable[[Any], bytes]
+    decode: Callable[[bytes], Message]
+
+
+def _json(values: object) -> bytes:
+    return json.dumps(values).encode()
+
+
+def _rows(payload: bytes) -> Rows:
+    return Rows(np.frombuffer(payload, "<f8").reshape(-1, WIDTH))
+
+
+_CODECS: dict[type[Message], _Codec] = {
+    Started: _Codec(b"S", lambda m: _json(m.pid), lambda b: Started(json.loads(b))),
+    Rows: _Codec(b"R", lambda m: np.ascontiguousarray(m.rows, "<f8").tobytes(), _rows),
+    Log: _Codec(b"L", lambda m: m.text, Log),
+    TrialEnded: _Codec(b"T", lambda m: _json(m.trial), lambda b: TrialEnded(json.loads(b))),
+    TrialRestarted: _Codec(
+        b"A", lambda m: _json([m.trial, m.reason]), lambda b: TrialRestarted(*json.loads(b))
+    ),
+    TrialReport: _Codec(b"P", lambda m: m.pickled, TrialReport),
+    BoxFailed: _Codec(b"B", lambda m: m.reason.encode(), lambda b: BoxFailed(_text(b))),
+    RunEnded: _Codec(
+        b"E",
+        lambda m: _json(m.outcome.to_json()),
+        lambda b: RunEnded(RunOutcome.from_json(json.loads(b))),
+    ),
+    Crashed: _Codec(b"C", lambda m: m.traceback.encode(), lambda b: Crashed(_text(b))),
+}
+_DECODERS = {codec.code: codec.decode for codec in _CODECS.values()}
+
+
+def _text(payload: bytes) -> str:
+    return payload.decode("utf-8", "replace")
+
+
+def send(channel: socket.socket, message: Message) -> None:
     """Send one message; blocks while the other side does not read."""
-    body = payload if isinstance(payload, bytes) else json.dumps(payload).encode()
-    channel.sendall(_HEADER.pack(kind.value, len(body)) + body)
+    codec = _CODECS[type(message)]
+    payload = codec.encode(message)
+    channel.sendall(_HEADER.pack(codec.code, len(payload)) + payload)
+
+
+def size(message: Message) -> int:
+    """Return how many bytes a waiting message takes, about; only the frequent ones count."""
+    match message:
+        case Rows(rows):
+            return rows.nbytes
+        case Log(text):
+            return len(text)
+        case _:
+            return 0
 
 
 class Reader:
-    """Takes messages from a socket without waiting longer than asked."""
+    """Reads messages from a socket without waiting longer than asked."""
 
     def __init__(self, channel: socket.socket) -> None:
         self._channel = channel
         self._buffer = bytearray()
-        self.ended = False  # the other side has closed its end, and all its messages were taken
+        self.closed = False  # the other side has closed its end, and everything was read
 
-    def read(self, timeout_s: float) -> Iterator[Frame]:
-        """Yield what is there, after waiting up to `timeout_s` for the first byte."""
+    def read(self, timeout_s: float) -> Iterator[Message]:
+        """Yield the messages that are there, after waiting up to `timeout_s` for the first byte.
+
+        Raises
+        ------
+        StreamBroken
+            When what came is no message.
+        """
         ready, _, _ = select.select([self._channel], [], [], timeout_s)
         if ready:
             data = self._channel.recv(_CHUNK)
             self._buffer += data
-            self.ended = not data
-        while (frame := self._take()) is not None:
-            yield frame
+            self.closed = not data
+        while (message := self._next()) is not None:
+            yield message
 
-    def _take(self) -> Frame | None:
+    def _next(self) -> Message | None:
         if len(self._buffer) < _HEADER.size:
             return None
         code, length = _HEADER.unpack_from(self._buffer)
@@ -79,7 +207,6 @@ class Reader:
             return None
         payload = bytes(self._buffer[_HEADER.size : end])
         del self._buffer[:end]
-        try:
-            return Frame(Kind(code), payload)
-        except ValueError:
-            raise StreamBroken(f"a message of the unknown kind {code!r}") from None
+        if code not in _DECODERS:
+            raise StreamBroken(f"a message of unknown type {code!r}")
+        return _DECODERS[code](payload)

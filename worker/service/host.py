@@ -1,12 +1,13 @@
 """What the host of a worker can enforce, found out once at the worker's start."""
 
 import os
-import subprocess
-import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field
 from typing import Any, Self
 
 import structlog
+from sqlalchemy.orm import Session
 
 from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.languages import LANGUAGES
@@ -18,14 +19,14 @@ from seamark.server.database.engine import Database
 from seamark.server.database.tables import Worker
 from seamark.server.settings import Settings
 from seamark.worker.evaluation.cores import new_locks
-from seamark.worker.evaluation.job import Place
+from seamark.worker.evaluation.worker_slot import WorkerSlot
 
 _log = structlog.get_logger()
 
 
 @dataclass(frozen=True, slots=True)
 class Host:
-    """One worker's host. `languages` are those of the uploads that it may run."""
+    """One worker's host. `languages` are those of the uploads that it can run."""
 
     settings: Settings
     name: str
@@ -35,74 +36,77 @@ class Host:
     core_locks: int = field(default_factory=new_locks)
 
     @classmethod
-    def look(cls, settings: Settings, *, name: str) -> Self:
-        """Try what this host can enforce and write it down for the web pages."""
+    def probe(cls, settings: Settings, *, name: str) -> Self:
+        """Try what this host can enforce, and register the worker in the database."""
         report = probe()
-        tried = _tried(report, settings)
-        languages = tuple(one for one, why in tried.items() if not why)
-        missing = tuple(_finding(one, why) for one, why in tried.items() if why)
-        findings = report.findings + missing
-        host = cls(settings, name, report.level, findings, languages)
-        host._enlist()
+        tried = _try_languages(report, settings)
+        languages = tuple(language for language, why in tried.items() if not why)
+        missing = tuple(_finding(language, why) for language, why in tried.items() if why)
+        host = cls(settings, name, report.level, report.findings + missing, languages)
+        host._register()
         _log.info(
             "worker_starting", worker=name, isolation=host.isolation.name, languages=host.languages
         )
         return host
 
-    @property
-    def box_isolation(self) -> IsolationLevel:
-        """The level at which boxes are made; none where uploads are not run."""
-        return self.isolation if self.languages else IsolationLevel.NONE
-
-    def place(self, index: int) -> Place:
-        """Return where the runs of one process of the pool are at home."""
+    def slot(self, index: int) -> WorkerSlot:
+        """Return the slot of one process of the pool."""
         cores = sorted(os.sched_getaffinity(0))
-        share = tuple(cores[: self.settings.workers])
-        home = cores[index % len(cores)]
-        return self._place(home, share=share, locks=self.core_locks)
+        shared = tuple(cores[: self.settings.workers])
+        return self._slot(
+            cores[index % len(cores)], shared_cores=shared, core_locks=self.core_locks
+        )
 
-    def _place(self, core: int, **facts: Any) -> Place:
-        warm_boxes = self.settings.warm_boxes
-        return Place(self.box_isolation, core, warm=self.languages, warm_boxes=warm_boxes, **facts)
-
-    def supervise(self) -> None:
-        """Start what works beside the pool: who sweeps and says that this worker lives; checks."""
-        _start("seamark.worker.service.supervise", self.name)
+    def side_process_commands(self) -> dict[str, list[str]]:
+        """Return the processes beside the pool: name -> arguments of the Python interpreter."""
+        parent = str(os.getpid())
+        commands = {"maintenance": ["-m", "seamark.worker.service.maintenance", parent]}
         if self.languages:
-            last = max(os.sched_getaffinity(0))
-            place = self._place(last)
-            _start("seamark.worker.service.check_loop", place.to_text(), ",".join(self.languages))
+            slot = self._slot(max(os.sched_getaffinity(0))).to_json()
+            commands["checks"] = ["-m", "seamark.worker.service.check_loop", parent, slot]
+        return commands
 
-    def leave(self) -> None:
-        """Take this worker off the list."""
-        database = Database(self.settings.database_url)
-        with database.writing() as session:
+    def heartbeat(self, processes: dict[str, str]) -> None:
+        """Report that this worker is alive, with the state of each side process."""
+        with self._writing() as session:
+            workers.heartbeat(session, self.name)
+            workers.report_processes(session, self.name, processes)
+
+    def unregister(self) -> None:
+        """Remove this worker from the database."""
+        with self._writing() as session:
             workers.unregister(session, self.name)
-        database.close()
 
-    def _enlist(self) -> None:
+    def _slot(self, core: int, **cores: Any) -> WorkerSlot:
+        # Without isolation no box is made: such a host runs no uploads.
+        isolation = self.isolation if self.languages else IsolationLevel.NONE
+        warm_boxes = self.settings.warm_boxes
+        return WorkerSlot(isolation, core, languages=self.languages, warm_boxes=warm_boxes, **cores)
+
+    def _register(self) -> None:
+        worker = Worker(
+            name=self.name,
+            slots=self.settings.workers,
+            level=self.isolation.name.lower(),
+            languages=list(self.languages),
+            findings=[asdict(finding) for finding in self.findings],
+        )
+        with self._writing() as session:
+            workers.register(session, worker)
+
+    @contextmanager
+    def _writing(self) -> Iterator[Session]:
+        """Give a session, and close its connection: the pool forks, and must not inherit it."""
         database = Database(self.settings.database_url)
-        with database.writing() as session:
-            workers.register(
-                session,
-                Worker(
-                    name=self.name,
-                    slots=self.settings.workers,
-                    level=self.isolation.name.lower(),
-                    languages=list(self.languages),
-                    findings=[asdict(finding) for finding in self.findings],
-                ),
-            )
-        database.close()  # before the pool forks: connections must not be shared
+        try:
+            with database.writing() as session:
+                yield session
+        finally:
+            database.close()
 
 
-def _start(module: str, *arguments: str) -> None:
-    command = [sys.executable, "-s", "-P", "-m", module, *arguments]
-    subprocess.Popen(command, stdin=subprocess.DEVNULL)
-
-
-def _tried(report: IsolationReport, settings: Settings) -> dict[str, str]:
-    """Return each language with why it cannot be run here, empty if it can; none if too open."""
+def _try_languages(report: IsolationReport, settings: Settings) -> dict[str, str]:
+    """Return language -> why it cannot run here ("" if it can); empty if isolation is too weak."""
     if report.level < IsolationLevel[settings.sandbox_min_level.upper()]:
         return {}
     tried = {name: self_test.why_not(name, report.level) for name in LANGUAGES}

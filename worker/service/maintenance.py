@@ -1,4 +1,14 @@
-"""The sweep: runs of dead workers go back to the line, and every queued run has a ticket."""
+"""The maintenance process of each worker: recovers runs of dead workers, forgets old programs.
+
+    python -s -P -m seamark.worker.service.maintenance <parent>
+
+A process of its own and not a Celery task: tasks wait while all children are busy with long runs.
+"""
+
+import sys
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 import structlog
 from celery import Celery
@@ -12,42 +22,97 @@ from seamark.server.programs import store
 from seamark.server.runs import door as runs
 from seamark.server.runs.door import RunState
 from seamark.server.settings import Settings
+from seamark.worker.service.app import app, settings
+from seamark.worker.service.shutdown import follow_worker
 
+POLL_S = 0.2  # [s] between two looks at what is due
+FORGET_EVERY_S = 3600.0
 UNUSED_S = 86_400.0  # [s] a program is kept that nothing refers to
 _log = structlog.get_logger()
 
 
-def sweep_once(app: Celery, database: Database, redis: "Redis", settings: Settings) -> None:
-    """Sweep, tell those who watch, and top up the tickets; a broker that is away is no failure."""
+@dataclass(slots=True)
+class Duty:
+    """Something to do again and again; the first time one period after the start."""
+
+    name: str
+    period_s: float
+    action: Callable[[], None]
+    due_at: float = 0.0  # monotonic
+
+    def __post_init__(self) -> None:
+        """Make it due in one period."""
+        self.due_at = time.monotonic() + self.period_s
+
+
+def do_due(duties: Sequence[Duty]) -> None:
+    """Do what is due; a failure is logged, and stops neither the other duties nor the next time."""
+    for duty in duties:
+        if time.monotonic() < duty.due_at:
+            continue
+        duty.due_at = time.monotonic() + duty.period_s
+        try:
+            duty.action()
+        except Exception:
+            _log.exception("maintenance_failed", duty=duty.name)
+
+
+def recover_runs(app: Celery, database: Database, redis: "Redis", settings: Settings) -> None:
+    """Return the runs of dead workers to the queue, publish that, and add missing tickets."""
     with database.writing() as session:
         report = runs.sweep(session, settings)
-        queue.recover(session)
     try:
         for run_id in report.returned:
-            _tell(redis, run_id, RunState.QUEUED)
+            _publish(redis, run_id, RunState.QUEUED)
         for run_id in report.given_up:
-            _tell(redis, run_id, RunState.FAILED)
+            _publish(redis, run_id, RunState.FAILED)
             live_events.append(redis, run_id, live_events.END, {})
         tickets = broker.top_up(app, redis, report.queued)
-    except RedisError as error:
-        _log.warning("sweep_without_broker", error=str(error))
+    except RedisError as error:  # the queue is in the database: a broker that is away is no failure
+        _log.warning("recovery_without_broker", error=str(error))
         return
     if report.returned or report.given_up or tickets:
-        _log.info("swept", returned=report.returned, given_up=report.given_up, tickets=tickets)
+        _log.info(
+            "runs_recovered", returned=report.returned, given_up=report.given_up, tickets=tickets
+        )
+
+
+def recover_checks(database: Database) -> None:
+    """Return the checks of dead workers to the queue, and forget old ones."""
+    with database.writing() as session:
+        queue.recover(session)
 
 
 def forget_programs(database: Database, settings: Settings) -> None:
-    """Delete the programs that only a refused order or an old check has brought."""
+    """Delete old programs that neither a run nor a check refers to."""
 
     def used(sha256: str) -> bool:
         with database.reading() as session:
             return queue.refers_to(session, sha256)
 
-    gone = store.delete_unused(settings.data, older_than_s=UNUSED_S, used=used)
-    if gone:
-        _log.info("programs_forgotten", count=gone)
+    count = store.delete_unused(settings.data, older_than_s=UNUSED_S, used=used)
+    if count:
+        _log.info("programs_forgotten", count=count)
 
 
-def _tell(redis: "Redis", run_id: int, state: RunState) -> None:
+def _publish(redis: "Redis", run_id: int, state: RunState) -> None:
     data = {"state": str(state), "position": None, "progress": 0.0, "t_simulated": 0.0}
     live_events.append(redis, run_id, live_events.STATE, data)
+
+
+def main(parent: str) -> None:
+    """Maintain until the worker ends."""
+    stopping = follow_worker(int(parent))
+    database, redis = Database(settings.database_url), broker.connect(settings)
+    recovery_s = settings.sweep_s
+    duties = [
+        Duty("recover_runs", recovery_s, lambda: recover_runs(app, database, redis, settings)),
+        Duty("recover_checks", recovery_s, lambda: recover_checks(database)),
+        Duty("forget_programs", FORGET_EVERY_S, lambda: forget_programs(database, settings)),
+    ]
+    while not stopping.wait(POLL_S):
+        do_due(duties)
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])

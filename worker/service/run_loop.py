@@ -1,7 +1,8 @@
-"""One celery child: its connections, its simulator, its core."""
+"""One Celery child: its connections, its simulator, its slot."""
 
 import os
 import time
+from collections.abc import Callable
 
 import structlog
 from celery import Celery
@@ -11,16 +12,16 @@ from seamark.server.messaging import broker
 from seamark.server.runs import door as runs
 from seamark.server.settings import Settings
 from seamark.worker.service.host import Host
-from seamark.worker.service.run_driver import StopFlag, Tools, evaluate
+from seamark.worker.service.run_driver import RunContext, evaluate
 from seamark.worker.zygote.client import Simulator, SimulatorBroken
 
 PAUSE_DOUBLINGS = 6  # at most 64 s with the usual settings
-LOOK_S = 0.2  # [s] between two looks at the stop flag
+WARM_POLL_S = 0.2  # [s] between two looks at whether the worker shuts down
 _log = structlog.get_logger()
 
 
-class Member:
-    """What one process of the pool works with."""
+class RunLoop:
+    """Evaluates one run per ticket."""
 
     def __init__(
         self,
@@ -29,7 +30,7 @@ class Member:
         host: Host,
         *,
         index: int,
-        stopping: StopFlag,
+        shutting_down: Callable[[], bool],
         simulator: Simulator | None = None,
     ) -> None:
         self.pid = os.getpid()
@@ -38,15 +39,15 @@ class Member:
         self._host = host
         self._database = Database(settings.database_url)
         self._redis = broker.connect(settings)
-        self._simulator = simulator or Simulator(host.place(index), settings.data / "compiled")
+        self._simulator = simulator or Simulator(host.slot(index), settings.data / "compiled")
         self._simulator.start()
-        self._stopping = stopping
-        self._broken = 0  # evaluations in a row that failed by our fault
+        self._shutting_down = shutting_down
+        self._failures = 0  # of ours, in a row
         self._name = f"{host.name}/{index}"
 
-    def work(self) -> None:
+    def run_next(self) -> None:
         """Claim and evaluate one run, then make sure that the next one has a ticket."""
-        if not self._ready():
+        if not self._wait_warm():
             return
         with self._database.writing() as session:
             claim = runs.claim(
@@ -54,31 +55,31 @@ class Member:
             )
         if claim is None:
             return
-        sound = evaluate(self._tools(), claim)
-        self._broken = 0 if sound else self._broken + 1
-        self._recover()
+        succeeded = evaluate(self._context(), claim)
+        self._failures = 0 if succeeded else self._failures + 1
+        self._pause()
         with self._database.reading() as session:
             waiting = runs.waiting(session)
-        if waiting and not self._stopping.is_set():
+        if waiting and not self._shutting_down():
             broker.ring(self._app)
 
-    def _ready(self) -> bool:
+    def _wait_warm(self) -> bool:
         """Wait until the simulator is warm: before that, other workers should have the runs."""
         try:
-            while not self._stopping.is_set():
-                if self._simulator.wait_warm(LOOK_S):
+            while not self._shutting_down():
+                if self._simulator.wait_warm(WARM_POLL_S):
                     return True
         except SimulatorBroken as broken:
             _log.error("simulator_broken", why=str(broken), worker=self._name)
-            self._broken += 1
-            self._recover()
+            self._failures += 1
+            self._pause()
         return False
 
-    def _recover(self) -> None:
+    def _pause(self) -> None:
         """After failures of ours, leave the next runs to other workers for a while."""
-        pause_s = self._settings.sweep_s / 10 * 2 ** min(self._broken, PAUSE_DOUBLINGS)
-        until = time.monotonic() + (pause_s if self._broken else 0.0)
-        while time.monotonic() < until and not self._stopping.is_set():
+        pause_s = self._settings.sweep_s / 10 * 2 ** min(self._failures, PAUSE_DOUBLINGS)
+        until = time.monotonic() + (pause_s if self._failures else 0.0)
+        while time.monotonic() < until and not self._shutting_down():
             time.sleep(0.1)
 
     def close(self) -> None:
@@ -87,12 +88,12 @@ class Member:
         self._redis.close()
         self._database.close()
 
-    def _tools(self) -> Tools:
-        return Tools(
+    def _context(self) -> RunContext:
+        return RunContext(
             settings=self._settings,
             database=self._database,
             redis=self._redis,
             simulator=self._simulator,
             isolation=self._host.isolation,
-            stopping=self._stopping,
+            shutting_down=self._shutting_down,
         )

@@ -17,10 +17,11 @@ from celery.signals import (
 from seamark.server.messaging import broker
 from seamark.worker.service.app import app, settings
 from seamark.worker.service.host import Host
-from seamark.worker.service.run_loop import Member
+from seamark.worker.service.run_loop import RunLoop
+from seamark.worker.service.side_processes import SideProcesses
 
 _log = structlog.get_logger()
-# One byte that the pool's children share with their parent: it can tell them to stop, while Celery
+# One byte that the pool's children share with their parent, which sets it at a shutdown. Celery
 # itself would wait for minutes until their runs have ended.
 _stop = mmap.mmap(-1, 1)
 _state: dict[str, Any] = {}
@@ -29,52 +30,53 @@ _state: dict[str, Any] = {}
 @app.task(name=broker.WORK)
 def work() -> None:
     """Answer a ticket: evaluate the fairest run, if there is one."""
-    _member().work()
+    _run_loop().run_next()
 
 
 @worker_init.connect
-def _begin(sender: Any, **_: object) -> None:
+def _probe_host(sender: Any, **_: object) -> None:
     """Find out what this host can do; the pool's children inherit the answer."""
-    _state["host"] = Host.look(settings, name=str(sender.hostname))
+    _state["host"] = Host.probe(settings, name=str(sender.hostname))
 
 
 @worker_ready.connect
-def _ready(**_: object) -> None:
-    _state["host"].supervise()
+def _start_side_processes(**_: object) -> None:
+    host: Host = _state["host"]
+    side_processes = SideProcesses(
+        host.side_process_commands(), host.heartbeat, report_s=settings.heartbeat_s
+    )
+    side_processes.start()
+    _state["side_processes"] = side_processes
 
 
 @worker_process_init.connect
-def _begin_child(**_: object) -> None:
-    _member()
+def _start_child(**_: object) -> None:
+    _run_loop()
 
 
 @worker_process_shutdown.connect
 def _end_child(**_: object) -> None:
-    member = _state.pop("member", None)
-    if member is not None:
-        member.close()
+    run_loop: RunLoop | None = _state.pop("run_loop", None)
+    if run_loop is not None:
+        run_loop.close()
 
 
 @worker_shutting_down.connect
-def _shutting_down(**_: object) -> None:
+def _shut_down(**_: object) -> None:
     _stop[0] = 1
-    _state["host"].leave()
+    if "side_processes" in _state:
+        _state["side_processes"].stop()
+    _state["host"].unregister()
     _log.info("worker_stopping", worker=_state["host"].name)
 
 
-class _Stop:
-    """The shared byte as a `seamark.worker.service.run_driver.StopFlag`."""
-
-    def is_set(self) -> bool:
-        """Return whether the worker shuts down."""
-        return _stop[0] != 0
-
-
-def _member() -> Member:
-    """Return this process's own database, broker and simulator, made at the first call."""
-    member: Member | None = _state.get("member")
-    if member is None or member.pid != os.getpid():
+def _run_loop() -> RunLoop:
+    """Return the run loop of this process, made at the first call."""
+    run_loop: RunLoop | None = _state.get("run_loop")
+    if run_loop is None or run_loop.pid != os.getpid():
         index = int(getattr(current_process(), "index", 0) or 0)
-        member = Member(app, settings, _state["host"], index=index, stopping=_Stop())
-        _state["member"] = member
-    return member
+        run_loop = RunLoop(
+            app, settings, _state["host"], index=index, shutting_down=lambda: _stop[0] != 0
+        )
+        _state["run_loop"] = run_loop
+    return run_loop

@@ -1,4 +1,4 @@
-"""The celery child's end of its simulator: starts the zygote, begins and stops simulations."""
+"""The Celery child's end of its simulator: starts the zygote, begins and stops simulations."""
 
 import os
 import select
@@ -6,21 +6,26 @@ import signal
 import socket
 import subprocess
 import sys
-from collections.abc import Iterator, Sequence
+import time
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from types import TracebackType
 from typing import Self
 
 from seamark import sim
-from seamark.worker.evaluation.job import Job, Place
-from seamark.worker.ipc.messages import Frame, Kind, Reader
+from seamark.worker.evaluation.job import Job
+from seamark.worker.evaluation.worker_slot import WorkerSlot
+from seamark.worker.ipc.listener import Listener, deliver
+from seamark.worker.ipc.messages import Crashed, Reader, RunEnded, Started
+from seamark.worker.ipc.outcomes import RunOutcome
 
 PROGRAM = ("-m", "seamark.worker.zygote.process")
 READY_MAX = 16  # [byte]
+MESSAGE_S = 0.2  # [s] to wait for the next message of a simulation
 
 
 class SimulatorBroken(Exception):
-    """The simulator died or fell silent: our failure, the run is given back."""
+    """The simulator died, crashed or stalled: our failure, the run is released."""
 
 
 class Simulator:
@@ -29,8 +34,8 @@ class Simulator:
     `program` is what the interpreter starts; only tests choose another.
     """
 
-    def __init__(self, place: Place, cache: Path, *, program: Sequence[str] = PROGRAM) -> None:
-        self._place = place
+    def __init__(self, slot: WorkerSlot, cache: Path, *, program: Sequence[str] = PROGRAM) -> None:
+        self._slot = slot
         self._cache = cache
         self._program = tuple(program)
         self._warm = False
@@ -38,26 +43,26 @@ class Simulator:
         self._control: socket.socket | None = None
 
     def start(self) -> None:
-        """Start the zygote unless it runs; returns at once, it warms up by itself."""
+        """Start the zygote unless it is running; returns at once, it warms up by itself."""
         if self._process is not None and self._process.poll() is None:
             return
         self.stop()
         self._warm = False
         self._control, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
-        facts = [str(theirs.fileno()), self._place.to_text(), str(os.getpid())]
-        command = [sys.executable, "-s", "-P", *self._program, *facts]
+        arguments = [str(theirs.fileno()), self._slot.to_json(), str(os.getpid())]
+        command = [sys.executable, "-s", "-P", *self._program, *arguments]
         with theirs:
             self._process = subprocess.Popen(
                 command,
-                pass_fds=[theirs.fileno(), *self._place.descriptors()],
+                pass_fds=[theirs.fileno(), *self._slot.inherited_descriptors()],
                 stdin=subprocess.DEVNULL,
-                env=os.environ | _compiled_code_at(self._cache),
+                env=os.environ | _compiled_code_cache(self._cache),
             )
 
     def wait_warm(self, timeout_s: float) -> bool:
         """Return whether the zygote can take a job at once, after waiting for it a while.
 
-        The first start of all compiles the simulator, which takes minutes on a busy machine: a run
+        The very first start compiles the simulator, which takes minutes on a busy machine: a run
         claimed meanwhile would wait here instead of at a worker that is ready.
 
         Raises
@@ -65,7 +70,7 @@ class Simulator:
         SimulatorBroken
             When the zygote ended before it was ready.
         """
-        if self._process is None or self._warm:  # one that ended while it starts is not hushed up
+        if self._process is None or self._warm:  # one that ended during its start is reported below
             self.start()
         assert self._control is not None  # noqa: S101 - start made it
         if not self._warm and select.select([self._control], [], [], timeout_s)[0]:
@@ -100,7 +105,7 @@ class Simulator:
             self._process = None
 
 
-def _compiled_code_at(cache: Path) -> dict[str, str]:
+def _compiled_code_cache(cache: Path) -> dict[str, str]:
     """Return Numba's setting where it cannot keep its code beside the sources."""
     beside = Path(sim.__file__).parent
     return {} if os.access(beside, os.W_OK) else {"NUMBA_CACHE_DIR": str(cache)}
@@ -113,26 +118,48 @@ class Simulation:
         self._channel = channel
         self._reader = Reader(channel)
         self._pidfd: int | None = None
+        self._received_at = time.monotonic()
 
     @property
-    def begun(self) -> bool:
+    def started(self) -> bool:
         """Whether a child has taken the job."""
         return self._pidfd is not None
 
-    def read(self, timeout_s: float) -> Iterator[Frame]:
-        """Yield the messages that are there, after waiting for the first byte.
+    @property
+    def silent_s(self) -> float:
+        """How long ago the last message came [s]."""
+        return time.monotonic() - self._received_at
 
-        Raises SimulatorBroken when the child is gone without having told its ending.
+    def run(self, listener: Listener, watch: Callable[[], None]) -> RunOutcome:
+        """Call `listener` until the evaluation ends, and return how it ended.
+
+        Parameters
+        ----------
+        watch
+            Called several times a second; an exception of it ends the wait.
+
+        Raises
+        ------
+        SimulatorBroken, StreamBroken
+            The child crashed, or is gone without an outcome; it sent what is no message.
         """
-        for frame in self._reader.read(timeout_s):
-            if frame.kind is Kind.HELLO:
-                self._take_hold(int(frame.json()["pid"]))
-            else:
-                yield frame
-        if self._reader.ended:
-            raise SimulatorBroken("the simulator child died")
+        while True:
+            for message in self._reader.read(MESSAGE_S):
+                self._received_at = time.monotonic()
+                match message:
+                    case Started(pid):
+                        self._open_pidfd(pid)
+                    case RunEnded(outcome):
+                        return outcome
+                    case Crashed(traceback):
+                        raise SimulatorBroken(f"the simulator child crashed:\n{traceback}")
+                    case _:
+                        deliver(message, listener)
+            if self._reader.closed:
+                raise SimulatorBroken("the simulator child died")
+            watch()
 
-    def _take_hold(self, pid: int) -> None:
+    def _open_pidfd(self, pid: int) -> None:
         try:
             self._pidfd = os.pidfd_open(pid)
         except ProcessLookupError as error:

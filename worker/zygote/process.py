@@ -1,56 +1,56 @@
-"""The simulator zygote: one warm process per celery child, which forks a child for each run.
+"""The simulator zygote: one warm process per Celery child, which forks a child for each run.
 
-    python -s -P -m seamark.worker.zygote.process <descriptor> <place> <parent>
+    python -s -P -m seamark.worker.zygote.process <descriptor> <slot> <parent>
 
-It loads the simulator and its compiled code once. A job comes in as one packet on the descriptor,
-with the socket on which the child tells what happens. Between runs, boxes of each language are
-started and wait here, so that a run begins in milliseconds. Nothing of a run survives in the
-zygote: the child that ran it ends, and its boxes with it.
+It loads the simulator and its compiled code once. A job comes as one packet on the descriptor,
+together with the socket for the messages of the child. Boxes of each language are started between
+runs and wait here, so that a run begins in milliseconds. Nothing of a run survives in the zygote:
+the child that ran it ends, and its boxes with it.
 """
 
 import os
 import select
 import socket
 import sys
-import traceback
-from dataclasses import asdict
-from typing import NamedTuple, NoReturn
+from typing import NamedTuple
 
 from seamark.sandbox.pool import Loan, Pool
 from seamark.sim.engine.warm_up import warm_up
 from seamark.worker.evaluation.check import check
-from seamark.worker.evaluation.evaluation import Ending, Evaluation
-from seamark.worker.evaluation.job import Job, Place
-from seamark.worker.evaluation.program_adapters import pool_of, real_compiler
+from seamark.worker.evaluation.evaluation import Evaluation
+from seamark.worker.evaluation.job import Job
+from seamark.worker.evaluation.program_adapters import box_pool, sandboxed_compiler
+from seamark.worker.evaluation.worker_slot import WorkerSlot
 from seamark.worker.ipc import messages
-from seamark.worker.ipc.listener import Telling
-from seamark.worker.ipc.messages import Kind
-from seamark.worker.ipc.process_control import die_with_parent, limit_simulator, pin
+from seamark.worker.ipc.listener import Sender
+from seamark.worker.ipc.messages import Crashed, RunEnded, Started
+from seamark.worker.ipc.outcomes import RunOutcome
+from seamark.worker.ipc.process_control import die_with_parent, limit_simulator, pin, run_forked
 
 READY = b"ready"  # sent once on the control socket when everything is loaded and compiled
 JOB_MAX = 128 * 1024  # [byte]
 CPU_LIMIT_S = 4 * 3600  # [s] of one simulator child
-LOOK_S = 30.0  # [s] between two looks at the age of what waits
+REFILL_S = 30.0  # [s] between two checks of the age of warm boxes
 
 
 class Zygote:
-    """Forks a child for each job; boxes wait with it meanwhile, and are lent to the child."""
+    """Forks a child for each job; owns the warm boxes and leases them to the children."""
 
-    def __init__(self, control: socket.socket, place: Place) -> None:
+    def __init__(self, control: socket.socket, slot: WorkerSlot) -> None:
         self._control = control
-        self._place = place
-        self._pool = pool_of(place)
+        self._slot = slot
+        self._pool = box_pool(slot)
         self._children: dict[int, Child] = {}  # by pidfd
 
     def serve(self) -> None:
-        """Take jobs until the celery child ends."""
+        """Take jobs until the Celery child ends."""
         self._control.send(READY)
         control = self._control.fileno()
         with self._pool:
             while True:
                 if not self._children:
-                    self._pool.refill()  # nobody waits now, and the core is free
-                ready, _, _ = select.select([control, *self._children], [], [], LOOK_S)
+                    self._pool.refill()  # nobody is waiting now, and the core is free
+                ready, _, _ = select.select([control, *self._children], [], [], REFILL_S)
                 for descriptor in ready:
                     if descriptor != control:
                         self._reap(descriptor)
@@ -62,80 +62,67 @@ class Zygote:
         if not packet:
             return False
         job, parent = Job.from_json(packet), os.getpid()
-        loan = self._pool.lend(job.language, 0 if job.program is None else len(job.seeds))
-        with socket.socket(fileno=descriptors[0]) as out:
+        boxes = self._pool.lend(job.language, 0 if job.program is None else len(job.seeds))
+        with socket.socket(fileno=descriptors[0]) as channel:
             pid = os.fork()
             if pid == 0:
                 self._control.close()
-                loan.use()
-                _live(job, out, self._place, self._pool, parent)
-        loan.leave()
-        self._children[os.pidfd_open(pid)] = Child(pid, loan)
+                run_forked(
+                    lambda: _run(job, channel, self._slot, self._pool, boxes, parent),
+                    lambda text: messages.send(channel, Crashed(text)),
+                )
+        boxes.leave()
+        self._children[os.pidfd_open(pid)] = Child(pid, boxes)
         return True
 
     def _reap(self, pidfd: int) -> None:
-        """Forget a child that ended; end what it could not end."""
+        """Reap a child that ended, and close the boxes that it could not close."""
         child = self._children.pop(pidfd)
         os.close(pidfd)
         os.waitpid(child.pid, 0)
-        child.loan.close()
+        child.boxes.close()
 
 
 class Child(NamedTuple):
-    """A process that evaluates a job, and the boxes that it was lent."""
+    """A process that evaluates a job, and the boxes that are leased to it."""
 
     pid: int
-    loan: Loan
+    boxes: Loan
 
 
-def _live(job: Job, out: socket.socket, place: Place, pool: Pool, parent: int) -> NoReturn:
-    """Be a simulator child: never returns."""
-    status = 70  # EX_SOFTWARE
-    try:
-        die_with_parent(parent)
-        limit_simulator(CPU_LIMIT_S)
-        pin(place.core)
-        _tell(job, out, place, pool)
-        status = 0
-    finally:  # whatever happened, the zygote's code must not run a second time in here
-        if status:
-            traceback.print_exc()
-        sys.stderr.flush()
-        os._exit(status)
+def _run(
+    job: Job, channel: socket.socket, slot: WorkerSlot, pool: Pool, boxes: Loan, parent: int
+) -> None:
+    """Evaluate a job as a simulator child; the outcome is the last message."""
+    boxes.use()
+    die_with_parent(parent)
+    limit_simulator(CPU_LIMIT_S)
+    pin(slot.core)
+    messages.send(channel, Started(os.getpid()))
+    slot.cores().occupy()
+    with pool:
+        outcome = _evaluate(job, Sender(channel), slot, pool)
+    messages.send(channel, RunEnded(outcome))
 
 
-def _tell(job: Job, out: socket.socket, place: Place, pool: Pool) -> None:
-    """Evaluate the job, with the outcome or the failure as the last word."""
-    messages.send(out, Kind.HELLO, {"pid": os.getpid()})
-    try:
-        place.cores().move_in()
-        with pool:
-            ending = evaluate(job, out, place, pool)
-    finally:
-        if sys.exc_info()[0] is not None:
-            messages.send(out, Kind.ERROR, traceback.format_exc().encode())
-    messages.send(out, Kind.ENDING, asdict(ending))
-
-
-def evaluate(job: Job, out: socket.socket, place: Place, pool: Pool) -> Ending:
-    """Evaluate the job, telling everything to `out`."""
-    compile_ = real_compiler(place)
+def _evaluate(job: Job, sender: Sender, slot: WorkerSlot, pool: Pool) -> RunOutcome:
+    compile_program = sandboxed_compiler(slot)
     if job.check:
-        return check(job, Telling(out), pool.take, compile_)
-    cores = place.cores_for(len(job.seeds))
+        return check(job, sender, pool.take, compile_program)
+    cores = slot.cores_for(len(job.seeds))
     return Evaluation(
-        job, Telling(out), pool.take, compile_program=compile_, cores=cores, pool=pool
+        job, sender, pool.take, compile_program=compile_program, cores=cores, pool=pool
     ).run()
 
 
 def main(arguments: list[str]) -> None:
     """Be the zygote."""
-    descriptor, place_text, parent = arguments
+    descriptor, slot_json, parent = arguments
     die_with_parent(int(parent))
-    place = Place.from_text(place_text)
+    slot = WorkerSlot.from_json(slot_json)
     with socket.socket(fileno=int(descriptor)) as control:
         warm_up()
-        Zygote(control, place).serve()
+        Zygote(control, slot).serve()
 
 
 if __name__ == "__main__":

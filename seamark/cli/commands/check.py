@@ -59,10 +59,10 @@ def check(
 def _run(benchmark: str, values: dict[str, Any], prepared: PreparedProgram) -> dict[str, Any]:
     from seamark.cli.programs import isolation_level
     from seamark.sandbox.outcome import SandboxBroken
-    from seamark.worker.evaluation.local import check_here
+    from seamark.worker.evaluation.local import check_locally
 
     try:
-        return check_here(benchmark, values, prepared, isolation=isolation_level())
+        return check_locally(benchmark, values, prepared, isolation=isolation_level())
     except SandboxBroken as broken:
         raise PlatformFailed(
             f"The sandbox failed: {broken}. `seamark doctor` says what this machine can do."

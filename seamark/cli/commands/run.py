@@ -14,7 +14,7 @@ from seamark.failures import PlatformFailed
 
 if TYPE_CHECKING:
     from seamark.cli.recording import Recording
-    from seamark.worker.evaluation.evaluation import Ending
+    from seamark.worker.ipc.outcomes import RunOutcome
 
 INTERRUPTED = 130  # 128 + SIGINT, as shells have it
 
@@ -78,14 +78,14 @@ def run(  # noqa: PLR0913  # one argument per option
     if not as_json:
         say(f"{benchmark}, {order.controller}, seed {order.seed}, trials {trials}")
     try:
-        ending = _evaluate(order, recording, quiet=as_json)
+        outcome = _evaluate(order, recording, quiet=as_json)
     except KeyboardInterrupt:
         recording.save(order.benchmark, None)
         click.echo("Stopped." + (f" What there is so far: {out}" if out else ""), err=True)
         end(INTERRUPTED)
-    recording.save(order.benchmark, ending)
-    _report(order, ending, out, as_json=as_json)
-    end(0 if ending.verdict == "ok" else 1)
+    recording.save(order.benchmark, outcome)
+    _report(order, outcome, out, as_json=as_json)
+    end(0 if outcome.failure is None else 1)
 
 
 def _order(
@@ -132,32 +132,32 @@ def _head_of(order: Order) -> list[str]:
     ]
 
 
-def _evaluate(order: Order, recording: Recording, *, quiet: bool) -> Ending:
+def _evaluate(order: Order, recording: Recording, *, quiet: bool) -> RunOutcome:
     from seamark.cli.programs import isolation_level, program_of
     from seamark.cli.progress import Progress
     from seamark.sandbox.isolation.level import IsolationLevel
     from seamark.sandbox.outcome import SandboxBroken
-    from seamark.worker.evaluation.local import Hearing, evaluate_here
+    from seamark.worker.evaluation.local import Callbacks, evaluate_locally
 
     program = (
         None if order.program is None else program_of(order.program, benchmark=order.benchmark)
     )
     isolation = IsolationLevel.NONE if program is None else isolation_level()
     with Progress(order.benchmark, quiet=quiet) as bar:
-        hearing = Hearing(
+        callbacks = Callbacks(
             rows=recording.add_rows,
             log=recording.add_log,
-            cut=recording.cut,
+            trial_restarted=recording.discard,
             progress=lambda p: bar.show(p.fraction, f"{p.t_simulated:.0f} s simulated"),
         )
         try:
-            return evaluate_here(
+            return evaluate_locally(
                 order.benchmark,
                 order.config,
                 seed=order.seed,
                 trials=order.trials,
                 controller=program or order.controller,
-                hearing=hearing,
+                callbacks=callbacks,
                 isolation=isolation,
             )
         except SandboxBroken as broken:
@@ -166,10 +166,10 @@ def _evaluate(order: Order, recording: Recording, *, quiet: bool) -> Ending:
             ) from None
 
 
-def _report(order: Order, ending: Ending, out: Path | None, *, as_json: bool) -> None:
+def _report(order: Order, outcome: RunOutcome, out: Path | None, *, as_json: bool) -> None:
     from seamark.cli.outcome import own_score, table
 
-    metrics = ending.metrics or {}
+    metrics = outcome.metrics or {}
     if as_json:
         answer(
             {
@@ -177,26 +177,26 @@ def _report(order: Order, ending: Ending, out: Path | None, *, as_json: bool) ->
                 "controller": order.controller,
                 "seed": order.seed,
                 "trials": order.trials,
-                "verdict": ending.verdict,
-                "sentence": ending.sentence,
-                "traceback": ending.traceback,
+                "verdict": outcome.failure or "ok",
+                "sentence": outcome.sentence,
+                "traceback": outcome.traceback,
                 "score": metrics.get("score"),
                 "own_score": metrics.get("own_score"),
-                "metrics": ending.metrics,
-                "digest": ending.digest,
+                "metrics": outcome.metrics,
+                "digest": outcome.digest,
                 "out": str(out) if out else None,
             }
         )
         return
-    if ending.verdict != "ok":
-        click.echo(f"Failed ({ending.verdict}): {ending.sentence}", err=True)
-        click.echo(ending.traceback.rstrip(), err=True)
+    if outcome.failure is not None:
+        click.echo(f"Failed ({outcome.failure}): {outcome.sentence}", err=True)
+        click.echo(outcome.traceback.rstrip(), err=True)
     else:
         for line in table(metrics):
             say(line)
         say(f"score   {metrics['score']:.4g}")
         for line in own_score(metrics):
             say(line)
-    say(f"digest  {ending.digest}")
+    say(f"digest  {outcome.digest}")
     if out is not None:
         say(f"data    {out}")

@@ -16,8 +16,8 @@ from seamark.sandbox.probing.probes import probe
 from seamark.sandbox.probing.self_test import why_not
 from seamark.server.programs import starter_files, store
 from seamark.server.settings import Settings
-from seamark.worker.evaluation.evaluation import Ending
-from seamark.worker.evaluation.local import Controller, Hearing, evaluate_here
+from seamark.worker.evaluation.local import Controller, evaluate_locally
+from seamark.worker.ipc.outcomes import RunOutcome
 from tests.worker import built
 from tests.worker.conftest import SHORT
 
@@ -43,15 +43,9 @@ def evaluated(
     isolation: IsolationLevel,
     trials: int = 1,
     benchmark: str = "currents-v1",
-) -> Ending:
-    deaf = Hearing(
-        rows=lambda rows: None,
-        log=lambda text: None,
-        progress=lambda progress: None,
-        cut=lambda trial: None,
-    )
-    order = {"seed": 3, "trials": trials, "hearing": deaf, "isolation": isolation}
-    return evaluate_here(benchmark, config, controller=controller, **order)
+) -> RunOutcome:
+    run = {"seed": 3, "trials": trials, "isolation": isolation}
+    return evaluate_locally(benchmark, config, controller=controller, **run)
 
 
 def skip_without(name: str, isolation: IsolationLevel) -> None:
@@ -79,7 +73,7 @@ def test_a_pi_in_another_language_gives_the_built_in_trajectory(name, heave, iso
 
     upload = evaluated(((PROGRAMS / name).read_bytes(), name), config, isolation)
 
-    assert (upload.verdict, upload.sentence) == ("ok", "")
+    assert (upload.failure, upload.sentence) == (None, "")
     assert upload.digest == built_in_digest(isolation, heave)
 
 
@@ -91,7 +85,7 @@ def test_a_pi_as_an_fmu_gives_the_built_in_trajectory(name, isolation, tmp_path)
     program = store.prepare(built.fmu(name, tmp_path), "pi.fmu")
     upload = evaluated(program, config, isolation)
 
-    assert (upload.verdict, upload.sentence) == ("ok", "")
+    assert (upload.failure, upload.sentence) == (None, "")
     assert upload.digest == built_in_digest(isolation, True)
 
 
@@ -102,7 +96,7 @@ def test_a_pi_exported_by_pythonfmu_gives_the_built_in_trajectory(isolation, tmp
 
     upload = evaluated(store.prepare(made.read_bytes(), "pi.fmu"), config, isolation)
 
-    assert (upload.verdict, upload.sentence) == ("ok", "")
+    assert (upload.failure, upload.sentence) == (None, "")
     assert upload.digest == built_in_digest(isolation, True)
 
 
@@ -131,12 +125,12 @@ def test_a_pi_as_embedded_coder_writes_it_gives_the_built_in_trajectory(isolatio
     program = store.prepare(built.zipped(files), "pi.zip")
     upload = evaluated(program, config, isolation)
 
-    assert (upload.verdict, upload.sentence) == ("ok", "")
+    assert (upload.failure, upload.sentence) == (None, "")
     assert upload.digest == built_in_digest(isolation, True)
 
 
 def test_the_templates_give_one_trajectory_and_hold_station(isolation, tmp_path) -> None:
-    endings = []
+    outcomes = []
     for kind in starter_files.KINDS:
         name, source = next(iter(starter_files.start(kind).items()))
         if kind == "executable":
@@ -144,10 +138,10 @@ def test_the_templates_give_one_trajectory_and_hold_station(isolation, tmp_path)
             target = tmp_path / "controller.elf"
             name, source = target.name, built.compiled_here([tmp_path / name], target, "-static")
         skip_without(name, isolation)
-        endings.append(evaluated((source, name), SHORT, isolation))
+        outcomes.append(evaluated((source, name), SHORT, isolation))
 
-    assert {ending.verdict for ending in endings} == {"ok"}
-    assert len({ending.digest for ending in endings}) == 1
+    assert {outcome.failure for outcome in outcomes} == {None}
+    assert len({outcome.digest for outcome in outcomes}) == 1
 
 
 @pytest.mark.parametrize("language", ["c", "c++", "matlab"])
@@ -159,23 +153,23 @@ def test_a_tracker_in_another_language_gives_the_trajectory_of_the_one_in_python
     texts = {TRACKER.name: TRACKER.read_bytes()}
     texts[name] = starter_files.of(language, "tracker").encode()
 
-    endings = [
+    outcomes = [
         evaluated((text, file), SWEEP, isolation, benchmark="visibility-v1")
         for file, text in texts.items()
     ]
 
-    assert [(ending.verdict, ending.sentence) for ending in endings] == [("ok", "")] * 2
-    assert endings[0].digest == endings[1].digest
-    assert endings[0].metrics["overall"]["p5_percent"] > 50.0
+    assert [(outcome.failure, outcome.sentence) for outcome in outcomes] == [(None, "")] * 2
+    assert outcomes[0].digest == outcomes[1].digest
+    assert outcomes[0].metrics["overall"]["p5_percent"] > 50.0
 
 
 def test_a_program_that_cannot_be_compiled_ends_the_run_with_its_line(isolation) -> None:
     skip_without("mine.c", isolation)
 
-    ending = evaluated(
+    outcome = evaluated(
         (b'#include "seamark.h"\nint x = y;\n', "mine.c"), SHORT, isolation, trials=2
     )
 
-    assert ending.verdict == "compile_error"
-    assert ending.sentence.startswith("mine.c:2:9: error: 'y' undeclared")
-    assert "int x = y;" in ending.traceback
+    assert outcome.failure == "compile_error"
+    assert outcome.sentence.startswith("mine.c:2:9: error: 'y' undeclared")
+    assert "int x = y;" in outcome.traceback

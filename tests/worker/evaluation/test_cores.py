@@ -1,4 +1,4 @@
-"""Who may be on which core, as two processes of one worker see it."""
+"""Which core a run may use, as seen by two processes of one worker."""
 
 import os
 from collections.abc import Callable, Iterator
@@ -10,7 +10,7 @@ import pytest
 
 from seamark.worker.evaluation.cores import Cores, new_locks
 
-SHARE = (0, 1)
+SHARED = (0, 1)
 Ask = Callable[..., Any]
 
 
@@ -29,10 +29,10 @@ def locks() -> Iterator[int]:
 
 @pytest.fixture
 def neighbour(locks: int) -> Iterator[Ask]:
-    """Another process of the same worker, at home on core 1; None ends it."""
+    """Another process of the same worker, which owns core 1; None ends it."""
     context = get_context("fork")
     mine, theirs = context.Pipe()
-    process = context.Process(target=_serve, args=(Cores(1, SHARE, locks=locks), theirs))
+    process = context.Process(target=_serve, args=(Cores(1, SHARED, locks=locks), theirs))
     process.start()
 
     def ask(name: str | None, *values: int) -> Any:
@@ -44,58 +44,58 @@ def neighbour(locks: int) -> Iterator[Ask]:
         ask(None)
 
 
-def test_an_empty_core_is_borrowed_after_ones_own(locks: int) -> None:
-    cores = Cores(0, SHARE, locks=locks)
-    cores.move_in()
+def test_an_idle_core_is_borrowed_after_the_own_one(locks: int) -> None:
+    cores = Cores(0, SHARED, locks=locks)
+    cores.occupy()
 
-    assert [cores.take(), cores.take(), cores.take()] == [0, 1, None]
-    cores.give_back(1)
-    assert cores.take() == 1
-
-
-def test_nobody_visits_where_a_run_is_at_home(locks: int, neighbour: Ask) -> None:
-    cores = Cores(0, SHARE, locks=locks)
-    neighbour("move_in")
-
-    assert [cores.take(), cores.take()] == [0, None]
+    assert [cores.acquire(), cores.acquire(), cores.acquire()] == [0, 1, None]
+    cores.release(1)
+    assert cores.acquire() == 1
 
 
-def test_who_comes_home_waits_for_no_guest_and_the_guest_does_not_come_again(
+def test_an_occupied_core_is_not_borrowed(locks: int, neighbour: Ask) -> None:
+    cores = Cores(0, SHARED, locks=locks)
+    neighbour("occupy")
+
+    assert [cores.acquire(), cores.acquire()] == [0, None]
+
+
+def test_a_borrowed_core_can_be_occupied_at_once_and_is_not_borrowed_again(
     locks: int, neighbour: Ask
 ) -> None:
-    cores = Cores(0, SHARE, locks=locks)
-    cores.take()
-    assert cores.take() == 1
+    cores = Cores(0, SHARED, locks=locks)
+    cores.acquire()
+    assert cores.acquire() == 1
 
-    neighbour("move_in")
+    neighbour("occupy")
 
-    assert neighbour("take") == 1
-    cores.give_back(1)
-    assert cores.take() is None
+    assert neighbour("acquire") == 1
+    cores.release(1)
+    assert cores.acquire() is None
 
 
-def test_a_core_has_one_guest_at_a_time(locks: int, neighbour: Ask) -> None:
-    cores = Cores(2, (0, 1, 2), locks=locks)  # the neighbour may be on 0 and 1 alone
+def test_a_core_has_one_borrower_at_a_time(locks: int, neighbour: Ask) -> None:
+    cores = Cores(2, (0, 1, 2), locks=locks)  # the neighbour may use 0 and 1 only
 
-    assert [cores.take(), cores.take()] == [2, 0]
-    assert [neighbour("take"), neighbour("take")] == [1, None]
-    neighbour("give_back", 1)
-    assert cores.take() == 1
+    assert [cores.acquire(), cores.acquire()] == [2, 0]
+    assert [neighbour("acquire"), neighbour("acquire")] == [1, None]
+    neighbour("release", 1)
+    assert cores.acquire() == 1
 
 
 def test_a_process_that_dies_frees_its_cores(locks: int, neighbour: Ask) -> None:
-    cores = Cores(0, SHARE, locks=locks)
-    neighbour("move_in")
-    cores.take()
-    assert cores.take() is None
+    cores = Cores(0, SHARED, locks=locks)
+    neighbour("occupy")
+    cores.acquire()
+    assert cores.acquire() is None
 
     neighbour(None)
 
-    assert cores.take() == 1
+    assert cores.acquire() == 1
 
 
 def test_without_a_neighbour_all_cores_are_free() -> None:
-    cores = Cores(None, SHARE)
+    cores = Cores(None, SHARED)
 
-    assert [cores.take(), cores.take(), cores.take()] == [0, 1, None]
+    assert [cores.acquire(), cores.acquire(), cores.acquire()] == [0, 1, None]
     assert cores.count == 2

@@ -1,4 +1,4 @@
-"""Trials in processes of their own: nobody who listens can tell, and nobody outlives the run."""
+"""Trials in processes of their own: the listener cannot tell, and no process outlives the run."""
 
 import os
 import signal
@@ -21,18 +21,19 @@ from seamark.sandbox.probing.probes import probe
 from seamark.sim.engine.program import Command
 from seamark.sim.recording.telemetry import STEP_US, WIDTH
 from seamark.worker.evaluation.cores import Cores
-from seamark.worker.evaluation.evaluation import Ending, Evaluation
+from seamark.worker.evaluation.evaluation import Evaluation
 from seamark.worker.evaluation.job import Job
-from seamark.worker.evaluation.local import Hearing, evaluate_here
-from seamark.worker.evaluation.parallel_trials import SideBySide, TrialBroken
-from seamark.worker.evaluation.trial import TrialEnd, TrialListener
+from seamark.worker.evaluation.local import Callbacks, evaluate_locally
+from seamark.worker.evaluation.parallel_trials import ParallelTrials, TrialBroken
+from seamark.worker.ipc.listener import Listener
+from seamark.worker.ipc.outcomes import RunOutcome, TrialOutcome
 from tests.worker.conftest import SHORT
 from tests.worker.fakes import SLOW, FakeBox, FakeListener
 
 _ANY: Any = "a result"
 
 
-def places() -> Cores:
+def two_cores() -> Cores:
     """Two cores; on a machine with one, nothing is side by side, and the tests hold too."""
     return Cores(None, sorted(os.sched_getaffinity(0))[:2])
 
@@ -62,30 +63,30 @@ class Logging(FakeListener):
         self.text += text
 
 
-def heard_here(
+def received_here(
     processes: int,
     controller: str | tuple[bytes, str] = "pi",
     isolation: IsolationLevel = IsolationLevel.NONE,
-) -> tuple[Ending, list[Any]]:
-    heard: list[Any] = []
-    hearing = Hearing(
-        rows=lambda rows: heard.append(np.delete(rows, STEP_US, axis=1).tolist()),
-        log=heard.append,
-        progress=heard.append,
-        cut=heard.append,
+) -> tuple[RunOutcome, list[Any]]:
+    received: list[Any] = []
+    callbacks = Callbacks(
+        rows=lambda rows: received.append(np.delete(rows, STEP_US, axis=1).tolist()),
+        log=received.append,
+        progress=received.append,
+        trial_restarted=received.append,
     )
-    order = {"seed": 3, "trials": 3, "hearing": hearing, "processes": processes}
-    return evaluate_here(
+    order = {"seed": 3, "trials": 3, "callbacks": callbacks, "processes": processes}
+    return evaluate_locally(
         "currents-v1", SHORT, controller=controller, isolation=isolation, **order
-    ), heard
+    ), received
 
 
-def test_what_is_heard_does_not_depend_on_the_number_of_processes() -> None:
-    one, heard_from_one = heard_here(1)
-    two, heard_from_two = heard_here(2)
+def test_what_is_received_does_not_depend_on_the_number_of_processes() -> None:
+    one, received_from_one = received_here(1)
+    two, received_from_two = received_here(2)
 
     assert asdict(two) == asdict(one)
-    assert heard_from_two == heard_from_one
+    assert received_from_two == received_from_one
 
 
 @pytest.fixture
@@ -103,11 +104,11 @@ def test_an_upload_gives_the_same_from_boxes_that_waited_and_leaves_none(
     before = tree(os.getpid())
     program = (SELF_TEST.encode(), "half.py")
 
-    one, heard_from_one = heard_here(1, program, isolation)
-    two, heard_from_two = heard_here(2, program, isolation)
+    one, received_from_one = received_here(1, program, isolation)
+    two, received_from_two = received_here(2, program, isolation)
 
-    assert (one.verdict, one.digest, one.metrics) == (two.verdict, two.digest, two.metrics)
-    assert (one.verdict, heard_from_two) == ("ok", heard_from_one)
+    assert (one.failure, one.digest, one.metrics) == (two.failure, two.digest, two.metrics)
+    assert (one.failure, received_from_two) == (None, received_from_one)
     assert tree(os.getpid()) == before
 
 
@@ -122,11 +123,11 @@ def test_a_program_that_ends_early_ends_the_run_as_one_after_the_other(
 
     one, two = FakeListener(), FakeListener()
     in_turn = Evaluation(job, one, make).run()
-    beside = Evaluation(job, two, make, cores=places()).run()
+    beside = Evaluation(job, two, make, cores=two_cores()).run()
 
     assert beside == in_turn
-    assert (two.cuts, two.ended) == (one.cuts, one.ended) == ([0] if suspect else [], [])
-    assert len(np.concatenate(two.heard)) == len(np.concatenate(one.heard)) == 50
+    assert (two.restarted, two.ended) == (one.restarted, one.ended) == ([0] if suspect else [], [])
+    assert len(np.concatenate(two.received)) == len(np.concatenate(one.received)) == 50
 
 
 class Deadly(FakeBox):
@@ -142,22 +143,22 @@ def test_a_trial_that_is_killed_is_our_failure_and_leaves_no_process(job: Job) -
     listener, before = FakeListener(), tree(os.getpid())
 
     with pytest.raises(TrialBroken, match="trial 0 died: SIGKILL"):
-        Evaluation(job, listener, lambda *_: Deadly(), cores=places()).run()
+        Evaluation(job, listener, lambda *_: Deadly(), cores=two_cores()).run()
 
-    assert len(np.concatenate(listener.heard)) == 20  # what had come by then is not lost
+    assert len(np.concatenate(listener.received)) == 20  # what had come by then is not lost
     assert tree(os.getpid()) == before
 
 
 def test_a_trial_that_ends_without_a_result_says_how(job: Job) -> None:
     with pytest.raises(TrialBroken, match="trial 0 died: exit code 3"):
-        Evaluation(job, FakeListener(), lambda *_: os._exit(3), cores=places()).run()
+        Evaluation(job, FakeListener(), lambda *_: os._exit(3), cores=two_cores()).run()
 
 
 def test_a_trial_that_breaks_before_its_program_comes_says_why() -> None:
     nowhere = Cores(None, [4095])
 
     with pytest.raises(TrialBroken, match="OSError"):
-        list(SideBySide(talkative, nowhere, 1).ends(FakeListener()))
+        list(ParallelTrials(talkative, nowhere, 1).outcomes(FakeListener()))
 
 
 def test_a_broken_box_and_a_mistake_of_ours_are_told_apart(job: Job) -> None:
@@ -165,36 +166,37 @@ def test_a_broken_box_and_a_mistake_of_ours_are_told_apart(job: Job) -> None:
         raise SandboxBroken("no room")
 
     with pytest.raises(SandboxBroken, match="no room"):
-        Evaluation(job, FakeListener(), broken, cores=places()).run()
+        Evaluation(job, FakeListener(), broken, cores=two_cores()).run()
     with pytest.raises(TrialBroken, match="ZeroDivisionError"):
-        Evaluation(job, FakeListener(), lambda *_: FakeBox(1 // 0), cores=places()).run()
+        Evaluation(job, FakeListener(), lambda *_: FakeBox(1 // 0), cores=two_cores()).run()
 
 
-def talkative(trial: int, listener: TrialListener) -> TrialEnd:
-    """The later the trial, the more it says and the sooner it is done."""
+def talkative(trial: int, listener: Listener) -> TrialOutcome:
+    """The later the trial, the more it sends and the sooner it ends."""
     time.sleep(0.05 * (3 - trial))
     for at in range(20 * (1 + trial)):
         listener.rows(np.full((300, WIDTH), 100.0 * trial + at))
         listener.log(f"{trial}:{at} ".encode())
-    return TrialEnd(result=_ANY)
+    return TrialOutcome(result=_ANY)
 
 
-@pytest.mark.parametrize("kept_max", [0, 2**20, 2**26])
-def test_everything_arrives_in_the_order_of_the_trials_however_little_is_kept(
-    kept_max: int,
+@pytest.mark.parametrize("buffer_max", [0, 2**20, 2**26])
+def test_everything_arrives_in_the_order_of_the_trials_however_small_the_buffer(
+    buffer_max: int,
 ) -> None:
     listener = Logging()
 
-    ends = list(SideBySide(talkative, places(), 4, kept_max=kept_max).ends(listener))
+    trials = ParallelTrials(talkative, two_cores(), 4, buffer_max=buffer_max)
+    outcomes = list(trials.outcomes(listener))
 
     wanted = [(trial, at) for trial in range(4) for at in range(20 * (1 + trial))]
-    assert [rows[0, 0] for rows in listener.heard] == [100.0 * t + at for t, at in wanted]
+    assert [rows[0, 0] for rows in listener.received] == [100.0 * t + at for t, at in wanted]
     assert listener.text == "".join(f"{t}:{at} " for t, at in wanted).encode()
-    assert [end.result for end in ends] == [_ANY] * 4
+    assert [outcome.result for outcome in outcomes] == [_ANY] * 4
 
 
-def endless(trial: int, listener: TrialListener) -> TrialEnd:
-    """Trial 0 ends as soon as trial 1 runs; the others never do, but are told to."""
+def endless(trial: int, listener: Listener) -> TrialOutcome:
+    """Trial 0 ends as soon as trial 1 runs; the others run until they are terminated."""
     if trial > 0:
         os.write(BEGUN[1], b"x")
         try:
@@ -202,7 +204,7 @@ def endless(trial: int, listener: TrialListener) -> TrialEnd:
         finally:
             os.write(BEGUN[1], b"y")
     assert os.read(BEGUN[0], 1) == b"x"
-    return TrialEnd(result=_ANY)
+    return TrialOutcome(result=_ANY)
 
 
 BEGUN = [-1, -1]
@@ -217,13 +219,13 @@ def pipe() -> Iterator[None]:
 
 
 @pytest.mark.usefixtures("pipe")
-def test_whoever_stops_listening_stops_the_trials_in_order() -> None:
-    if places().count < 2:
+def test_closing_the_generator_early_stops_the_trials_in_order() -> None:
+    if two_cores().count < 2:
         pytest.skip("one core: no other trial runs meanwhile")
     before = tree(os.getpid())
 
-    with closing(SideBySide(endless, places(), 3).ends(FakeListener())) as ends:
-        next(ends)
+    with closing(ParallelTrials(endless, two_cores(), 3).outcomes(FakeListener())) as outcomes:
+        next(outcomes)
 
     os.set_blocking(BEGUN[0], False)
     assert b"y" in os.read(BEGUN[0], 10)  # it ended its box before itself
@@ -231,7 +233,7 @@ def test_whoever_stops_listening_stops_the_trials_in_order() -> None:
 
 
 def test_the_outcomes_of_all_trials_are_added_up(job: Job) -> None:
-    ending = Evaluation(job, FakeListener(), lambda *_: FakeBox(), cores=places()).run()
+    outcome = Evaluation(job, FakeListener(), lambda *_: FakeBox(), cores=two_cores()).run()
 
-    assert (ending.verdict, ending.usage["cpu_s"]) == ("ok", 0.0)
-    assert [trial["trial"] for trial in (ending.metrics or {})["trials"]] == [0, 1, 2]
+    assert (outcome.failure, outcome.usage["cpu_s"]) == (None, 0.0)
+    assert [trial["trial"] for trial in (outcome.metrics or {})["trials"]] == [0, 1, 2]

@@ -10,10 +10,11 @@ from seamark.sandbox.limits import Limits
 from seamark.sandbox.probing.probes import probe
 from seamark.server.programs import starter_files
 from seamark.sim.recording.telemetry import INDEX, Rows
-from seamark.worker.evaluation.evaluation import Ending, Evaluation
+from seamark.worker.evaluation.evaluation import Evaluation
 from seamark.worker.evaluation.job import Job
-from seamark.worker.evaluation.local import Hearing, evaluate_here
-from seamark.worker.evaluation.program_adapters import BoxedTracker
+from seamark.worker.evaluation.local import Callbacks, evaluate_locally
+from seamark.worker.evaluation.program_adapters import TrackerAdapter
+from seamark.worker.ipc.outcomes import RunOutcome
 from tests.worker.fakes import FakeBox, FakeListener
 
 NAME = "visibility-v1"
@@ -41,8 +42,8 @@ def isolation() -> IsolationLevel:
     return report.level
 
 
-class Heard:
-    """What a run told while it went."""
+class Received:
+    """What a run sent."""
 
     def __init__(self) -> None:
         self.parts: list[Rows] = []
@@ -56,26 +57,27 @@ class Heard:
         return np.concatenate(self.parts)
 
 
-def evaluated(source: str, isolation: IsolationLevel, **config: object) -> tuple[Ending, Heard]:
-    heard = Heard()
-    hearing = Hearing(
-        rows=heard.parts.append,
-        log=heard.log,
-        progress=lambda progress: None,
-        cut=lambda trial: heard.parts.clear(),
+def evaluated(
+    source: str, isolation: IsolationLevel, **config: object
+) -> tuple[RunOutcome, Received]:
+    received = Received()
+    callbacks = Callbacks(
+        rows=received.parts.append,
+        log=received.log,
+        trial_restarted=lambda trial: received.parts.clear(),
     )
     settings = SHORT | config
     program = (source.encode(), "mine.py")
-    ending = evaluate_here(
+    outcome = evaluate_locally(
         NAME,
         settings,
         seed=3,
         controller=program,
-        hearing=hearing,
+        callbacks=callbacks,
         isolation=isolation,
         processes=1,
     )
-    return ending, heard
+    return outcome, received
 
 
 @pytest.mark.host
@@ -83,11 +85,11 @@ def evaluated(source: str, isolation: IsolationLevel, **config: object) -> tuple
 def test_the_template_tracker_follows_its_target(
     isolation: IsolationLevel, size: dict[str, object]
 ) -> None:
-    ending, _ = evaluated(starter_files.of("python", "tracker"), isolation, **size)
+    outcome, _ = evaluated(starter_files.of("python", "tracker"), isolation, **size)
 
-    assert (ending.verdict, ending.sentence) == ("ok", "")
-    assert ending.metrics is not None
-    assert ending.metrics["overall"]["p1_percent"] > 90.0
+    assert (outcome.failure, outcome.sentence) == (None, "")
+    assert outcome.metrics is not None
+    assert outcome.metrics["overall"]["p1_percent"] > 90.0
 
 
 @pytest.mark.host
@@ -105,24 +107,26 @@ def test_the_template_tracker_follows_its_target(
 def test_what_is_no_answer_ends_the_run_with_its_cause(
     isolation: IsolationLevel, answer: str, verdict: str, told: str
 ) -> None:
-    ending, heard = evaluated(PROGRAM.format(answer=answer), isolation)
+    outcome, received = evaluated(PROGRAM.format(answer=answer), isolation)
 
-    assert ending.verdict == verdict
-    assert told in ending.sentence + ending.traceback
-    assert len(heard.rows) == 1  # the row of the start: the data so far is kept
+    assert outcome.failure == verdict
+    assert told in outcome.sentence + outcome.traceback
+    assert len(received.rows) == 1  # the row of the start: the data so far is kept
 
 
 @pytest.mark.host
 def test_corners_that_are_no_convex_quadrilateral_count_as_lost_and_the_log_says_so(
     isolation: IsolationLevel,
 ) -> None:
-    ending, heard = evaluated(PROGRAM.format(answer="return self.corners[[0, 2, 1, 3]]"), isolation)
+    outcome, received = evaluated(
+        PROGRAM.format(answer="return self.corners[[0, 2, 1, 3]]"), isolation
+    )
 
-    assert ending.verdict == "ok"
-    assert heard.rows[:, INDEX["tracker_ok"]].tolist() == ([1.0] + [0.0] * 39) * 2
-    assert b"[78 of 78 answers of update() were no convex quadrilateral" in heard.text
-    assert ending.metrics is not None
-    assert ending.metrics["rankable"] is False
+    assert outcome.failure is None
+    assert received.rows[:, INDEX["tracker_ok"]].tolist() == ([1.0] + [0.0] * 39) * 2
+    assert b"[78 of 78 answers of update() were not a convex quadrilateral," in received.text
+    assert outcome.metrics is not None
+    assert outcome.metrics["rankable"] is False
 
 
 @pytest.mark.host
@@ -130,10 +134,10 @@ def test_a_tracker_sees_no_truth_but_the_corners_of_its_start(isolation: Isolati
     snoop = "print(sorted(vars(self)), sorted(k for k in self.config if 'seed' in k)); return None"
     source = PROGRAM.format(answer=snoop).replace("        pass", "        self.config = config")
 
-    ending, heard = evaluated(source, isolation)
+    outcome, received = evaluated(source, isolation)
 
-    assert ending.verdict == "ok"
-    assert set(heard.text.splitlines()) == {b"['config', 'corners'] []"}
+    assert outcome.failure is None
+    assert set(received.text.splitlines()) == {b"['config', 'corners'] []"}
 
 
 class Answering(FakeBox):
@@ -149,7 +153,7 @@ class Answering(FakeBox):
 
 
 def test_an_answer_is_taken_over_and_none_is_a_loss_at_the_last_place() -> None:
-    tracker = BoxedTracker(Answering(None, SQUARE + 1.0))
+    tracker = TrackerAdapter(Answering(None, SQUARE + 1.0))
     tracker.start(np.zeros((60, 80), np.uint8), SQUARE)
 
     first, second = (tracker.update(np.zeros((60, 80), np.uint8)) for _ in range(2))
@@ -158,7 +162,7 @@ def test_an_answer_is_taken_over_and_none_is_a_loss_at_the_last_place() -> None:
     assert np.array_equal(first.corners, SQUARE + 1.0)
     assert np.array_equal(second.corners, SQUARE + 1.0)
     assert tracker.window() == (0, 0, 80, 60)
-    assert tracker.remark() == ""
+    assert tracker.note() == ""
 
 
 def test_a_tracker_in_a_box_gives_the_same_bytes_one_after_the_other(tmp_path: Path) -> None:
@@ -176,7 +180,7 @@ def test_a_tracker_in_a_box_gives_the_same_bytes_one_after_the_other(tmp_path: P
     def make(language: str, limits: Limits) -> FakeBox:
         return FakeBox()
 
-    endings = [Evaluation(job, FakeListener(), make).run() for _ in range(2)]
+    outcomes = [Evaluation(job, FakeListener(), make).run() for _ in range(2)]
 
-    assert endings[0].digest == endings[1].digest
-    assert {ending.verdict for ending in endings} == {"ok"}
+    assert outcomes[0].digest == outcomes[1].digest
+    assert [outcome.failure for outcome in outcomes] == [None, None]

@@ -7,7 +7,7 @@ import pytest
 
 from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.probing.probes import probe
-from seamark.worker.evaluation.local import Hearing, evaluate_here
+from seamark.worker.evaluation.local import evaluate_locally
 
 pytestmark = [pytest.mark.host, pytest.mark.slow]
 
@@ -24,20 +24,18 @@ class Controller:
         self.seen = 0.9 * self.seen + 0.1 * observation.error
         return [*(0.5 * observation.error + 0.1 * self.seen), 0.0]
 """
-DEAF = Hearing(rows=lambda _: None, log=lambda _: None, progress=lambda _: None, cut=lambda _: None)
 
 
 def evaluated(isolation: IsolationLevel) -> tuple[str, object]:
-    ending = evaluate_here(
+    outcome = evaluate_locally(
         "currents-v1",
         CONFIG,
         seed=5,
         controller=(SOURCE, "mine.py"),
-        hearing=DEAF,
         isolation=isolation,
     )
-    assert ending.metrics is not None, ending.sentence
-    return ending.digest, ending.metrics["score"]
+    assert outcome.metrics is not None, outcome.sentence
+    return outcome.digest, outcome.metrics["score"]
 
 
 def test_a_runs_score_is_the_same_with_four_busy_processes_beside_it() -> None:

@@ -16,8 +16,8 @@ from seamark.server.programs import starter_files
 from seamark.server.runs import door as runs
 from seamark.server.runs.door import RunState
 from seamark.sim.recording.telemetry import digest
-from seamark.worker.evaluation.local import Hearing, evaluate_here
-from seamark.worker.service.live_publisher import SHOWN_HZ
+from seamark.worker.evaluation.local import evaluate_locally
+from seamark.worker.service.live_publisher import PUBLISHED_HZ
 from tests.worker.conftest import LONG, SHORT, Service
 
 pytestmark = [pytest.mark.slow, pytest.mark.host]
@@ -59,25 +59,20 @@ EARLIER_TASKS = (
     "seamark.worker.service.tasks.sweep",
 )
 PI = Path(__file__).parents[1] / "conformance" / "pi.py"
-_DEAF = Hearing(
-    rows=lambda _: None, log=lambda _: None, progress=lambda _: None, cut=lambda _: None
-)
 
 
 PI_C = PI.with_suffix(".c")
 
 
 def _here(controller: str) -> str:
-    ending = evaluate_here("currents-v1", SHORT, seed=3, controller=controller, hearing=_DEAF)
-    return ending.digest
+    outcome = evaluate_locally("currents-v1", SHORT, seed=3, controller=controller)
+    return outcome.digest
 
 
 def test_trackers_give_the_server_the_bytes_of_a_local_run_too(running: Service) -> None:
     source = starter_files.of("python", "tracker")
     order = {"benchmark": "visibility-v1", "config": VISIBILITY}
-    wanted = evaluate_here(
-        "visibility-v1", VISIBILITY, seed=3, controller="built-in", hearing=_DEAF
-    )
+    wanted = evaluate_locally("visibility-v1", VISIBILITY, seed=3, controller="built-in")
     program = running.store_program(source.encode(), role="tracker")
     built_in = running.submit(controller="built-in", **order)
     upload = running.submit(controller="upload", program=program, **order)
@@ -155,7 +150,7 @@ def test_the_bytes_are_those_of_the_command_line_under_load_and_beside_another_r
         running.submit(controller="pi"),
         running.submit_program(PI.read_text(encoding="utf-8")),
     ]
-    in_this_process = evaluate_here("currents-v1", SHORT, seed=3, controller="pi", hearing=_DEAF)
+    in_this_process = evaluate_locally("currents-v1", SHORT, seed=3, controller="pi")
 
     digests = [running.ended(run_id).digest for run_id in queued]
 
@@ -263,7 +258,7 @@ def test_those_who_watch_see_the_state_the_telemetry_and_the_end(running: Servic
     rows = [
         row for event in seen if event.kind == live_events.TELEMETRY for row in event.data["rows"]
     ]
-    assert len(rows) == 2 * 4 * SHOWN_HZ  # two levels of 4 s
+    assert len(rows) == 2 * 4 * PUBLISHED_HZ  # two levels of 4 s
 
 
 def test_a_check_is_answered_while_long_runs_have_all_places(running: Service) -> None:

@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 
 from seamark.sandbox.isolation.level import IsolationLevel
-from seamark.worker.evaluation.job import Place
+from seamark.worker.evaluation.worker_slot import WorkerSlot
 from seamark.worker.service.host import Host
-from seamark.worker.service.run_loop import Member
+from seamark.worker.service.run_loop import RunLoop
 from seamark.worker.zygote.client import Simulator, SimulatorBroken
 from tests.worker.conftest import Service
 
@@ -40,7 +40,7 @@ def start(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def simulator(start: Path, tmp_path: Path) -> Iterator[Simulator]:
     program = tmp_path / "slow.py"
     program.write_text(SLOW)
-    made = Simulator(Place(IsolationLevel.NONE, None), tmp_path, program=(str(program),))
+    made = Simulator(WorkerSlot(IsolationLevel.NONE, None), tmp_path, program=(str(program),))
     yield made
     made.stop()
 
@@ -71,10 +71,15 @@ def test_no_run_is_claimed_before_the_simulator_is_warm(
     run_id = service.submit()
     stopping = threading.Event()
     host = Host(service.settings, "w", IsolationLevel.NONE, (), ())
-    member = Member(
-        service.app, service.settings, host, index=0, stopping=stopping, simulator=simulator
+    run_loop = RunLoop(
+        service.app,
+        service.settings,
+        host,
+        index=0,
+        shutting_down=stopping.is_set,
+        simulator=simulator,
     )
-    working = threading.Thread(target=member.work)
+    working = threading.Thread(target=run_loop.run_next)
 
     working.start()
     working.join(1.0)  # it would claim within milliseconds
@@ -82,13 +87,13 @@ def test_no_run_is_claimed_before_the_simulator_is_warm(
     attempts = service.show(run_id).attempt
     stopping.set()
     working.join(30.0)
-    member.close()
+    run_loop.close()
 
     assert (waits, attempts) == (True, 0)
 
 
 def test_the_real_simulator_says_when_it_is_warm(tmp_path: Path) -> None:
-    simulator = Simulator(Place(IsolationLevel.NONE, None), tmp_path)
+    simulator = Simulator(WorkerSlot(IsolationLevel.NONE, None), tmp_path)
 
     warm = simulator.wait_warm(240.0)
     simulator.stop()
