@@ -1,8 +1,8 @@
-"""A score of one's own: an expression over the names of measures, such as "corners + centroid".
+"""Custom scores: expressions over the names of metrics, such as "corners + centroid".
 
-Numbers, names, + - * / % **, parentheses and a few functions; nothing else. Checked here node by
-node, then worked out by simpleeval with floats alone, never by `eval`: no expression can take long,
-grow a number without bound or reach an object of Python.
+Numbers, names, + - * / % **, parentheses and a few functions; nothing else. The syntax tree is
+checked node by node against that list, then evaluated with floats only, never by `eval`: an
+expression cannot run for long, grow a number without bound or reach a Python object.
 """
 
 import ast
@@ -12,21 +12,19 @@ import operator
 from collections.abc import Callable, Collection, Iterator, Mapping
 from typing import NoReturn
 
-from simpleeval import InvalidExpression, SimpleEval
-
 from seamark.sim.metrics.syntax_trees import expression_of
 
-LONGEST = 500  # characters
-DEEPEST = 30  # nested operations
-MOST_NODES = 250
-_SHOWN = 6  # names in a refusal
+MAX_LENGTH = 500  # characters
+MAX_DEPTH = 30  # nested operations
+MAX_NODES = 250
+_NAMES_SHOWN = 6  # in an error message
 
 
 def _mean(*values: float) -> float:
     return math.fsum(values) / len(values)
 
 
-FUNCTIONS: dict[str, tuple[Callable[..., float], int | None]] = {  # None: one or more values
+FUNCTIONS: dict[str, tuple[Callable[..., float], int | None]] = {  # None: one or more arguments
     "abs": (abs, 1),
     "exp": (math.exp, 1),
     "max": (lambda *values: max(values), None),
@@ -34,103 +32,120 @@ FUNCTIONS: dict[str, tuple[Callable[..., float], int | None]] = {  # None: one o
     "min": (lambda *values: min(values), None),
     "sqrt": (math.sqrt, 1),
 }
-_CALLS = {name: call for name, (call, _) in FUNCTIONS.items()}
-_OPERATORS: dict[type, Callable[..., float]] = {
+_OPERATORS: dict[type[ast.operator | ast.unaryop], Callable[..., float]] = {
     ast.Add: operator.add,
     ast.Sub: operator.sub,
     ast.Mult: operator.mul,
     ast.Div: operator.truediv,
     ast.Mod: operator.mod,
-    ast.Pow: math.pow,  # refuses what would be complex, and what would overflow
+    ast.Pow: math.pow,  # raises where ** would return a complex number or a huge integer
     ast.UAdd: operator.pos,
     ast.USub: operator.neg,
 }
 _SYNTAX = (ast.Load, ast.operator, ast.unaryop)  # nodes that come with another one
-WORDS = f"Possible are numbers, measures, + - * / % **, parentheses and {', '.join(FUNCTIONS)}."
+ALLOWED = (
+    f"Allowed are numbers, metrics, + - * / % **, parentheses and the functions "
+    f"{', '.join(FUNCTIONS)}."
+)
 
 
 class ExpressionInvalid(ValueError):
-    """An expression that gives no score. The sentence is written for the user."""
+    """An expression that gives no score. The message is written for the user."""
 
 
 def check(expression: str, names: Collection[str]) -> None:
-    """Refuse what is no expression over these names; the sentence says where and why.
+    """Check that this is an expression over these names.
 
     Raises
     ------
     ExpressionInvalid
-        If it cannot be understood, has something else in it than arithmetic, or is too large.
+        If it cannot be parsed, contains anything but arithmetic, or is too large; the message says
+        where and why.
     """
-    _parsed(expression, names)
+    _parse(expression, names)
 
 
-def score_of(expression: str, measures: Mapping[str, float | None]) -> float:
-    """Return what an expression gives for measures by name.
+def score_of(expression: str, metrics: Mapping[str, float | None]) -> float:
+    """Return the value of an expression, given the metrics by name.
 
     Raises
     ------
     ExpressionInvalid
-        As `check`; and if a measure that it names has no value, or it gives no finite number.
+        As `check`; and if a metric in it has no value, or the result is not a finite number.
     """
-    tree = _parsed(expression, measures)
-    missing = sorted(name for name in _names(tree) if measures[name] is None)
+    tree = _parse(expression, metrics)
+    missing = sorted(name for name in _names(tree) if metrics[name] is None)
     if missing:
-        raise ExpressionInvalid(f"{_listed(missing)} has no value here, so there is no score.")
-    numbers = {name: float(value) for name, value in measures.items() if value is not None}
-    evaluator = SimpleEval(operators=_OPERATORS, functions=_CALLS, names=numbers)
+        raise ExpressionInvalid(f"There is no score: {_listed(missing)} has no value.")
+    values = {name: float(value) for name, value in metrics.items() if value is not None}
     try:
-        value = float(evaluator.eval(expression, previously_parsed=tree.body))
-    except (InvalidExpression, ArithmeticError, ValueError) as refusal:
-        raise ExpressionInvalid(f"The expression gives no number: {refusal}.") from None
-    if not math.isfinite(value):
-        raise ExpressionInvalid("The expression gives no finite number.")
-    return value
+        score = float(_evaluate(tree.body, values))
+    except (ArithmeticError, ValueError) as error:
+        raise ExpressionInvalid(f"The expression has no value: {error}.") from None
+    if not math.isfinite(score):
+        raise ExpressionInvalid("The expression has no finite value.")
+    return score
 
 
-def _parsed(expression: str, names: Collection[str]) -> ast.Expression:
-    """Return the checked tree, every number in it a float."""
-    if len(expression) > LONGEST:
+def _evaluate(node: ast.expr, values: Mapping[str, float]) -> float:
+    """Return the value of a checked node."""
+    match node:
+        case ast.Constant(value=float(value)):
+            return value
+        case ast.Name(id=name):
+            return values[name]
+        case ast.UnaryOp(op=op, operand=operand):
+            return _OPERATORS[type(op)](_evaluate(operand, values))
+        case ast.BinOp(left=left, op=op, right=right):
+            return _OPERATORS[type(op)](_evaluate(left, values), _evaluate(right, values))
+        case ast.Call(func=ast.Name(id=name), args=arguments):
+            return FUNCTIONS[name][0](*(_evaluate(one, values) for one in arguments))
+    raise TypeError(f"{type(node).__name__} was not checked")
+
+
+def _parse(expression: str, names: Collection[str]) -> ast.Expression:
+    """Return the checked tree, in which every number is a float."""
+    if len(expression) > MAX_LENGTH:
         raise ExpressionInvalid(
-            f"The expression has {len(expression)} characters; at most {LONGEST} are possible."
+            f"The expression has {len(expression)} characters; at most {MAX_LENGTH} are allowed."
         )
     try:
         tree = expression_of(expression.replace("\n", " ").strip())
     except SyntaxError as error:
-        place = max(error.offset or 1, 1)
-        raise ExpressionInvalid(
-            f"At character {place} the expression cannot be understood. {WORDS}"
-        ) from None
+        position = max(error.offset or 1, 1)
+        raise ExpressionInvalid(f"Syntax error at character {position}. {ALLOWED}") from None
     except (ValueError, MemoryError, RecursionError):  # null bytes, thousands of brackets
-        raise ExpressionInvalid(f"The expression cannot be understood. {WORDS}") from None
+        raise ExpressionInvalid(f"The expression cannot be parsed. {ALLOWED}") from None
     for count, (node, depth) in enumerate(_nodes(tree.body)):
-        if count >= MOST_NODES or depth > DEEPEST:
+        if count >= MAX_NODES or depth > MAX_DEPTH:
             raise ExpressionInvalid(
-                f"The expression is too large: at most {MOST_NODES} parts, {DEEPEST} within each "
-                "other."
+                f"The expression is too large: at most {MAX_NODES} parts, nested at most "
+                f"{MAX_DEPTH} deep, are allowed."
             )
         _check_node(node, names)
     return tree
 
 
 def _nodes(root: ast.AST) -> Iterator[tuple[ast.AST, int]]:
-    """Yield all nodes with their depth; a call's function is no node of its own."""
+    """Yield all nodes with their depth; the name of a called function does not count."""
     waiting = [(root, 1)]
     while waiting:
         node, depth = waiting.pop()
         yield node, depth
-        inner = ast.iter_child_nodes(node)
-        named = node.func if isinstance(node, ast.Call) else None
-        waiting += [(child, depth + 1) for child in inner if child is not named]
+        function = node.func if isinstance(node, ast.Call) else None
+        waiting += [
+            (child, depth + 1) for child in ast.iter_child_nodes(node) if child is not function
+        ]
 
 
 def _check_node(node: ast.AST, names: Collection[str]) -> None:
     match node:
-        case ast.Constant(value=bool()) | ast.Constant(value=complex()):
-            _refuse(node, "is no number")
+        case ast.Constant(value=bool() | complex()):
+            _reject(node, "is not a real number")
         case ast.Constant(value=int() | float()):
             _make_float(node)
         case ast.Name(id=name) if name not in names:
-            _refuse_name(node, "measure", name, names)
+            _reject_name(node, "metric", name, names)
         case ast.Call():
             _check_call(node)
         case ast.BinOp(op=op) | ast.UnaryOp(op=op) if type(op) in _OPERATORS:
@@ -140,46 +155,46 @@ def _check_node(node: ast.AST, names: Collection[str]) -> None:
         case _ if isinstance(node, _SYNTAX):
             pass
         case _:
-            _refuse(node, "is something that is no arithmetic")
+            _reject(node, "is not arithmetic")
 
 
 def _make_float(node: ast.Constant) -> None:
-    """Make a whole number a float: whole numbers could grow without bound."""
+    """Make an integer a float: integers could grow without bound."""
     try:
         node.value = float(node.value)  # type: ignore[arg-type]
     except OverflowError:
-        _refuse(node, "is a number that is too large")
+        _reject(node, "is too large a number")
     if not math.isfinite(node.value):
-        _refuse(node, "is a number that is too large")
+        _reject(node, "is too large a number")
 
 
 def _check_call(node: ast.Call) -> None:
     if not isinstance(node.func, ast.Name) or node.keywords:
-        _refuse(node, "is something that is no arithmetic")
+        _reject(node, "is not arithmetic")
     name = node.func.id
     if name not in FUNCTIONS:
-        _refuse_name(node, "function", name, FUNCTIONS)
-    wanted = FUNCTIONS[name][1]
-    if not node.args or (wanted is not None and len(node.args) != wanted):
-        _refuse(node, f"is {name}, which takes {'one value' if wanted else 'one value or more'}")
+        _reject_name(node, "function", name, FUNCTIONS)
+    count = FUNCTIONS[name][1]
+    if not node.args or (count is not None and len(node.args) != count):
+        _reject(node, f"is {name}, which takes {'one argument' if count else 'arguments'}")
 
 
-def _refuse_name(node: ast.AST, kind: str, name: str, known: Collection[str]) -> NoReturn:
+def _reject_name(node: ast.AST, what: str, name: str, known: Collection[str]) -> NoReturn:
     near = difflib.get_close_matches(name, known, n=3) or sorted(
         one for one in known if name.lower() in one.lower()
     )
     hint = f"did you mean {' or '.join(near[:3])}?" if near else f"there are {_listed(known)}."
-    _refuse(node, f"is {name[:60]}, which is no {kind}; {hint}", words="")
+    _reject(node, f"is {name[:60]}, which is not a {what}; {hint}", allowed="")
 
 
-def _refuse(node: ast.AST, why: str, *, words: str = f". {WORDS}") -> NoReturn:
-    place = getattr(node, "col_offset", 0) + 1
-    raise ExpressionInvalid(f"At character {place} {why}{words}")
+def _reject(node: ast.AST, why: str, *, allowed: str = f". {ALLOWED}") -> NoReturn:
+    position = getattr(node, "col_offset", 0) + 1
+    raise ExpressionInvalid(f"At character {position} {why}{allowed}")
 
 
 def _listed(names: Collection[str]) -> str:
-    shown = ", ".join(sorted(names)[:_SHOWN])
-    return f"{shown} ..." if len(names) > _SHOWN else shown
+    shown = ", ".join(sorted(names)[:_NAMES_SHOWN])
+    return f"{shown} ..." if len(names) > _NAMES_SHOWN else shown
 
 
 def _names(tree: ast.Expression) -> set[str]:

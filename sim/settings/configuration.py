@@ -11,6 +11,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from typing import Any, Literal, Self
 
+from annotated_types import Ge, Gt, Le, MaxLen, MinLen
 from pydantic import (
     BaseModel,
     ConfigDict,
@@ -24,16 +25,10 @@ from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
 from seamark.sim.metrics.metric import Metric
-from seamark.sim.metrics.score_expression import LONGEST, ExpressionInvalid, check
+from seamark.sim.metrics.score_expression import MAX_LENGTH, ExpressionInvalid, check
 
 Role = Literal["scenario", "solution"]
 _COMMA = re.compile(r"\s*(-?\d+),(\d+)\s*")  # a number as half of the world writes it
-_LIMITS = (  # pydantic's name, its attribute, JSON Schema's word
-    ("Ge", "ge", "minimum"),
-    ("Gt", "gt", "exclusiveMinimum"),
-    ("Le", "le", "maximum"),
-    ("MaxLen", "max_length", "maxLength"),
-)
 _ADAPTERS: dict[object, TypeAdapter[Any]] = {
     annotation: TypeAdapter(annotation) for annotation in (bool, int, float, str, tuple[float, ...])
 }
@@ -216,7 +211,7 @@ def setting(  # noqa: PLR0913  # one keyword per word of the schema
         extra["x-applies"] = dict(applies)
     bounds: dict[str, Any] = {}
     if names is not None:
-        bounds = {"max_length": LONGEST}
+        bounds = {"max_length": MAX_LENGTH}
     elif length is None:
         bounds = {"ge": low, "gt": above, "le": high}
     else:
@@ -275,24 +270,37 @@ def allowed(field: FieldInfo) -> str:
     if field.annotation is bool:
         return "true or false"
     if "x-names" in extra:
-        return f"a text of at most {LONGEST} characters"
+        return f"a text of at most {MAX_LENGTH} characters"
     unit = f" {extra['x-unit']}" if "x-unit" in extra else ""
-    limits = {type(entry).__name__: entry for entry in field.metadata}
+    limits = _limits(field)
     items = extra.get("x-items")
     if items is not None:
-        least, most = limits["MinLen"].min_length, limits["MaxLen"].max_length
+        least, most = limits["minLength"], limits["maxLength"]
         count = f"{least}" if least == most else f"{least} to {most}"
         return f"a list of {count} numbers {_range(items, unit)}"
-    found = {
-        "minimum": getattr(limits.get("Ge"), "ge", None),
-        "exclusiveMinimum": getattr(limits.get("Gt"), "gt", None),
-        "maximum": getattr(limits.get("Le"), "le", None),
-    }
-    kind = "a whole number" if field.annotation is int else "a number"
-    return f"{kind} {_range(found, unit)}".strip()
+    number = "a whole number" if field.annotation is int else "a number"
+    return f"{number} {_range(limits, unit)}".strip()
 
 
-def _range(limits: Mapping[str, float | None], unit: str) -> str:
+def _limits(field: FieldInfo) -> dict[str, Any]:
+    """Return the limits of a setting by their JSON Schema keyword."""
+    limits: dict[str, Any] = {}
+    for constraint in field.metadata:
+        match constraint:
+            case Ge(ge=limit):
+                limits["minimum"] = limit
+            case Gt(gt=limit):
+                limits["exclusiveMinimum"] = limit
+            case Le(le=limit):
+                limits["maximum"] = limit
+            case MinLen(min_length=length):
+                limits["minLength"] = length
+            case MaxLen(max_length=length):
+                limits["maxLength"] = length
+    return limits
+
+
+def _range(limits: Mapping[str, float], unit: str) -> str:
     low, above, high = (limits.get(k) for k in ("minimum", "exclusiveMinimum", "maximum"))
     start = f"above {above:g}" if above is not None else f"from {low:g}" if low is not None else ""
     if high is None:
@@ -383,15 +391,12 @@ def _property(name: str, field: FieldInfo) -> dict[str, Any]:
     default = field.default
     entry: dict[str, Any] = {"title": field.title or name, "description": field.description or ""}
     entry["default"] = list(default) if isinstance(default, tuple) else default
-    limits = {type(item).__name__: item for item in field.metadata}
+    limits = _limits(field)
     items = extra.pop("x-items", None)
     if items is not None:
         entry |= {"type": "array", "items": {"type": "number"} | items}
-        entry["minItems"] = limits["MinLen"].min_length
-        entry["maxItems"] = limits["MaxLen"].max_length
+        entry["minItems"] = limits["minLength"]
+        entry["maxItems"] = limits["maxLength"]
     else:
-        entry["type"] = JSON_TYPES[field.annotation]
-        for kind_name, attribute, word in _LIMITS:
-            if kind_name in limits:
-                entry[word] = getattr(limits[kind_name], attribute)
+        entry |= {"type": JSON_TYPES[field.annotation]} | limits
     return entry | extra

@@ -1,4 +1,4 @@
-"""The setting with which a user has a score of one's own, beside the benchmark's."""
+"""The setting for a custom score, shown next to the benchmark's."""
 
 from collections.abc import Iterable
 from typing import Any
@@ -13,8 +13,8 @@ def custom_score_setting(metrics: Iterable[Metric], *, group: str) -> Any:  # as
     names = ("score", *(metric.name for metric in metrics), *uwsim_metrics.NAMES)
     return setting(
         "",
-        title="Score of your own",
-        help="Shown beside the benchmark's: an expression such as objectCenteredOnCam + corners.",
+        title="Custom score",
+        help="Shown next to the benchmark's: an expression such as objectCenteredOnCam + corners.",
         group=group,
         role="scenario",
         advanced=True,

@@ -41,7 +41,7 @@ class Order:
 @click.option(
     "--score",
     metavar="EXPRESSION",
-    help="A score of your own over the measures, as --set score=EXPRESSION.",
+    help="Custom score: an expression over the metrics, as --set score=EXPRESSION.",
 )
 @json_option
 def run(  # noqa: PLR0913  # one argument per option

@@ -1,4 +1,4 @@
-"""Expressions over measures: arithmetic and nothing else, in bounded time."""
+"""Expressions over metrics: arithmetic and nothing else, in bounded time."""
 
 import math
 
@@ -7,10 +7,10 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from seamark.sim.metrics.score_expression import (
-    DEEPEST,
     FUNCTIONS,
-    LONGEST,
-    MOST_NODES,
+    MAX_DEPTH,
+    MAX_LENGTH,
+    MAX_NODES,
     ExpressionInvalid,
     check,
     score_of,
@@ -18,7 +18,7 @@ from seamark.sim.metrics.score_expression import (
 from seamark.sim.registry import BENCHMARKS, benchmark
 from seamark.sim.settings.configuration import Configuration, ConfigurationInvalid
 
-MEASURES = {"corners": 4.0, "centroid": 1.5, "time": 60.0, "settling_s": None}
+METRICS = {"corners": 4.0, "centroid": 1.5, "time": 60.0, "settling_s": None}
 
 
 @pytest.mark.parametrize(
@@ -32,64 +32,64 @@ MEASURES = {"corners": 4.0, "centroid": 1.5, "time": 60.0, "settling_s": None}
         ("min(time, 3, 2)\n+ 1", 3.0),
     ],
 )
-def test_arithmetic_over_measures_is_worked_out(expression: str, score: float) -> None:
-    assert score_of(expression, MEASURES) == pytest.approx(score)
+def test_arithmetic_over_metrics_is_evaluated(expression: str, score: float) -> None:
+    assert score_of(expression, METRICS) == pytest.approx(score)
 
 
 @pytest.mark.parametrize(
-    ("expression", "told"),
+    ("expression", "message"),
     [
-        ("", "cannot be understood"),
-        ("corners +", "cannot be understood"),
-        ("1 + corner", "At character 5 is corner, which is no measure; did you mean corners?"),
-        ("time + zzz", "At character 8 is zzz, which is no measure; there are centroid, corners"),
-        ("sqroot(2)", "no function; did you mean sqrt?"),
-        ("corners > 1", "no arithmetic"),
-        ("'a' * 3", "no arithmetic"),
-        ("[corners]", "no arithmetic"),
-        ("corners.real", "no arithmetic"),
-        ("corners.__class__", "no arithmetic"),
-        ("__import__('os')", "__import__, which is no function"),
-        ("(lambda: 1)()", "no arithmetic"),
-        ("[x for x in (1, 2)]", "no arithmetic"),
-        ("abs(x=1)", "no arithmetic"),
-        ("max(*[1, 2])", "no arithmetic"),
-        ("abs(1, 2)", "takes one value"),
-        ("min()", "takes one value or more"),
-        ("f'{time}'", "no arithmetic"),
-        ("True", "no number"),
-        ("2j", "no number"),
+        ("", "Syntax error"),
+        ("corners +", "Syntax error at character"),
+        ("1 + corner", "At character 5 is corner, which is not a metric; did you mean corners?"),
+        ("time + zzz", "At character 8 is zzz, which is not a metric; there are centroid, corners"),
+        ("sqroot(2)", "not a function; did you mean sqrt?"),
+        ("corners > 1", "is not arithmetic"),
+        ("'a' * 3", "is not arithmetic"),
+        ("[corners]", "is not arithmetic"),
+        ("corners.real", "is not arithmetic"),
+        ("corners.__class__", "is not arithmetic"),
+        ("__import__('os')", "__import__, which is not a function"),
+        ("(lambda: 1)()", "is not arithmetic"),
+        ("[x for x in (1, 2)]", "is not arithmetic"),
+        ("abs(x=1)", "is not arithmetic"),
+        ("max(*[1, 2])", "is not arithmetic"),
+        ("abs(1, 2)", "takes one argument"),
+        ("min()", "takes arguments"),
+        ("f'{time}'", "is not arithmetic"),
+        ("True", "not a real number"),
+        ("2j", "not a real number"),
         ("1e999", "too large"),
         ("1" + "0" * 400, "too large"),
-        ("1 << 9", "no arithmetic"),
-        ("1" + "+1" * (MOST_NODES // 2), "too large"),
-        ("-" * (DEEPEST + 1) + "1", "too large"),
-        ("1" * (LONGEST + 1), "characters"),
-        ("(" * 250 + "1" + ")" * 249, "cannot be understood"),
+        ("1 << 9", "is not arithmetic"),
+        ("1" + "+1" * (MAX_NODES // 2), "too large"),
+        ("-" * (MAX_DEPTH + 1) + "1", "too large"),
+        ("1" * (MAX_LENGTH + 1), "characters"),
+        ("(" * 250 + "1" + ")" * 249, "Syntax error"),
     ],
 )
-def test_everything_else_is_refused_with_a_sentence(expression: str, told: str) -> None:
-    with pytest.raises(ExpressionInvalid, match=told.replace("?", r"\?")):
-        check(expression, MEASURES)
+def test_anything_else_is_rejected_with_a_reason(expression: str, message: str) -> None:
+    with pytest.raises(ExpressionInvalid, match=message.replace("?", r"\?")):
+        check(expression, METRICS)
 
 
 @pytest.mark.parametrize(
     "expression", ["1 / (time - 60)", "sqrt(-1)", "(-2) ** 0.5", "9 ** 9 ** 9", "exp(time * time)"]
 )
-def test_what_gives_no_finite_number_is_no_score(expression: str) -> None:
-    check(expression, MEASURES)
+def test_an_expression_without_a_finite_value_is_not_a_score(expression: str) -> None:
+    check(expression, METRICS)
 
-    with pytest.raises(ExpressionInvalid, match="gives no"):
-        score_of(expression, MEASURES)
+    with pytest.raises(ExpressionInvalid, match="has no"):
+        score_of(expression, METRICS)
 
 
-def test_a_measure_without_a_value_gives_no_score_and_is_named() -> None:
+def test_a_metric_without_a_value_gives_no_score_and_is_named() -> None:
     with pytest.raises(ExpressionInvalid, match="settling_s has no value"):
-        score_of("settling_s + 1", MEASURES)
+        score_of("settling_s + 1", METRICS)
 
 
 PIECES = (
-    *MEASURES,
+    *METRICS,
     *FUNCTIONS,
     *("9", "1e308", "0.5", "0x7f", "1_0", "10**9", "**", "*", "+", "-", "/", "%", "(", ")", ","),
     *(
@@ -116,9 +116,9 @@ PIECES = (
 @given(pieces=st.lists(st.sampled_from(PIECES), max_size=60))
 @example(pieces=["9**9**9**9**9"])
 @example(pieces=["(" * 490])
-def test_no_expression_gives_anything_but_a_finite_number_or_a_refusal(pieces: list[str]) -> None:
+def test_every_expression_gives_a_finite_float_or_is_rejected(pieces: list[str]) -> None:
     try:
-        value = score_of("".join(pieces), MEASURES)
+        value = score_of("".join(pieces), METRICS)
     except ExpressionInvalid:
         return
     assert type(value) is float
@@ -141,22 +141,22 @@ expressions = st.recursive(
 
 
 @given(expression=expressions)
-def test_plain_arithmetic_is_what_python_makes_of_it(expression: str) -> None:
+def test_plain_arithmetic_agrees_with_python(expression: str) -> None:
     names = {"corners": 4.0, "centroid": 1.5, "time": 60.0, "min": min, "max": max, "abs": abs}
 
-    wanted = eval(expression, {"__builtins__": {}}, names)  # noqa: S307 - of our own making
+    wanted = eval(expression, {"__builtins__": {}}, names)  # noqa: S307 - generated above
 
-    assert score_of(expression, MEASURES) == pytest.approx(wanted)
+    assert score_of(expression, METRICS) == pytest.approx(wanted)
 
 
 @pytest.mark.parametrize("name", BENCHMARKS)
-def test_every_benchmark_takes_a_score_of_ones_own_and_ranked_runs_do_not(name: str) -> None:
+def test_every_benchmark_takes_a_custom_score_and_ranked_runs_do_not(name: str) -> None:
     entry = benchmark(name)
     config: Configuration = entry.read({"score": "score - 2 * distance"})
 
     assert config.custom_score() == "score - 2 * distance"
     assert entry.ranked(config).custom_score() == ""
-    with pytest.raises(ConfigurationInvalid, match=r"Score of your own.*did you mean distance"):
+    with pytest.raises(ConfigurationInvalid, match=r"Custom score.*did you mean distance"):
         entry.read({"score": "distanc"})
-    with pytest.raises(ConfigurationInvalid, match=f"at most {LONGEST} characters"):
-        entry.read({"score": "1" * (LONGEST + 1)})
+    with pytest.raises(ConfigurationInvalid, match=f"at most {MAX_LENGTH} characters"):
+        entry.read({"score": "1" * (MAX_LENGTH + 1)})
