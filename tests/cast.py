@@ -17,7 +17,7 @@ from seamark.server.runs import queue as run_queue
 from seamark.server.runs import results, submission, views
 from seamark.server.runs.queue import Claim
 from seamark.server.runs.results import Report
-from seamark.server.runs.states import Kind, RunState
+from seamark.server.runs.states import RunKind, RunState
 from seamark.server.runs.views import RunView
 from seamark.server.settings import Settings
 
@@ -70,9 +70,9 @@ class Backend:
 
     def queue(self, who: str = "ann", *, kind: str = "practice", **changes: Any) -> int:
         """Queue a run of the built-in PI controller, or of what `changes` says."""
-        wanted = PI_RUN | {"viewer": self.viewers[who], "kind": Kind(kind)} | changes
+        wanted = PI_RUN | {"viewer": self.viewers[who], "kind": RunKind(kind)} | changes
         with self.database.writing() as session:
-            return submission.enqueue(session, submission.Order(**wanted), self.settings)
+            return submission.enqueue(session, submission.Submission(**wanted), self.settings)
 
     def queue_program(self, who: str = "ann", **changes: Any) -> int:
         """Queue a run of an uploaded program."""
@@ -126,7 +126,7 @@ class Backend:
 
     def cancel(self, run_id: int) -> bool:
         with self.database.writing() as session:
-            return results.request_cancel(session, run_id)
+            return results.cancel(session, run_id)
 
     def show(self, run_id: int) -> RunView:
         with self.database.reading() as session:

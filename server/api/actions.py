@@ -15,7 +15,7 @@ from seamark.server.accounts.permissions import Action
 from seamark.server.api import authorization
 from seamark.server.api.schemas import RunPath, RunResponse, run_answer
 from seamark.server.messaging import live_events
-from seamark.server.runs import door as runs
+from seamark.server.runs import results, views
 from seamark.server.runs.states import RunState
 from seamark.server.runs.views import RunView
 from seamark.server.web.problems import Problem
@@ -34,7 +34,7 @@ _log = structlog.get_logger()
 def cancel(path: RunPath) -> dict[str, Any]:
     """Cancel a run that waits or runs. What it recorded so far stays."""
     before = authorization.run_for(path.run_id, Action.CANCEL)
-    after = _change(path.run_id, runs.request_cancel, f"It is {before.state.value} already.")
+    after = _change(path.run_id, results.cancel, f"It is {before.state.value} already.")
     if before.state is RunState.QUEUED:
         _tell_listeners(path.run_id)
     return run_answer(after)
@@ -47,14 +47,14 @@ def publish(path: RunPath) -> dict[str, Any]:
     why = (
         "It is public already." if before.public else "Only a run that has ended can be published."
     )
-    return run_answer(_change(path.run_id, runs.publish, why))
+    return run_answer(_change(path.run_id, results.publish, why))
 
 
 @api.post("/runs/<int:run_id>/withdraw", responses={200: RunResponse})
 def withdraw(path: RunPath) -> dict[str, Any]:
     """Make a public run private again and take it off the leaderboard."""
     authorization.run_for(path.run_id, Action.WITHDRAW)
-    return run_answer(_change(path.run_id, runs.withdraw, "It is not public."))
+    return run_answer(_change(path.run_id, results.withdraw, "It is not public."))
 
 
 def _change(run_id: int, change: Callable[[Session, int], bool], why_not: str) -> RunView:
@@ -62,7 +62,7 @@ def _change(run_id: int, change: Callable[[Session, int], bool], why_not: str) -
         if not change(database, run_id):
             raise Problem("conflict", why_not)
     with services().database.reading() as database:
-        view = runs.show(database, run_id, services().settings)
+        view = views.show(database, run_id, services().settings)
     if view is None:
         raise Problem("not-found")
     return view

@@ -14,7 +14,7 @@ from seamark.server.accounts.permissions import (
     can,
     required_scope,
 )
-from seamark.server.runs import door as runs
+from seamark.server.runs import views
 from seamark.server.runs.views import RunView
 from seamark.server.web.problems import Problem
 from seamark.server.web.services import services
@@ -59,7 +59,7 @@ def run_for(run_id: int, action: Action = Action.VIEW) -> RunView:
         or forbidden if the action is not permitted.
     """
     with services().database.reading() as database:
-        run = runs.show(database, run_id, services().settings)
+        run = views.show(database, run_id, services().settings)
     if run is None or not _may_know_of(run):
         raise Problem("not-found", _NOT_FOUND.format(run_id))
     if not can(viewer(), action, run):

@@ -17,7 +17,7 @@ from seamark.server.api import authorization
 from seamark.server.api.schemas import RunPath
 from seamark.server.messaging import live_events
 from seamark.server.messaging.live_events import Event
-from seamark.server.runs import door as runs
+from seamark.server.runs import views
 from seamark.server.runs.files import RunFiles
 from seamark.server.runs.views import RunView
 from seamark.server.web.problems import Problem
@@ -101,7 +101,7 @@ def _as_it_happens(held: Services, view: RunView, last_id: str | None) -> Iterat
 
 def _look(held: Services, run_id: int) -> RunView | None:
     with held.database.reading() as database:
-        return runs.show(database, run_id, held.settings)
+        return views.show(database, run_id, held.settings)
 
 
 def _told_again(held: Services, view: RunView, last_id: str | None) -> Iterator[Event]:

@@ -14,7 +14,7 @@ from seamark.server.api import authorization
 from seamark.server.api.schemas import CameraQuery, LogQuery, RunPath, TelemetryQuery
 from seamark.server.programs import store
 from seamark.server.runs.files import RunFiles
-from seamark.server.runs.states import Kind
+from seamark.server.runs.states import RunKind
 from seamark.server.runs.views import RunView
 from seamark.server.web.problems import Problem
 from seamark.server.web.services import services
@@ -118,7 +118,7 @@ def manifest(path: RunPath) -> Response:
 
 def _masked(value: Any, view: RunView) -> Any:
     """Return the document without the hidden seeds of a ranked run."""
-    return _without_secrets(value) if view.kind == Kind.RANKED else value
+    return _without_secrets(value) if view.kind == RunKind.RANKED else value
 
 
 def _without_secrets(value: Any) -> Any:

@@ -22,10 +22,16 @@ from seamark.server.api.schemas import (
 )
 from seamark.server.programs import store
 from seamark.server.programs.store import StoredProgram, UploadRejected
-from seamark.server.runs import door as runs
-from seamark.server.runs.states import Kind, RunState
-from seamark.server.runs.submission import role_of
-from seamark.server.runs.views import RunView
+from seamark.server.runs import submission, views
+from seamark.server.runs.states import RunKind, RunState
+from seamark.server.runs.submission import (
+    UPLOAD,
+    QuotaExceeded,
+    Submission,
+    SubmissionRejected,
+    role_of,
+)
+from seamark.server.runs.views import RunFilter, RunView
 from seamark.server.web import authentication, rate_limits
 from seamark.server.web.problems import Problem
 from seamark.server.web.services import services
@@ -87,16 +93,16 @@ def _enqueue(order: RunRequest, program: StoredProgram | None) -> int:
     if program is None and built_in is None:
         needed = "Name a built-in controller, or send a program."
         raise Problem("invalid-request", needed, errors={"controller": needed})
-    if program is not None and order.controller not in (None, runs.UPLOAD):
+    if program is not None and order.controller not in (None, UPLOAD):
         both = "Choose either a built-in controller or a program of your own."
         raise Problem("invalid-request", both, errors={"controller": both})
     return refused_in_words(
-        runs.Order(
+        Submission(
             viewer=authorization.viewer(),
             benchmark=order.benchmark,
             config=order.config,
-            kind=Kind(order.kind),
-            controller=built_in or runs.UPLOAD,
+            kind=RunKind(order.kind),
+            controller=built_in or UPLOAD,
             program=program,
             seed=order.seed,
             trials=order.trials,
@@ -106,7 +112,7 @@ def _enqueue(order: RunRequest, program: StoredProgram | None) -> int:
     )
 
 
-def refused_in_words(order: runs.Order | int) -> int:
+def refused_in_words(order: Submission | int) -> int:
     """Insert an order (or, given a run's id, the same order again) and return the new id.
 
     Raises
@@ -118,14 +124,14 @@ def refused_in_words(order: runs.Order | int) -> int:
     try:
         with services().database.writing() as database:
             if isinstance(order, int):
-                run_id = runs.rerun(database, order, authorization.viewer(), settings)
+                run_id = submission.rerun(database, order, authorization.viewer(), settings)
             else:
-                run_id = runs.enqueue(database, order, settings)
+                run_id = submission.enqueue(database, order, settings)
     except ConfigurationInvalid as wrong:
         raise Problem("invalid-configuration", str(wrong), errors=wrong.errors) from None
-    except runs.OrderRejected as reason:
+    except SubmissionRejected as reason:
         raise Problem("invalid-request", str(reason)) from None
-    except runs.QuotaExceeded as reason:
+    except QuotaExceeded as reason:
         wait = {"Retry-After": str(reason.retry_after_s)}
         raise Problem("quota-exceeded", str(reason), headers=wait) from None
     services().ring()  # only after the commit: the worker must find the row
@@ -134,7 +140,7 @@ def refused_in_words(order: runs.Order | int) -> int:
 
 def _accepted(run_id: int) -> Response:
     with services().database.reading() as database:
-        view = runs.show(database, run_id, services().settings)
+        view = views.show(database, run_id, services().settings)
     if view is None:
         raise Problem("not-found")
     answer = jsonify(run_answer(view))  # who ordered it may see it, whatever the token's scopes
@@ -158,13 +164,13 @@ def list_some(query: RunsQuery) -> dict[str, Any]:
     if query.which == "all" and not authorization.is_operator():
         raise Problem("forbidden", "Only admins may list the runs of all users.")
     with services().database.reading() as database:
-        wanted = runs.Wanted(
+        wanted = RunFilter(
             which=query.which,
             states=[RunState(state) for state in query.state],
             benchmark=query.benchmark,
             kind=query.kind,
         )
-        page = runs.listing(
+        page = views.page(
             database, authorization.viewer(), wanted, after=query.after, limit=query.limit
         )
     return {"runs": [run_answer(view, whole=False) for view in page.runs], "next": page.next}

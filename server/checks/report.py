@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from seamark.server.programs.diagnostics import Diagnostic, Stage
-from seamark.server.runs.failure_reasons import WORDS, Cause
+from seamark.server.runs.failure_reasons import DESCRIPTIONS, FailureReason
 
 OUTPUT_MAX = 8000  # [character] of the output, from its end
 DIAGNOSTICS_MAX = 50
@@ -60,7 +60,7 @@ def from_outcome(outcome: CheckOutcome, *, step_allowed_us: float) -> dict[str, 
 
 def platform_failure() -> dict[str, Any]:
     """Return the report for a failure of the service rather than of the program."""
-    reason = WORDS[Cause.PLATFORM_ERROR]
+    reason = DESCRIPTIONS[FailureReason.PLATFORM_ERROR]
     sentence = f"{reason.title}. {reason.sentence}"
     return _document([Diagnostic(sentence=sentence, stage=Stage.RUN)], CheckOutcome())
 
@@ -98,7 +98,7 @@ def _document(diagnostics: Sequence[Diagnostic], outcome: CheckOutcome) -> dict[
 
 def _from_failure(outcome: CheckOutcome) -> list[Diagnostic]:
     """Return all messages of the compiler, or else what ended the program and where."""
-    if outcome.verdict == Cause.COMPILE_ERROR:
+    if outcome.verdict == FailureReason.COMPILE_ERROR:
         messages = _COMPILER_MESSAGE.finditer(outcome.traceback)
         if diagnostics := [_from_compiler(match) for match in messages]:
             return diagnostics
@@ -106,7 +106,7 @@ def _from_failure(outcome: CheckOutcome) -> list[Diagnostic]:
     sentence = outcome.sentence[: location.start()] if location else outcome.sentence
     return [
         Diagnostic(
-            sentence=sentence or WORDS[Cause(outcome.verdict)].sentence,
+            sentence=sentence or DESCRIPTIONS[FailureReason(outcome.verdict)].sentence,
             stage=_stage(outcome),
             file=location[2] if location else None,
             line=int(location[1]) if location else None,
@@ -127,8 +127,8 @@ def _from_compiler(match: re.Match[str]) -> Diagnostic:
 
 
 def _stage(outcome: CheckOutcome) -> Stage:
-    if outcome.verdict == Cause.COMPILE_ERROR:
+    if outcome.verdict == FailureReason.COMPILE_ERROR:
         return Stage.COMPILE
     in_call = _IN_CALL.search(f"{outcome.sentence}\n{outcome.traceback}")
-    answered = outcome.step_us or outcome.verdict == Cause.PROTOCOL_ERROR
+    answered = outcome.step_us or outcome.verdict == FailureReason.PROTOCOL_ERROR
     return Stage.RUN if answered or in_call else Stage.START

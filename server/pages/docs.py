@@ -21,7 +21,7 @@ from seamark.sandbox.limits import COMPILING, MEANING, Limits
 from seamark.server.pages import benchmarks, guides
 from seamark.server.programs import starter_files
 from seamark.server.runs import trial_limits
-from seamark.server.runs.failure_reasons import WORDS
+from seamark.server.runs.failure_reasons import DESCRIPTIONS
 from seamark.server.web.services import services
 from seamark.sim import registry, vehicles
 from seamark.sim.benchmarks import metrics_documentation
@@ -116,7 +116,7 @@ def _languages() -> dict[str, Any]:
 
 
 def _runs() -> dict[str, Any]:
-    return {"causes": WORDS, "settings": services().settings}
+    return {"causes": DESCRIPTIONS, "settings": services().settings}
 
 
 def _physics() -> dict[str, Any]:

@@ -7,8 +7,9 @@ from sqlalchemy import func, select
 from seamark.server import workers
 from seamark.server.database.tables import Run
 from seamark.server.pages import benchmarks
-from seamark.server.runs import door as runs
-from seamark.server.runs import leaderboard
+from seamark.server.runs import leaderboard, views
+from seamark.server.runs.states import LIVE, RunState
+from seamark.server.runs.views import RunFilter
 from seamark.server.web.services import services
 from seamark.sim import registry
 
@@ -21,13 +22,13 @@ page = Blueprint("home", __name__)
 def show() -> ResponseReturnValue:
     """Show the start page."""
     with services().database.reading() as session:
-        public = runs.listing(session, g.viewer, runs.Wanted(which="public"), limit=NEWEST)
+        public = views.page(session, g.viewer, RunFilter(which="public"), limit=NEWEST)
         boards = [
             (registry.benchmark(name), leaderboard.page(session, name, limit=BEST))
             for name in registry.BENCHMARKS
         ]
-        ended = func.count().filter(Run.state == runs.RunState.SUCCEEDED)
-        live = func.count().filter(Run.state.in_(runs.LIVE))
+        ended = func.count().filter(Run.state == RunState.SUCCEEDED)
+        live = func.count().filter(Run.state.in_(LIVE))
         simulated = func.coalesce(func.sum(Run.t_simulated), 0.0)
         done, waiting, simulated_s = session.execute(select(ended, live, simulated)).one()
         alive = workers.alive_count(session)

@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from seamark.server.runs.door import RunView
 from seamark.server.runs.files import RunFiles
+from seamark.server.runs.views import RunView
 from seamark.sim.benchmarks.benchmark import Benchmark, Curve
 from seamark.sim.numerics.statistics import mean
 from seamark.sim.recording.telemetry import INDEX, Rows

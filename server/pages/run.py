@@ -11,8 +11,11 @@ from sqlalchemy.orm import Session
 from seamark.server.accounts.permissions import Action, can
 from seamark.server.messaging import live_events
 from seamark.server.pages import benchmarks, level_chart, metric_tables
-from seamark.server.runs import door as runs
+from seamark.server.runs import results, submission, views
 from seamark.server.runs.files import RunFiles
+from seamark.server.runs.states import RunState
+from seamark.server.runs.submission import QuotaExceeded, SubmissionRejected
+from seamark.server.runs.views import RunView
 from seamark.server.web import authentication
 from seamark.server.web.rate_limits import ORDER, limiter, who
 from seamark.server.web.services import services
@@ -73,8 +76,8 @@ def cancel(run_id: int) -> ResponseReturnValue:
     """Cancel a live run; the data so far is kept."""
     before = _run_for(run_id, Action.CANCEL)
     done = "The run is cancelled. What it recorded so far is kept."
-    answer = _change(run_id, runs.request_cancel, done, "The run had ended already.")
-    if before.state is runs.RunState.QUEUED:
+    answer = _change(run_id, results.cancel, done, "The run had ended already.")
+    if before.state is RunState.QUEUED:
         _end_stream(run_id)  # no worker has it, so nobody else tells the open pages
     return answer
 
@@ -84,7 +87,7 @@ def publish(run_id: int) -> ResponseReturnValue:
     """Make a run public."""
     _run_for(run_id, Action.PUBLISH)
     done = "The run is public now, with its program and its data."
-    return _change(run_id, runs.publish, done, "Only a run that has ended can be published.")
+    return _change(run_id, results.publish, done, "Only a run that has ended can be published.")
 
 
 @page.post("/<row:run_id>/withdraw")
@@ -92,7 +95,7 @@ def withdraw(run_id: int) -> ResponseReturnValue:
     """Make a run private again."""
     _run_for(run_id, Action.WITHDRAW)
     done = "The run is private again."
-    return _change(run_id, runs.withdraw, done, "The run was not public.")
+    return _change(run_id, results.withdraw, done, "The run was not public.")
 
 
 @page.post("/<row:run_id>/rerun")
@@ -104,18 +107,18 @@ def rerun(run_id: int) -> ResponseReturnValue:
     run = _run_for(run_id, Action.RERUN)
     try:
         with services().database.writing() as session:
-            new_id = runs.rerun(session, run.id, viewer, services().settings)
-    except (runs.OrderRejected, runs.QuotaExceeded) as refusal:
+            new_id = submission.rerun(session, run.id, viewer, services().settings)
+    except (SubmissionRejected, QuotaExceeded) as refusal:
         flash(str(refusal), "bad")
         return redirect(url_for("run.show", run_id=run_id), code=303)
     services().ring()
     return redirect(url_for("run.show", run_id=new_id), code=303)
 
 
-def _run_for(run_id: int, action: Action = Action.VIEW) -> runs.RunView:
+def _run_for(run_id: int, action: Action = Action.VIEW) -> RunView:
     """Return the run, or end with 404 so that a private run cannot be told from none."""
     with services().database.reading() as session:
-        run = runs.show(session, run_id, services().settings)
+        run = views.show(session, run_id, services().settings)
     if run is None or not can(g.viewer, Action.VIEW, run):
         abort(404)
     if not can(g.viewer, action, run):
@@ -133,7 +136,7 @@ def _change(
 
 
 def _end_stream(run_id: int) -> None:
-    state = {"state": runs.RunState.CANCELLED.value, "position": None, "progress": 0}
+    state = {"state": RunState.CANCELLED.value, "position": None, "progress": 0}
     try:
         live_events.append(services().redis, run_id, live_events.STATE, state)
         live_events.append(services().redis, run_id, live_events.END, {})

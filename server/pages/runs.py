@@ -8,7 +8,9 @@ from flask.typing import ResponseReturnValue
 
 from seamark.server.accounts.permissions import Viewer
 from seamark.server.pages import benchmarks
-from seamark.server.runs import door as runs
+from seamark.server.runs import submission, views
+from seamark.server.runs.states import RunState
+from seamark.server.runs.views import LIMIT_MAX, RunFilter, RunPage, RunView
 from seamark.server.web import csv_export
 from seamark.server.web.services import Services, services
 from seamark.server.web.template_filters import iso, solution
@@ -28,11 +30,13 @@ def mine() -> ResponseReturnValue:
     wanted, held = _wanted(g.viewer), services()
     part = _part(held, g.viewer, wanted, request.args.get("after", type=row_number), SIZE)
     with held.database.reading() as session:
-        quota = None if g.viewer.owner is None else runs.quota(session, g.viewer, held.settings)
+        quota = (
+            None if g.viewer.owner is None else submission.quota(session, g.viewer, held.settings)
+        )
     return render_template(
         "runs/mine.html",
         part=part,
-        states=list(runs.RunState),
+        states=list(RunState),
         wanted=wanted,
         first="after" not in request.args,
         quota=quota,
@@ -49,37 +53,37 @@ def as_csv() -> ResponseReturnValue:
     return answer
 
 
-def _wanted(viewer: Viewer) -> runs.Wanted:
+def _wanted(viewer: Viewer) -> RunFilter:
     """Return which runs the address asks for; those of others only for an admin."""
     everybody = viewer.is_admin and request.args.get("of") == "all"
     state = request.args.get("state", "")
-    return runs.Wanted(
+    return RunFilter(
         which="all" if everybody else "mine",
         user=request.args.get("user", "").strip() or None if everybody else None,
-        states=(runs.RunState(state),) if state in list(runs.RunState) else (),
+        states=(RunState(state),) if state in list(RunState) else (),
     )
 
 
 def _part(
-    held: Services, viewer: Viewer, wanted: runs.Wanted, after: int | None, limit: int
-) -> runs.Page:
+    held: Services, viewer: Viewer, wanted: RunFilter, after: int | None, limit: int
+) -> RunPage:
     with held.database.reading() as session:
-        return runs.listing(session, viewer, wanted, after=after, limit=limit)
+        return views.page(session, viewer, wanted, after=after, limit=limit)
 
 
-def _lines(held: Services, viewer: Viewer, wanted: runs.Wanted) -> Iterator[str]:
+def _lines(held: Services, viewer: Viewer, wanted: RunFilter) -> Iterator[str]:
     """Make the CSV part by part: no transaction stays open while a slow reader reads."""
     yield csv_export.lines(COLUMNS, ())
     after: int | None = None
     while True:
-        part = _part(held, viewer, wanted, after, runs.LIMIT_MAX)
+        part = _part(held, viewer, wanted, after, LIMIT_MAX)
         yield csv_export.lines(COLUMNS, map(_row, part.runs), head=False)
         after = part.next
         if after is None:
             return
 
 
-def _row(run: runs.RunView) -> dict[str, Any]:
+def _row(run: RunView) -> dict[str, Any]:
     same = {name: getattr(run, name) for name in COLUMNS if hasattr(run, name)}
     times = {"queued_at": iso(run.queued_at)}
     if run.finished_at is not None:

@@ -9,7 +9,7 @@ from sqlalchemy import func, select
 from seamark.sandbox.languages import LANGUAGES
 from seamark.server import workers
 from seamark.server.database.tables import Run
-from seamark.server.runs import door as runs
+from seamark.server.runs.states import RunState
 from seamark.server.web.services import services
 
 page = Blueprint("status", __name__)
@@ -29,7 +29,7 @@ def show() -> ResponseReturnValue:
         "status/show.html",
         workers=listed,
         labels={name: language.label for name, language in LANGUAGES.items()},
-        counts={state.value: counts[state.value] for state in runs.RunState},
+        counts={state.value: counts[state.value] for state in RunState},
         oldest=oldest,
         refusal=refusal,
         needed=held.settings.sandbox_min_level,

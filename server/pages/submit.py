@@ -11,8 +11,9 @@ from seamark.server.accounts.permissions import Action, can
 from seamark.server.pages import benchmarks, form_fields, submitted_program
 from seamark.server.programs import archives, starter_files
 from seamark.server.programs.store import TEXT_MAX_BYTES, StoredProgram, UploadRejected
-from seamark.server.runs import door as runs
-from seamark.server.runs import trial_limits
+from seamark.server.runs import submission, trial_limits, views
+from seamark.server.runs.states import RunKind
+from seamark.server.runs.submission import UPLOAD, QuotaExceeded, Submission, SubmissionRejected
 from seamark.server.web import authentication
 from seamark.server.web.rate_limits import ORDER, limiter, who
 from seamark.server.web.services import services
@@ -48,16 +49,16 @@ def create(name: str) -> ResponseReturnValue:
     refused: dict[str, str] = {}
     status = 422
     try:
-        if answers.get("controller") == runs.UPLOAD:
+        if answers.get("controller") == UPLOAD:
             program, refused = _sent(benchmark, answers)
         order = _order(benchmark, values, answers, program)
         if not refused:
             with services().database.writing() as session:
-                run_id = runs.enqueue(session, order, services().settings)
+                run_id = submission.enqueue(session, order, services().settings)
     except ConfigurationInvalid as refusal:
         refused = refusal.errors | refused
-    except (runs.OrderRejected, runs.QuotaExceeded) as refusal:
-        status = 429 if isinstance(refusal, runs.QuotaExceeded) else 422
+    except (SubmissionRejected, QuotaExceeded) as refusal:
+        status = 429 if isinstance(refusal, QuotaExceeded) else 422
         refused = {"": str(refusal)}
     if refused:
         kept = program if answers.get("source") != "editor" else None
@@ -81,21 +82,21 @@ def _order(
     values: dict[str, object],
     answers: dict[str, str],
     program: StoredProgram | None,
-) -> runs.Order:
+) -> Submission:
     """Return the order in a posted form."""
-    kind = runs.Kind.RANKED if answers.get("kind") == runs.Kind.RANKED else runs.Kind.PRACTICE
-    if kind is runs.Kind.RANKED:  # the scenario is the benchmark's, whatever the form says
+    kind = RunKind.RANKED if answers.get("kind") == RunKind.RANKED else RunKind.PRACTICE
+    if kind is RunKind.RANKED:  # the scenario is the benchmark's, whatever the form says
         values = form_fields.solution(benchmark.schema(), values)
     config = benchmark.read(values)
     trials = _whole(answers, "trials", "The number of trials")
-    return runs.Order(
+    return Submission(
         viewer=authentication.become_guest(),
         benchmark=benchmark.name,
         config=config.model_dump(mode="json"),
         kind=kind,
         controller=answers.get("controller", ""),
         program=program,
-        seed=None if kind is runs.Kind.RANKED else _whole(answers, "seed", "A seed"),
+        seed=None if kind is RunKind.RANKED else _whole(answers, "seed", "A seed"),
         trials=1 if trials is None else trials,
         title=answers.get("title", ""),
     )
@@ -115,7 +116,7 @@ def _start_values(benchmark: Benchmark) -> dict[str, object]:
     earlier = request.args.get("from", type=row_number)
     if earlier is not None:
         with services().database.reading() as session:
-            run = runs.show(session, earlier)
+            run = views.show(session, earlier)
         if run is not None and run.benchmark == benchmark.name and can(g.viewer, Action.VIEW, run):
             return dict(run.config)
     return {
@@ -148,7 +149,9 @@ def _show(
             for language in LANGUAGES.values()
             if benchmark.role in language.roles
         }
-        quota = None if g.viewer.owner is None else runs.quota(session, g.viewer, held.settings)
+        quota = (
+            None if g.viewer.owner is None else submission.quota(session, g.viewer, held.settings)
+        )
     return render_template(
         "submit/form.html",
         benchmark=benchmark,

@@ -13,7 +13,7 @@ from itsdangerous import BadData, URLSafeTimedSerializer
 from seamark.server.accounts.permissions import Action, can
 from seamark.server.programs import starter_files, store
 from seamark.server.programs.store import StoredProgram, UploadRejected
-from seamark.server.runs import door as runs
+from seamark.server.runs.submission import SubmissionRejected
 from seamark.server.web.services import services
 from seamark.sim.benchmarks.benchmark import Benchmark
 
@@ -30,7 +30,7 @@ def take(benchmark: Benchmark, answers: dict[str, str]) -> StoredProgram:
         There is none that can be taken, or none may be sent.
     """
     if not can(g.viewer, Action.UPLOAD):
-        raise runs.OrderRejected("Running a program of your own needs an account.")
+        raise SubmissionRejected("Running a program of your own needs an account.")
     settings = services().settings
     keeping: Any = {
         "limit": settings.upload_max_bytes,

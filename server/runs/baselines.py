@@ -13,8 +13,8 @@ from seamark.server.accounts.accounts import RESERVED_PREFIX
 from seamark.server.accounts.permissions import Viewer
 from seamark.server.database.advisory_locks import AdvisoryLock, acquire
 from seamark.server.database.tables import Run, User
-from seamark.server.runs.states import Kind, RunState
-from seamark.server.runs.submission import Order, enqueue
+from seamark.server.runs.states import RunKind, RunState
+from seamark.server.runs.submission import Submission, enqueue
 from seamark.server.settings import Settings
 from seamark.sim import registry
 
@@ -33,11 +33,11 @@ def ensure(session: Session, settings: Settings) -> list[int]:
         for ending, baseline in registry.benchmark(name).baselines.items():
             user = _user(session, f"{RESERVED_PREFIX}-{ending}")
             if not _there(session, user.id, name):
-                order = Order(
+                order = Submission(
                     viewer=Viewer(user_id=user.id, name=user.name),
                     benchmark=name,
                     config=baseline.config,
-                    kind=Kind.RANKED,
+                    kind=RunKind.RANKED,
                     controller=baseline.built_in,
                     title=baseline.title,
                 )

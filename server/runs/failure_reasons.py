@@ -1,12 +1,12 @@
-"""Why a run failed, in words for its owner: one table for all pages, the API and the log."""
+"""Why a run failed, explained to its owner: one table for the pages, the API and the log."""
 
 from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any
 
 
-class Cause(StrEnum):
-    """Why a run is `failed`. The first seven are seamark.sandbox.outcome.Verdict's values."""
+class FailureReason(StrEnum):
+    """Why a run failed. The first seven are values of seamark.sandbox.outcome.Verdict."""
 
     USER_ERROR = "user_error"
     COMPILE_ERROR = "compile_error"
@@ -20,76 +20,77 @@ class Cause(StrEnum):
 
 
 @dataclass(frozen=True, slots=True)
-class Words:
-    """What is shown for a cause when the sandbox gives no better sentence."""
+class Description:
+    """What the owner reads about a failure; the sandbox may have a more precise sentence."""
 
     title: str
     sentence: str
     remedy: str
 
 
-WORDS: dict[Cause, Words] = {
-    Cause.USER_ERROR: Words(
+DESCRIPTIONS: dict[FailureReason, Description] = {
+    FailureReason.USER_ERROR: Description(
         "The program raised an error",
-        "The program stopped with an exception of its own.",
-        "Read the traceback below; the last lines of the log show what it printed before.",
+        "The program stopped with an exception.",
+        "Read the traceback below; the last lines of the log show what was printed before it.",
     ),
-    Cause.COMPILE_ERROR: Words(
+    FailureReason.COMPILE_ERROR: Description(
         "The program could not be loaded",
-        "The source has an error that shows before its first step.",
-        "Correct the line named below and check the file before you submit it again.",
+        "The source has an error that was found before the first step.",
+        "Fix the line named below, then check the file before you submit it again.",
     ),
-    Cause.PROTOCOL_ERROR: Words(
-        "The program gave an unusable answer",
+    FailureReason.PROTOCOL_ERROR: Description(
+        "The program returned an invalid answer",
         "Each step must return four finite numbers: surge, sway, heave [m/s] and yaw rate [rad/s].",
-        "Check for NaN, for a missing return and for lists of another length.",
+        "Look for NaN, a missing return statement, or a list of the wrong length.",
     ),
-    Cause.TIME_LIMIT: Words(
+    FailureReason.TIME_LIMIT: Description(
         "The program took too long",
         "The program used up its time.",
-        "Look for endless loops, for sleep() and for work that could be done once in reset().",
+        "Look for endless loops, sleep(), and work that reset() could do once.",
     ),
-    Cause.MEMORY_LIMIT: Words(
+    FailureReason.MEMORY_LIMIT: Description(
         "The program used too much memory",
-        "The program asked for more memory than a run may use.",
-        "Keep only what the program needs; lists that grow at each step are the usual reason.",
+        "The program needed more memory than a run may use.",
+        "The usual reason is a list that grows at every step; keep only what is needed.",
     ),
-    Cause.OUTPUT_LIMIT: Words(
+    FailureReason.OUTPUT_LIMIT: Description(
         "The program printed too much",
-        "The program wrote more output than a run may keep.",
-        "Print less: the telemetry of every step is recorded anyway.",
+        "The program printed more than a run may store.",
+        "Print less: the telemetry records every step anyway.",
     ),
-    Cause.PROCESS_LIMIT: Words(
+    FailureReason.PROCESS_LIMIT: Description(
         "The program started too many processes",
         "The program started more processes or threads than a run may have.",
-        "Do the work in one process; numerical libraries are set to one thread already.",
+        "Do the work in one process; numerical libraries already use a single thread.",
     ),
-    Cause.BENCHMARK_ERROR: Words(
+    FailureReason.BENCHMARK_ERROR: Description(
         "The experiment could not be carried out",
-        "This configuration brings the simulation to a point where it has no valid state.",
-        "Change the configuration, gains above all; nobody's quota is charged for this run.",
+        "With this configuration the simulation reached an invalid state.",
+        "Change the configuration, the gains first; the run does not count against your quota.",
     ),
-    Cause.PLATFORM_ERROR: Words(
+    FailureReason.PLATFORM_ERROR: Description(
         "The service failed",
-        "Something on our side broke several times in a row. Your program is not to blame.",
+        "The service failed several times in a row. Your program is not to blame.",
         "Run it again; the run does not count against your quota.",
     ),
 }
-# What programs meet that look for something outside of their box.
-OUTSIDE = ("PermissionError", "FileNotFoundError", "ConnectionError", "gaierror")
-_ALONE = (
-    "A program runs in a sandbox: it has no network and sees no files but its own under /tmp. "
-    "Put what it needs into its text."
+# The owner did nothing wrong: these runs do not count against the quota.
+UNCHARGED = (FailureReason.BENCHMARK_ERROR, FailureReason.PLATFORM_ERROR)
+# What programs raise that look for something outside of their sandbox.
+_ACCESS_ERRORS = ("PermissionError", "FileNotFoundError", "ConnectionError", "gaierror")
+_NO_ACCESS = (
+    "A program runs in a sandbox: it has no network and sees no files except its own in /tmp. "
+    "Put everything it needs into the program itself."
 )
-UNCHARGED = (Cause.BENCHMARK_ERROR, Cause.PLATFORM_ERROR)  # not the owner's doing: no quota
 
 
-def words(cause: Cause, *, sentence: str = "") -> dict[str, Any]:
-    """Return title, sentence and remedy for a run's `detail`; a better sentence replaces ours."""
-    found = WORDS[cause]
-    outside = cause is Cause.USER_ERROR and sentence.startswith(OUTSIDE)
+def describe(reason: FailureReason, *, sentence: str = "") -> dict[str, Any]:
+    """Return title, sentence and remedy for a run's `detail`; `sentence` replaces the general."""
+    description = DESCRIPTIONS[reason]
+    no_access = reason is FailureReason.USER_ERROR and sentence.startswith(_ACCESS_ERRORS)
     return {
-        "title": found.title,
-        "sentence": sentence or found.sentence,
-        "remedy": _ALONE if outside else found.remedy,
+        "title": description.title,
+        "sentence": sentence or description.sentence,
+        "remedy": _NO_ACCESS if no_access else description.remedy,
     }

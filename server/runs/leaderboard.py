@@ -8,7 +8,7 @@ from sqlalchemy import ColumnElement, Select, and_, delete, func, or_, select
 from sqlalchemy.orm import Session
 
 from seamark.server.database.tables import Best, Result, Run, User
-from seamark.server.runs.states import Kind, RunState
+from seamark.server.runs.states import RunKind, RunState
 
 
 @dataclass(frozen=True, slots=True)
@@ -134,7 +134,7 @@ def _candidates() -> Select[Run, Result]:
     return (
         select(Run, Result)
         .join(Result, Result.run_id == Run.id)
-        .where(Run.state == RunState.SUCCEEDED, Run.kind == Kind.RANKED, Run.public)
+        .where(Run.state == RunState.SUCCEEDED, Run.kind == RunKind.RANKED, Run.public)
         .where(Run.user_id.is_not(None), Result.rankable)
         .order_by(Result.score.desc(), Run.finished_at, Run.id)
     )

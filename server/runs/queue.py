@@ -1,7 +1,7 @@
-"""The queue: who runs next, and what happens to runs whose worker fell silent.
+"""The queue: which run starts next, and what happens to runs whose worker died.
 
-A claim is a lease of some seconds. Its holder renews it; the attempt number is the fencing token
-without which nothing of the run can be written.
+A claim is a lease of a few seconds that its holder renews by heartbeats. The attempt number is the
+fencing token: a worker whose lease has passed to another can no longer write to the run.
 """
 
 import time
@@ -18,7 +18,7 @@ from sqlalchemy.orm import Session
 from seamark.server import workers
 from seamark.server.database.advisory_locks import AdvisoryLock, acquire
 from seamark.server.database.tables import Run, Turn, User
-from seamark.server.runs.failure_reasons import Cause, words
+from seamark.server.runs.failure_reasons import FailureReason, describe
 from seamark.server.runs.states import RunState, move
 from seamark.server.settings import Settings
 
@@ -28,7 +28,7 @@ _DAY_S = 86_400.0
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Claim:
-    """The right to evaluate one run for a while, and what that needs."""
+    """The lease on one run, and what its evaluation needs."""
 
     run_id: int
     attempt: int
@@ -46,39 +46,39 @@ class Claim:
     language: str | None
 
 
-class Beat(Enum):
-    """The answer to a heartbeat."""
+class LeaseStatus(Enum):
+    """Whether a claim is still valid."""
 
-    CONTINUE = auto()
-    CANCEL = auto()  # the owner cancelled: stop, then close the books
-    LOST = auto()  # somebody else has the run: stop and write nothing
+    HELD = auto()
+    CANCELLED = auto()  # by the owner: stop, then store what was recorded
+    LOST = auto()  # another worker has the run: stop and write nothing
 
 
 @dataclass(frozen=True, slots=True)
-class SweepReport:
-    """What a sweep did."""
+class Recovery:
+    """What became of the runs whose lease had expired."""
 
-    returned: list[int] = field(default_factory=list)
-    given_up: list[int] = field(default_factory=list)
-    queued: int = 0  # runs that wait now
+    requeued: list[int] = field(default_factory=list)
+    failed: list[int] = field(default_factory=list)
+    queued: int = 0  # length of the queue afterwards
 
 
 def claim(
     session: Session, worker: str, *, languages: Collection[str], settings: Settings
 ) -> Claim | None:
-    """Take the fairest queued run that this worker can evaluate; None if there is none.
+    """Claim the queued run whose turn it is and that this worker can evaluate; None without one.
 
-    1. Only owners below the cap of running runs; of each only the run that waits longest.
-    2. Baselines come last. Then who has fewest runs running, then who was served longest ago,
-       then who came first.
+    1. Only owners below the limit of running runs; of each owner only the oldest queued run.
+    2. Baselines come last. Then the owner with the fewest running runs, then the one whose last
+       run started longest ago, then the oldest run.
 
     Parameters
     ----------
     languages
-        Of the uploads that this worker may run; empty: built-in controllers only.
+        Of the uploads that this worker can run; empty: built-in programs only.
     """
     acquire(session, AdvisoryLock.CLAIM)
-    run_id = session.scalar(_fairest(languages, settings.running_max))
+    run_id = session.scalar(_next_in_turn(languages, settings.running_max))
     if run_id is None:
         return None
     now = time.time()
@@ -88,18 +88,18 @@ def claim(
         "started_at": now,
         "lease_until": now + settings.lease_s,
     }
-    fresh: dict[str, Any] = {"attempt": Run.attempt + 1, "progress": 0.0, "t_simulated": 0.0}
-    if not move(session, run_id, RunState.QUEUED, RunState.RUNNING, **lease, **fresh):
+    reset: dict[str, Any] = {"attempt": Run.attempt + 1, "progress": 0.0, "t_simulated": 0.0}
+    if not move(session, run_id, RunState.QUEUED, RunState.RUNNING, **lease, **reset):
         return None  # cancelled, on PostgreSQL, between the two statements
-    _serve(session, run.owner, now)
+    _record_turn(session, run.owner, now)
     session.refresh(run)
     return _claim(run, worker, settings)
 
 
 def heartbeat(
     session: Session, claim: Claim, *, progress: float, t_simulated: float, isolation: str | None
-) -> Beat:
-    """Renew the lease and note the progress; the answer says whether to go on."""
+) -> LeaseStatus:
+    """Renew the lease, record the progress and return whether the claim is still valid."""
     renewed = (
         update(Run)
         .where(Run.id == claim.run_id, Run.attempt == claim.attempt)
@@ -112,54 +112,54 @@ def heartbeat(
         )
     )
     if session.scalar(renewed.returning(Run.id)) is not None:
-        return Beat.CONTINUE
-    return look(session, claim)
+        return LeaseStatus.HELD
+    return poll(session, claim)
 
 
-def look(session: Session, claim: Claim) -> Beat:
-    """Return what a heartbeat would, without renewing the lease: cheap enough to ask often."""
+def poll(session: Session, claim: Claim) -> LeaseStatus:
+    """Return whether the claim is still valid, without a write: cheap enough to call often."""
     query = select(Run.state).where(Run.id == claim.run_id, Run.attempt == claim.attempt)
     state = session.scalar(query)
     if state == RunState.RUNNING:
-        return Beat.CONTINUE
-    return Beat.CANCEL if state == RunState.CANCELLED else Beat.LOST
+        return LeaseStatus.HELD
+    return LeaseStatus.CANCELLED if state == RunState.CANCELLED else LeaseStatus.LOST
 
 
-def give_back(
+def release(
     session: Session, claim: Claim, why: str, *, counts: bool, settings: Settings
 ) -> RunState | None:
-    """Return a run to its old place in the line; None if it is no longer this worker's.
+    """Put a run back to its old position in the queue; None if the claim is no longer valid.
 
-    With `counts` it was a failure of ours: after `attempts_max` of them the run fails with
-    `platform_error`, so that a run that breaks its workers cannot do it for ever.
+    With `counts` it is a failure of the platform: after `attempts_max` of them the run fails with
+    `platform_error`, so that a run that breaks its workers does not do so for ever.
     """
     run = session.get(Run, claim.run_id)
     if run is None or run.attempt != claim.attempt or run.state != RunState.RUNNING:
         return None
-    return _release(session, run, why, counts=counts, settings=settings)
+    return _requeue_or_fail(session, run, why, counts=counts, settings=settings)
 
 
-def sweep(session: Session, settings: Settings) -> SweepReport:
-    """Return the runs of dead workers to the line; the caller then tops up the tickets."""
+def recover(session: Session, settings: Settings) -> Recovery:
+    """Requeue the runs whose lease has expired; the caller then sends the missing tickets."""
     acquire(session, AdvisoryLock.CLAIM)
     now = time.time()
-    report = SweepReport()
+    recovery = Recovery()
     expired = select(Run).where(Run.state == RunState.RUNNING, Run.lease_until < now)
     for run in session.scalars(expired.order_by(Run.id)).all():
-        state = _release(session, run, "the worker fell silent", counts=True, settings=settings)
+        state = _requeue_or_fail(session, run, "the lease expired", counts=True, settings=settings)
         if state is not None:
-            (report.returned if state is RunState.QUEUED else report.given_up).append(run.id)
+            (recovery.requeued if state is RunState.QUEUED else recovery.failed).append(run.id)
     session.execute(delete(Turn).where(Turn.served_at < now - _DAY_S))
     workers.forget_dead(session)
-    return SweepReport(report.returned, report.given_up, waiting(session))
+    return Recovery(recovery.requeued, recovery.failed, length(session))
 
 
-def waiting(session: Session) -> int:
+def length(session: Session) -> int:
     """Return how many runs are queued."""
     return session.scalar(select(func.count()).where(Run.state == RunState.QUEUED)) or 0
 
 
-def _release(
+def _requeue_or_fail(
     session: Session, run: Run, why: str, *, counts: bool, settings: Settings
 ) -> RunState | None:
     failures = run.failures + int(counts)
@@ -169,17 +169,19 @@ def _release(
         values |= {"progress": 0.0, "t_simulated": 0.0}
     else:
         new = RunState.FAILED
-        detail = words(Cause.PLATFORM_ERROR) | {"t_reached": run.t_simulated}
-        values |= {"cause": Cause.PLATFORM_ERROR, "detail": detail}
+        detail = describe(FailureReason.PLATFORM_ERROR) | {"t_reached": run.t_simulated}
+        values |= {"cause": FailureReason.PLATFORM_ERROR, "detail": detail}
     if not move(session, run.id, RunState.RUNNING, new, fence=run.attempt, **values):
         return None
-    if new is RunState.QUEUED:  # the turn was for nothing: its owner does not wait for another
+    if new is RunState.QUEUED:  # the owner's turn was lost: it does not wait for another one
         session.execute(delete(Turn).where(Turn.owner == run.owner))
-    _log.warning("released", run=run.id, attempt=run.attempt, failures=failures, why=why, state=new)
+    _log.warning(
+        "run_released", run=run.id, attempt=run.attempt, failures=failures, why=why, state=new
+    )
     return new
 
 
-def _fairest(languages: Collection[str], running_max: int) -> Select[int]:
+def _next_in_turn(languages: Collection[str], running_max: int) -> Select[int]:
     running = (
         select(Run.owner, func.count().label("n"))
         .where(Run.state == RunState.RUNNING)
@@ -195,19 +197,19 @@ def _fairest(languages: Collection[str], running_max: int) -> Select[int]:
     )
     n = func.coalesce(running.c.n, 0)
     baseline = select(literal("user:") + cast(User.id, String)).where(User.is_baseline)
-    last = first.c.owner.in_(baseline)
+    is_baseline = first.c.owner.in_(baseline)
     busy = select(func.count()).where(running.c.owner.in_(baseline)).scalar_subquery()
     return (
         select(first.c.id)
         .outerjoin(running, running.c.owner == first.c.owner)
         .outerjoin(Turn, Turn.owner == first.c.owner)
-        .where(n < running_max, or_(~last, busy < 1))
-        .order_by(last, n, func.coalesce(Turn.served_at, 0.0), first.c.id)
+        .where(n < running_max, or_(~is_baseline, busy < 1))
+        .order_by(is_baseline, n, func.coalesce(Turn.served_at, 0.0), first.c.id)
         .limit(1)
     )
 
 
-def _serve(session: Session, owner: str, now: float) -> None:
+def _record_turn(session: Session, owner: str, now: float) -> None:
     insert = postgresql.insert if session.get_bind().dialect.name == "postgresql" else sqlite.insert
     turn = insert(Turn).values(owner=owner, served_at=now)
     session.execute(

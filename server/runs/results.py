@@ -1,4 +1,4 @@
-"""The end of a run: result, metrics, manifest, state and rank in one transaction."""
+"""The end of a run: state, result, metrics, manifest and rank in one transaction."""
 
 import math
 import time
@@ -16,7 +16,7 @@ from seamark.server.runs.states import RunState, move
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Report:
-    """How an evaluation ended. `detail` has the words for the owner when it failed."""
+    """How an evaluation ended. If it failed, `detail` explains why to the owner."""
 
     state: RunState  # succeeded, failed or cancelled
     cause: str | None = None
@@ -30,11 +30,11 @@ class Report:
 
 
 class ResultInvalid(Exception):
-    """A succeeded run without a finite score: our failure, it must never be stored or ranked."""
+    """A successful run without a finite score: a bug of ours, never stored or ranked."""
 
 
 def finish(session: Session, claim: Claim, report: Report) -> bool:
-    """Store the end of a run; False if the claim is no longer valid (nothing is written then)."""
+    """Store how a run ended; False, with nothing written, if the claim is no longer valid."""
     if report.state is RunState.CANCELLED:
         return _close_cancelled(session, claim, report)
     score = _score(report)
@@ -74,7 +74,7 @@ def finish(session: Session, claim: Claim, report: Report) -> bool:
 
 
 def publish(session: Session, run_id: int) -> bool:
-    """Make a run that has ended public; False if it has not, or is public already."""
+    """Make a finished run public; False if it has not finished or is already public."""
     change = (
         update(Run)
         .where(Run.id == run_id, Run.public.is_(False))
@@ -96,20 +96,20 @@ def withdraw(session: Session, run_id: int) -> bool:
     return True
 
 
-def request_cancel(session: Session, run_id: int) -> bool:
-    """Cancel a live run at once; False if it has ended.
+def cancel(session: Session, run_id: int) -> bool:
+    """Cancel a queued or running run at once; False if it has ended.
 
     The state changes here and not in the worker, so that a run whose worker hangs is cancelled
-    too. Its worker sees it within half a second and stops.
+    too. A working worker notices within half a second and stops.
     """
-    flag = {"cancel_requested": True}
-    if move(session, run_id, RunState.QUEUED, RunState.CANCELLED, **flag):
-        return True
-    return move(session, run_id, RunState.RUNNING, RunState.CANCELLED, **flag)
+    return any(
+        move(session, run_id, state, RunState.CANCELLED)
+        for state in (RunState.QUEUED, RunState.RUNNING)
+    )
 
 
 def _close_cancelled(session: Session, claim: Claim, report: Report) -> bool:
-    """Add what the worker knows to a run that is cancelled already."""
+    """Complete a run that is already cancelled with what the worker recorded."""
     closed = (
         update(Run)
         .where(Run.id == claim.run_id, Run.attempt == claim.attempt)
@@ -140,7 +140,7 @@ def _rank(session: Session, run_id: int) -> None:
 
 
 def _publish_baseline(session: Session, claim: Claim, report: Report) -> None:
-    """The built-in entries are everybody's yardstick: public as soon as they have succeeded."""
+    """Baselines are for everybody to compare with: public as soon as they have succeeded."""
     if report.state is not RunState.SUCCEEDED:
         return
     owner = select(User.is_baseline).join(Run, Run.user_id == User.id)

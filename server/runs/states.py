@@ -1,4 +1,4 @@
-"""The state machine of a run: one table of moves and one writer."""
+"""The state machine of a run: one table of transitions and one function that makes them."""
 
 import time
 from enum import StrEnum
@@ -11,7 +11,7 @@ from seamark.server.database.tables import Run
 
 
 class RunState(StrEnum):
-    """Where a run is. Succeeded, failed and cancelled are final: to run again is a new run."""
+    """The state of a run. Succeeded, failed and cancelled are final: a rerun is a new run."""
 
     QUEUED = "queued"
     RUNNING = "running"
@@ -25,8 +25,8 @@ class RunState(StrEnum):
         return self not in NEXT_STATES
 
 
-class Kind(StrEnum):
-    """What a run is for: trying out on a seed of one's own, or a rank on the hidden seeds."""
+class RunKind(StrEnum):
+    """What a run is for: practice on a seed of one's own, or a rank on hidden seeds."""
 
     PRACTICE = "practice"
     RANKED = "ranked"
@@ -43,7 +43,7 @@ FINAL = tuple(state for state in RunState if state.final)
 
 
 class IllegalMove(Exception):
-    """Code of ours asked for a move that the table does not have."""
+    """A bug: the table of transitions does not have this one."""
 
 
 def move(
@@ -57,14 +57,14 @@ def move(
 ) -> bool:
     """Move a run to its next state; False if another process was faster.
 
-    With `fence` only the holder of that attempt can move it. `values` are
-    columns written in the same statement.
+    With `fence` only the holder of that attempt can move it. `values` are columns written in the
+    same statement.
     """
     if new not in NEXT_STATES.get(old, frozenset()):
         raise IllegalMove(f"run {run_id}: {old} -> {new}")
     if new.final:
         values |= {"finished_at": time.time(), "lease_until": None}
-    # One conditional statement, so that two processes can never both make the move.
+    # One conditional UPDATE: of two processes only one can make the transition.
     change = update(Run).where(Run.id == run_id, Run.state == old).values(state=new, **values)
     if fence is not None:
         change = change.where(Run.attempt == fence)

@@ -15,7 +15,7 @@ from seamark.server.database.advisory_locks import AdvisoryLock, acquire
 from seamark.server.database.tables import Run, User
 from seamark.server.programs.store import StoredProgram
 from seamark.server.runs.failure_reasons import UNCHARGED
-from seamark.server.runs.states import LIVE, Kind, RunState
+from seamark.server.runs.states import LIVE, RunKind, RunState
 from seamark.server.settings import Settings
 from seamark.sim.engine.seeds import SEED_MAX
 
@@ -31,18 +31,18 @@ class QuotaExceeded(Exception):
         self.retry_after_s = retry_after_s
 
 
-class OrderRejected(Exception):
+class SubmissionRejected(Exception):
     """The order breaks a rule of the service. The text is for the form."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Order:
+class Submission:
     """What somebody wants to have run. `config` may leave out whatever has a default."""
 
     viewer: Viewer
     benchmark: str
     config: Mapping[str, object]
-    kind: Kind = Kind.PRACTICE
+    kind: RunKind = RunKind.PRACTICE
     controller: str = UPLOAD
     program: StoredProgram | None = None
     seed: int | None = None  # practice only; drawn if it is not given
@@ -62,14 +62,14 @@ class Quota:
     day_max: int
 
 
-def enqueue(session: Session, order: Order, settings: Settings) -> int:
+def enqueue(session: Session, order: Submission, settings: Settings) -> int:
     """Insert a queued run and return its id. The caller commits, then calls `broker.ring`.
 
     Raises
     ------
     ConfigurationInvalid
         The configuration is wrong: a sentence for each field.
-    OrderRejected, QuotaExceeded
+    SubmissionRejected, QuotaExceeded
         The order breaks a rule, or a quota is used up.
     """
     config = _configuration(order)
@@ -89,15 +89,15 @@ def rerun(session: Session, run_id: int, viewer: Viewer, settings: Settings) -> 
     if old.program_sha256 is not None:
         names = (old.program_name or "", old.language or "")
         program = StoredProgram(old.program_sha256, *names, size=0)
-    order = Order(
+    order = Submission(
         viewer=viewer,
         benchmark=old.benchmark,
         config=old.config,
-        kind=Kind(old.kind),
+        kind=RunKind(old.kind),
         controller=old.controller,
         program=program,
         seed=old.seed,
-        trials=old.trials if old.kind == Kind.PRACTICE else 1,
+        trials=old.trials if old.kind == RunKind.PRACTICE else 1,
         title=old.title,
         notes=old.notes,
         rerun_of=old.id,
@@ -126,56 +126,58 @@ def role_of(benchmark: str) -> str:
     return registry.benchmark(benchmark).role if known else "controller"
 
 
-def _configuration(order: Order) -> dict[str, object]:
+def _configuration(order: Submission) -> dict[str, object]:
     """Return the complete configuration; a ranked run gets the benchmark's scenario."""
     from seamark.sim import registry  # noqa: PLC0415 - as above
 
     if order.benchmark not in registry.BENCHMARKS:
-        raise OrderRejected(f"There is no benchmark {order.benchmark}.")
+        raise SubmissionRejected(f"There is no benchmark {order.benchmark}.")
     benchmark = registry.benchmark(order.benchmark)
     config = benchmark.read(order.config)
-    if order.kind is Kind.RANKED:
+    if order.kind is RunKind.RANKED:
         config = benchmark.ranked(config)
     return dict(config.model_dump(mode="json"))
 
 
-def _check_rules(session: Session, order: Order, settings: Settings) -> None:
+def _check_rules(session: Session, order: Submission, settings: Settings) -> None:
     viewer = order.viewer
     if not can(viewer, Action.SUBMIT):
-        raise OrderRejected("Log in, or allow the cookie by which a guest's runs are found again.")
-    if order.kind is Kind.RANKED and not can(viewer, Action.SUBMIT_RANKED):
-        raise OrderRejected("A ranked run needs an account: the leaderboard shows its name.")
-    if order.kind is Kind.PRACTICE:
+        raise SubmissionRejected(
+            "Log in, or allow the cookie by which a guest's runs are found again."
+        )
+    if order.kind is RunKind.RANKED and not can(viewer, Action.SUBMIT_RANKED):
+        raise SubmissionRejected("A ranked run needs an account: the leaderboard shows its name.")
+    if order.kind is RunKind.PRACTICE:
         _check_practice(order, settings)
     if (order.controller == UPLOAD) != (order.program is not None):
-        raise OrderRejected("Choose either a built-in controller or a program of your own.")
+        raise SubmissionRejected("Choose either a built-in controller or a program of your own.")
     if order.program is None:
         _check_built_in(order)
         return
     if not can(viewer, Action.UPLOAD):
-        raise OrderRejected("Running a program of your own needs an account.")
+        raise SubmissionRejected("Running a program of your own needs an account.")
     _check_role(order.benchmark, order.program)
     if reason := workers.upload_refusal(session, order.program.language, settings):
-        raise OrderRejected(reason)
+        raise SubmissionRejected(reason)
 
 
-def _check_practice(order: Order, settings: Settings) -> None:
+def _check_practice(order: Submission, settings: Settings) -> None:
     if not 1 <= order.trials <= settings.practice_trials_max:
-        raise OrderRejected(f"A practice run has 1 to {settings.practice_trials_max} trials.")
+        raise SubmissionRejected(f"A practice run has 1 to {settings.practice_trials_max} trials.")
     if order.seed is not None and not 0 <= order.seed <= SEED_MAX:
-        raise OrderRejected(f"A seed is a whole number from 0 to {SEED_MAX}.")
+        raise SubmissionRejected(f"A seed is a whole number from 0 to {SEED_MAX}.")
 
 
-def _check_built_in(order: Order) -> None:
+def _check_built_in(order: Submission) -> None:
     from seamark.sim import registry  # noqa: PLC0415 - as above
 
     benchmark = registry.benchmark(order.benchmark)
     if not order.controller:
-        raise OrderRejected(
+        raise SubmissionRejected(
             f"Choose a {benchmark.role}: {', '.join(benchmark.built_in)}, or your own program."
         )
     if order.controller not in benchmark.built_in:
-        raise OrderRejected(
+        raise SubmissionRejected(
             f"There is no built-in {benchmark.role} {order.controller} in {order.benchmark}; "
             f"there is {', '.join(benchmark.built_in)}."
         )
@@ -188,7 +190,7 @@ def _check_role(benchmark: str, program: StoredProgram) -> None:
     role, language = registry.benchmark(benchmark).role, LANGUAGES[program.language]
     if role not in language.roles:
         able = ", ".join(each.label for each in LANGUAGES.values() if role in each.roles)
-        raise OrderRejected(
+        raise SubmissionRejected(
             f"{benchmark} compares {role}s; a {role} is written in {able}, not in {language.label}."
         )
 
@@ -211,8 +213,8 @@ def _check_quota(session: Session, viewer: Viewer, settings: Settings) -> None:
         )
 
 
-def _row(order: Order, config: dict[str, object], settings: Settings) -> Run:
-    ranked = order.kind is Kind.RANKED
+def _row(order: Submission, config: dict[str, object], settings: Settings) -> Run:
+    ranked = order.kind is RunKind.RANKED
     drawn = order.seed if order.seed is not None else secrets.randbelow(SEED_MAX + 1)
     program = order.program
     return Run(

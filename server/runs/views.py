@@ -69,7 +69,7 @@ class RunView:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Wanted:
+class RunFilter:
     """Which runs a list shows; what is left out does not narrow it."""
 
     which: Literal["mine", "public", "all"] = "mine"
@@ -80,7 +80,7 @@ class Wanted:
 
 
 @dataclass(frozen=True, slots=True)
-class Page:
+class RunPage:
     """A part of a list; `next` is the `after` of the following part, None at the end."""
 
     runs: list[RunView]
@@ -102,9 +102,14 @@ def show(session: Session, run_id: int, settings: Settings | None = None) -> Run
     return replace(view, position=wait.position, estimate_s=wait.estimate_s, why_waiting=wait.why)
 
 
-def listing(
-    session: Session, viewer: Viewer, wanted: Wanted, *, after: int | None = None, limit: int = 50
-) -> Page:
+def page(
+    session: Session,
+    viewer: Viewer,
+    wanted: RunFilter,
+    *,
+    after: int | None = None,
+    limit: int = 50,
+) -> RunPage:
     """Return runs, newest first: one's own, the public ones, or (for an admin) all."""
     query = _select()
     if wanted.which == "public":
@@ -126,7 +131,7 @@ def listing(
     query = query.options(defer(Result.metrics), defer(Result.manifest))
     found = session.execute(query.order_by(Run.id.desc()).limit(limit + 1)).all()
     views = [_view(*row) for row in found[:limit]]
-    return Page(views, views[-1].id if len(found) > limit else None)
+    return RunPage(views, views[-1].id if len(found) > limit else None)
 
 
 def _select() -> Select[Run, Result | None, User | None]:

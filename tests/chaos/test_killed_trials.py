@@ -10,8 +10,8 @@ import pytest
 from redis import Redis
 
 from seamark.sandbox.isolation.proc_stats import parent_of, tree
-from seamark.server.runs import door as runs
-from seamark.server.runs.door import RunState
+from seamark.server.runs.states import RunState
+from seamark.server.runs.views import RunView
 from seamark.server.settings import Settings
 from seamark.sim.recording.telemetry import INDEX, digest
 from seamark.worker.evaluation.local import evaluate_locally
@@ -62,7 +62,7 @@ def _simulates(pid: int) -> bool:
 def _running_in_parallel(service: Service, run_id: int) -> list[int]:
     found: list[int] = []
 
-    def both(view: runs.RunView) -> bool:
+    def both(view: RunView) -> bool:
         found[:] = trials_of(service)
         assert not view.state.final
         return view.t_simulated > 0 and len(found) == 2

@@ -5,7 +5,7 @@ import signal
 
 import pytest
 
-from seamark.server.runs.door import RunState
+from seamark.server.runs.states import RunState
 from seamark.sim.recording.telemetry import digest
 from tests.worker.conftest import LONG, SHORT, Service, production, service
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from seamark.sandbox.outcome import Outcome, ProgramEnded, Verdict
 from seamark.sandbox.pool import Pool
-from seamark.server.runs.failure_reasons import Cause
+from seamark.server.runs.failure_reasons import FailureReason
 from seamark.sim.engine.trial import TrialResult, summarise
 from seamark.sim.recording.manifest import manifest
 from seamark.sim.recording.telemetry import Digest
@@ -83,10 +83,10 @@ class Evaluation:
     def _scored(self, results: Sequence[TrialResult]) -> RunOutcome:
         metrics = summarise(self._job.benchmark, self._runner.config, results)
         if not _is_json(metrics):
-            return self._outcome(failure=Cause.BENCHMARK_ERROR, sentence=NO_SCORE)
+            return self._outcome(failure=FailureReason.BENCHMARK_ERROR, sentence=NO_SCORE)
         if metrics["score"] is None:
             return self._outcome(
-                failure=Cause.BENCHMARK_ERROR, sentence=NO_SCORE, metrics=dict(metrics)
+                failure=FailureReason.BENCHMARK_ERROR, sentence=NO_SCORE, metrics=dict(metrics)
             )
         return self._outcome(metrics=dict(metrics))
 
@@ -119,11 +119,11 @@ def reason_of(trial: TrialOutcome) -> dict[str, Any]:
     """Return why a trial has no result, as fields of a RunOutcome; none if nothing failed."""
     program = trial.program
     if program is None:
-        return {"failure": Cause.BENCHMARK_ERROR, "sentence": trial.divergence}
+        return {"failure": FailureReason.BENCHMARK_ERROR, "sentence": trial.divergence}
     if program.verdict is Verdict.OK:
         return {}
     return {
-        "failure": Cause(program.verdict),
+        "failure": FailureReason(program.verdict),
         "sentence": program.sentence,
         "traceback": program.traceback,
     }

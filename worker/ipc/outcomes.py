@@ -4,7 +4,7 @@ from dataclasses import asdict, dataclass, field
 from typing import Any, Self
 
 from seamark.sandbox.outcome import Outcome
-from seamark.server.runs.failure_reasons import Cause
+from seamark.server.runs.failure_reasons import FailureReason
 from seamark.sim.engine.trial import TrialResult
 
 
@@ -21,7 +21,7 @@ class TrialOutcome:
 class RunOutcome:
     """How the evaluation of a run or of a check ended; a check has no metrics and no manifest."""
 
-    failure: Cause | None = None  # None: it succeeded
+    failure: FailureReason | None = None  # None: it succeeded
     sentence: str = ""
     traceback: str = ""  # of the user's program
     usage: dict[str, float] = field(default_factory=dict)  # of the program; never compared
@@ -37,4 +37,4 @@ class RunOutcome:
     def from_json(cls, values: dict[str, Any]) -> Self:
         """Return the outcome that `to_json` was given."""
         failure = values.pop("failure")
-        return cls(failure=None if failure is None else Cause(failure), **values)
+        return cls(failure=None if failure is None else FailureReason(failure), **values)

@@ -19,8 +19,8 @@ from seamark.server.checks import queue
 from seamark.server.database.engine import Database
 from seamark.server.messaging import broker, live_events
 from seamark.server.programs import store
-from seamark.server.runs import door as runs
-from seamark.server.runs.door import RunState
+from seamark.server.runs import queue as run_queue
+from seamark.server.runs.states import RunState
 from seamark.server.settings import Settings
 from seamark.worker.service.app import app, settings
 from seamark.worker.service.shutdown import follow_worker
@@ -60,21 +60,19 @@ def do_due(duties: Sequence[Duty]) -> None:
 def recover_runs(app: Celery, database: Database, redis: "Redis", settings: Settings) -> None:
     """Return the runs of dead workers to the queue, publish that, and add missing tickets."""
     with database.writing() as session:
-        report = runs.sweep(session, settings)
+        report = run_queue.recover(session, settings)
     try:
-        for run_id in report.returned:
+        for run_id in report.requeued:
             _publish(redis, run_id, RunState.QUEUED)
-        for run_id in report.given_up:
+        for run_id in report.failed:
             _publish(redis, run_id, RunState.FAILED)
             live_events.append(redis, run_id, live_events.END, {})
         tickets = broker.top_up(app, redis, report.queued)
     except RedisError as error:  # the queue is in the database: a broker that is away is no failure
         _log.warning("recovery_without_broker", error=str(error))
         return
-    if report.returned or report.given_up or tickets:
-        _log.info(
-            "runs_recovered", returned=report.returned, given_up=report.given_up, tickets=tickets
-        )
+    if report.requeued or report.failed or tickets:
+        _log.info("runs_recovered", requeued=report.requeued, failed=report.failed, tickets=tickets)
 
 
 def recover_checks(database: Database) -> None:

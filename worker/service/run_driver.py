@@ -11,11 +11,14 @@ from redis import Redis
 from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.server.database.engine import Database
 from seamark.server.programs import store
-from seamark.server.runs import door as runs
-from seamark.server.runs.door import Beat, Claim, Report, RunState
-from seamark.server.runs.failure_reasons import Cause, words
+from seamark.server.runs import queue as run_queue
+from seamark.server.runs import results
+from seamark.server.runs.failure_reasons import FailureReason, describe
 from seamark.server.runs.files import RunFiles
+from seamark.server.runs.queue import Claim, LeaseStatus
+from seamark.server.runs.results import Report
 from seamark.server.runs.seeds import trial_seeds
+from seamark.server.runs.states import RunState
 from seamark.server.settings import Settings
 from seamark.sim import registry
 from seamark.sim.settings.configuration import ConfigurationInvalid
@@ -36,7 +39,7 @@ LOG_TAIL = 2000  # [character] of the log shown with a failure
 class LeaseEnded(Exception):
     """The run is no longer this worker's: it was cancelled, or claimed by another worker."""
 
-    def __init__(self, status: Beat) -> None:
+    def __init__(self, status: LeaseStatus) -> None:
         super().__init__(status.name)
         self.status = status
 
@@ -67,7 +70,7 @@ def evaluate(context: RunContext, claim: Claim) -> bool:
         report = driver.run()
     except LeaseEnded as ended:
         log.info("run_stopped", why=ended.status.name.lower())
-        if ended.status is Beat.CANCEL:
+        if ended.status is LeaseStatus.CANCELLED:
             driver.store_cancelled()
         return True
     except ShuttingDown:
@@ -115,7 +118,7 @@ class RunDriver:
         if report.metrics is not None:
             self._files.write_json("metrics.json", report.metrics)
         with self._context.database.writing() as session:
-            stored = runs.finish(session, self._claim, report)
+            stored = results.finish(session, self._claim, report)
         if stored:
             self._live.flush()
             self._live.state(report.state, progress=report.progress, t_simulated=report.t_simulated)
@@ -137,7 +140,7 @@ class RunDriver:
     def release(self, why: str, *, counts: bool) -> None:
         """Return the run to its position in the queue, or fail it for good."""
         with self._context.database.writing() as session:
-            state = runs.give_back(
+            state = run_queue.release(
                 session, self._claim, why, counts=counts, settings=self._context.settings
             )
         if state is not None:
@@ -171,14 +174,14 @@ class RunDriver:
         elif now >= self._poll_at:
             self._poll_at = now + CANCEL_POLL_S
             with self._context.database.reading() as session:
-                self._require_lease(runs.look(session, self._claim))
+                self._require_lease(run_queue.poll(session, self._claim))
         if simulation.silent_s > (STALL_S if simulation.started else START_STALL_S):
             raise SimulatorBroken(f"no message from the simulator for {simulation.silent_s:.0f} s")
 
-    def _heartbeat(self) -> Beat:
+    def _heartbeat(self) -> LeaseStatus:
         progress, t_simulated = self._progress(), self._recorder.t_simulated
         with self._context.database.writing() as session:
-            status = runs.heartbeat(
+            status = run_queue.heartbeat(
                 session,
                 self._claim,
                 progress=progress,
@@ -189,8 +192,8 @@ class RunDriver:
         return status
 
     @staticmethod
-    def _require_lease(status: Beat) -> None:
-        if status is not Beat.CONTINUE:
+    def _require_lease(status: LeaseStatus) -> None:
+        if status is not LeaseStatus.HELD:
             raise LeaseEnded(status)
 
     def _progress(self) -> float:
@@ -207,7 +210,7 @@ class RunDriver:
         failure = outcome.failure
         detail: dict[str, Any] = {"usage": outcome.usage}
         if failure is not None:
-            detail |= words(failure, sentence=outcome.sentence)
+            detail |= describe(failure, sentence=outcome.sentence)
             detail |= {"traceback": outcome.traceback, "log_tail": self._log_tail()}
             detail["t_reached"] = self._recorder.t_simulated
         return Report(
@@ -225,15 +228,15 @@ class RunDriver:
 
 def _fail(context: RunContext, claim: Claim, sentence: str) -> bool:
     """End a run that cannot start; a retry would not help and no program is to blame."""
-    detail = words(Cause.BENCHMARK_ERROR, sentence=sentence)
+    detail = describe(FailureReason.BENCHMARK_ERROR, sentence=sentence)
     report = Report(
         state=RunState.FAILED,
-        cause=Cause.BENCHMARK_ERROR,
+        cause=FailureReason.BENCHMARK_ERROR,
         detail=detail | {"traceback": "", "log_tail": "", "t_reached": 0.0},
         progress=0.0,
     )
     with context.database.writing() as session:
-        stored = runs.finish(session, claim, report)
+        stored = results.finish(session, claim, report)
     if stored:
         live = LivePublisher(context.redis, claim.run_id)
         live.state(report.state, progress=0.0, t_simulated=0.0)

@@ -9,7 +9,7 @@ from celery import Celery
 
 from seamark.server.database.engine import Database
 from seamark.server.messaging import broker
-from seamark.server.runs import door as runs
+from seamark.server.runs import queue as run_queue
 from seamark.server.settings import Settings
 from seamark.worker.service.host import Host
 from seamark.worker.service.run_driver import RunContext, evaluate
@@ -50,7 +50,7 @@ class RunLoop:
         if not self._wait_warm():
             return
         with self._database.writing() as session:
-            claim = runs.claim(
+            claim = run_queue.claim(
                 session, self._name, languages=self._host.languages, settings=self._settings
             )
         if claim is None:
@@ -59,7 +59,7 @@ class RunLoop:
         self._failures = 0 if succeeded else self._failures + 1
         self._pause()
         with self._database.reading() as session:
-            waiting = runs.waiting(session)
+            waiting = run_queue.length(session)
         if waiting and not self._shutting_down():
             broker.ring(self._app)
 

@@ -8,8 +8,8 @@ import pytest
 from redis import Redis
 
 from seamark.server.messaging import live_events
-from seamark.server.runs import door as runs
 from seamark.server.runs.files import RunFiles
+from seamark.server.runs.states import RunState
 from seamark.sim.recording.telemetry import WIDTH
 from tests.server.pages.conftest import Site
 
@@ -67,7 +67,7 @@ def test_hostile_names_logs_and_tracebacks_stay_text(site: Site) -> None:
     run_id = claim.run_id
     RunFiles(site.settings.data, run_id, claim.attempt).append_log(HOSTILE.encode())
     detail = dict.fromkeys(("title", "sentence", "remedy", "traceback", "log_tail"), HOSTILE)
-    failure = {"state": runs.RunState.FAILED, "cause": "user_error", "metrics": None}
+    failure = {"state": RunState.FAILED, "cause": "user_error", "metrics": None}
     assert site.finish(claim, **failure, detail=detail | {"t_reached": 1.0})
     site.publish(run_id)
 
@@ -96,7 +96,7 @@ def test_cancelling_a_waiting_run_ends_it_and_tells_the_open_pages(
 
     site.browser("ann").post(f"/runs/{run_id}/cancel")
 
-    assert site.show(run_id).state is runs.RunState.CANCELLED
+    assert site.show(run_id).state is RunState.CANCELLED
     with Redis.from_url(redis_url) as redis:
         kinds = [fields[b"kind"] for _, fields in redis.xrange(live_events.key(run_id))]
     assert kinds == [b"state", b"end"]

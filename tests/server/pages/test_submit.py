@@ -5,7 +5,7 @@ import re
 
 import pytest
 
-from seamark.server.runs import door as runs
+from seamark.server.runs.states import RunState
 from tests.server.pages.conftest import Browser, Site
 
 FORM = "/submit/currents-v1"
@@ -209,7 +209,7 @@ def test_running_again_makes_a_new_run_of_the_same_order(site: Site) -> None:
 
     again = site.show(int(answer.headers["Location"].rsplit("/", 1)[-1]))
     assert (again.rerun_of, again.config["kp"], again.seed) == (first, 0.4, 11)
-    assert again.state is runs.RunState.QUEUED
+    assert again.state is RunState.QUEUED
 
 
 def _kept(text: str) -> str:

@@ -9,10 +9,9 @@ from sqlalchemy.exc import IntegrityError
 from sqlalchemy.orm import Session
 
 from seamark.server.database.tables import Best
-from seamark.server.runs import door as runs
-from seamark.server.runs import leaderboard
-from seamark.server.runs.door import Kind, RunState
+from seamark.server.runs import leaderboard, results
 from seamark.server.runs.leaderboard import Cursor
+from seamark.server.runs.states import RunKind, RunState
 from tests.cast import Backend
 
 NAME = "currents-v1"
@@ -20,14 +19,14 @@ NAME = "currents-v1"
 
 def _ranked(both: Backend, who: str, score: float, **changes: object) -> int:
     """A ranked run that ended, private yet."""
-    claim = both.running(who, kind=Kind.RANKED)
+    claim = both.running(who, kind=RunKind.RANKED)
     assert both.finish(claim, score=score, **changes)
     return claim.run_id
 
 
 def _publish(both: Backend, run_id: int) -> bool:
     with both.database.writing() as session:
-        return runs.publish(session, run_id)
+        return results.publish(session, run_id)
 
 
 def _board(both: Backend) -> list[tuple[str, float]]:
@@ -58,7 +57,7 @@ def test_the_best_of_a_user_counts_and_withdrawing_it_brings_the_next_back(both:
     assert _board(both) == [("ann", 80.0), ("ben", 60.0)]
 
     with both.database.writing() as session:
-        assert runs.withdraw(session, high)
+        assert results.withdraw(session, high)
 
     assert _board(both) == [("ben", 60.0), ("ann", 40.0)]
 
@@ -110,7 +109,7 @@ def test_a_rebuild_gives_the_rows_that_were_kept(
             made.append(_ranked(both, users[who].name, float(number)))
         elif made:
             with both.database.writing() as session:
-                getattr(runs, act)(session, made[number % len(made)])
+                getattr(results, act)(session, made[number % len(made)])
 
     user_ids = [user.user_id for user in users]
     with both.database.writing() as session:

@@ -9,17 +9,18 @@ from hypothesis import strategies as st
 from sqlalchemy import update
 
 from seamark.server.database.tables import Run
-from seamark.server.runs import door as runs
-from seamark.server.runs import wait_estimate
-from seamark.server.runs.door import Beat, Kind, RunState
-from seamark.server.runs.failure_reasons import Cause
-from seamark.server.runs.states import NEXT_STATES
+from seamark.server.runs import queue as run_queue
+from seamark.server.runs import results, views, wait_estimate
+from seamark.server.runs.failure_reasons import FailureReason
+from seamark.server.runs.queue import Claim, LeaseStatus, Recovery
+from seamark.server.runs.results import ResultInvalid
+from seamark.server.runs.states import NEXT_STATES, RunKind, RunState
 from tests.cast import Backend
 
 
-def _heartbeat(both: Backend, claim: runs.Claim) -> Beat:
+def _heartbeat(both: Backend, claim: Claim) -> LeaseStatus:
     with both.database.writing() as session:
-        return runs.heartbeat(session, claim, progress=0.5, t_simulated=1.0, isolation=None)
+        return run_queue.heartbeat(session, claim, progress=0.5, t_simulated=1.0, isolation=None)
 
 
 def _silence(both: Backend, run_id: int) -> None:
@@ -28,9 +29,9 @@ def _silence(both: Backend, run_id: int) -> None:
         session.execute(update(Run).where(Run.id == run_id).values(lease_until=time.time() - 1))
 
 
-def _sweep(both: Backend) -> runs.SweepReport:
+def _sweep(both: Backend) -> Recovery:
     with both.database.writing() as session:
-        return runs.sweep(session, both.settings)
+        return run_queue.recover(session, both.settings)
 
 
 def test_a_run_is_claimed_once(both: Backend) -> None:
@@ -84,7 +85,7 @@ def test_a_silent_workers_run_returns_to_its_old_place(both: Backend) -> None:
 
     report = _sweep(both)
 
-    assert (report.returned, report.given_up, report.queued) == ([first], [], 2)
+    assert (report.requeued, report.failed, report.queued) == ([first], [], 2)
     assert both.show(first).state is RunState.QUEUED
     assert both.show(first).position == 1
     assert both.claim_next().run_id == first
@@ -99,7 +100,7 @@ def test_a_late_worker_cannot_write(both: Backend) -> None:
     fresh = both.claim("fresh")
     assert fresh is not None
 
-    assert _heartbeat(both, late) is Beat.LOST
+    assert _heartbeat(both, late) is LeaseStatus.LOST
     assert not both.finish(late, score=99.0)
     assert both.finish(fresh, score=42.0)
     assert not both.finish(fresh, score=43.0)
@@ -116,7 +117,7 @@ def test_the_third_silence_is_a_failure_of_the_platform(both: Backend) -> None:
         _sweep(both)
 
     view = both.show(run_id)
-    assert (view.state, view.cause) == (RunState.FAILED, Cause.PLATFORM_ERROR)
+    assert (view.state, view.cause) == (RunState.FAILED, FailureReason.PLATFORM_ERROR)
     assert view.detail["remedy"]
 
 
@@ -127,7 +128,7 @@ def test_a_run_given_back_at_shutdown_is_no_failure(both: Backend) -> None:
         claim = both.claim()
         assert claim is not None
         with both.database.writing() as session:
-            runs.give_back(session, claim, "shutdown", counts=False, settings=both.settings)
+            run_queue.release(session, claim, "shutdown", counts=False, settings=both.settings)
 
     assert both.show(run_id).state is RunState.QUEUED
 
@@ -138,13 +139,13 @@ def test_a_live_run_is_cancelled_at_once(both: Backend, *, claimed: bool) -> Non
     claim = both.claim() if claimed else None
 
     with both.database.writing() as session:
-        first = runs.request_cancel(session, run_id)
-        second = runs.request_cancel(session, run_id)
+        first = results.cancel(session, run_id)
+        second = results.cancel(session, run_id)
 
     assert (first, second) == (True, False)
     assert both.show(run_id).state is RunState.CANCELLED
     if claim is not None:
-        assert _heartbeat(both, claim) is Beat.CANCEL
+        assert _heartbeat(both, claim) is LeaseStatus.CANCELLED
         assert not both.finish(claim)
         assert both.finish(claim, state=RunState.CANCELLED, detail={"t_reached": 3.0})
         assert both.show(run_id).detail == {"t_reached": 3.0}
@@ -164,14 +165,14 @@ def test_a_result_without_a_finite_score_is_refused_and_nothing_is_written(both:
     run_id = both.queue("ann")
     claim = both.claim_next()
 
-    with pytest.raises(runs.ResultInvalid):
+    with pytest.raises(ResultInvalid):
         both.finish(claim, score=float("nan"))
 
     assert both.show(run_id).state is RunState.RUNNING
 
 
 def test_a_ranked_run_shows_no_seed(both: Backend) -> None:
-    run_id = both.queue("ann", kind=Kind.RANKED)
+    run_id = both.queue("ann", kind=RunKind.RANKED)
 
     assert both.show(run_id).seed is None
     assert both.show(run_id).trials == both.settings.ranked_trials
@@ -193,14 +194,14 @@ def test_a_page_sees_one_moment_even_if_a_worker_takes_the_run_meanwhile(both: B
     run_id = both.queue("ann")
 
     with both.database.reading() as session:
-        before = runs.show(session, run_id, both.settings)
+        before = views.show(session, run_id, both.settings)
         session.expire_all()
         assert both.claim() is not None
-        after = runs.show(session, run_id, both.settings)
+        after = views.show(session, run_id, both.settings)
 
     assert before is not None
     assert after is not None
-    assert (before.state, after.state) == (runs.RunState.QUEUED, runs.RunState.QUEUED)
+    assert (before.state, after.state) == (RunState.QUEUED, RunState.QUEUED)
 
 
 def test_a_run_that_was_taken_after_it_was_read_has_no_place_in_the_line(both: Backend) -> None:
@@ -227,7 +228,7 @@ class _Story:
     def __init__(self, both: Backend) -> None:
         self.both = both
         self.owner = both.sign_up(f"u{time.time_ns()}").name
-        self.claims: list[runs.Claim] = []
+        self.claims: list[Claim] = []
         self.queued: list[int] = []
         self.finished: Counter[int] = Counter()
 
@@ -237,7 +238,7 @@ class _Story:
         elif step == "cancel":
             for run_id in self.queued[:1]:
                 with self.both.database.writing() as session:
-                    runs.request_cancel(session, run_id)
+                    results.cancel(session, run_id)
         else:
             for claim in self.claims[:1] if step == "stale" else self.claims[-1:]:
                 getattr(self, step)(claim)
@@ -250,18 +251,18 @@ class _Story:
         claim = self.both.claim()
         self.claims += [claim] if claim is not None else []
 
-    def finish(self, claim: runs.Claim) -> None:
+    def finish(self, claim: Claim) -> None:
         self.finished[claim.run_id] += self.both.finish(claim)
 
     stale = finish
 
-    def silence(self, claim: runs.Claim) -> None:
+    def silence(self, claim: Claim) -> None:
         _silence(self.both, claim.run_id)
         _sweep(self.both)
 
-    def back(self, claim: runs.Claim) -> None:
+    def back(self, claim: Claim) -> None:
         with self.both.database.writing() as session:
-            runs.give_back(session, claim, "x", counts=True, settings=self.both.settings)
+            run_queue.release(session, claim, "x", counts=True, settings=self.both.settings)
 
 
 _steps = st.lists(

@@ -6,9 +6,9 @@ from sqlalchemy import update
 from seamark.sandbox.languages import LANGUAGES
 from seamark.server import workers
 from seamark.server.database.tables import Run, Worker
-from seamark.server.runs import baselines, leaderboard
-from seamark.server.runs import door as runs
-from seamark.server.runs.door import Kind, OrderRejected, QuotaExceeded, RunState
+from seamark.server.runs import baselines, leaderboard, results, submission
+from seamark.server.runs.states import RunKind, RunState
+from seamark.server.runs.submission import QuotaExceeded, SubmissionRejected
 from seamark.sim import registry
 from seamark.sim.settings.configuration import ConfigurationInvalid
 from tests.cast import Backend
@@ -40,7 +40,7 @@ def test_a_wrong_configuration_is_refused_by_field(both: Backend) -> None:
 
 def test_a_ranked_run_gets_the_scenario_of_the_benchmark(both: Backend) -> None:
     wishes = {"levels": [0.0], "kp": 0.9}
-    run_id = both.queue("ann", config=wishes, kind=Kind.RANKED)
+    run_id = both.queue("ann", config=wishes, kind=RunKind.RANKED)
 
     view = both.show(run_id)
     assert len(view.config["levels"]) > 1
@@ -50,7 +50,7 @@ def test_a_ranked_run_gets_the_scenario_of_the_benchmark(both: Backend) -> None:
 @pytest.mark.parametrize(
     "wishes",
     [
-        {"kind": Kind.RANKED},
+        {"kind": RunKind.RANKED},
         {"benchmark": "none-v1"},
         {"controller": "none"},
         {"controller": "upload"},
@@ -61,18 +61,18 @@ def test_a_ranked_run_gets_the_scenario_of_the_benchmark(both: Backend) -> None:
     ],
 )
 def test_a_guest_is_refused_what_breaks_a_rule(both: Backend, wishes: dict[str, object]) -> None:
-    with pytest.raises(OrderRejected):
+    with pytest.raises(SubmissionRejected):
         both.queue("guest", **wishes)
 
 
 def test_a_guest_may_practise_with_a_built_in_controller_but_not_upload(both: Backend) -> None:
     assert both.queue("guest")
-    with pytest.raises(OrderRejected, match="account"):
+    with pytest.raises(SubmissionRejected, match="account"):
         both.queue("guest", controller="upload", program=both.store_program())
 
 
 def test_nobody_in_particular_may_not_order(both: Backend) -> None:
-    with pytest.raises(OrderRejected):
+    with pytest.raises(SubmissionRejected):
         both.queue("nobody")
 
 
@@ -82,7 +82,7 @@ def test_the_quota_of_live_runs_holds_and_is_given_back(both: Backend) -> None:
     with pytest.raises(QuotaExceeded, match="waiting or running"):
         both.queue("ann")
     with both.database.writing() as session:
-        runs.request_cancel(session, made[0])
+        results.cancel(session, made[0])
 
     assert both.queue("ann")
 
@@ -93,12 +93,12 @@ def test_only_runs_that_completed_count_for_the_day(both: Backend) -> None:
     assert claim is not None
     both.finish(claim)
     with both.database.writing() as session:
-        runs.request_cancel(session, cancelled)
+        results.cancel(session, cancelled)
         for run_id, cause, age in ((broken, "platform_error", 0.0), (old, "user_error", 90_000.0)):
             change = update(Run).where(Run.id == run_id)
             values = {"state": "failed", "cause": cause, "finished_at": time.time() - age}
             session.execute(change.values(**values))
-        used = runs.quota(session, both.viewers["ann"], both.settings)
+        used = submission.quota(session, both.viewers["ann"], both.settings)
 
     assert claim.run_id == done
     assert (used.live, used.day) == (0, 1)
@@ -108,7 +108,7 @@ def test_uploads_are_refused_where_no_living_worker_isolates_them(both: Backend)
     _worker(both, "none", "python")
     _worker(both, "strong", "python", seen_at=time.time() - 3600)
 
-    with pytest.raises(OrderRejected, match="seamark doctor"):
+    with pytest.raises(SubmissionRejected, match="seamark doctor"):
         both.queue("ann", controller="upload", program=both.store_program())
 
 
@@ -119,7 +119,7 @@ def test_uploads_wait_while_no_worker_is_there_at_all(both: Backend) -> None:
 def test_a_language_that_no_worker_has_is_refused(both: Backend) -> None:
     _worker(both, "strong", "c")
 
-    with pytest.raises(OrderRejected, match="programs in Python"):
+    with pytest.raises(SubmissionRejected, match="programs in Python"):
         both.queue("ann", controller="upload", program=both.store_program())
 
 
@@ -127,7 +127,7 @@ def test_a_rerun_is_a_new_run_of_the_same_order(both: Backend) -> None:
     old = both.show(both.queue("ann", config={"kp": 0.7}, seed=11, title="first"))
 
     with both.database.writing() as session:
-        new_id = runs.rerun(session, old.id, both.viewers["ann"], both.settings)
+        new_id = submission.rerun(session, old.id, both.viewers["ann"], both.settings)
 
     new = both.show(new_id)
     assert new.rerun_of == old.id

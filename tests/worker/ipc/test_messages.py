@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from seamark.sandbox.outcome import Outcome, Verdict
-from seamark.server.runs.failure_reasons import Cause
+from seamark.server.runs.failure_reasons import FailureReason
 from seamark.sim.recording.telemetry import WIDTH
 from seamark.worker.ipc import messages
 from seamark.worker.ipc.listener import deliver
@@ -29,7 +29,7 @@ from seamark.worker.ipc.outcomes import RunOutcome, TrialOutcome
 from tests.worker.fakes import FakeListener
 
 FAILED = RunOutcome(
-    failure=Cause.TIME_LIMIT,
+    failure=FailureReason.TIME_LIMIT,
     sentence="too slow",
     traceback="line 5",
     usage={"cpu_s": 0.1},
