@@ -12,10 +12,11 @@ from typing import NamedTuple
 import numpy as np
 
 from performance.validation.markdown import table
+from seamark.sim.numerics.arrays import Array
 from seamark.sim.physics.current import Current, Pattern
 from seamark.sim.physics.plant import Plant
 from seamark.sim.physics.thrusters import commands_for, packed
-from seamark.sim.vehicles import Array, Quantity, Vehicle, load
+from seamark.sim.vehicles import Quantity, Vehicle, load
 
 TITLE = "Cases with a closed form"
 LARGEST_ERROR_PERCENT = 0.5

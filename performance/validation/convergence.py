@@ -8,10 +8,11 @@ import numpy as np
 
 from performance.validation.markdown import table
 from performance.validation.plots import COLOURS, figure
+from seamark.sim.numerics.arrays import Array
 from seamark.sim.numerics.random_streams import streams
 from seamark.sim.physics.current import GUST_GRID_S, Current, Pattern
 from seamark.sim.physics.plant import STEP_S, Plant
-from seamark.sim.vehicles import Array, Vehicle, load
+from seamark.sim.vehicles import Vehicle, load
 
 TITLE = "Convergence with the step size"
 SEED = 1

@@ -8,9 +8,10 @@ import numpy as np
 from performance.validation.convergence import START, commands
 from performance.validation.markdown import table
 from performance.validation.reference import Leg, Water, reference
+from seamark.sim.numerics.arrays import Array
 from seamark.sim.physics.current import Current, Pattern
 from seamark.sim.physics.plant import STEP_S, Plant
-from seamark.sim.vehicles import Array, load
+from seamark.sim.vehicles import load
 
 TITLE = "Comparison with an independent implementation"
 LEG_S = 10.0

@@ -13,7 +13,8 @@ import numpy as np
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from seamark.sim.vehicles import STANDARD_GRAVITY, Array, Vehicle
+from seamark.sim.numerics.arrays import Array
+from seamark.sim.vehicles import STANDARD_GRAVITY, Vehicle
 
 FORCE = 410.0 * 0.134  # [N s²/m²] S and D: the published body force, see sim/physics/current.py
 

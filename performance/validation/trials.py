@@ -9,11 +9,11 @@ from numpy.typing import NDArray
 
 from seamark.sim.benchmarks.currents_v1.definition import CurrentsConfiguration
 from seamark.sim.benchmarks.currents_v1.experiment import EXPERIMENT
-from seamark.sim.engine.closed_loop import LevelLoop
+from seamark.sim.engine.closed_loop import ClosedLoop
 from seamark.sim.engine.program import BuiltIn
-from seamark.sim.engine.tracker_in_loop import Tracking
+from seamark.sim.engine.tracker_in_loop import TrackerInLoop
 from seamark.sim.engine.trial import TrialResult, run_trial
-from seamark.sim.recording.telemetry import Recorder, Rows
+from seamark.sim.recording.telemetry import Rows
 from seamark.sim.registry import benchmark
 
 SEED = 1
@@ -68,7 +68,6 @@ def moved_level(
         pose[:2] += start_m
         world.plant.place(pose)
         shift = np.array(corners_px, dtype=np.float64)
-        world.tracking = Tracking(world.camera, config, shift)
-        recorder = Recorder(config.control_steps_per_level)
-        LevelLoop(world, BuiltIn(controller, config), trial=0, level=0).run(recorder, rows.append)
+        world.tracking = TrackerInLoop(world.camera, config, shift)
+        ClosedLoop(world, BuiltIn(controller, config), trial=0, level=0).run(rows.append)
     return np.concatenate(rows)

@@ -61,7 +61,8 @@ class Recording:
         with (self._folder / "telemetry.csv").open("w", encoding="utf-8") as table:
             if outcome is not None:
                 comments.append(f"digest {outcome.digest}")
-            table.write(telemetry.header(comments))
+            width = self._rows[0].shape[1] if self._rows else telemetry.WIDTH
+            table.write(telemetry.header(comments, width=width))
             for rows in self._rows:
                 table.write(telemetry.csv_lines(rows))
         (self._folder / "log.txt").write_bytes(b"".join(self._log))

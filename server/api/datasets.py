@@ -40,7 +40,7 @@ def dataset(path: RunPath, query: DatasetQuery) -> Response:
     Only runs whose seed is known have one: hidden seeds stay hidden. More pictures at once, and
     data sets without a run, come from `seamark dataset`.
     """
-    from seamark.sim.engine.dataset import Choice, archive  # noqa: PLC0415 (it loads OpenCV)
+    from seamark.sim.engine.dataset import Selection, archive  # noqa: PLC0415 (it loads OpenCV)
 
     view = authorization.run_for(path.run_id)
     if view.seed is None:
@@ -51,8 +51,8 @@ def dataset(path: RunPath, query: DatasetQuery) -> Response:
         )
     rows = RunFiles(services().settings.data, view.id).rows_of_trial(query.trial)
     end = float("inf") if query.until is None else query.until
-    choice = Choice(every=query.every, begin_s=query.begin, end_s=end, colour=query.colour)
-    wanted = len(choice.of(rows))
+    selection = Selection(every=query.every, begin_s=query.begin, end_s=end, colour=query.colour)
+    wanted = len(selection.of(rows))
     if wanted == 0:
         raise Problem("not-found", "There is no telemetry of that trial at that time (yet).")
     if wanted > PICTURES_MAX:
@@ -68,7 +68,7 @@ def dataset(path: RunPath, query: DatasetQuery) -> Response:
             headers={"Retry-After": str(_BUSY_RETRY_S)},
         )
     config = registry.benchmark(view.benchmark).read(view.config)
-    pieces = archive(view.benchmark, config, rows, seed=view.seed, choice=choice)
+    pieces = archive(view.benchmark, config, rows, seed=view.seed, selection=selection)
     answer = Response(_alone(pieces), content_type="application/zip")
     name = f"seamark-run-{view.id}-dataset.zip"
     answer.headers.set("Content-Disposition", "attachment", filename=name)

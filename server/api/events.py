@@ -22,7 +22,6 @@ from seamark.server.runs.files import RunFiles
 from seamark.server.runs.views import RunView
 from seamark.server.web.problems import Problem
 from seamark.server.web.services import Services, services
-from seamark.sim.recording.telemetry import NAMES
 
 RECONNECT_MS = 2000  # how long a browser waits before it asks again
 FULL_RETRY_S = 10
@@ -148,7 +147,7 @@ def _from_files(held: Services, view: RunView) -> Iterator[Event]:
     for start in range(0, total, step * BATCH_ROWS):
         rows = files.rows(start, min(start + step * BATCH_ROWS, total))[::step].tolist()
         finite = [[v if math.isfinite(v) else None for v in row] for row in rows]
-        data = {"columns": list(NAMES), "rows": finite}
+        data = {"columns": list(files.columns), "rows": finite}
         yield Event("", live_events.TELEMETRY, data)
     if text := files.log_text():
         yield Event("", live_events.LOG, {"text": text})

@@ -59,7 +59,7 @@ def telemetry_csv(path: RunPath, query: TelemetryQuery) -> Response:
 
 
 def _csv(files: RunFiles, comments: list[str], start: int, stop: int) -> Iterator[str]:
-    yield telemetry.header(comments)
+    yield telemetry.header(comments, width=len(files.columns))
     for at in range(start, stop, CHUNK_ROWS):
         yield telemetry.csv_lines(files.rows(at, min(at + CHUNK_ROWS, stop)))
 
@@ -73,7 +73,7 @@ def _comments(view: RunView, rows: int) -> list[str]:
         f"kind {view.kind}, seed {seed}, trials {view.trials}",
         f"state {view.state.value} at the time of the download, {rows} rows",
         *grid.level_comments(benchmark.read(view.config)),
-        telemetry.units(),
+        telemetry.units(len(files_of(view).columns)),
     ]
 
 
@@ -88,7 +88,7 @@ def telemetry_f64(path: RunPath, query: TelemetryQuery) -> Response:
         for at in range(query.start, stop, CHUNK_ROWS)
     )
     answer = Response(pieces, content_type="application/octet-stream")
-    answer.headers["X-Columns"] = ",".join(telemetry.NAMES)
+    answer.headers["X-Columns"] = ",".join(files.columns)
     answer.headers["X-Next-Row"] = str(max(stop, query.start))
     _name(answer, view, "telemetry.f64")
     return answer

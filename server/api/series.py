@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from itertools import pairwise
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from flask_openapi3.blueprint import APIBlueprint
@@ -14,7 +14,9 @@ from seamark.server.api import authorization
 from seamark.server.api.files import files_of
 from seamark.server.api.schemas import RunPath, SeriesQuery, SeriesResponse
 from seamark.server.web.problems import Problem
-from seamark.sim.recording.telemetry import INDEX
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
 
 COLUMNS_MAX = 16
 Rows = NDArray[np.float64]
@@ -30,10 +32,12 @@ api = APIBlueprint(
 @api.get("/runs/<int:run_id>/series.json", responses={200: SeriesResponse})
 def series(path: RunPath, query: SeriesQuery) -> dict[str, Any]:
     """Show columns of one trial on one time axis; thinned, with the peaks kept."""
-    names = _names(query.columns)
     view = authorization.run_for(path.run_id)
-    rows = files_of(view).rows_of_trial(query.trial)
-    t, columns = thin(rows[:, INDEX["t"]], rows[:, [INDEX[n] for n in names]], query.max_points)
+    files = files_of(view)
+    index = {name: at for at, name in enumerate(files.columns)}
+    names = _names(query.columns, index)
+    rows = files.rows_of_trial(query.trial)
+    t, columns = thin(rows[:, index["t"]], rows[:, [index[n] for n in names]], query.max_points)
     return {
         "t": t.tolist(),
         "columns": {
@@ -46,11 +50,11 @@ def series(path: RunPath, query: SeriesQuery) -> dict[str, Any]:
     }
 
 
-def _names(text: str) -> list[str]:
+def _names(text: str, index: Mapping[str, int]) -> list[str]:
     names = [name.strip() for name in text.split(",") if name.strip()]
-    unknown = [name for name in names if name not in INDEX]
+    unknown = [name for name in names if name not in index]
     if unknown or not names or len(names) > COLUMNS_MAX:
-        detail = f"1 to {COLUMNS_MAX} of: {', '.join(INDEX)}."
+        detail = f"1 to {COLUMNS_MAX} of: {', '.join(index)}."
         raise Problem("invalid-request", "No such columns.", errors={"columns": detail})
     return list(dict.fromkeys(names))
 

@@ -45,8 +45,8 @@ def picture(settings: Settings, run: RunView, *, trial: int, t: float) -> bytes 
         return None
     config = json.dumps(run.config, sort_keys=True)
     with _lock:
-        shot = _replay(run.benchmark, config, trial_seeds(run, settings)).shot(row)
-        image, truth = shot.colour(), shot.corners()
+        frame = _replay(run.benchmark, config, trial_seeds(run, settings)).frame(row)
+        image, truth = frame.colour(), frame.corners()
     return _jpeg(_marked(image, row, truth))
 
 
@@ -64,8 +64,8 @@ def _warm_up() -> None:
     row = np.zeros(WIDTH)
     for name in registry.BENCHMARKS:
         with _lock:
-            shot = Replay(name, registry.benchmark(name).read({}), lambda _trial: 0).shot(row)
-            _jpeg(_marked(shot.colour(), row, shot.corners()))
+            frame = Replay(name, registry.benchmark(name).read({}), lambda _trial: 0).frame(row)
+            _jpeg(_marked(frame.colour(), row, frame.corners()))
     _log.info("camera_warm")
 
 

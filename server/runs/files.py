@@ -20,7 +20,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from seamark.sim.recording.telemetry import INDEX, NAMES
+from seamark.sim.recording import telemetry
+from seamark.sim.recording.telemetry import INDEX, WIDTH
 
 HEAD_MAX = 256 * 1024  # [byte] of the log kept from its start
 TAIL_MAX = 256 * 1024  # [byte] of the log kept from its end
@@ -49,9 +50,11 @@ class RunFiles:
         self._names: tuple[str, ...] | None = None
 
     @property
-    def width(self) -> int:
-        """How many columns a row has."""
-        return len(NAMES)
+    def columns(self) -> tuple[str, ...]:
+        """Names of the columns of `rows`: those of this version, for the vehicle of the run."""
+        written = self._written_names()
+        thrusters = sum(name.startswith("thrust_") for name in written)
+        return telemetry.names(telemetry.width_for(thrusters))
 
     def attempts(self) -> list[int]:
         """Return the attempts that left files."""
@@ -67,10 +70,11 @@ class RunFiles:
     # -- writing: one process, the worker that holds the attempt ---------------------------------
     def append_rows(self, rows: Rows) -> None:
         """Append whole rows, shape (k, number of columns)."""
-        if rows.ndim != 2 or rows.shape[1] != len(NAMES):
-            raise ValueError(f"rows have shape {rows.shape}, not (k, {len(NAMES)})")
-        if not self.telemetry_path.exists():
-            self._replace("columns.json", json.dumps(NAMES).encode())
+        if not self.telemetry_path.exists() and rows.ndim == 2 and rows.shape[1] >= WIDTH:
+            self._names = telemetry.names(rows.shape[1])
+            self._replace("columns.json", json.dumps(self._names).encode())
+        if rows.ndim != 2 or rows.shape[1] != len(self._written_names()):
+            raise ValueError(f"rows have shape {rows.shape}, not (k, {len(self._written_names())})")
         self._append(self.telemetry_path, np.ascontiguousarray(rows, dtype="<f8").tobytes())
 
     def cut_rows(self, count: int) -> None:
@@ -109,12 +113,12 @@ class RunFiles:
         end = self.row_count() if stop is None else min(stop, self.row_count())
         count = max(end - max(start, 0), 0)
         if count == 0:
-            return np.empty((0, len(NAMES)))
-        names = self._written_names()
+            return np.empty((0, len(self.columns)))
+        names, columns = self._written_names(), self.columns
         offset = max(start, 0) * self._row_bytes()
         values = np.fromfile(self.telemetry_path, "<f8", count * len(names), offset=offset)
         rows = values.reshape(count, len(names)).astype(np.float64, copy=False)
-        return rows if names == NAMES else _in_present_columns(rows, names)
+        return rows if names == columns else _in_present_columns(rows, names, columns)
 
     def rows_until(self, trial: int, t: float) -> int:
         """Return how many rows there are up to time t [s] of a trial; trials follow each other."""
@@ -160,7 +164,7 @@ class RunFiles:
         if self._names is None:
             text = _bytes(self.folder / "columns.json")
             if not text:
-                return NAMES
+                return telemetry.NAMES
             self._names = tuple(json.loads(text))
         return self._names
 
@@ -179,12 +183,12 @@ class RunFiles:
         os.replace(draft, self.folder / name)
 
 
-def _in_present_columns(rows: Rows, names: tuple[str, ...]) -> Rows:
-    found = {name: at for at, name in enumerate(names)}
-    moved = np.full((len(rows), len(NAMES)), np.nan)
-    for at, name in enumerate(NAMES):
-        if name in found:
-            moved[:, at] = rows[:, found[name]]
+def _in_present_columns(rows: Rows, names: tuple[str, ...], columns: tuple[str, ...]) -> Rows:
+    written = {name: at for at, name in enumerate(names)}
+    moved = np.full((len(rows), len(columns)), np.nan)
+    for at, name in enumerate(columns):
+        if name in written:
+            moved[:, at] = rows[:, written[name]]
     return moved
 
 

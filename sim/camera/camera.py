@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from seamark.sim.camera import raycast, special
 from seamark.sim.camera.caustics import WAVES, amplitude_for, waves_of
 from seamark.sim.camera.effects import Disturbance, Effects
-from seamark.sim.camera.geometry import look, project
+from seamark.sim.camera.geometry import camera_pose, project
 from seamark.sim.camera.optics import Optics
 from seamark.sim.camera.rows import CHUNK, interleave
 from seamark.sim.camera.scene import Channel, Grain, Scene, work_for
@@ -125,8 +125,8 @@ class Camera:
         origin: NDArray[np.float64] = self._project(pose, self._origin)[0]
         return origin
 
-    def place(self, pose: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return where the camera is, (3,) [m] NED."""
+    def position(self, pose: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the position of the camera, (3,) [m] NED."""
         return np.array(self.truth(pose)[-3:])
 
     def view(self) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
@@ -139,7 +139,7 @@ class Camera:
         The numbers of the methods above in one call, for every tick.
         """
         self._pose[:] = pose[:6]
-        look(self._pose, self._lens[1], self._rotation, self._place)
+        camera_pose(self._pose, self._lens[1], self._rotation, self._place)
         project(self._points, self._rotation, self._place, self._lens[0], self._images)
         images: list[float] = self._images.ravel().tolist()
         return images + self._place.tolist()
@@ -149,7 +149,7 @@ class Camera:
     ) -> NDArray[np.float64]:
         out = np.empty((len(points), 2))
         self._pose[:] = pose[:6]
-        look(self._pose, self._lens[1], self._rotation, self._place)
+        camera_pose(self._pose, self._lens[1], self._rotation, self._place)
         project(points, self._rotation, self._place, self._lens[0], out)
         return out
 

@@ -15,7 +15,7 @@ Line = tuple[np.float32, np.float32, np.float32, np.float32, np.float32, np.floa
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def look(pose: Array, mount: Array, rotation: Array, centre: Array) -> None:
+def camera_pose(pose: Array, mount: Array, rotation: Array, centre: Array) -> None:
     """Write the camera axes in the world as rows of (3, 3) and its place (3,) [m].
 
     Parameters
@@ -130,3 +130,19 @@ def row_of(g: Array, v: float) -> Line:
         np.float32(g[1, 0]),
         np.float32(g[2, 0]),
     )
+
+
+@njit(cache=True, error_model="numpy")
+def diagonal_intersection(corners: Array) -> tuple[float, float]:
+    """Return where the diagonals of a quadrilateral meet: the image of a rectangle's centre.
+
+    `corners` is (8,) [px], x0 y0 to x3 y3. The mean of the corners if the diagonals are parallel.
+    """
+    x0, y0, x1, y1 = corners[0], corners[1], corners[2], corners[3]
+    x2, y2, x3, y3 = corners[4], corners[5], corners[6], corners[7]
+    ax, ay, bx, by = x2 - x0, y2 - y0, x3 - x1, y3 - y1
+    determinant = ax * by - ay * bx
+    if abs(determinant) < 1e-9:
+        return 0.25 * (x0 + x1 + x2 + x3), 0.25 * (y0 + y1 + y2 + y3)
+    share = ((x1 - x0) * by - (y1 - y0) * bx) / determinant
+    return x0 + share * ax, y0 + share * ay

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from seamark.sim.camera import rows
 from seamark.sim.camera.faces import Outlines, draw_faces, outlines
-from seamark.sim.camera.geometry import look, plane_map
+from seamark.sim.camera.geometry import camera_pose, plane_map
 from seamark.sim.camera.rows import CHUNK, NODE
 from seamark.sim.camera.scene import MARGIN, STRIP, Channel, Grain, Scene, Work
 from seamark.sim.camera.seabed import TEXEL_M
@@ -97,7 +97,7 @@ def view_of(pose: Array, scene: Scene, attenuation: float, window: Window) -> Vi
     """Return what a pose (6,) makes of the scene, for the rows of a window."""
     rotation = np.empty((3, 3))
     centre = np.empty(3)
-    look(pose, scene.mount, rotation, centre)
+    camera_pose(pose, scene.mount, rotation, centre)
     g = np.empty((3, 3))
     north, east = _seabed_map(scene.seabed_m, rotation, centre, scene.intrinsics, g)
     return View(

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from seamark.sim.camera.effects import Disturbance
 from seamark.sim.camera.fish import add_fish
-from seamark.sim.camera.geometry import look
+from seamark.sim.camera.geometry import camera_pose
 from seamark.sim.camera.light import light_nodes
 from seamark.sim.camera.raycast import View, columns_of, expose_strip, light_strip, view_of
 from seamark.sim.camera.rows import CHUNK, spread
@@ -179,7 +179,7 @@ def _exposed(
         later = light.exposure_s * ((k + 0.5) / count - 0.5)
         pose = moved(motion, later)
         view = view_of(pose, scene, channel.attenuation, window)
-        look(pose, scene.mount, rotation, centre)
+        camera_pose(pose, scene.mount, rotation, centre)
         eye = (rotation, centre)
         time_s = frame * light.frame_s + later
         if light.lit:

@@ -6,7 +6,7 @@ Computed once, at set-up, without BLAS: its last bits would depend on the proces
 import numpy as np
 from numpy.typing import NDArray
 
-from seamark.sim.physics.hydrodynamics import inverse
+from seamark.sim.numerics.linear_algebra import inverse
 from seamark.sim.vehicles import Vehicle
 
 SURGE, SWAY, HEAVE, ROLL, PITCH, YAW = range(6)

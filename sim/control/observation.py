@@ -1,7 +1,7 @@
-"""What the user's program sees at each control tick, and the order in which it travels.
+"""What the user's program sees at each control step, and how it is packed into numbers.
 
-The layout is data: the simulator packs by it, the box unpacks by it, in every language.
-Ground truth is never part of it.
+The layout is data: the simulator packs by it and the sandbox unpacks by it, in every language.
+Ground truth is never part of an observation.
 """
 
 from collections.abc import Iterator, Mapping
@@ -12,17 +12,17 @@ from numpy.typing import NDArray
 
 from seamark.sim.vehicles import load
 
-THRUSTERS = 8  # the most that a vehicle has; an observation has as many as its own vehicle
+PER_THRUSTER = -1  # as many numbers as the vehicle has thrusters; for the last field only
 
-# name, count (0: one number), unit, meaning
+# name, count (0: a single number), unit, meaning
 FIELDS: tuple[tuple[str, int, str, str], ...] = (
     ("t", 0, "s", "simulated time since the trial began"),
-    ("dt", 0, "s", "time from one step to the next"),
+    ("dt", 0, "s", "time between two steps"),
     (
         "error",
         3,
         "m",
-        "how far the vehicle has to move, body frame (x forward, y starboard, z down)",
+        "position error: how far to move, body frame (x forward, y starboard, z down)",
     ),
     ("error_px", 2, "px", "tracked target minus image centre (x right, y down)"),
     ("target_visible", 0, "", "whether the tracker has the target now"),
@@ -33,24 +33,27 @@ FIELDS: tuple[tuple[str, int, str, str], ...] = (
     ("altitude", 0, "m", "height of the vehicle above the bottom"),
     ("attitude", 3, "rad", "roll, pitch, yaw"),
     ("rates", 3, "rad/s", "p, q, r"),
-    ("thrust", THRUSTERS, "N", "last thrust of each thruster; as many as the vehicle has"),
+    ("thrust", PER_THRUSTER, "N", "last thrust of each thruster; as many as the vehicle has"),
 )
 BOOLEANS = ("target_visible", "velocity_valid")
 COMMAND = ("surge", "sway", "heave", "yaw_rate")
 
 
 def layout(vehicle: str) -> dict[str, Any]:
-    """Return what travels to a program and back; `thrust` is as long as the vehicle's list."""
-    named = [[name, count] for name, count, _unit, _meaning in FIELDS]
-    named[-1] = ["thrust", len(load(vehicle).thrusters)]
-    return {"observation": named, "command": list(COMMAND), "booleans": list(BOOLEANS)}
+    """Return how observations and commands of a vehicle are packed, as plain JSON values."""
+    thrusters = len(load(vehicle).thrusters)
+    packed = [
+        [name, thrusters if count == PER_THRUSTER else count]
+        for name, count, _unit, _meaning in FIELDS
+    ]
+    return {"observation": packed, "command": list(COMMAND), "booleans": list(BOOLEANS)}
 
 
 def _starts() -> dict[str, int]:
-    starts, at = {}, 0
+    starts, start = {}, 0
     for name, count, _unit, _meaning in FIELDS:
-        starts[name] = at
-        at += max(count, 1)
+        starts[name] = start
+        start += max(count, 1)
     return starts
 
 
@@ -58,29 +61,29 @@ STARTS = _starts()  # name -> index of its first number
 
 
 def empty(thrusters: int) -> NDArray[np.float64]:
-    """Return an observation of zeros for a vehicle with so many thrusters, (size,)."""
+    """Return a packed observation of zeros, (size,), for a vehicle with this many thrusters."""
     return np.zeros(STARTS["thrust"] + thrusters)
 
 
 class Observation(Mapping[str, Any]):
     """One observation by name: `observation.error` and `observation["error"]` are the same.
 
-    Numbers are floats, vectors are tuples of floats, the two of BOOLEANS are bool. `thrust`, the
-    last field, is as long as the vehicle has thrusters.
+    Numbers are floats, vectors are tuples of floats, the fields in BOOLEANS are bool. `thrust` has
+    one number per thruster of the vehicle.
     """
 
     __slots__ = ("_values",)
 
     def __init__(self, values: NDArray[np.float64]) -> None:
         numbers = values.tolist()
-        named: dict[str, Any] = {}
+        fields: dict[str, Any] = {}
         for name, count, _unit, _meaning in FIELDS:
             start = STARTS[name]
-            named[name] = tuple(numbers[start : start + count]) if count else numbers[start]
-        # A slice ends where the numbers end: `thrust` comes last and may be shorter.
+            end = len(numbers) if count == PER_THRUSTER else start + count
+            fields[name] = tuple(numbers[start:end]) if count else numbers[start]
         for name in BOOLEANS:
-            named[name] = named[name] != 0.0
-        self._values = named
+            fields[name] = fields[name] != 0.0
+        self._values = fields
 
     def __getitem__(self, name: str) -> Any:  # float, bool or tuple, by the layout
         """Return a field by its name."""
@@ -94,7 +97,7 @@ class Observation(Mapping[str, Any]):
             raise AttributeError(f"an observation has no {name}") from None
 
     def __iter__(self) -> Iterator[str]:
-        """Return the names in the layout's order."""
+        """Iterate over the names in the order of the layout."""
         return iter(self._values)
 
     def __len__(self) -> int:

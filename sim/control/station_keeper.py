@@ -1,67 +1,54 @@
-"""Visual station keeper: from the target's place in the picture to how far the vehicle has to move.
+"""Visual station keeping: from the target's corners in the image to the position error.
 
-The station is right above the target's top face, at the height of the level's start.
+The station is directly above the centre of the target's top face, at the height at which the level
+started.
 """
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numba import njit
 
-from seamark.sim.engine.tracking_error import crossing
+from seamark.sim.camera.geometry import diagonal_intersection
+from seamark.sim.numerics.arrays import Array
 from seamark.sim.numerics.libm import sincos
-from seamark.sim.vehicles import Array
 
-HOLD_S = 1.0  # [s] how long the last error counts after the target was lost; E
-SMALLEST_SIDE_PX = 2.0  # [px] a shorter side tells nothing about the height
-RANGES = ("start", "altitude", "size")  # from what the distance of the target is known
+HOLD_S = 1.0  # [s] how long the last error is kept after the target was lost; E
+SMALLEST_SIDE_PX = 2.0  # [px] a shorter side gives no usable distance
+RANGES = ("start", "altitude", "size")  # sources of the distance to the target
 _START, _ALTITUDE, _SIZE = range(len(RANGES))
-Record = Any  # one of KEEPER; Numba reads its fields as attributes
+Record = Any  # a record of KEEPER; Numba reads its fields as attributes
 
 KEEPER = np.dtype(
     [
         ("focal", "f8"),  # [px]
         ("centre", "f8", 2),  # [px]
-        ("height", "f8"),  # [m] wanted height of the camera above the target's top
+        ("height", "f8"),  # [m] desired height of the camera above the target's top
         ("size", "f8", 2),  # [m] the target's length (image X) and width (image Y)
-        ("range_from", "i8"),  # place in RANGES
+        ("range_from", "i8"),  # index in RANGES
         ("error", "f8", 3),  # [m] body frame
         ("error_px", "f8", 2),
-        ("age_s", "f8"),
+        ("age_s", "f8"),  # since the target was last seen
         ("visible", "?"),
-        ("level_out", "?"),  # whether tilt is taken out of the direction
+        ("level_out", "?"),  # whether the direction is corrected for tilt
     ]
 )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Geometry:
-    """What the station keeper knows beforehand."""
+    """What the station keeper knows in advance."""
 
     focal_px: float
     centre_px: tuple[float, float]
-    height_m: float  # wanted height of the camera above the target's top
+    height_m: float  # desired height of the camera above the target's top
     size_m: tuple[float, float]  # the target's length (image X) and width (image Y)
 
 
-@dataclass(frozen=True, slots=True)
-class Aim:
-    """What the program is told about the target."""
-
-    error: tuple[float, ...]  # (3,) [m] body frame
-    error_px: tuple[float, ...]  # (2,)
-    visible: bool
-    age_s: float
-
-
 class StationKeeper:
-    """Turns tracked corners into an error in metres; one instance per level.
-
-    `record` is (1,) `KEEPER`: what it knows, and what it last said.
-    """
+    """The station keeper of one level: its settings and last result in `record`, (1,) `KEEPER`."""
 
     def __init__(self, geometry: Geometry, *, range_from: str, level_out_tilt: bool) -> None:
         self.record = np.zeros(1, KEEPER)
@@ -70,28 +57,9 @@ class StationKeeper:
         self.record["range_from"] = RANGES.index(range_from)
         self.record["level_out"] = level_out_tilt
 
-    def step(
-        self,
-        corners: Sequence[float] | None,
-        *,
-        height: float,
-        tilt: tuple[float, float],
-        dt: float,
-    ) -> Aim:
-        """Return the aim for a picture; `corners` (8,) [px] or None, the rest as for `aim`."""
-        seen = np.zeros(8) if corners is None else np.array(corners, np.float64)
-        aim(self.record[0], seen, corners is not None, height, tilt, dt)
-        said = self.record[0]
-        return Aim(
-            tuple(said["error"].tolist()),
-            tuple(said["error_px"].tolist()),
-            bool(said["visible"]),
-            float(said["age_s"]),
-        )
-
 
 @njit(cache=True, error_model="numpy")
-def aim(
+def update_position_error(
     keeper: Record,
     corners: Array,
     visible: bool,
@@ -99,19 +67,21 @@ def aim(
     tilt: tuple[float, float],
     dt: float,
 ) -> None:
-    """Tell where the vehicle has to go, in the keeper's record.
+    """Update the position error in the record of the station keeper.
 
     Parameters
     ----------
     corners : (8,) [px]
         x0 y0 to x3 y3: upper left, upper right, lower right, lower left.
     visible : bool
-        False while the tracker has lost the target: the last error counts for another `HOLD_S`,
-        then the error is zero and the vehicle stays where it is.
+        False while the tracker has lost the target: the last error is kept for `HOLD_S`, then the
+        error is zero, so the vehicle stays where it is.
     height : float [m]
         Measured height of the camera above the target.
     tilt : (2,) [rad]
         Measured roll and pitch.
+    dt : float [s]
+        Control period.
     """
     keeper.visible = visible
     if not visible:
@@ -121,21 +91,21 @@ def aim(
             keeper.error_px[:] = 0.0
         return
     keeper.age_s = 0.0
-    u, v = crossing(corners)
+    u, v = diagonal_intersection(corners)
     keeper.error_px[0] = u - keeper.centre[0]
     keeper.error_px[1] = v - keeper.centre[1]
     distance = _distance(keeper, corners, height)
-    right, aft, deep = _direction(keeper, tilt)
-    keeper.error[0] = -distance * aft / deep
-    keeper.error[1] = distance * right / deep
+    right, aft, down = _direction(keeper, tilt)
+    keeper.error[0] = -distance * aft / down
+    keeper.error[1] = distance * right / down
     keeper.error[2] = distance - keeper.height
 
 
 @njit(cache=True, error_model="numpy")
 def _distance(keeper: Record, corners: Array, height: float) -> float:
     if keeper.range_from == _START:
-        wanted: float = keeper.height
-        return wanted
+        desired: float = keeper.height
+        return desired
     return height if keeper.range_from == _ALTITUDE else _distance_by_size(keeper, corners)
 
 
@@ -153,7 +123,7 @@ def _distance_by_size(keeper: Record, corners: Array) -> float:
 
 @njit(cache=True, error_model="numpy")
 def _direction(keeper: Record, tilt: tuple[float, float]) -> tuple[float, float, float]:
-    """Return the ray to the target: to starboard, aft, down."""
+    """Return the ray to the target: starboard, aft, down."""
     right, aft = keeper.error_px[0] / keeper.focal, keeper.error_px[1] / keeper.focal
     if not keeper.level_out:
         return right, aft, 1.0
@@ -166,6 +136,6 @@ def _direction(keeper: Record, tilt: tuple[float, float]) -> tuple[float, float,
 
 @njit(cache=True, error_model="numpy")
 def _side(corners: Array, a: int, b: int) -> float:
-    """Return the distance of two corners [px]."""
+    """Return the distance between two corners [px]."""
     x, y = corners[2 * b] - corners[2 * a], corners[2 * b + 1] - corners[2 * a + 1]
     return math.sqrt(x * x + y * y)

@@ -18,9 +18,10 @@ import numpy as np
 
 from seamark.sim.control import velocity_law as law
 from seamark.sim.control.allocation import HEAVE, PITCH, ROLL, SURGE, SWAY, YAW, allocator
+from seamark.sim.numerics.arrays import Array
 from seamark.sim.numerics.libm import exp
 from seamark.sim.physics.thrusters import packed
-from seamark.sim.vehicles import Array, Vehicle
+from seamark.sim.vehicles import Vehicle
 
 # E: chosen so that both presets settle without overshoot with a thruster lag of 0.2 s.
 DEPTH_HOLD = (0.8, 0.9, 0.05)  # [1/s, 1, 1/s] natural frequency, damping, integral rate

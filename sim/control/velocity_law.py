@@ -12,8 +12,8 @@ from numba import njit
 from numpy.typing import NDArray
 
 from seamark.sim.control.allocation import HEAVE, PITCH, ROLL, SURGE, SWAY, YAW
+from seamark.sim.numerics.arrays import Array
 from seamark.sim.physics.thrusters import commands_for
-from seamark.sim.vehicles import Array
 
 Records = NDArray[np.void]
 Record = Any  # one of them; Numba reads its fields as attributes

@@ -1,8 +1,8 @@
-"""Pictures with their truth, as a data set to work on elsewhere.
+"""Data sets: images with ground truth, to work on elsewhere.
 
-Exactly the pictures that the benchmark's tracker gets, made again from the telemetry of a run. The
-archive's bytes depend on configuration, seed and rows alone: no time of day, no compression level
-of the machine.
+The images are exactly those that the benchmark's tracker gets, re-rendered from the telemetry of a
+run. The bytes of the archive depend on configuration, seed and rows alone: there is no date in it,
+and the compression level is fixed.
 """
 
 import csv
@@ -17,7 +17,7 @@ import cv2
 import numpy as np
 
 from seamark.sim.camera.camera import Camera
-from seamark.sim.engine.replay import Replay, Row, Shot, place_of
+from seamark.sim.engine.replay import CameraFrame, Replay, Row, trial_and_level
 from seamark.sim.recording.manifest import manifest
 from seamark.sim.recording.telemetry import INDEX, Digest, Rows
 from seamark.sim.settings.configuration import Configuration
@@ -25,7 +25,7 @@ from seamark.sim.settings.configuration import Configuration
 Line = list[object]
 
 FOLDER = "seamark-dataset"
-_PNG_LEVEL = 1  # noise does not compress; quicker
+_PNG_LEVEL = 1  # fast; noise does not compress anyway
 _STATE = ("x", "y", "z", "roll", "pitch", "yaw", "u", "v", "w", "p", "q", "r")
 _CORNERS = tuple(f"{axis}{corner}" for corner in range(4) for axis in ("corner_u", "corner_v"))
 COLUMNS = (
@@ -37,173 +37,174 @@ STARTS = ("trial", "level", "value", "t", "file", *_CORNERS)
 README = """\
 # Seamark data set: {benchmark}
 
-Pictures of the vehicle's downward camera, with the truth about them. {count}
+Images of the vehicle's downward camera, with ground truth. {count}
 
 | file | holds |
 |---|---|
-| images/*.png | {kind} pictures, 8 bit, noise included |
-| groundtruth.csv | one line per picture, see below |
-| starts/*.png, starts.csv | what a tracker is told at the start of each level |
+| images/*.png | {colours} images, 8 bit, noise included |
+| groundtruth.csv | one line per image, see below |
+| starts/*.png, starts.csv | what a tracker is given at the start of each level |
 | camera.json | intrinsics, mount on the vehicle, target; water and effects of each level |
 | configuration.json | all settings |
-| manifest.json | seed, versions, digest of the telemetry behind the pictures |
+| manifest.json | seed, versions, digest of the telemetry that the images were rendered from |
 
-The trackers' grey picture is the green channel of the coloured one, noise included.
+The grey image that trackers get is the green channel of the colour image, noise included.
 
-The same configuration and seed give the same bytes again with the same version:
-`{command}`. If another solution than the benchmark's own moved the vehicle, `--solution` names it;
-the way of a program that somebody sent is known from its run alone.
+The same version makes the same bytes again from the same configuration and seed:
+`{command}`. If a solution other than the benchmark's default moved the vehicle, name it with
+`--solution`; the path of an uploaded program can only be taken from its run.
 
 ## groundtruth.csv
 SI units, angles in rad; world NED (x north, y east, z down), body frame x forward, y starboard,
 z down. Image points in px: u to the right, v down, pixel centres at whole numbers.
 
-| column | is |
+| column | meaning |
 |---|---|
-| picture, file | number from 0, name below images/ |
+| picture, file | number of the image from 0, file name in images/ |
 | trial, level, t | simulated time [s] since the trial began |
 | x, y, z, roll, pitch, yaw | pose of the vehicle's origin; rotation is yaw, then pitch, then roll |
 | u, v, w, p, q, r | its velocity over ground, body frame [m/s, rad/s] |
 | corner_u0 ... corner_v3 | true corners of the top face, clockwise from its letters' upper left |
 | centroid_u, centroid_v | where the diagonals of the top face cross |
-| origin_u, origin_v | projected middle of the box: UWSim's convention |
-| camera_x, camera_y, camera_z | place of the camera in the world [m] |
-| in_view | 1 if all four corners are inside the picture |
+| origin_u, origin_v | projected centre of the box: UWSim's convention |
+| camera_x, camera_y, camera_z | position of the camera in the world frame [m] |
+| in_view | 1 if all four corners are inside the image |
 
 ## starts.csv
-One line per level: `value` is what the benchmark changes from level to level, `file` the picture
-below starts/ from which a tracker learns the target (in visibility-v1 in the water of the first
-level), the corners those that it is told: the true ones and the configured error of the start. It
-is the level's first picture; a tracker is asked from the second one on.
+One line per level: `value` is what the benchmark changes from level to level, `file` the image in
+starts/ from which a tracker learns the target (in visibility-v1 rendered in the water of the first
+level), the corners those it is given: the true ones plus the configured start error. The image
+belongs to the first step of the level; a tracker's results count from the second one.
 
 ## camera.json
-- `optics`: `matrix` is the pinhole's; no distortion. `mount_m` is the camera's place in the body
-  frame [m]; it looks along the body's z axis, u runs to starboard, v aft.
-- `target`: box on the seabed; `heading_rad` is where its letters' tops point, from north to east;
-  `top_corners_m` (4, 3) are the corners of groundtruth.csv in the world.
-- `levels`: of each level its `value`; `water` (channels red, green, blue; `beer`: attenuation c
+- `optics`: `matrix` is the pinhole's; no distortion. `mount_m` is the position of the camera in
+  the body frame [m]; it looks along the body's z axis, u points to starboard, v aft.
+- `target`: box on the seabed; `heading_rad` is where the tops of its letters point, clockwise from
+  north; `top_corners_m` (4, 3) are the corners of groundtruth.csv in the world frame.
+- `levels`: for each level its `value`; `water` (channels red, green, blue; `beer`: attenuation c
   [1/m] over the slant range; `uwsim`: density rho [1/m], exp(-(rho z)^2) over the depth; `veil` as
   a share of full scale; noise variance read_sigma_grey^2 + shot_gain * grey) and `effects`
-  (exposure, light, lamp, snow, scatter, fish; off where they are 0 and light_level is 1).
+  (exposure, light, lamp, snow, scatter, fish; all off if they are 0 and light_level is 1).
 """
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Choice:
-    """Which pictures, and how."""
+class Selection:
+    """Which images of a run, and in which colours."""
 
-    every: int = 1  # control ticks from one picture to the next
+    every: int = 1  # control steps from one image to the next
     begin_s: float = 0.0
     end_s: float = float("inf")
     colour: bool = False
 
     def of(self, rows: Rows) -> Rows:
-        """Return the rows (n, WIDTH) of the wanted pictures."""
+        """Return the rows of the selected images."""
         t = rows[:, INDEX["t"]]
-        wanted: Rows = rows[(t >= self.begin_s) & (t < self.end_s)][:: self.every]
-        return wanted
+        selected: Rows = rows[(t >= self.begin_s) & (t < self.end_s)][:: self.every]
+        return selected
 
     def options(self, trial: int) -> str:
-        """Return the options of `seamark dataset` that make this choice."""
-        given = {
+        """Return the options of `seamark dataset` for this selection."""
+        options = {
             "trial": (trial, 0),
             "every": (self.every, 1),
             "from": (self.begin_s, 0.0),
             "until": (self.end_s, float("inf")),
         }
         text = "".join(
-            f" --{name} {value}" for name, (value, usual) in given.items() if value != usual
+            f" --{name} {value}" for name, (value, default) in options.items() if value != default
         )
         return text + " --colour" * self.colour
 
 
 def archive(
-    benchmark: str, config: Configuration, rows: Rows, *, seed: int, choice: Choice
+    benchmark: str, config: Configuration, rows: Rows, *, seed: int, selection: Selection
 ) -> Iterator[bytes]:
-    """Return a ZIP archive in pieces, one or less than one for each file in it.
+    """Return a ZIP archive in pieces, at most one for each file in it.
 
     Parameters
     ----------
-    rows : (n, WIDTH)
+    rows
         Telemetry of one trial with this configuration and seed.
 
     Raises
     ------
     ValueError
-        At once, when the choice leaves no picture.
+        At once, if the selection has no images.
     """
-    wanted = choice.of(rows)
-    if not len(wanted):
-        raise ValueError("no picture is left: the run has no rows in the chosen time")
-    return _zipped(_members(benchmark, config, rows, wanted, seed=seed, choice=choice))
+    selected = selection.of(rows)
+    if not len(selected):
+        raise ValueError("there are no images: the run has no rows in the selected time")
+    return _zipped(_members(benchmark, config, rows, selected, seed=seed, selection=selection))
 
 
 def _members(
     benchmark: str,
     config: Configuration,
     rows: Rows,
-    wanted: Rows,
+    selected: Rows,
     *,
     seed: int,
-    choice: Choice,
+    selection: Selection,
 ) -> Iterator[tuple[str, bytes]]:
     replay = Replay(benchmark, config, lambda _trial: seed)
-    kind = "colour" if choice.colour else "grey"
-    count = f"{len(wanted)} pictures."
-    trial, _ = place_of(wanted[0])
+    colours = "colour" if selection.colour else "grey"
+    count = f"{len(selected)} images."
+    trial, _ = trial_and_level(selected[0])
     command = f"seamark dataset {benchmark} --config configuration.json --seed {seed}"
-    command += choice.options(trial)
-    text = README.format(benchmark=benchmark, count=count, kind=kind, command=command)
+    command += selection.options(trial)
+    text = README.format(benchmark=benchmark, count=count, colours=colours, command=command)
     yield "README.md", text.encode()
     yield "configuration.json", _json(config.model_dump(mode="json"))
-    yield "camera.json", _json(_cameras(replay, wanted, config))
+    yield "camera.json", _json(_cameras(replay, selected, config))
     digest = Digest()
     digest.add(rows)
-    whole = manifest(
+    manifest_ = manifest(
         benchmark,
         config,
         seed=seed,
         trials=1,
         controller="see the run",
         digest=digest.hexdigest(),
-        pictures=asdict(choice) | {"end_s": None if choice.end_s > 1e300 else choice.end_s},
+        pictures=asdict(selection)
+        | {"end_s": None if selection.end_s > 1e300 else selection.end_s},
     )
-    yield "manifest.json", _json(whole)
-    yield from _starts(replay, config, rows, wanted, colour=choice.colour)
+    yield "manifest.json", _json(manifest_)
+    yield from _starts(replay, config, rows, selected, colour=selection.colour)
     lines: list[Line] = []
-    for number, row in enumerate(wanted):
-        shot, name = replay.shot(row), f"{number:06d}.png"
-        lines.append(_line(number, name, row, shot))
-        yield f"images/{name}", _png(shot, colour=choice.colour)
+    for number, row in enumerate(selected):
+        frame, name = replay.frame(row), f"{number:06d}.png"
+        lines.append(_line(number, name, row, frame))
+        yield f"images/{name}", _png(frame, colour=selection.colour)
     yield "groundtruth.csv", _csv(COLUMNS, lines)
 
 
 def _starts(
-    replay: Replay, config: Any, rows: Rows, wanted: Rows, *, colour: bool
+    replay: Replay, config: Any, rows: Rows, selected: Rows, *, colour: bool
 ) -> Iterator[tuple[str, bytes]]:
-    """Return what a tracker is told at the start of every level in the pictures."""
-    values, places = config.level_values(), _places(wanted)
+    """Return what a tracker is given at the start of every level among the images."""
+    values = config.level_values()
     lines: list[Line] = []
-    for trial, level in places:
+    for trial, level in _levels(selected):
         here = (rows[:, INDEX["trial"]] == trial) & (rows[:, INDEX["level"]] == level)
         row = rows[here][0]
-        shot, corners = replay.first(row)
+        frame, corners = replay.start(row)
         name = f"{level:03d}.png"
-        told = [float(value) for value in corners.ravel()]
-        lines.append([trial, level, float(values[level]), float(row[INDEX["t"]]), name, *told])
-        yield f"starts/{name}", _png(shot, colour=colour)
+        given = [float(value) for value in corners.ravel()]
+        lines.append([trial, level, float(values[level]), float(row[INDEX["t"]]), name, *given])
+        yield f"starts/{name}", _png(frame, colour=colour)
     yield "starts.csv", _csv(STARTS, lines)
 
 
-def _places(wanted: Rows) -> list[tuple[int, int]]:
-    """Return trial and level of all levels in the pictures."""
-    return sorted({place_of(row) for row in wanted})
+def _levels(selected: Rows) -> list[tuple[int, int]]:
+    """Return trial and level of all levels among the images."""
+    return sorted({trial_and_level(row) for row in selected})
 
 
-def _cameras(replay: Replay, wanted: Rows, config: Any) -> dict[str, Any]:
-    """Return optics and target, and what is in the way of light at every level in the pictures."""
+def _cameras(replay: Replay, selected: Rows, config: Any) -> dict[str, Any]:
+    """Return optics and target, and water and effects of every level among the images."""
     values = config.level_values()
-    cameras = {place: replay.camera(*place) for place in _places(wanted)}
+    cameras = {level: replay.camera(*level) for level in _levels(selected)}
     first = next(iter(cameras.values()))
     return {
         "optics": _optics(first),
@@ -235,23 +236,23 @@ def _optics(camera: Camera) -> dict[str, Any]:
     return asdict(camera.optics) | {"matrix": matrix, "distortion": [0.0] * 5}
 
 
-def _line(number: int, name: str, row: Row, shot: Shot) -> Line:
-    truth = shot.camera.truth(shot.pose)
-    corners, optics = truth[:8], shot.camera.optics
+def _line(number: int, name: str, row: Row, frame: CameraFrame) -> Line:
+    truth = frame.camera.truth(frame.motion)
+    corners, optics = truth[:8], frame.camera.optics
     inside = all(
         -0.5 <= u <= optics.width - 0.5 and -0.5 <= v <= optics.height - 0.5
         for u, v in zip(corners[::2], corners[1::2], strict=True)
     )
     state = [float(row[INDEX[column]]) for column in ("t", *_STATE)]
-    return [number, name, *place_of(row), *state, *truth, int(inside)]
+    return [number, name, *trial_and_level(row), *state, *truth, int(inside)]
 
 
-def _png(shot: Shot, *, colour: bool) -> bytes:
-    picture = shot.colour() if colour else shot.grey()
-    done, encoded = cv2.imencode(".png", picture, [cv2.IMWRITE_PNG_COMPRESSION, _PNG_LEVEL])
-    if not done:
-        raise RuntimeError("OpenCV could not encode a picture")
-    return bytes(np.asarray(encoded).tobytes())
+def _png(frame: CameraFrame, *, colour: bool) -> bytes:
+    image = frame.colour() if colour else frame.grey()
+    encoded, png = cv2.imencode(".png", image, [cv2.IMWRITE_PNG_COMPRESSION, _PNG_LEVEL])
+    if not encoded:
+        raise RuntimeError("OpenCV could not encode an image")
+    return bytes(np.asarray(png).tobytes())
 
 
 def _json(value: object) -> bytes:
@@ -259,7 +260,7 @@ def _json(value: object) -> bytes:
 
 
 class _Sink(io.RawIOBase):
-    """Where the archive is written to: pieces that wait to be taken."""
+    """A file that keeps what is written until it is taken, for streaming an archive."""
 
     def __init__(self) -> None:
         self.pending = bytearray()

@@ -3,16 +3,14 @@
 A benchmark names its experiment by path, so that forms need not load the simulator.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Protocol
 
-from seamark.sim.recording.telemetry import Recorder, Rows
+from seamark.sim.recording.telemetry import OnRows, Rows
 
 if TYPE_CHECKING:
     from seamark.sim.camera.camera import Camera
-
-OnRows = Callable[[Rows], None]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -28,10 +26,10 @@ class TrialScore:
 class Level(Protocol):
     """One level, ready to run."""
 
-    def run(self, recorder: Recorder, on_rows: OnRows) -> None:
-        """Run it; rows go to `on_rows` whenever the recorder is full.
+    def run(self, on_rows: OnRows) -> None:
+        """Run it; rows go to `on_rows` in order, a second of simulated time at once.
 
-        Whatever the solution raises passes through; the recorder then still has the rows so far.
+        Whatever the solution raises passes through, after the rows so far were delivered.
         """
 
     def close(self) -> None:

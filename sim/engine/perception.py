@@ -1,30 +1,29 @@
-"""What is known at a tick, in one compiled call: the picture judged, all sensors, the aim.
+"""Perception of one control step in one compiled call: tracking error, sensors, position error.
 
-From it come the row of telemetry, what the program is shown and what the velocity controller
-measures. In Python the same took as long as drawing the picture.
+It fills the row of telemetry, the program's observation and the measurements of the velocity
+controller. In Python this took as long as rendering the image.
 """
 
 from typing import Any, NamedTuple
 
 from numba import njit
 
-from seamark.sim.control.observation import STARTS, THRUSTERS
-from seamark.sim.control.station_keeper import aim
+from seamark.sim.control.observation import STARTS
+from seamark.sim.control.station_keeper import update_position_error
 from seamark.sim.control.velocity_law import Records
-from seamark.sim.engine.tracking_error import View, judge
+from seamark.sim.engine.tracking_error import View, write_tracking_error
+from seamark.sim.numerics.arrays import Array
 from seamark.sim.physics.dynamics import RIGID, write_current
-from seamark.sim.recording.telemetry import INDEX
-from seamark.sim.sensors.sensors import (
-    Record,
-    measure_altitude,
-    measure_attitude,
-    measure_depth,
-    measure_dvl,
-)
-from seamark.sim.vehicles import Array
+from seamark.sim.recording.telemetry import COMMON_THRUSTERS, INDEX, WIDTH
+from seamark.sim.sensors.ahrs import sample_attitude
+from seamark.sim.sensors.altimeter import sample_altitude
+from seamark.sim.sensors.depth import sample_depth
+from seamark.sim.sensors.dvl import sample_dvl
+from seamark.sim.sensors.sensor import Record
 
-Noises = tuple[Array, Array, Array, Array]
-Suite = tuple[Records, Records, Records, Records]  # (1,) each: DVL, depth, attitude, altitude
+# Of DVL, depth gauge, AHRS and altimeter: their records, (1,) each, and their noise.
+SensorRecords = tuple[Records, Records, Records, Records]
+SensorNoises = tuple[Array, Array, Array, Array]
 
 _TRIAL, _LEVEL, _T = INDEX["trial"], INDEX["level"], INDEX["t"]
 _POSE, _VELOCITY, _CURRENT = INDEX["x"], INDEX["u"], INDEX["current_x"]
@@ -39,10 +38,10 @@ _SEEN_DEPTH, _SEEN_ALTITUDE = STARTS["depth"], STARTS["altitude"]
 _SEEN_ATTITUDE, _SEEN_THRUST = STARTS["attitude"], STARTS["thrust"]
 
 
-class Moment(NamedTuple):
-    """What changes from tick to tick beside the arrays; in this order, as a plain tuple."""
+class StepInputs(NamedTuple):
+    """The scalars that change from step to step; passed in this order, as a plain tuple."""
 
-    tick: int  # physics steps since the level began
+    step: int  # physics steps since the level began
     t: float  # [s] since the trial began
     ok: bool  # whether the tracker has the target
     altitude: float  # [m] of the body's origin above the bottom
@@ -50,102 +49,107 @@ class Moment(NamedTuple):
     contact_n: float  # [N]
 
 
-class Place(NamedTuple):
-    """What stays the same over a level; in this order, as a plain tuple."""
+class LevelConstants(NamedTuple):
+    """The scalars that are constant over a level; passed in this order, as a plain tuple."""
 
     trial: int
     level: int
-    step: float  # [s] of the physics
-    dt: float  # [s] from tick to tick
+    physics_step_s: float
+    dt: float  # [s] control period
     below_camera: float  # [m] altitude at which the camera would touch the target
 
 
 @njit(cache=True, error_model="numpy")
 def perceive(
-    plain_moment: tuple[Any, ...],
-    plain_place: tuple[Any, ...],
-    seen: tuple[View, Array, Array],
+    plain_inputs: tuple[Any, ...],
+    plain_constants: tuple[Any, ...],
+    tracked: tuple[View, Array, Array],
     plant: tuple[Array, Array, tuple[Any, ...]],
-    sensors: Suite,
-    noises: Noises,
+    sensors: SensorRecords,
+    noises: SensorNoises,
     keepers: Records,
-    out: tuple[Array, Array, Records],
+    outputs: tuple[Array, Array, Records],
 ) -> None:
-    """Measure, aim, and write what comes of it.
+    """Sample all sensors, update the position error, and write the outputs.
 
     Parameters
     ----------
-    plain_moment, plain_place
-        `Moment` and `Place`.
-    seen
-        `judgement.View`; the station (3,) [m]; the tracker's corners (8,) [px].
+    plain_inputs, plain_constants
+        `StepInputs` and `LevelConstants`.
+    tracked
+        `tracking_error.View`; the station (3,) [m]; the tracker's corners (8,) [px].
     plant
         Its state (13 + n,), pose (6,), the water as a plain tuple.
     sensors, noises
-        Their records and the noise of their readings; changed: what they hold.
+        The records, which are updated, and the noise of the readings.
     keepers
-        (1,) record of the station keeper, changed.
-    out
-        The row (WIDTH,), all but the program's reference and its time; the observation; what the
-        velocity controller measures, (1,) record.
+        (1,) record of the station keeper, updated.
+    outputs
+        The row of telemetry, written except for the program's reference and step time; the
+        observation; the measurements of the velocity controller, (1,) record.
     """
-    moment, place = Moment(*plain_moment), Place(*plain_place)
-    view, station, corners = seen
+    inputs, constants = StepInputs(*plain_inputs), LevelConstants(*plain_constants)
+    view, station, corners = tracked
     state, pose, water = plant
-    row, observation, measured = out
-    velocity, sounding = state[7:13], (moment.altitude, moment.echoes)
+    row, observation, measured = outputs
+    velocity, sounding = state[7:13], (inputs.altitude, inputs.echoes)
     dvl, depth, attitude, altitude = sensors[0][0], sensors[1][0], sensors[2][0], sensors[3][0]
-    measure_dvl(dvl, noises[0], moment.tick, pose, velocity, sounding)
-    measure_depth(depth, noises[1], moment.tick, pose, velocity, sounding)
-    measure_attitude(attitude, noises[2], moment.tick, pose, velocity, sounding)
-    measure_altitude(altitude, noises[3], moment.tick, pose, velocity, sounding)
+    sample_dvl(dvl, noises[0], inputs.step, pose, velocity, sounding)
+    sample_depth(depth, noises[1], inputs.step, pose)
+    sample_attitude(attitude, noises[2], inputs.step, pose, velocity)
+    sample_altitude(altitude, noises[3], inputs.step, pose, sounding)
 
-    height = altitude.values[0] - place.below_camera
-    aim(keepers[0], corners, moment.ok, height, (attitude.values[0], attitude.values[1]), place.dt)
+    height = altitude.values[0] - constants.below_camera
+    tilt = (attitude.values[0], attitude.values[1])
+    update_position_error(keepers[0], corners, inputs.ok, height, tilt, constants.dt)
 
-    judge(pose, corners, moment.ok, view, station, row)
-    write_current(moment.tick * place.step, water, state, row[_CURRENT : _CURRENT + 3])
-    _record(moment, place, row)
+    write_tracking_error(pose, corners, inputs.ok, view, station, row)
+    time_s = inputs.step * constants.physics_step_s
+    write_current(time_s, water, state, row[_CURRENT : _CURRENT + 3])
+    _record_time_and_contact(inputs, constants, row)
     _record_motion(pose, state, row)
     for i in range(3):
         row[_ERROR + i], row[_DVL + i] = keepers[0].error[i], dvl.values[i]
-    _measure(moment.tick, dvl, depth, attitude, measured[0])
-    observation[_SEEN_T], observation[_SEEN_DT] = moment.t, place.dt
-    _show_aim(keepers[0], observation)
-    _show_sensors(dvl, depth, attitude, altitude, observation)
+    _fill_measured(inputs.step, dvl, depth, attitude, measured[0])
+    observation[_SEEN_T], observation[_SEEN_DT] = inputs.t, constants.dt
+    _observe_position_error(keepers[0], observation)
+    _observe_sensors(dvl, depth, attitude, altitude, observation)
     observation[_SEEN_THRUST:] = state[RIGID:]
 
 
 @njit(cache=True, error_model="numpy")
-def _record(moment: Moment, place: Place, row: Array) -> None:
-    row[_TRIAL], row[_LEVEL], row[_T] = place.trial, place.level, moment.t
-    row[_CONTACT] = moment.contact_n
+def _record_time_and_contact(inputs: StepInputs, constants: LevelConstants, row: Array) -> None:
+    row[_TRIAL], row[_LEVEL], row[_T] = constants.trial, constants.level, inputs.t
+    row[_CONTACT] = inputs.contact_n
 
 
 @njit(cache=True, error_model="numpy")
 def _record_motion(pose: Array, state: Array, row: Array) -> None:
-    """Write pose, velocity and thrusts to the row; 0 beyond the vehicle's own thrusters."""
+    """Write pose, velocity and thrusts to the row."""
     for i in range(6):
         row[_POSE + i], row[_VELOCITY + i] = pose[i], state[7 + i]
-    row[_THRUST : _THRUST + THRUSTERS] = 0.0
+    row[_THRUST : _THRUST + COMMON_THRUSTERS] = 0.0
     for i in range(state.size - RIGID):
-        row[_THRUST + i] = state[RIGID + i]
+        column = _THRUST + i if i < COMMON_THRUSTERS else WIDTH + i - COMMON_THRUSTERS
+        row[column] = state[RIGID + i]
 
 
 @njit(cache=True, error_model="numpy")
-def _measure(tick: int, dvl: Record, depth: Record, attitude: Record, measured: Record) -> None:
-    """Fill the velocity controller's record, `velocity_law.MEASURED`."""
+def _fill_measured(
+    step: int, dvl: Record, depth: Record, attitude: Record, measured: Record
+) -> None:
+    """Fill the record of the velocity controller, `velocity_law.MEASURED`."""
     for i in range(3):
         measured.velocity[i] = dvl.values[i]
     measured.depth = depth.values[0]
     measured.yaw, measured.yaw_rate = attitude.values[2], attitude.values[5]
-    measured.fresh = dvl.valid and dvl.measured_at == tick
+    measured.fresh = dvl.valid and dvl.measured_at == step
     for i in range(2):
         measured.tilt[i], measured.tilt_rates[i] = attitude.values[i], attitude.values[3 + i]
 
 
 @njit(cache=True, error_model="numpy")
-def _show_aim(keeper: Record, observation: Array) -> None:
+def _observe_position_error(keeper: Record, observation: Array) -> None:
     for i in range(3):
         observation[_SEEN_ERROR + i] = keeper.error[i]
     for i in range(2):
@@ -154,7 +158,7 @@ def _show_aim(keeper: Record, observation: Array) -> None:
 
 
 @njit(cache=True, error_model="numpy")
-def _show_sensors(
+def _observe_sensors(
     dvl: Record, depth: Record, attitude: Record, altitude: Record, observation: Array
 ) -> None:
     for i in range(3):

@@ -1,7 +1,7 @@
-"""A smooth path around a place: where the vehicle is at a time, whatever anybody makes of it.
+"""A smooth prescribed path around a pose, independent of any tracker or controller.
 
 Each of the six coordinates of the pose is the sum of two sinusoids with seeded phases and periods,
-so that no two levels have the same path and nobody can learn it.
+so that no two levels have the same path and none can be learnt.
 """
 
 from collections.abc import Sequence
@@ -10,12 +10,12 @@ import numpy as np
 
 from seamark.sim.numerics.libm import PI, sincos
 
-SHARES = (0.65, 0.35)  # of the amplitude: the slow and the quick sinusoid; E
-PERIODS = (1.0, 0.41)  # of the nominal period; E, no small whole ratio
-LEAST_PERIOD, MOST_PERIOD = 0.8, 1.25  # a coordinate's own period, as a factor; E
+SHARES = (0.65, 0.35)  # of the amplitude: slow and fast sinusoid; E
+PERIODS = (1.0, 0.41)  # of the nominal period; E: far from a ratio of small integers
+LEAST_PERIOD, MOST_PERIOD = 0.8, 1.25  # factor of each coordinate's period; E
 
 
-class Path:
+class PrescribedPath:
     """Pose and velocity as functions of time."""
 
     def __init__(
@@ -47,35 +47,35 @@ class Path:
             for amplitude, pair in zip(amplitudes, draws, strict=True)
         ]
 
-    def at(self, t: float) -> tuple[list[float], list[float]]:
-        """Return the pose (6) [m, rad] in the world and the velocity (6) [m/s, rad/s] in the body.
+    def pose_and_velocity(self, t: float) -> tuple[list[float], list[float]]:
+        """Return the pose (6) [m, rad], world frame, and the velocity (6) [m/s, rad/s], body frame.
 
         Formulas: Fossen 2021, sections 2.2.1 (rotation) and 2.2.2 (rates of the Euler angles).
         """
         pose, rate = list(self._centre), [0.0] * 6
         for i, waves in enumerate(self._waves):
-            for amplitude, speed, phase in waves:
-                s, c = sincos(speed * t + phase)
+            for amplitude, frequency, phase in waves:
+                s, c = sincos(frequency * t + phase)
                 pose[i] += amplitude * s
-                rate[i] += amplitude * speed * c
-        return pose, _in_body(pose, rate)
+                rate[i] += amplitude * frequency * c
+        return pose, _body_velocity(pose, rate)
 
 
 def _between(low: float, high: float, share: float) -> float:
     return low + (high - low) * share
 
 
-def _in_body(pose: Sequence[float], rate: Sequence[float]) -> list[float]:
-    """Return the body's velocities of a pose that changes at this rate."""
+def _body_velocity(pose: Sequence[float], rate: Sequence[float]) -> list[float]:
+    """Return the body-frame velocity for a pose and its rate of change."""
     (sr, cr), (sp, cp), (sy, cy) = (sincos(angle) for angle in pose[3:])
     x, y, z, roll, pitch, yaw = rate
-    ahead = cy * x + sy * y
-    aside = cy * y - sy * x
-    below = sp * ahead + cp * z
+    forward = cy * x + sy * y
+    starboard = cy * y - sy * x
+    down = sp * forward + cp * z
     return [
-        cp * ahead - sp * z,
-        cr * aside + sr * below,
-        cr * below - sr * aside,
+        cp * forward - sp * z,
+        cr * starboard + sr * down,
+        cr * down - sr * starboard,
         roll - sp * yaw,
         cr * pitch + sr * cp * yaw,
         cr * cp * yaw - sr * pitch,

@@ -1,4 +1,4 @@
-"""Pictures of a run, made again from its telemetry: each is a pure function of a row and the seed.
+"""Re-renders the images of a run from its telemetry: each is a function of one row and the seed.
 
 So no video is ever stored, and a data set can be made of any run whose seed is known.
 """
@@ -13,41 +13,41 @@ from numpy.typing import NDArray
 
 from seamark.sim import registry
 from seamark.sim.camera.camera import Camera
-from seamark.sim.engine.tracker_in_loop import start_error_of
+from seamark.sim.engine.tracker_in_loop import draw_start_error
 from seamark.sim.numerics.random_streams import streams
 from seamark.sim.recording.telemetry import INDEX
 from seamark.sim.settings.configuration import Configuration
 
-Picture = NDArray[np.uint8]
+Image = NDArray[np.uint8]
 Row = NDArray[np.float64]
 
 _MOTION = slice(INDEX["x"], INDEX["r"] + 1)
-_CAMERAS = 12  # kept; each is one level's
+_CACHED_CAMERAS = 12  # one per level
 
 
 @dataclass(frozen=True, slots=True)
-class Shot:
+class CameraFrame:
     """What the camera saw at one row of the telemetry."""
 
     camera: Camera
-    pose: Row  # (12,) x, y, z [m], roll, pitch, yaw [rad], u, v, w [m/s], p, q, r [rad/s]
-    frame: int  # number of the picture in the trial
+    motion: Row  # (12,) x, y, z [m], roll, pitch, yaw [rad], u, v, w [m/s], p, q, r [rad/s]
+    number: int  # of the frame in the trial
 
-    def grey(self) -> Picture:
-        """Return the picture (H, W) that the tracker had."""
-        return self.camera.grey(self.pose, self.frame)
+    def grey(self) -> Image:
+        """Return the image (H, W) that the tracker had."""
+        return self.camera.grey(self.motion, self.number)
 
-    def colour(self) -> Picture:
-        """Return the picture (H, W, 3) in blue, green, red, for people."""
-        return self.camera.colour(self.pose, self.frame)
+    def colour(self) -> Image:
+        """Return the image (H, W, 3) in blue, green, red, for people."""
+        return self.camera.colour(self.motion, self.number)
 
     def corners(self) -> Row:
         """Return the true corners (4, 2) [px] of the target's top face."""
-        return self.camera.corners(self.pose)
+        return self.camera.corners(self.motion)
 
 
 class Replay:
-    """The pictures of one configuration; `seed_of` gives the seed of a trial."""
+    """The images of a run with one configuration; `seed_of` gives the seed of a trial."""
 
     def __init__(
         self, benchmark: str, config: Configuration, seed_of: Callable[[int], int]
@@ -55,51 +55,51 @@ class Replay:
         experiment = registry.benchmark(benchmark).load()
         settings: Any = config
         self._level_s, self._dt = settings.level_duration_s, settings.control_period_s
-        self._ticks = settings.control_steps_per_level
+        self._steps = settings.control_steps_per_level
 
-        @lru_cache(maxsize=_CAMERAS)
+        @lru_cache(maxsize=_CACHED_CAMERAS)
         def camera(trial: int, level: int) -> Camera:
-            made: Camera = experiment.camera(
+            built: Camera = experiment.camera(
                 settings, seed=seed_of(trial), trial=trial, level=level
             )
-            return made
+            return built
 
         def first_camera(trial: int, level: int) -> Camera:
-            made: Camera = experiment.first_camera(
+            built: Camera = experiment.first_camera(
                 settings, seed=seed_of(trial), trial=trial, level=level
             )
-            return made
+            return built
 
         def start_error(trial: int, level: int) -> Row:
-            return start_error_of(settings, streams(seed_of(trial), trial, level))
+            return draw_start_error(settings, streams(seed_of(trial), trial, level))
 
         self.camera = camera
         self._first_camera, self._start_error = first_camera, start_error
 
-    def shot(self, row: Row) -> Shot:
-        """Return what the camera saw at a row of the telemetry, (WIDTH,)."""
-        trial, level = place_of(row)
-        tick = round((float(row[INDEX["t"]]) - level * self._level_s) / self._dt)
-        pose = np.ascontiguousarray(row[_MOTION])
-        return Shot(self.camera(trial, level), pose, level * self._ticks + tick)
+    def frame(self, row: Row) -> CameraFrame:
+        """Return what the camera saw at a row of the telemetry."""
+        trial, level = trial_and_level(row)
+        step = round((float(row[INDEX["t"]]) - level * self._level_s) / self._dt)
+        motion = np.ascontiguousarray(row[_MOTION])
+        return CameraFrame(self.camera(trial, level), motion, level * self._steps + step)
 
-    def first(self, row: Row) -> tuple[Shot, Row]:
-        """Return what a level's first row was to its tracker.
+    def start(self, row: Row) -> tuple[CameraFrame, Row]:
+        """Return what the tracker started from, given the first row of a level.
 
         Returns
         -------
-        Shot
-            The picture from which the tracker learned the target; its water may be another than
-            the level's.
+        CameraFrame
+            The frame from which the tracker learned the target; its water may differ from that of
+            the level.
         (4, 2) [px]
-            The corners that it was told: the true ones and the configured error of the start.
+            The corners it was given: the true ones plus the configured start error.
         """
-        trial, level = place_of(row)
-        shot = self.shot(row)
-        learned = Shot(self._first_camera(trial, level), shot.pose, shot.frame)
-        return learned, shot.corners() + self._start_error(trial, level)
+        trial, level = trial_and_level(row)
+        frame = self.frame(row)
+        learned = CameraFrame(self._first_camera(trial, level), frame.motion, frame.number)
+        return learned, frame.corners() + self._start_error(trial, level)
 
 
-def place_of(row: Row) -> tuple[int, int]:
-    """Return trial and level of a row."""
+def trial_and_level(row: Row) -> tuple[int, int]:
+    """Return the trial and the level that a row belongs to."""
     return int(row[INDEX["trial"]]), int(row[INDEX["level"]])

@@ -1,4 +1,4 @@
-"""The tracker in the loop: shows it what part of the picture it asks for, keeps its answer."""
+"""The tracker in the loop: it gets the part of the image it asks for, and its result is kept."""
 
 import time
 
@@ -6,15 +6,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seamark.sim.camera.camera import Camera
-from seamark.sim.engine.tracking_error import CENTRE, MIDDLE, View
+from seamark.sim.engine.tracking_error import BOX_CENTRE, TOP_CENTRE, View
 from seamark.sim.numerics.random_streams import Streams
 from seamark.sim.settings.experiment import ExperimentSettings
 from seamark.sim.trackers import Tracker, make
 
-Pose = NDArray[np.float64]  # (6,); (12,) with the velocities for motion blur
+Pose = NDArray[np.float64]  # (6,); (12,) with the velocities, for motion blur
 
 
-class Tracking:
+class TrackerInLoop:
     """One tracker over one level."""
 
     def __init__(
@@ -26,14 +26,14 @@ class Tracking:
         tracker: Tracker | None = None,
         reference: Camera | None = None,
     ) -> None:
-        """Set up the tracker: the given one, else the configured one.
+        """Set up the given tracker, or else the configured one.
 
         Parameters
         ----------
         start_error : (4, 2) [px]
-            Added to its first corners.
+            Added to the corners that the tracker starts from.
         reference
-            Takes the first picture, from which the tracker learns the target, in place of `camera`.
+            Takes the first image, from which the tracker learns the target, instead of `camera`.
         """
         self._camera = camera
         self._reference = reference or camera
@@ -41,18 +41,18 @@ class Tracking:
         self._pose: Pose = np.zeros(6)
         self._tracker = tracker or self._configured(config)
         self._corners = np.zeros((4, 2))
-        self.corners = self._corners.reshape(8)  # [px] the last good ones; the same memory
-        self.ok = False  # whether the tracker says that it has the target now
-        target = MIDDLE if config.target_truth == "uwsim" else CENTRE
+        self.corners = self._corners.reshape(8)  # [px] last valid ones; a view of the same memory
+        self.ok = False  # whether the tracker reports the target in the present image
+        target = BOX_CENTRE if config.target_truth == "uwsim" else TOP_CENTRE
         self.view: View = (*camera.view(), target)
-        self.step_us = 0.0  # wall time of the tracker's last answer; never part of a result
+        self.step_us = 0.0  # wall time of the tracker's last update; never part of a result
 
     def _configured(self, config: ExperimentSettings) -> Tracker:
         options = config.tracker_options()
         return make(config.tracker, truth=lambda: self._camera.corners(self._pose), **options)
 
     def start(self, pose: Pose, frame: int) -> None:
-        """Show the first picture and tell where the target is in it."""
+        """Start the tracker with the first image and the target's corners in it."""
         self._pose = pose
         corners = self._camera.corners(pose) + self._start_error
         self._tracker.start(self._reference.grey(pose, frame), corners)
@@ -60,34 +60,21 @@ class Tracking:
         self.ok = True
 
     def update(self, pose: Pose, frame: int) -> None:
-        """Show the next picture and take over what the tracker makes of it."""
+        """Give the tracker the next image and keep its result."""
         self._pose = pose
-        picture = self._camera.region(pose, frame, self._tracker.window())
-        began = time.perf_counter_ns()
-        track = self._tracker.update(picture)
-        self.step_us = (time.perf_counter_ns() - began) * 1e-3
+        image = self._camera.region(pose, frame, self._tracker.window())
+        before = time.perf_counter_ns()
+        track = self._tracker.update(image)
+        self.step_us = (time.perf_counter_ns() - before) * 1e-3
         self.ok = track.ok
         if track.ok:
             self._corners[:] = track.corners
 
 
-def tracking_of(
-    config: ExperimentSettings,
-    camera: Camera,
-    random: Streams,
-    *,
-    tracker: Tracker | None = None,
-    reference: Camera | None = None,
-) -> Tracking:
-    """Return the given or else the configured tracker, its start perturbed as configured."""
-    error = start_error_of(config, random)
-    return Tracking(camera, config, error, tracker=tracker, reference=reference)
+def draw_start_error(config: ExperimentSettings, random: Streams) -> NDArray[np.float64]:
+    """Return the error (4, 2) [px] of the corners that the tracker of a level starts from.
 
-
-def start_error_of(config: ExperimentSettings, random: Streams) -> NDArray[np.float64]:
-    """Return by how much (4, 2) [px] the first corners of a level are off, as configured.
-
-    The first numbers of their stream: it must be fresh.
+    These are the first numbers of their stream, which must be fresh.
     """
     error: NDArray[np.float64] = config.start_error_px * random.start.standard_normal((4, 2))
     return error

@@ -9,15 +9,13 @@ from typing import Any
 import numpy as np
 
 from seamark.sim import registry
-from seamark.sim.engine.experiment import OnRows, TrialScore
+from seamark.sim.engine.experiment import TrialScore
 from seamark.sim.metrics import uwsim_metrics
 from seamark.sim.metrics.metric import mean_over_trials, over_run
 from seamark.sim.metrics.score_expression import ExpressionInvalid, score_of
 from seamark.sim.numerics.statistics import bootstrap_interval, mean
-from seamark.sim.recording.telemetry import Digest, Recorder, Rows
+from seamark.sim.recording.telemetry import Digest, OnRows, Rows
 from seamark.sim.settings.configuration import Configuration
-
-TICKS_PER_DELIVERY = 20  # 1 s simulated at 20 Hz
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -57,8 +55,8 @@ def run_trial(
 ) -> TrialResult:
     """Run all levels and return the metrics.
 
-    Rows, (k, WIDTH), go to `on_rows` in order, every 20 control ticks and at the end; also when the
-    solution raises, so that what happened until then is never lost.
+    Rows go to `on_rows` in order, every 20 control steps and at the end; also when the solution
+    raises, so that what happened until then is never lost.
 
     Parameters
     ----------
@@ -78,7 +76,7 @@ def run_trial(
     if not isinstance(config, entry.configuration):
         raise TypeError(f"{benchmark} cannot run a {type(config).__name__}")
     experiment = entry.load()
-    recorder, digest = Recorder(TICKS_PER_DELIVERY), Digest()
+    digest = Digest()
     kept: list[Rows] = []
 
     def deliver(rows: Rows) -> None:
@@ -88,19 +86,15 @@ def run_trial(
 
     levels: list[dict[str, Any]] = []
     rows = 0
-    try:
-        for level in range(len(config.level_values())):
-            begun = experiment.level(config, solution, seed=seed, trial=trial, level=level)
-            with closing(begun):
-                begun.run(recorder, deliver)
-            _deliver_rest(recorder, deliver)
-            whole = np.concatenate(kept)
-            original = uwsim_metrics.level_metrics(whole)
-            levels.append(experiment.metrics(config, level, whole) | {"measures": original})
-            rows += len(whole)
-            kept.clear()
-    finally:
-        _deliver_rest(recorder, deliver)
+    for level in range(len(config.level_values())):
+        begun = experiment.level(config, solution, seed=seed, trial=trial, level=level)
+        with closing(begun):
+            begun.run(deliver)
+        whole = np.concatenate(kept)
+        original = uwsim_metrics.level_metrics(whole)
+        levels.append(experiment.metrics(config, level, whole) | {"measures": original})
+        rows += len(whole)
+        kept.clear()
     return TrialResult(
         trial=trial,
         levels=tuple(levels),
@@ -108,12 +102,6 @@ def run_trial(
         digest=digest.hexdigest(),
         rows=rows,
     )
-
-
-def _deliver_rest(recorder: Recorder, deliver: OnRows) -> None:
-    rest = recorder.take()
-    if len(rest):
-        deliver(rest)
 
 
 def summarise(

@@ -1,4 +1,4 @@
-"""One level's world, made from configuration, conditions and streams: nothing else goes in."""
+"""The world of one level, built from configuration, conditions and random streams alone."""
 
 from dataclasses import dataclass, replace
 
@@ -12,17 +12,20 @@ from seamark.sim.camera.target import Target, start_pose
 from seamark.sim.camera.water import JERLOV, Water
 from seamark.sim.control.station_keeper import Geometry, StationKeeper
 from seamark.sim.control.velocity_controller import VelocityController
-from seamark.sim.engine.perception import Noises, Suite
-from seamark.sim.engine.tracker_in_loop import Tracking, tracking_of
+from seamark.sim.engine.perception import SensorNoises, SensorRecords
+from seamark.sim.engine.tracker_in_loop import TrackerInLoop, draw_start_error
 from seamark.sim.numerics.libm import PI
 from seamark.sim.numerics.random_streams import Streams
 from seamark.sim.physics import constants
 from seamark.sim.physics.contact import Contact, TargetBox
 from seamark.sim.physics.current import Current
 from seamark.sim.physics.plant import Plant
-from seamark.sim.physics.terrain import Bottom, Relief, relief_of
+from seamark.sim.physics.terrain import Bottom, Relief, draw_relief
 from seamark.sim.physics.thruster_faults import ThrusterFault
-from seamark.sim.sensors.sensors import Ahrs, Altimeter, DepthGauge, Dvl
+from seamark.sim.sensors.ahrs import Ahrs
+from seamark.sim.sensors.altimeter import Altimeter
+from seamark.sim.sensors.depth import DepthGauge
+from seamark.sim.sensors.dvl import Dvl
 from seamark.sim.settings.experiment import ExperimentSettings
 from seamark.sim.settings.targets import TARGETS
 from seamark.sim.trackers import Tracker
@@ -38,22 +41,22 @@ class Sensors:
     ahrs: Ahrs
     altimeter: Altimeter
 
-    def suite(self) -> Suite:
+    def records(self) -> SensorRecords:
         """Return their records, for compiled code."""
         return self.dvl.record, self.depth.record, self.ahrs.record, self.altimeter.record
 
-    def noises(self) -> Noises:
+    def noises(self) -> SensorNoises:
         """Return the noise of their readings, in the same order."""
         return self.dvl.noise, self.depth.noise, self.ahrs.noise, self.altimeter.noise
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Conditions:
-    """What a level is made of, beside the configuration."""
+    """What makes up a level besides the configuration."""
 
     current: Current
     water: Water
-    reference: Water | None = None  # of the picture from which the tracker learns the target
+    reference: Water | None = None  # of the image from which the tracker learns the target
 
 
 @dataclass(slots=True, kw_only=True)
@@ -66,20 +69,20 @@ class World:
     camera: Camera
     plant: Plant
     sensors: Sensors
-    tracking: Tracking
+    tracking: TrackerInLoop
     keeper: StationKeeper
     velocity_controller: VelocityController
     bottom: Bottom
     contact: Contact | None
 
     def close(self) -> None:
-        """Give back what the contacts hold."""
+        """Release what the contact engine holds."""
         if self.contact is not None:
             self.contact.close()
 
 
-def scene_of(config: ExperimentSettings) -> tuple[Target, Optics]:
-    """Return what the camera looks at, and how."""
+def target_and_optics(config: ExperimentSettings) -> tuple[Target, Optics]:
+    """Return the target and the camera's optics."""
     optics = Optics(
         width=config.camera_width_px,
         height=config.camera_height_px,
@@ -95,15 +98,14 @@ def scene_of(config: ExperimentSettings) -> tuple[Target, Optics]:
     return target, optics
 
 
-def camera_of(config: ExperimentSettings, water: Water, *, noise_seed: int) -> Camera:
-    """Return the camera above the target: all that a picture needs of a world."""
-    target, optics = scene_of(config)
-    effects = effects_of(config)
+def build_camera(config: ExperimentSettings, water: Water, *, noise_seed: int) -> Camera:
+    """Return the camera above the target: the part of a world that renders images."""
+    target, optics = target_and_optics(config)
+    effects = _effects(config)
     return Camera(optics, water, target, noise_seed=noise_seed, effects=effects)
 
 
-def effects_of(config: ExperimentSettings) -> Effects:
-    """Return what disturbs the pictures of a configuration."""
+def _effects(config: ExperimentSettings) -> Effects:
     return Effects(
         exposure_s=config.camera_exposure_s,
         light_level=config.light_level,
@@ -118,12 +120,12 @@ def effects_of(config: ExperimentSettings) -> Effects:
     )
 
 
-def noise_seed_of(random: Streams) -> int:
-    """Return the seed of a level's noise in the pictures; the first number of its stream."""
+def draw_noise_seed(random: Streams) -> int:
+    """Return the seed of a level's image noise: the first number of its stream."""
     return int(random.camera.integers(2**63))
 
 
-def world_of(
+def build_world(
     config: ExperimentSettings,
     conditions: Conditions,
     random: Streams,
@@ -135,18 +137,18 @@ def world_of(
     Parameters
     ----------
     tracker
-        Takes the place of the configured one.
+        Used instead of the configured one.
     """
-    noise_seed = noise_seed_of(random)
-    camera = camera_of(config, conditions.water, noise_seed=noise_seed)
+    noise_seed = draw_noise_seed(random)
+    camera = build_camera(config, conditions.water, noise_seed=noise_seed)
     reference = None
     if conditions.reference is not None:
-        reference = camera_of(config, conditions.reference, noise_seed=noise_seed)
+        reference = build_camera(config, conditions.reference, noise_seed=noise_seed)
     optics, target = camera.optics, camera.target
     start = start_pose(optics, target, config.altitude_m)
     vehicle = load(config.vehicle)
-    place = (target.north_m, target.east_m)
-    bottom = Bottom(target.seabed_m, _relief(config, random), place=place)
+    centre = (target.north_m, target.east_m)
+    bottom = Bottom(target.seabed_m, _relief(config, random), centre=centre)
     contact = _contact(vehicle, bottom, target) if config.contact else None
     plant = Plant(
         vehicle,
@@ -163,7 +165,7 @@ def world_of(
         camera=camera,
         plant=plant,
         sensors=_sensors(config, random),
-        tracking=tracking_of(config, camera, random, tracker=tracker, reference=reference),
+        tracking=build_tracking(config, camera, random, tracker=tracker, reference=reference),
         keeper=StationKeeper(
             Geometry(
                 focal_px=optics.focal_px,
@@ -180,20 +182,33 @@ def world_of(
     )
 
 
+def build_tracking(
+    config: ExperimentSettings,
+    camera: Camera,
+    random: Streams,
+    *,
+    tracker: Tracker | None = None,
+    reference: Camera | None = None,
+) -> TrackerInLoop:
+    """Return the given or else the configured tracker in the loop, with its start error."""
+    error = draw_start_error(config, random)
+    return TrackerInLoop(camera, config, error, tracker=tracker, reference=reference)
+
+
 def _relief(config: ExperimentSettings, random: Streams) -> Relief | None:
     if not config.seabed_relief_m:
         return None
-    return relief_of(
+    return draw_relief(
         random.bottom, height_m=config.seabed_relief_m, flat_m=config.seabed_flat_radius_m
     )
 
 
-def water_of(config: ExperimentSettings) -> Water:
+def configured_water(config: ExperimentSettings) -> Water:
     """Return the water of a configuration."""
     if config.water_type == "grey":
         water = Water.grey(config.water_attenuation_1_m, law=config.water_law)
     else:
-        grey = Water.grey(0.0, law=config.water_law)  # for the veil that belongs to the law
+        grey = Water.grey(0.0, law=config.water_law)  # for the veil of this law
         water = replace(grey, attenuation=JERLOV[config.water_type])
     return replace(water, read_sigma_grey=config.camera_noise_grey)
 
@@ -204,30 +219,28 @@ def _sensors(config: ExperimentSettings, random: Streams) -> Sensors:
         for period in (constants.DEPTH_PERIOD_S, constants.AHRS_PERIOD_S)
     )
     steps = config.control_steps_per_level * config.physics_steps_per_control_step
-    seldom, often = steps // slow + 1, steps // fast + 1
+    few, many = steps // slow + 1, steps // fast + 1
     return Sensors(
         dvl=Dvl(
             random.dvl,
             readings=steps // config.dvl_period_steps + 1,
-            period_ticks=config.dvl_period_steps,
+            period_steps=config.dvl_period_steps,
             sigma=config.dvl_sigma_m_s,
             bias=config.dvl_bias_m_s,
             scale_error=config.dvl_scale_error,
             dropout=config.dvl_dropout,
             least_altitude_m=config.dvl_least_altitude_m,
         ),
-        depth=DepthGauge(
-            random.depth, readings=seldom, period_ticks=slow, sigma=config.depth_sigma_m
-        ),
-        ahrs=Ahrs(random.ahrs, readings=often, period_ticks=fast, sigma=config.ahrs_sigma_rad),
-        altimeter=Altimeter(random.altimeter, readings=seldom, period_ticks=slow),
+        depth=DepthGauge(random.depth, readings=few, period_steps=slow, sigma=config.depth_sigma_m),
+        ahrs=Ahrs(random.ahrs, readings=many, period_steps=fast, sigma=config.ahrs_sigma_rad),
+        altimeter=Altimeter(random.altimeter, readings=few, period_steps=slow),
     )
 
 
 def _contact(vehicle: Vehicle, bottom: Bottom, target: Target) -> Contact:
-    """Return the bottom with the target, which cannot be pushed away.
+    """Return the contacts with the bottom and the target, which cannot be pushed away.
 
-    A picture is a function of the vehicle's pose alone, so the box stays where it is drawn.
+    An image is a function of the vehicle's pose alone, so the box stays where it is rendered.
     """
     north, east, down = target.origin().tolist()
     box = TargetBox(
@@ -245,6 +258,6 @@ def _fault(config: ExperimentSettings) -> ThrusterFault | None:
     return ThrusterFault(
         thruster=config.fault_thruster,
         efficiency=config.fault_efficiency,
-        delay_ticks=round(config.fault_delay_s / config.physics_step_s),
-        from_tick=round(config.fault_from_s / config.physics_step_s),
+        delay_steps=round(config.fault_delay_s / config.physics_step_s),
+        from_step=round(config.fault_from_s / config.physics_step_s),
     )

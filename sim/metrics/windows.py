@@ -8,8 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from seamark.sim.control.observation import THRUSTERS
-from seamark.sim.recording.telemetry import INDEX, Rows
+from seamark.sim.recording.telemetry import INDEX, Rows, thrusts
 
 LOST_PX = 15.0  # [px] E: half of the target's shorter side at 2.27 m
 
@@ -51,9 +50,7 @@ class Window:
     @cached_property
     def thrust(self) -> NDArray[np.float64]:
         """Thrust of every thruster, (N, thrusters) [N]."""
-        first = INDEX["thrust_0"]
-        thrust: NDArray[np.float64] = self.rows[:, first : first + THRUSTERS]
-        return thrust
+        return thrusts(self.rows)
 
     @cached_property
     def lost_percent(self) -> float:

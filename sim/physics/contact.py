@@ -19,11 +19,12 @@ from types import ModuleType
 import numpy as np
 from numba import njit
 
+from seamark.sim.numerics.arrays import Array
 from seamark.sim.numerics.libm import cos, sin
 from seamark.sim.physics import constants
 from seamark.sim.physics.hydrodynamics import write_rotation
 from seamark.sim.physics.terrain import REACH_M, Bottom
-from seamark.sim.vehicles import STANDARD_GRAVITY, Array, Vehicle
+from seamark.sim.vehicles import STANDARD_GRAVITY, Vehicle
 from seamark.sim.vehicles.urdf import urdf_of
 
 GATE_M = constants.GATE_M.scalar
@@ -150,7 +151,7 @@ class _World:
 
     def _add_mounds(self, bottom: Bottom) -> None:
         """Add the mounds as a height field, and boxes around it where the bottom is flat again."""
-        bullet, (north, east) = self._bullet, bottom.place
+        bullet, (north, east) = self._bullet, bottom.centre
         # Bullet counts heights upwards: half a turn about north makes depth of them.
         heights = -bottom.grid(CELL_M)[:, ::-1]
         field = bullet.createCollisionShape(

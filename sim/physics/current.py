@@ -24,9 +24,9 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numba import njit
 
+from seamark.sim.numerics.arrays import Array
 from seamark.sim.numerics.libm import PI, exp, log, sin, sincos
 from seamark.sim.physics import constants
-from seamark.sim.vehicles import Array
 
 GUST_GRID_S = constants.GUST_GRID_S.scalar  # whatever the integration step
 

@@ -14,16 +14,17 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba import njit
 
+from seamark.sim.numerics.arrays import Array
+from seamark.sim.numerics.linear_algebra import inverse
 from seamark.sim.physics.current import Water, flow, profile, segment_at
 from seamark.sim.physics.hydrodynamics import (
     add_coriolis,
     add_drag,
     add_restoring,
-    inverse,
     write_rotation,
 )
 from seamark.sim.physics.thrusters import steady_thrust
-from seamark.sim.vehicles import STANDARD_GRAVITY, Array, Vehicle
+from seamark.sim.vehicles import STANDARD_GRAVITY, Vehicle
 
 RIGID = 13  # position 3, quaternion 4, velocity 6; thrusts follow
 

@@ -5,34 +5,9 @@ are (6,) [N, N m] about the body's origin. Nothing here uses BLAS, libm or fused
 functions are inlined by Numba itself: as calls they count references and cost twice the time.
 """
 
-import numpy as np
 from numba import njit
 
-from seamark.sim.vehicles import Array
-
-
-def inverse(matrix: Array) -> Array:
-    """Return the inverse of a symmetric positive definite matrix, (n, n), by Gauss-Jordan.
-
-    Not numpy.linalg: its last bits depend on the processor. No pivoting is needed here.
-
-    Raises
-    ------
-    ValueError
-        When the matrix is not positive definite.
-    """
-    n = len(matrix)
-    rows = [[*map(float, row), *(float(i == j) for j in range(n))] for i, row in enumerate(matrix)]
-    for i in range(n):
-        pivot = rows[i][i]
-        if not pivot > 0.0:
-            raise ValueError("the mass matrix is not positive definite")
-        rows[i] = [value / pivot for value in rows[i]]
-        for j in range(n):
-            if j != i:
-                factor = rows[j][i]
-                rows[j] = [a - factor * b for a, b in zip(rows[j], rows[i], strict=True)]
-    return np.array([row[n:] for row in rows])
+from seamark.sim.numerics.arrays import Array
 
 
 @njit(cache=True, error_model="numpy", inline="always")

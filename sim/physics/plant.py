@@ -8,15 +8,16 @@ from typing import Any
 
 import numpy as np
 
+from seamark.sim.numerics.arrays import Array
 from seamark.sim.physics import constants
 from seamark.sim.physics.contact import Contact, add_push, lowest_point, world_motion
 from seamark.sim.physics.current import Current
 from seamark.sim.physics.dynamics import RIGID, add_impulse, body_of, drive, write_current
 from seamark.sim.physics.pose import read_pose, write_pose
-from seamark.sim.physics.terrain import Bottom, relief_of
+from seamark.sim.physics.terrain import Bottom, draw_relief
 from seamark.sim.physics.thruster_faults import ThrusterFault
 from seamark.sim.physics.thrusters import command_of, commands_for, force_of, packed
-from seamark.sim.vehicles import Array, Vehicle, load
+from seamark.sim.vehicles import Vehicle, load
 
 STEP_S = constants.STEP_S.scalar
 
@@ -175,7 +176,7 @@ def warm_up() -> None:
     lowest_point(state, np.zeros((1, 3)), np.zeros((1, 3)))
     world_motion(state, state, point, np.zeros(9))
     add_push(state, point, point, np.zeros(6))
-    mounds = relief_of(np.random.Generator(np.random.PCG64(0)), height_m=0.1, flat_m=0.5)
+    mounds = draw_relief(np.random.Generator(np.random.PCG64(0)), height_m=0.1, flat_m=0.5)
     bottom = Bottom(5.0, mounds)
     bottom.sound([0.0] * 6)
     bottom.grid(1.0)

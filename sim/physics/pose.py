@@ -4,8 +4,8 @@ import math
 
 from numba import njit
 
+from seamark.sim.numerics.arrays import Array
 from seamark.sim.numerics.libm import asin, atan2, sincos
-from seamark.sim.vehicles import Array
 
 
 @njit(cache=True, error_model="numpy")

@@ -15,9 +15,9 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
+from seamark.sim.numerics.arrays import Array
 from seamark.sim.numerics.libm import PI, cos, sin, sincos
 from seamark.sim.physics import constants
-from seamark.sim.vehicles import Array
 
 WAVES = 5
 WAVELENGTHS_M = constants.MOUND_LENGTHS_M.value
@@ -60,7 +60,7 @@ class Relief:
     waves: Array
 
 
-def relief_of(rng: np.random.Generator, *, height_m: float, flat_m: float) -> Relief:
+def draw_relief(rng: np.random.Generator, *, height_m: float, flat_m: float) -> Relief:
     """Return mounds drawn from a stream.
 
     Parameters
@@ -85,12 +85,12 @@ class Bottom:
     """The bottom under and around the target."""
 
     def __init__(
-        self, depth_m: float, relief: Relief | None = None, *, place: tuple[float, float] = (0, 0)
+        self, depth_m: float, relief: Relief | None = None, *, centre: tuple[float, float] = (0, 0)
     ) -> None:
-        """Set up a bottom at a depth; `place` is north and east of the flat patch's middle [m]."""
+        """Set up a bottom at a depth; `centre` is north and east of the flat patch's centre [m]."""
         self.depth_m = depth_m
         self.relief = relief
-        self.place = (float(place[0]), float(place[1]))
+        self.centre = (float(centre[0]), float(centre[1]))
         self._mounds: Mounds | None = None
         if relief is not None:
             numbers = [math.sqrt(north * north + east * east) for _, north, east, _ in relief.waves]
@@ -99,8 +99,8 @@ class Bottom:
                 depth=float(depth_m),
                 height=float(relief.height_m),
                 flat=float(relief.flat_m),
-                north=self.place[0],
-                east=self.place[1],
+                north=self.centre[0],
+                east=self.centre[1],
                 steepest=relief.height_m * steepest,
                 waves=relief.waves,
                 beam_side=sin(_BEAM_RAD) * sin(0.25 * PI),  # E: all beams between the axes

@@ -14,8 +14,8 @@ class ThrusterFault:
 
     thruster: int
     efficiency: float
-    delay_ticks: int
-    from_tick: int
+    delay_steps: int
+    from_step: int
     _due: deque[tuple[int, float]] = field(default_factory=deque)
     _given: float = 0.0
 
@@ -26,10 +26,10 @@ class ThrusterFault:
 
     def given(self, tick: int, wanted: float) -> float:
         """Return the steady thrust that it gives when another is commanded at a tick [N]."""
-        if tick < self.from_tick:
+        if tick < self.from_step:
             self._given = wanted
             return wanted
-        self._due.append((tick + self.delay_ticks, wanted))
+        self._due.append((tick + self.delay_steps, wanted))
         while self._due and self._due[0][0] <= tick:
             self._given = self._due.popleft()[1]
         return self.efficiency * self._given

@@ -8,7 +8,8 @@ import math
 import numpy as np
 from numba import njit
 
-from seamark.sim.vehicles import Array, ThrustCurve
+from seamark.sim.numerics.arrays import Array
+from seamark.sim.vehicles import ThrustCurve
 
 # Places in the array that a curve is packed into.
 _KIND, _DEAD_BAND, _MOST_FORWARD, _MOST_REVERSE, _FORWARD, _REVERSE = 0, 1, 2, 3, 4, 10

@@ -1,4 +1,4 @@
-"""What a result was made of: versions, code, configuration, seed, kind of processor, digest."""
+"""The manifest: all that a result depends on, and its digest."""
 
 import hashlib
 import importlib.metadata
@@ -6,9 +6,7 @@ import platform
 from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
-from typing import Any
-
-from seamark.sim.settings.configuration import Configuration
+from typing import Any, Protocol
 
 FORMAT = 1
 LIBRARIES = (
@@ -20,8 +18,20 @@ LIBRARIES = (
     "pybullet",
 )
 CPUINFO = Path("/proc/cpuinfo")
-# Levels of the x86-64 psABI by one telling flag each, best first.
+# Microarchitecture levels of the x86-64 psABI by one characteristic flag each, highest first.
 X86_LEVELS = (("avx512bw", "x86-64-v4"), ("avx2", "x86-64-v3"), ("sse4_2", "x86-64-v2"))
+
+
+class Configuration(Protocol):
+    """What the manifest needs of a configuration."""
+
+    def model_dump(self, *, mode: str) -> dict[str, Any]:
+        """Return all settings as plain JSON values."""
+        ...
+
+    def exact(self) -> bool:
+        """Return whether every x86-64 processor gives the same bits."""
+        ...
 
 
 def manifest(
@@ -42,11 +52,11 @@ def manifest(
     seed : int or None
         None for the hidden seeds of a ranked run.
     controller : str
-        Name of a built-in one, or "upload" with the program's SHA-256 beside.
+        Name of a built-in controller, or "upload" together with the program's SHA-256.
     digest : str
-        Of the telemetry of all trials, one after the other.
+        Of the telemetry of all trials in order.
     more
-        Further entries, as they are.
+        Further entries, unchanged.
     """
     return {
         "format": FORMAT,
@@ -66,7 +76,7 @@ def manifest(
 
 @cache
 def code_sha256() -> str:
-    """Return one SHA-256 over the simulator's sources, names and contents."""
+    """Return one SHA-256 over names and contents of the simulator's source files."""
     root = Path(__file__).parents[1]
     total = hashlib.sha256()
     for path in sorted(root.rglob("*.py"), key=lambda path: path.relative_to(root).as_posix()):
@@ -77,7 +87,7 @@ def code_sha256() -> str:
 
 @cache
 def versions() -> dict[str, str]:
-    """Return name -> version of everything that has a part in a result."""
+    """Return name -> version of everything that affects a result."""
     found = {"python": platform.python_version()}
     for name in LIBRARIES:
         try:
@@ -89,7 +99,7 @@ def versions() -> dict[str, str]:
 
 @cache
 def cpu_class() -> dict[str, str]:
-    """Return the processor's architecture, level and model."""
+    """Return architecture, microarchitecture level and model of the processor."""
     text = CPUINFO.read_text(encoding="utf-8", errors="replace") if CPUINFO.exists() else ""
     entries: Mapping[str, str] = {
         key.strip(): value.strip()

@@ -1,30 +1,40 @@
-"""The telemetry: one row of float64 per control tick, the same columns everywhere.
+"""Telemetry: one row of float64 per control step.
 
-A row holds the state at the tick, the picture of that state, what the tracker and the program made
-of it, and the thrust that acted. Positions are in the world frame (NED), velocities in the
-body frame.
+A row holds the state at the start of the step, the tracker's estimate from the image of that state,
+the program's velocity reference and the thrust acting at that moment. Positions are in the world
+frame (NED), velocities in the body frame.
+
+Every row begins with the same `WIDTH` columns, which include eight thrusters. A vehicle with more
+of them has further columns at the end, so the width of a row says which columns it has, and rows
+of all versions and vehicles can be read alike.
 """
 
 import hashlib
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from seamark.sim.control.observation import THRUSTERS
+Rows = NDArray[np.float64]  # (k, WIDTH or more)
+OnRows = Callable[[Rows], None]
 
-Rows = NDArray[np.float64]  # (k, len(COLUMNS))
+COMMON_THRUSTERS = 8  # thrust columns in every row, whatever the vehicle; part of the file format
+_WIDTH_BYTES = 4
+DELIVERED_ROWS = 20  # at once: 1 s of simulated time at 20 Hz
 
 
 @dataclass(frozen=True, slots=True)
 class Column:
-    """One column. `shape` is () because vectors are written as one column per number."""
+    """One column: a single number, so a vector takes several."""
 
     name: str
     unit: str
     meaning: str
-    shape: tuple[int, ...] = ()
+
+
+def _thrust(index: int) -> Column:
+    return Column(f"thrust_{index}", "N", "thrust of one thruster; 0 if the vehicle has fewer")
 
 
 def _vector(names: str, unit: str, meaning: str) -> tuple[Column, ...]:
@@ -40,15 +50,15 @@ COLUMNS: tuple[Column, ...] = (
     *_vector("u v w", "m/s", "velocity over ground, body frame: surge, sway, heave"),
     *_vector("p q r", "rad/s", "angular velocity, body frame"),
     *_vector("current_x current_y current_z", "m/s", "velocity of the water, world frame"),
-    *_vector("target_x target_y", "px", "true place of the target; nan while it has no image"),
-    *_vector("tracked_x tracked_y", "px", "place of the target by the tracker"),
+    *_vector("target_x target_y", "px", "true image position of the target; nan outside the view"),
+    *_vector("tracked_x tracked_y", "px", "image position of the target according to the tracker"),
     *(
-        Column(f"corner_{i}", "px", "corner of the target by the tracker, x0 y0 to x3 y3")
+        Column(f"corner_{i}", "px", "corner of the target according to the tracker, x0 y0 to x3 y3")
         for i in range(8)
     ),
-    Column("tracker_ok", "", "1 while the tracker says that it has the target"),
-    Column("tracker_error", "px", "root mean square distance of the tracked from the true corners"),
-    *_vector("error_x error_y error_z", "m", "how far to move, body frame, as the program saw it"),
+    Column("tracker_ok", "", "1 while the tracker reports that it has the target"),
+    Column("tracker_error", "px", "root mean square distance between tracked and true corners"),
+    *_vector("error_x error_y error_z", "m", "position error as the program sees it, body frame"),
     Column("error_x_px", "px", "true target minus image centre along image X (starboard)"),
     Column("error_y_px", "px", "true target minus image centre along image Y (aft)"),
     Column("distance_px", "px", "true distance of the target from the image centre"),
@@ -56,90 +66,117 @@ COLUMNS: tuple[Column, ...] = (
     *_vector("ref_u ref_v ref_w", "m/s", "velocity reference of the program: surge, sway, heave"),
     Column("ref_r", "rad/s", "yaw rate reference of the program"),
     *_vector("dvl_u dvl_v dvl_w", "m/s", "last velocity measured by the DVL, body frame"),
-    *(
-        Column(f"thrust_{i}", "N", "thrust of one thruster; 0 beyond the vehicle's own number")
-        for i in range(THRUSTERS)
-    ),
+    *map(_thrust, range(COMMON_THRUSTERS)),
     Column(
         "contact_n",
         "N",
-        "force of bottom and target on the hull, mean of its size since the row before",
+        "magnitude of the contact force on the hull, mean since the previous row",
     ),
-    Column("step_us", "us", "wall time that the program took; not part of the digest"),
+    Column("step_us", "us", "wall time of the program's step; not part of the digest"),
 )
 NAMES: tuple[str, ...] = tuple(column.name for column in COLUMNS)
 INDEX: dict[str, int] = {name: at for at, name in enumerate(NAMES)}
 WIDTH = len(COLUMNS)
 STEP_US = INDEX["step_us"]
-DIGESTED = tuple(at for at in range(WIDTH) if at != STEP_US)
+
+
+def columns(width: int) -> tuple[Column, ...]:
+    """Return the columns of rows of this width."""
+    return COLUMNS + tuple(map(_thrust, range(COMMON_THRUSTERS, COMMON_THRUSTERS + width - WIDTH)))
+
+
+def names(width: int) -> tuple[str, ...]:
+    """Return the names of the columns of rows of this width."""
+    return tuple(column.name for column in columns(width))
+
+
+def width_for(thrusters: int) -> int:
+    """Return the width of a row for a vehicle with this number of thrusters."""
+    return WIDTH + max(thrusters - COMMON_THRUSTERS, 0)
+
+
+def thrust_names(thrusters: int) -> tuple[str, ...]:
+    """Return the names of the columns with the thrust of a vehicle's thrusters."""
+    return tuple(_thrust(index).name for index in range(thrusters))
+
+
+def thrusts(rows: Rows) -> Rows:
+    """Return the thrust columns of rows, (k, 8 or more) [N]."""
+    first = INDEX["thrust_0"]
+    common = rows[:, first : first + COMMON_THRUSTERS]
+    return common if rows.shape[1] == WIDTH else np.hstack([common, rows[:, WIDTH:]])
 
 
 class Recorder:
-    """A buffer of rows for one stretch of time, filled in place and handed out as copies."""
+    """Collects the rows of one level and passes copies on, `DELIVERED_ROWS` at a time."""
 
-    def __init__(self, rows: int) -> None:
-        self._buffer = np.zeros((rows, WIDTH))
+    def __init__(self, on_rows: OnRows, *, thrusters: int) -> None:
+        self._buffer = np.zeros((DELIVERED_ROWS, width_for(thrusters)))
         self._filled = 0
+        self._on_rows = on_rows
 
     def next_row(self) -> NDArray[np.float64]:
-        """Return the row to be written, (WIDTH,); it counts only after `keep`."""
+        """Return the row to write to; it counts once `commit` is called."""
         row: NDArray[np.float64] = self._buffer[self._filled]
         return row
 
-    def keep(self) -> bool:
-        """Count the row; True when the buffer is full."""
+    def commit(self) -> None:
+        """Count the row that was written; pass the rows on if the buffer is full."""
         self._filled += 1
-        return self._filled == len(self._buffer)
+        if self._filled == len(self._buffer):
+            self.flush()
 
-    def take(self) -> Rows:
-        """Return a copy of the rows since the last call, and start again."""
+    def flush(self) -> None:
+        """Pass on the rows collected since the last time, if any."""
         rows = self._buffer[: self._filled].copy()
         self._filled = 0
-        return rows
+        if len(rows):
+            self._on_rows(rows)
 
 
 class Digest:
-    """SHA-256 over rows as they come, without the columns of wall time."""
+    """SHA-256 of rows as they arrive, without the column of wall times."""
 
     def __init__(self) -> None:
         self._hash = hashlib.sha256()
 
     def add(self, rows: Rows) -> None:
-        """Add rows, (k, WIDTH); how they are cut into calls makes no difference."""
-        self._hash.update(np.ascontiguousarray(rows[:, DIGESTED], dtype="<f8").tobytes())
+        """Add rows; how they are split over calls makes no difference."""
+        kept = np.delete(rows, STEP_US, axis=1)
+        self._hash.update(np.ascontiguousarray(kept, dtype="<f8").tobytes())
 
     def hexdigest(self) -> str:
         """Return 64 hexadecimal digits."""
         return self._hash.hexdigest()
 
     def copy(self) -> "Digest":
-        """Return a digest of the same rows that goes on by itself."""
+        """Return an independent digest of the rows so far."""
         other = Digest()
         other._hash = self._hash.copy()
         return other
 
 
 def digest(rows: Rows) -> str:
-    """Return the SHA-256 of rows, without the columns of wall time."""
+    """Return the SHA-256 of rows, without the column of wall times."""
     whole = Digest()
     whole.add(rows)
     return whole.hexdigest()
 
 
-def units() -> str:
-    """Return the line for a table's head that says what the columns are in."""
-    told = (f"{one.name} [{one.unit}]" if one.unit else one.name for one in COLUMNS)
-    return "columns: " + ", ".join(told)
+def units(width: int = WIDTH) -> str:
+    """Return a comment line with the unit of each column."""
+    described = (f"{one.name} [{one.unit}]" if one.unit else one.name for one in columns(width))
+    return "columns: " + ", ".join(described)
 
 
-def header(comments: Iterable[str] = ()) -> str:
-    """Return the lines before the data: comments, then the names of the columns."""
+def header(comments: Iterable[str] = (), *, width: int = WIDTH) -> str:
+    """Return the lines above the data of a CSV document: comments, then the column names."""
     lines = [f"# {line}" for comment in comments for line in comment.splitlines() or [""]]
-    return "\n".join([*lines, ",".join(NAMES)]) + "\n"
+    return "\n".join([*lines, ",".join(names(width))]) + "\n"
 
 
 def csv_lines(rows: Rows) -> str:
-    """Return rows as text; every float is the shortest that reads back as the same number."""
+    """Return rows as CSV; every float is the shortest text that reads back as the same number."""
     return "".join(",".join(map(_shortest, row)) + "\n" for row in rows.tolist())
 
 
@@ -148,34 +185,15 @@ def _shortest(value: float) -> str:
     return text[:-2] if text.endswith(".0") else text
 
 
-def to_csv(rows: Rows, comments: Iterable[str] = ()) -> str:
-    """Return a whole CSV document; works on any number of rows, also none."""
-    return header(comments) + csv_lines(rows)
+def to_bytes(rows: Rows) -> bytes:
+    """Return rows as a message for `from_bytes`: the width, then little-endian float64."""
+    width: int = rows.shape[1]
+    return (
+        width.to_bytes(_WIDTH_BYTES, "little") + np.ascontiguousarray(rows, dtype="<f8").tobytes()
+    )
 
 
-def csv_chunks(rows: Rows, comments: Iterable[str] = (), *, size: int = 1200) -> Iterator[str]:
-    """Yield a CSV document in pieces of `size` rows, for a download that starts at once."""
-    yield header(comments)
-    for start in range(0, len(rows), size):
-        yield csv_lines(rows[start : start + size])
-
-
-def from_csv(text: str) -> Rows:
-    """Return the rows of a CSV document made by `to_csv`, (k, WIDTH).
-
-    Raises
-    ------
-    ValueError
-        If the names of the columns are not this version's.
-    """
-    lines = [line for line in text.splitlines() if line and not line.startswith("#")]
-    if not lines or tuple(lines[0].split(",")) != NAMES:
-        raise ValueError("the header row does not name the columns of this version")
-    values = [list(map(float, line.split(","))) for line in lines[1:]]
-    return np.array(values).reshape(len(values), WIDTH)
-
-
-def from_bytes(data: bytes) -> Rows:
-    """Return the whole rows in little-endian float64 bytes; a row cut off is left out."""
-    whole = len(data) // (8 * WIDTH) * (8 * WIDTH)
-    return np.frombuffer(data[:whole], dtype="<f8").reshape(-1, WIDTH).astype(np.float64)
+def from_bytes(message: bytes) -> Rows:
+    """Return the rows that `to_bytes` packed."""
+    width = int.from_bytes(message[:_WIDTH_BYTES], "little")
+    return np.frombuffer(message, "<f8", offset=_WIDTH_BYTES).reshape(-1, width)

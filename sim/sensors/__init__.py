@@ -1,1 +1,1 @@
-"""What the vehicle measures of its own motion: DVL, AHRS, depth gauge, altimeter."""
+"""Sensors of the vehicle's own motion: DVL, AHRS, depth gauge, altimeter."""

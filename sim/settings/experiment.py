@@ -5,14 +5,14 @@ Tags of the defaults: S sourced, D derived from sourced, E our estimate.
 
 from functools import partial
 
-from seamark.sim.control.observation import THRUSTERS
+from seamark.sim.recording.telemetry import COMMON_THRUSTERS, thrust_names
 from seamark.sim.registry import TRUTH, VEHICLES, labels
 from seamark.sim.settings.configuration import setting
 from seamark.sim.settings.control_loop import ControlLoopSettings
 from seamark.sim.settings.scene import SceneSettings
 from seamark.sim.settings.targets import TARGETS
 from seamark.sim.settings.thruster_faults import FaultSettings
-from seamark.sim.vehicles import load
+from seamark.sim.vehicles import load, most_thrusters
 
 experiment_setting = partial(setting, group="Experiment", role="scenario")
 
@@ -187,8 +187,8 @@ class ExperimentSettings(ControlLoopSettings, SceneSettings, FaultSettings):
     def unused_columns(self) -> frozenset[str]:
         """Return the thrusts that the vehicle does not have, and the contact force without any."""
         known = self.vehicle in VEHICLES  # a stored run may name one that no longer exists
-        count = len(load(self.vehicle).thrusters) if known else THRUSTERS
-        idle = {f"thrust_{i}" for i in range(count, THRUSTERS)}
+        count = len(load(self.vehicle).thrusters) if known else COMMON_THRUSTERS
+        idle = set(thrust_names(max(most_thrusters(), COMMON_THRUSTERS))[count:])
         return frozenset(idle if self.contact else idle | {"contact_n"})
 
     def trial_duration_s(self) -> float:
@@ -197,7 +197,7 @@ class ExperimentSettings(ControlLoopSettings, SceneSettings, FaultSettings):
 
     @property
     def physics_steps_per_control_step(self) -> int:
-        """Physics steps between two control ticks."""
+        """Physics steps in one control period."""
         return round(self.control_period_s / self.physics_step_s)
 
     @property
@@ -207,7 +207,7 @@ class ExperimentSettings(ControlLoopSettings, SceneSettings, FaultSettings):
 
     @property
     def control_steps_per_level(self) -> int:
-        """Control ticks of one level."""
+        """Control steps in one level."""
         return round(self.level_duration_s / self.control_period_s)
 
 

@@ -5,16 +5,15 @@ x forward, y starboard, z down (Fossen 2021); the origin is the point that the t
 given about. This package needs no compiled code: forms and documentation read it as well.
 """
 
-import importlib
-import importlib.util
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from seamark.sim.numerics.arrays import Array
+from seamark.sim.registry import VEHICLES
+
 Tag = Literal["S", "D", "E"]
 
 TAGS: Mapping[Tag, str] = {
@@ -198,10 +197,14 @@ def load(name: str) -> Vehicle:
     Raises
     ------
     LookupError
-        When there is no such vehicle.
+        There is no such vehicle in the registry.
     """
-    stem = name.replace("-", "_")
-    if not stem.isidentifier() or importlib.util.find_spec(f"{__name__}.{stem}") is None:
+    if name not in VEHICLES:
         raise LookupError(f"there is no vehicle called {name!r}")
-    vehicle: Vehicle = importlib.import_module(f"{__name__}.{stem}").VEHICLE
+    vehicle: Vehicle = VEHICLES[name].load()
     return vehicle
+
+
+def most_thrusters() -> int:
+    """Return the largest number of thrusters of any registered vehicle."""
+    return max(len(load(name).thrusters) for name in VEHICLES)

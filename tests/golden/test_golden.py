@@ -1,7 +1,7 @@
-"""A trajectory kept in the repository: the physics and the chain stay what they were.
+"""Golden trajectories: the physics and the whole chain stay what they were.
 
-On the machine class that wrote it the bytes are the same; on others every column has a tolerance.
-To write it anew, on purpose and with a new benchmark version or a line in the change log:
+On the class of processor that wrote them the bytes are the same; on others every column has a
+tolerance. To write them again, on purpose and with a new benchmark version or a changelog entry:
 
     ./run golden
 """
@@ -15,6 +15,7 @@ from seamark.sim.engine.trial import run_trial
 from seamark.sim.recording import telemetry
 from seamark.sim.recording.telemetry import NAMES, Rows
 from seamark.sim.registry import BENCHMARKS, VEHICLES, benchmark
+from tests.telemetry_csv import read
 
 FOLDER = Path(__file__).parent
 # Benchmark -> settings that make it short. Every benchmark of the registry needs an entry, and runs
@@ -64,34 +65,37 @@ def trajectory(case: str) -> Rows:
     return np.concatenate(rows)
 
 
-def kept(case: str) -> Rows:
-    return telemetry.from_csv((FOLDER / f"{case}.csv").read_text(encoding="utf-8"))
+def golden_rows(case: str) -> Rows:
+    names, rows = read((FOLDER / f"{case}.csv").read_text(encoding="utf-8"))
+    assert tuple(names) == telemetry.names(rows.shape[1])
+    return rows
 
 
-def test_every_benchmark_and_every_vehicle_has_a_kept_trajectory() -> None:
+def test_every_benchmark_and_every_vehicle_has_a_golden_trajectory() -> None:
     assert set(SHORT) == set(BENCHMARKS)
     assert {vehicle for name in SHORT for vehicle in vehicles_of(name)} == set(VEHICLES)
     assert {path.stem for path in FOLDER.glob("*.csv")} == set(CASES)
 
 
 @pytest.mark.parametrize("case", CASES)
-def test_the_trajectory_is_the_kept_one(case: str) -> None:
-    ours, golden = trajectory(case), kept(case)
+def test_the_trajectory_is_the_golden_one(case: str) -> None:
+    ours, golden = trajectory(case), golden_rows(case)
 
     assert ours.shape == golden.shape
-    for at, column in enumerate(telemetry.COLUMNS):
+    for at, column in enumerate(telemetry.columns(ours.shape[1])):
         limit = np.inf if column.name == "step_us" else TOLERANCES.get(column.unit, 1e-9)
         worst = np.abs(ours[:, at] - golden[:, at]).max()
         assert worst <= limit, f"{column.name} moved by {worst:g} {column.unit}"
 
 
 def write() -> None:
-    """Write all kept trajectories anew."""
+    """Write all golden trajectories."""
     FOLDER.mkdir(exist_ok=True)
     for case, (_name, settings) in CASES.items():
         rows = trajectory(case)
         rows[:, NAMES.index("step_us")] = 0.0
-        text = telemetry.to_csv(rows, [f"{case}, seed {SEED}: {settings}"])
+        head = telemetry.header([f"{case}, seed {SEED}: {settings}"], width=rows.shape[1])
+        text = head + telemetry.csv_lines(rows)
         (FOLDER / f"{case}.csv").write_text(text, encoding="utf-8")
 
 

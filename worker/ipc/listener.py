@@ -14,7 +14,7 @@ class Listener(Protocol):
     """Is called in the order of the trials, however many of them run in parallel."""
 
     def rows(self, rows: NDArray[np.float64]) -> None:
-        """Receive telemetry, (k, WIDTH), in order."""
+        """Receive rows of telemetry in order."""
 
     def log(self, text: bytes) -> None:
         """Receive what the program printed."""

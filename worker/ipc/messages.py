@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from seamark.sim.recording.telemetry import WIDTH
+from seamark.sim.recording import telemetry
 from seamark.worker.ipc.outcomes import RunOutcome, TrialOutcome
 
 LENGTH_MAX = 64 * 2**20  # [byte]
@@ -33,7 +33,7 @@ class Started:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Rows:
-    """Telemetry, (k, WIDTH)."""
+    """Rows of telemetry."""
 
     rows: NDArray[np.float64]
 
@@ -126,13 +126,11 @@ def _json(values: object) -> bytes:
     return json.dumps(values).encode()
 
 
-def _rows(payload: bytes) -> Rows:
-    return Rows(np.frombuffer(payload, "<f8").reshape(-1, WIDTH))
-
-
 _CODECS: dict[type[Message], _Codec] = {
     Started: _Codec(b"S", lambda m: _json(m.pid), lambda b: Started(json.loads(b))),
-    Rows: _Codec(b"R", lambda m: np.ascontiguousarray(m.rows, "<f8").tobytes(), _rows),
+    Rows: _Codec(
+        b"R", lambda m: telemetry.to_bytes(m.rows), lambda b: Rows(telemetry.from_bytes(b))
+    ),
     Log: _Codec(b"L", lambda m: m.text, Log),
     TrialEnded: _Codec(b"T", lambda m: _json(m.trial), lambda b: TrialEnded(json.loads(b))),
     TrialRestarted: _Codec(

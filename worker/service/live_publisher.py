@@ -14,15 +14,14 @@ from redis import Redis
 from redis.exceptions import RedisError
 
 from seamark.server.messaging import live_events
-from seamark.sim.recording.telemetry import INDEX, NAMES
+from seamark.sim.recording import telemetry
+from seamark.sim.recording.telemetry import INDEX, STEP_US
 
 PUBLISHED_HZ = 5.0  # rows per simulated second at most
 BATCH_S = 0.1  # [s] of wall time between two batches
 LOG_MAX = 16 * 1024  # [byte] of printed text per event; all of it is in the log file
 _T = INDEX["t"]
 _TRIAL = INDEX["trial"]
-COLUMNS = [name for name in NAMES if name != "step_us"]
-_COLUMN_INDICES = [INDEX[name] for name in COLUMNS]
 
 
 class LivePublisher:
@@ -31,6 +30,7 @@ class LivePublisher:
     def __init__(self, redis: "Redis", run_id: int) -> None:
         self._redis = redis
         self._run_id = run_id
+        self._columns: list[str] = []
         self._rows: list[list[float | None]] = []
         self._sent_at = 0.0
         self._last = (-1.0, -math.inf)  # trial and time of the last row that was kept
@@ -38,19 +38,21 @@ class LivePublisher:
 
     def rows(self, rows: NDArray[np.float64]) -> None:
         """Publish about every fourth row, in batches."""
+        self._columns = list(telemetry.names(rows.shape[1]))
+        del self._columns[STEP_US]
         for row in rows:
             trial, t = float(row[_TRIAL]), float(row[_T])
             if trial == self._last[0] and 0 <= t - self._last[1] < 1 / PUBLISHED_HZ - 1e-9:
                 continue
             self._last = (trial, t)
-            self._rows.append([_rounded(value) for value in row[_COLUMN_INDICES].tolist()])
+            self._rows.append([_rounded(value) for value in np.delete(row, STEP_US).tolist()])
         if time.monotonic() - self._sent_at >= BATCH_S:
             self.flush()
 
     def flush(self) -> None:
         """Publish the rows that are waiting."""
         if self._rows:
-            self._publish(live_events.TELEMETRY, {"columns": COLUMNS, "rows": self._rows})
+            self._publish(live_events.TELEMETRY, {"columns": self._columns, "rows": self._rows})
             self._rows = []
             self._sent_at = time.monotonic()
 

@@ -69,17 +69,17 @@ def dataset(  # noqa: PLR0913 (one argument per option is click's way)
       seamark dataset currents-v1 --set levels=0.2 --seed 7 --out currents.zip
       seamark dataset visibility-v1 --every 4 --colour --out murky.zip
     """
-    from seamark.sim.engine.dataset import Choice, archive
+    from seamark.sim.engine.dataset import Selection, archive
 
     checked = configuration_of(benchmark, config, pairs)
     end = float("inf") if end_s is None else end_s
     rows = _rows(benchmark, checked, solution, seed=seed, trial=trial)
-    choice = Choice(every=every, begin_s=begin_s, end_s=end, colour=colour)
+    selection = Selection(every=every, begin_s=begin_s, end_s=end, colour=colour)
     try:
-        pieces = archive(benchmark, checked, rows, seed=seed, choice=choice)
+        pieces = archive(benchmark, checked, rows, seed=seed, selection=selection)
     except ValueError as error:
         raise UsageRefused(f"{error}. Look at --from, --until and --every.") from None
-    count = len(choice.of(rows))
+    count = len(selection.of(rows))
     with Progress(f"{count} pictures", quiet=as_json) as bar:
         size = _written(pieces, out, lambda done: bar.show(min(done / count, 1.0)))
     if as_json:

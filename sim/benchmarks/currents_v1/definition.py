@@ -8,15 +8,15 @@ import math
 from functools import partial
 
 from seamark.sim.benchmarks.benchmark import Baseline, Benchmark, Chart, Table
-from seamark.sim.control.observation import THRUSTERS
 from seamark.sim.metrics.metric import Metric
 from seamark.sim.metrics.station_keeping import GROUP, HEAD, KEY_METRICS, METRICS, WHOLE, overall
+from seamark.sim.recording.telemetry import thrust_names
 from seamark.sim.registry import CONTROLLERS, VEHICLES, labels
 from seamark.sim.settings.configuration import setting
 from seamark.sim.settings.custom_score import custom_score_setting
 from seamark.sim.settings.experiment import ExperimentSettings, experiment_setting
 from seamark.sim.settings.grid import SPEED, GridSettings
-from seamark.sim.vehicles import load
+from seamark.sim.vehicles import load, most_thrusters
 
 current_setting = partial(setting, group="Current", role="scenario")
 
@@ -220,7 +220,7 @@ BENCHMARK = Benchmark(
         Chart("Velocity by the DVL", "m/s", ("dvl_u", "dvl_v", "dvl_w")),
         Chart("Current", "m/s", ("current_x", "current_y", "current_z")),
         Chart("Tracker's error", "px", ("tracker_error",)),
-        Chart("Thrust", "N", tuple(f"thrust_{i}" for i in range(THRUSTERS))),
+        Chart("Thrust", "N", thrust_names(most_thrusters())),
         Chart("Contact force", "N", ("contact_n",)),
         Chart("Depth", "m", ("z",)),
         Chart("Attitude", "rad", ("roll", "pitch", "yaw")),

@@ -8,17 +8,17 @@ from seamark.sim.benchmarks.currents_v1.definition import CurrentsConfiguration
 from seamark.sim.camera.camera import Camera
 from seamark.sim.camera.target import start_pose
 from seamark.sim.control.observation import layout
-from seamark.sim.engine.closed_loop import LevelLoop
+from seamark.sim.engine.closed_loop import ClosedLoop
 from seamark.sim.engine.experiment import TrialScore
 from seamark.sim.engine.program import BuiltIn, Program
 from seamark.sim.engine.world import (
     Conditions,
     World,
-    camera_of,
-    noise_seed_of,
-    scene_of,
-    water_of,
-    world_of,
+    build_camera,
+    build_world,
+    configured_water,
+    draw_noise_seed,
+    target_and_optics,
 )
 from seamark.sim.metrics.metric import over_run
 from seamark.sim.metrics.station_keeping import level_metrics, overall
@@ -43,22 +43,24 @@ class StationKeeping:
 
     def level(
         self, config: CurrentsConfiguration, solution: Program, *, seed: int, trial: int, level: int
-    ) -> LevelLoop:
+    ) -> ClosedLoop:
         """Return a level with the vehicle at its start."""
         world = self.world(config, seed=seed, trial=trial, level=level)
-        return LevelLoop(world, solution, trial=trial, level=level)
+        return ClosedLoop(world, solution, trial=trial, level=level)
 
     def world(self, config: CurrentsConfiguration, *, seed: int, trial: int, level: int) -> World:
         """Return the world of a level."""
         config, random = config.at(level), streams(seed, trial, level)
-        conditions = Conditions(current=_current(config, level, random), water=water_of(config))
-        return world_of(config, conditions, random)
+        conditions = Conditions(
+            current=_current(config, level, random), water=configured_water(config)
+        )
+        return build_world(config, conditions, random)
 
     def camera(self, config: CurrentsConfiguration, *, seed: int, trial: int, level: int) -> Camera:
         """Return the camera of a level."""
         config = config.at(level)
-        noise_seed = noise_seed_of(streams(seed, trial, level))
-        return camera_of(config, water_of(config), noise_seed=noise_seed)
+        noise_seed = draw_noise_seed(streams(seed, trial, level))
+        return build_camera(config, configured_water(config), noise_seed=noise_seed)
 
     def first_camera(
         self, config: CurrentsConfiguration, *, seed: int, trial: int, level: int
@@ -134,7 +136,7 @@ def _shear(config: CurrentsConfiguration) -> Shear | None:
     """Return the current's profile: at the height of the start the level's own speed."""
     if not config.current_shear:
         return None
-    target, optics = scene_of(config)
+    target, optics = target_and_optics(config)
     start = float(start_pose(optics, target, config.altitude_m)[2])
     bottom = target.seabed_m
     return Shear(exponent=config.current_shear, bottom_m=bottom, height_m=bottom - start)

@@ -12,13 +12,19 @@ from seamark.sim.benchmarks.visibility_v1.definition import VisibilityConfigurat
 from seamark.sim.camera.camera import Camera
 from seamark.sim.camera.target import start_pose
 from seamark.sim.camera.water import Water
-from seamark.sim.engine.closed_loop import LevelLoop
+from seamark.sim.engine.closed_loop import ClosedLoop
 from seamark.sim.engine.experiment import Level, TrialScore
-from seamark.sim.engine.open_loop import PathLoop
-from seamark.sim.engine.prescribed_path import Path
+from seamark.sim.engine.open_loop import OpenLoop
+from seamark.sim.engine.prescribed_path import PrescribedPath
 from seamark.sim.engine.program import BuiltIn
-from seamark.sim.engine.tracker_in_loop import tracking_of
-from seamark.sim.engine.world import Conditions, camera_of, noise_seed_of, water_of, world_of
+from seamark.sim.engine.world import (
+    Conditions,
+    build_camera,
+    build_tracking,
+    build_world,
+    configured_water,
+    draw_noise_seed,
+)
 from seamark.sim.metrics.metric import over_run
 from seamark.sim.metrics.tracking import METRICS, failure_value, held_value, level_metrics
 from seamark.sim.numerics.libm import exp
@@ -55,30 +61,32 @@ class Visibility:
         """Return a level with the vehicle, or the path, at its start."""
         random = streams(seed, trial, level)
         if config.mode == "free":
-            world = world_of(config, _conditions(config, level, random), random, tracker=solution)
-            return LevelLoop(world, BuiltIn(STEERS, config), trial=trial, level=level)
-        noise_seed = noise_seed_of(random)
+            world = build_world(
+                config, _conditions(config, level, random), random, tracker=solution
+            )
+            return ClosedLoop(world, BuiltIn(STEERS, config), trial=trial, level=level)
+        noise_seed = draw_noise_seed(random)
         camera, reference = (
-            camera_of(config, water_at(config, at), noise_seed=noise_seed) for at in (level, 0)
+            build_camera(config, water_at(config, at), noise_seed=noise_seed) for at in (level, 0)
         )
-        tracking = tracking_of(config, camera, random, tracker=solution, reference=reference)
+        tracking = build_tracking(config, camera, random, tracker=solution, reference=reference)
         station = start_pose(camera.optics, camera.target, config.altitude_m)
         path = _path(config, station, random)
-        return PathLoop(config, path, camera, tracking, station=station, place=(trial, level))
+        return OpenLoop(config, path, camera, tracking, station=station, trial=trial, level=level)
 
     def camera(
         self, config: VisibilityConfiguration, *, seed: int, trial: int, level: int
     ) -> Camera:
         """Return the camera in the water of a level."""
-        noise_seed = noise_seed_of(streams(seed, trial, level))
-        return camera_of(config, water_at(config, level), noise_seed=noise_seed)
+        noise_seed = draw_noise_seed(streams(seed, trial, level))
+        return build_camera(config, water_at(config, level), noise_seed=noise_seed)
 
     def first_camera(
         self, config: VisibilityConfiguration, *, seed: int, trial: int, level: int
     ) -> Camera:
         """Return the camera of a level in the water of the first one."""
-        noise_seed = noise_seed_of(streams(seed, trial, level))
-        return camera_of(config, water_at(config, 0), noise_seed=noise_seed)
+        noise_seed = draw_noise_seed(streams(seed, trial, level))
+        return build_camera(config, water_at(config, 0), noise_seed=noise_seed)
 
     def metrics(self, config: VisibilityConfiguration, level: int, rows: Rows) -> dict[str, Any]:
         """Return `seamark.sim.metrics.tracking.level_metrics` beside the level's value."""
@@ -103,11 +111,15 @@ class Visibility:
         )
 
 
-def _path(config: VisibilityConfiguration, station: NDArray[np.float64], random: Streams) -> Path:
+def _path(
+    config: VisibilityConfiguration, station: NDArray[np.float64], random: Streams
+) -> PrescribedPath:
     swing, turn = config.path_swing_m, config.path_turn_rad
     heave, tilt = config.path_heave_share * swing, TILT_SHARE * turn
     amplitudes = (swing, swing, heave, tilt, tilt, turn)
-    return Path(station.tolist(), amplitudes, period_s=config.path_period_s, random=random.scene)
+    return PrescribedPath(
+        station.tolist(), amplitudes, period_s=config.path_period_s, random=random.scene
+    )
 
 
 def _conditions(config: VisibilityConfiguration, level: int, random: Streams) -> Conditions:
@@ -123,7 +135,7 @@ def _conditions(config: VisibilityConfiguration, level: int, random: Streams) ->
 
 def water_at(config: VisibilityConfiguration, level: int) -> Water:
     """Return the water of a level."""
-    water, value = water_of(config), config.level_values()[level]
+    water, value = configured_water(config), config.level_values()[level]
     if config.sweep == "camera_noise":
         return replace(water, read_sigma_grey=value)
     if config.sweep == "light":  # the camera's gain makes up for it and takes the noise along

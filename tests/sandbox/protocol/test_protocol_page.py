@@ -10,19 +10,21 @@ from pathlib import Path
 from seamark.sandbox.languages import native
 from seamark.sandbox.protocol import messages
 from seamark.sim.control import observation
+from seamark.sim.control.observation import PER_THRUSTER
 
 PAGE = Path(__file__).parents[3] / "docs" / "protocol.md"
 HEADER = Path(native.__file__).with_name("seamark.h")
 RUNNER = Path(native.__file__).with_name("runner.c")
 PLACE = re.compile(r"(<!-- observation: .*? -->\n)(.*?)(<!-- end -->)", re.DOTALL)
 ADDED = "thrusters"  # the header's own field: how long `thrust` is
+MOST_THRUSTERS = 8  # of a native program: the size of the header's array
 
 
 def table() -> str:
     rows = ["| name | count | unit | meaning |", "|---|---|---|---|"]
     rows += [
-        f"| `{name}` | {count} | {unit or ('boolean' if name in observation.BOOLEANS else '')} "
-        f"| {meaning} |"
+        f"| `{name}` | {'n' if count == PER_THRUSTER else count} "
+        f"| {unit or ('boolean' if name in observation.BOOLEANS else '')} | {meaning} |"
         for name, count, unit, meaning in observation.FIELDS
     ]
     return "\n".join(rows) + "\n"
@@ -77,7 +79,7 @@ def test_the_header_has_the_fields_of_the_observation_in_their_order() -> None:
 
     found = [(name, int(count or 0), kind == "int") for kind, name, count in fields]
     assert [field for field in found if field[0] != ADDED] == [
-        (name, count, name in observation.BOOLEANS)
+        (name, MOST_THRUSTERS if count == PER_THRUSTER else count, name in observation.BOOLEANS)
         for name, count, _unit, _meaning in observation.FIELDS
     ]
 
@@ -86,8 +88,9 @@ def test_the_runner_knows_every_field_of_the_observation() -> None:
     known = re.findall(r'\{"(\w+)", AT\((\w+)\), (\d), (\d)\}', RUNNER.read_text("utf-8"))
 
     assert [(name, at, int(count), int(boolean)) for name, at, count, boolean in known] == [
-        (name, name, max(count, 1), int(name in observation.BOOLEANS))
+        (name, name, MOST_THRUSTERS if count == PER_THRUSTER else max(count, 1), boolean)
         for name, count, _unit, _meaning in observation.FIELDS
+        for boolean in (int(name in observation.BOOLEANS),)
     ]
 
 

@@ -12,9 +12,10 @@ from hypothesis import strategies as st
 
 from seamark.server.api.series import thin
 from seamark.server.messaging import live_events
-from seamark.sim.recording.telemetry import NAMES, from_bytes, from_csv
+from seamark.sim.recording.telemetry import NAMES
 from tests.cast import PROGRAM
 from tests.server.api.conftest import Site
+from tests.telemetry_csv import read
 
 RUNS = "/api/v1/runs"
 
@@ -233,13 +234,13 @@ def test_telemetry_comes_the_same_in_every_form_also_while_it_runs(site: Site) -
     site.record(run_id, rows=700)
     path = f"{RUNS}/{run_id}"
 
-    table = from_csv(site.call("owner", "GET", f"{path}/telemetry.csv").text)
-    binary = from_bytes(site.call("owner", "GET", f"{path}/telemetry.f64").data)
+    names, table = read(site.call("owner", "GET", f"{path}/telemetry.csv").text)
+    binary = np.frombuffer(site.call("owner", "GET", f"{path}/telemetry.f64").data, "<f8")
     later = site.call("owner", "GET", f"{path}/telemetry.csv?start=690")
 
-    assert table.shape == (700, len(NAMES))
-    assert np.array_equal(table, binary)
-    assert np.array_equal(from_csv(later.text), table[690:])
+    assert (tuple(names), len(table)) == (NAMES, 700)
+    assert np.array_equal(table.ravel(), binary)
+    assert np.array_equal(read(later.text)[1], table[690:])
     assert later.headers["X-Next-Row"] == "700"
 
 

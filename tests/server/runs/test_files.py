@@ -39,9 +39,28 @@ def test_half_a_row_is_not_there_yet(tmp_path: Path) -> None:
     assert np.array_equal(files.rows(), _rows(2))
 
 
-def test_rows_of_another_width_are_refused(tmp_path: Path) -> None:
+@pytest.mark.parametrize("width", [WIDTH - 1, WIDTH + 1])
+def test_rows_of_another_width_than_the_first_ones_are_refused(tmp_path: Path, width: int) -> None:
+    files = RunFiles(tmp_path, 7, 1)
+    files.append_rows(_rows(1))
+
     with pytest.raises(ValueError, match="shape"):
-        RunFiles(tmp_path, 7, 1).append_rows(np.zeros((1, WIDTH + 1)))
+        files.append_rows(np.zeros((1, width)))
+
+
+def test_rows_with_too_few_columns_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match="shape"):
+        RunFiles(tmp_path, 7, 1).append_rows(np.zeros((1, WIDTH - 1)))
+
+
+def test_rows_of_a_vehicle_with_more_thrusters_keep_all_of_them(tmp_path: Path) -> None:
+    rows = np.arange(2.0 * (WIDTH + 3)).reshape(2, WIDTH + 3)
+    RunFiles(tmp_path, 7, 1).append_rows(rows)
+
+    files = RunFiles(tmp_path, 7)
+
+    assert files.columns[-3:] == ("thrust_8", "thrust_9", "thrust_10")
+    assert np.array_equal(files.rows(), rows)
 
 
 def test_a_trial_that_is_done_again_leaves_no_rows(tmp_path: Path) -> None:

@@ -16,7 +16,7 @@ from seamark.sim.camera.effects import Effects
 from seamark.sim.camera.snow import CUBE_M, flakes_in
 from seamark.sim.camera.special import blurred
 from seamark.sim.engine.replay import Replay
-from seamark.sim.recording.telemetry import Recorder
+from seamark.sim.recording.telemetry import Rows
 from seamark.sim.settings.targets import TARGETS
 from seamark.sim.trackers.interface import Track
 
@@ -240,17 +240,18 @@ def test_pictures_from_telemetry_are_those_of_the_run_with_every_effect(mode: st
         }
         | {"level_duration_s": 2.0}
     )
-    tracker, recorder = Keeps(), Recorder(2000)
+    tracker = Keeps()
+    delivered: list[Rows] = []
     level: Any = EXPERIMENT.level(config, tracker, seed=3, trial=0, level=0)
 
-    level.run(recorder, lambda rows: None)
+    level.run(delivered.append)
     level.close()
 
-    rows = recorder.take()
+    rows = np.concatenate(delivered)
     replay = Replay("visibility-v1", config, lambda trial: 3)
     assert len(rows) == len(tracker.seen) > 20
     for at in range(1, len(rows), 7):
-        assert np.array_equal(replay.shot(rows[at]).grey(), tracker.seen[at])
+        assert np.array_equal(replay.frame(rows[at]).grey(), tracker.seen[at])
 
 
 @pytest.mark.parametrize(

@@ -5,11 +5,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from seamark.sim.control import position
 from seamark.sim.control.observation import BOOLEANS, FIELDS, STARTS, Observation, empty, layout
 from seamark.sim.control.position import p, pi
 from seamark.sim.engine.program import BuiltIn
-from seamark.sim.registry import CONTROLLERS, benchmark
+from seamark.sim.registry import CONTROLLERS, VEHICLES, benchmark
+from seamark.sim.vehicles import load
 
 CONFIG: dict[str, Any] = {"kp": 0.5, "ki": 0.1, "control_heave": False, "reference_limit_m_s": 1.0}
 
@@ -59,14 +59,23 @@ def test_the_integral_rests_while_the_target_is_lost() -> None:
 
 
 @pytest.mark.parametrize("name", CONTROLLERS)
-def test_every_built_in_controller_answers_four_floats(name: str) -> None:
-    program = BuiltIn(name, benchmark("currents-v1").read({}))
+def test_every_built_in_controller_moves_against_the_error_within_the_limit(name: str) -> None:
+    config = benchmark("currents-v1").read({"reference_limit_m_s": 0.5})
+    program = BuiltIn(name, config)
     program.reset({"index": 0})
+    values = empty(5)
+    values[STARTS["dt"]], values[STARTS["target_visible"]] = 0.05, True
 
-    answer = program.step(np.ones(len(empty(5))))
+    answers = []
+    for error in ((0.1, -0.1, 0.0), (100.0, -100.0, 100.0)):
+        values[STARTS["error"] : STARTS["error"] + 3] = error
+        answers.append(program.step(values))
 
-    assert [type(value) for value in answer] == [float] * 4
-    assert position.__doc__
+    assert all(type(value) is float for answer in answers for value in answer)
+    assert 0.0 < answers[0][0] < 0.5
+    assert -0.5 < answers[0][1] < 0.0
+    assert answers[1][:2] == (0.5, -0.5)
+    assert [answer[3] for answer in answers] == [0.0, 0.0]
 
 
 def test_an_observation_is_a_mapping_and_has_attributes() -> None:
@@ -81,10 +90,11 @@ def test_an_observation_is_a_mapping_and_has_attributes() -> None:
         _ = observation.current
 
 
-@pytest.mark.parametrize(("vehicle", "thrusters"), [("girona500", 5), ("bluerov2-heavy", 8)])
-def test_the_layout_covers_the_whole_observation(vehicle: str, thrusters: int) -> None:
-    told = layout(vehicle)["observation"]
+@pytest.mark.parametrize("vehicle", VEHICLES)
+def test_the_layout_covers_the_whole_observation(vehicle: str) -> None:
+    thrusters = len(load(vehicle).thrusters)
+    fields = layout(vehicle)["observation"]
 
-    assert sum(max(count, 1) for _name, count in told) == len(empty(thrusters))
-    assert len(Observation(empty(thrusters)).thrust) == dict(told)["thrust"] == thrusters
-    assert set(BOOLEANS) <= set(dict(told))
+    assert sum(max(count, 1) for _name, count in fields) == len(empty(thrusters))
+    assert len(Observation(empty(thrusters)).thrust) == dict(fields)["thrust"] == thrusters
+    assert set(BOOLEANS) <= set(dict(fields))

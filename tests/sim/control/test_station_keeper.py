@@ -1,6 +1,7 @@
-"""From pixels to metres: where the target is, the vehicle has to go."""
+"""From pixels to metres: the position error is the way to the station above the target."""
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,8 +12,7 @@ from seamark.sim.camera.camera import Camera
 from seamark.sim.camera.optics import CURRENTS
 from seamark.sim.camera.target import Target, start_pose
 from seamark.sim.camera.water import Water
-from seamark.sim.control.station_keeper import Geometry, StationKeeper
-from seamark.sim.engine.tracking_error import crossing
+from seamark.sim.control.station_keeper import Geometry, StationKeeper, update_position_error
 
 HEIGHT_M = 2.27
 GEOMETRY = Geometry(
@@ -24,8 +24,9 @@ GEOMETRY = Geometry(
 CAMERA = Camera(CURRENTS, Water(), Target(), noise_seed=1)
 
 
-def keeper(range_from: str = "altitude") -> StationKeeper:
-    return StationKeeper(GEOMETRY, range_from=range_from, level_out_tilt=True)
+def keeper(range_from: str = "altitude") -> Any:
+    """Return the record of a station keeper."""
+    return StationKeeper(GEOMETRY, range_from=range_from, level_out_tilt=True).record[0]
 
 
 def moved(forward: float, starboard: float, down: float) -> np.ndarray:
@@ -38,11 +39,11 @@ def moved(forward: float, starboard: float, down: float) -> np.ndarray:
 def test_the_error_is_how_far_the_vehicle_has_to_move(
     range_from: str, move: tuple[float, float, float]
 ) -> None:
-    corners = CAMERA.corners(moved(*move)).ravel().tolist()
+    corners, station = CAMERA.corners(moved(*move)).ravel(), keeper(range_from)
 
-    aim = keeper(range_from).step(corners, height=HEIGHT_M + move[2], tilt=(0.0, 0.0), dt=0.05)
+    update_position_error(station, corners, True, HEIGHT_M + move[2], (0.0, 0.0), 0.05)
 
-    assert aim.error == pytest.approx(move, abs=1e-6)
+    assert station["error"] == pytest.approx(move, abs=1e-6)
 
 
 @given(
@@ -55,14 +56,14 @@ def test_tilt_does_not_move_the_station(roll: float, pitch: float, x: float, y: 
     optics = CURRENTS
     pose = moved(x, y, 0.0)
     pose[3:5] = roll, pitch
-    place = np.array(optics.mount_m)
+    mount = np.array(optics.mount_m)
     turn = rotation(roll, pitch)
-    pose[:3] += place - turn @ place  # so that the camera stays where it was
+    pose[:3] += mount - turn @ mount  # so that the camera stays where it was
 
-    corners = CAMERA.corners(pose).ravel().tolist()
-    aim = keeper().step(corners, height=HEIGHT_M, tilt=(roll, pitch), dt=0.05)
+    corners, station = CAMERA.corners(pose).ravel(), keeper()
+    update_position_error(station, corners, True, HEIGHT_M, (roll, pitch), 0.05)
 
-    assert aim.error[:2] == pytest.approx((x, y), abs=1e-6)
+    assert station["error"][:2] == pytest.approx((x, y), abs=1e-6)
 
 
 def rotation(roll: float, pitch: float) -> np.ndarray:
@@ -72,25 +73,18 @@ def rotation(roll: float, pitch: float) -> np.ndarray:
     return about_y @ about_x
 
 
-def test_a_lost_target_counts_for_a_second_and_then_the_vehicle_stays() -> None:
+def test_after_a_loss_the_error_is_kept_for_a_second_and_then_zero() -> None:
     station = keeper()
-    corners = CAMERA.corners(moved(0.3, 0.0, 0.0)).ravel().tolist()
-    seen = station.step(corners, height=HEIGHT_M, tilt=(0.0, 0.0), dt=0.25).error
+    corners = CAMERA.corners(moved(0.3, 0.0, 0.0)).ravel()
+    update_position_error(station, corners, True, HEIGHT_M, (0.0, 0.0), 0.25)
+    seen = station["error"].tolist()
 
     ages, errors = [], []
     for _ in range(6):
-        aim = station.step(None, height=HEIGHT_M, tilt=(0.0, 0.0), dt=0.25)
-        ages.append(aim.age_s)
-        errors.append(aim.error)
-        assert not aim.visible
+        update_position_error(station, corners, False, HEIGHT_M, (0.0, 0.0), 0.25)
+        ages.append(float(station["age_s"]))
+        errors.append(station["error"].tolist())
+        assert not station["visible"]
 
     assert ages == [0.25, 0.5, 0.75, 1.0, 1.25, 1.5]
-    assert errors == [seen] * 4 + [(0.0, 0.0, 0.0)] * 2
-
-
-def test_the_diagonals_of_a_square_cross_in_its_middle() -> None:
-    assert crossing(np.array([0.0, 0.0, 2.0, 0.0, 2.0, 2.0, 0.0, 2.0])) == (1.0, 1.0)
-
-
-def test_corners_in_one_point_have_their_mean_as_the_crossing() -> None:
-    assert crossing(np.array([3.0, 4.0] * 4)) == (3.0, 4.0)
+    assert errors == [seen] * 4 + [[0.0, 0.0, 0.0]] * 2

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from seamark.sim import registry
 from seamark.sim.camera import Camera, Effects, Optics, Target, Water
-from seamark.sim.engine.dataset import COLUMNS, STARTS, Choice, archive
+from seamark.sim.engine.dataset import COLUMNS, STARTS, Selection, archive
 from seamark.sim.engine.replay import Replay
 from seamark.sim.engine.trial import run_trial
 from seamark.sim.recording.telemetry import INDEX, Rows
@@ -47,9 +47,9 @@ def _rows(name: str, config: Configuration) -> Rows:
     return np.concatenate(kept)
 
 
-def _made(recorded: tuple[str, Configuration, Rows], choice: Choice) -> dict[str, bytes]:
+def _made(recorded: tuple[str, Configuration, Rows], choice: Selection) -> dict[str, bytes]:
     name, config, rows = recorded
-    data = b"".join(archive(name, config, rows, seed=SEED, choice=choice))
+    data = b"".join(archive(name, config, rows, seed=SEED, selection=choice))
     with zipfile.ZipFile(io.BytesIO(data)) as file:
         assert file.testzip() is None
         return {
@@ -75,7 +75,7 @@ def test_every_picture_is_the_one_that_the_tracker_had(
     recorded: tuple[str, Configuration, Rows],
 ) -> None:
     name, config, rows = recorded
-    files = _made(recorded, Choice(every=7))
+    files = _made(recorded, Selection(every=7))
     camera = registry.benchmark(name).load().camera(config, seed=SEED, trial=0, level=0)
 
     assert len(_table(files)) == len(rows[::7])
@@ -91,19 +91,19 @@ def test_the_true_corners_are_those_of_the_camera(
     recorded: tuple[str, Configuration, Rows],
 ) -> None:
     name, config, rows = recorded
-    table = _table(_made(recorded, Choice(every=11)))
+    table = _table(_made(recorded, Selection(every=11)))
     replay = Replay(name, config, lambda _trial: SEED)
 
     for line, row in zip(table, rows[::11], strict=True):
         told = [float(line[f"corner_{axis}{at}"]) for at in range(4) for axis in "uv"]
-        assert told == replay.shot(row).corners().ravel().tolist()
+        assert told == replay.frame(row).corners().ravel().tolist()
         assert float(line["x"]) == row[INDEX["x"]]
 
 
 def test_intrinsics_and_pose_project_the_target_onto_its_corners(
     recorded: tuple[str, Configuration, Rows],
 ) -> None:
-    files = _made(recorded, Choice(every=13))
+    files = _made(recorded, Selection(every=13))
     camera = json.loads(files["camera.json"])
     focal, target = camera["optics"]["focal_px"], camera["target"]
     first = _table(files)[0]
@@ -122,14 +122,15 @@ def test_the_same_configuration_and_seed_give_the_same_bytes(
 ) -> None:
     name, config, rows = recorded
     first, second = (
-        b"".join(archive(name, config, rows, seed=SEED, choice=Choice(every=20))) for _ in range(2)
+        b"".join(archive(name, config, rows, seed=SEED, selection=Selection(every=20)))
+        for _ in range(2)
     )
 
     assert first == second
 
 
 def test_time_and_colour_can_be_chosen(recorded: tuple[str, Configuration, Rows]) -> None:
-    files = _made(recorded, Choice(begin_s=0.5, end_s=1.0, colour=True))
+    files = _made(recorded, Selection(begin_s=0.5, end_s=1.0, colour=True))
 
     times = [float(line["t"]) for line in _table(files)]
     assert (min(times), max(times)) == (pytest.approx(0.5), pytest.approx(0.95))
@@ -144,7 +145,7 @@ def test_a_tracker_that_works_on_the_data_set_is_as_good_as_in_the_benchmark(
 ) -> None:
     """The starts are those that the benchmark's own tracker had: it does the same again."""
     _, config, rows = recorded
-    files = _made(recorded, Choice())
+    files = _made(recorded, Selection())
     settings: Any = config
     tracker = make(settings.tracker, **settings.tracker_options())
 
@@ -164,7 +165,7 @@ def test_the_corners_of_a_start_have_the_configured_error() -> None:
     entry = registry.benchmark("currents-v1")
     config = entry.read({**entry.quick_settings, "start_error_px": 1.5})
     rows = _rows("currents-v1", config)
-    files = _made(("currents-v1", config, rows), Choice(every=10))
+    files = _made(("currents-v1", config, rows), Selection(every=10))
 
     (start,) = _table(files, "starts.csv")[:1]
     off = _corners(start) - _corners(_table(files)[0])
@@ -178,7 +179,7 @@ def test_camera_json_has_all_that_a_camera_is_made_of() -> None:
     disturbed = {"light_level": 0.5, "lamp": 2.0, "snow_per_m3": 200.0, "scatter_mrad": 3.0}
     config = entry.read({**entry.quick_settings, **disturbed, "target": "plain"})
     rows = _rows(name, config)
-    files = _made((name, config, rows), Choice(every=25))
+    files = _made((name, config, rows), Selection(every=25))
     told = json.loads(files["camera.json"])
     camera = registry.benchmark(name).load().camera(config, seed=SEED, trial=0, level=1)
 
@@ -199,14 +200,14 @@ def test_camera_json_has_all_that_a_camera_is_made_of() -> None:
 
 
 def test_the_readme_says_which_command_makes_the_same_again() -> None:
-    chosen = Choice(every=4, begin_s=2.0, end_s=9.5, colour=True)
+    chosen = Selection(every=4, begin_s=2.0, end_s=9.5, colour=True)
 
     assert chosen.options(3) == " --trial 3 --every 4 --from 2.0 --until 9.5 --colour"
-    assert Choice().options(0) == ""
+    assert Selection().options(0) == ""
 
 
 def test_the_readme_names_every_column(recorded: tuple[str, Configuration, Rows]) -> None:
-    text = _made(recorded, Choice(every=50))["README.md"].decode()
+    text = _made(recorded, Selection(every=50))["README.md"].decode()
 
     ranges = {f"corner_{axis}{at}" for axis in "uv" for at in range(4)}
     assert {
@@ -217,5 +218,5 @@ def test_the_readme_names_every_column(recorded: tuple[str, Configuration, Rows]
 def test_a_choice_without_a_picture_is_refused(recorded: tuple[str, Configuration, Rows]) -> None:
     name, config, rows = recorded
 
-    with pytest.raises(ValueError, match="no picture is left"):
-        archive(name, config, rows, seed=SEED, choice=Choice(begin_s=1e6))
+    with pytest.raises(ValueError, match="there are no images"):
+        archive(name, config, rows, seed=SEED, selection=Selection(begin_s=1e6))

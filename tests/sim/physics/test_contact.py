@@ -11,12 +11,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from seamark.sim.numerics.arrays import Array
 from seamark.sim.physics.contact import Contact, TargetBox, lowest_point
 from seamark.sim.physics.current import Current
 from seamark.sim.physics.hydrodynamics import write_rotation
 from seamark.sim.physics.plant import Plant
 from seamark.sim.physics.terrain import Bottom
-from seamark.sim.vehicles import Array, Quantity, Vehicle, load
+from seamark.sim.vehicles import Quantity, Vehicle, load
 
 SEABED_Z = 4.785
 FLAT = Bottom(SEABED_Z)

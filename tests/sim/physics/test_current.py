@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from seamark.sim.numerics.arrays import Array
 from seamark.sim.numerics.random_streams import streams
 from seamark.sim.physics.current import GUST_GRID_S, Current, Pattern, flow, segment_at
-from seamark.sim.vehicles import Array
 
 STEADY = Pattern(azimuth_swing_rad=0.0, speed_swing=0.0)
 

@@ -10,10 +10,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
+from seamark.sim.numerics.arrays import Array
 from seamark.sim.numerics.random_streams import streams
 from seamark.sim.physics.current import Current, Pattern
 from seamark.sim.physics.plant import Plant
-from seamark.sim.vehicles import Array, Quantity, Vehicle, load
+from seamark.sim.vehicles import Quantity, Vehicle, load
 
 NAMES = ["girona500", "girona500-uwsim", "bluerov2-heavy"]
 STILL = Current(0.0)
@@ -301,7 +302,7 @@ warm_up()
 before = compiled()
 for name in ("girona500-uwsim", "bluerov2-heavy"):
     vehicle = load(name)
-    mounds = terrain.relief_of(random_streams.streams(1, 0, 0).bottom, height_m=0.3, flat_m=0.5)
+    mounds = terrain.draw_relief(random_streams.streams(1, 0, 0).bottom, height_m=0.3, flat_m=0.5)
     ground = terrain.Bottom(3.0, mounds)
     touching = contact.Contact(vehicle, ground)
     law = current.Pattern(law="force")

@@ -6,6 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
+from seamark.sim.numerics.arrays import Array
 from seamark.sim.physics.hydrodynamics import (
     add_coriolis,
     add_drag,
@@ -13,7 +14,7 @@ from seamark.sim.physics.hydrodynamics import (
     inverse,
     write_rotation,
 )
-from seamark.sim.vehicles import Array, load
+from seamark.sim.vehicles import load
 
 velocities = arrays(np.float64, 6, elements=st.floats(-5.0, 5.0))
 directions = arrays(np.float64, 4, elements=st.floats(-1.0, 1.0)).filter(

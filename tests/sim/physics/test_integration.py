@@ -9,11 +9,12 @@ import numpy as np
 import pytest
 
 from performance.validation.reference import Leg, Water, reference
+from seamark.sim.numerics.arrays import Array
 from seamark.sim.numerics.random_streams import streams
 from seamark.sim.physics.current import Current, Pattern, Shear
 from seamark.sim.physics.dynamics import integrate
 from seamark.sim.physics.plant import Plant
-from seamark.sim.vehicles import Array, load
+from seamark.sim.vehicles import load
 
 COMMAND = np.array([0.45, 0.30, 0.20, -0.15, 0.35])
 START = np.array([0.0, 0.0, 2.0, 0.15, -0.1, 0.4])
@@ -97,7 +98,8 @@ import hashlib
 import numpy as np
 from seamark.sim.physics.current import Current
 from seamark.sim.physics.plant import Plant
-from seamark.sim.sensors.sensors import Dvl, Truth
+from seamark.sim.sensors.dvl import Dvl
+from tests.sim.sampling import Truth, sample
 from seamark.sim.numerics.random_streams import streams
 from seamark.sim.vehicles import load
 
@@ -108,7 +110,7 @@ plant.place(np.array([0.0, 0.0, 2.0, 0.15, -0.1, 0.4]))
 dvl = Dvl(source.dvl)
 for tick in range(0, 3000, 5):
     truth = Truth(plant.pose(), plant.velocity(), 2.5)
-    values, valid = dvl.measure(tick, truth)
+    values, valid = sample(dvl, tick, truth)
     command = np.array([-values[0], -values[0], 0.1, 0.12, -3.0 * values[1]])
     plant.advance(tick, command, 5)
     digest.update(plant.state.tobytes() + np.array(values).tobytes())

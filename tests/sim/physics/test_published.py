@@ -3,11 +3,13 @@
 import numpy as np
 import pytest
 
+from seamark.sim.numerics.arrays import Array
 from seamark.sim.numerics.random_streams import streams
 from seamark.sim.physics.current import Current, Pattern
 from seamark.sim.physics.plant import Plant
-from seamark.sim.sensors.sensors import Dvl, Truth
-from seamark.sim.vehicles import Array, load
+from seamark.sim.sensors.dvl import Dvl
+from seamark.sim.vehicles import load
+from tests.sim.sampling import Truth, sample
 
 PIXELS_PER_METRE = 514.7 / 2.27  # S: camera 2.27 m above the target
 KP, KI = 0.5, 0.02  # S: the published gains
@@ -21,7 +23,7 @@ def errors_px(level: float, ki: float) -> Array:
     total, rows = np.zeros(2), []
     for tick in range(0, 12_000, 5):
         pose, velocity = plant.pose(), plant.velocity()
-        measured, _valid = dvl.measure(tick, Truth(pose, velocity, 3.0))
+        measured, _valid = sample(dvl, tick, Truth(pose, velocity, 3.0))
         error = -pose[:2]  # the heading stays at zero: nothing turns this plant
         total += 0.05 * error
         surge, sway = KP * error + ki * total - measured[:2]

@@ -9,19 +9,22 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from seamark.sim.numerics.arrays import Array
 from seamark.sim.numerics.random_streams import streams
 from seamark.sim.physics import terrain as module
 from seamark.sim.physics.contact import CELL_M, Contact
 from seamark.sim.physics.current import Current
 from seamark.sim.physics.plant import Plant
-from seamark.sim.physics.terrain import REACH_M, Bottom, Relief, cast, mound, relief_of
+from seamark.sim.physics.terrain import REACH_M, Bottom, Relief, cast, draw_relief, mound
 from seamark.sim.recording.telemetry import INDEX
-from seamark.sim.sensors.sensors import Altimeter, Dvl, Truth
-from seamark.sim.vehicles import Array, Quantity, Vehicle, load
+from seamark.sim.sensors.altimeter import Altimeter
+from seamark.sim.sensors.dvl import Dvl
+from seamark.sim.vehicles import Quantity, Vehicle, load
 from tests.sim.conftest import RunOf
+from tests.sim.sampling import Truth, sample
 
 DEPTH = 5.0
-RELIEF = relief_of(streams(7, 0, 0).bottom, height_m=0.6, flat_m=2.0)
+RELIEF = draw_relief(streams(7, 0, 0).bottom, height_m=0.6, flat_m=2.0)
 HILLY = Bottom(DEPTH, RELIEF)
 MOUNDS = HILLY._mounds
 assert MOUNDS is not None
@@ -130,8 +133,8 @@ def test_beams_of_a_steep_vehicle_give_no_echo_and_the_dvl_loses_the_bottom() ->
     assert (near.echoes, lost.echoes <= 2) == (4, True)
     for device in (Dvl(streams(1, 0, 0).dvl), Altimeter(streams(1, 0, 0).altimeter)):
         still = [0.0] * 6
-        assert device.measure(0, Truth(upright, still, *near))[1]
-        assert not device.measure(20, Truth(upright, still, near.altitude, 2))[1]
+        assert sample(device, 0, Truth(upright, still, *near))[1]
+        assert not sample(device, 20, Truth(upright, still, near.altitude, 2))[1]
 
 
 def pressing(vehicle: Vehicle) -> Vehicle:
@@ -170,7 +173,7 @@ def test_a_run_over_mounds_repeats_and_differs_from_one_over_the_flat(run_short:
 
 def test_the_mounds_are_the_same_in_all_levels_and_others_in_another_trial() -> None:
     drawn = [
-        relief_of(streams(*key).bottom, height_m=0.5, flat_m=2.0).waves.tobytes()
+        draw_relief(streams(*key).bottom, height_m=0.5, flat_m=2.0).waves.tobytes()
         for key in ((5, 0, 0), (5, 0, 3), (5, 1, 0), (6, 0, 0))
     ]
 
@@ -190,7 +193,7 @@ def test_the_machine_code_of_a_beam_has_no_fused_operations() -> None:
 @pytest.mark.parametrize(("height", "flat"), [(-0.1, 2.0), (0.5, -1.0), (0.5, 17.0)])
 def test_mounds_that_cannot_be_are_refused(height: float, flat: float) -> None:
     with pytest.raises(ValueError, match="no mounds"):
-        relief_of(streams(1, 0, 0).bottom, height_m=height, flat_m=flat)
+        draw_relief(streams(1, 0, 0).bottom, height_m=height, flat_m=flat)
 
 
 def test_a_relief_is_its_waves() -> None:

@@ -8,8 +8,9 @@ from seamark.sim.engine.program import BuiltIn
 from seamark.sim.engine.trial import run_trial
 from seamark.sim.physics.thruster_faults import ThrusterFault
 from seamark.sim.registry import benchmark
-from seamark.sim.sensors.sensors import Dvl, Truth
+from seamark.sim.sensors.dvl import Dvl
 from seamark.sim.settings.configuration import ConfigurationInvalid
+from tests.sim.sampling import Truth, sample
 
 SHORT = {"tracker": "truth", "levels": [0.3], "level_duration_s": 20.0, "settle_s": 5.0}
 
@@ -24,13 +25,13 @@ def thrusts(fault: ThrusterFault, wanted: list[float]) -> list[float]:
 
 
 def test_a_weak_thruster_gives_its_share_from_its_time_on() -> None:
-    fault = ThrusterFault(thruster=1, efficiency=0.5, delay_ticks=0, from_tick=10)
+    fault = ThrusterFault(thruster=1, efficiency=0.5, delay_steps=0, from_step=10)
 
     assert thrusts(fault, [1.0, 2.0, 3.0, 4.0]) == [1.0, 2.0, 1.5, 2.0]
 
 
 def test_a_slow_thruster_gives_the_same_later() -> None:
-    fault = ThrusterFault(thruster=1, efficiency=1.0, delay_ticks=10, from_tick=5)
+    fault = ThrusterFault(thruster=1, efficiency=1.0, delay_steps=10, from_step=5)
 
     assert thrusts(fault, [1.0, 2.0, 3.0, 4.0, 5.0]) == [1.0, 1.0, 1.0, 2.0, 3.0]
 
@@ -74,4 +75,4 @@ def test_faults_are_a_scenario_and_never_rank(currents: Benchmark) -> None:
 def test_a_dvl_too_near_to_the_bottom_has_no_bottom_lock(least: float, valid: bool) -> None:
     dvl = Dvl(np.random.Generator(np.random.PCG64(1)), least_altitude_m=least)
 
-    assert dvl.measure(0, Truth([0.0] * 6, [0.0] * 6, 2.0))[1] == valid
+    assert sample(dvl, 0, Truth([0.0] * 6, [0.0] * 6, 2.0))[1] == valid

@@ -1,4 +1,4 @@
-"""Telemetry reads back as it was written, whole or in part."""
+"""Telemetry reads back as it was written, for a vehicle with any number of thrusters."""
 
 import numpy as np
 import pytest
@@ -7,18 +7,28 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from seamark.sim.recording import telemetry
-from seamark.sim.recording.telemetry import INDEX, NAMES, WIDTH, Digest, Recorder, Rows
+from seamark.sim.recording.telemetry import (
+    COMMON_THRUSTERS,
+    DELIVERED_ROWS,
+    INDEX,
+    NAMES,
+    WIDTH,
+    Digest,
+    Recorder,
+    Rows,
+)
+from tests import telemetry_csv
 
 finite_rows = arrays(
     np.float64,
-    st.tuples(st.integers(0, 3), st.just(WIDTH)),
+    st.tuples(st.integers(0, 3), st.integers(WIDTH, WIDTH + 3)),
     elements=st.floats(allow_nan=False, allow_infinity=False),
     fill=st.just(0.0),
 )
 
 
-def numbered(count: int) -> Rows:
-    return np.arange(count * WIDTH, dtype=np.float64).reshape(count, WIDTH) / 7.0
+def numbered(count: int, width: int = WIDTH) -> Rows:
+    return np.arange(count * width, dtype=np.float64).reshape(count, width) / 7.0
 
 
 def test_the_columns_are_those_of_the_platforms_contract() -> None:
@@ -37,34 +47,46 @@ def test_the_columns_are_those_of_the_platforms_contract() -> None:
 @settings(max_examples=30)
 @given(rows=finite_rows)
 def test_csv_reads_back_as_the_same_bits(rows: Rows) -> None:
-    back = telemetry.from_csv(telemetry.to_csv(rows, ["a comment\nof two lines"]))
+    text = telemetry.header(["a comment\nof two lines"], width=rows.shape[1])
+    names, back = telemetry_csv.read(text + telemetry.csv_lines(rows))
 
+    assert tuple(names) == telemetry.names(rows.shape[1])
     assert np.array_equal(back, rows)
 
 
 def test_csv_begins_with_comments_and_the_header_row() -> None:
-    lines = telemetry.to_csv(numbered(1), ["seed 5"]).splitlines()
+    lines = telemetry.header(["seed 5"]).splitlines()
 
     assert lines[0] == "# seed 5"
     assert lines[1].startswith("trial,level,t,x,y,z,")
-    assert len(lines) == 3
+    assert len(lines) == 2
 
 
-def test_csv_in_pieces_is_the_same_document() -> None:
-    rows = numbered(10)
-
-    assert "".join(telemetry.csv_chunks(rows, ["x"], size=3)) == telemetry.to_csv(rows, ["x"])
-
-
-def test_a_csv_of_other_columns_is_refused() -> None:
-    with pytest.raises(ValueError, match="columns of this version"):
-        telemetry.from_csv("a,b\n1,2\n")
+@settings(max_examples=30)
+@given(rows=finite_rows)
+def test_rows_of_any_width_survive_a_message(rows: Rows) -> None:
+    assert np.array_equal(telemetry.from_bytes(telemetry.to_bytes(rows)), rows)
 
 
-def test_half_a_row_at_the_end_of_a_file_is_left_out() -> None:
-    data = numbered(3).astype("<f8").tobytes()
+@pytest.mark.parametrize("thrusters", [0, 1, COMMON_THRUSTERS, COMMON_THRUSTERS + 4])
+def test_every_thruster_has_a_column_and_none_of_the_others_moves(thrusters: int) -> None:
+    width = telemetry.width_for(thrusters)
 
-    assert np.array_equal(telemetry.from_bytes(data[:-5]), numbered(2))
+    names = telemetry.names(width)
+
+    assert len(names) == len(set(names)) == width
+    assert names[:WIDTH] == NAMES
+    assert set(telemetry.thrust_names(thrusters)) <= set(names)
+
+
+@pytest.mark.parametrize("thrusters", [COMMON_THRUSTERS, COMMON_THRUSTERS + 2])
+def test_the_thrusts_of_rows_are_their_thrust_columns_in_order(thrusters: int) -> None:
+    rows = numbered(3, telemetry.width_for(thrusters))
+    index = {name: at for at, name in enumerate(telemetry.names(rows.shape[1]))}
+
+    expected = rows[:, [index[name] for name in telemetry.thrust_names(thrusters)]]
+
+    assert np.array_equal(telemetry.thrusts(rows), expected)
 
 
 def test_the_digest_does_not_depend_on_how_rows_are_cut() -> None:
@@ -87,11 +109,26 @@ def test_the_digest_leaves_out_the_wall_time_and_nothing_else() -> None:
         assert telemetry.digest(changed) != telemetry.digest(rows), name
 
 
-def test_a_row_that_was_not_kept_is_not_delivered() -> None:
-    recorder = Recorder(3)
+def test_a_row_that_was_not_committed_is_not_delivered() -> None:
+    delivered: list[Rows] = []
+    recorder = Recorder(delivered.append, thrusters=5)
     recorder.next_row()[:] = 1.0
-    recorder.keep()
+    recorder.commit()
     recorder.next_row()[:] = 2.0
 
-    assert recorder.take()[:, 0].tolist() == [1.0]
-    assert len(recorder.take()) == 0
+    recorder.flush()
+    recorder.flush()
+
+    assert [rows[:, 0].tolist() for rows in delivered] == [[1.0]]
+
+
+def test_a_full_buffer_is_delivered_at_once_as_a_copy() -> None:
+    delivered: list[Rows] = []
+    recorder = Recorder(delivered.append, thrusters=10)
+
+    for number in range(DELIVERED_ROWS + 1):
+        recorder.next_row()[:] = number
+        recorder.commit()
+
+    assert [rows.shape for rows in delivered] == [(DELIVERED_ROWS, WIDTH + 2)]
+    assert delivered[0][:, 0].tolist() == list(range(DELIVERED_ROWS))

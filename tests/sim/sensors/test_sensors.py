@@ -1,11 +1,16 @@
-"""Sensors: right in the mean, noisy as promised, on their own grid and their own stream."""
+"""Sensors have the right mean and noise, and sample at their own period from their own stream."""
 
 import numpy as np
 import pytest
 
 from seamark.sim.numerics.random_streams import streams
 from seamark.sim.registry import benchmark
-from seamark.sim.sensors.sensors import Ahrs, Altimeter, DepthGauge, Dvl, Sensor, Truth, wrapped
+from seamark.sim.sensors.ahrs import Ahrs, wrap_angle
+from seamark.sim.sensors.altimeter import Altimeter
+from seamark.sim.sensors.depth import DepthGauge
+from seamark.sim.sensors.dvl import Dvl
+from seamark.sim.sensors.sensor import Sensor
+from tests.sim.sampling import Truth, sample
 
 TRUTH = Truth(
     pose=np.array([1.0, 2.0, 3.0, 0.01, -0.02, 3.1415]),
@@ -29,15 +34,15 @@ def sensor(name: str, seed: int = 1) -> Sensor:
     }[name]()
 
 
-def lying(altitude: float, roll: float = 0.0) -> Truth:
+def above_bottom(altitude: float, roll: float = 0.0) -> Truth:
     return Truth(np.array([0.0, 0.0, 0.0, roll, 0.0, 0.0]), TRUTH.velocity, altitude)
 
 
 @pytest.mark.parametrize("name", EXPECTED)
-def test_readings_have_the_right_mean_and_spread(name: str) -> None:
+def test_readings_have_the_right_mean_and_standard_deviation(name: str) -> None:
     device, (mean, sigma) = sensor(name), EXPECTED[name]
 
-    readings = np.array([device.measure(20 * i, TRUTH)[0] for i in range(4000)])
+    readings = np.array([sample(device, 20 * i, TRUTH)[0] for i in range(4000)])
 
     assert readings.mean(axis=0) == pytest.approx(mean, abs=5.0 * sigma / 4000**0.5)
     assert readings.std(axis=0) == pytest.approx(np.full(mean.size, sigma), rel=0.06)
@@ -47,43 +52,40 @@ def test_readings_have_the_right_mean_and_spread(name: str) -> None:
 def test_a_value_is_held_until_the_next_measurement(name: str) -> None:
     device = sensor(name)
 
-    first, valid = device.measure(0, TRUTH)
-    held, _valid = device.measure(4, TRUTH)
-    age = device.age(4)
-    new, _valid = device.measure(20, TRUTH)
+    first, valid = sample(device, 0, TRUTH)
+    held, _valid = sample(device, 4, TRUTH)
+    new, _valid = sample(device, 20, TRUTH)
 
     assert valid
     assert np.array_equal(first, held)
-    assert age == 4
-    assert device.age(20) == 0
     assert not np.array_equal(first, new)
 
 
 def test_the_heading_is_wrapped_across_the_south() -> None:
     device = sensor("ahrs")
 
-    yaws = [device.measure(5 * i, TRUTH)[0][2] for i in range(400)]
+    yaws = [sample(device, 5 * i, TRUTH)[0][2] for i in range(400)]
 
     assert min(yaws) < -3.1410
     assert max(yaws) > 3.1410
-    assert wrapped(-np.pi) == np.pi
+    assert wrap_angle(-np.pi) == np.pi
 
 
-def test_a_lost_bottom_keeps_the_last_good_velocity() -> None:
+def test_without_bottom_lock_the_last_valid_velocity_is_held() -> None:
     device = Dvl(streams(1, 0, 0).dvl, sigma=0.0)
 
-    good, valid = device.measure(0, TRUTH)
-    high, lock_high = device.measure(20, lying(100.0))
-    tilted, lock_tilted = device.measure(40, lying(2.0, roll=0.8))
-    _back, lock_back = device.measure(60, lying(2.0))
+    good, valid = sample(device, 0, TRUTH)
+    high, lock_high = sample(device, 20, above_bottom(100.0))
+    tilted, lock_tilted = sample(device, 40, above_bottom(2.0, roll=0.8))
+    _back, lock_back = sample(device, 60, above_bottom(2.0))
 
     assert (valid, lock_high, lock_tilted, lock_back) == (True, False, False, True)
     assert np.array_equal(good, high)
     assert np.array_equal(good, tilted)
 
 
-def test_nothing_is_valid_before_the_first_good_measurement() -> None:
-    _values, valid = Dvl(streams(1, 0, 0).dvl).measure(0, lying(0.1))
+def test_nothing_is_valid_before_the_first_valid_reading() -> None:
+    _values, valid = sample(Dvl(streams(1, 0, 0).dvl), 0, above_bottom(0.1))
 
     assert not valid
 
@@ -91,15 +93,15 @@ def test_nothing_is_valid_before_the_first_good_measurement() -> None:
 def test_bias_and_scale_act_on_each_axis() -> None:
     device = Dvl(streams(1, 0, 0).dvl, sigma=0.0, bias=0.01, scale_error=0.1)
 
-    values, _valid = device.measure(0, TRUTH)
+    values, _valid = sample(device, 0, TRUTH)
 
     assert values == pytest.approx(TRUTH.velocity[:3] * 1.1 + 0.01)
 
 
-def test_drop_outs_come_as_often_as_asked_and_leave_the_noise_alone() -> None:
+def test_drop_outs_are_as_frequent_as_configured_and_do_not_change_the_noise() -> None:
     clean, broken = Dvl(streams(1, 0, 0).dvl), Dvl(streams(1, 0, 0).dvl, dropout=0.3)
 
-    pairs = [(clean.measure(20 * i, TRUTH), broken.measure(20 * i, TRUTH)) for i in range(3000)]
+    pairs = [(sample(clean, 20 * i, TRUTH), sample(broken, 20 * i, TRUTH)) for i in range(3000)]
     lost = [not valid for _clean, (_values, valid) in pairs]
     kept = [(a[0], b[0]) for a, b in pairs if b[1]]
 
@@ -113,31 +115,31 @@ def test_another_sensor_never_changes_this_one() -> None:
     depth = DepthGauge(shared.depth)
 
     readings = []
-    for tick in range(0, 400, 20):
-        depth.measure(tick, TRUTH)
-        readings.append((dvl_alone.measure(tick, TRUTH)[0], dvl_shared.measure(tick, TRUTH)[0]))
+    for step in range(0, 400, 20):
+        sample(depth, step, TRUTH)
+        readings.append((sample(dvl_alone, step, TRUTH)[0], sample(dvl_shared, step, TRUTH)[0]))
 
     assert all(np.array_equal(a, b) for a, b in readings)
 
 
 def test_a_sensor_without_a_period_is_refused() -> None:
-    with pytest.raises(ValueError, match="at least one tick"):
-        Dvl(streams(1, 0, 0).dvl, period_ticks=0)
+    with pytest.raises(ValueError, match="at least one step"):
+        Dvl(streams(1, 0, 0).dvl, period_steps=0)
 
 
-def test_a_sensor_refuses_more_readings_than_it_was_made_for() -> None:
+def test_a_sensor_refuses_more_readings_than_it_has_noise_for() -> None:
     device = DepthGauge(streams(1, 0, 0).depth, readings=2)
-    for tick in (0, 19, 20, 39):
-        device.measure(tick, TRUTH)
+    for step in (0, 19, 20, 39):
+        sample(device, step, TRUTH)
 
     with pytest.raises(IndexError, match="fewer readings"):
-        device.measure(40, TRUTH)
+        sample(device, 40, TRUTH)
 
 
-def test_how_many_readings_a_sensor_is_made_for_leaves_them_as_they_are() -> None:
+def test_the_number_of_readings_does_not_change_the_readings() -> None:
     few, many = (Dvl(streams(1, 0, 0).dvl, readings=count) for count in (5, 500))
 
-    pairs = [(few.measure(20 * i, TRUTH), many.measure(20 * i, TRUTH)) for i in range(5)]
+    pairs = [(sample(few, 20 * i, TRUTH), sample(many, 20 * i, TRUTH)) for i in range(5)]
 
     assert all(one == other for one, other in pairs)
 
@@ -145,14 +147,14 @@ def test_how_many_readings_a_sensor_is_made_for_leaves_them_as_they_are() -> Non
 RATES = [(5.0, 0.01, 20), (20.0, 0.01, 5), (20.0, 0.005, 10)]
 
 
-@pytest.mark.parametrize(("rate", "step", "ticks"), RATES)
-def test_a_dvl_measures_as_often_as_its_rate_says_at_every_physics_step(
-    rate: float, step: float, ticks: int
+@pytest.mark.parametrize(("rate", "physics_step", "period"), RATES)
+def test_a_dvl_samples_at_its_rate_whatever_the_physics_step(
+    rate: float, physics_step: float, period: int
 ) -> None:
-    config = benchmark("currents-v1").read({"dvl_rate_hz": rate, "physics_step_s": step})
-    device = Dvl(streams(1, 0, 0).dvl, period_ticks=config.dvl_period_steps)
+    config = benchmark("currents-v1").read({"dvl_rate_hz": rate, "physics_step_s": physics_step})
+    device = Dvl(streams(1, 0, 0).dvl, period_steps=config.dvl_period_steps)
 
-    readings = [device.measure(tick, TRUTH)[0] for tick in range(4 * ticks)]
+    readings = [sample(device, step, TRUTH)[0] for step in range(4 * period)]
 
     assert len(set(readings)) == 4
-    assert all(len(set(readings[i * ticks : (i + 1) * ticks])) == 1 for i in range(4))
+    assert all(len(set(readings[i * period : (i + 1) * period])) == 1 for i in range(4))
