@@ -1,1 +1,1 @@
-"""Speed and memory, measured beside peers in the same run."""
+"""Speed and memory compared with other libraries, measured in the same run."""

@@ -1,4 +1,4 @@
-"""`./run performance [NAME ...]`: measure and print the quick tables, the named ones, or `all`."""
+"""`./run performance [NAME ...]`: measure and print the quick tables, named tables or `all`."""
 
 import importlib
 import sys
@@ -6,7 +6,7 @@ import sys
 from performance.table import text
 
 QUICK = ("full_run", "physics", "camera", "exchange")
-TABLES = (*QUICK, "leftovers", "growth", "scaling", "trackers")
+TABLES = (*QUICK, "leaks", "growth", "scaling", "trackers")
 ALL = "all"
 
 
@@ -14,14 +14,14 @@ def main(names: list[str]) -> int:
     """Print the tables; 2 if a name is unknown."""
     unknown = [name for name in names if name not in (*TABLES, ALL)]
     if unknown:
-        print(f"There is no table {', '.join(unknown)}; there are {', '.join(TABLES)} and {ALL}.")
+        print(f"Unknown table: {', '.join(unknown)}. Choose from {', '.join(TABLES)} or {ALL}.")
         return 2
     chosen = TABLES if ALL in names else names or QUICK
     if not names:
-        print(f"The quick tables: {', '.join(QUICK)}. `./run performance {ALL}` makes every one.")
+        print(f"The quick tables: {', '.join(QUICK)}. `./run performance {ALL}` prints all tables.")
     for name in chosen:
         module = importlib.import_module(f"performance.{name}")
-        own = getattr(module, "table", None)  # a table with other columns than ours and the peer's
+        own = getattr(module, "table", None)  # a table with its own columns
         print(f"\n{name}\n{own() if own else text(module.rows())}", flush=True)
     return 0
 

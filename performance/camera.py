@@ -1,4 +1,4 @@
-"""Pictures of our camera, beside PyBullet's TinyRenderer without water and noise."""
+"""Images of our camera compared with PyBullet's TinyRenderer, which has no water or noise."""
 
 from collections.abc import Callable
 
@@ -32,32 +32,35 @@ def _rows_of(size: str, optics: Optics, height_m: float) -> list[Row]:
         f"target's window {x1 - x0}x{y1 - y0} of {size}": lambda: camera.region(
             pose, 3, (x0, y0, x1, y1)
         ),
-        f"grey picture {size}": lambda: camera.grey(pose, 3),
-        f"colour picture {size}": lambda: camera.colour(pose, 3),
+        f"grey image {size}": lambda: camera.grey(pose, 3),
+        f"colour image {size}": lambda: camera.colour(pose, 3),
     }
-    peer_us = _tiny_renderer_us(optics, height_m)
+    baseline_us = _tiny_renderer_us(optics, height_m)
     return [
         Row(
             what=what,
             value=cpu_us(call, inner=20),
             unit="us CPU",
-            peer=f"TinyRenderer {size}",
-            peer_value=peer_us,
+            baseline=f"TinyRenderer {size}",
+            baseline_value=baseline_us,
         )
         for what, call in calls.items()
     ]
 
 
 def _tiny_renderer_us(optics: Optics, height_m: float) -> float:
-    """Return its time for a plane and a box from the same height, shadows off."""
+    """Return the time to render a plane and a box from the same height, without shadows."""
     world = pybullet.connect(pybullet.DIRECT)
     try:
-        for half, place in (([8, 8, 0.05], [0, 0, -0.05]), ([0.21, 0.065, 0.065], [0, 0, 0.065])):
+        for half, position in (
+            ([8, 8, 0.05], [0, 0, -0.05]),
+            ([0.21, 0.065, 0.065], [0, 0, 0.065]),
+        ):
             shape = pybullet.createVisualShape(
                 pybullet.GEOM_BOX, halfExtents=half, physicsClientId=world
             )
             pybullet.createMultiBody(
-                0.0, baseVisualShapeIndex=shape, basePosition=place, physicsClientId=world
+                0.0, baseVisualShapeIndex=shape, basePosition=position, physicsClientId=world
             )
         view = pybullet.computeViewMatrix([0, 0, height_m + 0.13], [0, 0, 0], [1, 0, 0])
         lens = pybullet.computeProjectionMatrixFOV(50.0, optics.width / optics.height, 0.1, 20.0)

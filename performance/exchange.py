@@ -1,7 +1,7 @@
-"""One question and one answer through a box, beside a bare pipe between two Python processes.
+"""One request and one answer through a box, compared with a pipe between two Python processes.
 
-CPU time of both sides together: they share one core and take turns, so that without neighbours it
-is the wall time, and with neighbours it does not change. The pipe carries the same bytes unchecked.
+CPU time of both sides together. They share a core and alternate, so on an idle machine it equals
+the wall time, and load does not change it. The pipe carries the same bytes without any checks.
 """
 
 import os
@@ -72,11 +72,11 @@ def rows() -> list[Row]:
         pipe = _pipe_us()
         return [
             Row(
-                what=f"exchange with a program of {name}, level {isolation.name.lower()}",
+                what=f"exchange with a program of {name}, isolation {isolation.name.lower()}",
                 value=_boxed_us(program, isolation, core),
                 unit="us CPU",
-                peer="bare pipe, no checks",
-                peer_value=pipe,
+                baseline="pipe without checks",
+                baseline_value=pipe,
             )
             for name, program in (("plain Python", PLAIN), ("NumPy", SELF_TEST))
         ] + [
@@ -90,21 +90,23 @@ def rows() -> list[Row]:
 def _pipe_us() -> float:
     values = [0.5] * FIELDS
     pack, unpack = struct.Struct(f"<{FIELDS}d").pack, struct.Struct("<4d").unpack
-    peers_before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    children_before = resource.getrusage(resource.RUSAGE_CHILDREN)
     command = [sys.executable, "-I", "-S", "-c", ECHO]
-    with subprocess.Popen(command, stdin=-1, stdout=-1, bufsize=0) as peer:
-        if peer.stdin is None or peer.stdout is None:
+    with subprocess.Popen(command, stdin=-1, stdout=-1, bufsize=0) as echo:
+        if echo.stdin is None or echo.stdout is None:
             raise RuntimeError("no pipes")
-        out, back = peer.stdin.fileno(), peer.stdout.fileno()
+        out, back = echo.stdin.fileno(), echo.stdout.fileno()
         begin = time.process_time()
         for _ in range(STEPS):
             os.write(out, pack(*values))
             unpack(os.read(back, 4096))
         own_s = time.process_time() - begin
-        peer.stdin.close()
-    peers = resource.getrusage(resource.RUSAGE_CHILDREN)
-    peer_s = peers.ru_utime + peers.ru_stime - peers_before.ru_utime - peers_before.ru_stime
-    return (own_s + peer_s) / STEPS * 1e6
+        echo.stdin.close()
+    children = resource.getrusage(resource.RUSAGE_CHILDREN)
+    echo_s = (
+        children.ru_utime + children.ru_stime - children_before.ru_utime - children_before.ru_stime
+    )
+    return (own_s + echo_s) / STEPS * 1e6
 
 
 def _boxed_us(program: str, isolation: IsolationLevel, core: int) -> float:
@@ -120,7 +122,7 @@ def _boxed_us(program: str, isolation: IsolationLevel, core: int) -> float:
 
 
 def _images(isolation: IsolationLevel, core: int) -> list[Row]:
-    """Return the rows of a tracker that is shown images of three sizes and looks at one pixel."""
+    """Return the rows of a tracker that reads one pixel, for images of three sizes."""
     return [
         Row(what=f"exchange with a tracker, image {name}", value=value, unit="us CPU")
         for name, shape in IMAGES.items()
@@ -133,7 +135,7 @@ def _shown_us(shape: tuple[int, ...], isolation: IsolationLevel, core: int) -> f
     with Box(limits=Limits(), isolation=isolation, core=core) as box:
         box.load(TRACKER.encode(), "tracker.py", {}, {"role": "tracker"})
         box.start(image, [(0.0, 0.0)] * 4)
-        box.update(image)  # the first use of a page costs more
+        box.update(image)  # the first access to a memory page costs more
         box.update(image)
         begin = time.process_time()
         for _ in range(SHOWN):

@@ -1,7 +1,7 @@
-"""How long a program waits for its first answer, by language: its box cold, and one that waits.
+"""The time to a program's first answer, by language: in a cold box and in a warm (waiting) one.
 
-Wall time, since that is what a user waits: busy neighbours show. So the CPU time stands beside it,
-and for Python a bare interpreter that imports NumPy, measured in turn with the boxes.
+Wall time is what a user experiences, but it depends on the load of the machine. So the CPU time is
+given as well, and for Python a plain interpreter that imports NumPy, measured alternately.
 """
 
 import os
@@ -25,7 +25,7 @@ NUMPY = (sys.executable, "-c", "import numpy")
 
 
 def rows(isolation: IsolationLevel, core: int) -> list[Row]:
-    """Measure all languages that this host has."""
+    """Measure all languages available on this host."""
     found: list[Row] = []
     for name in LANGUAGES:
         try:
@@ -57,32 +57,32 @@ def _of_language(name: str, program: bytes, isolation: IsolationLevel, core: int
     )
     wall, own = (statistics.median(each) for each in zip(*bare, strict=True))
     label = LANGUAGES[name].label
-    peer = "python -c 'import numpy'" if wall else ""
+    baseline = "python -c 'import numpy'" if wall else ""
     return [
         Row(
             what=f"{label}: first answer, cold",
             value=cold,
             unit="ms wall",
-            peer=peer,
-            peer_value=wall or None,
+            baseline=baseline,
+            baseline_value=wall or None,
         ),
         Row(
             what=f"{label}: first answer, cold",
             value=cpu,
             unit="ms CPU",
-            peer=peer,
-            peer_value=own or None,
+            baseline=baseline,
+            baseline_value=own or None,
         ),
         Row(what=f"{label}: first answer, warm box", value=warm, unit="ms wall"),
         Row(what=f"{label}: first answer, warm box", value=warm_cpu, unit="ms CPU"),
-        Row(what=f"{label}: a box that waits", value=memory, unit="MiB"),
+        Row(what=f"{label}: a waiting box", value=memory, unit="MiB"),
     ]
 
 
 def _start(name: str, program: bytes, isolation: IsolationLevel, core: int) -> tuple[float, ...]:
-    """Return wall times cold and warm [ms], their CPU times [ms], memory of a box that waits [MiB].
+    """Return wall times cold and warm [ms], CPU times cold and warm [ms], memory of the box [MiB].
 
-    CPU time is that of the box, the warm one of both sides.
+    The cold CPU time is that of the box, the warm one that of both sides.
     """
     begin = time.perf_counter()
     with Box(name, limits=Limits(), isolation=isolation, core=core) as box:
@@ -100,7 +100,7 @@ def _start(name: str, program: bytes, isolation: IsolationLevel, core: int) -> t
 
 
 def _bare_numpy() -> tuple[float, float]:
-    """Return wall and CPU time [ms] of a bare interpreter that imports NumPy."""
+    """Return wall and CPU time [ms] of a plain interpreter that imports NumPy."""
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     begin = time.perf_counter()
     one_thread = os.environ | {"OPENBLAS_NUM_THREADS": "1"}

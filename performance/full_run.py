@@ -1,6 +1,6 @@
-"""A whole practice run of 600 s: camera, tracker and a controller, built in and in its box.
+"""A complete practice run of 600 s: camera, tracker and a controller, built in or in a box.
 
-Measured in warm processes, as on a worker; the peer is the sea: simulated time.
+Measured in warm processes, as on a worker, and compared with simulated time.
 """
 
 import os
@@ -20,7 +20,7 @@ _SIMULATED_S = 600.0
 
 
 def rows() -> list[Row]:
-    """Measure and return the rows; CPU time is of the simulator and of the box together."""
+    """Measure and return the rows; CPU time is that of simulator and box together."""
     warm_up()
     before = os.sched_getaffinity(0)
     os.sched_setaffinity(0, {max(before)})
@@ -29,13 +29,13 @@ def rows() -> list[Row]:
         measured = [_measure("built-in PI", "pi", IsolationLevel.NONE)]
         if isolation >= IsolationLevel.MEDIUM:
             program = (SELF_TEST.encode(), "controller.py")
-            name = f"program in its box, level {isolation.name.lower()}"
+            name = f"program in its box, isolation {isolation.name.lower()}"
             measured.append(_measure(name, program, isolation))
     finally:
         os.sched_setaffinity(0, before)
     peak_mib = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
     return [row for pair in measured for row in pair] + [
-        Row(what="memory of the measuring process", value=peak_mib, unit="MiB peak")
+        Row(what="memory of this process", value=peak_mib, unit="MiB peak")
     ]
 
 
@@ -53,10 +53,12 @@ def _measure(
     wall_s = time.perf_counter() - wall
     cpu_s = time.process_time() - cpu + outcome.usage.get("cpu_s", 0.0)
     return (
-        _beside_the_sea(f"600 s, {name}: CPU", cpu_s, "s CPU"),
-        _beside_the_sea(f"600 s, {name}: wall, one core", wall_s, "s wall"),
+        _relative_to_real_time(f"600 s, {name}: CPU", cpu_s, "s CPU"),
+        _relative_to_real_time(f"600 s, {name}: wall, one core", wall_s, "s wall"),
     )
 
 
-def _beside_the_sea(what: str, value_s: float, unit: str) -> Row:
-    return Row(what=what, value=value_s, unit=unit, peer="simulated time", peer_value=_SIMULATED_S)
+def _relative_to_real_time(what: str, value_s: float, unit: str) -> Row:
+    return Row(
+        what=what, value=value_s, unit=unit, baseline="simulated time", baseline_value=_SIMULATED_S
+    )

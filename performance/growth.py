@@ -1,7 +1,7 @@
-"""How time and memory grow with the simulated time, and what a process costs before it begins.
+"""How time and memory grow with simulated time, and the start-up cost of a process.
 
-Every run in a process of its own, which tells its CPU time after the warm-up and its largest
-memory. Linear growth: the ratio of the cost of a simulated second to that of the shortest run is 1.
+Each run has a process of its own, which reports its CPU time after the warm-up and its peak memory.
+With linear growth, a simulated second costs as much as in the shortest run: the ratio is 1.
 """
 
 import json
@@ -10,12 +10,12 @@ import sys
 
 from performance.table import Row
 
-# Level counts and lengths [s]; six thousand seconds are an hour and forty minutes of experiment.
+# Simulated time [s] -> number of levels, duration of a level [s].
 _RUNS = {60.0: (1, 60.0), 600.0: (5, 120.0), 6000.0: (10, 600.0)}
 _CURRENT_STEP_M_S = 0.04
 _CHILD = """
 import json, resource, sys, time
-began = time.process_time()
+start = time.process_time()
 from seamark.sim.engine.warm_up import warm_up
 from seamark.sim import registry
 from seamark.sim.engine.program import BuiltIn
@@ -25,7 +25,7 @@ warm = time.process_time()
 config = registry.benchmark("currents-v1").read(json.loads(sys.argv[1]))
 run_trial("currents-v1", config, BuiltIn("pi", config), seed=7, trial=0, on_rows=lambda _: None)
 peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
-print(json.dumps({"start": warm - began, "run": time.process_time() - warm, "peak": peak}))
+print(json.dumps({"start": warm - start, "run": time.process_time() - warm, "peak": peak}))
 """
 
 
@@ -36,7 +36,7 @@ def rows() -> list[Row]:
     per_second = measured[first]["run"] / first
     return [
         Row(
-            what="start of a process until it is warm, code compiled before",
+            what="start of a process including warm-up, code already compiled",
             value=measured[first]["start"],
             unit="s CPU",
         )
@@ -48,15 +48,15 @@ def rows() -> list[Row]:
                 what=f"{seconds:.0f} s, built-in PI",
                 value=cost["run"],
                 unit="s CPU",
-                peer=f"{first:.0f} s run, in proportion",
-                peer_value=per_second * seconds,
+                baseline=f"{first:.0f} s run, scaled",
+                baseline_value=per_second * seconds,
             ),
             Row(
                 what=f"{seconds:.0f} s, memory of the process",
                 value=cost["peak"],
                 unit="MiB peak",
-                peer=f"{first:.0f} s run",
-                peer_value=measured[first]["peak"],
+                baseline=f"{first:.0f} s run",
+                baseline_value=measured[first]["peak"],
             ),
         )
     ]

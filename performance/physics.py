@@ -1,7 +1,7 @@
-"""One integration step of the vehicle beside one step of Bullet and of MuJoCo.
+"""One integration step of the vehicle compared with one step of Bullet and of MuJoCo.
 
-The peers compute less: Bullet knows a scalar mass, and MuJoCo's ellipsoid model of the fluid has no
-added mass that answers to acceleration. MuJoCo is in the dependency group `performance`.
+Both compute less: Bullet's mass is a scalar, and MuJoCo's ellipsoid fluid model has no added mass
+that responds to acceleration. MuJoCo is in the dependency group `performance`.
 """
 
 import mujoco
@@ -35,7 +35,7 @@ def rows() -> list[Row]:
     plant.place(np.zeros(6))
     command = np.full(len(plant.thrust()), 0.2)
     ours = cpu_us(lambda: plant.advance(0, command, _STEPS)) / _STEPS
-    peers = {"PyBullet stepSimulation, free body over a plane": _bullet_step_us()} | {
+    baselines = {"PyBullet stepSimulation, free body over a plane": _bullet_step_us()} | {
         f"MuJoCo {name}, free body in a fluid over a plane": _mujoco_step_us(name)
         for name in _MUJOCO_INTEGRATORS
     }
@@ -44,10 +44,10 @@ def rows() -> list[Row]:
             what="RK4 step, 6x6 mass matrix, current",
             value=ours,
             unit="us CPU",
-            peer=peer,
-            peer_value=value,
+            baseline=name,
+            baseline_value=value,
         )
-        for peer, value in peers.items()
+        for name, value in baselines.items()
     ]
 
 

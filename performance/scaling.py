@@ -1,4 +1,4 @@
-"""Two runs side by side on two cores beside one alone; a ranked run of ten trials."""
+"""Parallel runs, one per core, compared with a single run; a ranked run of ten trials."""
 
 import json
 import os
@@ -14,7 +14,7 @@ from seamark.worker.evaluation.local import evaluate_locally
 
 _LEVELS = {"levels": [0.0, 0.2], "level_duration_s": 120.0}
 _TRIALS = 10
-# The child waits for a line, so that all begin together and no start-up is measured.
+# The child waits for a line, so that all start together and no start-up is measured.
 _CHILD = """
 import json, os, sys, time
 os.sched_setaffinity(0, {int(sys.argv[2])})
@@ -26,31 +26,31 @@ warm_up()
 config = registry.benchmark("currents-v1").read(json.loads(sys.argv[1]))
 print("warm", flush=True)
 sys.stdin.readline()
-began = time.perf_counter()
+start = time.perf_counter()
 run_trial("currents-v1", config, BuiltIn("pi", config), seed=7, trial=0, on_rows=lambda _: None)
-print(time.perf_counter() - began, flush=True)
+print(time.perf_counter() - start, flush=True)
 """
 
 
 def rows() -> list[Row]:
     """Measure and return the rows."""
     cores = sorted(os.sched_getaffinity(0))
-    alone = _side_by_side(cores[:1])
+    alone = _slowest_of_parallel_runs(cores[:1])
     return [
         Row(
-            what=f"{len(cores[:count])} runs of 240 s side by side, a core each, the slowest",
-            value=_side_by_side(cores[:count]),
+            what=f"{len(cores[:count])} parallel runs of 240 s, one core each, the slowest",
+            value=_slowest_of_parallel_runs(cores[:count]),
             unit="s wall",
-            peer="one run alone",
-            peer_value=alone,
+            baseline="a single run",
+            baseline_value=alone,
         )
         for count in (2, 4, 8)
         if count <= len(cores)
     ] + [_ranked(len(cores))]
 
 
-def _side_by_side(cores: list[int]) -> float:
-    """Return the wall time [s] of the slowest of as many runs as cores."""
+def _slowest_of_parallel_runs(cores: list[int]) -> float:
+    """Return the wall time [s] of the slowest of parallel runs, one per core."""
     children = [
         subprocess.Popen(
             [sys.executable, "-c", _CHILD, json.dumps(_LEVELS), str(core)],
@@ -73,9 +73,9 @@ def _side_by_side(cores: list[int]) -> float:
 
 
 def _ranked(cores: int) -> Row:
-    """Measure ten trials of the whole benchmark with an uploaded program, as a ranked run has."""
+    """Measure ten trials of the benchmark with an uploaded program, as in a ranked run."""
     warm_up()
-    began = time.perf_counter()
+    start = time.perf_counter()
     outcome = evaluate_locally(
         "currents-v1",
         {},
@@ -88,8 +88,8 @@ def _ranked(cores: int) -> Row:
         raise RuntimeError(f"the program ended with {outcome.failure}: {outcome.sentence}")
     return Row(
         what=f"{_TRIALS} trials of currents-v1 with a program in its box, {cores} cores",
-        value=time.perf_counter() - began,
+        value=time.perf_counter() - start,
         unit="s wall",
-        peer="simulated time",
-        peer_value=_TRIALS * 600.0,
+        baseline="simulated time",
+        baseline_value=_TRIALS * 600.0,
     )

@@ -1,7 +1,7 @@
 """Rows of a comparison, and how they are measured and printed.
 
-These machines are noisy: every figure is a median of repeated measurements of CPU time, and what
-counts is the ratio to a peer that was measured in the same run.
+Timings are noisy: every figure is a median of repeated measurements of CPU time, and what counts
+is the ratio to a reference measured in the same run.
 """
 
 import statistics
@@ -12,22 +12,22 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Row:
-    """One figure beside its peer; `ratio` above 1 means that the peer needs more."""
+    """One figure and its reference; a `ratio` above 1 means that the reference needs more."""
 
     what: str
     value: float
     unit: str
-    peer: str = ""
-    peer_value: float | None = None
+    baseline: str = ""
+    baseline_value: float | None = None
 
     @property
     def ratio(self) -> float | None:
-        """Return how many times the peer's figure is ours."""
-        return None if self.peer_value is None else self.peer_value / self.value
+        """Return the reference's figure as a multiple of ours."""
+        return None if self.baseline_value is None else self.baseline_value / self.value
 
 
 def cpu_us(call: Callable[[], object], *, inner: int = 1, repeats: int = 9) -> float:
-    """Return the median CPU time [us] of one call; each measurement makes `inner` of them."""
+    """Return the median CPU time [us] of one call; each measurement makes `inner` calls."""
     call()
     measured = []
     for _ in range(repeats):
@@ -40,14 +40,14 @@ def cpu_us(call: Callable[[], object], *, inner: int = 1, repeats: int = 9) -> f
 
 def text(rows: Sequence[Row]) -> str:
     """Return the rows as an aligned table."""
-    head = ("what", "ours", "unit", "peer", "peer's", "ratio")
+    head = ("what", "ours", "unit", "baseline", "its value", "ratio")
     cells = [
         (
             row.what,
             f"{row.value:.3g}",
             row.unit,
-            row.peer,
-            "" if row.peer_value is None else f"{row.peer_value:.3g}",
+            row.baseline,
+            "" if row.baseline_value is None else f"{row.baseline_value:.3g}",
             "" if row.ratio is None else f"{row.ratio:.1f}",
         )
         for row in rows

@@ -1,7 +1,7 @@
-"""What is left after many runs of programs that try to stay: it should be nothing.
+"""Resources leaked by many runs of programs that try to survive their box: should be none.
 
-Each run is a box from the pool, a program that forks and prints, some steps, an end. No matter of
-speed, but it takes too long for the tests, which do fifty.
+Each run takes a box from the pool, starts a program that forks and prints, and does some steps.
+This is not about speed, but it takes too long for the tests, which do fifty runs.
 """
 
 import contextlib
@@ -20,8 +20,8 @@ from seamark.sandbox.pool import Pool
 from seamark.sandbox.probing.probes import probe
 
 RUNS = 1000
-FIRST = 20  # runs before the first look: what is made once is no leftover
-TELL_S = 1.0  # [s]
+WARM_UP_RUNS = 20  # before the first count: what is created only once is no leak
+EXIT_TIMEOUT_S = 1.0
 STAYS = b"""
 import os, time
 
@@ -41,52 +41,55 @@ LAYOUT = {"observation": [["t", 0]], "command": []}
 
 
 def rows() -> list[Row]:
-    """Run, and return what there is more of than before."""
+    """Run, and return how much of each resource was leaked."""
     isolation = probe().level
     with Pool({"python": 1}, limits=Limits(), isolation=isolation) as pool:
-        _run(pool, FIRST)
-        before = _held()
+        _run(pool, WARM_UP_RUNS)
+        before = _resources()
         begin = time.perf_counter()
         survivors = _run(pool, RUNS)
         took_s = time.perf_counter() - begin
-        after = _held()
-    title = f"left after {RUNS} runs, level {isolation.name.lower()}"
-    left = {"processes": survivors} | {name: after[name] - before[name] for name in after}
+        after = _resources()
+    title = f"leaked after {RUNS} runs, isolation {isolation.name.lower()}"
+    leaked = {"processes": survivors} | {name: after[name] - before[name] for name in after}
     return [
-        *(Row(what=f"{name} {title}", value=float(count), unit="") for name, count in left.items()),
-        Row(what="one run, the start of its box included", value=took_s / RUNS * 1e3, unit="ms"),
+        *(
+            Row(what=f"{name} {title}", value=float(count), unit="")
+            for name, count in leaked.items()
+        ),
+        Row(what="one run, including the start of its box", value=took_s / RUNS * 1e3, unit="ms"),
     ]
 
 
 def _run(pool: Pool, runs: int) -> int:
-    """Return how many processes lived on after the end of their box."""
+    """Return how many processes survived the end of their box."""
     survivors = 0
     for _ in range(runs):
         pool.refill()
         with contextlib.ExitStack() as watching:
             with pool.take("python", Limits()) as box, contextlib.suppress(ProgramEnded):
                 watched = _used(box, watching)
-            # The kernel takes a process out of its group a moment before it tells of its end.
-            survivors += sum(not select.select([one], [], [], TELL_S)[0] for one in watched)
+            # A process leaves its cgroup slightly before its exit is reported.
+            survivors += sum(not select.select([one], [], [], EXIT_TIMEOUT_S)[0] for one in watched)
     return survivors
 
 
 def _used(box: Box, watching: contextlib.ExitStack) -> list[int]:
-    """Let a program run to its end; return descriptors of all processes that it had."""
+    """Run a program to its end; return pidfds of all processes of its box."""
     box.load(STAYS, "stays.py", {}, LAYOUT)
     watched = []
     for pid in box.processes():
         with contextlib.suppress(ProcessLookupError):
             watched.append(os.pidfd_open(pid))
             watching.callback(os.close, watched[-1])
-    for tick in range(3):
-        box.step([tick / 20])
+    for step in range(3):
+        box.step([step / 20])
     box.finish()
     return watched
 
 
-def _held() -> dict[str, int]:
-    """Return how much of everything this process holds."""
+def _resources() -> dict[str, int]:
+    """Return the amount of each resource that this process holds."""
     status = Path("/proc/self/status").read_text(encoding="ascii")
     memory_kib = int(status.split("VmRSS:")[1].split()[0])
     groups = [group for folder in _groups() for group in folder.glob(f"*-box-{os.getpid()}-*")]
@@ -101,5 +104,5 @@ def _held() -> dict[str, int]:
 def _groups() -> list[Path]:
     try:
         return cgroups.places().folders()
-    except SandboxBroken:  # this host has none
+    except SandboxBroken:  # no cgroups on this host
         return []
