@@ -11,6 +11,7 @@ import pytest
 
 ROOT = Path(__file__).parent.parent
 PARTS = ("sandbox", "sim", "server", "worker", "templates", "migrations")
+TESTED = ("performance", "sandbox", "seamark", "server", "sim", "worker")
 
 
 def tracked(*patterns: str) -> list[Path]:
@@ -49,6 +50,15 @@ def test_no_source_file_is_longer_than_400_lines() -> None:
 
     assert sources
     assert too_long == {}
+
+
+@pytest.mark.parametrize("package", TESTED)
+def test_the_folders_of_the_tests_are_those_of_the_code(package: str) -> None:
+    names = [path.relative_to(ROOT) for path in tracked("*.py") if path.name.startswith("test_")]
+    folders = {name.parent.relative_to("tests") for name in names if name.parts[1] == package}
+
+    assert folders
+    assert [folder for folder in folders if not (ROOT / folder).is_dir()] == []
 
 
 def test_no_two_modules_import_each_other() -> None:

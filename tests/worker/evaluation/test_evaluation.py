@@ -10,7 +10,7 @@ from seamark.worker.evaluation.evaluation import Evaluation
 from seamark.worker.evaluation.job import Job
 from seamark.worker.ipc.outcomes import RunOutcome
 from tests.worker.conftest import SHORT
-from tests.worker.fakes import SLOW, FakeBox, FakeBoxes, FakeListener
+from tests.worker.evaluation.fakes import SLOW, FakeBox, FakeBoxes, FakeListener
 
 
 @pytest.fixture

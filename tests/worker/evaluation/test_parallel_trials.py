@@ -28,7 +28,7 @@ from seamark.worker.evaluation.parallel_trials import ParallelTrials, TrialBroke
 from seamark.worker.ipc.listener import Listener
 from seamark.worker.ipc.outcomes import RunOutcome, TrialOutcome
 from tests.worker.conftest import SHORT
-from tests.worker.fakes import SLOW, FakeBox, FakeListener
+from tests.worker.evaluation.fakes import SLOW, FakeBox, FakeListener
 
 _ANY: Any = "a result"
 

@@ -15,7 +15,7 @@ from seamark.worker.evaluation.job import Job
 from seamark.worker.evaluation.local import Callbacks, evaluate_locally
 from seamark.worker.evaluation.program_adapters import TrackerAdapter
 from seamark.worker.ipc.outcomes import RunOutcome
-from tests.worker.fakes import FakeBox, FakeListener
+from tests.worker.evaluation.fakes import FakeBox, FakeListener
 
 NAME = "visibility-v1"
 SHORT = {"sweep_to": 0.5, "sweep_step": 0.5, "level_duration_s": 2.0}

@@ -26,7 +26,7 @@ from seamark.worker.ipc.messages import (
     TrialRestarted,
 )
 from seamark.worker.ipc.outcomes import RunOutcome, TrialOutcome
-from tests.worker.fakes import FakeListener
+from tests.worker.evaluation.fakes import FakeListener
 
 FAILED = RunOutcome(
     failure=FailureReason.TIME_LIMIT,

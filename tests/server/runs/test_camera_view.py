@@ -11,17 +11,17 @@ from seamark.sim.benchmarks.currents_v1.experiment import EXPERIMENT
 from seamark.sim.engine.program import BuiltIn
 from seamark.sim.engine.trial import run_trial
 from seamark.sim.recording.telemetry import INDEX
-from tests.server.pages.conftest import Site
+from tests.cast import Backend
 
 CONFIG = {"levels": [0.1, 0.2], "level_duration_s": 4.0, "settle_s": 1.0}
 SEED = 11
 
 
 @pytest.fixture
-def recorded(site: Site) -> int:
+def recorded(backend: Backend) -> int:
     """A run of two short levels, with its telemetry."""
-    claim = site.running("ann", config=CONFIG, controller="p", seed=SEED)
-    files = RunFiles(site.settings.data, claim.run_id, claim.attempt)
+    claim = backend.running("ann", config=CONFIG, controller="p", seed=SEED)
+    files = RunFiles(backend.settings.data, claim.run_id, claim.attempt)
     config = registry.benchmark("currents-v1").read(claim.config)
     program = BuiltIn("p", config)
     run_trial("currents-v1", config, program, seed=SEED, trial=0, on_rows=files.append_rows)
@@ -33,42 +33,45 @@ def _decoded(jpeg: bytes | None) -> np.ndarray:
     return cv2.imdecode(np.frombuffer(jpeg, np.uint8), cv2.IMREAD_COLOR)
 
 
-def test_a_picture_shows_what_the_tracker_saw(site: Site, recorded: int) -> None:
-    run = site.show(recorded)
+def test_a_picture_shows_what_the_tracker_saw(backend: Backend, recorded: int) -> None:
+    run = backend.show(recorded)
     config = registry.benchmark("currents-v1").read(run.config)
     world = EXPERIMENT.world(config, seed=SEED, trial=0, level=1)
-    row = RunFiles(site.settings.data, recorded).rows(120, 121)[0]
+    row = RunFiles(backend.settings.data, recorded).rows(120, 121)[0]
     seen = world.camera.colour(row[INDEX["x"] : INDEX["yaw"] + 1].copy(), 80 + 40)
 
-    shown = _decoded(camera_view.picture(site.settings, run, trial=0, t=6.0))
+    shown = _decoded(camera_view.picture(backend.settings, run, trial=0, t=6.0))
 
     corner = (slice(0, 150), slice(0, 150))  # no box is drawn here; JPEG changes a little
     assert np.abs(shown[corner].astype(int) - seen[corner].astype(int)).mean() < 3.0
 
 
-def test_the_box_of_the_tracker_is_green(site: Site, recorded: int) -> None:
-    shown = _decoded(camera_view.picture(site.settings, site.show(recorded), trial=0, t=2.0))
+def test_the_box_of_the_tracker_is_green(backend: Backend, recorded: int) -> None:
+    shown = _decoded(camera_view.picture(backend.settings, backend.show(recorded), trial=0, t=2.0))
 
     blue, green, red = (shown[:, :, channel].astype(int) for channel in range(3))
     assert np.count_nonzero((green > 150) & (green > red + 60) & (green > blue + 60)) > 100
 
 
-def test_the_same_time_gives_the_same_bytes(site: Site, recorded: int) -> None:
-    run = site.show(recorded)
+def test_the_same_time_gives_the_same_bytes(backend: Backend, recorded: int) -> None:
+    run = backend.show(recorded)
 
-    first, second = (camera_view.picture(site.settings, run, trial=0, t=3.3) for _ in range(2))
+    first, second = (camera_view.picture(backend.settings, run, trial=0, t=3.3) for _ in range(2))
 
     assert first == second
 
 
-def test_a_time_after_the_end_gives_the_last_picture(site: Site, recorded: int) -> None:
-    run = site.show(recorded)
+def test_a_time_after_the_end_gives_the_last_picture(backend: Backend, recorded: int) -> None:
+    run = backend.show(recorded)
 
-    last, beyond = (camera_view.picture(site.settings, run, trial=0, t=t) for t in (7.95, 1e6))
+    last, beyond = (camera_view.picture(backend.settings, run, trial=0, t=t) for t in (7.95, 1e6))
 
     assert last == beyond
 
 
-def test_a_trial_without_telemetry_has_no_picture(site: Site, recorded: int) -> None:
-    assert camera_view.picture(site.settings, site.show(recorded), trial=1, t=0.0) is None
-    assert camera_view.picture(site.settings, site.show(site.queue("ann")), trial=0, t=0.0) is None
+def test_a_trial_without_telemetry_has_no_picture(backend: Backend, recorded: int) -> None:
+    assert camera_view.picture(backend.settings, backend.show(recorded), trial=1, t=0.0) is None
+    assert (
+        camera_view.picture(backend.settings, backend.show(backend.queue("ann")), trial=0, t=0.0)
+        is None
+    )

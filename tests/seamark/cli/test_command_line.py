@@ -272,7 +272,7 @@ def test_a_forgotten_password_is_replaced_by_who_runs_the_service(tmp_path: Path
 @pytest.mark.parametrize(
     ("source", "code", "says"),
     [
-        ("class Controler:\n    pass\n", 1, "mine.py:1: There is no class named Controller, but"),
+        ("class Controler:\n    pass\n", 1, "mine.py:1: There is no class Controller. Did you"),
         ("x = (\n", 1, "mine.py:1:5: '(' was never closed."),
     ],
 )

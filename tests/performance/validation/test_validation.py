@@ -16,7 +16,7 @@ from seamark.sim.physics.plant import Plant
 from seamark.sim.recording.telemetry import INDEX, WIDTH
 from seamark.sim.vehicles import load
 
-DOCS = Path(__file__).parents[2] / "docs"
+DOCS = Path(__file__).parents[3] / "docs"
 PAGE = (DOCS / "validation.md").read_text(encoding="utf-8")
 NAMES = vehicles.names()
 
