@@ -14,6 +14,7 @@ from redis import Redis
 from redis.exceptions import RedisError
 from sqlalchemy.exc import SQLAlchemyError
 
+from seamark.server import log
 from seamark.server.checks import queue
 from seamark.server.checks.queue import CheckClaim
 from seamark.server.database.engine import Database
@@ -24,7 +25,6 @@ from seamark.worker.evaluation.check import CheckRecorder
 from seamark.worker.evaluation.job import Job
 from seamark.worker.evaluation.worker_slot import WorkerSlot
 from seamark.worker.ipc.messages import StreamBroken
-from seamark.worker.service.app import settings
 from seamark.worker.service.shutdown import ShuttingDown, follow_worker
 from seamark.worker.zygote.client import Simulator, SimulatorBroken
 
@@ -130,6 +130,8 @@ class CheckLoop:
 def main(parent: str, slot_json: str) -> None:
     """Be the check process of one worker."""
     stopping = follow_worker(int(parent))
+    log.configure()
+    settings = Settings.load()
     slot = WorkerSlot.from_json(slot_json)
     simulator = Simulator(slot, settings.data / "compiled")
     CheckLoop(settings, simulator, slot.languages, stopping).serve()

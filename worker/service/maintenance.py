@@ -15,6 +15,7 @@ from celery import Celery
 from redis import Redis
 from redis.exceptions import RedisError
 
+from seamark.server import log
 from seamark.server.checks import queue
 from seamark.server.database.engine import Database
 from seamark.server.messaging import broker, live_events
@@ -22,7 +23,6 @@ from seamark.server.programs import store
 from seamark.server.runs import queue as run_queue
 from seamark.server.runs.states import RunState
 from seamark.server.settings import Settings
-from seamark.worker.service.app import app, settings
 from seamark.worker.service.shutdown import follow_worker
 
 POLL_S = 0.2  # [s] between two looks at what is due
@@ -101,8 +101,10 @@ def _publish(redis: "Redis", run_id: int, state: RunState) -> None:
 def main(parent: str) -> None:
     """Maintain until the worker ends."""
     stopping = follow_worker(int(parent))
-    database, redis = Database(settings.database_url), broker.connect(settings)
-    recovery_s = settings.sweep_s
+    log.configure()
+    settings = Settings.load()
+    app, redis = broker.celery_app(settings), broker.connect(settings)
+    database, recovery_s = Database(settings.database_url), settings.sweep_s
     duties = [
         Duty("recover_runs", recovery_s, lambda: recover_runs(app, database, redis, settings)),
         Duty("recover_checks", recovery_s, lambda: recover_checks(database)),

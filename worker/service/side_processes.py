@@ -18,7 +18,7 @@ import structlog
 from seamark.server.workers import RUNNING
 from seamark.worker.ipc.process_control import RestartBackoff, exit_reason
 
-POLL_S = 0.5
+POLL_S = 0.25  # [s] between two looks at the processes
 STOP_WITHIN_S = 3.0  # [s] for a side process to release what it works on
 BROKEN_DEATHS = 3  # in a row; then it counts as broken even while it is running again
 _log = structlog.get_logger()

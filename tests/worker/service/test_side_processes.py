@@ -1,0 +1,186 @@
+"""The processes beside a worker's pool: whatever kills one, it runs again, and its state shows."""
+
+import os
+import signal
+import threading
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import TypeVar
+
+import pytest
+
+from seamark.sandbox.isolation.proc_stats import tree
+from seamark.server import workers
+from seamark.server.runs.states import RunState
+from seamark.server.workers import WorkerStatus
+from seamark.worker.service.side_processes import SideProcesses
+from tests.worker.conftest import Service
+
+MODULES = {
+    "maintenance": "seamark.worker.service.maintenance",
+    "checks": "seamark.worker.service.check_loop",
+}
+DIES = ["-c", "raise SystemExit(3)"]
+LIVES = ["-c", "import time; time.sleep(600)"]
+IGNORES = ["-c", "import signal, time; signal.signal(15, signal.SIG_IGN); time.sleep(600)"]
+_Found = TypeVar("_Found")
+
+
+def eventually(find: Callable[[], _Found | None], seconds: float = 60.0) -> _Found:
+    """Return what `find` finds, as soon as it does."""
+    deadline = time.monotonic() + seconds
+    while not (found := find()):
+        assert time.monotonic() < deadline, "it did not happen"
+        time.sleep(0.02)
+    return found
+
+
+def pid_of(module: str, worker: int) -> int | None:
+    """Return the side process of a worker that runs a module; None while there is none."""
+    found = [pid for pid in tree(worker) if module.encode() in command_line(pid)]
+    return found[0] if found else None
+
+
+def command_line(pid: int) -> bytes:
+    try:
+        return Path(f"/proc/{pid}/cmdline").read_bytes()
+    except OSError:  # it ended meanwhile
+        return b""
+
+
+def status(service: Service) -> WorkerStatus | None:
+    with service.database.reading() as session:
+        listed = workers.listed(session)
+    return listed[0] if listed else None
+
+
+def is_running(service: Service) -> WorkerStatus | None:
+    found = status(service)
+    return found if found and set(found.processes.values()) == {workers.RUNNING} else None
+
+
+@pytest.mark.slow
+@pytest.mark.host
+@pytest.mark.parametrize("name", list(MODULES))
+def test_a_side_process_that_is_killed_runs_again_and_its_worker_stays_alive(
+    running: Service, name: str
+) -> None:
+    worker = running.workers[0].pid
+    killed = eventually(lambda: pid_of(MODULES[name], worker))
+
+    os.kill(killed, signal.SIGKILL)
+    restarting = eventually(
+        lambda: (now := status(running)) and now.broken_processes.get(name), seconds=10.0
+    )
+    started = eventually(lambda: pid_of(MODULES[name], worker))
+
+    assert restarting.startswith("restarting since ")
+    assert started != killed
+    assert eventually(lambda: is_running(running)).alive
+
+
+@pytest.mark.slow
+@pytest.mark.host
+def test_a_run_without_a_ticket_is_evaluated_even_after_maintenance_was_killed(
+    running: Service,
+) -> None:
+    worker = running.workers[0].pid
+    run_id = running.queue()  # only maintenance sends its ticket
+
+    os.kill(eventually(lambda: pid_of(MODULES["maintenance"], worker)), signal.SIGKILL)
+
+    assert running.ended(run_id).state is RunState.SUCCEEDED
+
+
+class Reports:
+    """Keeps the states that are reported."""
+
+    def __init__(self) -> None:
+        self.states: list[dict[str, str]] = []
+        self.fails = False
+
+    def __call__(self, states: dict[str, str]) -> None:
+        self.states.append(states)
+        if self.fails:
+            raise OSError("the database is away")
+
+    def latest_if_broken(self, count: int) -> list[dict[str, str]]:
+        """Return the last reports if they all say that the process is broken."""
+        latest = self.states[-count:]
+        broken = [state for state in latest if state["broken"].startswith("restarting since ")]
+        return broken if len(broken) == count else []
+
+
+@pytest.fixture
+def reports() -> Reports:
+    return Reports()
+
+
+@pytest.fixture
+def started(reports: Reports) -> Iterator[Callable[[dict[str, list[str]]], SideProcesses]]:
+    made: list[SideProcesses] = []
+
+    def start(commands: dict[str, list[str]]) -> SideProcesses:
+        made.append(SideProcesses(commands, reports, report_s=0.1))
+        made[0].start()
+        return made[0]
+
+    yield start
+    made[0].stop()
+    made[0].join()
+
+
+def test_a_side_process_that_always_dies_at_once_shows_as_broken_and_the_other_runs(
+    started, reports: Reports
+) -> None:
+    started({"broken": DIES, "fine": LIVES})
+
+    latest = eventually(lambda: reports.latest_if_broken(12))
+
+    assert len({state["broken"] for state in latest}) == 1  # since its first death
+    assert {state["fine"] for state in reports.states} == {"running"}
+
+
+def test_a_report_that_fails_ends_nothing(started, reports: Reports) -> None:
+    reports.fails = True
+    started({"fine": LIVES})
+
+    eventually(lambda: len(reports.states) > 3)
+
+
+@pytest.mark.parametrize("command", [LIVES, IGNORES], ids=["ends", "ignores SIGTERM"])
+def test_a_stop_ends_all_side_processes(started, reports: Reports, command: list[str]) -> None:
+    before = tree(os.getpid())
+    side_processes = started({"one": command, "other": command})
+    eventually(lambda: reports.states)
+
+    side_processes.stop()
+    side_processes.join()
+
+    assert tree(os.getpid()) == before
+
+
+def test_a_fork_never_inherits_the_locks_of_the_watching_thread() -> None:
+    held = threading.Lock()
+
+    def report(_: dict[str, str]) -> None:
+        with held:
+            time.sleep(0.05)
+
+    side_processes = SideProcesses({"fine": LIVES}, report, report_s=0.0)
+    side_processes.start()
+    try:
+        statuses = [_status_of_fork(held) for _ in range(200)]
+    finally:
+        side_processes.stop()
+        side_processes.join()
+
+    assert statuses == [0] * 200
+
+
+def _status_of_fork(held: threading.Lock) -> int:
+    pid = os.fork()
+    if pid == 0:
+        os._exit(int(held.locked()))
+    return os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1])
