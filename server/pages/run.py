@@ -61,7 +61,7 @@ def show(run_id: int) -> ResponseReturnValue:
             "levels": config.level_values(),
             "names": level_names(config),
             "level": {"label": config.level_metric().label, "unit": config.level_metric().unit},
-            "tick_s": run.config.get("control_period_s", SECONDS_BETWEEN_PICTURES),
+            "step_s": run.config.get("control_period_s", SECONDS_BETWEEN_PICTURES),
             "charts": [
                 {"title": chart.title, "unit": chart.unit, "columns": chart.columns}
                 for chart in benchmark.charts_of(config)

@@ -17,7 +17,7 @@ def test_a_visitor_without_an_account_can_run_the_pi_controller(visitor: Visitor
     page.get_by_role("link", name="Start a run").click()
     shorten(page)
 
-    page.get_by_role("button", name="Start the run").click()
+    page.get_by_role("button", name="Start run").click()
     visitor.wait_for("succeeded")
 
     expect(page.get_by_text("RMSE of the distance").first).to_be_visible()
@@ -61,7 +61,7 @@ def test_a_program_that_divides_by_zero_fails_with_its_error_on_the_page(visitor
     page.get_by_role("radio", name="Editor").check()
     page.get_by_label("Your program").fill(PROGRAM.replace("return [", "return [1 / 0, "))
 
-    page.get_by_role("button", name="Start the run").click()
+    page.get_by_role("button", name="Start run").click()
     visitor.wait_for("failed")
 
     expect(page.get_by_text("user_error")).to_be_visible()
@@ -75,7 +75,7 @@ def test_an_invalid_gain_is_marked_at_its_field_and_other_values_are_kept(visito
     page.get_by_label("Proportional gain Kp").fill("99")
     page.get_by_label("Integral gain Ki").fill("0.03")
 
-    page.get_by_role("button", name="Start the run").click()
+    page.get_by_role("button", name="Start run").click()
 
     expect(page.locator("#kp-error")).to_contain_text("from 0 to 5")
     expect(page.get_by_label("Integral gain Ki")).to_have_value("0.03")
@@ -115,7 +115,7 @@ def test_a_file_of_three_megabytes_is_refused_with_the_limit(visitor: Visitor) -
     file = FilePayload(name="big.py", mimeType="text/x-python", buffer=b"#" * 3_000_000)
     page.locator("#program").set_input_files(file)
 
-    page.get_by_role("button", name="Start the run").click()
+    page.get_by_role("button", name="Start run").click()
 
     expect(page.locator("#program-error")).to_contain_text("larger than 2 MiB")
 

@@ -21,13 +21,13 @@ def _write(visitor: Visitor, text: str) -> Page:
 def test_the_check_button_appears_with_a_program_and_reports_that_it_runs(visitor: Visitor) -> None:
     visitor.sign_up("checker")
     visitor.open("/submit/currents-v1")
-    expect(visitor.page.get_by_role("button", name="Check the program")).to_be_hidden()
+    expect(visitor.page.get_by_role("button", name="Check program")).to_be_hidden()
 
     page = _write(visitor, PROGRAM)
-    page.get_by_role("button", name="Check the program").click()
+    page.get_by_role("button", name="Check program").click()
 
-    expect(page.locator("#check-answer")).to_contain_text("It runs:", timeout=RUN_MS)
-    expect(page.locator("#check-answer .notice.good")).to_be_visible()
+    expect(page.locator("#check-report")).to_contain_text("The program runs.", timeout=RUN_MS)
+    expect(page.locator("#check-report .notice.good")).to_be_visible()
     assert (visitor.errors, visitor.violations()) == ([], [])
 
 
@@ -37,8 +37,8 @@ def test_clicking_the_line_of_an_error_selects_it_in_the_editor(visitor: Visitor
     line = next(at for at, text in enumerate(wrong.splitlines(), 1) if "eror" in text)
 
     page = _write(visitor, wrong)
-    page.get_by_role("button", name="Check the program").click()
-    link = page.locator("#check-answer").get_by_role("button", name=f"line {line}")
+    page.get_by_role("button", name="Check program").click()
+    link = page.locator("#check-report").get_by_role("button", name=f"line {line}")
     expect(link).to_be_visible(timeout=RUN_MS)
     link.click()
 
@@ -47,5 +47,5 @@ def test_clicking_the_line_of_an_error_selects_it_in_the_editor(visitor: Visitor
       return area.value.slice(area.selectionStart, area.selectionEnd);
     }""")
     assert selected == wrong.splitlines()[line - 1]
-    expect(page.locator("#check-answer .notice.bad")).to_be_visible()
+    expect(page.locator("#check-report .notice.bad")).to_be_visible()
     assert (visitor.errors, visitor.violations()) == ([], [])

@@ -20,7 +20,7 @@ def test_form_entries_are_restored_after_signing_up(visitor: Visitor) -> None:
     expect(page.get_by_text("What you had entered is here again")).to_be_visible()
     expect(page.get_by_label("Name of the run")).to_have_value("mine")
     expect(page.locator("#seed")).to_have_value("42")
-    page.get_by_role("button", name="Start afresh").click()
+    page.get_by_role("button", name="Discard").click()
     expect(page.locator("#seed")).to_have_value("")
     assert (visitor.errors, visitor.violations()) == ([], [])
 
@@ -33,14 +33,14 @@ def test_the_form_is_empty_after_an_accepted_run_and_restored_after_a_refused_on
     page.locator("#seed").fill("7")
     token = page.locator("#run-form input[name=csrf_token]")
     token.evaluate("input => { input.value = 'expired'; }")
-    page.get_by_role("button", name="Start the run").click()
+    page.get_by_role("button", name="Start run").click()
     page.get_by_role("link", name="Back to the form").click()
     expect(page.locator("#seed")).to_have_value("7")
 
     page.get_by_label("Current levels").fill("0")
     page.get_by_label("Length of a level").fill("4")
     page.get_by_label("Settle window").fill("1")
-    page.get_by_role("button", name="Start the run").click()
+    page.get_by_role("button", name="Start run").click()
     page.wait_for_url("**/runs/*")
     page.get_by_role("link", name="New run").first.click()
 

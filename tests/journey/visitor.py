@@ -52,7 +52,7 @@ class Visitor:
     def fill_in_account(self, name: str) -> None:
         self.page.get_by_label("Name").fill(name)
         self.page.get_by_label("Password").fill(PASSWORD)
-        self.page.get_by_role("button", name="Make the account").click()
+        self.page.get_by_role("button", name="Create account").click()
         expect(self.page.get_by_role("link", name=name, exact=True)).to_be_visible()
 
     def wait_for(self, state: str) -> None:

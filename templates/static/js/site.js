@@ -1,4 +1,4 @@
-// What every page has: the menu on a phone, the colour switch, copying of links, questions first.
+// Behaviour of all pages: mobile menu, dark mode, copying links, confirmation dialogs.
 
 const root = document.documentElement;
 
@@ -12,7 +12,7 @@ function switchTheme() {
   try {
     localStorage.setItem("theme", root.dataset.theme);
   } catch {
-    // Storage may be forbidden; the choice then lasts for this page.
+    // Without storage, the choice applies to this page only.
   }
   document.dispatchEvent(new CustomEvent("themechange"));
 }
@@ -28,7 +28,7 @@ async function copy(button) {
     await navigator.clipboard.writeText(new URL(text, location.href).href);
     announce(button, "Copied");
   } catch {
-    announce(button, "Copy the address bar instead");
+    announce(button, "Copy failed");
   }
 }
 

@@ -1,4 +1,4 @@
-// Loaded before the first paint, so that the page does not flash in the wrong colours.
+// Runs before the first paint, so that the page does not flash in the wrong theme.
 (() => {
   const root = document.documentElement;
   root.classList.add("js");
@@ -6,6 +6,6 @@
     const chosen = localStorage.getItem("theme");
     if (chosen === "dark" || chosen === "light") root.dataset.theme = chosen;
   } catch {
-    // Storage may be forbidden; then the system's wish counts.
+    // Without storage, the preference of the system applies.
   }
 })();

@@ -26,7 +26,7 @@ def test_a_waiting_run_shows_its_place_and_why_it_waits(site: Site) -> None:
 
     page = _page(site, run_id)
 
-    assert "Place 2 in the queue" in page
+    assert "Position 2 in the queue" in page
     assert "No worker is running" in page
     assert "Cancel" in page
 

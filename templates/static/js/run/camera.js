@@ -1,7 +1,7 @@
-// The vehicle's picture: the newest while the run goes on, any time and any speed afterwards. One
-// request at a time; a wish that came meanwhile replaces the one before it.
+// The camera image: follows a live run, and replays any time at any speed. There is one request at a
+// time; of the images requested in the meantime, only the last is loaded.
 
-const LIVE_PAUSE_MS = 400; // between two pictures of a running run
+const LIVE_INTERVAL_MS = 400; // minimum time between two images of a live run
 
 export class Camera {
   constructor(data, onTime) {
@@ -15,11 +15,11 @@ export class Camera {
     this.speed = document.querySelector("[data-speed]");
     this.clock = document.querySelector("[data-camera-time]");
     this.slider.max = String(data.trial_s);
-    this.slider.step = String(data.tick_s);
+    this.slider.step = String(data.step_s);
     this.trial = 0;
     this.newest = 0;
     this.t = 0;
-    this.wish = null;
+    this.pending = null;
     this.busy = false;
     this.following = data.live;
     this.playing = false;
@@ -30,7 +30,7 @@ export class Camera {
     this.button.addEventListener("click", () => this.toggle());
   }
 
-  // Telemetry reaches up to `t` of a trial.
+  // Called when telemetry of a trial is available up to time `t`.
   available(trial, t) {
     if (trial !== this.trial) this.t = 0;
     this.trial = trial;
@@ -55,7 +55,7 @@ export class Camera {
     this.button.setAttribute("aria-pressed", String(this.playing));
     this.button.querySelector("[data-label]").textContent = this.playing ? "Pause" : "Play";
     if (!this.playing) return;
-    if (this.t >= this.newest - this.data.tick_s) this.t = 0;
+    if (this.t >= this.newest - this.data.step_s) this.t = 0;
     this.before = performance.now();
     requestAnimationFrame((now) => this.advance(now));
   }
@@ -75,18 +75,18 @@ export class Camera {
     this.slider.setAttribute("aria-valuetext", `${t.toFixed(1)} seconds`);
     const { label, unit } = this.data.level;
     const level = Math.min(Math.floor(t / this.data.level_s), this.data.levels.length - 1);
-    const named = this.data.names.length ? `level ${level}: ${this.data.names[level]}` : `${label.toLowerCase()} ${this.data.levels[level]} ${unit}`;
-    this.clock.textContent = `${t.toFixed(1)} s, ${named}`.trimEnd();
+    const levelText = this.data.names.length ? `level ${level}: ${this.data.names[level]}` : `${label.toLowerCase()} ${this.data.levels[level]} ${unit}`;
+    this.clock.textContent = `${t.toFixed(1)} s, ${levelText}`.trimEnd();
     this.onTime(t);
-    this.wish = { trial: this.trial, t };
+    this.pending = { trial: this.trial, t };
     if (!this.busy) this.load();
   }
 
   async load() {
     this.busy = true;
-    while (this.wish) {
-      const { trial, t } = this.wish;
-      this.wish = null;
+    while (this.pending) {
+      const { trial, t } = this.pending;
+      this.pending = null;
       const next = new Image();
       next.src = `${this.data.api}/camera.jpg?trial=${trial}&t=${t.toFixed(2)}`;
       try {
@@ -95,10 +95,10 @@ export class Camera {
         this.image.hidden = false;
         this.note.hidden = true;
       } catch {
-        this.note.textContent = "There is no picture of this time.";
+        this.note.textContent = "No image is available at this time.";
         this.note.hidden = !this.image.hidden;
       }
-      if (this.following) await new Promise((done) => setTimeout(done, LIVE_PAUSE_MS));
+      if (this.following) await new Promise((done) => setTimeout(done, LIVE_INTERVAL_MS));
     }
     this.busy = false;
   }

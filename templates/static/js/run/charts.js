@@ -1,12 +1,12 @@
-// Line charts over simulated time with uPlot: which ones, in which unit, with the levels marked.
+// Line charts over simulated time with uPlot: their selection, unit and level markers.
 
 const COLOURS = ["--chart-1", "--chart-2", "--chart-3", "--good", "--bad"];
 const HEIGHT = 190;
-const FIRST = 3; // charts that are shown at first
-const POINTS = 6000; // while live, older points are thinned beyond this
+const INITIAL = 3; // number of charts shown initially
+const POINTS_MAX = 6000; // of a live run; beyond this, older points are thinned out
 const uPlot = window.uPlot;
 
-// A custom property may hold light-dark(...); only an element's colour is resolved.
+// Custom properties may contain light-dark(...), which is only resolved in a computed colour.
 export function colour(name) {
   const probe = document.createElement("i");
   probe.style.color = `var(${name})`;
@@ -33,14 +33,14 @@ function levelPlugin(data, owner) {
         ctx.font = `${11 * devicePixelRatio}px system-ui, sans-serif`;
         ctx.textAlign = "left";
         ctx.textBaseline = "alphabetic";
-        // In a grid the value alone would not tell one level from the next.
+        // In a grid, several levels can share a value, so their names are shown instead.
         const names = data.names.length ? data.names : data.levels.map(String);
         const longest = names.reduce((a, b) => (b.length > a.length ? b : a), "");
-        const room = plot.valToPos(data.level_s, "x", true) - plot.valToPos(0, "x", true);
-        const named = `0.4 ${data.level.unit} `;
-        const fits = !data.names.length && ctx.measureText(named).width < room;
-        // Of many levels only so many are named that the names do not touch.
-        const every = Math.ceil(ctx.measureText(`${longest}  `).width / room);
+        const width = plot.valToPos(data.level_s, "x", true) - plot.valToPos(0, "x", true);
+        const sample = `0.4 ${data.level.unit} `;
+        const fits = !data.names.length && ctx.measureText(sample).width < width;
+        // If there are many levels, only every n-th is labelled so that the labels do not overlap.
+        const every = Math.ceil(ctx.measureText(`${longest}  `).width / width);
         ctx.setLineDash([4 * devicePixelRatio, 4 * devicePixelRatio]);
         names.forEach((value, index) => {
           const x = Math.round(plot.valToPos(index * data.level_s, "x", true));
@@ -80,12 +80,12 @@ export class Charts {
     this.t = [];
     this.values = {};
     this.shown = [];
-    this.waiting = false;
+    this.scheduled = false;
     this.onChoice = () => {};
     this.onSeek = () => {};
-    const first = data.charts.filter((chart) => chart.unit === "px").slice(0, FIRST);
-    this.chosen = new Set(first.length ? first : data.charts.slice(0, FIRST));
-    this.offer();
+    const first = data.charts.filter((chart) => chart.unit === "px").slice(0, INITIAL);
+    this.chosen = new Set(first.length ? first : data.charts.slice(0, INITIAL));
+    this.listChoices();
     this.build();
     for (const input of document.querySelectorAll('input[name="unit"]')) {
       input.addEventListener("change", () => this.chooseUnit(input.value));
@@ -99,8 +99,8 @@ export class Charts {
   }
 
   chooseUnit(unit) {
-    this.chosen = new Set(this.data.charts.filter((chart) => chart.unit === unit).slice(0, FIRST));
-    this.offer();
+    this.chosen = new Set(this.data.charts.filter((chart) => chart.unit === unit).slice(0, INITIAL));
+    this.listChoices();
     this.changed();
   }
 
@@ -109,7 +109,7 @@ export class Charts {
     this.onChoice();
   }
 
-  offer() {
+  listChoices() {
     const list = document.querySelector("[data-chart-choices]");
     list.replaceChildren(...this.data.charts.map((chart) => {
       const label = document.createElement("label");
@@ -131,58 +131,58 @@ export class Charts {
     for (const { plot } of this.shown) plot.destroy();
     const ordered = this.data.charts.filter((chart) => this.chosen.has(chart));
     this.box.replaceChildren();
-    this.shown = ordered.map((chart) => this.make(chart));
+    this.shown = ordered.map((chart) => this.createPlot(chart));
     this.draw();
   }
 
-  make(chart) {
-    const frame = document.createElement("div");
+  createPlot(chart) {
+    const container = document.createElement("div");
     const title = document.createElement("p");
-    const now = document.createElement("output");
-    const place = document.createElement("div");
-    frame.className = "chart";
+    const readout = document.createElement("output");
+    const target = document.createElement("div");
+    container.className = "chart";
     title.className = "chart-title";
-    title.append(`${chart.title} [${chart.unit}]`, now);
-    frame.append(title, place);
-    this.box.append(frame);
-    place.setAttribute("role", "img");
-    place.setAttribute("aria-label", `${chart.title} in ${chart.unit} over simulated time`);
+    title.append(`${chart.title} [${chart.unit}]`, readout);
+    container.append(title, target);
+    this.box.append(container);
+    target.setAttribute("role", "img");
+    target.setAttribute("aria-label", `${chart.title} in ${chart.unit} over simulated time`);
     const axis = { stroke: colour("--text-2"), grid: { stroke: colour("--chart-grid"), width: 1 }, ticks: { show: false } };
     const plot = new uPlot({
       width: this.width(),
       height: HEIGHT,
       cursor: { sync: { key: "run" }, drag: { x: true, y: false } },
       legend: { show: false },
-      scales: { y: { range: (_plot, min, max) => this.height(min, max) }, x: { time: false, range: (_plot, min, max) => this.range(min, max) } },
+      scales: { y: { range: (_plot, min, max) => this.yRange(min, max) }, x: { time: false, range: (_plot, min, max) => this.xRange(min, max) } },
       axes: [{ ...axis, values: (_plot, ticks) => ticks.map((tick) => `${tick} s`), size: 32 }, { ...axis, size: 56 }],
       series: [{}, ...chart.columns.map((name, index) => ({
         label: name, stroke: colour(COLOURS[index % COLOURS.length]), width: 1.5, points: { show: false },
       }))],
       plugins: [levelPlugin(this.data, this)],
-      hooks: { setCursor: [(own) => this.tell(own, chart, now)] },
-    }, [[], ...chart.columns.map(() => [])], place);
+      hooks: { setCursor: [(self) => this.showValues(self, chart, readout)] },
+    }, [[], ...chart.columns.map(() => [])], target);
     plot.over.addEventListener("click", () => {
       if (plot.cursor.idx !== null && this.t.length) this.onSeek(this.t[plot.cursor.idx]);
     });
-    return { chart, plot, now };
+    return { chart, plot, readout };
   }
 
-  // The whole trial, so that one sees how much is still to come; a dragged zoom stays.
-  range(min, max) {
+  // Shows the whole trial, including the part still to come, unless the user has zoomed in.
+  xRange(min, max) {
     if (min === null || max === null || !this.t.length) return [0, this.data.trial_s];
     const whole = min <= this.t[0] && max >= this.t[this.t.length - 1];
     return whole ? [0, Math.max(this.data.trial_s, max)] : [min, max];
   }
 
-  // Room above the line for the names of the levels.
-  height(min, max) {
+  // Leaves room above the lines for the labels of the levels.
+  yRange(min, max) {
     if (min === null || max === null) return [0, 1];
     const span = Math.max(max - min, 1e-6);
     const base = min >= 0 && min < 0.5 * max ? 0 : min - 0.08 * span;
     return [base, max + 0.28 * span];
   }
 
-  tell(plot, chart, output) {
+  showValues(plot, chart, output) {
     const at = plot.cursor.idx ?? this.t.length - 1;
     if (at < 0 || !this.t.length) {
       output.textContent = "";
@@ -208,22 +208,22 @@ export class Charts {
     this.draw();
   }
 
-  // Adds rows of the stream; returns the newest time, or null without any.
+  // Appends rows of the event stream; returns the latest time, or null if there are no rows.
   append(columns, rows) {
     const at = columns.indexOf("t");
     for (const row of rows) {
-      if (this.t.length && row[at] <= this.t[this.t.length - 1]) continue; // told again
+      if (this.t.length && row[at] <= this.t[this.t.length - 1]) continue; // replayed
       this.t.push(row[at]);
       columns.forEach((name, index) => (this.values[name] ??= this.blank()).push(row[index]));
       for (const name in this.values) {
         if (this.values[name].length < this.t.length) this.values[name].push(null);
       }
     }
-    if (this.t.length > POINTS) this.thin();
-    if (!this.waiting) {
-      this.waiting = true;
+    if (this.t.length > POINTS_MAX) this.thin();
+    if (!this.scheduled) {
+      this.scheduled = true;
       requestAnimationFrame(() => {
-        this.waiting = false;
+        this.scheduled = false;
         this.draw();
       });
     }
@@ -241,10 +241,10 @@ export class Charts {
   }
 
   draw() {
-    for (const { chart, plot, now } of this.shown) {
+    for (const { chart, plot, readout } of this.shown) {
       const empty = () => new Array(this.t.length).fill(null);
       plot.setData([this.t, ...chart.columns.map((name) => this.values[name] ?? empty())]);
-      this.tell(plot, chart, now);
+      this.showValues(plot, chart, readout);
     }
   }
 

@@ -1,4 +1,4 @@
-// The chart of metrics over the levels: it grows while the run goes on, and marks the score.
+// The chart of metrics over levels: grows while the run is live, and marks the score.
 import { colour } from "./charts.js";
 
 const COLOURS = ["--chart-1", "--chart-2"];
@@ -31,9 +31,9 @@ function marksPlugin(curve) {
           ctx.moveTo(x, bbox.top);
           ctx.lineTo(x, bbox.top + bbox.height);
           ctx.stroke();
-          const left = x + ctx.measureText(text).width + 10 * ratio > bbox.left + bbox.width;
-          ctx.textAlign = left ? "right" : "left";
-          ctx.fillText(text, x + (left ? -5 : 5) * ratio, bbox.top + 12 * ratio);
+          const overflows = x + ctx.measureText(text).width + 10 * ratio > bbox.left + bbox.width;
+          ctx.textAlign = overflows ? "right" : "left";
+          ctx.fillText(text, x + (overflows ? -5 : 5) * ratio, bbox.top + 12 * ratio);
         }
         ctx.restore();
       },
@@ -55,14 +55,14 @@ export class Curve {
     return Math.max(this.box.clientWidth, 200);
   }
 
-  // Draws what the page holds now; the server puts the newest levels there.
+  // Draws the data embedded in the page, which the server updates with the latest levels.
   update() {
     const text = document.querySelector('[data-part="curve"] script')?.textContent;
     if (!this.box || !text) return;
     const curve = JSON.parse(text);
     this.plot?.destroy();
-    const frame = document.createElement("div");
-    const now = document.createElement("output");
+    const container = document.createElement("div");
+    const readout = document.createElement("output");
     const title = document.createElement("p");
     title.className = "chart-title";
     const names = document.createElement("span");
@@ -73,11 +73,11 @@ export class Curve {
       names.append(name);
     });
     names.append(`[${curve.unit}]`);
-    title.append(names, now);
-    frame.className = "chart";
-    frame.setAttribute("role", "img");
-    frame.setAttribute("aria-label", document.querySelector('[data-part="curve"] p').textContent);
-    this.box.replaceChildren(title, frame);
+    title.append(names, readout);
+    container.className = "chart";
+    container.setAttribute("role", "img");
+    container.setAttribute("aria-label", document.querySelector('[data-part="curve"] p').textContent);
+    this.box.replaceChildren(title, container);
     const axis = { stroke: colour("--text-2"), grid: { stroke: colour("--chart-grid"), width: 1 }, ticks: { show: false } };
     this.plot = new uPlot({
       width: this.width(),
@@ -93,11 +93,11 @@ export class Curve {
         label, stroke: colour(COLOURS[index]), width: 1.5, points: { show: true, size: 5 },
       }))],
       plugins: [marksPlugin(curve)],
-      hooks: { setCursor: [(plot) => this.tell(plot, curve, now)] },
-    }, [curve.x, ...curve.lines.map(({ values }) => values)], frame);
+      hooks: { setCursor: [(plot) => this.showValues(plot, curve, readout)] },
+    }, [curve.x, ...curve.lines.map(({ values }) => values)], container);
   }
 
-  tell(plot, curve, output) {
+  showValues(plot, curve, output) {
     const at = plot.cursor.idx;
     if (at === null || at === undefined || curve.x[at] === undefined) {
       output.textContent = "";

@@ -1,5 +1,5 @@
 // The run page: server-sent events while the run is live, its files afterwards. Names and logs are
-// only ever put into text, never into markup.
+// inserted as text only, never as markup.
 import { Camera } from "./camera.js";
 import { Charts } from "./charts.js";
 import { Curve } from "./curve.js";
@@ -12,11 +12,11 @@ const curve = new Curve();
 let trial = 0;
 let refreshing = 0;
 
-const COLUMNS_MAX = 16; // columns of one answer of series.json
-let begun = null; // progress when this page first saw some, for the time left
+const COLUMNS_MAX = 16; // per request of series.json
+let firstProgress = null; // first progress seen by this page, to estimate the remaining time
 
-function waiting(position) {
-  return position ? `Place ${position} in the queue.` : "Waiting in the queue.";
+function queueSentence(position) {
+  return position ? `Position ${position} in the queue.` : "Waiting in the queue.";
 }
 
 function duration(seconds) {
@@ -27,14 +27,14 @@ function duration(seconds) {
 function showState(state) {
   const badge = part("state-badge")?.firstElementChild;
   if (badge && !badge.classList.contains(state.state)) {
-    refresh(); // the server's own words: why it waits, what failed, which buttons make sense
+    refresh(); // the server renders the new state: the reason of a failure, the actions
     return;
   }
-  if (badge && state.state === "queued") part("state-sentence").textContent = waiting(state.position);
+  if (badge && state.state === "queued") part("state-sentence").textContent = queueSentence(state.position);
   if (typeof state.progress === "number") showProgress(state.progress, state.t_simulated);
 }
 
-// State events come every few seconds, telemetry several times a second: the bar follows both.
+// Both state events (every few seconds) and telemetry (several times a second) move the bar.
 function showProgress(progress, simulated) {
   const bar = part("progress");
   if (!bar || progress <= bar.value) return;
@@ -42,20 +42,20 @@ function showProgress(progress, simulated) {
   part("progress-text").textContent = `${Math.round(progress * 100)} %`;
   if (typeof simulated === "number") part("simulated").textContent = duration(simulated);
   const now = performance.now() / 1000;
-  begun ??= { at: now, progress };
-  const rate = (progress - begun.progress) / Math.max(now - begun.at, 1e-3);
-  if (now - begun.at > 2 && rate > 0) {
+  firstProgress ??= { at: now, progress };
+  const rate = (progress - firstProgress.progress) / Math.max(now - firstProgress.at, 1e-3);
+  if (now - firstProgress.at > 2 && rate > 0) {
     const left = duration((1 - progress) / rate);
-    part("state-sentence").textContent = `The experiment is running, about ${left} left.`;
+    part("state-sentence").textContent = `Running, about ${left} left.`;
   }
 }
 
-function progressOf(columns, row) {
+function showTelemetryProgress(columns, row) {
   const at = row[columns.indexOf("trial")] * data.trial_s + row[columns.indexOf("t")];
   showProgress(at / (data.trials * data.trial_s), at);
 }
 
-function addLog(text) {
+function appendLog(text) {
   const log = part("log");
   if (!log || !text) return;
   const atEnd = log.scrollTop + log.clientHeight >= log.scrollHeight - 20;
@@ -65,12 +65,12 @@ function addLog(text) {
   part("log-empty").hidden = true;
 }
 
-// Takes parts that the server renders from a fresh copy of this page: all, or the one named.
+// Replaces the parts rendered by the server with those of a fresh copy of this page: all or one.
 async function refresh(only = null) {
-  const turn = only ? refreshing : ++refreshing;
-  const answer = await fetch(location.pathname, { credentials: "same-origin" });
-  if (!answer.ok || turn !== refreshing) return;
-  const fresh = new DOMParser().parseFromString(await answer.text(), "text/html");
+  const sequence = only ? refreshing : ++refreshing;
+  const response = await fetch(location.pathname, { credentials: "same-origin" });
+  if (!response.ok || sequence !== refreshing) return;
+  const fresh = new DOMParser().parseFromString(await response.text(), "text/html");
   for (const old of document.querySelectorAll(only ? `[data-part="${only}"]` : "[data-part]")) {
     const next = fresh.querySelector(`[data-part="${old.dataset.part}"]`);
     if (next) old.replaceChildren(...next.childNodes);
@@ -79,61 +79,61 @@ async function refresh(only = null) {
   curve.update();
 }
 
-// When a level is over the chart over the levels grows; not more often than every two seconds.
-const CURVE_PAUSE_MS = 2000;
+// The chart over levels is updated after each level, at most every two seconds.
+const CURVE_INTERVAL_MS = 2000;
 let level = null;
-let curveWaits = false;
+let curveScheduled = false;
 
 function followLevel(newest) {
   if (newest === level || !part("curve-plot")) return;
   const first = level === null;
   level = newest;
-  if (first || curveWaits) return;
-  curveWaits = true;
+  if (first || curveScheduled) return;
+  curveScheduled = true;
   setTimeout(() => {
-    curveWaits = false;
+    curveScheduled = false;
     if (data.live) refresh("curve");
-  }, CURVE_PAUSE_MS);
+  }, CURVE_INTERVAL_MS);
 }
 
 async function loadSeries() {
   const columns = charts.columns();
-  const answers = [];
+  const responses = [];
   for (let at = 0; at < columns.length; at += COLUMNS_MAX) {
     const names = columns.slice(at, at + COLUMNS_MAX).join(",");
     const address = `${data.api}/series.json?columns=${names}&max_points=4000&trial=${trial}`;
-    const answer = await fetch(address, { credentials: "same-origin" });
-    if (!answer.ok) return;
-    answers.push(await answer.json());
+    const response = await fetch(address, { credentials: "same-origin" });
+    if (!response.ok) return;
+    responses.push(await response.json());
   }
-  if (!answers.length) return;
-  const [{ t }] = answers; // the time axis depends on the rows alone: it is the same in all answers
-  charts.replace(t, Object.assign({}, ...answers.map((answer) => answer.columns)));
+  if (!responses.length) return;
+  const [{ t }] = responses; // the time axis depends on the rows only and is the same in all responses
+  charts.replace(t, Object.assign({}, ...responses.map((response) => response.columns)));
   if (t.length) camera.available(trial, t[t.length - 1]);
 }
 
 function follow() {
   const events = new EventSource(`${data.api}/events`);
-  const on = (kind, handle) => events.addEventListener(kind, (event) => handle(JSON.parse(event.data)));
-  let wholeLog = part("log")?.textContent ?? "";
+  const on = (type, handle) => events.addEventListener(type, (event) => handle(JSON.parse(event.data)));
+  let shownLog = part("log")?.textContent ?? "";
   on("state", showState);
   on("telemetry", (batch) => {
     const at = batch.columns.indexOf("trial");
     if (!batch.rows.length) return;
     const newest = batch.rows[batch.rows.length - 1];
     followTrial(newest[at]);
-    progressOf(batch.columns, newest);
+    showTelemetryProgress(batch.columns, newest);
     followLevel(Math.floor(newest[batch.columns.indexOf("t")] / data.level_s));
     const rows = batch.rows.filter((row) => row[at] === trial);
     const last = charts.append(batch.columns, rows);
     if (last !== null) camera.available(trial, last);
   });
   on("log", ({ text }) => {
-    // The page came with what was printed before it was opened; the stream tells that again.
-    if (wholeLog.startsWith(text) && text) wholeLog = wholeLog.slice(text.length);
+    // The page already contains the log up to its request; the stream replays that part.
+    if (shownLog.startsWith(text) && text) shownLog = shownLog.slice(text.length);
     else {
-      wholeLog = "";
-      addLog(text);
+      shownLog = "";
+      appendLog(text);
     }
   });
   on("end", async () => {
@@ -145,11 +145,11 @@ function follow() {
   });
 }
 
-// While it runs the page looks at the trial that is being made, until somebody chooses another.
-let chosen = false;
+// The page follows the current trial of a live run until the user selects a trial.
+let trialSelected = false;
 
 function followTrial(newest) {
-  if (chosen || newest === trial) return;
+  if (trialSelected || newest === trial) return;
   trial = newest;
   const select = part("trial");
   if (select) select.value = String(trial);
@@ -157,7 +157,7 @@ function followTrial(newest) {
 }
 
 part("trial")?.addEventListener("change", (event) => {
-  chosen = true;
+  trialSelected = true;
   trial = Number(event.target.value);
   charts.clear();
   loadSeries();

@@ -1,11 +1,11 @@
-// What somebody typed into the form survives a look at another page, signing in, and a form that
-// was refused as out of date. It stays in this tab and is forgotten once a run has been started.
+// Keeps the contents of the form when the user visits another page, signs in, or submits an expired
+// form. The draft is stored for this tab and deleted once a run has been started.
 
-function usable(input) {
+function isSaved(input) {
   return input.name && input.type !== "file" && input.type !== "hidden" && !input.matches("button");
 }
 
-function picked(input) {
+function isCheckable(input) {
   return input.type === "checkbox" || input.type === "radio";
 }
 
@@ -13,7 +13,7 @@ function read(key) {
   try {
     return JSON.parse(sessionStorage.getItem(key));
   } catch {
-    return null; // storage may be forbidden, or hold what an older version wrote
+    return null; // storage is not available, or holds the format of an older version
   }
 }
 
@@ -22,17 +22,17 @@ function write(key, draft) {
     if (draft) sessionStorage.setItem(key, JSON.stringify(draft));
     else sessionStorage.removeItem(key);
   } catch {
-    // Then the form is as forgetful as without this file.
+    // Without storage there are no drafts.
   }
 }
 
-function state(form) {
-  const inputs = [...form.elements].filter(usable);
-  return inputs.map((input) => [input.name, input.value, picked(input) ? input.checked : null]);
+function entriesOf(form) {
+  const inputs = [...form.elements].filter(isSaved);
+  return inputs.map((input) => [input.name, input.value, isCheckable(input) ? input.checked : null]);
 }
 
-function put(form, entries) {
-  const inputs = [...form.elements].filter(usable);
+function restoreEntries(form, entries) {
+  const inputs = [...form.elements].filter(isSaved);
   for (const [name, value, checked] of entries) {
     if (checked === null) {
       const input = inputs.find((one) => one.name === name);
@@ -44,43 +44,43 @@ function put(form, entries) {
   }
 }
 
-function tell(form, key) {
+function showNotice(form, key) {
   const notice = document.createElement("div");
   notice.className = "notice";
   notice.setAttribute("role", "status");
   const sentence = document.createElement("p");
-  sentence.textContent = "What you had entered is here again; a file has to be chosen again. ";
-  const afresh = document.createElement("button");
-  afresh.type = "button";
-  afresh.className = "button small";
-  afresh.textContent = "Start afresh";
-  afresh.addEventListener("click", () => {
+  sentence.textContent = "Your previous input has been restored. Files have to be chosen again. ";
+  const discard = document.createElement("button");
+  discard.type = "button";
+  discard.className = "button small";
+  discard.textContent = "Discard";
+  discard.addEventListener("click", () => {
     write(key, null);
     form.dataset.draft = "off";
     location.reload();
   });
-  notice.append(sentence, afresh);
+  notice.append(sentence, discard);
   form.before(notice);
 }
 
-// Puts an earlier draft back, unless the server has filled in the form; true if it did.
+// Restores an earlier draft unless the server has filled in the form; returns whether it did.
 export function startDraft(form) {
   const key = `draft ${location.pathname}`;
   const draft = read(key);
-  const begun = JSON.stringify(state(form));
-  const filled = document.getElementById("problems") || location.search;
-  const cameBack = document.referrer && new URL(document.referrer).pathname === location.pathname;
-  const restore = Boolean(draft && !filled && (!draft.sent || cameBack));
+  const initial = JSON.stringify(entriesOf(form));
+  const filledByServer = document.getElementById("problems") || location.search;
+  const returned = document.referrer && new URL(document.referrer).pathname === location.pathname;
+  const restore = Boolean(draft && !filledByServer && (!draft.sent || returned));
   write(key, null);
   if (restore) {
-    put(form, draft.entries);
-    tell(form, key);
+    restoreEntries(form, draft.entries);
+    showNotice(form, key);
   }
   let sent = false;
   form.addEventListener("submit", () => { sent = true; });
   addEventListener("pagehide", () => {
-    const entries = state(form);
-    const changed = JSON.stringify(entries) !== begun;
+    const entries = entriesOf(form);
+    const changed = JSON.stringify(entries) !== initial;
     if (changed && form.dataset.draft !== "off") write(key, { entries, sent });
   });
   return restore;

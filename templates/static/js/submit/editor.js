@@ -1,9 +1,9 @@
-// A text area with line numbers, Tab and kept indentation: enough for one file of a controller.
+// A text area with line numbers, indentation by Tab and automatic indentation of new lines.
 
 const INDENT = "    ";
 
 function replaceSelection(area, text) {
-  // execCommand and not value=...: only so the browser's own undo keeps working.
+  // execCommand instead of value=... keeps the browser's undo history.
   if (!document.execCommand("insertText", false, text)) {
     area.setRangeText(text, area.selectionStart, area.selectionEnd, "end");
   }
@@ -41,9 +41,9 @@ export function startEditor(form) {
   const area = form.querySelector(".editor textarea");
   if (!area) return;
   const gutter = form.querySelector(".editor .lines");
-  let leaving = false; // Escape, then Tab: a keyboard must be able to get out
+  let leaving = false; // Escape, then Tab leaves the editor, for keyboard users
 
-  function number() {
+  function numberLines() {
     const count = area.value.split("\n").length;
     gutter.textContent = Array.from({ length: count }, (_, i) => i + 1).join("\n");
     gutter.scrollTop = area.scrollTop;
@@ -63,7 +63,7 @@ export function startEditor(form) {
     }
     if (event.key !== "Shift") leaving = false;
   });
-  area.addEventListener("input", number);
+  area.addEventListener("input", numberLines);
   area.addEventListener("scroll", () => { gutter.scrollTop = area.scrollTop; });
 
   const language = form.querySelector("#language");
@@ -72,21 +72,21 @@ export function startEditor(form) {
     templates.set(each.dataset.programTemplate, each.content.textContent);
   }
 
-  function begin() {
+  function insertTemplate() {
     area.value = templates.get(language.value);
-    number();
+    numberLines();
   }
 
-  language.addEventListener("change", () => { // what somebody wrote stays
-    if (!area.value.trim() || [...templates.values()].includes(area.value)) begin();
+  language.addEventListener("change", () => { // keep the user's own text
+    if (!area.value.trim() || [...templates.values()].includes(area.value)) insertTemplate();
   });
   const template = form.querySelector("[data-template]");
   template.hidden = false;
   template.addEventListener("click", () => {
     const text = templates.get(language.value);
-    if (area.value.trim() && area.value !== text && !confirm("Replace what is in the editor?")) return;
-    begin();
+    if (area.value.trim() && area.value !== text && !confirm("Replace the contents of the editor?")) return;
+    insertTemplate();
     area.focus();
   });
-  number();
+  numberLines();
 }

@@ -1,5 +1,5 @@
-// The submit page. Without this file the form still works; it adds presets, the editor, dropping a
-// file, the lock of a ranked run and the download of the configuration.
+// The submit page. The form works without this script, which adds presets, the editor, drag and drop,
+// locking the scenario of ranked runs, and downloading the configuration.
 import { startCheck } from "./check.js";
 import { startDraft } from "./draft.js";
 import { startEditor } from "./editor.js";
@@ -28,9 +28,9 @@ function markChanged(input) {
   label?.classList.toggle("changed", valueOf(input).trim() !== input.dataset.default);
 }
 
-// A field that was not touched follows what was chosen elsewhere, such as the vehicle; one that was
-// keeps its value. What comes back from a draft was all chosen already.
-function applyPresets(chosen = false) {
+// Unchanged fields follow the presets of other choices, such as the vehicle; changed fields keep
+// their values. The values of a restored draft are all kept.
+function applyPresets({ keepValues = false } = {}) {
   const preset = {};
   for (const [name, choices] of Object.entries(presets)) {
     Object.assign(preset, choices[valueOf(form.elements[name])] ?? {});
@@ -38,26 +38,26 @@ function applyPresets(chosen = false) {
   for (const input of inputs) {
     if (input.name in presets) continue;
     const before = input.dataset.default;
-    const untouched = !chosen && valueOf(input).trim() === before;
+    const unchanged = !keepValues && valueOf(input).trim() === before;
     input.dataset.default = textOf(preset[input.name] ?? defaults[input.name]);
-    if (untouched) setValue(input, input.dataset.default);
+    if (unchanged) setValue(input, input.dataset.default);
     markChanged(input);
   }
-  showWhatApplies();
+  showApplicable();
 }
 
-// What does nothing beside the other choices is not shown; a field with an error always is.
-function showWhatApplies() {
+// Hides settings that have no effect with the other choices, unless they have an error.
+function showApplicable() {
   for (const field of form.querySelectorAll("[data-applies]")) {
     const applies = Object.entries(JSON.parse(field.dataset.applies))
       .every(([name, values]) => values.includes(valueOf(form.elements[name])));
     field.hidden = !applies && !field.querySelector(".error");
     field.querySelector("[data-only]").hidden = applies;
   }
-  for (const some of form.querySelectorAll("details.advanced, fieldset.group")) {
-    const left = some.querySelectorAll("[data-field]:not([hidden])").length;
-    some.hidden = left === 0;
-    if (some.tagName === "DETAILS") some.querySelector("[data-count]").textContent = left;
+  for (const section of form.querySelectorAll("details.advanced, fieldset.group")) {
+    const count = section.querySelectorAll("[data-field]:not([hidden])").length;
+    section.hidden = count === 0;
+    if (section.tagName === "DETAILS") section.querySelector("[data-count]").textContent = count;
   }
 }
 
@@ -69,7 +69,7 @@ function lockScenario() {
   }
   const practice = form.querySelector("[data-practice]");
   practice.hidden = ranked;
-  form.querySelector("[data-submit-label]").textContent = ranked ? "Start the ranked run" : "Start the run";
+  form.querySelector("[data-submit-label]").textContent = ranked ? "Start ranked run" : "Start run";
 }
 
 function configuration() {
@@ -100,7 +100,7 @@ function resetAll() {
     if (!(input.name in presets)) setValue(input, input.dataset.default);
     markChanged(input);
   }
-  showWhatApplies();
+  showApplicable();
 }
 
 form.addEventListener("input", (event) => {
@@ -108,7 +108,7 @@ form.addEventListener("input", (event) => {
 });
 form.addEventListener("change", (event) => {
   if (event.target.name in presets) applyPresets();
-  else if (event.target.dataset.default !== undefined) showWhatApplies();
+  else if (event.target.dataset.default !== undefined) showApplicable();
   if (event.target.name === "kind") lockScenario();
 });
 form.addEventListener("submit", () => {
@@ -124,9 +124,9 @@ for (const button of form.querySelectorAll("[data-reset], [data-download-config]
     else download(button.dataset.downloadConfig);
   });
 }
-if (startDraft(form)) applyPresets(true);
+if (startDraft(form)) applyPresets({ keepValues: true });
 for (const input of inputs) markChanged(input);
-showWhatApplies();
+showApplicable();
 lockScenario();
 startEditor(form);
 startCheck(form, configuration);

@@ -1,22 +1,22 @@
-// Choosing between file and editor, dropping a file, and its size said before it is sent.
+// Switching between file and editor, drag and drop, and the size of the file before it is sent.
 
-function megabytes(bytes) {
+function mebibytes(bytes) {
   return (bytes / 2 ** 20).toFixed(1) + " MiB";
 }
 
 export function startUpload(form) {
-  const own = document.getElementById("own-program");
-  if (!own) return;
+  const section = document.getElementById("own-program");
+  if (!section) return;
   const input = document.getElementById("program");
-  const drop = own.querySelector(".drop");
+  const drop = section.querySelector(".drop");
   const check = form.querySelector("[data-check-bar]");
-  const note = own.querySelector("[data-file-note]");
-  const most = Number(form.dataset.uploadMax);
+  const note = section.querySelector("[data-file-note]");
+  const maxBytes = Number(form.dataset.uploadMax);
 
   function show() {
-    own.hidden = form.elements.controller.value !== "upload";
-    check.hidden = own.hidden;
-    for (const part of own.querySelectorAll("[data-source]")) {
+    section.hidden = form.elements.controller.value !== "upload";
+    check.hidden = section.hidden;
+    for (const part of section.querySelectorAll("[data-source]")) {
       part.hidden = part.dataset.source !== form.elements.source.value;
     }
   }
@@ -28,9 +28,9 @@ export function startUpload(form) {
       note.textContent = "";
       return;
     }
-    const tooLarge = file.size > most;
+    const tooLarge = file.size > maxBytes;
     note.textContent = tooLarge
-      ? `${file.name} has ${megabytes(file.size)}; the largest program is ${megabytes(most)}.`
+      ? `${file.name} is too large: ${mebibytes(file.size)}. The limit is ${mebibytes(maxBytes)}.`
       : `${file.name}, ${file.size.toLocaleString("en")} bytes`;
     if (tooLarge) note.className = "error-text";
   }
