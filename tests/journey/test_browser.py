@@ -36,7 +36,7 @@ def test_an_uploaded_controller_goes_from_sign_up_to_the_leaderboard(visitor: Vi
     page.get_by_text("Ranked", exact=True).click()
     expect(page.get_by_label("Length of a level")).to_be_disabled()
 
-    page.get_by_role("button", name="Start the ranked run").click()
+    page.get_by_role("button", name="Start ranked run").click()
     visitor.wait_for("succeeded")
     expect(page.locator("[data-log]")).to_contain_text("level 4")
     with page.expect_download() as download:

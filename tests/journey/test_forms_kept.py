@@ -11,14 +11,14 @@ pytestmark = [pytest.mark.browser, pytest.mark.host, pytest.mark.slow]
 def test_form_entries_are_restored_after_signing_up(visitor: Visitor) -> None:
     page = visitor.page
     visitor.open("/submit/visibility-v1")
-    page.get_by_label("Name of the run").fill("mine")
+    page.get_by_label("Run title").fill("mine")
     page.locator("#seed").fill("42")
 
     page.locator("main").get_by_role("link", name="sign up").first.click()
     visitor.fill_in_account("keeper")
 
-    expect(page.get_by_text("What you had entered is here again")).to_be_visible()
-    expect(page.get_by_label("Name of the run")).to_have_value("mine")
+    expect(page.get_by_text("Your previous input has been restored")).to_be_visible()
+    expect(page.get_by_label("Run title")).to_have_value("mine")
     expect(page.locator("#seed")).to_have_value("42")
     page.get_by_role("button", name="Discard").click()
     expect(page.locator("#seed")).to_have_value("")
