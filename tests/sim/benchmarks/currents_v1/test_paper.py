@@ -37,7 +37,7 @@ def test_pi_returns_to_the_target_at_every_level(
     settled = facts(rows["pi"], level, "x")
 
     assert abs(settled.mean) < 0.5
-    assert settled.back_s == pytest.approx(seconds, abs=6.0)
+    assert settled.return_s == pytest.approx(seconds, abs=6.0)
 
 
 @pytest.mark.parametrize("level", [2, 3, 4])
@@ -48,13 +48,13 @@ def test_the_sinusoid_stays_on_y_with_both_as_the_planar_check_says(
     ours, planar = facts(rows[law], level, "y"), planar_check(Y_AXIS, SPEEDS[level], ki)
 
     assert ours[:3] == pytest.approx(planar, abs=1.0)
-    assert ours.greatest - ours.least > 2.0 * level
+    assert ours.maximum - ours.minimum > 2.0 * level
 
 
 def test_the_sinusoid_grows_with_the_current(rows: Mapping[str, Rows]) -> None:
     for law in rows:
         swings = [
-            (fact := facts(rows[law], level, "y")).greatest - fact.least for level in range(5)
+            (fact := facts(rows[law], level, "y")).maximum - fact.minimum for level in range(5)
         ]
         assert swings == sorted(swings)
 
