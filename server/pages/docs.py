@@ -1,4 +1,4 @@
-"""The documentation: texts in templates, tables from the same objects that the code works with."""
+"""The documentation: text in templates, tables from the objects that the code uses."""
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import asdict, dataclass
@@ -71,7 +71,7 @@ def _usual_duration_s() -> float:
 
 
 def limits_of(limits: Limits) -> Iterator[Limit]:
-    """Return each limit with what the program sees when it meets it."""
+    """Return each limit with what happens when a program reaches it."""
     values = asdict(limits)
     for field in fields_of(limits):
         end = next((end for end in _UNITS if field.name.endswith(end)), "")
@@ -116,7 +116,7 @@ def _languages() -> dict[str, Any]:
 
 
 def _runs() -> dict[str, Any]:
-    return {"causes": DESCRIPTIONS, "settings": services().settings}
+    return {"reasons": DESCRIPTIONS, "settings": services().settings}
 
 
 def _physics() -> dict[str, Any]:
@@ -151,18 +151,18 @@ def _telemetry() -> dict[str, Any]:
     return {"columns": telemetry.COLUMNS}
 
 
-# name -> title, what its template shows
+# name -> title, values for its template
 PAGES: Mapping[str, tuple[str, Callable[[], dict[str, Any]]]] = {
     "start": ("Start here", _start),
     "controller": ("Write a controller", _controller),
     "tracker": ("Write a tracker", _tracker),
     "native": ("C and C++", _native),
     "languages": ("MATLAB, FMU and others", _languages),
-    "runs": ("Runs, limits and causes", _runs),
+    "runs": ("Runs and failures", _runs),
     "metrics": ("Metrics and score", _metrics),
-    "measures": ("All measures and their formulas", _measures),
+    "measures": ("All metrics and formulas", _measures),
     "telemetry": ("Telemetry", _telemetry),
-    "physics": ("Physics and numbers", _physics),
+    "physics": ("Physics and parameters", _physics),
 }
 
 
@@ -183,7 +183,7 @@ def show(name: str) -> ResponseReturnValue:
 
 @page.get("/guides/<path:name>")
 def guide(name: str) -> ResponseReturnValue:
-    """Show a page of docs/, or a figure or text that such a page refers to by a relative link."""
+    """Show a page of docs/, or a figure or text file that a page links to."""
     if name in guides.titles():
         title, html = guides.titles()[name], guides.html(name)
         return _rendered("docs/guide.html", title=title, here=name, html=html)
@@ -197,14 +197,14 @@ def guide(name: str) -> ResponseReturnValue:
 
 
 def _rendered(template: str, **values: Any) -> str:
-    """Return a page beside the list of all pages."""
+    """Return a page with the navigation list of all pages."""
     titles = {key: entry[0] for key, entry in PAGES.items()}
     return render_template(template, titles=titles, guides=guides.titles(), **values)
 
 
 @page.get("/physics/<name>.urdf")
 def urdf(name: str) -> ResponseReturnValue:
-    """Give a vehicle's URDF, as the contact engine loads it."""
+    """Return a vehicle's URDF, as loaded by the contact engine."""
     if name not in registry.VEHICLES:
         abort(404)
     answer = Response(urdf_of(vehicles.load(name)), mimetype="application/xml")

@@ -1,4 +1,4 @@
-"""The Markdown pages of docs/ as parts of the site: one text for readers of either."""
+"""The Markdown pages of docs/ as part of the site."""
 
 import re
 from collections.abc import Mapping, Sequence
@@ -12,7 +12,7 @@ from markdown_it.renderer import RendererHTML
 from markdown_it.token import Token
 
 FOLDER = Path(__file__).resolve().parents[2] / "docs"
-# Files that a page may show or link to, by how their names end.
+# Suffix -> content type of files that a page may show or link to.
 ATTACHED = {".png": "image/png", ".txt": "text/plain; charset=utf-8"}
 _TITLE = re.compile(r"\A# (.+)\n")
 
@@ -25,22 +25,21 @@ def titles() -> Mapping[str, str]:
 
 @lru_cache(maxsize=1)
 def attachments() -> frozenset[str]:
-    """Return the paths below docs/ of all figures and texts that pages refer to."""
+    """Return the paths below docs/ of all figures and text files for pages."""
     found = (path for path in FOLDER.rglob("*") if path.suffix in ATTACHED)
     return frozenset(path.relative_to(FOLDER).as_posix() for path in found)
 
 
 def attachment(name: str) -> tuple[bytes, str]:
-    """Return content and type of a path in `attachments`."""
+    """Return content and content type of a path in `attachments`."""
     return (FOLDER / name).read_bytes(), ATTACHED[Path(name).suffix]
 
 
 @lru_cache(maxsize=32)
 def html(name: str) -> str:
-    """Return the page of a name in `titles`, without its title, as HTML.
+    """Return a page in `titles` as HTML, without its title.
 
-    The texts are the project's own, so they are not escaped against themselves; raw HTML in them
-    is shown as text all the same.
+    Raw HTML in a page is shown as text.
     """
     text = _TITLE.sub("", (FOLDER / name).read_text(encoding="utf-8"), count=1)
     return str(_markdown().render(text))
@@ -60,14 +59,14 @@ def _markdown() -> MarkdownIt:
 
 
 def _table(renderer: RendererHTML, tokens: Sequence[Token], index: int, *rest: Any) -> str:
-    """Let a wide table scroll by itself, also with the keyboard."""
+    """Make a wide table scroll within the page, also by keyboard."""
     if tokens[index].nesting > 0:
         return '<div class="table-wrap" tabindex="0" role="region" aria-label="Table"><table>\n'
     return "</table></div>\n"
 
 
 def _cell(renderer: RendererHTML, tokens: Sequence[Token], index: int, *rest: Any) -> str:
-    """Align numbers by a class: the site's policy takes no style in the page."""
+    """Align numbers with a class: the content security policy forbids inline styles."""
     token = tokens[index]
     if token.type == "th_open":
         token.attrSet("scope", "col")
@@ -77,19 +76,19 @@ def _cell(renderer: RendererHTML, tokens: Sequence[Token], index: int, *rest: An
 
 
 def _code(renderer: RendererHTML, tokens: Sequence[Token], index: int, *rest: Any) -> str:
-    """Let wide code scroll, also with the keyboard."""
+    """Make wide code scroll, also by keyboard."""
     return renderer.fence(tokens, index, *rest).replace("<pre>", '<pre tabindex="0">', 1)
 
 
 def _heading(renderer: RendererHTML, tokens: Sequence[Token], index: int, *rest: Any) -> str:
-    """Give a heading the name by which the usual viewers of Markdown link to it."""
+    """Give a heading the anchor that common Markdown viewers generate."""
     words = re.sub(r"[^\w\- ]", "", tokens[index + 1].content.lower())
     tokens[index].attrSet("id", words.replace(" ", "-"))
     return renderer.renderToken(tokens, index, *rest)
 
 
 def _image(renderer: RendererHTML, tokens: Sequence[Token], index: int, *rest: Any) -> str:
-    """Open a figure by itself when it is touched: on a phone its letters are small."""
+    """Link a figure to its file: on a phone its text is too small to read in the page."""
     shown = renderer.image(tokens, index, *rest)
     return f'<a href="{escapeHtml(str(tokens[index].attrs["src"]))}">{shown}</a>'
 
