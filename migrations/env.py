@@ -1,4 +1,4 @@
-"""Called by Alembic for each command; all choices are in server/database/schema.py."""
+"""Run by Alembic for each command; configured in server/database/schema.py."""
 
 from alembic import context
 

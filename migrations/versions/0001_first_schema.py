@@ -113,7 +113,7 @@ def upgrade() -> None:
     sa.PrimaryKeyConstraint('benchmark', 'user_id', name=op.f('pk_best')),
     sa.UniqueConstraint('run_id', name=op.f('uq_best_run_id'))
     )
-    # An expression, which Alembic cannot read back from SQLite and so does not write by itself.
+    # Alembic cannot reflect an index with an expression from SQLite, so it does not generate it.
     op.create_index('ix_best_rank', 'best', ['benchmark', sa.text('score DESC'), 'reached_at', 'user_id'])
     op.create_table('results',
     sa.Column('run_id', sa.BigInteger().with_variant(sa.Integer(), 'sqlite'), autoincrement=False, nullable=False),

@@ -1,4 +1,4 @@
-"""Checks of programs before they are submitted; which runs need a program."""
+"""Checks of programs before submission; an index to find the runs that use a program."""
 
 import sqlalchemy as sa
 from alembic import op

@@ -1,4 +1,4 @@
-"""An index for the quota and for one's own runs of one state: people may have many thousands."""
+"""An index for quotas and for lists of a user's runs by state: a user may have thousands of runs."""
 
 from alembic import op
 
@@ -16,5 +16,5 @@ def upgrade() -> None:
 
 
 def downgrade() -> None:
-    """Drop it."""
+    """Drop the index."""
     op.drop_index("ix_runs_owner_state_finished", table_name="runs")

@@ -1,1 +1,1 @@
-"""One file per step, named in order."""
+"""One file per migration, numbered in order."""
