@@ -71,8 +71,9 @@ class Backend:
     def queue(self, who: str = "ann", *, kind: str = "practice", **changes: Any) -> int:
         """Queue a run of the built-in PI controller, or of what `changes` says."""
         wanted = PI_RUN | {"viewer": self.viewers[who], "kind": RunKind(kind)} | changes
+        valid = submission.validate(submission.Submission(**wanted), self.settings)
         with self.database.writing() as session:
-            return submission.enqueue(session, submission.Submission(**wanted), self.settings)
+            return submission.submit(session, valid, self.settings)
 
     def queue_program(self, who: str = "ann", **changes: Any) -> int:
         """Queue a run of an uploaded program."""

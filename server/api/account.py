@@ -21,7 +21,7 @@ from seamark.server.api.schemas import (
     TokensResponse,
 )
 from seamark.server.database.tables import Token
-from seamark.server.runs import submission
+from seamark.server.runs import quota
 from seamark.server.web.problems import Problem
 from seamark.server.web.services import services
 
@@ -42,7 +42,7 @@ def me() -> Response:
     used: dict[str, int] | None = None
     if asking.owner is not None:
         with services().database.reading() as database:
-            used = asdict(submission.quota(database, asking, services().settings))
+            used = asdict(quota.used_by(database, asking, services().settings))
     answer = jsonify(
         {
             "name": asking.name,

@@ -25,7 +25,7 @@ api = APIBlueprint(
     "api_actions",
     __name__,
     url_prefix="/api/v1",
-    abp_tags=[Tag(name="Runs", description="Order runs and follow them.")],
+    abp_tags=[Tag(name="Runs", description="Submit runs and follow them.")],
 )
 _log = structlog.get_logger()
 

@@ -11,19 +11,20 @@ from flask_openapi3.models.tag import Tag
 from werkzeug.datastructures import FileStorage
 
 from seamark.server import workers
-from seamark.server.accounts.permissions import READ, SUBMIT, Action, can
-from seamark.server.api import authorization, request_body
+from seamark.server.accounts.permissions import READ, SUBMIT
+from seamark.server.api import authorization, refusals, request_body
 from seamark.server.api.schemas import CheckPath, CheckQuery, CheckResponse, RunRequest
 from seamark.server.checks import queue, report
-from seamark.server.checks.queue import CheckRefused, CheckState, CheckView
+from seamark.server.checks.queue import CheckState, CheckView
 from seamark.server.programs import store
-from seamark.server.programs.store import PreparedProgram, UploadRejected
-from seamark.server.runs.submission import role_of
+from seamark.server.programs.store import PreparedProgram
+from seamark.server.runs import submission
+from seamark.server.runs.submission import SubmissionRejected
 from seamark.server.web import rate_limits
 from seamark.server.web.problems import Problem
 from seamark.server.web.services import services
-from seamark.sim import registry
-from seamark.sim.settings.configuration import ConfigurationInvalid
+from seamark.sim.benchmarks.benchmark import Benchmark
+from seamark.sim.settings.configuration import Configuration
 
 LOOKS_S = (0.05, 0.05, 0.1, 0.1)  # [s] between looks at a check; then the last of:
 LOOK_S = 0.2
@@ -53,16 +54,16 @@ def create(query: CheckQuery) -> Response:
         file_max_bytes=services().settings.upload_max_bytes,
     )
     authorization.require_scope(SUBMIT)
-    if not can(authorization.viewer(), Action.UPLOAD):
-        raise Problem("account-needed", "Checking a program needs an account, as uploading does.")
-    if file is None:
-        needed = "Send the program to be checked."
-        raise Problem("invalid-request", needed, errors={"program": needed})
-    config = _configuration(order)
-    prepared = _received(file, order.benchmark)
-    if prepared.diagnostics:
-        return jsonify(_done(order.benchmark, prepared))
-    check_id = _order(order.benchmark, config, prepared)
+    with refusals.as_problems():
+        submission.require_permission(authorization.viewer(), uploads=True)
+        if file is None:
+            raise SubmissionRejected("Send the program to be checked.", field="program")
+        benchmark = submission.find_benchmark(order.benchmark)
+        config = benchmark.read(order.config)
+        prepared = _received(file, benchmark)
+        if prepared.diagnostics:
+            return jsonify(_done(benchmark.name, prepared))
+        check_id = _enqueue(benchmark, config, prepared)
     return _answer(_waited_for(check_id, query.wait))
 
 
@@ -78,40 +79,21 @@ def show(path: CheckPath) -> Response:
     return answer
 
 
-def _configuration(order: RunRequest) -> dict[str, Any]:
-    if order.benchmark not in registry.BENCHMARKS:
-        unknown = f"There is no benchmark {order.benchmark}."
-        raise Problem("invalid-request", unknown, errors={"benchmark": unknown})
-    try:
-        config = registry.benchmark(order.benchmark).read(order.config)
-    except ConfigurationInvalid as wrong:
-        raise Problem("invalid-configuration", str(wrong), errors=wrong.errors) from None
-    return dict(config.model_dump(mode="json"))
-
-
-def _received(file: FileStorage, benchmark: str) -> PreparedProgram:
+def _received(file: FileStorage, benchmark: Benchmark) -> PreparedProgram:
+    """Read and lint a program; raises UploadRejected."""
     stream, limit = cast("BinaryIO", file.stream), services().settings.upload_max_bytes
-    try:
-        return store.read_upload(stream, file.filename or "", limit=limit, role=role_of(benchmark))
-    except UploadRejected as reason:
-        raise request_body.upload_problem(reason) from None
+    return store.read_upload(stream, file.filename or "", limit=limit, role=benchmark.role)
 
 
-def _order(benchmark: str, config: dict[str, Any], prepared: PreparedProgram) -> int:
-    held = services()
+def _enqueue(benchmark: Benchmark, config: Configuration, prepared: PreparedProgram) -> int:
+    """Queue a check and return its id; raises SubmissionRejected or CheckRefused."""
+    held, user_id = services(), authorization.require_account()
     with held.database.reading() as session:
-        refusal = workers.upload_refusal(session, prepared.language, held.settings)
-    if refusal:
-        raise Problem("invalid-request", refusal)
+        submission.require_language(session, benchmark, prepared.language, held.settings)
     program = store.save(prepared, held.settings.data)
-    try:
-        with held.database.writing() as session:
-            check_id = queue.enqueue(
-                session, authorization.require_account(), benchmark, config, program
-            )
-    except CheckRefused as reason:
-        wait = {"Retry-After": str(reason.retry_after_s)}
-        raise Problem("rate-limited", str(reason), headers=wait) from None
+    values = config.model_dump(mode="json")
+    with held.database.writing() as session:
+        check_id = queue.enqueue(session, user_id, benchmark.name, values, program)
     queue.wake_worker(held.redis)
     return check_id
 

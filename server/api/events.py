@@ -32,7 +32,7 @@ api = APIBlueprint(
     "api_events",
     __name__,
     url_prefix="/api/v1",
-    abp_tags=[Tag(name="Runs", description="Order runs and follow them.")],
+    abp_tags=[Tag(name="Runs", description="Submit runs and follow them.")],
 )
 _STREAM: Any = {200: {"content": {"text/event-stream": {"schema": {"type": "string"}}}}}
 

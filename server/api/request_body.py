@@ -9,7 +9,6 @@ from flask import request
 from pydantic import BaseModel, ValidationError
 from werkzeug.datastructures import FileStorage
 
-from seamark.server.programs.store import UploadRejected, UploadTooLarge
 from seamark.server.web.problems import Problem, from_validation_error
 
 JSON_MAX_BYTES = 256 * 1024
@@ -70,10 +69,3 @@ def _check_size(file: FileStorage, limit: int) -> None:
             "payload-too-large",
             f"The program is {size / 2**20:.1f} MiB large; the limit is {limit / 2**20:g} MiB.",
         )
-
-
-def upload_problem(reason: UploadRejected) -> Problem:
-    """Return the problem for a rejected upload."""
-    large = isinstance(reason, UploadTooLarge)
-    slug = "payload-too-large" if large else "upload-rejected"
-    return Problem(slug, str(reason), errors={"program": str(reason)})

@@ -13,8 +13,9 @@ from seamark.server.messaging import live_events
 from seamark.server.pages import benchmarks, level_chart, metric_tables
 from seamark.server.runs import results, submission, views
 from seamark.server.runs.files import RunFiles
+from seamark.server.runs.quota import QuotaExceeded
 from seamark.server.runs.states import RunState
-from seamark.server.runs.submission import QuotaExceeded, SubmissionRejected
+from seamark.server.runs.submission import SubmissionRejected
 from seamark.server.runs.views import RunView
 from seamark.server.web import authentication
 from seamark.server.web.rate_limits import ORDER, limiter, who

@@ -8,7 +8,7 @@ from flask.typing import ResponseReturnValue
 
 from seamark.server.accounts.permissions import Viewer
 from seamark.server.pages import benchmarks
-from seamark.server.runs import submission, views
+from seamark.server.runs import quota, views
 from seamark.server.runs.states import RunState
 from seamark.server.runs.views import LIMIT_MAX, RunFilter, RunPage, RunView
 from seamark.server.web import csv_export
@@ -30,16 +30,14 @@ def mine() -> ResponseReturnValue:
     wanted, held = _wanted(g.viewer), services()
     part = _part(held, g.viewer, wanted, request.args.get("after", type=row_number), SIZE)
     with held.database.reading() as session:
-        quota = (
-            None if g.viewer.owner is None else submission.quota(session, g.viewer, held.settings)
-        )
+        used = None if g.viewer.owner is None else quota.used_by(session, g.viewer, held.settings)
     return render_template(
         "runs/mine.html",
         part=part,
         states=list(RunState),
         wanted=wanted,
         first="after" not in request.args,
-        quota=quota,
+        quota=used,
         labels=benchmarks.labels(),
     )
 

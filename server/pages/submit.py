@@ -1,4 +1,4 @@
-"""Order a run: the form of a benchmark, and what comes back from it."""
+"""Submit a run: the form of a benchmark."""
 
 from typing import Any
 
@@ -11,9 +11,10 @@ from seamark.server.accounts.permissions import Action, can
 from seamark.server.pages import benchmarks, form_fields, submitted_program
 from seamark.server.programs import archives, starter_files
 from seamark.server.programs.store import TEXT_MAX_BYTES, StoredProgram, UploadRejected
-from seamark.server.runs import submission, trial_limits, views
+from seamark.server.runs import quota, submission, trial_limits, views
+from seamark.server.runs.quota import QuotaExceeded
 from seamark.server.runs.states import RunKind
-from seamark.server.runs.submission import UPLOAD, QuotaExceeded, Submission, SubmissionRejected
+from seamark.server.runs.submission import UPLOAD, Submission, SubmissionRejected
 from seamark.server.web import authentication
 from seamark.server.web.rate_limits import ORDER, limiter, who
 from seamark.server.web.services import services
@@ -46,57 +47,57 @@ def create(name: str) -> ResponseReturnValue:
     answers = request.form.to_dict()
     values = form_fields.read(benchmark.schema(), answers)
     program: StoredProgram | None = None
-    refused: dict[str, str] = {}
+    errors: dict[str, str] = {}
     status = 422
     try:
         if answers.get("controller") == UPLOAD:
-            program, refused = _sent(benchmark, answers)
-        order = _order(benchmark, values, answers, program)
-        if not refused:
-            with services().database.writing() as session:
-                run_id = submission.enqueue(session, order, services().settings)
+            program, errors = _program(benchmark, answers)
+        wanted = _submission(benchmark, values, answers, program)
+        valid = submission.validate(wanted, services().settings)
+        with services().database.writing() as session:
+            run_id = submission.submit(session, valid, services().settings)
     except ConfigurationInvalid as refusal:
-        refused = refusal.errors | refused
-    except (SubmissionRejected, QuotaExceeded) as refusal:
-        status = 429 if isinstance(refusal, QuotaExceeded) else 422
-        refused = {"": str(refusal)}
-    if refused:
+        errors = refusal.errors | errors
+    except SubmissionRejected as refusal:
+        errors = errors or {refusal.field: str(refusal)}
+    except QuotaExceeded as refusal:
+        status, errors = 429, {"": str(refusal)}
+    if errors:
         kept = program if answers.get("source") != "editor" else None
-        return _show(benchmark, values, answers=answers, errors=refused, kept=kept), status
+        return _show(benchmark, values, answers=answers, errors=errors, kept=kept), status
     services().ring()  # only after the commit: the worker must find the row
     return redirect(url_for("run.show", run_id=run_id), code=303)
 
 
-def _sent(
+def _program(
     benchmark: Benchmark, answers: dict[str, str]
 ) -> tuple[StoredProgram | None, dict[str, str]]:
-    """Return the program of a form, or why it is none, beside what else is wrong."""
+    """Return the program of a form, or the error to show beside those of the other fields."""
     try:
         return submitted_program.take(benchmark, answers), {}
     except UploadRejected as refusal:
         return None, {"program": str(refusal)}
 
 
-def _order(
+def _submission(
     benchmark: Benchmark,
     values: dict[str, object],
     answers: dict[str, str],
     program: StoredProgram | None,
 ) -> Submission:
-    """Return the order in a posted form."""
-    kind = RunKind.RANKED if answers.get("kind") == RunKind.RANKED else RunKind.PRACTICE
-    if kind is RunKind.RANKED:  # the scenario is the benchmark's, whatever the form says
+    """Return the submission in a posted form."""
+    ranked = answers.get("kind") == RunKind.RANKED
+    if ranked:  # a ranked run has the benchmark's own scenario: its fields do not matter
         values = form_fields.solution(benchmark.schema(), values)
-    config = benchmark.read(values)
     trials = _whole(answers, "trials", "The number of trials")
     return Submission(
         viewer=authentication.become_guest(),
         benchmark=benchmark.name,
-        config=config.model_dump(mode="json"),
-        kind=kind,
+        config=values,
+        kind=RunKind.RANKED if ranked else RunKind.PRACTICE,
         controller=answers.get("controller", ""),
         program=program,
-        seed=None if kind is RunKind.RANKED else _whole(answers, "seed", "A seed"),
+        seed=None if ranked else _whole(answers, "seed", "A seed"),
         trials=1 if trials is None else trials,
         title=answers.get("title", ""),
     )
@@ -149,9 +150,7 @@ def _show(
             for language in LANGUAGES.values()
             if benchmark.role in language.roles
         }
-        quota = (
-            None if g.viewer.owner is None else submission.quota(session, g.viewer, held.settings)
-        )
+        used = None if g.viewer.owner is None else quota.used_by(session, g.viewer, held.settings)
     return render_template(
         "submit/form.html",
         benchmark=benchmark,
@@ -176,7 +175,7 @@ def _show(
         uploads=can(g.viewer, Action.UPLOAD),
         ranked=can(g.viewer, Action.SUBMIT_RANKED),
         upload_refusal=None if None in refusals.values() else refusals["python"],
-        quota=quota,
+        quota=used,
         settings=held.settings,
         limits=trial_limits.for_trial(benchmark.trial_duration_s(benchmark.read({}))),
     )

@@ -10,10 +10,9 @@ from typing import Any, BinaryIO, cast
 from flask import g, request
 from itsdangerous import BadData, URLSafeTimedSerializer
 
-from seamark.server.accounts.permissions import Action, can
 from seamark.server.programs import starter_files, store
 from seamark.server.programs.store import StoredProgram, UploadRejected
-from seamark.server.runs.submission import SubmissionRejected
+from seamark.server.runs import submission
 from seamark.server.web.services import services
 from seamark.sim.benchmarks.benchmark import Benchmark
 
@@ -26,11 +25,10 @@ def take(benchmark: Benchmark, answers: dict[str, str]) -> StoredProgram:
 
     Raises
     ------
-    UploadRejected, OrderRejected
+    UploadRejected, SubmissionRejected
         There is none that can be taken, or none may be sent.
     """
-    if not can(g.viewer, Action.UPLOAD):
-        raise SubmissionRejected("Running a program of your own needs an account.")
+    submission.require_permission(g.viewer, uploads=True)
     settings = services().settings
     keeping: Any = {
         "limit": settings.upload_max_bytes,

@@ -1,6 +1,7 @@
-"""The built-in entries of the leaderboard: ordinary ranked runs of users that nobody can be.
+"""The baselines: ordinary ranked runs of built-in controllers and trackers.
 
-A user stands on the leaderboard once, with the best run; so each built-in entry has its own.
+They belong to users that nobody can be. A user is on the leaderboard once, with the best run, so
+each baseline has a user of its own.
 """
 
 import time
@@ -13,8 +14,9 @@ from seamark.server.accounts.accounts import RESERVED_PREFIX
 from seamark.server.accounts.permissions import Viewer
 from seamark.server.database.advisory_locks import AdvisoryLock, acquire
 from seamark.server.database.tables import Run, User
+from seamark.server.runs import submission
 from seamark.server.runs.states import RunKind, RunState
-from seamark.server.runs.submission import Submission, enqueue
+from seamark.server.runs.submission import Submission
 from seamark.server.settings import Settings
 from seamark.sim import registry
 
@@ -22,29 +24,31 @@ _log = structlog.get_logger()
 
 
 def ensure(session: Session, settings: Settings) -> list[int]:
-    """Queue the baselines that are neither there nor on their way; return the new runs' ids.
+    """Submit the baselines that are missing; return the ids of the new runs.
 
-    The worker computes them like everybody's runs; they become public when they succeed. A baseline
-    that failed or was withdrawn is not queued again by itself: somebody should look at it.
+    The workers evaluate them like all runs; they become public when they succeed. A baseline that
+    failed or was withdrawn is not submitted again: the operator should see why.
     """
     acquire(session, AdvisoryLock.BASELINES)
-    made: list[int] = []
-    for name in registry.BENCHMARKS:
-        for ending, baseline in registry.benchmark(name).baselines.items():
-            user = _user(session, f"{RESERVED_PREFIX}-{ending}")
-            if not _there(session, user.id, name):
-                order = Submission(
-                    viewer=Viewer(user_id=user.id, name=user.name),
-                    benchmark=name,
-                    config=baseline.config,
-                    kind=RunKind.RANKED,
-                    controller=baseline.built_in,
-                    title=baseline.title,
-                )
-                made.append(enqueue(session, order, settings))
-    if made:
-        _log.info("baselines_queued", runs=made)
-    return made
+    submitted: list[int] = []
+    for benchmark in map(registry.benchmark, registry.BENCHMARKS):
+        for suffix, baseline in benchmark.baselines.items():
+            user = _user(session, f"{RESERVED_PREFIX}-{suffix}")
+            if _exists(session, user.id, benchmark.name):
+                continue
+            baseline_run = Submission(
+                viewer=Viewer(user_id=user.id, name=user.name),
+                benchmark=benchmark.name,
+                config=baseline.config,
+                kind=RunKind.RANKED,
+                controller=baseline.built_in,
+                title=baseline.title,
+            )
+            valid = submission.validate(baseline_run, settings)
+            submitted.append(submission.submit(session, valid, settings))
+    if submitted:
+        _log.info("baselines_submitted", runs=submitted)
+    return submitted
 
 
 def _user(session: Session, name: str) -> User:
@@ -56,7 +60,7 @@ def _user(session: Session, name: str) -> User:
     return user
 
 
-def _there(session: Session, user_id: int, benchmark: str) -> bool:
+def _exists(session: Session, user_id: int, benchmark: str) -> bool:
     query = select(Run.id).where(
         Run.user_id == user_id, Run.benchmark == benchmark, Run.state != RunState.CANCELLED
     )

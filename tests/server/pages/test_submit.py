@@ -199,7 +199,7 @@ def test_a_used_up_quota_is_said_on_the_form(site: Site) -> None:
     answer = site.browser("ann").post(FORM, {"controller": "pi"})
 
     assert answer.status_code == 429
-    assert "which is the most at a time" in answer.text
+    assert "which is the limit" in answer.text
 
 
 def test_running_again_makes_a_new_run_of_the_same_order(site: Site) -> None:

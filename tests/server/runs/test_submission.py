@@ -6,9 +6,10 @@ from sqlalchemy import update
 from seamark.sandbox.languages import LANGUAGES
 from seamark.server import workers
 from seamark.server.database.tables import Run, Worker
-from seamark.server.runs import baselines, leaderboard, results, submission
+from seamark.server.runs import baselines, leaderboard, quota, results, submission
+from seamark.server.runs.quota import QuotaExceeded
 from seamark.server.runs.states import RunKind, RunState
-from seamark.server.runs.submission import QuotaExceeded, SubmissionRejected
+from seamark.server.runs.submission import SubmissionRejected
 from seamark.sim import registry
 from seamark.sim.settings.configuration import ConfigurationInvalid
 from tests.cast import Backend
@@ -98,7 +99,7 @@ def test_only_runs_that_completed_count_for_the_day(both: Backend) -> None:
             change = update(Run).where(Run.id == run_id)
             values = {"state": "failed", "cause": cause, "finished_at": time.time() - age}
             session.execute(change.values(**values))
-        used = submission.quota(session, both.viewers["ann"], both.settings)
+        used = quota.used_by(session, both.viewers["ann"], both.settings)
 
     assert claim.run_id == done
     assert (used.live, used.day) == (0, 1)

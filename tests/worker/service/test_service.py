@@ -13,7 +13,7 @@ import pytest
 from seamark.server.database.tables import Run
 from seamark.server.messaging import broker, live_events
 from seamark.server.programs import starter_files
-from seamark.server.runs import submission
+from seamark.server.runs import quota, submission
 from seamark.server.runs.states import RunState
 from seamark.server.runs.submission import Submission
 from seamark.sim.recording.telemetry import digest
@@ -194,7 +194,8 @@ def test_a_configuration_that_became_invalid_ends_at_once_and_blames_no_program(
         order = Submission(
             viewer=running.viewers["ann"], benchmark="currents-v1", config=SHORT, controller="pi"
         )
-        run_id = submission.enqueue(session, order, running.settings)
+        valid = submission.validate(order, running.settings)
+        run_id = submission.submit(session, valid, running.settings)
         # As an update of the software leaves it that has narrowed a range.
         session.get_one(Run, run_id).config = {"kp": 99.0}
     assert broker.ring(running.app)
@@ -305,9 +306,9 @@ def test_a_check_of_c_shows_each_message_of_the_compiler(running: Service) -> No
 
 def test_a_check_leaves_no_run_and_takes_nothing_of_the_quota(running: Service) -> None:
     with running.database.reading() as session:
-        before = submission.quota(session, running.viewers["ann"], running.settings)
+        before = quota.used_by(session, running.viewers["ann"], running.settings)
 
     running.check(UPLOADED_P.encode())
 
     with running.database.reading() as session:
-        assert submission.quota(session, running.viewers["ann"], running.settings) == before
+        assert quota.used_by(session, running.viewers["ann"], running.settings) == before

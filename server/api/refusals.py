@@ -1,0 +1,43 @@
+"""Refusals of the services below as problem documents: each type of refusal is mapped once."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from seamark.server.checks.queue import CheckRefused
+from seamark.server.programs.store import UploadRejected, UploadTooLarge
+from seamark.server.runs.quota import QuotaExceeded
+from seamark.server.runs.submission import AccountNeeded, SignInNeeded, SubmissionRejected
+from seamark.server.web.problems import Problem
+from seamark.sim.settings.configuration import ConfigurationInvalid
+
+
+@contextmanager
+def as_problems() -> Iterator[None]:
+    """Raise the problem that tells the client what a refusal in this block says."""
+    try:
+        yield
+    except ConfigurationInvalid as refusal:
+        raise Problem("invalid-configuration", str(refusal), errors=refusal.errors) from None
+    except SubmissionRejected as refusal:
+        raise _of_submission(refusal) from None
+    except UploadRejected as refusal:
+        slug = "payload-too-large" if isinstance(refusal, UploadTooLarge) else "upload-rejected"
+        raise Problem(slug, str(refusal), errors={"program": str(refusal)}) from None
+    except QuotaExceeded as refusal:
+        raise _to_retry("quota-exceeded", refusal) from None
+    except CheckRefused as refusal:
+        raise _to_retry("rate-limited", refusal) from None
+
+
+def _of_submission(refusal: SubmissionRejected) -> Problem:
+    if isinstance(refusal, SignInNeeded):
+        return Problem("unauthenticated")
+    slug = "account-needed" if isinstance(refusal, AccountNeeded) else "invalid-request"
+    errors = {refusal.field: str(refusal)} if refusal.field else {}
+    return Problem(slug, str(refusal), errors=errors)
+
+
+def _to_retry(slug: str, refusal: QuotaExceeded | CheckRefused) -> Problem:
+    return Problem(slug, str(refusal), headers={"Retry-After": str(refusal.retry_after_s)})
