@@ -1,4 +1,4 @@
-"""The `seamark` command: one file per command, loaded when it is asked for."""
+"""The `seamark` command: one file per command, imported when it is used."""
 
 from __future__ import annotations
 
@@ -8,25 +8,25 @@ from types import TracebackType
 
 import click
 
-COMMANDS = {  # name -> module:attribute, what it does; the second saves loading all for --help
-    "up": ("up:up", "Start everything on this machine and keep it running."),
-    "init": ("init:init", "Write a controller to start from."),
-    "check": ("check:check", "Say what is wrong with a program, in seconds."),
-    "run": ("run:run", "Evaluate a controller here, without a server."),
-    "submit": ("submit:submit", "Send a controller to a server."),
-    "dataset": ("dataset:dataset", "Write pictures with their truth, to work on offline."),
+COMMANDS = {  # name -> module:attribute, help; with the help here, --help imports no command
+    "up": ("up:up", "Start the whole service on this machine."),
+    "init": ("init:init", "Write a starter program for a benchmark."),
+    "check": ("check:check", "Check a program for errors, in seconds."),
+    "run": ("run:run", "Evaluate a controller or tracker locally."),
+    "submit": ("submit:submit", "Submit a run to a server."),
+    "dataset": ("dataset:dataset", "Render images with ground truth for offline work."),
     "benchmarks": ("benchmarks:benchmarks", "List the benchmarks and their settings."),
-    "doctor": ("doctor:doctor", "Say what this machine can do, and how to mend it."),
-    "user": ("user:user", "Make accounts, set passwords."),
-    "token": ("token:token", "Make tokens for programs."),
-    "db": ("db:db", "Look after the database."),
-    "web": ("service:web", "Run the web server only."),
-    "worker": ("service:worker", "Run a worker only."),
+    "doctor": ("doctor:doctor", "Check this machine and say how to fix what is missing."),
+    "user": ("user:user", "Manage accounts."),
+    "token": ("token:token", "Create API tokens."),
+    "db": ("db:db", "Manage the database."),
+    "web": ("service:web", "Run only the web server."),
+    "worker": ("service:worker", "Run only a worker."),
 }
 
 
-class Lazy(click.Group):
-    """A group whose commands are imported when they are needed, so that --help is quick."""
+class LazyGroup(click.Group):
+    """A group that imports a command when it is used, so that --help is fast."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         """Return the names in the order of the table."""
@@ -45,29 +45,29 @@ class Lazy(click.Group):
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """Write the table without importing the commands."""
         with formatter.section("Commands"):
-            formatter.write_dl([(name, says) for name, (_, says) in COMMANDS.items()])
+            formatter.write_dl([(name, text) for name, (_, text) in COMMANDS.items()])
 
 
 @click.command(
-    cls=Lazy,
+    cls=LazyGroup,
     context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
-    epilog="Exit codes: 0 fine, 1 the program under test failed, 2 wrong usage, 3 the platform "
-    "failed. `seamark COMMAND --help` has examples.",
+    epilog="Exit codes: 0 success, 1 the evaluated program failed, 2 wrong usage, 3 the platform "
+    "failed. `seamark COMMAND --help` shows examples.",
 )
 @click.version_option(package_name="seamark", prog_name="seamark")
 def cli() -> None:
-    """Seamark: the online benchmark for underwater robots."""
+    """Seamark, the online benchmark for underwater intervention robots."""
 
 
 def _platform_failed(
-    kind: type[BaseException], error: BaseException, trace: TracebackType | None
+    error_type: type[BaseException], error: BaseException, trace: TracebackType | None
 ) -> None:
-    """Report our own mistake with exit code 3; 1 would blame the participant's program."""
+    """Report a bug of Seamark with exit code 3: 1 would blame the participant's program."""
     import os
     import traceback
 
-    traceback.print_exception(kind, error, trace)
-    print("seamark: this is a mistake in Seamark, not in your program.", file=sys.stderr)
+    traceback.print_exception(error_type, error, trace)
+    print("seamark: this is a bug in Seamark, not in your program.", file=sys.stderr)
     sys.stdout.flush()
     sys.stderr.flush()
     os._exit(3)

@@ -1,13 +1,11 @@
-"""Options that several commands share, and what they mean."""
+"""Options that several commands share, and the settings and database that they select."""
 
 from __future__ import annotations
 
-import json
 import os
-import sys
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
@@ -26,7 +24,7 @@ def data_option(command: Command) -> Command:
         "--data",
         type=click.Path(file_okay=False, path_type=Path),
         metavar="DIR",
-        help="Folder of the embedded service.  [default: $SEAMARK_DATA or ./data]",
+        help="Data folder of the service.  [default: $SEAMARK_DATA or ./data]",
     )(command)
 
 
@@ -36,26 +34,24 @@ def server_options(command: Command) -> Command:
         "--token",
         metavar="T",
         envvar="SEAMARK_TOKEN",
-        help="Token of your account; made on the account page or with `seamark token new`.",
+        help="API token of your account; see the account page or `seamark token new`.",
     )(command)
     return click.option(
         "--server",
         metavar="URL",
         default="http://127.0.0.1:8000",
         show_default=True,
-        help="Address of the service.",
+        help="Address of the server.",
     )(command)
 
 
 def json_option(command: Command) -> Command:
     """Add --json."""
-    return click.option(
-        "--json", "as_json", is_flag=True, help="Answer with one JSON object for programs."
-    )(command)
+    return click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")(command)
 
 
-def order_options(command: Command) -> Command:
-    """Add what says which controller is to be evaluated how: five options and their limits."""
+def run_options(command: Command) -> Command:
+    """Add the options that describe a run: --controller, --set, --config, --seed, --trials."""
     from seamark.sim.engine.seeds import SEED_MAX
 
     for option in reversed(
@@ -63,16 +59,18 @@ def order_options(command: Command) -> Command:
             click.option(
                 "--controller",
                 metavar="FILE|NAME",
-                help="A program, or what is built in.  [default: the benchmark's first]",
+                help="A file or a built-in solution.  [default: the benchmark's first]",
             ),
             configuration_options,
-            click.option("--seed", type=click.IntRange(0, SEED_MAX), help="Else drawn, and shown."),
+            click.option(
+                "--seed", type=click.IntRange(0, SEED_MAX), help="Random seed.  [default: drawn]"
+            ),
             click.option(
                 "--trials",
                 type=click.IntRange(1, 100),
                 default=1,
                 show_default=True,
-                help="Here they run side by side, one per core; the bytes are the same.",
+                help="Number of trials; `seamark run` evaluates one per core at a time.",
             ),
         )
     ):
@@ -85,36 +83,36 @@ def configuration_options(command: Command) -> Command:
     command = click.option(
         "--config",
         type=click.Path(dir_okay=False, path_type=Path),
-        help="TOML or JSON with the keys of the schema; --set wins.",
+        help="TOML or JSON file with settings; --set takes precedence.",
     )(command)
     return click.option(
-        "--set", "pairs", metavar="KEY=VALUE", multiple=True, help="May be repeated."
+        "--set", "pairs", metavar="KEY=VALUE", multiple=True, help="Set one setting; repeatable."
     )(command)
 
 
 def settings_of(data: Path | None, **chosen: object) -> Settings:
-    """Return the settings of the environment with the options of the command line on top."""
+    """Return the settings of the environment, overridden by options of the command line."""
     from seamark.server.settings import PREFIX, Settings, SettingsInvalid
 
     environ = {key: value for key, value in os.environ.items() if key != "SEAMARK_TOKEN"}
-    given: Mapping[str, object] = {"data": data, **chosen}
-    for name, value in given.items():
+    overrides: Mapping[str, object] = {"data": data, **chosen}
+    for name, value in overrides.items():
         if value is not None:
             environ.pop(f"{PREFIX}{name.upper()}_FILE", None)
             environ[PREFIX + name.upper()] = str(value)
     try:
         return Settings.load(environ)
-    except SettingsInvalid as wrong:
-        raise UsageRefused(f"{wrong}.") from None
+    except SettingsInvalid as error:
+        raise UsageRefused(f"{error}.") from None
     except OSError as error:
         raise UsageRefused(
             f"The data folder {error.filename} cannot be used: {error.strerror}. "
-            "Choose another with --data."
+            "Choose another one with --data."
         ) from None
 
 
 def database_of(settings: Settings) -> Database:
-    """Return the database after a look whether it has this version's tables."""
+    """Return the database, upgraded to the tables of this version if they are older."""
     from sqlalchemy.exc import SQLAlchemyError
 
     from seamark.failures import PlatformFailed
@@ -129,19 +127,3 @@ def database_of(settings: Settings) -> Database:
     except SQLAlchemyError as error:
         raise PlatformFailed(f"The database does not answer: {error}.") from None
     return database
-
-
-def say(text: str) -> None:
-    """Print one line for a person."""
-    click.echo(text)
-
-
-def answer(value: object) -> None:
-    """Print one JSON object for a program."""
-    click.echo(json.dumps(value, indent=2, allow_nan=False))
-
-
-def end(code: int) -> NoReturn:
-    """End the command with an exit code."""
-    sys.stdout.flush()
-    raise click.exceptions.Exit(code)

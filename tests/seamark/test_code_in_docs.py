@@ -1,4 +1,4 @@
-"""The code blocks of docs/datasets.md and docs/trackers.md, run as a reader would run them."""
+"""The code in docs/datasets.md and docs/trackers.md works as a reader would run it."""
 
 import re
 import sys
@@ -23,8 +23,8 @@ HARD = {"sweep_from": 0.5, "sweep_to": 6.5, "sweep_step": 3, "level_duration_s":
 BLOCK = re.compile(r"^```python\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 
 
-class AsBuiltIn:
-    """A tracker with the interface of uploads, as the simulator takes one."""
+class UploadAdapter:
+    """Adapts the interface of uploaded trackers to that of the simulator."""
 
     def __init__(self, tracker: Any) -> None:
         self._tracker = tracker
@@ -49,43 +49,43 @@ def _settings(values: dict[str, float]) -> list[str]:
 
 
 @pytest.fixture
-def reader(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+def reader_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     """A folder with a tiny data set in dataset.zip and the template in tracker.py."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.syspath_prepend(str(tmp_path))
     options = [*_settings(HARD), "--seed", str(SEED)]
-    for order in (["init", "--benchmark", NAME, "."], ["dataset", NAME, *options]):
-        done = CliRunner().invoke(cli, order)
+    for arguments in (["init", "--benchmark", NAME, "."], ["dataset", NAME, *options]):
+        done = CliRunner().invoke(cli, arguments)
         assert done.exit_code == 0, done.output
     yield tmp_path
     sys.modules.pop("tracker", None)
 
 
-def test_a_tracker_has_on_its_data_set_the_score_that_it_has_in_the_benchmark(
-    reader: Path, capsys: pytest.CaptureFixture[str]
+def test_a_tracker_scores_the_same_on_a_data_set_as_in_the_benchmark(
+    reader_folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     names: dict[str, Any] = {}
     for block in BLOCK.findall((DOCS / "datasets.md").read_text(encoding="utf-8")):
         exec(block, names)  # noqa: S102  # our own documentation
 
     config = registry.benchmark(NAME).read(HARD)
-    solution = AsBuiltIn(names["Tracker"]({}))
+    solution = UploadAdapter(names["Tracker"]({}))
     result = run_trial(NAME, config, solution, seed=SEED, trial=0, on_rows=lambda _rows: None)
     assert list(names["shares"].values()) == [level["p5_percent"] for level in result.levels]
-    assert len(set(names["shares"].values())) > 1  # it does not win or lose everywhere
+    assert len(set(names["shares"].values())) > 1  # neither tracked nor lost at every level
     truth = [float(names["truth"][0][f"camera_{axis}"]) for axis in "xyz"]
     assert np.allclose(names["camera_m"], truth, atol=1e-4)
     assert "tau50:" in capsys.readouterr().out
 
 
-def test_the_tracker_in_the_documentation_takes_part(reader: Path) -> None:
+def test_the_tracker_of_the_documentation_follows_a_still_target(reader_folder: Path) -> None:
     (block,) = BLOCK.findall((DOCS / "trackers.md").read_text(encoding="utf-8"))
     names: dict[str, Any] = {}
     exec(block, names)  # noqa: S102  # our own documentation
     still = {"path_swing_m": 0, "path_turn_rad": 0}
     config = registry.benchmark(NAME).read({"sweep_to": 0.25, "level_duration_s": 2, **still})
 
-    solution = AsBuiltIn(names["Tracker"]({}))
+    solution = UploadAdapter(names["Tracker"]({}))
     result = run_trial(NAME, config, solution, seed=SEED, trial=0, on_rows=lambda _rows: None)
 
-    assert result.levels[0]["p5_percent"] == 100.0  # it stays, as the target does
+    assert result.levels[0]["p5_percent"] == 100.0  # neither it nor the target moves

@@ -1,4 +1,4 @@
-"""`seamark benchmarks`: what can be run."""
+"""`seamark benchmarks`: the benchmarks and their settings."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ from typing import Any
 
 import click
 
-from seamark.cli.options import answer, json_option, say
-from seamark.failures import UsageRefused
+from seamark.cli.console import print_json
+from seamark.cli.options import json_option
 
 
 @click.command()
@@ -22,24 +22,21 @@ def benchmarks(name: str | None, as_json: bool) -> None:
       seamark benchmarks currents-v1
       seamark benchmarks currents-v1 --json
     """
-    from seamark.sim import registry
+    from seamark.cli.configuration import benchmark_of
 
     if name is None:
         _list_all(as_json=as_json)
         return
-    if name not in registry.BENCHMARKS:
-        known = ", ".join(registry.BENCHMARKS)
-        raise UsageRefused(f"There is no benchmark {name}. There are: {known}.")
-    found = registry.benchmark(name)
+    found = benchmark_of(name)
     schema = found.schema()
     if as_json:
-        answer(schema)
+        print_json(schema)
         return
-    say(f"{name}: {schema['title']}\n")
+    click.echo(f"{name}: {schema['title']}\n")
     for key, field in schema["properties"].items():
-        say(f"  --set {key}={_text(field['default'])}")
-        say(f"      {field['title']}: {field['description']}{_range(field)}")
-    say(f"\nBuilt-in {found.role}s: " + ", ".join(found.built_in))
+        click.echo(f"  --set {key}={_text(field['default'])}")
+        click.echo(f"      {field['title']}: {field['description']}{_range(field)}")
+    click.echo(f"\nBuilt-in {found.role}s: " + ", ".join(found.built_in))
 
 
 def _list_all(*, as_json: bool) -> None:
@@ -47,10 +44,10 @@ def _list_all(*, as_json: bool) -> None:
 
     found = [registry.benchmark(name) for name in registry.BENCHMARKS]
     if as_json:
-        answer([{"name": b.name, "title": b.title, "summary": b.summary} for b in found])
+        print_json([{"name": b.name, "title": b.title, "summary": b.summary} for b in found])
         return
     for benchmark in found:
-        say(f"{benchmark.name}\n    {benchmark.title}\n    {benchmark.summary}")
+        click.echo(f"{benchmark.name}\n    {benchmark.title}\n    {benchmark.summary}")
 
 
 def _text(value: object) -> str:

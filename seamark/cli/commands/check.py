@@ -1,4 +1,4 @@
-"""`seamark check`: what is wrong with a program, before it is submitted; no server."""
+"""`seamark check`: the errors of a program, found without a server."""
 
 from __future__ import annotations
 
@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from seamark.cli.options import answer, configuration_options, end, json_option, say
-from seamark.failures import PlatformFailed
+from seamark.cli.console import exit_with, print_json
+from seamark.cli.options import configuration_options, json_option
 
 if TYPE_CHECKING:
     from seamark.server.programs.store import PreparedProgram
 
-SHOWN_OUTPUT = 2000  # [character]
+SHOWN_OUTPUT = 2000  # [characters]
 
 
 @click.command()
@@ -29,9 +29,9 @@ def check(
     config: Path | None,
     as_json: bool,
 ) -> None:
-    """Read, compile and start a program, and simulate two seconds with it in its sandbox.
+    """Compile and start a program, and run two simulated seconds with it in the sandbox.
 
-    Names what is missing or wrong, with lines. Exit code 0: it may be submitted; 1: it may not.
+    Reports errors with their lines. Exit code 0: the program runs; 1: it has errors.
 
     \b
     Examples:
@@ -39,47 +39,42 @@ def check(
       seamark check my_controller.zip --set vehicle=girona500-uwsim
       seamark check controller.c --json
     """
-    from seamark.cli.controllers import configuration_of
-    from seamark.cli.programs import prepared_of
+    from seamark.cli.configuration import configuration_of
+    from seamark.cli.solutions import prepare
     from seamark.server.checks import report
 
     values = configuration_of(benchmark, config, pairs).model_dump(mode="json")
-    prepared = prepared_of(file, benchmark=benchmark)
+    prepared = prepare(file, benchmark=benchmark)
     if prepared.diagnostics:
         found = report.from_diagnostics(prepared.diagnostics)
     else:
         found = _run(benchmark, values, prepared)
     if as_json:
-        answer({"program_name": prepared.name, "language": prepared.language, **found})
+        print_json({"program_name": prepared.name, "language": prepared.language, **found})
     else:
         _report(file, found)
-    end(0 if found["ok"] else 1)
+    exit_with(0 if found["ok"] else 1)
 
 
 def _run(benchmark: str, values: dict[str, Any], prepared: PreparedProgram) -> dict[str, Any]:
-    from seamark.cli.programs import isolation_level
-    from seamark.sandbox.outcome import SandboxBroken
+    from seamark.cli.solutions import isolation_level, sandbox_failures_explained
     from seamark.worker.evaluation.local import check_locally
 
-    try:
+    with sandbox_failures_explained():
         return check_locally(benchmark, values, prepared, isolation=isolation_level())
-    except SandboxBroken as broken:
-        raise PlatformFailed(
-            f"The sandbox failed: {broken}. `seamark doctor` says what this machine can do."
-        ) from None
 
 
 def _report(file: Path, found: dict[str, Any]) -> None:
     from seamark.server.programs.diagnostics import Diagnostic
 
     for problem in found["problems"]:
-        say(Diagnostic(**problem).text())
+        click.echo(Diagnostic(**problem).text())
     if found["traceback"] and not any(p["stage"] == "compile" for p in found["problems"]):
-        say(found["traceback"].rstrip())
+        click.echo(found["traceback"].rstrip())
     if found["output"]:
-        say(f"It printed:\n{found['output'][-SHOWN_OUTPUT:].rstrip()}")
+        click.echo(f"Output:\n{found['output'][-SHOWN_OUTPUT:].rstrip()}")
     if found["ok"]:
         count = found["step_us"]["count"] if found["step_us"] else 0
         used = found["usage"] or {"cpu_s": 0.0, "memory_mib": 0.0}
         cost = f"{used['cpu_s']:.2f} s of CPU time, {used['memory_mib']:.0f} MiB"
-        say(f"{file.name} runs: {count} steps, {cost}.")
+        click.echo(f"{file.name} runs: {count} steps, {cost}.")

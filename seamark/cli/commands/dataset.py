@@ -1,4 +1,4 @@
-"""`seamark dataset`: pictures with their truth, made of a configuration and a seed."""
+"""`seamark dataset`: images with ground truth, rendered from a configuration and a seed."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING
 
 import click
 
-from seamark.cli.controllers import configuration_of
-from seamark.cli.options import answer, configuration_options, json_option, say
-from seamark.cli.progress import Progress
+from seamark.cli.configuration import configuration_of
+from seamark.cli.console import Progress, print_json
+from seamark.cli.options import configuration_options, json_option
 from seamark.failures import UsageRefused
 
 if TYPE_CHECKING:
@@ -25,17 +25,19 @@ if TYPE_CHECKING:
 @configuration_options
 @click.option("--seed", type=click.IntRange(0), default=0, show_default=True)
 @click.option(
-    "--trial", type=click.IntRange(0), default=0, show_default=True, help="Of a run's trials."
+    "--trial", type=click.IntRange(0), default=0, show_default=True, help="Which trial of a run."
 )
 @click.option(
     "--solution",
     metavar="NAME",
     help="The built-in solution that moves the vehicle.  [default: the benchmark's own]",
 )
-@click.option("--every", type=click.IntRange(1), default=1, show_default=True, help="Ticks.")
-@click.option("--from", "begin_s", type=click.FloatRange(0), default=0.0, help="Seconds.")
-@click.option("--until", "end_s", type=click.FloatRange(0), help="Seconds.  [default: the end]")
-@click.option("--colour", is_flag=True, help="Colour pictures instead of the trackers' grey ones.")
+@click.option(
+    "--every", type=click.IntRange(1), default=1, show_default=True, help="Keep one in N images."
+)
+@click.option("--from", "begin_s", type=click.FloatRange(0), default=0.0, help="Start time [s].")
+@click.option("--until", "end_s", type=click.FloatRange(0), help="End time [s].  [default: end]")
+@click.option("--colour", is_flag=True, help="Colour images instead of the trackers' grey ones.")
 @click.option(
     "--out",
     type=click.Path(dir_okay=False, path_type=Path),
@@ -59,10 +61,9 @@ def dataset(  # noqa: PLR0913 (one argument per option is click's way)
     out: Path,
     as_json: bool,
 ) -> None:
-    """Write a data set: the pictures of a trial with poses, corners, intrinsics and water.
+    """Write a data set: the images of a trial with poses, corners, intrinsics and water.
 
-    The same options give the same bytes, and the pictures are those of the benchmark: what works
-    on them offline can be compared on a server afterwards.
+    The images are those of the benchmark, and the same options give the same bytes.
 
     \b
     Examples:
@@ -78,20 +79,20 @@ def dataset(  # noqa: PLR0913 (one argument per option is click's way)
     try:
         pieces = archive(benchmark, checked, rows, seed=seed, selection=selection)
     except ValueError as error:
-        raise UsageRefused(f"{error}. Look at --from, --until and --every.") from None
+        raise UsageRefused(f"{error}. Check --from, --until and --every.") from None
     count = len(selection.of(rows))
-    with Progress(f"{count} pictures", quiet=as_json) as bar:
-        size = _written(pieces, out, lambda done: bar.show(min(done / count, 1.0)))
+    with Progress(f"{count} images", quiet=as_json) as bar:
+        size = _write(pieces, out, lambda done: bar.show(min(done / count, 1.0)))
     if as_json:
-        answer({"out": str(out), "pictures": count, "bytes": size, "seed": seed})
+        print_json({"out": str(out), "pictures": count, "bytes": size, "seed": seed})
     else:
-        say(f"{count} pictures, {size / 2**20:.1f} MiB: {out}")
+        click.echo(f"{count} images, {size / 2**20:.1f} MiB: {out}")
 
 
 def _rows(
     benchmark: str, config: Configuration, solution: str | None, *, seed: int, trial: int
 ) -> Rows:
-    """Return the telemetry of one trial, in which a built-in solution takes part."""
+    """Return the telemetry of one trial with a built-in solution."""
     import numpy as np
 
     from seamark.sim import registry
@@ -101,7 +102,7 @@ def _rows(
     known = list(entry.built_in)
     name = known[0] if solution is None else solution
     if name not in known:
-        raise UsageRefused(f"There is no solution {name} built in. There are: {', '.join(known)}.")
+        raise UsageRefused(f"There is no built-in solution {name}. Available: {', '.join(known)}.")
     rows: list[Rows] = []
     run_trial(
         benchmark,
@@ -114,8 +115,8 @@ def _rows(
     return np.concatenate(rows)
 
 
-def _written(pieces: Iterator[bytes], out: Path, show: Callable[[int], None]) -> int:
-    """Write the archive beside its place and move it there when it is whole; return its size."""
+def _write(pieces: Iterator[bytes], out: Path, show: Callable[[int], None]) -> int:
+    """Write the archive to a draft, rename it when it is complete, and return its size."""
     draft = out.with_name(f".{out.name}.{secrets.token_hex(4)}")
     size = 0
     try:

@@ -1,4 +1,4 @@
-"""`seamark db`: look after the database."""
+"""`seamark db`: the database."""
 
 from __future__ import annotations
 
@@ -6,20 +6,20 @@ from pathlib import Path
 
 import click
 
-from seamark.cli.options import data_option, say, settings_of
+from seamark.cli.options import data_option, settings_of
 
 
 @click.group()
 def db() -> None:
-    """Look after the database."""
+    """Manage the database."""
 
 
 @db.command()
 @data_option
 def upgrade(data: Path | None) -> None:
-    """Make the tables, or bring them to this version. Safe to call again.
+    """Create the tables, or upgrade them to this version. Running it again is safe.
 
-    `seamark up` does this by itself.
+    `seamark up` does this at its start.
 
     \b
     Examples:
@@ -36,7 +36,7 @@ def upgrade(data: Path | None) -> None:
         schema.upgrade(settings)
     except SQLAlchemyError as error:
         raise PlatformFailed(f"The database cannot be upgraded: {error}.") from None
-    say(f"The database is up to date: {_without_password(settings.database_url)}")
+    click.echo(f"The database is up to date: {_without_password(settings.database_url)}")
 
 
 def _without_password(url: str) -> str:

@@ -1,4 +1,4 @@
-"""`seamark doctor`: what this machine can do, and how to mend what it cannot."""
+"""`seamark doctor`: what works on this machine, and how to fix what does not."""
 
 from __future__ import annotations
 
@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from seamark.cli.options import answer, data_option, end, json_option, say, settings_of
+from seamark.cli.console import exit_with, print_json
+from seamark.cli.options import data_option, json_option, settings_of
 
 if TYPE_CHECKING:
     from seamark.sandbox.isolation.level import IsolationLevel
@@ -24,7 +25,7 @@ PACKAGES = ("numpy", "numba", "cv2", "scipy", "pybullet", "flask", "sqlalchemy",
 
 @dataclass(frozen=True, slots=True)
 class Check:
-    """One look: good, a warning (something works less well), or bad (something does not work)."""
+    """A result: ok, warning (something works less well) or bad (something does not work)."""
 
     name: str
     state: str  # "ok", "warning", "bad"
@@ -36,9 +37,9 @@ class Check:
 @data_option
 @json_option
 def doctor(data: Path | None, as_json: bool) -> None:
-    """Say what this machine can do, and how to mend what it cannot.
+    """Check this machine and say how to fix what is missing.
 
-    Exit code 0: runs and uploads work. 3: something does not.
+    Exit code 0: runs and uploads work; 3: something does not.
 
     \b
     Examples:
@@ -46,20 +47,20 @@ def doctor(data: Path | None, as_json: bool) -> None:
       seamark doctor --json
     """
     settings = settings_of(data)
-    checks = [check for look in LOOKS for check in look(settings)]
+    checks = [check for probe in PROBES for check in probe(settings)]
     bad = any(check.state == "bad" for check in checks)
     if as_json:
-        answer({"good": not bad, "checks": [asdict(check) for check in checks]})
-        end(3 if bad else 0)
+        print_json({"good": not bad, "checks": [asdict(check) for check in checks]})
+        exit_with(3 if bad else 0)
     colours = {"ok": "green", "warning": "yellow", "bad": "red"}
     for check in checks:
         mark = click.style(f"{check.state:<7}", fg=colours[check.state])
-        say(f"{mark} {check.name}: {check.says}")
+        click.echo(f"{mark} {check.name}: {check.says}")
         if check.remedy and check.state != "ok":
-            say(f"        -> {check.remedy}")
-    say("")
-    say("Something does not work; see above." if bad else "Runs and uploads work here.")
-    end(3 if bad else 0)
+            click.echo(f"        -> {check.remedy}")
+    click.echo("")
+    click.echo("Something does not work; see above." if bad else "Runs and uploads work here.")
+    exit_with(3 if bad else 0)
 
 
 def _python(_: Settings) -> Iterable[Check]:
@@ -69,7 +70,7 @@ def _python(_: Settings) -> Iterable[Check]:
         "python",
         "ok" if good else "bad",
         f"{version}, {sys.executable}",
-        "Use Python 3.11: PyBullet has wheels for it alone. `./run` sets it up.",
+        "Use Python 3.11: PyBullet has wheels for no other version. `./run` sets it up.",
     )
 
 
@@ -80,7 +81,7 @@ def _packages(_: Settings) -> Iterable[Check]:
     yield Check(
         "packages",
         "bad" if missing else "ok",
-        f"missing: {', '.join(missing)}" if missing else "all there",
+        f"missing: {', '.join(missing)}" if missing else "all installed",
         "`./run` installs them, with the versions of uv.lock.",
     )
 
@@ -96,7 +97,7 @@ def _database(settings: Settings) -> Iterable[Check]:
     shown = url.render_as_string(hide_password=True)
     file = Path(url.database) if url.drivername.startswith("sqlite") and url.database else None
     if file is not None and not file.exists():
-        yield Check("database", "ok", f"{shown} (made at the first start)")
+        yield Check("database", "ok", f"{shown} (created at the first start)")
         return
     database = Database(settings.database_url)
     try:
@@ -105,7 +106,7 @@ def _database(settings: Settings) -> Iterable[Check]:
     except schema.SchemaTooOld as old:
         yield Check("database", "warning", str(old), "`seamark db upgrade` or `seamark up`")
     except SQLAlchemyError as error:
-        remedy = "Check SEAMARK_DATABASE_URL and whether the server runs."
+        remedy = "Check SEAMARK_DATABASE_URL and that the server is running."
         yield Check("database", "bad", f"{shown}: {type(error).__name__}", remedy)
     finally:
         database.close()
@@ -120,7 +121,7 @@ def _broker(settings: Settings) -> Iterable[Check]:
 
     if not settings.broker_url:
         try:
-            yield Check("broker", "ok", f"`seamark up` brings {find_server().name}")
+            yield Check("broker", "ok", f"`seamark up` starts {find_server().name}")
         except PlatformFailed as missing:
             yield Check("broker", "bad", "none", str(missing))
         return
@@ -129,7 +130,7 @@ def _broker(settings: Settings) -> Iterable[Check]:
         client.ping()
         yield Check("broker", "ok", "answers")
     except RedisError as error:
-        remedy = "Check SEAMARK_BROKER_URL and whether the server runs."
+        remedy = "Check SEAMARK_BROKER_URL and that the server is running."
         yield Check("broker", "bad", f"does not answer: {error}", remedy)
     finally:
         client.close()
@@ -147,7 +148,7 @@ def _sandbox(settings: Settings) -> Iterable[Check]:
     yield Check("isolation", "ok" if good else "bad", says, "See the findings below.")
     for finding in found.findings:
         state = "ok" if finding.ok else "warning"
-        yield Check(f"  {finding.name}", state, finding.why or "holds", finding.remedy)
+        yield Check(f"  {finding.name}", state, finding.why or "ok", finding.remedy)
     if good:
         yield from _languages(found.level)
 
@@ -183,7 +184,7 @@ def _machine(settings: Settings) -> Iterable[Check]:
     )
 
 
-LOOKS: tuple[Callable[[Settings], Iterable[Check]], ...] = (
+PROBES: tuple[Callable[[Settings], Iterable[Check]], ...] = (
     _python,
     _packages,
     _database,

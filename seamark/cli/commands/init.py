@@ -1,4 +1,4 @@
-"""`seamark init`: a program to start from, in any of the languages."""
+"""`seamark init`: a starter program in any of the languages."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ from pathlib import Path
 
 import click
 
-from seamark.cli.options import say
 from seamark.failures import UsageRefused
 
 LANGUAGES = ("python", "c", "c++", "matlab", "fmu", "embedded-c", "executable")
@@ -19,15 +18,15 @@ COMPILE = "gcc -O2 -static {source} -o {program}"  # for a program that speaks t
     "--benchmark",
     default="currents-v1",
     show_default=True,
-    help="What it is to take part in: visibility-v1 compares trackers.",
+    help="The benchmark it is for; visibility-v1 compares trackers.",
 )
 @click.argument("folder", type=click.Path(path_type=Path), metavar="[DIR]", default=".")
 def init(*, language: str, benchmark: str, folder: Path) -> None:
-    """Write a program that runs as it is into DIR, to start from.
+    """Write a starter program to DIR; it runs as it is.
 
-    For C and C++ the header seamark.h comes along, for your editor: the sandbox has its own. For
-    an FMU there are its sources too: it is a zip archive of them. An executable is compiled by
-    you, of any language that speaks the protocol of docs/protocol.md; this one is C.
+    C and C++ come with the header seamark.h for your editor; the sandbox uses its own. An FMU
+    comes with its sources: it is a zip archive of them. An executable can be written in any
+    language that speaks the protocol of docs/protocol.md; the starter is in C, and you compile it.
 
     \b
     Examples:
@@ -35,13 +34,11 @@ def init(*, language: str, benchmark: str, folder: Path) -> None:
       seamark init --language c++ my_controller
       seamark init --benchmark visibility-v1 my_tracker
     """
+    from seamark.cli.configuration import benchmark_of
     from seamark.server.programs import starter_files
-    from seamark.sim import registry
 
-    if benchmark not in registry.BENCHMARKS:
-        known = ", ".join(registry.BENCHMARKS)
-        raise UsageRefused(f"There is no benchmark {benchmark}. There are: {known}.")
-    role, short = registry.benchmark(benchmark).role, registry.benchmark(benchmark).quick_settings
+    entry = benchmark_of(benchmark)
+    role, short = entry.role, entry.quick_settings
     try:
         files = starter_files.start(language, role)
     except KeyError:
@@ -51,7 +48,7 @@ def init(*, language: str, benchmark: str, folder: Path) -> None:
         ) from None
     taken = [name for name in files if (folder / name).exists()]
     if taken:
-        raise UsageRefused(f"{folder / taken[0]} is there already; nothing was written.")
+        raise UsageRefused(f"{folder / taken[0]} already exists; nothing was written.")
     try:
         folder.mkdir(parents=True, exist_ok=True)
         for name, content in files.items():
@@ -60,12 +57,12 @@ def init(*, language: str, benchmark: str, folder: Path) -> None:
     except OSError as error:
         raise UsageRefused(f"{folder} cannot be written: {error.strerror}.") from None
     main = folder / next(iter(files))
-    say(f"Wrote {', '.join(str(folder / name) for name in files)}. Try it:")
+    click.echo(f"Wrote {', '.join(str(folder / name) for name in files)}. Try it:")
     if language == "executable":
         source, main = main, main.with_suffix(".elf")
-        say(f"  {COMPILE.format(source=source, program=main)}")
+        click.echo(f"  {COMPILE.format(source=source, program=main)}")
     quick = " ".join(f"--set {key}={_text(value)}" for key, value in short.items())
-    say(f"  seamark run {benchmark} --controller {main} {quick}")
+    click.echo(f"  seamark run {benchmark} --controller {main} {quick}")
 
 
 def _text(value: object) -> str:

@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from seamark.cli.options import answer, end, json_option, order_options, say
-from seamark.failures import PlatformFailed
+from seamark.cli.console import exit_with, print_json
+from seamark.cli.options import json_option, run_options
 
 if TYPE_CHECKING:
-    from seamark.cli.recording import Recording
+    from seamark.cli.output_folder import OutputFolder
     from seamark.worker.ipc.outcomes import RunOutcome
 
 INTERRUPTED = 130  # 128 + SIGINT, as shells have it
@@ -34,7 +34,7 @@ class Order:
 
 @click.command()
 @click.argument("benchmark")
-@order_options
+@run_options
 @click.option(
     "--out", type=click.Path(path_type=Path), metavar="DIR", help="Where to put the data."
 )
@@ -68,24 +68,24 @@ def run(  # noqa: PLR0913  # one argument per option
       seamark run visibility-v1 --set tracker=esm --set warp=srt
       seamark run visibility-v1 --controller my_tracker.py
     """
-    from seamark.cli.recording import Recording
+    from seamark.cli.output_folder import OutputFolder
 
     if score is not None:
         pairs = (*pairs, f"score={score}")
     order = _order(benchmark, controller, pairs, config, trials=trials, seed=seed)
-    recording = Recording(out)
+    recording = OutputFolder(out)
     recording.comments = _head_of(order)
     if not as_json:
-        say(f"{benchmark}, {order.controller}, seed {order.seed}, trials {trials}")
+        click.echo(f"{benchmark}, {order.controller}, seed {order.seed}, trials {trials}")
     try:
         outcome = _evaluate(order, recording, quiet=as_json)
     except KeyboardInterrupt:
         recording.save(order.benchmark, None)
         click.echo("Stopped." + (f" What there is so far: {out}" if out else ""), err=True)
-        end(INTERRUPTED)
+        exit_with(INTERRUPTED)
     recording.save(order.benchmark, outcome)
     _report(order, outcome, out, as_json=as_json)
-    end(0 if outcome.failure is None else 1)
+    exit_with(0 if outcome.failure is None else 1)
 
 
 def _order(
@@ -97,7 +97,8 @@ def _order(
     trials: int,
     seed: int | None,
 ) -> Order:
-    from seamark.cli.controllers import choose, configuration_of
+    from seamark.cli.configuration import configuration_of
+    from seamark.cli.solutions import choose
     from seamark.sim import registry
     from seamark.sim.engine.seeds import SEED_MAX
 
@@ -132,46 +133,44 @@ def _head_of(order: Order) -> list[str]:
     ]
 
 
-def _evaluate(order: Order, recording: Recording, *, quiet: bool) -> RunOutcome:
-    from seamark.cli.programs import isolation_level, program_of
-    from seamark.cli.progress import Progress
+def _evaluate(order: Order, recording: OutputFolder, *, quiet: bool) -> RunOutcome:
+    from seamark.cli.console import Progress
+    from seamark.cli.solutions import (
+        isolation_level,
+        prepare_valid,
+        sandbox_failures_explained,
+    )
     from seamark.sandbox.isolation.level import IsolationLevel
-    from seamark.sandbox.outcome import SandboxBroken
     from seamark.worker.evaluation.local import Callbacks, evaluate_locally
 
     program = (
-        None if order.program is None else program_of(order.program, benchmark=order.benchmark)
+        None if order.program is None else prepare_valid(order.program, benchmark=order.benchmark)
     )
     isolation = IsolationLevel.NONE if program is None else isolation_level()
-    with Progress(order.benchmark, quiet=quiet) as bar:
+    with sandbox_failures_explained(), Progress(order.benchmark, quiet=quiet) as bar:
         callbacks = Callbacks(
             rows=recording.add_rows,
             log=recording.add_log,
             trial_restarted=recording.discard,
             progress=lambda p: bar.show(p.fraction, f"{p.t_simulated:.0f} s simulated"),
         )
-        try:
-            return evaluate_locally(
-                order.benchmark,
-                order.config,
-                seed=order.seed,
-                trials=order.trials,
-                controller=program or order.controller,
-                callbacks=callbacks,
-                isolation=isolation,
-            )
-        except SandboxBroken as broken:
-            raise PlatformFailed(
-                f"The sandbox failed: {broken}. `seamark doctor` says what this machine can do."
-            ) from None
+        return evaluate_locally(
+            order.benchmark,
+            order.config,
+            seed=order.seed,
+            trials=order.trials,
+            controller=program or order.controller,
+            callbacks=callbacks,
+            isolation=isolation,
+        )
 
 
 def _report(order: Order, outcome: RunOutcome, out: Path | None, *, as_json: bool) -> None:
-    from seamark.cli.outcome import own_score, table
+    from seamark.cli.run_summary import custom_score, level_table
 
     metrics = outcome.metrics or {}
     if as_json:
-        answer(
+        print_json(
             {
                 "benchmark": order.benchmark,
                 "controller": order.controller,
@@ -192,11 +191,11 @@ def _report(order: Order, outcome: RunOutcome, out: Path | None, *, as_json: boo
         click.echo(f"Failed ({outcome.failure}): {outcome.sentence}", err=True)
         click.echo(outcome.traceback.rstrip(), err=True)
     else:
-        for line in table(metrics):
-            say(line)
-        say(f"score   {metrics['score']:.4g}")
-        for line in own_score(metrics):
-            say(line)
-    say(f"digest  {outcome.digest}")
+        for line in level_table(metrics):
+            click.echo(line)
+        click.echo(f"score   {metrics['score']:.4g}")
+        for line in custom_score(metrics):
+            click.echo(line)
+    click.echo(f"digest  {outcome.digest}")
     if out is not None:
-        say(f"data    {out}")
+        click.echo(f"data    {out}")

@@ -1,4 +1,4 @@
-"""`seamark submit`: send a controller to a server."""
+"""`seamark submit`: submit a run to a server."""
 
 from __future__ import annotations
 
@@ -7,17 +7,18 @@ from typing import Any
 
 import click
 
-from seamark.cli.options import answer, end, json_option, order_options, say, server_options
-from seamark.cli.outcome import explain
+from seamark.cli.console import exit_with, print_json
+from seamark.cli.options import json_option, run_options, server_options
+from seamark.cli.run_summary import summary
 from seamark.failures import PlatformFailed, UsageRefused
 
 
 @click.command()
 @click.argument("benchmark")
-@order_options
-@click.option("--ranked", is_flag=True, help="On the hidden seeds, for the leaderboard.")
-@click.option("--title", default="", help="Shown in lists.")
-@click.option("--wait", is_flag=True, help="Follow the run until it has ended.")
+@run_options
+@click.option("--ranked", is_flag=True, help="Run on the hidden seeds, for the leaderboard.")
+@click.option("--title", default="", help="Title in the list of runs.")
+@click.option("--wait", is_flag=True, help="Wait until the run has ended.")
 @server_options
 @json_option
 def submit(  # noqa: PLR0913 (one argument per option is click's way)
@@ -35,7 +36,7 @@ def submit(  # noqa: PLR0913 (one argument per option is click's way)
     token: str | None,
     as_json: bool,
 ) -> None:
-    """Send a controller or tracker (a file, or the name of a built-in one) to a server.
+    """Submit a run of a controller or tracker (a file or a built-in one) to a server.
 
     \b
     Examples:
@@ -43,11 +44,12 @@ def submit(  # noqa: PLR0913 (one argument per option is click's way)
       seamark submit currents-v1 --controller pi --set kp=0.6 --seed 7
       seamark submit currents-v1 --controller my_controller.py --ranked --token $TOKEN
     """
-    from seamark.cli.controllers import choose, read_settings
+    from seamark.cli.configuration import read_settings
+    from seamark.cli.solutions import choose
     from seamark.client import Client, ServerAway, ServerRefused
 
     name, program = choose(controller, benchmark)
-    order: dict[str, Any] = {
+    submission: dict[str, Any] = {
         "config": _typed(benchmark, read_settings(config, pairs)),
         "kind": "ranked" if ranked else "practice",
         "seed": seed,
@@ -56,7 +58,7 @@ def submit(  # noqa: PLR0913 (one argument per option is click's way)
     }
     try:
         with Client(server, token) as client:
-            run = client.submit(benchmark, controller=name, program=program, **order)
+            run = client.submit(benchmark, controller=name, program=program, **submission)
             _announce(run, server, as_json=as_json)
             if wait:
                 run = _follow(client, run, quiet=as_json)
@@ -70,8 +72,8 @@ def submit(  # noqa: PLR0913 (one argument per option is click's way)
 
 
 def _typed(benchmark: str, values: dict[str, Any]) -> dict[str, Any]:
-    """Convert texts if this installation knows the benchmark; else the server has to."""
-    from seamark.cli.controllers import typed
+    """Convert strings if this installation knows the benchmark; otherwise the server does."""
+    from seamark.cli.configuration import typed
     from seamark.sim import registry
 
     if benchmark not in registry.BENCHMARKS:
@@ -86,17 +88,17 @@ def _failure(status: int) -> type[UsageRefused] | type[PlatformFailed]:
 def _announce(run: dict[str, Any], server: str, *, as_json: bool) -> None:
     if not as_json:
         page = server.rstrip("/") + run["links"]["page"]
-        say(f"Run {run['id']} is {run['state']}: {page}")
+        click.echo(f"Run {run['id']} is {run['state']}: {page}")
 
 
 def _follow(client: Any, run: dict[str, Any], *, quiet: bool) -> dict[str, Any]:
-    from seamark.cli.progress import Progress
+    from seamark.cli.console import Progress
 
     with Progress(f"run {run['id']}", quiet=quiet) as progress:
 
         def show(now: dict[str, Any]) -> None:
             position = now["position"]
-            note = f"waits, place {position}" if position else str(now["state"])
+            note = f"queued, position {position}" if position else str(now["state"])
             progress.show(now["progress"], note, state=note)
 
         ended: dict[str, Any] = client.wait(run["id"], show)
@@ -105,10 +107,10 @@ def _follow(client: Any, run: dict[str, Any], *, quiet: bool) -> dict[str, Any]:
 
 def _finish(run: dict[str, Any], *, waited: bool, as_json: bool) -> None:
     if as_json:
-        answer(run)
+        print_json(run)
     elif waited:
-        say(explain(run))
+        click.echo(summary(run))
     if not waited or run["state"] == "succeeded":
-        end(0)
+        exit_with(0)
     cause = (run["failure"] or {}).get("cause")
-    end(3 if cause == "platform_error" else 1)
+    exit_with(3 if cause == "platform_error" else 1)

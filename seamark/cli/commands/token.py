@@ -1,4 +1,4 @@
-"""`seamark token`: keys for programs."""
+"""`seamark token`: API tokens."""
 
 from __future__ import annotations
 
@@ -6,7 +6,8 @@ from pathlib import Path
 
 import click
 
-from seamark.cli.options import answer, data_option, database_of, json_option, say, settings_of
+from seamark.cli.console import print_json
+from seamark.cli.options import data_option, database_of, json_option, settings_of
 from seamark.failures import UsageRefused
 
 SCOPES = (
@@ -18,7 +19,7 @@ SCOPES = (
 
 @click.group()
 def token() -> None:
-    """Make tokens for programs."""
+    """Create API tokens."""
 
 
 @token.command()
@@ -30,22 +31,22 @@ def token() -> None:
     multiple=True,
     default=("read", "submit"),
     show_default=True,
-    help="May be given several times.",
+    help="Repeatable.",
 )
 @click.option(
     "--days",
     type=click.FloatRange(min=0, max=3650, min_open=True),
     default=90,
     show_default=True,
-    help="How long it works.",
+    help="Days until it expires.",
 )
-@click.option("--label", default="made by seamark token new", help="To tell tokens apart.")
+@click.option("--label", default="made by seamark token new", help="Name in the list of tokens.")
 @data_option
 @json_option
 def new(
     *, name: str, scopes: tuple[str, ...], days: float, label: str, data: Path | None, as_json: bool
 ) -> None:
-    """Make a token for the account NAME; it stands alone on the last line.
+    """Create a token for the account NAME and print it, alone, on the last line.
 
     \b
     Examples:
@@ -63,11 +64,11 @@ def new(
         owner = session.scalar(select(User).where(User.name_key == name.casefold()))
         if owner is None:
             raise UsageRefused(
-                f"There is no account {name}. Make it with `seamark user add {name}`."
+                f"There is no account {name}. Create it with `seamark user add {name}`."
             )
         text = accounts.new_token(session, owner.id, label, scopes, days=days)
     if as_json:
-        answer({"user": owner.name, "scopes": list(scopes), "days": days, "token": text})
+        print_json({"user": owner.name, "scopes": list(scopes), "days": days, "token": text})
         return
-    say(f"Token of {owner.name} for {', '.join(scopes)}, {days:g} days. It cannot be shown again.")
-    say(text)
+    click.echo(f"Token of {owner.name} for {', '.join(scopes)}, {days:g} days (not shown again):")
+    click.echo(text)

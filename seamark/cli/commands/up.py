@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from seamark.cli.options import answer, data_option, end, json_option, say, settings_of
+from seamark.cli.console import exit_with, print_json
+from seamark.cli.options import data_option, json_option, settings_of
 
 if TYPE_CHECKING:
     from seamark.server.settings import Settings
@@ -45,13 +46,13 @@ def up(
     settings = settings_of(data, port=port, host=host, workers=workers)
     if settings.port == 0:
         settings = settings.model_copy(update={"port": free_port(settings.host)})
-    notes = _silent if as_json else say
+    notes = _silent if as_json else click.echo
     notes(f"Starting Seamark in {settings.data} ...")
     isolation = _isolation(settings)
     service = Embedded(settings, notes)
     seen = service.run(lambda ready: _show(ready, isolation, as_json=as_json))
     notes(f"Stopped ({seen.name}). Everything is kept in {settings.data}.")
-    end(0)
+    exit_with(0)
 
 
 def _silent(_: str) -> None:
@@ -79,14 +80,14 @@ def _show(settings: Settings, isolation: tuple[str, str], *, as_json: bool) -> N
 
     address = address_of(settings)
     if as_json:
-        answer({"address": address, "data": str(settings.data), "isolation": isolation[0]})
+        print_json({"address": address, "data": str(settings.data), "isolation": isolation[0]})
         return
-    say("")
-    say(f"  Seamark is ready:  {click.style(address, bold=True)}")
-    say("")
-    say(f"  data       {settings.data}")
-    say(f"  runs       {settings.workers} at the same time")
-    say(f"  uploads    {isolation[1]}")
-    say(f"  logs       {settings.data / 'logs'}")
-    say("  stop       Ctrl-C")
-    say("")
+    click.echo("")
+    click.echo(f"  Seamark is ready:  {click.style(address, bold=True)}")
+    click.echo("")
+    click.echo(f"  data       {settings.data}")
+    click.echo(f"  runs       {settings.workers} at the same time")
+    click.echo(f"  uploads    {isolation[1]}")
+    click.echo(f"  logs       {settings.data / 'logs'}")
+    click.echo("  stop       Ctrl-C")
+    click.echo("")

@@ -10,23 +10,24 @@ from typing import TextIO
 
 import click
 
-from seamark.cli.options import answer, data_option, database_of, json_option, say, settings_of
+from seamark.cli.console import print_json
+from seamark.cli.options import data_option, database_of, json_option, settings_of
 from seamark.failures import UsageRefused
 
 
 @click.group()
 def user() -> None:
-    """Make accounts, set passwords."""
+    """Manage accounts."""
 
 
 @user.command()
 @click.argument("name")
-@click.option("--password", metavar="P", help="At least 10 characters; drawn if left out.")
-@click.option("--admin", is_flag=True, help="May see and cancel everything.")
+@click.option("--password", metavar="P", help="At least 10 characters.  [default: random]")
+@click.option("--admin", is_flag=True, help="May see and cancel all runs.")
 @data_option
 @json_option
 def add(name: str, password: str | None, admin: bool, data: Path | None, as_json: bool) -> None:
-    """Make the account NAME.
+    """Create the account NAME.
 
     \b
     Examples:
@@ -44,21 +45,21 @@ def add(name: str, password: str | None, admin: bool, data: Path | None, as_json
     except accounts.AccountRejected as reason:
         raise UsageRefused(str(reason)) from None
     if as_json:
-        answer({"id": user_id, "name": name, "admin": admin, "password": drawn})
+        print_json({"id": user_id, "name": name, "admin": admin, "password": drawn})
         return
-    say(f"The account {name} is there{', with the rights of an admin' if admin else ''}.")
+    click.echo(f"Created the account {name}{' with admin rights' if admin else ''}.")
     if drawn is not None:
-        say(f"Its password, shown only now: {drawn}")
+        click.echo(f"Password (not shown again): {drawn}")
 
 
 @user.command("import")
 @click.argument("file", type=click.File(encoding="utf-8"))
 @data_option
 def import_names(file: TextIO, data: Path | None) -> None:
-    """Make an account for each line of FILE (- for standard input), for example a class.
+    """Create an account for each line of FILE (- for standard input), such as a class list.
 
-    A line is a name, or begins with one and a comma. Prints a CSV: each name with its password,
-    shown only now, or with the reason why no account was made, such as that it is there already.
+    A line is a name, or starts with a name and a comma. Prints a CSV table with the password of
+    each new account, or the reason why it was refused. The passwords are not shown again.
 
     \b
     Example:
@@ -72,7 +73,7 @@ def import_names(file: TextIO, data: Path | None) -> None:
     for name in filter(None, (line.partition(",")[0].strip() for line in file)):
         drawn, refused = secrets.token_urlsafe(12), ""
         try:
-            with database.writing() as session:  # one each: others write meanwhile
+            with database.writing() as session:  # one each: others write in between
                 accounts.sign_up(session, name, drawn)
         except accounts.AccountRejected as reason:
             drawn, refused = "", str(reason)
@@ -81,11 +82,11 @@ def import_names(file: TextIO, data: Path | None) -> None:
 
 @user.command("password")
 @click.argument("name")
-@click.option("--password", metavar="P", help="At least 10 characters; drawn if left out.")
+@click.option("--password", metavar="P", help="At least 10 characters.  [default: random]")
 @data_option
 @json_option
 def set_password(name: str, password: str | None, data: Path | None, as_json: bool) -> None:
-    """Give the account NAME a new password; its browsers have to sign in again.
+    """Set a new password for the account NAME, and sign it out everywhere.
 
     \b
     Example:
@@ -101,8 +102,8 @@ def set_password(name: str, password: str | None, data: Path | None, as_json: bo
     except accounts.AccountRejected as reason:
         raise UsageRefused(str(reason)) from None
     if as_json:
-        answer({"name": name, "password": drawn})
+        print_json({"name": name, "password": drawn})
         return
-    say(f"The password of {name} is changed.")
+    click.echo(f"Changed the password of {name}.")
     if drawn is not None:
-        say(f"The new one, shown only now: {drawn}")
+        click.echo(f"New password (not shown again): {drawn}")

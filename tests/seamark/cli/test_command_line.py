@@ -1,4 +1,4 @@
-"""What the commands accept, refuse and print."""
+"""What the commands of `seamark` accept, refuse and print."""
 
 import csv
 import json
@@ -12,7 +12,7 @@ from click.testing import CliRunner, Result
 
 from seamark.cli.commands import init
 from seamark.cli.commands.token import SCOPES as OFFERED
-from seamark.cli.controllers import read_settings, typed
+from seamark.cli.configuration import read_settings, typed
 from seamark.cli.main import COMMANDS, cli
 from seamark.cli.options import settings_of
 from seamark.server.accounts import accounts
@@ -48,14 +48,14 @@ def process(*arguments: str) -> "subprocess.CompletedProcess[str]":
 
 
 @pytest.mark.parametrize("name", COMMANDS)
-def test_every_command_explains_itself(name: str) -> None:
+def test_every_command_has_a_help_text(name: str) -> None:
     answer = seamark(name, "--help")
 
     assert answer.exit_code == 0
     assert "Usage: seamark" in answer.output
 
 
-def test_help_loads_no_heavy_module() -> None:
+def test_help_imports_no_heavy_module() -> None:
     code = (
         "import sys; from seamark.cli.main import cli\n"
         "cli.main(['--help'], standalone_mode=False)\n"
@@ -68,11 +68,11 @@ def test_help_loads_no_heavy_module() -> None:
 
 
 @pytest.mark.parametrize(
-    ("arguments", "told"),
+    ("arguments", "message"),
     [
         (
             ("run", "nothing"),
-            "There is no benchmark nothing. There are: currents-v1,",
+            "There is no benchmark nothing. Available: currents-v1,",
         ),
         (("run", "currents-v1", "--set", "kp"), "write it as key=value"),
         (("run", "currents-v1", "--set", "kp=-1"), "from 0 to"),
@@ -90,17 +90,19 @@ def test_help_loads_no_heavy_module() -> None:
         (("up", "--port", "99999"), "--port"),
     ],
 )
-def test_a_mistake_is_answered_with_a_sentence_and_code_2(
-    arguments: tuple[str, ...], told: str
+def test_wrong_usage_ends_with_a_message_and_exit_code_2(
+    arguments: tuple[str, ...], message: str
 ) -> None:
     answer = seamark(*arguments)
 
     assert answer.exit_code == 2
-    assert told in " ".join(answer.output.split())
+    assert message in " ".join(answer.output.split())
     assert "Traceback" not in answer.output
 
 
-def test_an_unknown_setting_of_the_service_stops_the_start(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_unknown_environment_variable_of_seamark_is_an_error(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     monkeypatch.setenv("SEAMARK_COLOUR", "blue")
 
     answer = seamark("db", "upgrade")
@@ -111,14 +113,14 @@ def test_an_unknown_setting_of_the_service_stops_the_start(monkeypatch: pytest.M
     )
 
 
-def test_a_server_that_does_not_answer_is_the_platforms_failure() -> None:
+def test_a_server_that_does_not_answer_ends_with_exit_code_3() -> None:
     answer = seamark("submit", "currents-v1", "--server", "http://127.0.0.1:9")
 
     assert answer.exit_code == 3
     assert "http://127.0.0.1:9 does not answer" in answer.output
 
 
-def test_an_account_and_its_token_are_made_in_the_data_folder(tmp_path: Path) -> None:
+def test_an_account_gets_a_token_and_its_name_cannot_be_taken_twice(tmp_path: Path) -> None:
     data = ("--data", str(tmp_path / "data"))
 
     made = seamark("user", "add", "ann", *data)
@@ -130,7 +132,7 @@ def test_an_account_and_its_token_are_made_in_the_data_folder(tmp_path: Path) ->
     assert token.output.splitlines()[-1].startswith("smk_")
 
 
-def test_a_class_gets_its_accounts_from_a_file_and_each_refusal_is_told(tmp_path: Path) -> None:
+def test_accounts_are_imported_from_a_file_and_each_refusal_has_its_reason(tmp_path: Path) -> None:
     data, names = ("--data", str(tmp_path / "data")), tmp_path / "names.txt"
     names.write_text("ann, class 7\nbob\n\nnot a name\nBob\n", encoding="utf-8")
 
@@ -143,7 +145,7 @@ def test_a_class_gets_its_accounts_from_a_file_and_each_refusal_is_told(tmp_path
     assert rows["not a name"]["refused"].startswith("A name has")
 
 
-def test_the_scopes_on_offer_are_the_servers() -> None:
+def test_the_scopes_of_tokens_are_those_of_the_server() -> None:
     assert set(OFFERED) == set(SCOPES)
 
 
@@ -155,7 +157,9 @@ def test_the_scopes_on_offer_are_the_servers() -> None:
         ("o.json", '{"benchmark": "currents-v1", "config": {"kp": 0.7, "levels": [0, 0.1]}}'),
     ],
 )
-def test_a_file_and_pairs_mean_the_same(tmp_path: Path, name: str, text: str) -> None:
+def test_settings_of_a_file_and_of_options_are_read_the_same(
+    tmp_path: Path, name: str, text: str
+) -> None:
     path = tmp_path / name
     path.write_text(text)
     schema: dict[str, Any] = registry.benchmark("currents-v1").schema()
@@ -167,7 +171,7 @@ def test_a_file_and_pairs_mean_the_same(tmp_path: Path, name: str, text: str) ->
     assert typed(read_settings(path, ("kp=0.9",)), schema)["kp"] == 0.9
 
 
-def test_the_benchmarks_are_listed_for_people_and_for_programs() -> None:
+def test_benchmarks_are_listed_as_text_and_as_json() -> None:
     listed = json.loads(seamark("benchmarks", "--json").output)
     schema = json.loads(seamark("benchmarks", "currents-v1", "--json").output)
 
@@ -195,7 +199,7 @@ def test_the_same_seed_gives_the_same_digest_in_two_processes(tmp_path: Path) ->
     ]
 
 
-def test_a_foreign_folder_is_not_written_into(tmp_path: Path) -> None:
+def test_a_folder_with_other_files_is_not_written_to(tmp_path: Path) -> None:
     (tmp_path / "thesis.tex").write_text("years of work")
 
     answer = seamark("run", "currents-v1", *SHORT, "--out", str(tmp_path))
@@ -206,7 +210,7 @@ def test_a_foreign_folder_is_not_written_into(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 @pytest.mark.host
-def test_a_program_that_crashes_ends_with_code_1_and_its_own_traceback(tmp_path: Path) -> None:
+def test_a_program_that_crashes_ends_with_exit_code_1_and_its_own_traceback(tmp_path: Path) -> None:
     program = tmp_path / "crashing.py"
     program.write_text(CRASHING)
     out = tmp_path / "out"
@@ -219,7 +223,7 @@ def test_a_program_that_crashes_ends_with_code_1_and_its_own_traceback(tmp_path:
     assert (out / "log.txt").read_text() == "started\n"
 
 
-def test_a_program_with_a_wrong_syntax_is_the_programs_failure(tmp_path: Path) -> None:
+def test_a_syntax_error_of_the_program_ends_with_exit_code_1(tmp_path: Path) -> None:
     program = tmp_path / "broken.py"
     program.write_text("class Controller(:\n")
 
@@ -229,7 +233,7 @@ def test_a_program_with_a_wrong_syntax_is_the_programs_failure(tmp_path: Path) -
     assert "broken.py:1:" in answer.output
 
 
-def test_init_knows_every_template() -> None:
+def test_init_offers_every_starter_file() -> None:
     assert init.LANGUAGES == starter_files.KINDS
 
 
@@ -245,7 +249,7 @@ def test_init_knows_every_template() -> None:
         ("fmu", {"controller.fmu", "modelDescription.xml", "sources"}),
     ],
 )
-def test_init_writes_a_controller_and_never_over_one(language: str, files: set[str]) -> None:
+def test_init_writes_a_controller_but_overwrites_none(language: str, files: set[str]) -> None:
     first = seamark("init", "--language", language, "mine")
     written = {path.name for path in Path("mine").iterdir()}
     main = next(path for path in Path("mine").iterdir() if path.stem == "controller")
@@ -257,7 +261,7 @@ def test_init_writes_a_controller_and_never_over_one(language: str, files: set[s
     assert main.read_text() == "my own"
 
 
-def test_a_forgotten_password_is_replaced_by_who_runs_the_service(tmp_path: Path) -> None:
+def test_the_operator_can_replace_a_forgotten_password(tmp_path: Path) -> None:
     data = ("--data", str(tmp_path / "d"))
     seamark("user", "add", "ann", *data)
 
@@ -276,7 +280,7 @@ def test_a_forgotten_password_is_replaced_by_who_runs_the_service(tmp_path: Path
         ("x = (\n", 1, "mine.py:1:5: '(' was never closed."),
     ],
 )
-def test_a_check_says_what_the_text_shows_with_its_line(
+def test_check_reports_the_errors_of_the_source_with_their_lines(
     tmp_path: Path, source: str, code: int, says: str
 ) -> None:
     program = tmp_path / "mine.py"

@@ -1,4 +1,4 @@
-"""`seamark dataset` as a person uses it."""
+"""`seamark dataset`: the archive it writes and the mistakes it refuses."""
 
 import json
 import zipfile
@@ -16,18 +16,18 @@ def _dataset(*arguments: str) -> Result:
     return CliRunner().invoke(cli, ["dataset", "currents-v1", *SHORT, *arguments])
 
 
-def test_the_archive_says_how_to_make_it_again_and_that_gives_the_same_bytes(
+def test_the_configuration_in_the_archive_reproduces_its_bytes(
     tmp_path: Path,
 ) -> None:
     first, second = tmp_path / "first.zip", tmp_path / "second.zip"
-    made = _dataset("--seed", "5", "--every", "10", "--out", str(first), "--json")
-    assert made.exit_code == 0
-    assert json.loads(made.stdout)["pictures"] == 6
+    written = _dataset("--seed", "5", "--every", "10", "--out", str(first), "--json")
+    assert written.exit_code == 0
+    assert json.loads(written.stdout)["pictures"] == 6
 
     with zipfile.ZipFile(first) as file:
         settings = file.extract("seamark-dataset/configuration.json", tmp_path)
-    order = ("--config", settings, "--seed", "5", "--every", "10", "--out", str(second))
-    again = CliRunner().invoke(cli, ["dataset", "currents-v1", *order])
+    options = ("--config", settings, "--seed", "5", "--every", "10", "--out", str(second))
+    again = CliRunner().invoke(cli, ["dataset", "currents-v1", *options])
 
     assert again.exit_code == 0
     assert first.read_bytes() == second.read_bytes()
@@ -36,12 +36,12 @@ def test_the_archive_says_how_to_make_it_again_and_that_gives_the_same_bytes(
 @pytest.mark.parametrize(
     ("arguments", "says"),
     [
-        (("--from", "50"), "no picture is left"),
-        (("--solution", "magic"), "There is no solution magic built in"),
+        (("--from", "50"), "there are no images"),
+        (("--solution", "magic"), "There is no built-in solution magic"),
         (("--out", "/proc/nothing.zip"), "cannot be written"),
     ],
 )
-def test_a_mistake_is_a_sentence_and_leaves_no_file(
+def test_wrong_usage_ends_with_a_message_and_leaves_no_file(
     tmp_path: Path, arguments: tuple[str, ...], says: str
 ) -> None:
     out = tmp_path / "dataset.zip"

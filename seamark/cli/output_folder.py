@@ -1,4 +1,4 @@
-"""Collects what a run gives and writes it into a folder."""
+"""The files that a local run writes."""
 
 from __future__ import annotations
 
@@ -18,30 +18,30 @@ if TYPE_CHECKING:
 FILES = ("manifest.json", "metrics.json", "telemetry.csv", "log.txt")
 
 
-class Recording:
-    """Everything of one run; `folder` None keeps nothing.
+class OutputFolder:
+    """Collects the data of one run and writes its files; without a folder it keeps nothing.
 
     Raises
     ------
     UsageRefused
-        The folder holds files that are not ours, or cannot be written to.
+        The folder holds other files, or is not writable.
     """
 
     def __init__(self, folder: Path | None) -> None:
         self._folder = folder
         self._rows: list[NDArray[np.float64]] = []
         self._log: list[bytes] = []
-        self.comments: list[str] = []  # further lines at the head of the telemetry
+        self.comments: list[str] = []  # lines for the header of the telemetry
         if folder is not None:
             _prepare(folder)
 
     def add_rows(self, rows: NDArray[np.float64]) -> None:
-        """Take telemetry."""
+        """Collect rows of telemetry."""
         if self._folder is not None:
             self._rows.append(rows.copy())
 
     def add_log(self, text: bytes) -> None:
-        """Take what the program printed."""
+        """Collect output of the program."""
         self._log.append(text)
 
     def discard(self, trial: int) -> None:
@@ -73,13 +73,13 @@ class Recording:
     def _write_json(self, name: str, value: object) -> None:
         path = Path(self._folder or ".", name)
         if value is None:
-            path.unlink(missing_ok=True)  # of an earlier run in this folder
+            path.unlink(missing_ok=True)  # left by an earlier run
             return
         path.write_text(json.dumps(value, indent=2, allow_nan=False) + "\n", encoding="utf-8")
 
 
 def _prepare(folder: Path) -> None:
-    """Make the folder; refuse one with anything in it that an earlier run did not write."""
+    """Create the folder; refuse one with files that no run wrote."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
         foreign = sorted(entry.name for entry in folder.iterdir() if entry.name not in FILES)
@@ -88,7 +88,7 @@ def _prepare(folder: Path) -> None:
     if foreign:
         raise UsageRefused(
             f"{folder} holds other files ({', '.join(foreign[:3])}). "
-            "Choose an empty or new folder, so that nothing is mixed up."
+            "Choose an empty or a new folder."
         )
     if not os.access(folder, os.W_OK):
         raise UsageRefused(f"{folder} cannot be written to.")

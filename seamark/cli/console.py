@@ -1,17 +1,34 @@
-"""Progress of a run: a bar on a terminal, plain lines in a pipe, nothing for programs."""
+"""What commands print: lines for people, one JSON object for programs, a progress bar."""
 
 from __future__ import annotations
 
+import json
 import sys
 import time
 from types import TracebackType
-from typing import Any, Self
+from typing import Any, NoReturn, Self
 
-LINE_EVERY = 0.1  # of the whole, between two plain lines
+import click
+
+LINE_INTERVAL = 0.1  # fraction of the whole between two plain lines
+
+
+def print_json(value: object) -> None:
+    """Print one JSON object for a program."""
+    click.echo(json.dumps(value, indent=2, allow_nan=False))
+
+
+def exit_with(code: int) -> NoReturn:
+    """End the command with an exit code."""
+    sys.stdout.flush()
+    raise click.exceptions.Exit(code)
 
 
 class Progress:
-    """Shows how far a run is; a context manager. Writes to standard error."""
+    """A context manager that shows the progress of a run on standard error.
+
+    A bar on a terminal, plain lines in a pipe, nothing if `quiet`.
+    """
 
     def __init__(self, title: str, *, quiet: bool = False) -> None:
         self._title = title
@@ -47,12 +64,12 @@ class Progress:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        """Leave the bar as it is."""
+        """Stop the bar."""
         if self._bar is not None:
             self._bar.stop()
 
     def show(self, fraction: float, note: str = "", *, state: str = "") -> None:
-        """Show that `fraction` (0 to 1) is done; a new `state` is always worth a line."""
+        """Show that `fraction` (0 to 1) is done; a change of `state` always prints a line."""
         if self._quiet:
             return
         if self._bar is not None:
@@ -61,7 +78,7 @@ class Progress:
         if fraction < self._next_line and state == self._last:
             return
         self._last = state
-        self._next_line = min(fraction + LINE_EVERY, 1.0) if fraction < 1.0 else 2.0
+        self._next_line = min(fraction + LINE_INTERVAL, 1.0) if fraction < 1.0 else 2.0
         elapsed = time.monotonic() - self._started
         text = f"{self._title}: {100 * fraction:3.0f} % after {elapsed:.1f} s {note}".rstrip()
         print(text, file=sys.stderr, flush=True)

@@ -1,0 +1,113 @@
+"""What takes part in a benchmark: a built-in solution, or a program that is read as an upload."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from seamark.failures import PlatformFailed, ProgramFailed, UsageRefused
+from seamark.sandbox.languages import LANGUAGES, language_of
+from seamark.sim import registry
+
+if TYPE_CHECKING:
+    from seamark.sandbox.isolation.level import IsolationLevel
+    from seamark.server.programs.store import PreparedProgram
+
+
+def choose(controller: str | None, benchmark: str) -> tuple[str, Path | None]:
+    """Return the name of a solution and its file; None for a built-in one.
+
+    The default is the first built-in solution of the benchmark. A benchmark that this version does
+    not know may be one of a newer server.
+
+    Raises
+    ------
+    UsageRefused
+        It is neither a file nor built in, or the benchmark does not support its language.
+    """
+    known = benchmark if benchmark in registry.BENCHMARKS else next(iter(registry.BENCHMARKS))
+    entry = registry.benchmark(known)
+    built_in = list(entry.built_in)
+    if controller is None or controller in built_in:
+        return controller or built_in[0], None
+    path = Path(controller)
+    if path.is_file():
+        _check_language(path, entry.role)
+        return controller, path
+    near = difflib.get_close_matches(controller, built_in, n=1)
+    hint = f" Did you mean {near[0]}?" if near else ""
+    raise UsageRefused(
+        f"{controller} is neither a file nor a built-in {entry.role} ({', '.join(built_in)}).{hint}"
+    )
+
+
+def _check_language(path: Path, role: str) -> None:
+    name = language_of(path.name)
+    if name is not None and role not in LANGUAGES[name].roles:
+        supported = ", ".join(each.label for each in LANGUAGES.values() if role in each.roles)
+        raise UsageRefused(
+            f"{path}: a {role} can be written in {supported}, not in {LANGUAGES[name].label}."
+        )
+
+
+def prepare(path: Path, *, benchmark: str) -> PreparedProgram:
+    """Return the program in a file, read and checked as an upload of it.
+
+    Raises
+    ------
+    UsageRefused
+        The file cannot be read, or its type is unknown.
+    ProgramFailed
+        The server would refuse an upload of it.
+    """
+    from seamark.server.programs.archives import is_archive
+    from seamark.server.programs.store import UploadRejected
+    from seamark.server.programs.store import prepare as prepare_upload
+
+    if language_of(path.name) is None and not is_archive(path.name):
+        raise UsageRefused(f"{path}: files of this type belong to no supported language.")
+    try:
+        role = registry.benchmark(benchmark).role
+        return prepare_upload(path.read_bytes(), path.name, role=role)
+    except OSError as error:
+        raise UsageRefused(f"{path} cannot be read: {error.strerror}.") from None
+    except UploadRejected as reason:
+        raise ProgramFailed(str(reason)) from None
+
+
+def prepare_valid(path: Path, *, benchmark: str) -> PreparedProgram:
+    """Return the program in a file as `prepare`; raise ProgramFailed if it has diagnostics."""
+    prepared = prepare(path, benchmark=benchmark)
+    if prepared.diagnostics:
+        raise ProgramFailed("\n".join(diagnostic.text() for diagnostic in prepared.diagnostics))
+    return prepared
+
+
+def isolation_level() -> IsolationLevel:
+    """Return the isolation level of sandboxes on this machine; PlatformFailed if it is none."""
+    from seamark.sandbox.isolation.level import IsolationLevel
+    from seamark.sandbox.probing.probes import probe
+
+    found = probe()
+    if found.level is IsolationLevel.NONE:
+        raise PlatformFailed(
+            f"Programs cannot run on this machine: {found.sentence()}. `seamark doctor` says how "
+            "to fix it."
+        )
+    return found.level
+
+
+@contextmanager
+def sandbox_failures_explained() -> Iterator[None]:
+    """Raise PlatformFailed where the sandbox fails."""
+    from seamark.sandbox.outcome import SandboxBroken
+
+    try:
+        yield
+    except SandboxBroken as error:
+        raise PlatformFailed(
+            f"The sandbox failed: {error}. `seamark doctor` checks what this machine supports."
+        ) from None
