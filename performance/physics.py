@@ -9,7 +9,7 @@ import numpy as np
 import pybullet
 
 from performance.table import Row, cpu_us
-from seamark.sim import registry
+from seamark.sim import vehicles
 from seamark.sim.physics.current import Current
 from seamark.sim.physics.plant import Plant
 
@@ -31,7 +31,7 @@ _MODEL = """
 
 def rows() -> list[Row]:
     """Measure and return the rows."""
-    plant = Plant(registry.VEHICLES["girona500"].load(), Current(0.2))
+    plant = Plant(vehicles.load("girona500"), Current(0.2))
     plant.place(np.zeros(6))
     command = np.full(len(plant.thrust()), 0.2)
     ours = cpu_us(lambda: plant.advance(0, command, _STEPS)) / _STEPS

@@ -14,7 +14,7 @@ from performance.camera_figures import FOLDER, Image
 from performance.trackers.sequences import HEIGHT_M
 from performance.validation.plots import figure
 from seamark.sim.camera import VISIBILITY, Camera, Target, Water, start_pose
-from seamark.sim.trackers.choices import CRITERIA, METHODS, WARPS
+from seamark.sim.trackers.options import CRITERIA, METHODS, WARPS
 from seamark.sim.trackers.template.tracker import TemplateTracker
 
 Corners = NDArray[np.float64]

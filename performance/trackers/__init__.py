@@ -11,7 +11,7 @@ import cv2
 from performance.trackers.contenders import CONTENDERS, FILTERS, PEERS
 from performance.trackers.race import Result, fastest, race
 from performance.trackers.sequences import FRAMES, SEQUENCES
-from seamark.sim.trackers.visp import why_not
+from seamark.sim.trackers.visp.installation import why_not
 
 ROUNDS = 3
 _HEAD = ("tracker", "us per image", "speed-up", "median px", "95 % px", "lost at image")

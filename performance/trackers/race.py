@@ -7,9 +7,7 @@ import numpy as np
 
 from performance.trackers.contenders import Contender
 from performance.trackers.sequences import Sequence, transformed
-from seamark.sim.registry import TRACKERS
-from seamark.sim.trackers import Tracker
-from seamark.sim.trackers.choices import refusals
+from seamark.sim.trackers import Tracker, declaration, option_errors
 
 TURN = 30  # images: long enough for each to have its own code and data in the caches
 FAILED_PX = 10.0  # S: Lieberknecht et al., ISMAR 2009: an image with a larger error has failed
@@ -41,7 +39,7 @@ def race(contenders: tuple[Contender, ...], sequence: Sequence) -> list[Result]:
     """
     results, trackers = [], []
     for contender in contenders:
-        if not refusals(contender.tracker, contender.options):
+        if not option_errors(contender.tracker, contender.options):
             tracker = _tracker(contender)
             tracker.start(sequence.images[0].copy(), sequence.start_corners())
             results.append(Result(contender))
@@ -66,8 +64,7 @@ def fastest(rounds: list[list[Result]]) -> list[Result]:
 
 
 def _tracker(contender: Contender) -> Tracker:
-    tracker: Tracker = TRACKERS[contender.tracker].load()(**contender.options)
-    return tracker
+    return declaration(contender.tracker).load()(**contender.options)
 
 
 def _turn(result: Result, tracker: Tracker, sequence: Sequence, indices: range) -> None:

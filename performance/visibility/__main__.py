@@ -15,7 +15,7 @@ from performance.visibility.page import write
 from seamark.sim.engine.trial import run_trial
 from seamark.sim.numerics.statistics import mean
 from seamark.sim.registry import benchmark
-from seamark.sim.trackers.visp import why_not
+from seamark.sim.trackers.visp.installation import why_not
 
 NAME = "visibility-v1"
 DOCS = Path(__file__).parents[2] / "docs"

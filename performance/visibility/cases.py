@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 from seamark.sim.settings.targets import TARGETS
-from seamark.sim.trackers.choices import CRITERIA, METHODS, WARPS
+from seamark.sim.trackers.options import CRITERIA, METHODS, WARPS
 
 SEEDS, STEP, LEVEL_S = 10, 0.25, 5.0  # as in a ranked run; step in optical depth, duration in s
 SHORTEST_S = 2.0  # shortest level allowed; for trackers that take 5 to 200 ms per image

@@ -11,7 +11,7 @@ from performance.visibility.cases import GROUPS, ON_TARGETS, SHORTEST_S, STEP
 from seamark.sim.metrics.tracking import FAILED_PERCENT
 from seamark.sim.numerics.statistics import bootstrap_interval, mean
 from seamark.sim.settings.targets import TARGETS
-from seamark.sim.trackers.choices import CRITERIA, WARPS
+from seamark.sim.trackers.options import CRITERIA, WARPS
 
 Measured = Mapping[str, Any]  # one case, as __main__ stores it
 HEAD = ("tracker", "τ50 (95 % interval)", "p@5 [%]", "p@1 [%]", "error [px]", "undetected [%]")

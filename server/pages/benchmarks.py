@@ -49,4 +49,4 @@ def by_name(name: str) -> Benchmark:
 
 def labels() -> dict[str, str]:
     """Return name -> title of all benchmarks."""
-    return registry.labels(registry.BENCHMARKS)
+    return {name: registry.benchmark(name).title for name in registry.BENCHMARKS}

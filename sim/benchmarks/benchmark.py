@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from seamark.sim.entry import Entry
+from seamark.sim import registry
 from seamark.sim.metrics.metric import Metric, MetricGroup
 from seamark.sim.settings.configuration import (
     Configuration,
@@ -95,7 +95,7 @@ class Benchmark:
 
     def load(self) -> "Experiment":
         """Return what runs the levels; loads the simulator with Numba and OpenCV."""
-        loaded: Experiment = Entry(self.title, self.experiment).load()
+        loaded: Experiment = registry.load(self.experiment)
         return loaded
 
     def read(self, values: Mapping[str, object]) -> Configuration:

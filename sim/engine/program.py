@@ -1,13 +1,13 @@
 """The program in the loop: the user's in a box, or one of the built-in controllers."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any, Protocol
+from typing import Any, ClassVar, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from seamark.sim import registry
 from seamark.sim.control.observation import Observation
-from seamark.sim.registry import CONTROLLERS
 from seamark.sim.settings.configuration import Configuration
 
 Command = tuple[float, float, float, float]
@@ -27,7 +27,12 @@ class Program(Protocol):
 
 
 class Controller(Protocol):
-    """The public interface, the same for the built-in controllers and for uploads."""
+    """The public interface, the same for the built-in controllers and for uploads.
+
+    Built-in controllers also have a `label`, for the form.
+    """
+
+    label: ClassVar[str]
 
     def __init__(self, config: Mapping[str, Any]) -> None: ...
 
@@ -42,7 +47,7 @@ class BuiltIn:
     """A `Program` that runs a built-in controller in this process."""
 
     def __init__(self, name: str, config: Configuration) -> None:
-        make = CONTROLLERS[name].load()
+        make = registry.load(registry.CONTROLLERS[name])
         self._controller: Controller = make(config.model_dump())
 
     def reset(self, level: Mapping[str, float | int]) -> None:

@@ -6,7 +6,7 @@ Tags of the defaults: S sourced, D derived from sourced, E our estimate.
 from functools import partial
 
 from seamark.sim.recording.telemetry import COMMON_THRUSTERS, thrust_names
-from seamark.sim.registry import TRUTH, VEHICLES, labels
+from seamark.sim.registry import TRUTH, VEHICLES
 from seamark.sim.settings.configuration import setting
 from seamark.sim.settings.control_loop import ControlLoopSettings
 from seamark.sim.settings.scene import SceneSettings
@@ -27,7 +27,7 @@ class ExperimentSettings(ControlLoopSettings, SceneSettings, FaultSettings):
         "girona500",
         title="Vehicle",
         help="The plant; it brings its own defaults.",
-        choices=labels(VEHICLES),
+        choices={name: load(name).title for name in VEHICLES},
     )
     level_duration_s: float = experiment_setting(
         120.0,

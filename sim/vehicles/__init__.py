@@ -13,6 +13,7 @@ import numpy as np
 
 from seamark.sim.numerics.arrays import Array
 from seamark.sim.registry import VEHICLES
+from seamark.sim.registry import load as load_path
 
 Tag = Literal["S", "D", "E"]
 
@@ -201,7 +202,7 @@ def load(name: str) -> Vehicle:
     """
     if name not in VEHICLES:
         raise LookupError(f"there is no vehicle called {name!r}")
-    vehicle: Vehicle = VEHICLES[name].load()
+    vehicle: Vehicle = load_path(VEHICLES[name])
     return vehicle
 
 

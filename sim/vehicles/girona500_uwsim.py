@@ -34,7 +34,7 @@ def _thruster(
 VEHICLE = replace(
     REAL,  # the hull for contacts is the real one's
     name="girona500-uwsim",
-    title="Girona 500 as in UWSim",
+    title="Girona 500 as in UWSim (the paper's plant)",
     summary="The published experiment's plant and laws, to compare with its figures.",
     mass=_uwsim("mass", (_MASS,), "kg"),
     inertia=_uwsim("inertia about the origin", (8.0, 8.0, 8.0), "kg m²"),

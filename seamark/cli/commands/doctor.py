@@ -165,7 +165,7 @@ def _languages(isolation: IsolationLevel) -> Iterable[Check]:
 
 
 def _visp(_: Settings) -> Iterable[Check]:
-    from seamark.sim.trackers.visp import REMEDY, program, why_not
+    from seamark.sim.trackers.visp.installation import REMEDY, program, why_not
 
     why = why_not()
     yield Check("tracker visp", "warning" if why else "ok", why or program().name, f"{REMEDY}.")

@@ -17,11 +17,10 @@ from seamark.sim.benchmarks.benchmark import Baseline, Benchmark, Chart, Curve, 
 from seamark.sim.metrics.metric import Metric
 from seamark.sim.metrics.tracking import FAILED_PERCENT, GROUP, HELD, METRICS, level_metrics
 from seamark.sim.recording.telemetry import NAMES
-from seamark.sim.registry import TRACKERS
 from seamark.sim.settings.configuration import group_of, override, setting
 from seamark.sim.settings.custom_score import custom_score_setting
 from seamark.sim.settings.experiment import ExperimentSettings, multiple
-from seamark.sim.trackers.choices import options_of
+from seamark.sim.trackers import option_names
 
 sweep_setting = partial(setting, group="Sweep", role="scenario")
 motion_setting = partial(setting, group="Motion", role="scenario")
@@ -316,11 +315,11 @@ SWEEP_PRESETS: dict[str, dict[str, object]] = {
 
 
 def _solution_label(config: Mapping[str, object]) -> str:
-    """Return what tells a built-in tracker from the others, such as "esm zncc srt"."""
+    """Return a short name of a built-in tracker with its options, such as "esm zncc srt"."""
     tracker = str(config.get("tracker", ""))
-    options = options_of(tracker) if tracker in TRACKERS else ()
-    told = (str(config.get(name, "")) for name in ("criterion", "warp") if name in options)
-    return " ".join((tracker, *told))
+    options = option_names(tracker)
+    chosen = (str(config.get(name, "")) for name in ("criterion", "warp") if name in options)
+    return " ".join((tracker, *chosen))
 
 
 OPTICAL_DEPTH = Metric("optical_depth", "Optical depth", "", "higher")

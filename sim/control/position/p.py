@@ -12,6 +12,8 @@ class Controller:
     Config: `kp` [1/s], `control_heave`, `reference_limit_m_s`.
     """
 
+    label = "P"
+
     def __init__(self, config: Mapping[str, Any]) -> None:
         self.kp = config["kp"]
         self.limit = config["reference_limit_m_s"]

@@ -12,6 +12,8 @@ class Controller:
     Config: `kp` [1/s], `ki` [1/s^2], `control_heave`, `reference_limit_m_s`.
     """
 
+    label = "PI"
+
     def __init__(self, config: Mapping[str, Any]) -> None:
         self.kp = config["kp"]
         self.ki = config["ki"]

@@ -1,1 +1,63 @@
 """The template tracker: Gauss-Newton alignment of a textured plane."""
+
+from seamark.sim.trackers.declaration import TrackerDeclaration, number_option
+from seamark.sim.trackers.options import (
+    CRITERION,
+    METHOD,
+    PREDICT_MOTION,
+    PYRAMID_LEVELS,
+    SAMPLING_PX,
+    SEARCH_PX,
+    TEMPLATE_MARGIN_PX,
+    WARP,
+)
+
+TRACKER = TrackerDeclaration(
+    label="Template tracker (ESM family)",
+    path="seamark.sim.trackers.template.tracker:TemplateTracker",
+    options=(
+        WARP,
+        CRITERION,
+        METHOD,
+        PYRAMID_LEVELS,
+        number_option(
+            "coarse_iterations",
+            6,
+            low=0,
+            high=100,
+            title="Iterations on coarse pyramid levels",
+            help="Maximum on each pyramid level but the finest.",
+        ),
+        number_option(
+            "fine_iterations",
+            5,
+            low=1,
+            high=100,
+            title="Iterations on the finest pyramid level",
+            help="Maximum on the full-resolution image.",
+        ),
+        number_option(
+            "stop_px",
+            0.5,
+            low=0.0001,
+            high=2,
+            title="Stop below",
+            help="The iteration stops after a step that moves every corner less; with ssd and mi, "
+            "less than a fifth of it.",
+            unit="px",
+        ),
+        SAMPLING_PX,
+        TEMPLATE_MARGIN_PX,
+        PREDICT_MOTION,
+        SEARCH_PX,
+        number_option(
+            "reacquire_px",
+            0,
+            low=0,
+            high=400,
+            title="Search radius after a loss",
+            help="How far a lost target is searched, growing with each image; 0: no search.",
+            unit="px",
+        ),
+    ),
+)

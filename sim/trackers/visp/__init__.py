@@ -1,29 +1,73 @@
-"""ViSP's template trackers, where Debian's library is installed: by way of a program of our own.
+"""ViSP's template trackers, where Debian's library is installed: through a bridge program.
 
-ViSP is licensed under the GPL, so it stays in a process of its own (bridge.cpp) that is built on
-this machine and never handed on. Importing this package is light: forms ask it whether ViSP is
-here.
+ViSP is licensed under the GPL, so it stays in a separate process (bridge.cpp), which is built on
+this machine and never distributed.
 """
 
-import hashlib
-import os
-from functools import cache
-from pathlib import Path
+from seamark.sim.trackers.declaration import (
+    Errors,
+    Option,
+    OptionValues,
+    TrackerDeclaration,
+    number_option,
+)
+from seamark.sim.trackers.options import (
+    CRITERION,
+    METHOD,
+    PYRAMID_LEVELS,
+    SAMPLING_PX,
+    TEMPLATE_MARGIN_PX,
+    WARP,
+)
+from seamark.sim.trackers.visp.installation import why_not
 
-SOURCE = Path(__file__).parent / "bridge.cpp"
-PACKAGE = "libvisp-tt-mi-dev"
-REMEDY = f"apt-get install {PACKAGE}, then ./run builds the bridge"
+
+def _unsupported(values: OptionValues) -> Errors:
+    errors: Errors = {}
+    method = values.get("method", "inverse_compositional")
+    if values.get("criterion") == "zncc" and method in ("esm", "forward_compositional"):
+        errors["criterion"] = (
+            f"visp does not support criterion zncc with {method}: ViSP has zncc only as "
+            "inverse_compositional and forward_additional."
+        )
+    warp = values.get("warp", "homography")
+    sl3 = warp == "homography" and values.get("visp_sl3", True)
+    if method == "esm" and warp != "translation" and not sl3:
+        errors["method"] = (
+            f"visp does not support method esm with warp {warp}: ViSP has esm only for the warps "
+            "translation and homography (SL3)."
+        )
+    return errors
 
 
-@cache
-def program() -> Path:
-    """Return where the built bridge is: its name says from which source it was made."""
-    stamp = hashlib.sha256(SOURCE.read_bytes()).hexdigest()[:16]
-    return SOURCE.with_name(f"bridge-{stamp}")
-
-
-def why_not() -> str:
-    """Return why ViSP cannot be used on this machine; empty if it can."""
-    if os.access(program(), os.X_OK):
-        return ""
-    return f"its bridge program is not built on this machine: {REMEDY}"
+TRACKER = TrackerDeclaration(
+    label="ViSP's template trackers",
+    path="seamark.sim.trackers.visp.tracker:VispTracker",
+    options=(
+        WARP,
+        CRITERION,
+        METHOD,
+        PYRAMID_LEVELS,
+        SAMPLING_PX,
+        TEMPLATE_MARGIN_PX,
+        number_option(
+            "visp_iterations",
+            60,
+            low=1,
+            high=1000,
+            title="Iterations of ViSP",
+            help="ViSP: maximum for each image.",
+        ),
+        Option(
+            name="visp_sl3",
+            default=True,
+            title="Homography as SL(3)",
+            help="ViSP: the eight parameters of the group; otherwise the entries of the matrix.",
+            advanced=True,
+            applies={"warp": ("homography",)},
+        ),
+    ),
+    exact=False,
+    unavailable=why_not,
+    unsupported=_unsupported,
+)

@@ -4,7 +4,7 @@ import shutil
 import subprocess
 import sys
 
-from seamark.sim.trackers.visp import PACKAGE, SOURCE, program
+from seamark.sim.trackers.visp.installation import PACKAGE, SOURCE, program
 
 _LIBRARIES = ("-lvisp_tt_mi", "-lvisp_tt", "-lvisp_core")
 _TRIES_S = 120
@@ -43,4 +43,4 @@ def build() -> str:
 if __name__ == "__main__":
     reason = build()
     if reason:
-        sys.exit(f"ViSP is not offered: {reason}")
+        sys.exit(f"ViSP is not available: {reason}")

@@ -12,7 +12,7 @@ from seamark.sim.trackers.interface import Corners, Track, Window
 from seamark.sim.trackers.plausibility import Judge
 from seamark.sim.trackers.template.tracker import SMALLEST_TEMPLATE_PX
 from seamark.sim.trackers.template.warps import apply, from_square
-from seamark.sim.trackers.visp import program, why_not
+from seamark.sim.trackers.visp.installation import program, why_not
 
 _CRITERIA = {"ssd": 0, "zncc": 1, "mi": 2}
 _METHODS = {
@@ -47,7 +47,7 @@ class VispTracker:
         visp_sl3: bool = True,
     ) -> None:
         if reason := why_not():
-            raise ValueError(f"ViSP is not offered: {reason}.")
+            raise ValueError(f"ViSP is not available: {reason}.")
         kind = _SL3 if warp == "homography" and visp_sl3 else _WARPS[warp]
         self._settings = (
             _CRITERIA[criterion],

@@ -9,7 +9,7 @@ from performance.visibility.cases import GROUPS, IN_PLANE, STEP
 from performance.visibility.page import write
 from seamark.sim.registry import benchmark
 from seamark.sim.settings.configuration import ConfigurationInvalid
-from seamark.sim.trackers.visp import why_not
+from seamark.sim.trackers.visp.installation import why_not
 
 VISIBILITY = benchmark("visibility-v1")
 

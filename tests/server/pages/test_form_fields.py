@@ -5,6 +5,7 @@ from hypothesis import strategies as st
 
 from seamark.server.pages import form_fields
 from seamark.sim import registry
+from seamark.sim.trackers import option_names
 
 SCHEMA = registry.benchmark("currents-v1").schema()
 finite = st.floats(allow_nan=False, allow_infinity=False, width=64)
@@ -76,6 +77,6 @@ def test_a_setting_applies_only_with_the_choices_that_look_at_it() -> None:
 
 
 def test_every_option_of_a_tracker_says_with_which_trackers_it_applies() -> None:
-    for name, entry in registry.TRACKERS.items():
-        for option in entry.options:
+    for name in registry.TRACKERS:
+        for option in option_names(name):
             assert name in SCHEMA["properties"][option]["x-applies"]["tracker"]

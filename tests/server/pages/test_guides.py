@@ -10,7 +10,7 @@ from seamark import server
 from seamark.server.pages import guides
 from seamark.sim.registry import TRACKERS, benchmark
 from seamark.sim.settings.tracker import TrackerSettings
-from seamark.sim.trackers.choices import CRITERIA, METHODS, WARPS
+from seamark.sim.trackers.options import CRITERIA, METHODS, WARPS
 from tests.server.pages.conftest import Browser, Site
 
 DOCS = Path(server.__file__).resolve().parents[1] / "docs"

@@ -72,7 +72,7 @@ def test_pages_can_describe_a_run_whose_choices_no_longer_exist(name: str) -> No
 
 
 def first_image(name: str, config: Configuration) -> np.ndarray:
-    return Replay(name, config, lambda _trial: 3).shot(np.zeros(WIDTH)).grey()
+    return Replay(name, config, lambda _trial: 3).frame(np.zeros(WIDTH)).grey()
 
 
 @pytest.mark.parametrize(

@@ -11,9 +11,10 @@ from hypothesis import strategies as st
 
 from seamark.sim.registry import TRACKERS, benchmark
 from seamark.sim.settings.configuration import ConfigurationInvalid
-from seamark.sim.trackers import make
-from seamark.sim.trackers.choices import CRITERIA, METHODS, RANGES, WARPS, refusals
-from seamark.sim.trackers.visp import why_not
+from seamark.sim.trackers import declaration, make, option_errors, option_names
+from seamark.sim.trackers.declaration import Option
+from seamark.sim.trackers.options import CRITERIA, METHODS, WARPS
+from seamark.sim.trackers.visp.installation import why_not
 
 CURRENTS = benchmark("currents-v1")
 Sequence = Any  # conftest's class; a test folder is no package
@@ -67,23 +68,24 @@ def test_every_combination_of_the_form_works_or_is_refused_with_a_reason(
     assert tried or why_not()
 
 
-@pytest.mark.parametrize("name", [name for name in TRACKERS if "warp" in TRACKERS[name].options])
+@pytest.mark.parametrize("name", [name for name in TRACKERS if "warp" in option_names(name)])
 def test_what_the_form_refuses_the_tracker_refuses_with_the_same_sentence(name: str) -> None:
     for warp, criterion, method in itertools.product(WARPS, CRITERIA, METHODS):
         chosen = {"warp": warp, "criterion": criterion, "method": method}
-        options = {key: value for key, value in chosen.items() if key in TRACKERS[name].options}
-        errors = refusals(name, options)
+        options = {key: value for key, value in chosen.items() if key in option_names(name)}
+        errors = option_errors(name, options)
         if errors:
             with pytest.raises(ValueError, match=re.escape(next(iter(errors.values())))):
                 make(name, **options)
 
 
-@pytest.mark.parametrize("option", [name for name in RANGES if name in TRACKERS["esm"].options])
-def test_the_ends_of_every_range_work(brief: Sequence, option: str) -> None:
-    for value in RANGES[option]:
-        kind = float if option in ("stop_px", "sampling_px") else int
+NUMBERS = [option for option in declaration("esm").options if option.low is not None]
 
-        errors, _ = brief.follow(make("esm", **{option: kind(value)}))
+
+@pytest.mark.parametrize("option", NUMBERS, ids=lambda option: option.name)
+def test_the_ends_of_every_range_work(brief: Sequence, option: Option) -> None:
+    for value in (option.low, option.high):
+        errors, _ = brief.follow(make("esm", **{option.name: type(option.default)(value)}))
 
         assert np.isfinite(errors).all()
 

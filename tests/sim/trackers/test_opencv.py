@@ -8,9 +8,9 @@ import pytest
 
 from seamark.sim.camera import VISIBILITY, Camera, Water, start_pose
 from seamark.sim.registry import TRACKERS, benchmark
-from seamark.sim.trackers import make
+from seamark.sim.trackers import declaration, make
 from seamark.sim.trackers.template.warps import signed_area
-from seamark.sim.trackers.visp import why_not
+from seamark.sim.trackers.visp.installation import why_not
 
 Sequence = Any  # conftest's class; a test folder is no package
 
@@ -113,7 +113,7 @@ def test_the_number_of_threads_changes_nothing(brief: Sequence, name: str) -> No
 
 @pytest.mark.parametrize(("name", "warp"), [("klt", "rt"), ("klt", "translation"), ("ecc", "srt")])
 def test_warps_that_opencv_does_not_have_are_refused_with_the_reason(name: str, warp: str) -> None:
-    with pytest.raises(ValueError, match=f"warp {warp} does not go with {name}: OpenCV"):
+    with pytest.raises(ValueError, match=f"{name} does not support warp {warp}: OpenCV"):
         make(name, warp=warp)
 
 
@@ -131,5 +131,5 @@ def test_who_depends_on_the_processor_says_so_in_form_and_configuration(name: st
 
     config = currents.read({"tracker": name, "warp": "affine", "method": "inverse_compositional"})
 
-    assert config.exact() == TRACKERS[name].exact
-    assert ("bits depend on the processor" in labels[name]) == (not config.exact())
+    assert config.exact() == declaration(name).exact
+    assert ("not bit-identical on all processors" in labels[name]) == (not config.exact())

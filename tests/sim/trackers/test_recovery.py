@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from seamark.sim.camera import VISIBILITY, Camera, Target, Water, start_pose
 from seamark.sim.trackers import make
-from seamark.sim.trackers.choices import WARPS
+from seamark.sim.trackers.options import WARPS
 from seamark.sim.trackers.template import warps
 
 Array = NDArray[np.float64]

@@ -77,7 +77,7 @@ def test_with_the_rim_of_a_large_target_in_its_template_the_zncc_of_visp_loses_i
 @pytest.mark.parametrize(
     ("options", "reason"),
     [
-        ({"criterion": "zncc", "method": "esm"}, "zncc does not go with esm in ViSP"),
+        ({"criterion": "zncc", "method": "esm"}, "visp does not support criterion zncc with esm"),
         ({"criterion": "ssd", "method": "esm", "warp": "affine"}, "not affine"),
         ({"criterion": "ssd", "method": "esm", "visp_sl3": False}, "SL3"),
     ],

@@ -11,8 +11,8 @@ import pytest
 
 from seamark.sim.camera import VISIBILITY, Camera, Target, Water, start_pose
 from seamark.sim.registry import TRACKERS
-from seamark.sim.trackers import make
-from seamark.sim.trackers.choices import CRITERIA, METHODS, WARPS, refusals
+from seamark.sim.trackers import make, option_errors
+from seamark.sim.trackers.options import CRITERIA, METHODS, WARPS
 
 Sequence = Any  # conftest's class; a test folder is no package
 
@@ -131,15 +131,15 @@ def test_truth_tracker_says_the_true_corners(clear: Sequence) -> None:
 @pytest.mark.parametrize(
     ("name", "options", "reason"),
     [
-        ("esm", {"criterion": "ncc"}, "choose one of zncc"),
-        ("esm", {"method": ""}, "choose one of esm"),
-        ("esm", {"warp": "spline"}, "choose one of translation"),
+        ("esm", {"criterion": "ncc"}, "must be one of zncc"),
+        ("esm", {"method": ""}, "must be one of esm"),
+        ("esm", {"warp": "spline"}, "must be one of translation"),
         ("esm", {"colour": "red"}, "has no option colour"),
         ("esm", {"template_margin_px": 1000}, "must be from -3 to 40"),
         ("esm", {"stop_px": float("nan")}, "must be from"),
         ("truth", {}, "source of the true corners"),
         ("truth", {"warp": "affine"}, "has no option warp"),
-        ("surf", {}, "is none of esm"),
+        ("surf", {}, "must be one of esm"),
     ],
 )
 def test_choices_that_are_not_offered_are_refused_with_a_reason(
@@ -173,7 +173,7 @@ def test_a_flat_picture_is_lost_and_not_an_error() -> None:
 
 @pytest.mark.parametrize("name", TRACKERS)
 def test_every_tracker_that_is_on_this_machine_can_be_made(name: str) -> None:
-    if errors := refusals(name, {}):
+    if errors := option_errors(name, {}):
         pytest.skip(" ".join(errors.values()))
 
     assert callable(make(name).update)

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from seamark.sim.trackers.choices import WARPS
+from seamark.sim.trackers.options import WARPS
 from seamark.sim.trackers.template import warps
 
 Array = NDArray[np.float64]

@@ -1,0 +1,24 @@
+"""Whether ViSP's bridge program is on this machine."""
+
+import hashlib
+import os
+from functools import cache
+from pathlib import Path
+
+SOURCE = Path(__file__).parent / "bridge.cpp"
+PACKAGE = "libvisp-tt-mi-dev"
+REMEDY = f"apt-get install {PACKAGE}, then ./run builds the bridge"
+
+
+@cache
+def program() -> Path:
+    """Return the path of the built bridge; its name holds the hash of its source."""
+    stamp = hashlib.sha256(SOURCE.read_bytes()).hexdigest()[:16]
+    return SOURCE.with_name(f"bridge-{stamp}")
+
+
+def why_not() -> str:
+    """Return why ViSP cannot be used on this machine; empty if it can."""
+    if os.access(program(), os.X_OK):
+        return ""
+    return f"its bridge program is not built on this machine: {REMEDY}"
