@@ -7,7 +7,7 @@ from performance.trackers import ROUNDS, table
 from seamark.sim.recording.manifest import cpu_class
 
 PAGE = Path(__file__).parents[2] / "docs" / "trackers-table.md"
-_INTRODUCTION = """# Trackers beside ViSP and OpenCV
+_INTRODUCTION = """# Trackers compared with ViSP and OpenCV
 
 Written by `python -m performance.trackers` on {cpu}.
 

@@ -1,4 +1,4 @@
-"""How turbid the water may get for each tracker: `python -m performance.visibility [GROUP ...]`.
+"""Trackers in turbid water: `python -m performance.visibility [GROUP ...]`.
 
 Runs visibility-v1 like a ranked run, on known seeds. The results are stored in
 docs/visibility.json, from which docs/visibility.md and its plot are generated; groups that are not

@@ -25,7 +25,7 @@ DRAWN = (
     "visp zncc ic homography",
     "visp ssd ic homography",
 )
-_PAGE = """# How turbid the water may get for each tracker
+_PAGE = """# Trackers in turbid water
 
 Written by `python -m performance.visibility`, which computes all numbers; give it names of groups
 to measure only these. The benchmark is visibility-v1 as in a ranked run (vehicle moving on a

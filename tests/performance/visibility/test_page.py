@@ -43,7 +43,7 @@ def test_a_path_in_the_plane_neither_turns_nor_rises() -> None:
     config = VISIBILITY.read(IN_PLANE)
     level: Any = VISIBILITY.load().level(config, None, seed=1, trial=0, level=0)
 
-    first, later = (level._path.at(t)[0] for t in (0.0, 1.3))
+    first, later = (level._path.pose_and_velocity(t)[0] for t in (0.0, 1.3))
 
     assert first[:2] != later[:2]
     assert first[2:] == later[2:]
