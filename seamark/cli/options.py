@@ -63,7 +63,7 @@ def run_options(command: Command) -> Command:
             ),
             configuration_options,
             click.option(
-                "--seed", type=click.IntRange(0, SEED_MAX), help="Random seed.  [default: drawn]"
+                "--seed", type=click.IntRange(0, SEED_MAX), help="Random seed.  [default: random]"
             ),
             click.option(
                 "--trials",

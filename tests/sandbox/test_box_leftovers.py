@@ -68,6 +68,7 @@ def killed_worker(isolation: IsolationLevel, when: str) -> tuple[int, list[int]]
 def test_a_box_dies_with_its_worker(isolation) -> None:
     _, descriptors = killed_worker(isolation, "ready")
 
+    assert descriptors
     for descriptor in descriptors:
         assert select.select([descriptor], [], [], 5.0)[0]
         os.close(descriptor)

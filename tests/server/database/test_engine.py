@@ -1,5 +1,6 @@
 import multiprocessing
 
+import pytest
 from sqlalchemy import select
 
 from seamark.server.database.engine import Database
@@ -33,14 +34,15 @@ def test_concurrent_writers_lose_nothing(database: Database) -> None:
         assert session.scalar(select(Turn.served_at)) == PROCESSES * TIMES
 
 
-def test_an_error_leaves_nothing_of_its_transaction(database: Database) -> None:
-    try:
+def test_an_error_rolls_its_transaction_back(database: Database) -> None:
+    def write_and_fail() -> None:
         with database.writing() as session:
             session.add(Turn(owner="x", served_at=0.0))
             session.flush()
             raise KeyError("x")
-    except KeyError:
-        pass
+
+    with pytest.raises(KeyError):
+        write_and_fail()
 
     with database.reading() as session:
         assert session.scalar(select(Turn.owner)) is None

@@ -149,7 +149,9 @@ def test_a_tracker_that_works_on_the_data_set_is_as_good_as_in_the_benchmark(
     settings: Any = config
     tracker = make(settings.tracker, **settings.tracker_options())
 
-    for start in _table(files, "starts.csv"):
+    starts = _table(files, "starts.csv")
+    assert starts
+    for start in starts:
         tracker.start(_picture(files, f"starts/{start['file']}"), _corners(start))
         found = []
         lines = [line for line in _table(files) if line["level"] == start["level"]]
