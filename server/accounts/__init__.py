@@ -1,1 +1,1 @@
-"""Accounts, and who may do what."""
+"""Accounts and permissions."""

@@ -9,7 +9,7 @@ from collections.abc import Iterable
 
 from argon2 import PasswordHasher
 from argon2.exceptions import InvalidHashError, VerificationError
-from sqlalchemy import delete, select, update
+from sqlalchemy import delete, func, select, update
 from sqlalchemy.orm import Session
 
 from seamark.server.accounts.permissions import SCOPES, Viewer
@@ -17,27 +17,28 @@ from seamark.server.database.tables import Run, Token, User
 from seamark.server.settings import Settings
 
 NAME_RULE = "2 to 40 letters, digits, dots, dashes or underscores, starting with a letter"
-RESERVED = frozenset({"guest"})  # who has no account
+RESERVED = frozenset({"guest"})  # the name shown for runs without an account
 RESERVED_PREFIX = "seamark"  # the owners of the baselines
 PASSWORD_MIN, PASSWORD_MAX = 10, 200
 TOKEN_PREFIX = "smk_"  # noqa: S105 - lets secret scanners recognise our tokens
-TOKEN_DAYS = 90
+TOKEN_DAYS, TOKEN_DAYS_MAX = 90, 3650
+TOKENS_MAX = 50  # per account
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9._-]{1,39}")
 _DAY_S = 86_400.0
 _USED_STEP_S = 60.0  # `last_used_at` is written at most this often
 _hasher = PasswordHasher()
-# Checked when the name is unknown, so that the time of the answer does not tell which names exist.
-_NOBODY = _hasher.hash(secrets.token_hex(16))
+# Verified for unknown names, so that the response time does not reveal which names exist.
+_DUMMY_HASH = _hasher.hash(secrets.token_hex(16))
 
 
 class AccountRejected(Exception):
-    """An account cannot be made or changed so. The text is for the form."""
+    """The account cannot be created or changed. The text is for the user."""
 
 
 def sign_up(session: Session, name: str, password: str | None, *, is_admin: bool = False) -> User:
-    """Make an account; raises AccountRejected. Without a password nobody can log in to it."""
+    """Create an account; raises AccountRejected. Without a password, nobody can sign in to it."""
     if not _NAME.fullmatch(name):
-        raise AccountRejected(f"A name has {NAME_RULE}.")
+        raise AccountRejected(f"A name consists of {NAME_RULE}.")
     if name.casefold() in RESERVED or name.casefold().startswith(RESERVED_PREFIX):
         raise AccountRejected(f"The name {name} is taken.")
     if password is not None:
@@ -57,30 +58,30 @@ def sign_up(session: Session, name: str, password: str | None, *, is_admin: bool
 
 
 def authenticate(session: Session, name: str, password: str) -> User | None:
-    """Return the user if the password is right; takes as long for an unknown name."""
+    """Return the user if the password is correct; takes equally long for unknown names."""
     user = session.scalar(select(User).where(User.name_key == name.casefold()))
-    known = user.password_hash if user is not None and user.password_hash else _NOBODY
+    password_hash = user.password_hash if user is not None else None
     try:
-        _hasher.verify(known, password[: PASSWORD_MAX + 1])
+        _hasher.verify(password_hash or _DUMMY_HASH, password[: PASSWORD_MAX + 1])
     except (VerificationError, InvalidHashError):
         return None
-    return None if known is _NOBODY else user
+    return user if password_hash else None
 
 
 def adopt_runs(session: Session, user_id: int, guest: str) -> int:
-    """Give a guest's runs, by the hash of the cookie, to a user; return how many there were."""
-    mine = f"user:{user_id}"
+    """Transfer the runs of a guest (hash of the cookie) to a user; return how many."""
+    owner = f"user:{user_id}"
     change = update(Run).where(Run.owner == f"guest:{guest}", Run.guest == guest)
-    taken = session.scalars(
-        change.values(owner=mine, user_id=user_id, guest=None).returning(Run.id)
+    adopted = session.scalars(
+        change.values(owner=owner, user_id=user_id, guest=None).returning(Run.id)
     )
-    return len(taken.all())
+    return len(adopted.all())
 
 
 def change_password(session: Session, name: str, old: str | None, new: str) -> User:
-    """Set a new password and return the user; browsers signed in with the old one are out.
+    """Set a new password and return the user; signs out all browsers.
 
-    With `old` the present password is asked for; None is for who runs the service.
+    `old` is the current password; None skips the check, for the operator of the service.
 
     Raises
     ------
@@ -88,7 +89,7 @@ def change_password(session: Session, name: str, old: str | None, new: str) -> U
         There is no such account, the old password is wrong or the new one breaks a rule.
     """
     if old is not None and authenticate(session, name, old) is None:
-        raise AccountRejected("The present password is not right.")
+        raise AccountRejected("The current password is incorrect.")
     user = session.scalar(select(User).where(User.name_key == name.casefold()))
     if user is None or user.is_baseline:
         raise AccountRejected(f"There is no account {name}.")
@@ -98,7 +99,7 @@ def change_password(session: Session, name: str, old: str | None, new: str) -> U
 
 
 def session_key(settings: Settings, user: User) -> str:
-    """Return what a browser's cookie holds beside the user's id: another one for each password."""
+    """Return the key in the cookie of a browser; it changes with the password."""
     text = f"session {user.id} {user.password_hash}"
     return hmac.new(settings.secret_key.encode(), text.encode(), "sha256").hexdigest()[:32]
 
@@ -106,7 +107,7 @@ def session_key(settings: Settings, user: User) -> str:
 def viewer_of_session(
     session: Session, user_id: int, key: str, settings: Settings
 ) -> Viewer | None:
-    """Return whom a browser speaks for; None if the account is gone or has another password."""
+    """Return the viewer of a browser session; None if the account or password has changed."""
     user = session.get(User, user_id)
     if user is None or not hmac.compare_digest(session_key(settings, user), key):
         return None
@@ -114,26 +115,35 @@ def viewer_of_session(
 
 
 def guest_hash(settings: Settings, cookie: str) -> str:
-    """Return what the database keeps of a guest's cookie; the cookie cannot be found from it."""
+    """Return the keyed hash of a guest's cookie, under which the guest's runs are stored."""
     return hmac.new(settings.secret_key.encode(), f"guest {cookie}".encode(), "sha256").hexdigest()
 
 
 def new_token(
     session: Session, user_id: int, name: str, scopes: Iterable[str], *, days: float = TOKEN_DAYS
 ) -> str:
-    """Make a token and return its text, which is not kept and cannot be shown again."""
-    wanted = sorted(set(scopes))
-    if unknown := set(wanted) - set(SCOPES):
-        raise AccountRejected(f"There is no scope {', '.join(sorted(unknown))}.")
-    if not wanted:
+    """Create a token and return its text, which is not stored and cannot be shown again.
+
+    Raises
+    ------
+    AccountRejected
+        A scope is unknown, there is none, or the user has too many tokens.
+    """
+    granted = sorted(set(scopes))
+    if unknown := set(granted) - set(SCOPES):
+        raise AccountRejected(f"Unknown scope: {', '.join(sorted(unknown))}.")
+    if not granted:
         raise AccountRejected("A token needs at least one scope.")
+    count = select(func.count()).where(Token.user_id == user_id)
+    if (session.scalar(count) or 0) >= TOKENS_MAX:
+        raise AccountRejected(f"You already have {TOKENS_MAX} tokens. Revoke one first.")
     text = TOKEN_PREFIX + secrets.token_urlsafe(32)
     now = time.time()
     token = Token(
         user_id=user_id,
         name=name.strip()[:80] or "token",
         hash=_token_hash(text),
-        scopes=wanted,
+        scopes=granted,
         created_at=now,
         expires_at=now + days * _DAY_S,
     )
@@ -150,14 +160,14 @@ def tokens(session: Session, user_id: int) -> list[Token]:
 
 def revoke_token(session: Session, user_id: int, token_id: int) -> bool:
     """Delete one of the user's tokens; False if there is no such token."""
-    gone = delete(Token).where(Token.id == token_id, Token.user_id == user_id)
-    return session.scalar(gone.returning(Token.id)) is not None
+    deletion = delete(Token).where(Token.id == token_id, Token.user_id == user_id)
+    return session.scalar(deletion.returning(Token.id)) is not None
 
 
 def viewer_of_token(session: Session, text: str) -> Viewer | None:
-    """Return whom a token speaks for, or None if it is unknown or has expired.
+    """Return the viewer of a token; None if it is unknown or expired.
 
-    Only reads; `note_use` records that the token was used.
+    Only reads; `record_use` records that the token was used.
     """
     query = select(Token, User).join(User, User.id == Token.user_id)
     row = session.execute(query.where(Token.hash == _token_hash(text))).one_or_none()
@@ -169,7 +179,7 @@ def viewer_of_token(session: Session, text: str) -> Viewer | None:
     return _viewer(user, token.scopes)
 
 
-def note_use(session: Session, text: str) -> None:
+def record_use(session: Session, text: str) -> None:
     """Record that a token was used, at most once a minute."""
     now = time.time()
     stale = (Token.last_used_at.is_(None)) | (Token.last_used_at < now - _USED_STEP_S)
@@ -183,7 +193,7 @@ def _viewer(user: User, scopes: Iterable[str]) -> Viewer:
 
 
 def _token_hash(text: str) -> str:
-    # Not argon2: a token has 256 random bits, nobody can try them all.
+    # Not argon2: a token has 256 random bits and cannot be guessed.
     return hashlib.sha256(text.encode()).hexdigest()
 
 

@@ -1,4 +1,4 @@
-"""Who asks, and the tokens of one's account."""
+"""The authenticated user and the tokens of the account."""
 
 from __future__ import annotations
 
@@ -25,43 +25,41 @@ from seamark.server.runs import quota
 from seamark.server.web.problems import Problem
 from seamark.server.web.services import services
 
-TOKENS_MAX = 50  # per account
-
 api = APIBlueprint(
     "api_account",
     __name__,
     url_prefix="/api/v1",
-    abp_tags=[Tag(name="Account", description="Who asks; tokens for programs.")],
+    abp_tags=[Tag(name="Account", description="The authenticated user and API tokens.")],
 )
 
 
 @api.get("/me", responses={200: MeResponse})
 def me() -> Response:
-    """Show who asks, what the token may do and what is left of the quotas."""
-    asking = authorization.viewer()
+    """Return the authenticated user or guest, the scopes of the token and the quota."""
+    viewer = authorization.viewer()
     used: dict[str, int] | None = None
-    if asking.owner is not None:
+    if viewer.owner is not None:
         with services().database.reading() as database:
-            used = asdict(quota.used_by(database, asking, services().settings))
-    answer = jsonify(
+            used = asdict(quota.used_by(database, viewer, services().settings))
+    response = jsonify(
         {
-            "name": asking.name,
-            "user_id": asking.user_id,
-            "is_admin": asking.is_admin,
-            "guest": asking.guest is not None,
-            "scopes": sorted(asking.scopes),
+            "name": viewer.name,
+            "user_id": viewer.user_id,
+            "is_admin": viewer.is_admin,
+            "guest": viewer.guest is not None,
+            "scopes": sorted(viewer.scopes),
             "quota": used,
-            # Other sites cannot read this answer, so it is a good place for the secret.
+            # Other sites cannot read this response, so they cannot obtain the token.
             "csrf_token": generate_csrf() if session else None,
         }
     )
-    answer.headers["Cache-Control"] = "no-store"
-    return answer
+    response.headers["Cache-Control"] = "no-store"
+    return response
 
 
 @api.get("/tokens", responses={200: TokensResponse})
 def list_tokens() -> dict[str, Any]:
-    """List one's tokens; their texts are not kept."""
+    """List your tokens, without their texts."""
     user_id = authorization.require_account()
     authorization.require_scope(READ)
     with services().database.reading() as database:
@@ -70,39 +68,40 @@ def list_tokens() -> dict[str, Any]:
 
 @api.post("/tokens", responses={201: TokenResponse})
 def create_token() -> Response:
-    """Make a token. Its text is in this answer and can never be shown again."""
+    """Create a token. Its text is only returned in this response."""
     user_id = authorization.require_account()
-    _need_account_rights()
-    order = request_body.json_body(TokenRequest)
-    missing = set(order.scopes) - authorization.viewer().scopes
+    _require_account_scope()
+    body = request_body.json_body(TokenRequest)
+    missing = set(body.scopes) - authorization.viewer().scopes
     if missing:
-        raise Problem("scope-missing", f"A token cannot give away {', '.join(sorted(missing))}.")
-    with services().database.writing() as database:
-        if len(accounts.tokens(database, user_id)) >= TOKENS_MAX:
-            raise Problem("conflict", f"There are {TOKENS_MAX} tokens already; delete one first.")
-        text = accounts.new_token(database, user_id, order.name, order.scopes, days=order.days)
-        made = _shown(accounts.tokens(database, user_id)[0])
-    answer = jsonify(made | {"token": text})
-    answer.status_code = 201
-    answer.headers["Location"] = f"/api/v1/tokens/{made['id']}"
-    answer.headers["Cache-Control"] = "no-store"
-    return answer
+        raise Problem("scope-missing", f"Your own token lacks: {', '.join(sorted(missing))}.")
+    try:
+        with services().database.writing() as database:
+            text = accounts.new_token(database, user_id, body.name, body.scopes, days=body.days)
+            created = _shown(accounts.tokens(database, user_id)[0])
+    except accounts.AccountRejected as reason:
+        raise Problem("conflict", str(reason)) from None
+    response = jsonify(created | {"token": text})
+    response.status_code = 201
+    response.headers["Location"] = f"/api/v1/tokens/{created['id']}"
+    response.headers["Cache-Control"] = "no-store"
+    return response
 
 
 @api.delete("/tokens/<int:token_id>", responses={204: None})
 def delete_token(path: TokenPath) -> Response:
-    """Delete a token; it stops working at once."""
+    """Revoke a token; it stops working immediately."""
     user_id = authorization.require_account()
-    _need_account_rights()
+    _require_account_scope()
     with services().database.writing() as database:
         if not accounts.revoke_token(database, user_id, path.token_id):
-            raise Problem("not-found", f"There is no token {path.token_id} of yours.")
+            raise Problem("not-found", f"You have no token {path.token_id}.")
     return Response(status=204)
 
 
-def _need_account_rights() -> None:
+def _require_account_scope() -> None:
     if not can(authorization.viewer(), Action.MANAGE_ACCOUNT):
-        raise Problem("scope-missing", f"This call needs the scope {SUBMIT}.")
+        raise Problem("scope-missing", f"This call requires the scope {SUBMIT}.")
 
 
 def _shown(token: Token) -> dict[str, Any]:

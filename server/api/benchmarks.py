@@ -1,4 +1,4 @@
-"""Benchmarks: what can be run, and the JSON Schema of each configuration."""
+"""Benchmarks, each with the JSON Schema of its configuration."""
 
 from __future__ import annotations
 
@@ -15,23 +15,23 @@ api = APIBlueprint(
     "api_benchmarks",
     __name__,
     url_prefix="/api/v1",
-    abp_tags=[Tag(name="Benchmarks", description="What can be run.")],
+    abp_tags=[Tag(name="Benchmarks", description="The benchmarks and their settings.")],
 )
 
 
 @api.get("/benchmarks", responses={200: BenchmarksResponse})
 def list_all() -> dict[str, Any]:
     """List the benchmarks."""
-    return {"benchmarks": [_short(name) for name in registry.BENCHMARKS]}
+    return {"benchmarks": [_summary(name) for name in registry.BENCHMARKS]}
 
 
 @api.get("/benchmarks/<string:benchmark>", responses={200: BenchmarkResponse})
 def show(path: BenchmarkPath) -> dict[str, Any]:
-    """Show one benchmark with the JSON Schema of its configuration."""
+    """Return a benchmark with the JSON Schema of its configuration."""
     check(path.benchmark)
     found = registry.benchmark(path.benchmark)
     metric = found.headline
-    return _short(path.benchmark) | {
+    return _summary(path.benchmark) | {
         "compares": found.participants,
         "headline": {
             "name": metric.name,
@@ -54,10 +54,10 @@ def check(name: str) -> None:
     """Raise Problem if there is no such benchmark."""
     if name not in registry.BENCHMARKS:
         known = ", ".join(registry.BENCHMARKS)
-        raise Problem("not-found", f"There is no benchmark of that name. There are: {known}.")
+        raise Problem("not-found", f"There is no benchmark of that name; choose one of {known}.")
 
 
-def _short(name: str) -> dict[str, Any]:
+def _summary(name: str) -> dict[str, Any]:
     found = registry.benchmark(name)
     links = {"self": f"/api/v1/benchmarks/{name}", "leaderboard": f"/api/v1/leaderboards/{name}"}
     return {"name": name, "title": found.title, "summary": found.summary, "links": links}

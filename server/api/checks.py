@@ -40,7 +40,7 @@ api = APIBlueprint(
 
 
 @api.post("/checks", responses={200: CheckResponse, 202: CheckResponse})
-@rate_limits.limiter.limit(rate_limits.CHECK, key_func=rate_limits.who)
+@rate_limits.limiter.limit(rate_limits.CHECKS, key_func=rate_limits.client)
 def create(query: CheckQuery) -> Response:
     """Check a program: read it, compile it, run two simulated seconds of the configuration.
 

@@ -1,4 +1,4 @@
-"""A run's pictures with their truth as a data set, made while it is downloaded."""
+"""The camera images of a run with ground truth as a data set, rendered during the download."""
 
 from __future__ import annotations
 
@@ -17,16 +17,16 @@ from seamark.server.web.problems import Problem
 from seamark.server.web.services import services
 from seamark.sim import registry
 
-PICTURES_MAX = 1200  # in one download: a minute of a core, some hundred megabytes
+IMAGES_MAX = 1200  # per download: a minute of CPU time, a few hundred megabytes
 _BUSY_RETRY_S = 20
-# Drawing keeps a core busy; the other threads have pages to serve.
+# Rendering keeps a core busy, and the other threads have pages to serve.
 _one_at_a_time = threading.Lock()
 
 api = APIBlueprint(
     "api_datasets",
     __name__,
     url_prefix="/api/v1",
-    abp_tags=[Tag(name="Data", description="A run's data, at any time.")],
+    abp_tags=[Tag(name="Data", description="Data of runs, also while they are live.")],
 )
 
 
@@ -35,10 +35,10 @@ _CONTENT: Any = {200: {"content": {"application/zip": {"schema": {"type": "strin
 
 @api.get("/runs/<int:run_id>/dataset.zip", responses=_CONTENT)
 def dataset(path: RunPath, query: DatasetQuery) -> Response:
-    """Download pictures with poses, true corners, intrinsics and water, at most 1200 at once.
+    """Download images with poses, true corners, intrinsics and water properties, at most 1200.
 
-    Only runs whose seed is known have one: hidden seeds stay hidden. More pictures at once, and
-    data sets without a run, come from `seamark dataset`.
+    Not available for ranked runs, whose seeds are hidden. `seamark dataset` renders larger data
+    sets, also without a run.
     """
     from seamark.sim.engine.dataset import Selection, archive  # noqa: PLC0415 (it loads OpenCV)
 
@@ -46,36 +46,36 @@ def dataset(path: RunPath, query: DatasetQuery) -> Response:
     if view.seed is None:
         raise Problem(
             "conflict",
-            "A ranked run's pictures would give its hidden seeds away. Make a practice run with "
-            "the same configuration.",
+            "The images of a ranked run would reveal its hidden seeds. Start a practice run with "
+            "the same configuration instead.",
         )
     rows = RunFiles(services().settings.data, view.id).rows_of_trial(query.trial)
     end = float("inf") if query.until is None else query.until
     selection = Selection(every=query.every, begin_s=query.begin, end_s=end, colour=query.colour)
-    wanted = len(selection.of(rows))
-    if wanted == 0:
-        raise Problem("not-found", "There is no telemetry of that trial at that time (yet).")
-    if wanted > PICTURES_MAX:
+    count = len(selection.of(rows))
+    if count == 0:
+        raise Problem("not-found", "There is no telemetry for this trial and time yet.")
+    if count > IMAGES_MAX:
         raise Problem(
             "invalid-request",
-            f"These would be {wanted} pictures; one download has at most {PICTURES_MAX}. Choose a "
-            "larger `every` or a shorter time, or make all of them with `seamark dataset`.",
+            f"This selects {count} images; the limit is {IMAGES_MAX} per download. Choose a larger "
+            "`every` or a shorter time, or render all images with `seamark dataset`.",
         )
     if _one_at_a_time.locked():
         raise Problem(
             "unavailable",
-            "Another data set is being made at the moment.",
+            "Another data set is being rendered.",
             headers={"Retry-After": str(_BUSY_RETRY_S)},
         )
     config = registry.benchmark(view.benchmark).read(view.config)
     pieces = archive(view.benchmark, config, rows, seed=view.seed, selection=selection)
-    answer = Response(_alone(pieces), content_type="application/zip")
+    response = Response(_exclusively(pieces), content_type="application/zip")
     name = f"seamark-run-{view.id}-dataset.zip"
-    answer.headers.set("Content-Disposition", "attachment", filename=name)
-    return answer
+    response.headers.set("Content-Disposition", "attachment", filename=name)
+    return response
 
 
-def _alone(pieces: Iterator[bytes]) -> Iterator[bytes]:
-    """Yield the pieces while nobody else makes a data set in this process."""
+def _exclusively(pieces: Iterator[bytes]) -> Iterator[bytes]:
+    """Yield the pieces while holding the lock."""
     with _one_at_a_time:
         yield from pieces

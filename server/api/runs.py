@@ -42,7 +42,7 @@ api = APIBlueprint(
 
 
 @api.post("/runs", responses={202: RunResponse})
-@rate_limits.limiter.limit(rate_limits.ORDER, key_func=rate_limits.who)
+@rate_limits.limiter.limit(rate_limits.SUBMISSIONS, key_func=rate_limits.client)
 def create() -> Response:
     """Submit a run of a built-in controller (JSON) or of a program (multipart).
 

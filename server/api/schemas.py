@@ -1,4 +1,4 @@
-"""What the HTTP interface reads and answers; the OpenAPI document is made from these classes."""
+"""Request and response models of the HTTP API; the OpenAPI document is generated from them."""
 
 from __future__ import annotations
 
@@ -6,15 +6,15 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
+from seamark.server.accounts.accounts import TOKEN_DAYS, TOKEN_DAYS_MAX
 from seamark.server.programs.diagnostics import Diagnostic
 from seamark.server.runs.views import RunView
+from seamark.server.web.url_converters import ROW_ID_MAX
 from seamark.sim.engine.seeds import SEED_MAX
-
-ID_MAX = 2**53 - 1  # the largest whole number that every JSON reader keeps exactly
 
 
 def _clean(text: str) -> str:
-    """Refuse what no database can keep and no page can show: control and surrogate characters."""
+    """Reject control and surrogate characters, which cannot be stored or displayed."""
     if any(ord(c) < 32 and c not in "\n\t" for c in text) or "\x7f" in text:
         raise ValueError("may not contain control characters")
     try:
@@ -28,135 +28,136 @@ Text = Annotated[str, AfterValidator(_clean)]
 
 
 class RunPath(BaseModel):
-    """Which run."""
+    """Path parameter of a run."""
 
-    run_id: int = Field(ge=1, le=ID_MAX, description="The run's number")
+    run_id: int = Field(ge=1, le=ROW_ID_MAX, description="Id of the run")
 
 
 class BenchmarkPath(BaseModel):
-    """Which benchmark."""
+    """Path parameter of a benchmark."""
 
     benchmark: str = Field(min_length=1, max_length=80, description="For example currents-v1")
 
 
 class TokenPath(BaseModel):
-    """Which token."""
+    """Path parameter of a token."""
 
-    token_id: int = Field(ge=1, le=ID_MAX, description="The token's number")
+    token_id: int = Field(ge=1, le=ROW_ID_MAX, description="Id of the token")
 
 
 class RunRequest(BaseModel):
-    """A run to be made."""
+    """A run to submit."""
 
     model_config = ConfigDict(extra="forbid")
 
     benchmark: Text = Field(max_length=80, description="Name of a benchmark")
     config: dict[str, Any] = Field(
-        default_factory=dict, description="Keys of the benchmark's schema; the rest has defaults"
+        default_factory=dict,
+        description="Key -> value; omitted settings have defaults",
     )
     controller: Text | None = Field(
-        None, max_length=80, description="Built-in controller; left out when a program is sent"
+        None, max_length=80, description="Built-in controller or tracker; omit it to send a program"
     )
     seed: int | None = Field(
-        None, ge=0, le=SEED_MAX, description="Practice only; drawn if left out"
+        None, ge=0, le=SEED_MAX, description="Practice runs only; random if omitted"
     )
-    trials: int = Field(
-        1, ge=1, le=100, description="Practice only; ranked runs have a fixed number"
-    )
-    kind: Literal["practice", "ranked"] = Field("practice", description="Ranked: hidden seeds")
+    trials: int = Field(1, ge=1, le=100, description="Practice runs only; fixed for ranked runs")
+    kind: Literal["practice", "ranked"] = Field("practice", description="ranked: hidden seeds")
     title: Text = Field("", max_length=120)
     notes: Text = Field("", max_length=4000)
 
 
 class RunsQuery(BaseModel):
-    """Which runs to list."""
+    """Filters and pagination of the list of runs."""
 
-    which: Literal["mine", "public", "all"] = Field("mine", description="all: admins only")
+    which: Literal["mine", "public", "all"] = Field("mine", description="`all` is for admins only")
     state: list[Literal["queued", "running", "succeeded", "failed", "cancelled"]] = Field(
-        default_factory=list, description="May be given several times"
+        default_factory=list, description="Can be repeated"
     )
     benchmark: str | None = Field(None, max_length=80)
     kind: Literal["practice", "ranked"] | None = None
-    after: int | None = Field(None, ge=1, le=ID_MAX, description="`next` of the page before")
+    after: int | None = Field(None, ge=1, le=ROW_ID_MAX, description="`next` of the previous page")
     limit: int = Field(50, ge=1, le=200)
 
 
 class TelemetryQuery(BaseModel):
-    """Which part of the telemetry."""
+    """Part of the telemetry."""
 
-    start: int = Field(0, ge=0, le=ID_MAX, description="First row, to go on where one stopped")
+    start: int = Field(0, ge=0, le=ROW_ID_MAX, description="First row, to continue a download")
 
 
 class SeriesQuery(BaseModel):
-    """Which columns, how fine."""
+    """Columns and resolution."""
 
     columns: str = Field(
-        "distance_px,error_x_px,error_y_px", max_length=2000, description="Names with commas"
+        "distance_px,error_x_px,error_y_px", max_length=2000, description="Comma-separated names"
     )
     max_points: int = Field(2000, ge=10, le=20000)
     trial: int = Field(0, ge=0, le=10000)
 
 
 class LogQuery(BaseModel):
-    """Which part of the log."""
+    """Part of the log."""
 
-    after: int = Field(0, ge=0, le=ID_MAX, description="X-Next-Offset of the answer before")
+    after: int = Field(0, ge=0, le=ROW_ID_MAX, description="X-Next-Offset of the previous response")
 
 
 class CameraQuery(BaseModel):
-    """Which picture."""
+    """Trial and time of a camera image."""
 
     trial: int = Field(0, ge=0, le=10000)
-    t: float = Field(0.0, ge=0, le=1e7, description="Simulated time [s] since the trial began")
+    t: float = Field(0.0, ge=0, le=1e7, description="Simulated time [s] in the trial")
 
 
 class DatasetQuery(BaseModel):
-    """Which pictures."""
+    """Selection of camera images."""
 
     trial: int = Field(0, ge=0, le=10000)
-    every: int = Field(20, ge=1, le=10000, description="Control ticks between two pictures")
-    begin: float = Field(0.0, ge=0, le=1e7, description="Simulated time [s] of the first")
-    until: float | None = Field(None, ge=0, le=1e7, description="Before this time [s]; else all")
-    colour: bool = Field(False, description="Else grey, as the trackers get them")
+    every: int = Field(20, ge=1, le=10000, description="Control steps between two images")
+    begin: float = Field(0.0, ge=0, le=1e7, description="Simulated time [s] of the first image")
+    until: float | None = Field(
+        None, ge=0, le=1e7, description="Simulated end time [s]; default: all"
+    )
+    colour: bool = Field(False, description="Colour instead of greyscale")
 
 
 class RankQuery(BaseModel):
-    """Which part of the leaderboard, in which form."""
+    """Pagination and format of the leaderboard."""
 
-    after: str | None = Field(None, max_length=120, description="`next` of the page before")
+    after: str | None = Field(None, max_length=120, description="`next` of the previous page")
     limit: int | None = Field(
-        None, ge=1, le=500, description="50 if left out; a CSV then has all that follow"
+        None, ge=1, le=500, description="50 if omitted; for CSV, all following rows"
     )
     format: Literal["json", "csv"] | None = Field(
-        None, description="Else the header Accept decides"
+        None, description="By the header Accept if omitted"
     )
 
 
 Scope = Literal["read", "submit", "admin"]
 
 
-def _ordinary_scopes() -> list[Scope]:
+def _default_scopes() -> list[Scope]:
     return ["read", "submit"]
 
 
 class TokenRequest(BaseModel):
-    """A token to be made."""
+    """A token to create."""
 
     model_config = ConfigDict(extra="forbid")
 
     name: Text = Field("token", max_length=80)
-    scopes: list[Scope] = Field(default_factory=_ordinary_scopes, min_length=1, max_length=3)
-    days: float = Field(90, gt=0, le=3650)
+    scopes: list[Scope] = Field(default_factory=_default_scopes, min_length=1, max_length=3)
+    days: float = Field(TOKEN_DAYS, gt=0, le=TOKEN_DAYS_MAX, description="Until the token expires")
 
 
-class Answer(BaseModel):
-    """What all answers have in common."""
+class ResponseModel(BaseModel):
+    """Base class of all responses; more properties may be added."""
 
     model_config = ConfigDict(extra="allow")
 
 
-class BenchmarkResponse(Answer):
-    """A benchmark; `schema` only when one is asked for."""
+class BenchmarkResponse(ResponseModel):
+    """A benchmark; only the response for a single benchmark has its `schema`."""
 
     name: str
     title: str
@@ -164,14 +165,14 @@ class BenchmarkResponse(Answer):
     links: dict[str, str]
 
 
-class BenchmarksResponse(Answer):
+class BenchmarksResponse(ResponseModel):
     """All benchmarks."""
 
     benchmarks: list[BenchmarkResponse]
 
 
-class RunResponse(Answer):
-    """A run as the interface shows it. Times are seconds since 1970, UTC."""
+class RunResponse(ResponseModel):
+    """A run. Times are seconds since 1970, UTC."""
 
     id: int
     state: Literal["queued", "running", "succeeded", "failed", "cancelled"]
@@ -194,21 +195,21 @@ class RunResponse(Answer):
 
 
 class CheckPath(BaseModel):
-    """Which check."""
+    """Path parameter of a check."""
 
-    check_id: int = Field(ge=1, le=ID_MAX, description="The check's number")
+    check_id: int = Field(ge=1, le=ROW_ID_MAX, description="Id of the check")
 
 
 class CheckQuery(BaseModel):
-    """How long to wait."""
+    """Time to wait for the report."""
 
     wait: float = Field(
-        15.0, ge=0, le=15, description="Seconds to wait for the answer before 202 is answered"
+        15.0, ge=0, le=15, description="Seconds to wait for the report before the response is 202"
     )
 
 
-class CheckResponse(Answer):
-    """A check; what it says is there when `state` is done. `id` is null if nothing had to run."""
+class CheckResponse(ResponseModel):
+    """A check. The report is complete when `state` is done; `id` is null if nothing was run."""
 
     id: int | None
     state: Literal["queued", "running", "done"]
@@ -224,15 +225,15 @@ class CheckResponse(Answer):
     step_us: dict[str, float] | None
 
 
-class RunsResponse(Answer):
+class RunsResponse(ResponseModel):
     """A page of runs, newest first."""
 
     runs: list[RunResponse]
     next: int | None
 
 
-class SeriesResponse(Answer):
-    """Thinned columns on one time axis; null where there is no number."""
+class SeriesResponse(ResponseModel):
+    """Downsampled columns on a common time axis; null where there is no value."""
 
     t: list[float]
     columns: dict[str, list[float | None]]
@@ -240,7 +241,7 @@ class SeriesResponse(Answer):
     final: bool
 
 
-class RankResponse(Answer):
+class RankResponse(ResponseModel):
     """A row of the leaderboard."""
 
     rank: int
@@ -255,7 +256,7 @@ class RankResponse(Answer):
     reached_at: float
 
 
-class RanksResponse(Answer):
+class RanksResponse(ResponseModel):
     """A page of the leaderboard."""
 
     benchmark: str
@@ -263,8 +264,8 @@ class RanksResponse(Answer):
     next: str | None
 
 
-class TokenResponse(Answer):
-    """A token; `token` is its text, shown once when it is made."""
+class TokenResponse(ResponseModel):
+    """A token; its text `token` is only returned on creation."""
 
     id: int
     name: str
@@ -275,14 +276,14 @@ class TokenResponse(Answer):
     token: str | None = None
 
 
-class TokensResponse(Answer):
-    """One's tokens, newest first."""
+class TokensResponse(ResponseModel):
+    """The tokens of the account, newest first."""
 
     tokens: list[TokenResponse]
 
 
-class MeResponse(Answer):
-    """Who asks, and what is left of the quotas."""
+class MeResponse(ResponseModel):
+    """The authenticated user or guest and their quota."""
 
     name: str
     user_id: int | None

@@ -1,4 +1,4 @@
-"""Accounts: sign up, in and out, and the tokens of programs."""
+"""Account pages: signing up, in and out, password, API tokens."""
 
 from urllib.parse import urlsplit
 
@@ -8,55 +8,61 @@ from flask.typing import ResponseReturnValue
 from seamark.server.accounts import accounts
 from seamark.server.accounts.permissions import ADMIN, SCOPES, Action, can
 from seamark.server.web import authentication
-from seamark.server.web.rate_limits import SIGN_IN, SIGN_INS, limiter, refused, sign_ups, who
+from seamark.server.web.rate_limits import (
+    CREDENTIAL_ATTEMPTS,
+    SIGN_INS,
+    client,
+    failed,
+    limiter,
+    sign_ups,
+)
 from seamark.server.web.services import services
 
-TOKEN_DAYS_MAX = 365
 page = Blueprint("account", __name__)
 
 
 @page.get("/sign-up")
 def sign_up() -> ResponseReturnValue:
-    """Show the form of a new account."""
+    """Show the sign-up form."""
     return _form("account/sign_up.html")
 
 
 @page.post("/sign-up")
 @limiter.limit(sign_ups)
-def make_account() -> ResponseReturnValue:
-    """Make an account and sign it in."""
+def create_account() -> ResponseReturnValue:
+    """Create an account and sign in."""
     held = services()
     name, password = request.form.get("name", "").strip(), request.form.get("password", "")
     if not held.settings.sign_up_open:
-        return _form("account/sign_up.html", "This service does not take new accounts."), 403
+        return _form("account/sign_up.html", "Sign-up is closed on this service."), 403
     try:
         with held.database.writing() as session:
             user_id = accounts.sign_up(session, name, password).id
-    except accounts.AccountRejected as refusal:
-        return _form("account/sign_up.html", str(refusal)), 422
+    except accounts.AccountRejected as reason:
+        return _form("account/sign_up.html", str(reason)), 422
     adopted = authentication.sign_in(user_id)
-    flash(f"Welcome, {name}. You can upload programs and make ranked runs now.", "good")
-    _say_adopted(adopted)
+    flash(f"Welcome, {name}. You can now upload programs and start ranked runs.", "good")
+    _flash_adopted(adopted)
     return redirect(_next())
 
 
 @page.get("/sign-in")
 def sign_in() -> ResponseReturnValue:
-    """Show the form for name and password."""
+    """Show the sign-in form."""
     return _form("account/sign_in.html")
 
 
 @page.post("/sign-in")
 @limiter.limit(SIGN_INS)
-@limiter.limit(SIGN_IN, deduct_when=refused)
-def enter() -> ResponseReturnValue:
-    """Sign in, with the same answer for a wrong name and a wrong password."""
+@limiter.limit(CREDENTIAL_ATTEMPTS, deduct_when=failed)
+def check_credentials() -> ResponseReturnValue:
+    """Sign in; the response is the same for an unknown name and a wrong password."""
     name, password = request.form.get("name", "").strip(), request.form.get("password", "")
     with services().database.reading() as session:
         user = accounts.authenticate(session, name, password)
     if user is None:
-        return _form("account/sign_in.html", "Name and password do not belong together."), 422
-    _say_adopted(authentication.sign_in(user.id))
+        return _form("account/sign_in.html", "The name or the password is incorrect."), 422
+    _flash_adopted(authentication.sign_in(user.id))
     return redirect(_next())
 
 
@@ -69,16 +75,16 @@ def sign_out() -> ResponseReturnValue:
 
 @page.get("/tokens")
 def tokens() -> ResponseReturnValue:
-    """Show the viewer's tokens."""
+    """Show the tokens of the account."""
     if not can(g.viewer, Action.MANAGE_ACCOUNT):
         return redirect(url_for("account.sign_in", next=request.path))
     return _tokens()
 
 
 @page.post("/tokens")
-@limiter.limit(SIGN_IN, key_func=who)
-def make_token() -> ResponseReturnValue:
-    """Make a token and show it, this once."""
+@limiter.limit(CREDENTIAL_ATTEMPTS, key_func=client)
+def create_token() -> ResponseReturnValue:
+    """Create a token and show its text once."""
     if not can(g.viewer, Action.MANAGE_ACCOUNT):
         abort(404)
     days = request.form.get("days", accounts.TOKEN_DAYS, type=int)
@@ -90,47 +96,47 @@ def make_token() -> ResponseReturnValue:
                 g.viewer.user_id,
                 request.form.get("name", ""),
                 scopes,
-                days=max(1, min(days, TOKEN_DAYS_MAX)),
+                days=max(1, min(days, accounts.TOKEN_DAYS_MAX)),
             )
-    except accounts.AccountRejected as refusal:
-        return _tokens(error=str(refusal)), 422
+    except accounts.AccountRejected as reason:
+        return _tokens(error=str(reason)), 422
     return _tokens(new=text)
 
 
 @page.post("/password")
-@limiter.limit(SIGN_IN, key_func=who)
+@limiter.limit(CREDENTIAL_ATTEMPTS, key_func=client)
 def change_password() -> ResponseReturnValue:
-    """Change the viewer's password; other browsers that are signed in are out."""
+    """Change the password, which signs out all other browsers."""
     if not can(g.viewer, Action.MANAGE_ACCOUNT):
         abort(404)
     old, new = request.form.get("old", ""), request.form.get("new", "")
     try:
         with services().database.writing() as session:
             user_id = accounts.change_password(session, g.viewer.name, old, new).id
-    except accounts.AccountRejected as refusal:
-        return _tokens(password_error=str(refusal)), 422
+    except accounts.AccountRejected as reason:
+        return _tokens(password_error=str(reason)), 422
     authentication.sign_in(user_id)
-    flash("The password is changed; other browsers have to sign in again.", "good")
+    flash("Your password has been changed. Other browsers have been signed out.", "good")
     return redirect(url_for("account.tokens"))
 
 
 @page.post("/tokens/<row:token_id>/revoke")
 def revoke_token(token_id: int) -> ResponseReturnValue:
-    """Delete one of the viewer's tokens."""
+    """Revoke one of the account's tokens."""
     if not can(g.viewer, Action.MANAGE_ACCOUNT):
         abort(404)
     with services().database.writing() as session:
-        gone = accounts.revoke_token(session, g.viewer.user_id, token_id)
-    if not gone:
+        revoked = accounts.revoke_token(session, g.viewer.user_id, token_id)
+    if not revoked:
         abort(404)
-    flash("The token is withdrawn; programs that use it are refused from now on.", "good")
+    flash("The token has been revoked.", "good")
     return redirect(url_for("account.tokens"))
 
 
-def _say_adopted(count: int) -> None:
+def _flash_adopted(count: int) -> None:
     if count:
-        what = "The run that you made" if count == 1 else f"The {count} runs that you made"
-        flash(f"{what} without an account can be found under My runs.", "good")
+        runs = "The run" if count == 1 else f"The {count} runs"
+        flash(f"{runs} you started without an account can be found under My runs.", "good")
 
 
 def _grantable() -> list[str]:
@@ -151,10 +157,10 @@ def _form(template: str, error: str = "") -> str:
 
 def _tokens(*, new: str = "", error: str = "", password_error: str = "") -> str:
     with services().database.reading() as session:
-        kept = accounts.tokens(session, g.viewer.user_id)
+        tokens = accounts.tokens(session, g.viewer.user_id)
     return render_template(
         "account/tokens.html",
-        tokens=kept,
+        tokens=tokens,
         new=new,
         error=error,
         password_error=password_error,
@@ -162,13 +168,13 @@ def _tokens(*, new: str = "", error: str = "", password_error: str = "") -> str:
         password_max=accounts.PASSWORD_MAX,
         scopes=_grantable(),
         days=accounts.TOKEN_DAYS,
-        days_max=TOKEN_DAYS_MAX,
+        days_max=accounts.TOKEN_DAYS_MAX,
     )
 
 
 def _next() -> str:
-    """Return where to go on: an address of this site, never one of another."""
-    wanted = request.values.get("next", "").replace("\\", "/")
-    parts = urlsplit(wanted)
-    inside = wanted.startswith("/") and not wanted.startswith("//")
-    return wanted if inside and not parts.netloc else url_for("home.show")
+    """Return where to redirect to: always an address on this site."""
+    target = request.values.get("next", "").replace("\\", "/")
+    parts = urlsplit(target)
+    is_path = target.startswith("/") and not target.startswith("//")
+    return target if is_path and not parts.netloc else url_for("home.show")

@@ -1,4 +1,4 @@
-"""Pages for what cannot be shown; who asks for JSON gets a problem document."""
+"""Error pages; API clients get a problem document instead."""
 
 import structlog
 from flask import Flask, g, render_template, request, url_for
@@ -11,42 +11,50 @@ from seamark.server.web import problems
 from seamark.server.web.services import services
 from seamark.server.web.template_filters import size
 
-_DRAIN_MAX = 32 * 2**20  # [byte] of a refused upload that are read and thrown away
+_DRAIN_MAX = 32 * 2**20  # [B] of a rejected upload that are read and discarded
 _log = structlog.get_logger()
 
 # status -> title, sentence, remedy
-_WORDS = {
+_MESSAGES = {
     400: (
-        "This request could not be read",
-        "The browser sent something unexpected.",
+        "Bad request",
+        "The request could not be processed.",
         "Go back, reload the page and try again.",
     ),
-    401: ("Who are you?", "This token is not valid.", "Sign in, or make a new token."),
-    403: ("This is not yours to do", "Only the owner may do this.", "Sign in as its owner."),
+    401: ("Sign-in required", "This token is not valid.", "Sign in, or create a new token."),
+    403: ("Permission denied", "Only the owner may do this.", "Sign in as the owner."),
     404: (
-        "Nothing here",
-        "This page does not exist, or it is private and belongs to somebody else.",
+        "Page not found",
+        "This page does not exist, or it is private and belongs to someone else.",
         "Check the address, or sign in.",
     ),
-    405: ("That does not work here", "This address is for a button, not for a visit.", ""),
-    409: ("Too late for that", "The run's state has changed.", "Go back and reload the page."),
+    405: ("Method not allowed", "This address only accepts submitted forms.", ""),
+    409: ("Conflict", "The state of the run has changed.", "Go back and reload the page."),
     413: (
         "The upload is too large",
-        "A program may have up to {limit}. Yours was larger{given}, so it was not kept.",
-        "A controller is source code; leave data and recordings out of the file.",
+        "Programs may be up to {limit} large. Yours is larger{given} and was not stored.",
+        "Leave data and recordings out of the file.",
     ),
-    429: ("Too many tries", "That was too often in a short time.", "Wait a minute and try again."),
+    429: (
+        "Too many requests",
+        "You have sent too many requests in a short time.",
+        "Wait a minute and try again.",
+    ),
     500: (
-        "We made a mistake",
-        "Something broke on our side. Your runs and data are safe.",
-        "Try again; if it happens again, tell the operator what you did.",
+        "Internal error",
+        "Something went wrong on our side. Your runs and data are safe.",
+        "Try again. If the error persists, contact the operator of this service.",
     ),
-    503: ("A part of the service is away", "It will be back soon.", "Try again in a minute."),
+    503: (
+        "Service unavailable",
+        "A part of the service is temporarily unavailable.",
+        "Try again in a minute.",
+    ),
 }
 
 
 def register(app: Flask) -> None:
-    """Answer every error with a page or a problem document."""
+    """Add handlers that respond to every error with a page or a problem document."""
 
     @app.errorhandler(HTTPException)
     def show_http(error: HTTPException) -> ResponseReturnValue:
@@ -62,15 +70,15 @@ def register(app: Flask) -> None:
             return problems.Problem("csrf").response()
         return _render(
             403,
-            "This form is out of date",
-            "It was opened before you signed in or out, or it came from another site.",
-            "Go back, reload the page and send the form again. Nothing was changed.",
+            "This form has expired",
+            "It was opened before you signed in or out, or it was sent by another site.",
+            "Go back, reload the page and submit the form again. No changes were made.",
         )
 
 
 def _page(error: HTTPException) -> ResponseReturnValue:
     code = error.code or 500
-    title, sentence, remedy = _WORDS.get(code, (error.name, error.description or "", ""))
+    title, sentence, remedy = _MESSAGES.get(code, (error.name, error.description or "", ""))
     if code == 413:
         given = f" ({size(request.content_length)})" if request.content_length else ""
         limit = size(services().settings.upload_max_bytes)
@@ -90,8 +98,9 @@ def _render(code: int, title: str, sentence: str, remedy: str) -> tuple[str, int
 
 
 def _drain() -> None:
-    """Read what is left of a refused upload; a browser that is cut off shows no answer at all."""
-    stream, left = request.environ["wsgi.input"], min(request.content_length or 0, _DRAIN_MAX)
+    """Read the rest of a rejected upload; a browser that is cut off shows no response at all."""
+    stream = request.environ["wsgi.input"]
+    left = min(request.content_length or 0, _DRAIN_MAX)
     while left > 0:
         part = stream.read(min(left, 64 * 1024))
         if not part:

@@ -18,7 +18,7 @@ from seamark.server.runs.states import RunState
 from seamark.server.runs.submission import SubmissionRejected
 from seamark.server.runs.views import RunView
 from seamark.server.web import authentication
-from seamark.server.web.rate_limits import ORDER, limiter, who
+from seamark.server.web.rate_limits import SUBMISSIONS, client, limiter
 from seamark.server.web.services import services
 from seamark.sim.settings.grid import axes, level_names
 
@@ -100,7 +100,7 @@ def withdraw(run_id: int) -> ResponseReturnValue:
 
 
 @page.post("/<row:run_id>/rerun")
-@limiter.limit(ORDER, key_func=who)
+@limiter.limit(SUBMISSIONS, key_func=client)
 def rerun(run_id: int) -> ResponseReturnValue:
     """Queue the same order again."""
     _run_for(run_id, Action.VIEW)

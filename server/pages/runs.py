@@ -14,7 +14,7 @@ from seamark.server.runs.views import LIMIT_MAX, RunFilter, RunPage, RunView
 from seamark.server.web import csv_export
 from seamark.server.web.services import Services, services
 from seamark.server.web.template_filters import iso, solution
-from seamark.server.web.url_converters import row_number
+from seamark.server.web.url_converters import row_id
 
 SIZE = 25
 COLUMNS = (
@@ -28,7 +28,7 @@ page = Blueprint("runs", __name__, url_prefix="/runs")
 def mine() -> ResponseReturnValue:
     """Show the viewer's own runs; an admin may look at everybody's."""
     wanted, held = _wanted(g.viewer), services()
-    part = _part(held, g.viewer, wanted, request.args.get("after", type=row_number), SIZE)
+    part = _part(held, g.viewer, wanted, request.args.get("after", type=row_id), SIZE)
     with held.database.reading() as session:
         used = None if g.viewer.owner is None else quota.used_by(session, g.viewer, held.settings)
     return render_template(
@@ -75,7 +75,7 @@ def _lines(held: Services, viewer: Viewer, wanted: RunFilter) -> Iterator[str]:
     after: int | None = None
     while True:
         part = _part(held, viewer, wanted, after, LIMIT_MAX)
-        yield csv_export.lines(COLUMNS, map(_row, part.runs), head=False)
+        yield csv_export.lines(COLUMNS, map(_row, part.runs), header=False)
         after = part.next
         if after is None:
             return

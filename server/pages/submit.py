@@ -16,9 +16,9 @@ from seamark.server.runs.quota import QuotaExceeded
 from seamark.server.runs.states import RunKind
 from seamark.server.runs.submission import UPLOAD, Submission, SubmissionRejected
 from seamark.server.web import authentication
-from seamark.server.web.rate_limits import ORDER, limiter, who
+from seamark.server.web.rate_limits import SUBMISSIONS, client, limiter
 from seamark.server.web.services import services
-from seamark.server.web.url_converters import row_number
+from seamark.server.web.url_converters import row_id
 from seamark.sim.benchmarks.benchmark import Benchmark
 from seamark.sim.settings.configuration import ConfigurationInvalid
 
@@ -40,7 +40,7 @@ def form(name: str) -> ResponseReturnValue:
 
 
 @page.post("/<name>")
-@limiter.limit(ORDER, key_func=who)
+@limiter.limit(SUBMISSIONS, key_func=client)
 def create(name: str) -> ResponseReturnValue:
     """Queue a run, or show the form again with the reason why not."""
     benchmark = benchmarks.by_name(name)
@@ -114,7 +114,7 @@ def _whole(answers: dict[str, str], name: str, what: str) -> int | None:
 
 def _start_values(benchmark: Benchmark) -> dict[str, object]:
     """Return what an empty form begins with."""
-    earlier = request.args.get("from", type=row_number)
+    earlier = request.args.get("from", type=row_id)
     if earlier is not None:
         with services().database.reading() as session:
             run = views.show(session, earlier)

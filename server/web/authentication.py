@@ -1,4 +1,4 @@
-"""Who asks: from the bearer token, or from the signed cookie of the browser."""
+"""Authentication by bearer token or by the signed cookie of the browser."""
 
 import secrets
 
@@ -10,7 +10,7 @@ from seamark.server.accounts.permissions import Viewer
 from seamark.server.database.tables import User
 from seamark.server.web.services import services
 
-BEARER = "bearer"  # in any case of letters (RFC 9110, 11.1)
+BEARER = "bearer"  # case-insensitive (RFC 9110, 11.1)
 _USER, _KEY, _GUEST = "user", "key", "guest"
 
 
@@ -19,30 +19,30 @@ def register(app: Flask) -> None:
 
     @app.before_request
     def find_viewer() -> None:
-        g.viewer = Viewer()  # also for the pages of errors, should the lines below fail
+        g.viewer = Viewer()  # for the error page, in case authentication fails
         if request.endpoint != "static":
             g.viewer = _viewer()
 
 
 def by_token() -> bool:
-    """Return whether the request carries a token; such a request needs no CSRF secret."""
+    """Return whether the request has a bearer token; then it needs no CSRF token."""
     return _scheme() == BEARER
 
 
 def sign_in(user_id: int) -> int:
-    """Let the browser speak for a user from the next request on.
+    """Sign the browser in from the next request on.
 
-    Returns how many runs that it made as a guest belong to the user now.
+    Returns how many runs of the guest were transferred to the user.
     """
     adopted = _adopt_runs(user_id)
-    session.clear()  # nothing that was planted before the sign-in survives it
+    session.clear()  # prevents session fixation
     session.permanent = True
     session.update(cookie_of(user_id))
     return adopted
 
 
 def cookie_of(user_id: int) -> dict[str, object]:
-    """Return what the cookie of a user's browser holds until the password is changed."""
+    """Return the content of the session cookie, valid until the password changes."""
     held = services()
     with held.database.reading() as database:
         user = database.get_one(User, user_id)
@@ -50,12 +50,12 @@ def cookie_of(user_id: int) -> dict[str, object]:
 
 
 def sign_out() -> None:
-    """Forget who the browser speaks for."""
+    """Sign the browser out."""
     session.clear()
 
 
 def become_guest() -> Viewer:
-    """Return the present viewer, made a guest with a cookie of its own if nobody in particular."""
+    """Return the current viewer; an anonymous one becomes a guest with a cookie."""
     viewer: Viewer = g.viewer
     if viewer.owner is None and not by_token():
         session.permanent = True
@@ -65,18 +65,18 @@ def become_guest() -> Viewer:
 
 
 def _scheme() -> str:
-    """Return how the request says who asks, such as "bearer"; proxies may use others."""
+    """Return the authentication scheme of the request; proxies may use others than "bearer"."""
     return request.headers.get("Authorization", "").strip().partition(" ")[0].lower()
 
 
 def _viewer() -> Viewer:
-    """Return who asks; a wrong token is refused rather than treated as nobody."""
+    """Return who sent the request; an invalid token is refused, not treated as anonymous."""
     if by_token():
         text = request.headers["Authorization"][len(BEARER) :].strip()
         with services().database.reading() as database:
             viewer = accounts.viewer_of_token(database, text)
         if viewer is None:
-            raise Unauthorized("The token is unknown, withdrawn or expired.")
+            raise Unauthorized("The token is unknown, revoked or expired.")
         return viewer
     user_id, guest = session.get(_USER), session.get(_GUEST)
     if user_id is not None:

@@ -1,4 +1,4 @@
-"""Tables as CSV that a spreadsheet may open without harm."""
+"""CSV export that is safe to open in a spreadsheet."""
 
 import csv
 import io
@@ -6,14 +6,14 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 MEDIA_TYPE = "text/csv; charset=utf-8"
-_FORMULA = ("=", "+", "-", "@", "\t")  # a spreadsheet would execute a cell that starts so
+_FORMULA = ("=", "+", "-", "@", "\t")  # a spreadsheet would evaluate such a cell as a formula
 
 
-def lines(columns: Sequence[str], rows: Iterable[Mapping[str, Any]], *, head: bool = True) -> str:
-    """Return the rows as lines of a CSV, under the names of the columns if it is its head."""
+def lines(columns: Sequence[str], rows: Iterable[Mapping[str, Any]], *, header: bool = True) -> str:
+    """Return the rows as CSV lines, preceded by a header row if `header`."""
     text = io.StringIO()
     table = csv.writer(text, lineterminator="\n")
-    if head:
+    if header:
         table.writerow(columns)
     table.writerows([_cell(row[name]) for name in columns] for row in rows)
     return text.getvalue()

@@ -1,9 +1,9 @@
-"""Headers that every answer carries: what a page may load, and what other sites may do with it."""
+"""Security headers of all responses."""
 
 from flask import Flask, Response, request
 
-# No inline script or style anywhere: hostile file names and logs cannot become code, even where
-# escaping were forgotten. JSON data blocks are not scripts and stay allowed.
+# No inline scripts or styles: malicious file names and logs are never executed, even if escaping
+# is forgotten somewhere. JSON data blocks are not scripts and remain allowed.
 CONTENT_SECURITY_POLICY = "; ".join(
     (
         "default-src 'none'",
@@ -31,7 +31,7 @@ ONE_YEAR_S = 31_536_000
 
 
 def register(app: Flask, *, public: bool) -> None:
-    """Add the headers to all answers; a route that sets one of them itself keeps its own."""
+    """Add the headers to all responses, unless the route has set them."""
 
     @app.after_request
     def add_headers(response: Response) -> Response:
@@ -40,6 +40,6 @@ def register(app: Flask, *, public: bool) -> None:
         if public and request.is_secure:
             response.headers.setdefault("Strict-Transport-Security", f"max-age={ONE_YEAR_S}")
         if request.endpoint != "static":
-            # Pages show what one person may see; no shared cache may keep them.
+            # Pages depend on who views them, so shared caches must not store them.
             response.headers.setdefault("Cache-Control", "private, no-cache")
         return response

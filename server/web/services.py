@@ -1,4 +1,4 @@
-"""What a web process holds besides the request: handed to the routes by `services()`."""
+"""The services of a web process: settings, database, broker, live streams."""
 
 from dataclasses import dataclass
 
@@ -14,7 +14,7 @@ from seamark.server.settings import Settings
 
 @dataclass(frozen=True, slots=True)
 class Services:
-    """Everything that is made once per process."""
+    """Everything that is created once per process."""
 
     settings: Settings
     database: Database
@@ -24,7 +24,7 @@ class Services:
 
     @classmethod
     def start(cls, settings: Settings) -> "Services":
-        """Make them all; none connects before its first use."""
+        """Create all services; none connects before its first use."""
         redis = broker.connect(settings)
         return cls(
             settings=settings,
@@ -39,7 +39,7 @@ class Services:
         broker.ring(self.celery)
 
     def close(self) -> None:
-        """Let go of threads and connections."""
+        """Stop threads and close connections."""
         self.fanout.close()
         self.redis.close()
         self.celery.close()
@@ -47,6 +47,6 @@ class Services:
 
 
 def services() -> Services:
-    """Return the services of the application that answers the present request."""
-    held: Services = current_app.extensions["seamark"]
-    return held
+    """Return the services of the current application."""
+    current: Services = current_app.extensions["seamark"]
+    return current

@@ -1,26 +1,24 @@
-"""Numbers of rows in addresses: what no database could hold is nothing, not our mistake."""
+"""Row ids in URLs: ids that no database row can have give 404 instead of a database error."""
 
 from flask import Flask
 from werkzeug.routing import IntegerConverter, Map
 
-ROW_MAX = 2**53 - 1  # as the HTTP interface has it: every reader of JSON keeps it exactly
+ROW_ID_MAX = 2**53 - 1  # the largest integer that every JSON parser represents exactly
 
 
 def register(app: Flask) -> None:
-    """Let routes say `<row:name>`; without a row of that number they do not match at all."""
-    app.url_map.converters["row"] = _Row
+    """Add the converter `<row:name>`, which does not match other numbers."""
+    app.url_map.converters["row"] = _RowId
 
 
-def row_number(text: str) -> int:
-    """Return the number in a query string; ValueError if it cannot be that of a row."""
+def row_id(text: str) -> int:
+    """Return the id in a query string; ValueError if no row can have it."""
     number = int(text)
-    if not 0 <= number <= ROW_MAX:
-        raise ValueError("no row has this number")
+    if not 0 <= number <= ROW_ID_MAX:
+        raise ValueError("no row can have this id")
     return number
 
 
-class _Row(IntegerConverter):
-    """Digits up to the largest number of a row."""
-
+class _RowId(IntegerConverter):
     def __init__(self, map: Map) -> None:
-        super().__init__(map, max=ROW_MAX)
+        super().__init__(map, max=ROW_ID_MAX)

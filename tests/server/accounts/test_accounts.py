@@ -107,3 +107,13 @@ def test_the_hash_of_a_guest_is_of_this_service_only(settings: Settings) -> None
     assert accounts.guest_hash(settings, "c") == accounts.guest_hash(settings, "c")
     assert accounts.guest_hash(settings, "c") != accounts.guest_hash(other, "c")
     assert accounts.guest_hash(settings, "c") != accounts.guest_hash(settings, "d")
+
+
+def test_an_account_has_at_most_fifty_tokens(database: Database) -> None:
+    with database.writing() as session:
+        ann = accounts.sign_up(session, "ann", None)
+        for _ in range(accounts.TOKENS_MAX):
+            accounts.new_token(session, ann.id, "script", [READ])
+
+        with pytest.raises(AccountRejected, match="already have 50 tokens"):
+            accounts.new_token(session, ann.id, "script", [READ])

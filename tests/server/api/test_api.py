@@ -334,13 +334,13 @@ def test_a_data_set_without_pictures_is_refused(
     problem_of(answer, status, slug)
 
 
-def test_a_data_set_has_no_more_pictures_than_a_web_server_can_draw(site: Site) -> None:
+def test_a_data_set_has_no_more_images_than_the_web_server_renders(site: Site) -> None:
     run_id = site.recorded()
     site.record(run_id, rows=2000)
 
     answer = site.call("owner", "GET", f"{RUNS}/{run_id}/dataset.zip?every=1")
 
-    assert "2040 pictures" in problem_of(answer, 422, "invalid-request")["detail"]
+    assert "2040 images" in problem_of(answer, 422, "invalid-request")["detail"]
 
 
 def test_a_ranked_run_has_no_data_set(site: Site) -> None:

@@ -85,7 +85,7 @@ def test_a_post_without_the_secret_is_refused(site: Site, path: str) -> None:
     answer = site.browser("ann").client.post(path, data={"name": "x", "scopes": "read"})
 
     assert answer.status_code == 403
-    assert "out of date" in answer.text
+    assert "has expired" in answer.text
 
 
 @pytest.mark.parametrize("name", ["cancel", "publish", "withdraw", "rerun"])

@@ -67,10 +67,10 @@ def test_guessing_passwords_is_slowed_down(site: Site) -> None:
     answers = [browser.post("/sign-in", {"name": "ann", "password": "x"}) for _ in range(11)]
 
     assert [answer.status_code for answer in answers] == [422] * 10 + [429]
-    assert "Too many tries" in answers[-1].text
+    assert "Too many requests" in answers[-1].text
 
 
-def test_a_token_is_shown_once_works_and_can_be_withdrawn(site: Site) -> None:
+def test_a_token_is_shown_once_works_and_can_be_revoked(site: Site) -> None:
     browser = site.browser("ann")
 
     made = browser.post("/tokens", {"name": "laptop", "scopes": ["read"], "days": "7"}).text
@@ -86,7 +86,7 @@ def test_a_token_is_shown_once_works_and_can_be_withdrawn(site: Site) -> None:
     assert site.browser().get("/api/v1/me", headers=header).status_code == 401
 
 
-def test_a_token_of_another_cannot_be_withdrawn(site: Site) -> None:
+def test_a_token_of_another_cannot_be_revoked(site: Site) -> None:
     made = site.browser("ann").post("/tokens", {"name": "laptop", "scopes": ["read"]}).text
     token_id = re.findall(r"/tokens/(\d+)/revoke", made)[0]
 
@@ -119,8 +119,8 @@ def test_what_a_guest_ran_is_the_users_after_sign_up_and_after_sign_in(site: Sit
     browser.post("/submit/currents-v1", order)
     back = browser.post("/sign-in", words, follow_redirects=True)
 
-    assert "The run that you made without an account" in welcome.text
-    assert "The 2 runs that you made without an account" in back.text
+    assert "The run you started without an account" in welcome.text
+    assert "The 2 runs you started without an account" in back.text
     views = [site.show(run_id) for run_id in (1, 2, 3)]
     assert [view.user for view in views] == ["cleo"] * 3
     assert "#1" in browser.get("/runs/").text
@@ -153,7 +153,7 @@ def test_a_new_password_is_the_only_one_and_other_browsers_are_out(site: Site) -
 @pytest.mark.parametrize(
     ("old", "new", "says"),
     [
-        ("wrong wrong wrong", "another horse battery", "present password is not right"),
+        ("wrong wrong wrong", "another horse battery", "current password is incorrect"),
         (WORDS, "short", "A password has"),
     ],
 )

@@ -58,7 +58,7 @@ def test_what_does_not_exist_is_a_page_that_says_so(site: Site, path: str) -> No
     answer = site.browser().get(path)
 
     assert answer.status_code == 404
-    assert "Nothing here" in answer.text
+    assert "Page not found" in answer.text
 
 
 @pytest.mark.parametrize("path", ["/runs/?after={}", "/submit/currents-v1?from={}"])
@@ -104,7 +104,7 @@ def test_the_pages_of_the_leaderboard_follow_each_other(site: Site) -> None:
     after = {"after": first.cursor.text()}
     page = site.browser().get("/leaderboards/currents-v1", query_string=after).text
 
-    assert (f"{first.user}</span>" in page, ">Top<" in page) == (False, True)
+    assert (f"{first.user}</span>" in page, ">Top</a>" in page) == (False, True)
 
 
 def test_my_runs_are_filtered_by_state(site: Site) -> None:
