@@ -176,7 +176,7 @@ def _place(session: Session, benchmark: str, here: Cursor) -> int:
     """Return the rank of the first row of those tied, one by one, down to the row at a cursor."""
     above = func.lag(Best.score_low).over(order_by=_ORDER)
     apart = or_(above.is_(None), Best.score_high < above)
-    rank = func.row_id().over(order_by=_ORDER)
+    rank = func.row_number().over(order_by=_ORDER)
     rows = (
         select(rank.label("rank"), apart.label("apart"))
         .where(Best.benchmark == benchmark, _not_below(here))
