@@ -1,0 +1,25 @@
+"""The documentation of a program's limits."""
+
+import re
+from dataclasses import fields
+from html import unescape
+
+import pytest
+
+from seamark.sandbox.limits import MEANING, Limits
+from tests.server.pages.conftest import Site
+
+NAMES = [field.name for field in fields(Limits)]
+ROW = re.compile(r'<tr><th scope="row">([^<]+)</th><td class="num">[^<]+</td><td>([^<]+)</td></tr>')
+
+
+def test_every_limit_has_a_meaning() -> None:
+    assert set(MEANING) == set(NAMES)
+
+
+@pytest.mark.parametrize("page", ["controller", "tracker"])
+def test_a_page_lists_every_limit_once_with_its_meaning(site: Site, page: str) -> None:
+    rows = ROW.findall(site.browser().get(f"/docs/{page}").text)
+
+    assert [unescape(meaning) for _, meaning in rows] == [MEANING[name] for name in NAMES]
+    assert len({label for label, _ in rows}) == len(NAMES)
