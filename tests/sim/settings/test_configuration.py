@@ -6,7 +6,7 @@ from typing import Any
 
 import jsonschema_rs
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from seamark.sim.benchmarks.benchmark import Benchmark
@@ -133,8 +133,13 @@ def test_the_defaults_and_the_presets_obey_the_schema(currents: Benchmark) -> No
 
 @given(
     name=st.sampled_from(sorted(CURRENTS.schema()["properties"])),
-    value=st.one_of(st.floats(), st.integers(), st.text(max_size=5), st.lists(st.floats())),
+    value=st.one_of(
+        *(st.floats(0.0, 2.0), st.integers(0, 20), st.booleans(), st.lists(st.floats(0.0, 1.0))),
+        *(st.floats(), st.integers(), st.text(max_size=5), st.lists(st.floats())),
+    ),
 )
+@example(name="kp", value=1)
+@example(name="levels", value=[0.0, 0.1])
 def test_what_is_accepted_obeys_the_schema(name: str, value: object) -> None:
     check = jsonschema_rs.validator_for(CURRENTS.schema())
 

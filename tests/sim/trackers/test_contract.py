@@ -68,15 +68,21 @@ def test_every_combination_of_the_form_works_or_is_refused_with_a_reason(
     assert tried or why_not()
 
 
-@pytest.mark.parametrize("name", [name for name in TRACKERS if "warp" in option_names(name)])
+def _refused(name: str) -> list[tuple[dict[str, Any], str]]:
+    """Return the combinations of options that the form refuses, with the first sentence of each."""
+    names = [key for key in ("warp", "criterion", "method") if key in option_names(name)]
+    tables = {"warp": WARPS, "criterion": CRITERIA, "method": METHODS}
+    combinations = itertools.product(*(tables[key] for key in names))
+    options = [dict(zip(names, values, strict=True)) for values in combinations]
+    errors = [(each, option_errors(name, each)) for each in options]
+    return [(each, next(iter(found.values()))) for each, found in errors if found]
+
+
+@pytest.mark.parametrize("name", [name for name in TRACKERS if _refused(name)])
 def test_what_the_form_refuses_the_tracker_refuses_with_the_same_sentence(name: str) -> None:
-    for warp, criterion, method in itertools.product(WARPS, CRITERIA, METHODS):
-        chosen = {"warp": warp, "criterion": criterion, "method": method}
-        options = {key: value for key, value in chosen.items() if key in option_names(name)}
-        errors = option_errors(name, options)
-        if errors:
-            with pytest.raises(ValueError, match=re.escape(next(iter(errors.values())))):
-                make(name, **options)
+    for options, sentence in _refused(name):
+        with pytest.raises(ValueError, match=re.escape(sentence)):
+            make(name, **options)
 
 
 NUMBERS = [option for option in declaration("esm").options if option.low is not None]
