@@ -1,12 +1,13 @@
 """Names of everything that can be chosen, and where each is declared.
 
-Adding a thing is one file or folder and one line here: name -> "module:attribute". Each declares
-its own label and settings. Light: a declaration loads neither Numba nor OpenCV until a run needs
-its code. An entry that does not load stops the start (`load_all`); it does not warn.
+Adding a thing is one file or folder and one line here: its name and the path of its declaration as
+`pkgutil.resolve_name` reads it, module:attribute. The declaration has the label and the settings.
+It is light: it loads neither Numba nor OpenCV until a run needs its code. An entry that does not
+load stops the start (`load_all`).
 """
 
-import importlib
-from typing import TYPE_CHECKING, Any
+from pkgutil import resolve_name
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from seamark.sim.benchmarks.benchmark import Benchmark
@@ -36,18 +37,6 @@ TRACKERS = {
 TRUTH = "truth"  # not a tracker: the true corners, to test a controller alone; never ranks
 
 
-def load(path: str) -> Any:  # a class, a function or a data object
-    """Return what a path, module:attribute, names.
-
-    Raises
-    ------
-    ImportError, AttributeError
-        If the path names nothing: the registry is wrong.
-    """
-    module, _, attribute = path.partition(":")
-    return getattr(importlib.import_module(module), attribute)
-
-
 def benchmark(name: str) -> "Benchmark":
     """Return a benchmark by its name.
 
@@ -56,13 +45,13 @@ def benchmark(name: str) -> "Benchmark":
     KeyError
         If there is none of that name.
     """
-    loaded: Benchmark = load(BENCHMARKS[name])
+    loaded: Benchmark = resolve_name(BENCHMARKS[name])
     return loaded
 
 
 def load_all() -> None:
     """Load every entry and its code, so that a broken one stops the start and not a user's run."""
     for path in (*VEHICLES.values(), *CONTROLLERS.values()):
-        load(path)
+        resolve_name(path)
     for path in (*BENCHMARKS.values(), *TRACKERS.values()):
-        load(path).load()
+        resolve_name(path).load()

@@ -2,16 +2,12 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from pkgutil import resolve_name
 from typing import TYPE_CHECKING, Any
 
-from seamark.sim import registry
 from seamark.sim.metrics.metric import Metric, MetricGroup
-from seamark.sim.settings.configuration import (
-    Configuration,
-    ConfigurationInvalid,
-    schema_extras,
-    schema_of,
-)
+from seamark.sim.settings.configuration import Configuration, ConfigurationInvalid, schema_of
+from seamark.sim.settings.setting import schema_extras
 
 if TYPE_CHECKING:
     from seamark.sim.engine.experiment import Experiment
@@ -95,7 +91,7 @@ class Benchmark:
 
     def load(self) -> "Experiment":
         """Return what runs the levels; loads the simulator with Numba and OpenCV."""
-        loaded: Experiment = registry.load(self.experiment)
+        loaded: Experiment = resolve_name(self.experiment)
         return loaded
 
     def read(self, values: Mapping[str, object]) -> Configuration:

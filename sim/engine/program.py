@@ -1,6 +1,7 @@
 """The program in the loop: the user's in a box, or one of the built-in controllers."""
 
 from collections.abc import Mapping, Sequence
+from pkgutil import resolve_name
 from typing import Any, ClassVar, Protocol
 
 import numpy as np
@@ -47,7 +48,7 @@ class BuiltIn:
     """A `Program` that runs a built-in controller in this process."""
 
     def __init__(self, name: str, config: Configuration) -> None:
-        make = registry.load(registry.CONTROLLERS[name])
+        make = resolve_name(registry.CONTROLLERS[name])
         self._controller: Controller = make(config.model_dump())
 
     def reset(self, level: Mapping[str, float | int]) -> None:

@@ -5,7 +5,7 @@ Tags of the defaults: S sourced, D derived from sourced, E our estimate.
 
 from functools import partial
 
-from seamark.sim.settings.configuration import setting
+from seamark.sim.settings.setting import setting
 from seamark.sim.settings.tracker import TrackerSettings
 
 velocity_setting = partial(setting, group="Velocity controller", role="scenario")

@@ -5,7 +5,7 @@ from typing import Any
 
 from seamark.sim.metrics import uwsim_metrics
 from seamark.sim.metrics.metric import Metric
-from seamark.sim.settings.configuration import setting
+from seamark.sim.settings.setting import setting
 
 
 def custom_score_setting(metrics: Iterable[Metric], *, group: str) -> Any:  # as setting itself

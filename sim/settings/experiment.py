@@ -7,9 +7,9 @@ from functools import partial
 
 from seamark.sim.recording.telemetry import COMMON_THRUSTERS, thrust_names
 from seamark.sim.registry import TRUTH, VEHICLES
-from seamark.sim.settings.configuration import setting
 from seamark.sim.settings.control_loop import ControlLoopSettings
 from seamark.sim.settings.scene import SceneSettings
+from seamark.sim.settings.setting import setting
 from seamark.sim.settings.targets import TARGETS
 from seamark.sim.settings.thruster_faults import FaultSettings
 from seamark.sim.vehicles import load, most_thrusters

@@ -2,7 +2,8 @@
 
 from functools import partial
 
-from seamark.sim.settings.configuration import Configuration, setting
+from seamark.sim.settings.configuration import Configuration
+from seamark.sim.settings.setting import setting
 
 effect_setting = partial(
     setting, group="Water and camera", role="scenario", tag="E", advanced=True, source="an option"

@@ -5,8 +5,8 @@ Tags of the defaults: S sourced, D derived from sourced, E our estimate.
 
 from functools import partial
 
-from seamark.sim.settings.configuration import setting
 from seamark.sim.settings.image_effects import EffectSettings
+from seamark.sim.settings.setting import setting
 from seamark.sim.settings.targets import TARGETS
 
 water_setting = partial(setting, group="Water and camera", role="scenario")

@@ -2,7 +2,8 @@
 
 from functools import partial
 
-from seamark.sim.settings.configuration import Configuration, setting
+from seamark.sim.settings.configuration import Configuration
+from seamark.sim.settings.setting import setting
 
 fault_setting = partial(setting, group="Faults", role="scenario", advanced=True)
 

@@ -11,7 +11,8 @@ from typing import Any, TypeVar
 from pydantic import create_model
 
 from seamark.sim.registry import TRACKERS, TRUTH
-from seamark.sim.settings.configuration import Configuration, setting
+from seamark.sim.settings.configuration import Configuration
+from seamark.sim.settings.setting import setting
 from seamark.sim.trackers import declaration, option_errors, option_names
 from seamark.sim.trackers.declaration import Option
 

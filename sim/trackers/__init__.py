@@ -6,8 +6,9 @@ loads neither Numba nor OpenCV; `make` loads what the chosen tracker needs.
 
 from collections.abc import Callable
 from importlib import import_module
+from pkgutil import resolve_name
 
-from seamark.sim.registry import TRACKERS, TRUTH, load
+from seamark.sim.registry import TRACKERS, TRUTH
 from seamark.sim.trackers.declaration import Errors, OptionValues, TrackerDeclaration
 from seamark.sim.trackers.interface import Corners, Track, Tracker, Window
 
@@ -33,7 +34,7 @@ def declaration(name: str) -> TrackerDeclaration:
     KeyError
         If there is none of that name; the ground truth is not a tracker.
     """
-    declared: TrackerDeclaration = load(TRACKERS[name])
+    declared: TrackerDeclaration = resolve_name(TRACKERS[name])
     return declared
 
 

@@ -5,9 +5,8 @@ Light: a declaration names the code of its tracker, and loads it only when a run
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from pkgutil import resolve_name
 from typing import TYPE_CHECKING
-
-from seamark.sim.registry import load
 
 if TYPE_CHECKING:
     from seamark.sim.trackers.interface import Tracker
@@ -92,7 +91,7 @@ class TrackerDeclaration:
 
     def load(self) -> "Callable[..., Tracker]":
         """Return the tracker's class; loads Numba, OpenCV or whatever else it needs."""
-        tracker: Callable[..., Tracker] = load(self.path)
+        tracker: Callable[..., Tracker] = resolve_name(self.path)
         return tracker
 
     def errors(self, values: OptionValues) -> Errors:

@@ -7,13 +7,13 @@ given about. This package needs no compiled code: forms and documentation read i
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from pkgutil import resolve_name
 from typing import Literal
 
 import numpy as np
 
 from seamark.sim.numerics.arrays import Array
 from seamark.sim.registry import VEHICLES
-from seamark.sim.registry import load as load_path
 
 Tag = Literal["S", "D", "E"]
 
@@ -202,7 +202,7 @@ def load(name: str) -> Vehicle:
     """
     if name not in VEHICLES:
         raise LookupError(f"there is no vehicle called {name!r}")
-    vehicle: Vehicle = load_path(VEHICLES[name])
+    vehicle: Vehicle = resolve_name(VEHICLES[name])
     return vehicle
 
 

@@ -3,6 +3,7 @@
 import subprocess
 import sys
 from pathlib import Path
+from pkgutil import resolve_name
 
 import pytest
 
@@ -72,7 +73,7 @@ def test_a_vehicle_has_the_name_of_its_entry_and_a_title(name: str) -> None:
 
 @pytest.mark.parametrize("name", registry.CONTROLLERS)
 def test_a_controller_has_a_label_and_the_public_interface(name: str) -> None:
-    controller: type[Controller] = registry.load(registry.CONTROLLERS[name])
+    controller: type[Controller] = resolve_name(registry.CONTROLLERS[name])
 
     assert controller.label
     assert callable(controller.reset)

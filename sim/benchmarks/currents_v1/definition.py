@@ -6,17 +6,17 @@ corners. Tags of the defaults: S sourced, D derived from sourced, E our estimate
 
 import math
 from functools import partial
+from pkgutil import resolve_name
 
-from seamark.sim import registry
 from seamark.sim.benchmarks.benchmark import Baseline, Benchmark, Chart, Table
 from seamark.sim.metrics.metric import Metric
 from seamark.sim.metrics.station_keeping import GROUP, HEAD, KEY_METRICS, METRICS, WHOLE, overall
 from seamark.sim.recording.telemetry import thrust_names
 from seamark.sim.registry import CONTROLLERS, VEHICLES
-from seamark.sim.settings.configuration import setting
 from seamark.sim.settings.custom_score import custom_score_setting
 from seamark.sim.settings.experiment import ExperimentSettings, experiment_setting
 from seamark.sim.settings.grid import SPEED, GridSettings
+from seamark.sim.settings.setting import setting
 from seamark.sim.vehicles import load, most_thrusters
 
 current_setting = partial(setting, group="Current", role="scenario")
@@ -206,7 +206,7 @@ BENCHMARK = Benchmark(
     ),
     participants="position controllers",
     role="controller",
-    built_in={name: registry.load(path).label for name, path in CONTROLLERS.items()},
+    built_in={name: resolve_name(path).label for name, path in CONTROLLERS.items()},
     experiment="seamark.sim.benchmarks.currents_v1.experiment:EXPERIMENT",
     headline=Metric("score", "Score", "of 100", "higher"),
     score_bar_max=100.0,

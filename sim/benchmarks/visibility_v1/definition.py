@@ -17,9 +17,9 @@ from seamark.sim.benchmarks.benchmark import Baseline, Benchmark, Chart, Curve, 
 from seamark.sim.metrics.metric import Metric
 from seamark.sim.metrics.tracking import FAILED_PERCENT, GROUP, HELD, METRICS, level_metrics
 from seamark.sim.recording.telemetry import NAMES
-from seamark.sim.settings.configuration import group_of, override, setting
 from seamark.sim.settings.custom_score import custom_score_setting
 from seamark.sim.settings.experiment import ExperimentSettings, multiple
+from seamark.sim.settings.setting import group_of, override, setting
 from seamark.sim.trackers import option_names
 
 sweep_setting = partial(setting, group="Sweep", role="scenario")

@@ -91,7 +91,7 @@ def test_a_form_without_a_controller_names_the_choices(site: Site) -> None:
 def test_a_comma_in_a_number_is_explained(site: Site) -> None:
     answer = site.browser().post(FORM, {"controller": "pi", "kp": "0,5"})
 
-    assert "Write it with a point: 0.5." in answer.text
+    assert "Use a decimal point: 0.5." in answer.text
 
 
 def test_a_vehicle_brings_its_defaults_also_without_javascript(site: Site) -> None:
