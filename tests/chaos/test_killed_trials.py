@@ -100,7 +100,7 @@ def test_a_cancel_ends_all_trials_within_two_seconds(two_cores: Service) -> None
     assert two_cores.files(run_id).row_count() > 0
 
 
-def test_two_runs_at_once_give_the_bytes_of_a_local_run(two_cores: Service) -> None:
+def test_two_concurrent_runs_have_the_digest_of_a_local_run(two_cores: Service) -> None:
     wanted = evaluate_locally(
         "currents-v1", SHORT, controller="p", seed=3, trials=3, processes=1
     ).digest

@@ -37,7 +37,7 @@ def test_a_run_whose_worker_was_killed_finishes_once_in_production(production: S
     _killed_in_the_middle(production)
 
 
-def test_a_worker_that_is_told_to_stop_gives_its_run_back_at_once(service: Service) -> None:
+def test_a_worker_that_is_stopped_releases_its_run_at_once(service: Service) -> None:
     worker = service.start_worker()
     run_id = service.submit(LONG, trials=10)
     service.wait(run_id, lambda view: view.t_simulated > 0)

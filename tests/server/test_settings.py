@@ -10,7 +10,7 @@ def _load(tmp_path: Path, **variables: str) -> Settings:
     return Settings.load({"SEAMARK_DATA": str(tmp_path), **variables})
 
 
-def test_without_variables_a_local_service_results(tmp_path: Path) -> None:
+def test_without_environment_variables_the_service_is_local(tmp_path: Path) -> None:
     settings = _load(tmp_path)
 
     assert settings.database_url == f"sqlite:///{tmp_path}/seamark.db"
@@ -19,7 +19,9 @@ def test_without_variables_a_local_service_results(tmp_path: Path) -> None:
     assert settings.workers == len(os.sched_getaffinity(0))
 
 
-def test_a_public_service_wants_the_strong_sandbox_unless_told_otherwise(tmp_path: Path) -> None:
+def test_a_public_service_requires_strong_isolation_unless_configured_otherwise(
+    tmp_path: Path,
+) -> None:
     assert _load(tmp_path, SEAMARK_PUBLIC="true").sandbox_min_level == "strong"
     told = _load(tmp_path, SEAMARK_PUBLIC="1", SEAMARK_SANDBOX_MIN_LEVEL="medium")
     assert told.sandbox_min_level == "medium"
@@ -29,7 +31,7 @@ def test_the_isolation_level_weak_of_earlier_versions_means_medium(tmp_path: Pat
     assert _load(tmp_path, SEAMARK_SANDBOX_MIN_LEVEL="weak").sandbox_min_level == "medium"
 
 
-def test_the_secret_is_made_once_and_is_for_the_owner_alone(tmp_path: Path) -> None:
+def test_the_secret_key_is_generated_once_and_only_its_owner_can_read_it(tmp_path: Path) -> None:
     first, second = _load(tmp_path), _load(tmp_path)
 
     assert first.secret_key == second.secret_key
@@ -39,7 +41,7 @@ def test_the_secret_is_made_once_and_is_for_the_owner_alone(tmp_path: Path) -> N
     assert [path.name for path in tmp_path.iterdir()] == ["secret"]
 
 
-def test_a_value_can_come_from_a_file(tmp_path: Path) -> None:
+def test_a_value_can_be_read_from_a_file(tmp_path: Path) -> None:
     (tmp_path / "url").write_text("redis://there:6379/1\n")
 
     settings = _load(tmp_path, SEAMARK_BROKER_URL_FILE=str(tmp_path / "url"))
@@ -59,7 +61,7 @@ def test_a_value_can_come_from_a_file(tmp_path: Path) -> None:
         ({"SEAMARK_SECRET_KEY_FILE": "/nothing/here"}, "cannot be read"),
     ],
 )
-def test_a_wrong_or_unknown_setting_stops_with_a_sentence(
+def test_an_invalid_or_unknown_setting_is_refused_with_a_message(
     tmp_path: Path, variables: dict[str, str], says: str
 ) -> None:
     with pytest.raises(SettingsInvalid, match=says):

@@ -164,7 +164,7 @@ def sent(site: Site, content: bytes, name: str) -> tuple[int, str]:
     [(file, made, says) for file, _, made, says in CASES],
     ids=[f"{file.split('.')[1]}: {name}" for file, name, *_ in CASES],
 )
-def test_a_hostile_upload_is_refused_in_words_and_leaves_nothing(
+def test_a_hostile_upload_is_refused_with_its_reason_and_leaves_no_file(
     site: Site, file: str, made: Made, says: str
 ) -> None:
     status, sentence = sent(site, made(), file)
@@ -229,7 +229,7 @@ def streamed() -> bytes:
     return bytes(pipe.all)
 
 
-def test_the_same_files_are_kept_under_one_hash_however_they_were_packed(site: Site) -> None:
+def test_the_same_files_have_one_hash_however_they_are_packed(site: Site) -> None:
     for content, name in (
         (usual("zip"), "a.zip"),
         (usual("tar.gz"), "b.tar.gz"),

@@ -13,7 +13,7 @@ from seamark.server.settings import Settings
 PASSWORD = "correct horse battery"
 
 
-def test_a_password_opens_its_own_account_and_no_other(database: Database) -> None:
+def test_a_password_signs_in_to_its_own_account_only(database: Database) -> None:
     with database.writing() as session:
         ann = accounts.sign_up(session, "Ann", PASSWORD)
         accounts.sign_up(session, "bob", "another pass phrase")
@@ -23,7 +23,7 @@ def test_a_password_opens_its_own_account_and_no_other(database: Database) -> No
         assert accounts.authenticate(session, "cat", PASSWORD) is None
 
 
-def test_an_account_without_a_password_cannot_be_logged_in_to(database: Database) -> None:
+def test_nobody_can_sign_in_to_an_account_without_a_password(database: Database) -> None:
     with database.writing() as session:
         accounts.sign_up(session, "robot", None)
 
@@ -36,7 +36,7 @@ def test_a_name_that_breaks_the_rule_is_refused(database: Database, name: str) -
         accounts.sign_up(session, name, PASSWORD)
 
 
-def test_names_that_differ_in_case_only_are_the_same(database: Database) -> None:
+def test_names_that_differ_only_in_case_are_the_same(database: Database) -> None:
     with database.writing() as session:
         accounts.sign_up(session, "Ann", PASSWORD)
 
@@ -49,7 +49,7 @@ def test_a_short_password_is_refused(database: Database) -> None:
         accounts.sign_up(session, "ann", "short")
 
 
-def test_a_token_speaks_for_its_user_within_its_scopes(database: Database) -> None:
+def test_a_token_authorizes_its_user_within_its_scopes(database: Database) -> None:
     with database.writing() as session:
         ann = accounts.sign_up(session, "ann", None, is_admin=True)
         text = accounts.new_token(session, ann.id, "laptop", [READ, SUBMIT])
@@ -61,7 +61,7 @@ def test_a_token_speaks_for_its_user_within_its_scopes(database: Database) -> No
     assert ADMIN not in viewer.scopes
 
 
-def test_the_text_of_a_token_is_not_kept(database: Database) -> None:
+def test_the_text_of_a_token_is_not_stored(database: Database) -> None:
     with database.writing() as session:
         ann = accounts.sign_up(session, "ann", None)
         text = accounts.new_token(session, ann.id, "laptop", [READ])
@@ -70,7 +70,7 @@ def test_the_text_of_a_token_is_not_kept(database: Database) -> None:
     assert text not in str(vars(token))
 
 
-def test_expired_revoked_and_unknown_tokens_speak_for_nobody(database: Database) -> None:
+def test_expired_revoked_and_unknown_tokens_authorize_nobody(database: Database) -> None:
     with database.writing() as session:
         ann = accounts.sign_up(session, "ann", None)
         old = accounts.new_token(session, ann.id, "old", [READ])
@@ -83,7 +83,7 @@ def test_expired_revoked_and_unknown_tokens_speak_for_nobody(database: Database)
     assert found == [None] * 4
 
 
-def test_only_the_owner_revokes_a_token(database: Database) -> None:
+def test_only_the_owner_can_revoke_a_token(database: Database) -> None:
     with database.writing() as session:
         ann, bob = (accounts.sign_up(session, name, None) for name in ("ann", "bob"))
         text = accounts.new_token(session, ann.id, "laptop", [READ])
@@ -93,7 +93,7 @@ def test_only_the_owner_revokes_a_token(database: Database) -> None:
         assert accounts.viewer_of_token(session, text) is not None
 
 
-def test_a_token_with_an_unknown_scope_is_not_made(database: Database) -> None:
+def test_a_token_with_an_unknown_scope_is_refused(database: Database) -> None:
     with database.writing() as session:
         ann = accounts.sign_up(session, "ann", None)
 
@@ -101,7 +101,7 @@ def test_a_token_with_an_unknown_scope_is_not_made(database: Database) -> None:
             accounts.new_token(session, ann.id, "laptop", ["root"])
 
 
-def test_the_hash_of_a_guest_is_of_this_service_only(settings: Settings) -> None:
+def test_the_hash_of_a_guest_depends_on_the_secret_of_the_service(settings: Settings) -> None:
     other = settings.model_copy(update={"secret_key": "another"})
 
     assert accounts.guest_hash(settings, "c") == accounts.guest_hash(settings, "c")

@@ -43,7 +43,9 @@ ON_RUN = LOOK | {Action.CANCEL, Action.PUBLISH, Action.WITHDRAW, Action.RERUN}
         (Viewer(user_id=3, is_admin=True, scopes=frozenset({READ})), PRIVATE, set()),
     ],
 )
-def test_who_may_do_what_to_a_run(viewer: Viewer, run: Thing, allowed: set[Action]) -> None:
+def test_a_viewer_may_do_to_a_run_exactly_what_the_table_allows(
+    viewer: Viewer, run: Thing, allowed: set[Action]
+) -> None:
     assert {action for action in ON_RUN if can(viewer, action, run)} == allowed
 
 
@@ -57,13 +59,15 @@ def test_who_may_do_what_to_a_run(viewer: Viewer, run: Thing, allowed: set[Actio
         (Viewer(user_id=1, scopes=frozenset({READ})), set()),
     ],
 )
-def test_who_may_do_what_without_a_run(viewer: Viewer, allowed: set[str]) -> None:
+def test_a_viewer_may_do_without_a_run_exactly_what_the_table_allows(
+    viewer: Viewer, allowed: set[str]
+) -> None:
     assert {action for action in set(Action) - ON_RUN if can(viewer, action)} == allowed
 
 
-def test_without_a_run_nobody_may_do_what_needs_one() -> None:
+def test_actions_on_a_run_are_denied_without_a_run() -> None:
     assert not any(can(ADMIN, action) for action in ON_RUN)
 
 
-def test_every_scope_is_known() -> None:
+def test_a_viewer_has_all_scopes_by_default() -> None:
     assert Viewer().scopes == set(SCOPES)

@@ -31,7 +31,7 @@ def state(service: Backend, check_id: int, user_id: int) -> CheckState | None:
     return None if view is None else view.state
 
 
-def test_a_new_check_replaces_the_one_that_still_waits_and_none_that_runs(both: Backend) -> None:
+def test_a_new_check_replaces_a_queued_one_but_not_a_running_one(both: Backend) -> None:
     ann = both.user_id("ann")
     first = order(both, ann)
     second = order(both, ann)
@@ -42,7 +42,7 @@ def test_a_new_check_replaces_the_one_that_still_waits_and_none_that_runs(both: 
         order(both, ann)
 
 
-def test_checks_are_taken_in_order_by_who_knows_their_language(both: Backend) -> None:
+def test_checks_are_claimed_in_order_by_workers_with_their_language(both: Backend) -> None:
     ann, ben = both.user_id("ann"), both.user_id("ben")
     made = [order(both, ann), order(both, ben)]
 
@@ -52,14 +52,14 @@ def test_checks_are_taken_in_order_by_who_knows_their_language(both: Backend) ->
     assert [one.check_id for one in taken if one is not None] == made
 
 
-def test_only_its_owner_sees_a_check(both: Backend) -> None:
+def test_a_check_is_visible_only_to_its_owner(both: Backend) -> None:
     ann, ben = both.user_id("ann"), both.user_id("ben")
     check_id = order(both, ann)
 
     assert state(both, check_id, ben) is None
 
 
-def test_a_late_worker_writes_nothing(both: Backend) -> None:
+def test_a_worker_whose_lease_has_expired_cannot_finish_the_check(both: Backend) -> None:
     ann = both.user_id("ann")
     check_id = order(both, ann)
     late = claim(both)
@@ -76,7 +76,7 @@ def test_a_late_worker_writes_nothing(both: Backend) -> None:
     assert state(both, check_id, ann) is CheckState.DONE
 
 
-def test_a_check_that_breaks_its_workers_twice_is_our_failure(both: Backend) -> None:
+def test_a_check_that_breaks_two_workers_is_a_platform_failure(both: Backend) -> None:
     ann = both.user_id("ann")
     check_id = order(both, ann)
     for _ in range(2):
@@ -94,7 +94,7 @@ def test_a_check_that_breaks_its_workers_twice_is_our_failure(both: Backend) -> 
     assert "not to blame" in view.report["problems"][0]["sentence"]
 
 
-def test_old_checks_are_forgotten(both: Backend) -> None:
+def test_old_checks_are_deleted(both: Backend) -> None:
     ann = both.user_id("ann")
     check_id = order(both, ann)
     taken = claim(both)
@@ -109,7 +109,7 @@ def test_old_checks_are_forgotten(both: Backend) -> None:
     assert state(both, check_id, ann) is None
 
 
-def test_only_so_many_checks_may_wait(both: Backend) -> None:
+def test_the_number_of_queued_checks_is_limited(both: Backend) -> None:
     for number in range(queue.WAITING_MAX):
         both.sign_up(f"user{number}")
         order(both, both.user_id(f"user{number}"))

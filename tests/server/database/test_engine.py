@@ -18,7 +18,7 @@ def _count_up(url: str) -> None:
     database.close()
 
 
-def test_concurrent_writers_lose_nothing(database: Database) -> None:
+def test_concurrent_writers_lose_no_update(database: Database) -> None:
     with database.writing() as session:
         session.add(Turn(owner="x", served_at=0.0))
     url = database.engine.url.render_as_string(hide_password=False)

@@ -14,7 +14,7 @@ def _but_the_expression(_item: object, name: str | None, *_rest: object) -> bool
     return name != "ix_best_rank"
 
 
-def test_migrations_lead_to_the_tables_of_the_code(both: Backend) -> None:
+def test_the_migrations_create_the_tables_of_the_code(both: Backend) -> None:
     with both.database.engine.connect() as connection:
         options = {"compare_type": True, "include_object": _but_the_expression}
         differences = compare_metadata(
@@ -32,7 +32,7 @@ def test_an_upgrade_of_an_upgraded_database_changes_nothing(both: Backend) -> No
         assert session.scalar(select(User.name).where(User.name == "ann"))
 
 
-def test_the_leaderboard_is_read_from_its_index(both: Backend) -> None:
+def test_the_query_of_the_leaderboard_uses_its_index(both: Backend) -> None:
     query = "SELECT * FROM best WHERE benchmark = 'b' ORDER BY score DESC, reached_at, user_id"
     explain = "EXPLAIN QUERY PLAN " if both.settings.database_url[0] == "s" else "EXPLAIN "
 
@@ -42,7 +42,7 @@ def test_the_leaderboard_is_read_from_its_index(both: Backend) -> None:
     assert "ix_best_rank" in plan
 
 
-def test_a_database_without_tables_is_named_too_old(database_url: str) -> None:
+def test_a_database_without_tables_is_reported_as_too_old(database_url: str) -> None:
     database = Database(database_url)
 
     with pytest.raises(SchemaTooOld, match="seamark db upgrade"):

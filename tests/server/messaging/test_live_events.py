@@ -30,14 +30,16 @@ def _texts(events: list[Event]) -> list[str]:
     return [event.data["text"] for event in events if event.kind == LOG]
 
 
-def test_who_comes_late_hears_all_from_the_start(redis: Redis, fanout: Fanout) -> None:
+def test_a_late_client_gets_all_events_from_the_start(redis: Redis, fanout: Fanout) -> None:
     _say(redis, 1, "a", "b")
     live_events.append(redis, 1, END, {})
 
     assert _texts(list(fanout.subscribe(1))) == ["a", "b"]
 
 
-def test_who_comes_back_goes_on_after_the_last_event_heard(redis: Redis, fanout: Fanout) -> None:
+def test_a_client_that_reconnects_resumes_after_its_last_event(
+    redis: Redis, fanout: Fanout
+) -> None:
     _say(redis, 1, "a", "b", "c")
     live_events.append(redis, 1, END, {})
     first = next(iter(fanout.subscribe(1)))
@@ -46,7 +48,7 @@ def test_who_comes_back_goes_on_after_the_last_event_heard(redis: Redis, fanout:
 
 
 @pytest.mark.parametrize("last_id", ["", "x", "1-2-3", "-1-0", "9" * 30 + "-0"])
-def test_a_last_id_that_is_none_means_from_the_start(
+def test_an_invalid_last_event_id_means_from_the_start(
     redis: Redis, fanout: Fanout, last_id: str
 ) -> None:
     _say(redis, 1, "a")
@@ -55,7 +57,9 @@ def test_a_last_id_that_is_none_means_from_the_start(
     assert _texts(list(fanout.subscribe(1, last_id))) == ["a"]
 
 
-def test_many_clients_hear_their_own_run_once_and_in_order(redis: Redis, fanout: Fanout) -> None:
+def test_many_clients_get_each_event_of_their_run_once_and_in_order(
+    redis: Redis, fanout: Fanout
+) -> None:
     heard: dict[str, list[str]] = {}
     streams = {"one": fanout.subscribe(1), "too": fanout.subscribe(1), "two": fanout.subscribe(2)}
     _say(redis, 1, "early")
@@ -87,7 +91,7 @@ def test_streams_beyond_the_cap_are_refused_at_once(fanout: Fanout) -> None:
     assert len(held) == fanout.open_streams
 
 
-def test_an_event_is_written_as_the_standard_wants() -> None:
+def test_an_event_is_encoded_as_the_standard_requires() -> None:
     assert Event("5-0", LOG, {"text": "a\nb"}).sse() == (
         'id: 5-0\nevent: log\ndata: {"text": "a\\nb"}\n\n'
     )
