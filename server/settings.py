@@ -12,8 +12,8 @@ PREFIX = "SEAMARK_"
 LevelName = Literal["none", "medium", "strong"]  # of seamark.sandbox.isolation.level
 DEFAULTS_IN_WORDS = {  # of settings whose default depends on others or on the machine
     "database_url": "SQLite in the data folder",
-    "broker_url": "none; `seamark up` brings one",
-    "secret_key": "made once, kept in the data folder",
+    "broker_url": "none; `seamark up` starts one",
+    "secret_key": "generated once, stored in the data folder",
     "sandbox_min_level": "`medium`; `strong` if public",
     "workers": "one per core",
 }
@@ -31,41 +31,57 @@ class Settings(BaseModel):
     data: Path = Field(Path("data"), description="Folder for the database, uploads and results")
     database_url: str = Field("", description="sqlite:/// or postgresql:// URL of the database")
     broker_url: str = Field("", description="redis:// or unix:// URL of Redis or Valkey")
-    secret_key: str = Field("", repr=False, description="Signs cookies and draws hidden seeds")
-    public: bool = Field(False, description="The service is open to strangers")
-    sandbox_min_level: LevelName = Field("medium", description="Uploads are refused below it")
+    secret_key: str = Field(
+        "", repr=False, description="Signs cookies and derives the hidden seeds"
+    )
+    public: bool = Field(False, description="The service is public")
+    sandbox_min_level: LevelName = Field("medium", description="Lowest isolation level for uploads")
     host: str = Field("127.0.0.1", description="Address the web server listens on")
-    port: int = Field(8000, ge=0, le=65535, description="Port the web server listens on; 0: any")
+    port: int = Field(
+        8000, ge=0, le=65535, description="Port the web server listens on; 0: any free port"
+    )
     proxies: int = Field(
         0,
         ge=0,
         le=10,
-        description="Reverse proxies in front whose X-Forwarded-For and -Proto are believed",
+        description="Trusted reverse proxies in front, which set X-Forwarded-For and -Proto",
     )
     workers: int = Field(
         default_factory=lambda: len(os.sched_getaffinity(0)),
         ge=1,
         le=512,
-        description="Runs that one worker runs at the same time",
+        description="Runs that one worker evaluates in parallel",
     )
     warm_boxes: int = Field(
-        1, ge=0, le=64, description="Started boxes of each language that wait beside each place"
+        1, ge=0, le=64, description="Started boxes per language and slot that wait for programs"
     )
-    ranked_trials: int = Field(10, ge=1, le=100, description="Hidden seeds of a ranked run")
-    practice_trials_max: int = Field(10, ge=1, le=100, description="Trials of a practice run")
-    upload_max_bytes: int = Field(8 * 2**20, ge=1024, le=2**30, description="Size of an upload")
+    ranked_trials: int = Field(
+        10, ge=1, le=100, description="Trials (hidden seeds) of a ranked run"
+    )
+    practice_trials_max: int = Field(
+        10, ge=1, le=100, description="Maximum trials of a practice run"
+    )
+    upload_max_bytes: int = Field(
+        8 * 2**20, ge=1024, le=2**30, description="Maximum size of an upload"
+    )
     quota_live: int = Field(5, ge=1, description="Runs a user may have queued or running")
     quota_day: int = Field(200, ge=1, description="Runs a user may complete in 24 h")
     guest_quota_day: int = Field(50, ge=0, description="Runs a guest may complete in 24 h")
-    running_max: int = Field(4, ge=1, description="Runs of one user that run at the same time")
-    lease_s: float = Field(30.0, gt=0, description="A silent worker loses its run after this time")
-    heartbeat_s: float = Field(5.0, gt=0, description="How often a worker says that it lives")
-    sweep_s: float = Field(10.0, gt=0, description="How often runs of dead workers are looked for")
-    attempts_max: int = Field(3, ge=1, description="Failures of ours before a run is given up")
-    streams_max: int = Field(200, ge=1, description="Live streams one web process keeps open")
-    sign_up_open: bool = Field(True, description="Strangers may make an account")
+    running_max: int = Field(4, ge=1, description="Runs of one user that may run in parallel")
+    lease_s: float = Field(
+        30.0, gt=0, description="Time after which a silent worker loses its runs"
+    )
+    heartbeat_s: float = Field(5.0, gt=0, description="Interval of a worker's heartbeat")
+    sweep_s: float = Field(
+        10.0, gt=0, description="Interval at which runs of dead workers are recovered"
+    )
+    attempts_max: int = Field(
+        3, ge=1, description="Attempts before a run fails as a platform failure"
+    )
+    streams_max: int = Field(200, ge=1, description="Maximum open event streams per web process")
+    sign_up_open: bool = Field(True, description="Anyone may create an account")
     sign_ups_per_hour: int = Field(
-        10, ge=1, description="Accounts that one address may make; a class has one address"
+        10, ge=1, description="Accounts per address and hour; a class often shares one"
     )
 
     @model_validator(mode="before")
