@@ -127,7 +127,7 @@ class Backend:
 
     def cancel(self, run_id: int) -> bool:
         with self.database.writing() as session:
-            return results.cancel(session, run_id)
+            return results.cancel(session, run_id) is not None
 
     def show(self, run_id: int) -> RunView:
         with self.database.reading() as session:

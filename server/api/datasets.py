@@ -67,7 +67,7 @@ def dataset(path: RunPath, query: DatasetQuery) -> Response:
             "Another data set is being rendered.",
             headers={"Retry-After": str(_BUSY_RETRY_S)},
         )
-    config = registry.benchmark(view.benchmark).read(view.config)
+    config = registry.benchmark(view.benchmark).restore(view.config)
     pieces = archive(view.benchmark, config, rows, seed=view.seed, selection=selection)
     response = Response(_exclusively(pieces), content_type="application/zip")
     name = f"seamark-run-{view.id}-dataset.zip"

@@ -10,7 +10,6 @@ from typing import Any
 from flask import Response, request
 from flask_openapi3.blueprint import APIBlueprint
 from flask_openapi3.models.tag import Tag
-from redis.exceptions import RedisError
 
 from seamark.server.accounts.permissions import Action, can
 from seamark.server.api import authorization
@@ -105,7 +104,7 @@ def _look(held: Services, run_id: int) -> RunView | None:
 
 def _told_again(held: Services, view: RunView, last_id: str | None) -> Iterator[Event]:
     """Yield what is still in the broker after `last_id`, else a replay from the files."""
-    kept = _kept(held, view.id, last_id)
+    kept = live_events.history(held.redis, view.id, last_id)
     if last_id is None and not _is_whole(kept):
         yield from _from_files(held, view)
     else:
@@ -121,23 +120,6 @@ def _is_whole(events: list[Event]) -> bool:
         return False
     columns = list(rows[0].data["columns"])
     return "t" in columns and rows[0].data["rows"][0][columns.index("t")] < 1.0
-
-
-def _kept(held: Services, run_id: int, last_id: str | None) -> list[Event]:
-    start = f"({last_id}" if last_id is not None and _is_id(last_id) else "-"
-    try:
-        entries: Any = held.redis.xrange(live_events.key(run_id), min=start)
-    except RedisError:
-        return []
-    return [
-        Event(entry.decode(), fields[b"kind"].decode(), json.loads(fields[b"data"]))
-        for entry, fields in entries
-    ]
-
-
-def _is_id(text: str) -> bool:
-    parts = text.split("-")
-    return len(parts) == 2 and all(part.isdecimal() and len(part) < 20 for part in parts)
 
 
 def _from_files(held: Services, view: RunView) -> Iterator[Event]:

@@ -72,7 +72,7 @@ def _comments(view: RunView, rows: int) -> list[str]:
         f"Seamark run {view.id}: {view.benchmark}, {benchmark.role} {solution}",
         f"kind {view.kind}, seed {seed}, trials {view.trials}",
         f"state {view.state.value} at the time of the download, {rows} rows",
-        *grid.level_comments(benchmark.read(view.config)),
+        *grid.level_comments(benchmark.restore(view.config)),
         telemetry.units(len(files_of(view).columns)),
     ]
 

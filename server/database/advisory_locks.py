@@ -13,7 +13,8 @@ class AdvisoryLock(IntEnum):
     SUBMISSION = 0x5EA_0001  # quota check and insert of a run
     CLAIM = 0x5EA_0002  # claims of runs and recovery of expired leases
     CHECKS = 0x5EA_0003  # the queue of checks
-    BASELINES = 0x5EA_0004  # looking for baselines and queueing the missing ones
+    BASELINES = 0x5EA_0004  # looking for baselines and submitting the missing ones
+    LEADERBOARD = 0x5EA_0005  # changes of the `best` rows
 
 
 def acquire(session: Session, lock: AdvisoryLock) -> None:

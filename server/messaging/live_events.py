@@ -58,6 +58,31 @@ def append(redis: "Redis", run_id: int, kind: str, data: dict[str, Any]) -> None
         redis.expire(key(run_id), EXPIRE_S)
 
 
+def publish_state(
+    redis: "Redis", run_id: int, state: str, *, progress: float = 0.0, t_simulated: float = 0.0
+) -> None:
+    """Publish the state of a run that is not queued, or that has lost its progress."""
+    data = {"state": str(state), "progress": progress, "t_simulated": t_simulated}
+    append(redis, run_id, STATE, data | {"position": None})
+
+
+def publish_end(redis: "Redis", run_id: int, state: str) -> None:
+    """Publish the final state of a run that no worker has, and end its streams."""
+    publish_state(redis, run_id, state)
+    append(redis, run_id, END, {})
+
+
+def history(redis: "Redis", run_id: int, after: str | None = None) -> list[Event]:
+    """Return the events that are kept, those after an id if it is valid; [] without a broker."""
+    start = f"({after}" if after is not None and _is_id(after) else "-"
+    try:
+        entries: Any = redis.xrange(key(run_id), min=start)
+    except RedisError as error:
+        _log.warning("history_failed", run=run_id, error=str(error))
+        return []
+    return [_event(entry_id, fields) for entry_id, fields in entries]
+
+
 class Fanout:
     """Gives the events of runs to any number of clients, with one connection to the broker."""
 
@@ -97,14 +122,14 @@ class Fanout:
     def _events(self, run_id: int, inbox: "queue.Queue[Event]", last_id: str) -> Iterator[Event]:
         try:
             # The client is registered already, so nothing falls between history and news.
-            for event in self._history(run_id, last_id):
+            for event in history(self._redis, run_id, last_id):
                 last_id = event.id
                 yield event
                 if event.kind == END:
                     return
             while not self._closed:
                 event = _next(inbox)
-                if event.kind != HEARTBEAT and not _later(event.id, last_id):
+                if event.kind != HEARTBEAT and not _is_later(event.id, last_id):
                     continue
                 last_id = event.id or last_id
                 yield event
@@ -112,14 +137,6 @@ class Fanout:
                     return
         finally:
             self._leave(run_id, inbox)
-
-    def _history(self, run_id: int, last_id: str) -> list[Event]:
-        try:
-            entries: Any = self._redis.xrange(key(run_id), min=f"({_valid(last_id)}")
-        except RedisError as error:
-            _log.warning("history_failed", run=run_id, error=str(error))
-            return []
-        return [_event(entry_id, fields) for entry_id, fields in entries]
 
     def _enter(self, run_id: int, inbox: "queue.Queue[Event]") -> None:
         with self._changed:
@@ -196,17 +213,18 @@ def _put(inbox: "queue.Queue[Event]", event: Event) -> None:
                 continue
 
 
-def _valid(last_id: str) -> str:
-    """Return the id if it is one, else the start: it comes from a header."""
-    parts = last_id.split("-")
-    well = len(parts) == 2 and all(part.isdecimal() and len(part) < 20 for part in parts)
-    return last_id if well else "0-0"
+def _is_id(text: str) -> bool:
+    """Return whether this is the id of an entry; Last-Event-ID may hold anything."""
+    parts = text.split("-")
+    return len(parts) == 2 and all(part.isdecimal() and len(part) < 20 for part in parts)
 
 
-def _later(one: str, other: str) -> bool:
-    return _number(one) > _number(other)
+def _is_later(entry_id: str, last_id: str) -> bool:
+    return _numbers(entry_id) > _numbers(last_id)
 
 
-def _number(entry_id: str) -> tuple[int, int]:
-    milliseconds, _, sequence = _valid(entry_id).partition("-")
+def _numbers(entry_id: str) -> tuple[int, int]:
+    if not _is_id(entry_id):
+        return 0, 0
+    milliseconds, _, sequence = entry_id.partition("-")
     return int(milliseconds), int(sequence)

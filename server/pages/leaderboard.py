@@ -32,7 +32,7 @@ def show(name: str) -> ResponseReturnValue:
         count = leaderboard.size(session, name)
         mine = None
         if g.viewer.user_id is not None:
-            mine = leaderboard.place_of(session, name, g.viewer.user_id)
+            mine = leaderboard.rank_of(session, name, g.viewer.user_id)
     shown = ranks[:SIZE]
     return render_template(
         "leaderboard/show.html",

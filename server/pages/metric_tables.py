@@ -56,7 +56,7 @@ def tables(
     levels: Sequence[Mapping[str, Any]] = metrics.get("levels") or []
     if not levels:
         return []
-    value = benchmark.read(config).level_metric()
+    value = benchmark.restore(config).level_metric()
     first, *more = (_table(table, levels, value, config) for table in benchmark.tables)
     return [_with_grid(first, levels, value.label), *more]
 

@@ -2,30 +2,26 @@
 
 from collections.abc import Callable
 
-import structlog
 from flask import Blueprint, abort, flash, g, redirect, render_template, url_for
 from flask.typing import ResponseReturnValue
-from redis.exceptions import RedisError
 from sqlalchemy.orm import Session
 
 from seamark.server.accounts.permissions import Action, can
-from seamark.server.messaging import live_events
 from seamark.server.pages import benchmarks, level_chart, metric_tables
-from seamark.server.runs import results, submission, views
+from seamark.server.runs import cancellation, results, submission, views
 from seamark.server.runs.files import RunFiles
 from seamark.server.runs.quota import QuotaExceeded
-from seamark.server.runs.states import RunState
 from seamark.server.runs.submission import SubmissionRejected
 from seamark.server.runs.views import RunView
 from seamark.server.web import authentication
 from seamark.server.web.rate_limits import SUBMISSIONS, client, limiter
 from seamark.server.web.services import services
+from seamark.sim.settings.configuration import ConfigurationInvalid
 from seamark.sim.settings.grid import axes, level_names
 
 LOG_SHOWN = 64 * 1024  # [character] of the log on the page; the whole of it can be downloaded
 SECONDS_BETWEEN_PICTURES = 0.05
 page = Blueprint("run", __name__, url_prefix="/runs")
-_log = structlog.get_logger()
 
 
 @page.get("/<row:run_id>")
@@ -33,7 +29,7 @@ def show(run_id: int) -> ResponseReturnValue:
     """Show a run."""
     run = _run_for(run_id)
     benchmark = benchmarks.by_name(run.benchmark)
-    config = benchmark.read(run.config)
+    config = benchmark.restore(run.config)
     files = RunFiles(services().settings.data, run_id)
     may = {action.value for action in Action if can(g.viewer, action, run)}
     log = files.log_text()[-LOG_SHOWN:] if Action.VIEW_LOG in may else ""
@@ -74,21 +70,19 @@ def show(run_id: int) -> ResponseReturnValue:
 
 @page.post("/<row:run_id>/cancel")
 def cancel(run_id: int) -> ResponseReturnValue:
-    """Cancel a live run; the data so far is kept."""
-    before = _run_for(run_id, Action.CANCEL)
+    """Cancel a queued or running run; the data so far is kept."""
+    _run_for(run_id, Action.CANCEL)
+    cancelled = cancellation.cancel(services().database, services().redis, run_id)
     done = "The run is cancelled. What it recorded so far is kept."
-    answer = _change(run_id, results.cancel, done, "The run had ended already.")
-    if before.state is RunState.QUEUED:
-        _end_stream(run_id)  # no worker has it, so nobody else tells the open pages
-    return answer
+    return _back(run_id, cancelled, done, "The run had already ended.")
 
 
 @page.post("/<row:run_id>/publish")
 def publish(run_id: int) -> ResponseReturnValue:
     """Make a run public."""
     _run_for(run_id, Action.PUBLISH)
-    done = "The run is public now, with its program and its data."
-    return _change(run_id, results.publish, done, "Only a run that has ended can be published.")
+    done = "The run is now public, with its program and its data."
+    return _change(run_id, results.publish, done, "Only a finished run can be published.")
 
 
 @page.post("/<row:run_id>/withdraw")
@@ -102,13 +96,17 @@ def withdraw(run_id: int) -> ResponseReturnValue:
 @page.post("/<row:run_id>/rerun")
 @limiter.limit(SUBMISSIONS, key_func=client)
 def rerun(run_id: int) -> ResponseReturnValue:
-    """Queue the same order again."""
+    """Submit the same run again."""
     _run_for(run_id, Action.VIEW)
     viewer = authentication.become_guest()
     run = _run_for(run_id, Action.RERUN)
     try:
         with services().database.writing() as session:
             new_id = submission.rerun(session, run.id, viewer, services().settings)
+    except ConfigurationInvalid as refusal:  # of an earlier version: the form shows it for a change
+        flash(f"This configuration is no longer accepted. {refusal}", "bad")
+        form = url_for("submit.form", name=run.benchmark)
+        return redirect(f"{form}?from={run_id}", code=303)
     except (SubmissionRejected, QuotaExceeded) as refusal:
         flash(str(refusal), "bad")
         return redirect(url_for("run.show", run_id=run_id), code=303)
@@ -132,14 +130,9 @@ def _change(
 ) -> ResponseReturnValue:
     with services().database.writing() as session:
         changed = change(session, run_id)
+    return _back(run_id, changed, done, too_late)
+
+
+def _back(run_id: int, changed: bool, done: str, too_late: str) -> ResponseReturnValue:
     flash(done if changed else too_late, "good" if changed else "warn")
     return redirect(url_for("run.show", run_id=run_id), code=303)
-
-
-def _end_stream(run_id: int) -> None:
-    state = {"state": RunState.CANCELLED.value, "position": None, "progress": 0}
-    try:
-        live_events.append(services().redis, run_id, live_events.STATE, state)
-        live_events.append(services().redis, run_id, live_events.END, {})
-    except RedisError as error:  # open pages then learn it from their next heartbeat
-        _log.warning("tell_failed", run=run_id, error=str(error))

@@ -74,7 +74,7 @@ def _replay(benchmark: str, config: str, seeds: TrialSeeds) -> "Replay":
     """Return the pictures of a configuration; a run's page asks for many of them."""
     from seamark.sim.engine.replay import Replay  # noqa: PLC0415 - as above
 
-    return Replay(benchmark, registry.benchmark(benchmark).read(json.loads(config)), seeds)
+    return Replay(benchmark, registry.benchmark(benchmark).restore(json.loads(config)), seeds)
 
 
 def _row_at(files: RunFiles, trial: int, t: float) -> Row | None:

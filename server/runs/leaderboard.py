@@ -1,4 +1,7 @@
-"""The leaderboard: `best` rows are kept up to date, so a page costs the same at any depth."""
+"""The leaderboard: `best` rows are kept up to date, so a page costs the same at any depth.
+
+A user has one row per benchmark: the best published ranked run.
+"""
 
 import math
 from dataclasses import dataclass
@@ -7,13 +10,14 @@ from typing import Any, Self
 from sqlalchemy import ColumnElement, Select, and_, delete, func, or_, select
 from sqlalchemy.orm import Session
 
+from seamark.server.database.advisory_locks import AdvisoryLock, acquire
 from seamark.server.database.tables import Best, Result, Run, User
 from seamark.server.runs.states import RunKind, RunState
 
 
 @dataclass(frozen=True, slots=True)
 class Cursor:
-    """Where a page ended: the order's key of its last row."""
+    """The sort key of the last row of a page."""
 
     score: float
     reached_at: float
@@ -29,7 +33,7 @@ class Cursor:
         score, reached_at, user_id = text.split("_")
         cursor = cls(float.fromhex(score), float.fromhex(reached_at), int(user_id))
         if not (math.isfinite(cursor.score + cursor.reached_at) and abs(cursor.user_id) < 2**53):
-            raise ValueError("no row of a leaderboard is there")
+            raise ValueError("no row of a leaderboard has this key")
         return cursor
 
 
@@ -41,8 +45,8 @@ class Rank:
     """One row of the leaderboard."""
 
     rank: int
-    place: int  # the rank that it shares with the rows it is tied to, one by one: the first's
-    tied: bool  # its interval overlaps that of the row above: the order of the two may be luck
+    shared_rank: int  # rank of the first row of the chain of ties that this row belongs to
+    tied: bool  # its interval overlaps that of the row above: the order of the two may be chance
     user_id: int
     user: str
     is_baseline: bool
@@ -67,27 +71,27 @@ class Rank:
 def page(
     session: Session, benchmark: str, *, after: Cursor | None = None, limit: int | None = 50
 ) -> list[Rank]:
-    """Return the next ranks of one benchmark, best first; equal scores in order of time.
+    """Return the next rows of one benchmark, best first; equal scores in order of time.
 
-    All that follow without a limit.
+    Without a limit, all that follow.
     """
     query = _rows(benchmark).order_by(*_ORDER).limit(limit)
-    first, place, above_low = 1, 1, None
+    first, shared_rank, above_low = 1, 1, None
     if after is not None:
         query = query.where(~_not_below(after))
         first = size(session, benchmark, at_or_above=after) + 1
-        place = _place(session, benchmark, after)
+        shared_rank = _shared_rank(session, benchmark, after)
         above_low = _low(session, benchmark, after.user_id)
     ranks: list[Rank] = []
     for rank, (best, run, user) in enumerate(session.execute(query), start=first):
         tied = above_low is not None and best.score_high >= above_low
-        place = place if tied else rank
-        ranks.append(_rank(best, run, user, rank=rank, place=place, tied=tied))
+        shared_rank = shared_rank if tied else rank
+        ranks.append(_rank(best, run, user, rank=rank, shared_rank=shared_rank, tied=tied))
         above_low = best.score_low
     return ranks
 
 
-def place_of(session: Session, benchmark: str, user_id: int) -> Rank | None:
+def rank_of(session: Session, benchmark: str, user_id: int) -> Rank | None:
     """Return a user's own rank, or None without one."""
     found = session.execute(_rows(benchmark).where(Best.user_id == user_id)).one_or_none()
     if found is None:
@@ -95,8 +99,8 @@ def place_of(session: Session, benchmark: str, user_id: int) -> Rank | None:
     best, run, user = found
     here = Cursor(best.score, best.reached_at, best.user_id)
     rank = size(session, benchmark, at_or_above=here)
-    place = _place(session, benchmark, here)
-    return _rank(best, run, user, rank=rank, place=place, tied=place < rank)
+    shared_rank = _shared_rank(session, benchmark, here)
+    return _rank(best, run, user, rank=rank, shared_rank=shared_rank, tied=shared_rank < rank)
 
 
 def size(session: Session, benchmark: str, *, at_or_above: Cursor | None = None) -> int:
@@ -108,7 +112,8 @@ def size(session: Session, benchmark: str, *, at_or_above: Cursor | None = None)
 
 
 def refresh(session: Session, benchmark: str, user_id: int) -> None:
-    """Make the `best` row of one user right again, in the transaction that changed a run."""
+    """Update the `best` row of one user, in the transaction that changed a run."""
+    acquire(session, AdvisoryLock.LEADERBOARD)
     session.execute(delete(Best).where(Best.benchmark == benchmark, Best.user_id == user_id))
     candidates = _candidates().where(Run.benchmark == benchmark, Run.user_id == user_id)
     found = session.execute(candidates.limit(1)).one_or_none()
@@ -118,7 +123,11 @@ def refresh(session: Session, benchmark: str, user_id: int) -> None:
 
 
 def rebuild(session: Session) -> int:
-    """Make all `best` rows anew and return their number; the same rows as kept step by step."""
+    """Compute all `best` rows from the runs and return their number.
+
+    They are the rows that `refresh` keeps, unless somebody changed the tables by hand.
+    """
+    acquire(session, AdvisoryLock.LEADERBOARD)
     session.execute(delete(Best))
     seen: set[tuple[str, int | None]] = set()
     for run, result in session.execute(_candidates()):
@@ -172,8 +181,8 @@ def _not_below(cursor: Cursor) -> ColumnElement[bool]:
     )
 
 
-def _place(session: Session, benchmark: str, here: Cursor) -> int:
-    """Return the rank of the first row of those tied, one by one, down to the row at a cursor."""
+def _shared_rank(session: Session, benchmark: str, here: Cursor) -> int:
+    """Return the rank of the first row of the chain of ties that ends at a cursor."""
     above = func.lag(Best.score_low).over(order_by=_ORDER)
     apart = or_(above.is_(None), Best.score_high < above)
     rank = func.row_number().over(order_by=_ORDER)
@@ -191,10 +200,10 @@ def _low(session: Session, benchmark: str, user_id: int) -> float | None:
     )
 
 
-def _rank(best: Best, run: Run, user: User, *, rank: int, place: int, tied: bool) -> Rank:
+def _rank(best: Best, run: Run, user: User, *, rank: int, shared_rank: int, tied: bool) -> Rank:
     return Rank(
         rank=rank,
-        place=place,
+        shared_rank=shared_rank,
         tied=tied,
         user_id=user.id,
         user=user.name,

@@ -11,7 +11,7 @@ from sqlalchemy.orm import Session
 from seamark.server.database.tables import Result, Run, User
 from seamark.server.runs import leaderboard
 from seamark.server.runs.queue import Claim
-from seamark.server.runs.states import RunState, move
+from seamark.server.runs.states import LIVE, RunState, move
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -96,16 +96,16 @@ def withdraw(session: Session, run_id: int) -> bool:
     return True
 
 
-def cancel(session: Session, run_id: int) -> bool:
-    """Cancel a queued or running run at once; False if it has ended.
+def cancel(session: Session, run_id: int) -> RunState | None:
+    """Cancel a queued or running run and return the state it was in; None if it has ended.
 
     The state changes here and not in the worker, so that a run whose worker hangs is cancelled
     too. A working worker notices within half a second and stops.
     """
-    return any(
-        move(session, run_id, state, RunState.CANCELLED)
-        for state in (RunState.QUEUED, RunState.RUNNING)
-    )
+    for state in LIVE:
+        if move(session, run_id, state, RunState.CANCELLED):
+            return state
+    return None
 
 
 def _close_cancelled(session: Session, claim: Claim, report: Report) -> bool:

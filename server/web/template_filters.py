@@ -34,7 +34,7 @@ def score_unit(run: RunView) -> str:
     if run.benchmark not in registry.BENCHMARKS:
         return ""
     benchmark = registry.benchmark(run.benchmark)
-    headline = benchmark.headline_of(benchmark.read(run.config))
+    headline = benchmark.headline_of(benchmark.restore(run.config))
     return headline.unit if headline.label == "Score" else headline.label
 
 

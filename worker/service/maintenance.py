@@ -63,10 +63,9 @@ def recover_runs(app: Celery, database: Database, redis: "Redis", settings: Sett
         report = run_queue.recover(session, settings)
     try:
         for run_id in report.requeued:
-            _publish(redis, run_id, RunState.QUEUED)
+            live_events.publish_state(redis, run_id, RunState.QUEUED)
         for run_id in report.failed:
-            _publish(redis, run_id, RunState.FAILED)
-            live_events.append(redis, run_id, live_events.END, {})
+            live_events.publish_end(redis, run_id, RunState.FAILED)
         tickets = broker.top_up(app, redis, report.queued)
     except RedisError as error:  # the queue is in the database: a broker that is away is no failure
         _log.warning("recovery_without_broker", error=str(error))
@@ -91,11 +90,6 @@ def forget_programs(database: Database, settings: Settings) -> None:
     count = store.delete_unused(settings.data, older_than_s=UNUSED_S, used=used)
     if count:
         _log.info("programs_forgotten", count=count)
-
-
-def _publish(redis: "Redis", run_id: int, state: RunState) -> None:
-    data = {"state": str(state), "position": None, "progress": 0.0, "t_simulated": 0.0}
-    live_events.append(redis, run_id, live_events.STATE, data)
 
 
 def main(parent: str) -> None:

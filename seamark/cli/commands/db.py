@@ -39,6 +39,35 @@ def upgrade(data: Path | None) -> None:
     click.echo(f"The database is up to date: {_without_password(settings.database_url)}")
 
 
+@db.command("rebuild-leaderboard")
+@data_option
+def rebuild_leaderboard(data: Path | None) -> None:
+    """Compute the leaderboard from the stored runs. Safe while the service is running.
+
+    The service keeps the leaderboard up to date by itself. This is for after changing the tables
+    by hand, for example after deleting runs.
+
+    \b
+    Examples:
+      seamark db rebuild-leaderboard --data data
+    """
+    from sqlalchemy.exc import SQLAlchemyError
+
+    from seamark.failures import PlatformFailed
+    from seamark.server.database.engine import Database
+    from seamark.server.runs import leaderboard
+
+    database = Database(settings_of(data).database_url)
+    try:
+        with database.writing() as session:
+            count = leaderboard.rebuild(session)
+    except SQLAlchemyError as error:
+        raise PlatformFailed(f"The leaderboard cannot be rebuilt: {error}.") from None
+    finally:
+        database.close()
+    say(f"The leaderboard is rebuilt: {count} {'entry' if count == 1 else 'entries'}.")
+
+
 def _without_password(url: str) -> str:
     from sqlalchemy import make_url
 

@@ -127,3 +127,21 @@ def test_data_so_far_is_offered_in_every_state(site: Site, state: str) -> None:
     assert site.show(run_id).state == state
     assert f'href="/api/v1/runs/{run_id}/telemetry.csv"' in page
     assert site.browser("ann").get(f"/api/v1/runs/{run_id}/telemetry.csv").status_code == 200
+
+
+def test_page_and_api_publish_the_same_when_a_run_is_cancelled(site: Site, redis_url: str) -> None:
+    by_page, by_api = site.queue("ann"), site.queue("ann")
+
+    browser = site.browser("ann")
+    browser.post(f"/runs/{by_page}/cancel")
+    browser.client.post(
+        f"/api/v1/runs/{by_api}/cancel", headers={"X-CSRFToken": browser.csrf_token()}
+    )
+
+    with Redis.from_url(redis_url) as redis:
+        published = [
+            [(entry[b"kind"], entry[b"data"]) for _, entry in redis.xrange(live_events.key(run_id))]
+            for run_id in (by_page, by_api)
+        ]
+    assert published[0] == published[1]
+    assert len(published[0]) == 2

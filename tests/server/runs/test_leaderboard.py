@@ -74,15 +74,15 @@ def test_pages_by_cursor_are_the_whole_board_without_gaps(both: Backend) -> None
         while page := leaderboard.page(session, NAME, after=after, limit=2):
             parts += page
             after = Cursor.parse(page[-1].cursor.text())
-        own = leaderboard.place_of(session, NAME, whole[3].user_id)
+        own = leaderboard.rank_of(session, NAME, whole[3].user_id)
 
     assert parts == whole
     assert [rank.rank for rank in whole] == [1, 2, 3, 4, 5]
     assert [rank.user for rank in whole] == ["user2", "user0", "user1", "user4", "user3"]
     assert [rank.tied for rank in whole] == [False, False, True, True, False]
-    assert [rank.place for rank in whole] == [1, 2, 2, 2, 5]
+    assert [rank.shared_rank for rank in whole] == [1, 2, 2, 2, 5]
     assert own is not None
-    assert (own.rank, own.place) == (4, 2)
+    assert (own.rank, own.shared_rank) == (4, 2)
 
 
 _acts = st.lists(
