@@ -1,4 +1,4 @@
-"""Checks: compile a program and simulate two seconds with it, outside of every quota."""
+"""Checks: compile a program and simulate two seconds with it, without using up quota."""
 
 from __future__ import annotations
 
@@ -26,28 +26,31 @@ from seamark.server.web.services import services
 from seamark.sim.benchmarks.benchmark import Benchmark
 from seamark.sim.settings.configuration import Configuration
 
-LOOKS_S = (0.05, 0.05, 0.1, 0.1)  # [s] between looks at a check; then the last of:
-LOOK_S = 0.2
+POLL_S = (0.05, 0.05, 0.1, 0.1)  # [s] first intervals between polls of the table
+POLL_MAX_S = 0.2  # all further intervals
 RETRY_S = 1
-_GONE = "There is no check {}; they are kept for an hour, and a new one replaces one that waits."
+_NOT_FOUND = (
+    "You have no check {}. Checks are kept for an hour, and a new one replaces a queued one."
+)
 
 api = APIBlueprint(
     "api_checks",
     __name__,
     url_prefix="/api/v1",
-    abp_tags=[Tag(name="Checks", description="Try a program before it is submitted.")],
+    abp_tags=[Tag(name="Checks", description="Check a program before submitting it.")],
 )
 
 
 @api.post("/checks", responses={200: CheckResponse, 202: CheckResponse})
 @rate_limits.limiter.limit(rate_limits.CHECKS, key_func=rate_limits.client)
 def create(query: CheckQuery) -> Response:
-    """Check a program: read it, compile it, run two simulated seconds of the configuration.
+    """Check a program: read it, compile it and run it for two simulated seconds.
 
-    The form is that of `POST /runs`. What is wrong comes as `problems` with status 200; with 202
-    it is not known yet: ask `Location` again. Costs nothing of the quota; one check at a time.
+    The request body is that of `POST /runs`. The report with its `problems` has status 200; status
+    202 means that it is not ready yet: poll `Location`. Checks do not count towards the quota; you
+    can run one at a time.
     """
-    order, file = request_body.json_or_multipart(
+    body, file = request_body.json_or_multipart(
         RunRequest,
         json_part="run",
         file_part="program",
@@ -57,29 +60,29 @@ def create(query: CheckQuery) -> Response:
     with refusals.as_problems():
         submission.require_permission(authorization.viewer(), uploads=True)
         if file is None:
-            raise SubmissionRejected("Send the program to be checked.", field="program")
-        benchmark = submission.find_benchmark(order.benchmark)
-        config = benchmark.read(order.config)
-        prepared = _received(file, benchmark)
+            raise SubmissionRejected("Send the program to check.", field="program")
+        benchmark = submission.find_benchmark(body.benchmark)
+        config = benchmark.read(body.config)
+        prepared = _read_program(file, benchmark)
         if prepared.diagnostics:
-            return jsonify(_done(benchmark.name, prepared))
+            return jsonify(_rejected(benchmark.name, prepared))
         check_id = _enqueue(benchmark, config, prepared)
-    return _answer(_waited_for(check_id, query.wait))
+    return _response(_wait_for(check_id, query.wait))
 
 
 @api.get("/checks/<int:check_id>", responses={200: CheckResponse})
 def show(path: CheckPath) -> Response:
-    """Show one of your checks; `state` is done when there is an answer."""
+    """Return one of your checks; the report is complete when `state` is done."""
     authorization.require_scope(READ)
     view = _view(path.check_id)
-    answer = jsonify(_document(view))
+    response = jsonify(_document(view))
     if view.state is not CheckState.DONE:
-        answer.headers["Retry-After"] = str(RETRY_S)
-    answer.headers["Cache-Control"] = "no-store"
-    return answer
+        response.headers["Retry-After"] = str(RETRY_S)
+    response.headers["Cache-Control"] = "no-store"
+    return response
 
 
-def _received(file: FileStorage, benchmark: Benchmark) -> PreparedProgram:
+def _read_program(file: FileStorage, benchmark: Benchmark) -> PreparedProgram:
     """Read and lint a program; raises UploadRejected."""
     stream, limit = cast("BinaryIO", file.stream), services().settings.upload_max_bytes
     return store.read_upload(stream, file.filename or "", limit=limit, role=benchmark.role)
@@ -87,62 +90,62 @@ def _received(file: FileStorage, benchmark: Benchmark) -> PreparedProgram:
 
 def _enqueue(benchmark: Benchmark, config: Configuration, prepared: PreparedProgram) -> int:
     """Queue a check and return its id; raises SubmissionRejected or CheckRefused."""
-    held, user_id = services(), authorization.require_account()
-    with held.database.reading() as session:
-        submission.require_language(session, benchmark, prepared.language, held.settings)
-    program = store.save(prepared, held.settings.data)
+    current, user_id = services(), authorization.require_account()
+    with current.database.reading() as session:
+        submission.require_language(session, benchmark, prepared.language, current.settings)
+    program = store.save(prepared, current.settings.data)
     values = config.model_dump(mode="json")
-    with held.database.writing() as session:
+    with current.database.writing() as session:
         check_id = queue.enqueue(session, user_id, benchmark.name, values, program)
-    queue.wake_worker(held.redis)
+    queue.wake_worker(current.redis)
     return check_id
 
 
-def _waited_for(check_id: int, seconds: float) -> CheckView:
-    """Return the check when it is done, or after some seconds; at once if no worker is there."""
+def _wait_for(check_id: int, seconds: float) -> CheckView:
+    """Return the check when it is done or after `seconds`; immediately if no worker is alive."""
     with services().database.reading() as session:
         if not workers.alive_count(session):
             seconds = 0.0
     deadline = time.monotonic() + seconds
-    looks = iter(LOOKS_S)
+    intervals = iter(POLL_S)
     while True:
         view = _view(check_id)
-        left = deadline - time.monotonic()
-        if view.state is CheckState.DONE or left <= 0:
+        remaining = deadline - time.monotonic()
+        if view.state is CheckState.DONE or remaining <= 0:
             return view
-        time.sleep(min(next(looks, LOOK_S), left))
+        time.sleep(min(next(intervals, POLL_MAX_S), remaining))
 
 
 def _view(check_id: int) -> CheckView:
     with services().database.reading() as session:
         view = queue.show(session, check_id, authorization.require_account())
     if view is None:
-        raise Problem("not-found", _GONE.format(check_id))
+        raise Problem("not-found", _NOT_FOUND.format(check_id))
     return view
 
 
-def _answer(view: CheckView) -> Response:
-    answer = jsonify(_document(view))
+def _response(view: CheckView) -> Response:
+    response = jsonify(_document(view))
     if view.state is not CheckState.DONE:
-        answer.status_code = 202
-        answer.headers["Location"] = f"/api/v1/checks/{view.id}"
-        answer.headers["Retry-After"] = str(RETRY_S)
-    return answer
+        response.status_code = 202
+        response.headers["Location"] = f"/api/v1/checks/{view.id}"
+        response.headers["Retry-After"] = str(RETRY_S)
+    return response
 
 
 def _document(view: CheckView) -> dict[str, Any]:
-    said = view.report or report.from_diagnostics([]) | {"ok": None}
+    found = view.report or report.from_diagnostics([]) | {"ok": None}
     names = ("id", "benchmark", "program_name", "language")
-    return {name: getattr(view, name) for name in names} | {"state": view.state.value} | said
+    return {name: getattr(view, name) for name in names} | {"state": view.state.value} | found
 
 
-def _done(benchmark: str, prepared: PreparedProgram) -> dict[str, Any]:
-    """Return the document of a program whose text says enough."""
-    about = {
+def _rejected(benchmark: str, prepared: PreparedProgram) -> dict[str, Any]:
+    """Return the document of a program that is not run, since its source has errors."""
+    check = {
         "id": None,
         "benchmark": benchmark,
         "program_name": prepared.name,
         "language": prepared.language,
         "state": CheckState.DONE.value,
     }
-    return about | report.from_diagnostics(prepared.diagnostics)
+    return check | report.from_diagnostics(prepared.diagnostics)

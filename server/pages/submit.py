@@ -1,7 +1,5 @@
 """Submit a run: the form of a benchmark."""
 
-from typing import Any
-
 from flask import Blueprint, g, redirect, render_template, request, url_for
 from flask.typing import ResponseReturnValue
 
@@ -28,21 +26,21 @@ page = Blueprint("submit", __name__, url_prefix="/submit")
 
 @page.get("/")
 def first() -> ResponseReturnValue:
-    """Go to the form of the first benchmark."""
+    """Redirect to the form of the first benchmark."""
     return redirect(url_for("submit.form", name=benchmarks.first().name))
 
 
 @page.get("/<name>")
 def form(name: str) -> ResponseReturnValue:
-    """Show the form with the defaults, those of a vehicle, or those of an earlier run."""
+    """Show the form with the defaults, the presets in the URL, or the settings of a run."""
     benchmark = benchmarks.by_name(name)
-    return _show(benchmark, _start_values(benchmark), answers={}, errors={})
+    return _show(benchmark, _initial_values(benchmark), answers={}, errors={})
 
 
 @page.post("/<name>")
 @limiter.limit(SUBMISSIONS, key_func=client)
 def create(name: str) -> ResponseReturnValue:
-    """Queue a run, or show the form again with the reason why not."""
+    """Submit a run, or show the form again with the errors."""
     benchmark = benchmarks.by_name(name)
     answers = request.form.to_dict()
     values = form_fields.read(benchmark.schema(), answers)
@@ -74,7 +72,7 @@ def _program(
 ) -> tuple[StoredProgram | None, dict[str, str]]:
     """Return the program of a form, or the error to show beside those of the other fields."""
     try:
-        return submitted_program.take(benchmark, answers), {}
+        return submitted_program.save(benchmark, answers), {}
     except UploadRejected as refusal:
         return None, {"program": str(refusal)}
 
@@ -108,16 +106,16 @@ def _whole(answers: dict[str, str], name: str, what: str) -> int | None:
     if not text:
         return None
     if not text.isdecimal():
-        raise ConfigurationInvalid({name: f"{what} is a whole number, 0 or more, not {text[:20]}."})
-    return int(text[:_DIGITS_MAX])  # more digits are out of every range
+        raise ConfigurationInvalid({name: f"{what} must be a whole number, not {text[:20]}."})
+    return int(text[:_DIGITS_MAX])  # more digits are outside of any range
 
 
-def _start_values(benchmark: Benchmark) -> dict[str, object]:
-    """Return what an empty form begins with."""
-    earlier = request.args.get("from", type=row_id)
-    if earlier is not None:
+def _initial_values(benchmark: Benchmark) -> dict[str, object]:
+    """Return the settings of the run or the presets named in the URL."""
+    run_id = request.args.get("from", type=row_id)
+    if run_id is not None:
         with services().database.reading() as session:
-            run = views.show(session, earlier)
+            run = views.show(session, run_id)
         if run is not None and run.benchmark == benchmark.name and can(g.viewer, Action.VIEW, run):
             return dict(run.config)
     return {
@@ -127,10 +125,10 @@ def _start_values(benchmark: Benchmark) -> dict[str, object]:
     }
 
 
-def _first_choice(benchmark: Benchmark) -> str:
-    """Return what is chosen on an empty form: what the address says, else the first."""
-    wanted = request.args.get("controller", "")
-    return wanted if wanted in benchmark.built_in else next(iter(benchmark.built_in))
+def _initial_controller(benchmark: Benchmark) -> str:
+    """Return the controller in the URL, or the first one."""
+    requested = request.args.get("controller", "")
+    return requested if requested in benchmark.built_in else next(iter(benchmark.built_in))
 
 
 def _show(
@@ -141,16 +139,17 @@ def _show(
     errors: dict[str, str],
     kept: StoredProgram | None = None,
 ) -> str:
-    held = services()
+    settings = services().settings
     schema = benchmark.schema()
-    unknown = {key: text for key, text in errors.items() if key not in _places(schema)}
-    with held.database.reading() as session:
+    fields = {*schema["properties"], "program", "seed", "trials"}
+    general = [text for name, text in errors.items() if name not in fields]
+    with services().database.reading() as session:
         refusals = {
-            language.name: workers.upload_refusal(session, language.name, held.settings)
+            language.name: workers.upload_refusal(session, language.name, settings)
             for language in LANGUAGES.values()
             if benchmark.role in language.roles
         }
-        used = None if g.viewer.owner is None else quota.used_by(session, g.viewer, held.settings)
+        used = None if g.viewer.owner is None else quota.used_by(session, g.viewer, settings)
     return render_template(
         "submit/form.html",
         benchmark=benchmark,
@@ -159,14 +158,14 @@ def _show(
         groups=form_fields.groups(schema, values, errors, order=benchmark.groups),
         presets=schema.get("x-presets", {}),
         defaults={name: entry["default"] for name, entry in schema["properties"].items()},
-        answers=answers or {"controller": _first_choice(benchmark)},
+        answers=answers or {"controller": _initial_controller(benchmark)},
         errors=errors,
         kept=kept and {"program": kept, "token": submitted_program.token(benchmark, kept)},
         archives=archives.SUFFIXES,
         file_names=starter_files.FILES[benchmark.role],
-        general=" ".join(unknown.values()),
+        general=" ".join(general),
         languages=[LANGUAGES[name] for name, refusal in refusals.items() if not refusal],
-        refused={LANGUAGES[name].label: refusal for name, refusal in refusals.items() if refusal},
+        unavailable={LANGUAGES[name].label: why for name, why in refusals.items() if why},
         examples={
             name: starter_files.of(name, benchmark.role)
             for name in starter_files.FILES[benchmark.role]
@@ -174,13 +173,8 @@ def _show(
         },
         uploads=can(g.viewer, Action.UPLOAD),
         ranked=can(g.viewer, Action.SUBMIT_RANKED),
-        upload_refusal=None if None in refusals.values() else refusals["python"],
+        upload_refusal=None if None in refusals.values() else next(iter(refusals.values())),
         quota=used,
-        settings=held.settings,
+        settings=settings,
         limits=trial_limits.for_trial(benchmark.trial_duration_s(benchmark.read({}))),
     )
-
-
-def _places(schema: dict[str, Any]) -> set[str]:
-    """Return where an error has a place of its own on the form."""
-    return {*schema["properties"], "program", "seed", "trials"}

@@ -1,11 +1,11 @@
-"""The program in a posted form: a file, the editor's text, or the file of the form before.
+"""The program in a submitted form: a file, the editor's text, or a file from a previous attempt.
 
-A browser does not send a file again when a form is shown once more. The stored program's key then
-travels in a hidden field, signed and for this user alone.
+Browsers do not send a file again when a form is shown with errors. The key of the stored program is
+then kept in a hidden field, signed and valid for this user only.
 """
 
 import io
-from typing import Any, BinaryIO, cast
+from typing import BinaryIO, cast
 
 from flask import g, request
 from itsdangerous import BadData, URLSafeTimedSerializer
@@ -16,30 +16,24 @@ from seamark.server.runs import submission
 from seamark.server.web.services import services
 from seamark.sim.benchmarks.benchmark import Benchmark
 
-KEPT_S = 12 * 3600  # [s] half as long as programs are kept that nothing refers to
+VALID_S = store.UNUSED_KEPT_S / 2  # of the hidden field
 FIELD = "kept_program"
 
 
-def take(benchmark: Benchmark, answers: dict[str, str]) -> StoredProgram:
-    """Return the stored program of a form.
+def save(benchmark: Benchmark, answers: dict[str, str]) -> StoredProgram:
+    """Store the program of a form and return it.
 
     Raises
     ------
     UploadRejected, SubmissionRejected
-        There is none that can be taken, or none may be sent.
+        The program is missing or invalid, or the user may not upload programs.
     """
     submission.require_permission(g.viewer, uploads=True)
-    settings = services().settings
-    keeping: Any = {
-        "limit": settings.upload_max_bytes,
-        "data": settings.data,
-        "role": benchmark.role,
-    }
     if answers.get("source") == "editor":
-        return _of_editor(benchmark, answers, keeping)
+        return _save_text(benchmark, answers)
     file = request.files.get("program")
     if file is not None and file.filename:
-        return store.save_upload(cast(BinaryIO, file.stream), file.filename, **keeping)
+        return _save(benchmark, cast(BinaryIO, file.stream), file.filename)
     kept = _kept(benchmark, answers.get(FIELD, ""))
     if kept is None:
         raise UploadRejected("Choose a file, or write the program in the editor.")
@@ -47,24 +41,35 @@ def take(benchmark: Benchmark, answers: dict[str, str]) -> StoredProgram:
 
 
 def token(benchmark: Benchmark, program: StoredProgram) -> str:
-    """Return the hidden field that stands for a program in this user's next form."""
-    facts = [program.sha256, program.name, program.language, program.size]
-    return str(_signer().dumps([*facts, benchmark.role, g.viewer.user_id]))
+    """Return the value of the hidden field for a stored program."""
+    fields = [program.sha256, program.name, program.language, program.size]
+    return str(_signer().dumps([*fields, benchmark.role, g.viewer.user_id]))
 
 
-def _of_editor(benchmark: Benchmark, answers: dict[str, str], keeping: Any) -> StoredProgram:
+def _save_text(benchmark: Benchmark, answers: dict[str, str]) -> StoredProgram:
     name = starter_files.FILES[benchmark.role].get(answers.get("language", "python"))
     if name is None:
-        raise UploadRejected("Choose one of the languages of the list.")
-    # A browser sends line ends as CR LF; the program keeps those that its author typed.
+        raise UploadRejected("Choose a language from the list.")
+    # Browsers convert line endings to CR LF.
     text = answers.get("program_text", "").replace("\r\n", "\n").encode()
-    return store.save_upload(io.BytesIO(text), name, **keeping)
+    return _save(benchmark, io.BytesIO(text), name)
+
+
+def _save(benchmark: Benchmark, stream: BinaryIO, filename: str) -> StoredProgram:
+    settings = services().settings
+    return store.save_upload(
+        stream,
+        filename,
+        limit=settings.upload_max_bytes,
+        data=settings.data,
+        role=benchmark.role,
+    )
 
 
 def _kept(benchmark: Benchmark, text: str) -> StoredProgram | None:
-    """Return the program that a hidden field stands for, if it is this user's and still there."""
+    """Return the program of a hidden field if it belongs to this user and is still stored."""
     try:
-        sha256, name, language, size, role, user_id = _signer().loads(text, max_age=KEPT_S)
+        sha256, name, language, size, role, user_id = _signer().loads(text, max_age=int(VALID_S))
     except (BadData, ValueError):
         return None
     if (role, user_id) != (benchmark.role, g.viewer.user_id):

@@ -22,6 +22,7 @@ from seamark.server.programs.diagnostics import Diagnostic
 _CHUNK = 64 * 1024
 _SHA256 = re.compile(r"[0-9a-f]{64}")
 _LIMITS = Limits()
+UNUSED_KEPT_S = 86_400.0  # until `delete_unused` may delete a program
 TEXT_MAX_BYTES = 2 * 2**20  # of a source file; archives may be larger
 
 
@@ -124,7 +125,9 @@ def touch(data: Path, sha256: str) -> bool:
         return _renew(path(data, sha256))
 
 
-def delete_unused(data: Path, *, older_than_s: float, used: Callable[[str], bool]) -> int:
+def delete_unused(
+    data: Path, *, used: Callable[[str], bool], older_than_s: float = UNUSED_KEPT_S
+) -> int:
     """Delete old programs that nothing refers to; return how many.
 
     The age counts from the last upload or `touch`: the submission that will refer to a recent

@@ -27,7 +27,6 @@ from seamark.worker.service.shutdown import follow_worker
 
 POLL_S = 0.2  # [s] between two looks at what is due
 FORGET_EVERY_S = 3600.0
-UNUSED_S = 86_400.0  # [s] a program is kept that nothing refers to
 _log = structlog.get_logger()
 
 
@@ -87,7 +86,7 @@ def forget_programs(database: Database, settings: Settings) -> None:
         with database.reading() as session:
             return queue.refers_to(session, sha256)
 
-    count = store.delete_unused(settings.data, older_than_s=UNUSED_S, used=used)
+    count = store.delete_unused(settings.data, used=used)
     if count:
         _log.info("programs_forgotten", count=count)
 
