@@ -65,7 +65,7 @@ def rebuild_leaderboard(data: Path | None) -> None:
         raise PlatformFailed(f"The leaderboard cannot be rebuilt: {error}.") from None
     finally:
         database.close()
-    say(f"The leaderboard is rebuilt: {count} {'entry' if count == 1 else 'entries'}.")
+    click.echo(f"The leaderboard is rebuilt: {count} {'entry' if count == 1 else 'entries'}.")
 
 
 def _without_password(url: str) -> str:
