@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seamark.sim.benchmarks.currents_v1.definition import CurrentsConfiguration
-from seamark.sim.benchmarks.currents_v1.experiment import EXPERIMENT
+from seamark.sim.benchmarks.station_keeping.experiment import EXPERIMENT
 from seamark.sim.engine.closed_loop import ClosedLoop
 from seamark.sim.engine.program import BuiltIn
 from seamark.sim.engine.tracker_in_loop import TrackerInLoop

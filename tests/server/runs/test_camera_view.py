@@ -7,7 +7,7 @@ import pytest
 from seamark.server.runs import camera_view
 from seamark.server.runs.files import RunFiles
 from seamark.sim import registry
-from seamark.sim.benchmarks.currents_v1.experiment import EXPERIMENT
+from seamark.sim.benchmarks.station_keeping.experiment import EXPERIMENT
 from seamark.sim.engine.program import BuiltIn
 from seamark.sim.engine.trial import run_trial
 from seamark.sim.recording.telemetry import INDEX

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from seamark.sim.benchmarks.benchmark import Benchmark
 from seamark.sim.benchmarks.currents_v1.definition import CurrentsConfiguration
-from seamark.sim.benchmarks.currents_v1.experiment import EXPERIMENT
+from seamark.sim.benchmarks.station_keeping.experiment import EXPERIMENT
 from seamark.sim.control.observation import BOOLEANS, FIELDS, STARTS, empty
 from seamark.sim.engine.program import BuiltIn, Command
 from seamark.sim.engine.trial import custom_score, run_trial, summarise

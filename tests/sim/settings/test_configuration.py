@@ -30,7 +30,7 @@ def refusal(values: dict[str, Any]) -> dict[str, str]:
         ({"kp": math.nan}, ("kp", "from 0 to 5 1/s", "nan")),
         ({"kp": "infinity"}, ("kp", "from 0 to 5 1/s")),
         ({"ki": True}, ("ki", "a number from 0 to 2", "True")),
-        ({"levels": [0.2, 0.1]}, ("levels", "must rise")),
+        ({"levels": [0.2, 0.1]}, ("levels", "must increase")),
         ({"levels": [0.0, 3.0]}, ("levels", "from 0 to 1 m/s")),
         ({"levels": [0.0, math.nan]}, ("levels", "from 0 to 1 m/s")),
         ({"levels": []}, ("levels", "1 to 12 numbers")),

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from seamark.sim.benchmarks.currents_v1.definition import CurrentsConfiguration
-from seamark.sim.benchmarks.currents_v1.experiment import StationKeeping
+from seamark.sim.benchmarks.station_keeping.experiment import StationKeeping
 from seamark.sim.engine.program import BuiltIn
 from seamark.sim.engine.trial import run_trial, summarise
 from seamark.sim.recording.telemetry import INDEX, Rows

@@ -4,7 +4,6 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from seamark.sim.benchmarks.currents_v1.definition import CurrentsConfiguration
 from seamark.sim.camera.camera import Camera
 from seamark.sim.camera.target import start_pose
 from seamark.sim.control.observation import layout
@@ -20,35 +19,48 @@ from seamark.sim.engine.world import (
     draw_noise_seed,
     target_and_optics,
 )
-from seamark.sim.metrics.metric import over_run
-from seamark.sim.metrics.station_keeping import level_metrics, overall
-from seamark.sim.metrics.windows import LevelFacts
+from seamark.sim.metrics.metric import LevelMetric, over_run
+from seamark.sim.metrics.station_keeping import METRICS, level_metrics, overall
+from seamark.sim.metrics.windows import LevelFacts, Window
 from seamark.sim.numerics.random_streams import Streams, streams
 from seamark.sim.numerics.statistics import mean
 from seamark.sim.physics.current import Current, Pattern, Shear
 from seamark.sim.recording.telemetry import Rows
+from seamark.sim.settings.station_keeping import StationKeepingSettings
 from seamark.sim.vehicles import load
 
 
 class StationKeeping:
-    """A `seamark.sim.engine.experiment.Experiment` that compares position controllers."""
+    """A `seamark.sim.engine.experiment.Experiment` that compares position controllers.
 
-    def built_in(self, name: str, config: CurrentsConfiguration) -> Program:
+    `further` are metrics that it computes beside those of every station-keeping benchmark.
+    """
+
+    def __init__(self, further: tuple[LevelMetric[Window], ...] = ()) -> None:
+        self._metrics = (*METRICS, *further)
+
+    def built_in(self, name: str, config: StationKeepingSettings) -> Program:
         """Return a built-in controller."""
         return BuiltIn(name, config)
 
-    def layout(self, config: CurrentsConfiguration) -> dict[str, Any]:
+    def layout(self, config: StationKeepingSettings) -> dict[str, Any]:
         """Return the order of observation and command."""
         return {"role": "controller"} | layout(config.vehicle)
 
     def level(
-        self, config: CurrentsConfiguration, solution: Program, *, seed: int, trial: int, level: int
+        self,
+        config: StationKeepingSettings,
+        solution: Program,
+        *,
+        seed: int,
+        trial: int,
+        level: int,
     ) -> ClosedLoop:
         """Return a level with the vehicle at its start."""
         world = self.world(config, seed=seed, trial=trial, level=level)
         return ClosedLoop(world, solution, trial=trial, level=level)
 
-    def world(self, config: CurrentsConfiguration, *, seed: int, trial: int, level: int) -> World:
+    def world(self, config: StationKeepingSettings, *, seed: int, trial: int, level: int) -> World:
         """Return the world of a level."""
         config, random = config.at(level), streams(seed, trial, level)
         conditions = Conditions(
@@ -56,29 +68,32 @@ class StationKeeping:
         )
         return build_world(config, conditions, random)
 
-    def camera(self, config: CurrentsConfiguration, *, seed: int, trial: int, level: int) -> Camera:
+    def camera(
+        self, config: StationKeepingSettings, *, seed: int, trial: int, level: int
+    ) -> Camera:
         """Return the camera of a level."""
         config = config.at(level)
         noise_seed = draw_noise_seed(streams(seed, trial, level))
         return build_camera(config, configured_water(config), noise_seed=noise_seed)
 
     def first_camera(
-        self, config: CurrentsConfiguration, *, seed: int, trial: int, level: int
+        self, config: StationKeepingSettings, *, seed: int, trial: int, level: int
     ) -> Camera:
-        """Return the camera of the level: all its pictures are of the same water."""
+        """Return the camera of the level: all its images show the same water."""
         return self.camera(config, seed=seed, trial=trial, level=level)
 
-    def metrics(self, config: CurrentsConfiguration, level: int, rows: Rows) -> dict[str, Any]:
-        """Return the metrics of a level, and where in a grid it is."""
+    def metrics(self, config: StationKeepingSettings, level: int, rows: Rows) -> dict[str, Any]:
+        """Return the metrics of a level, and its coordinates if there is a grid."""
         grid = config.grid_point(level)
-        return level_metrics(rows, _facts(config, level)) | ({"grid": grid} if grid else {})
+        metrics = level_metrics(rows, _facts(config, level), self._metrics)
+        return metrics | ({"grid": grid} if grid else {})
 
     def trial_score(
-        self, config: CurrentsConfiguration, levels: Sequence[Mapping[str, Any]]
+        self, config: StationKeepingSettings, levels: Sequence[Mapping[str, Any]]
     ) -> TrialScore:
         """Return the mean of the levels' points, 0 to 100.
 
-        A trial ranks if that is a number and the target was not lost all the time at any level.
+        A trial can rank if that is finite and the target was not lost throughout any level.
         """
         score = mean([float(level["points"]) for level in levels])
         all_lost = any(level["whole_lost_percent"] >= 100.0 for level in levels)
@@ -86,12 +101,12 @@ class StationKeeping:
             score=score,
             level_held=_held(levels),
             rankable=math.isfinite(score) and not all_lost,
-            overall=over_run(overall(), levels),
+            overall=over_run(overall(self._metrics), levels),
         )
 
 
 def _held(levels: Sequence[Mapping[str, Any]]) -> float | None:
-    """Return the speed [m/s] up to which every level was held; None if not even the least."""
+    """Return the speed [m/s] up to which every level was held; None if not even the lowest."""
     held: float | None = None
     for speed in sorted({float(level["speed"]) for level in levels}):
         if not all(level["held"] for level in levels if level["speed"] == speed):
@@ -100,7 +115,7 @@ def _held(levels: Sequence[Mapping[str, Any]]) -> float | None:
     return held
 
 
-def _facts(config: CurrentsConfiguration, level: int) -> LevelFacts:
+def _facts(config: StationKeepingSettings, level: int) -> LevelFacts:
     forward, reverse = load(config.vehicle).curve.limits.value
     return LevelFacts(
         level=level,
@@ -111,7 +126,7 @@ def _facts(config: CurrentsConfiguration, level: int) -> LevelFacts:
     )
 
 
-def _current(config: CurrentsConfiguration, level: int, random: Streams) -> Current:
+def _current(config: StationKeepingSettings, level: int, random: Streams) -> Current:
     pattern = Pattern(
         azimuth_rad=config.current_azimuth_rad,
         azimuth_swing_rad=config.current_swing_rad,
@@ -132,7 +147,7 @@ def _current(config: CurrentsConfiguration, level: int, random: Streams) -> Curr
     )
 
 
-def _shear(config: CurrentsConfiguration) -> Shear | None:
+def _shear(config: StationKeepingSettings) -> Shear | None:
     """Return the current's profile: at the height of the start the level's own speed."""
     if not config.current_shear:
         return None

@@ -1,0 +1,1 @@
+"""Station keeping: what the benchmarks that compare position controllers share."""

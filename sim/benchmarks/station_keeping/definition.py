@@ -1,0 +1,104 @@
+"""A station-keeping benchmark: everything but its name, settings and baselines."""
+
+from collections.abc import Mapping
+from pkgutil import resolve_name
+
+from seamark.sim.benchmarks.benchmark import Baseline, Benchmark, Chart, Table
+from seamark.sim.metrics.metric import LevelMetric, Metric, MetricGroup
+from seamark.sim.metrics.station_keeping import GROUP, HEAD, KEY_METRICS, METRICS, WHOLE
+from seamark.sim.metrics.windows import Window
+from seamark.sim.recording.telemetry import thrust_names
+from seamark.sim.registry import CONTROLLERS, VEHICLES
+from seamark.sim.settings.station_keeping import StationKeepingSettings
+from seamark.sim.vehicles import load, most_thrusters
+
+CHARTS = (
+    Chart("Distance to the target", "px", ("distance_px",)),
+    Chart("X error", "px", ("error_x_px",)),
+    Chart("Y error", "px", ("error_y_px",)),
+    Chart("Distance to the station", "m", ("distance",)),
+    Chart("Error as the controller sees it", "m", ("error_x", "error_y", "error_z")),
+    Chart("Velocity reference", "m/s", ("ref_u", "ref_v", "ref_w")),
+    Chart("Velocity by the DVL", "m/s", ("dvl_u", "dvl_v", "dvl_w")),
+    Chart("Current", "m/s", ("current_x", "current_y", "current_z")),
+    Chart("Tracker's error", "px", ("tracker_error",)),
+    Chart("Thrust", "N", thrust_names(most_thrusters())),
+    Chart("Contact force", "N", ("contact_n",)),
+    Chart("Depth", "m", ("z",)),
+    Chart("Attitude", "rad", ("roll", "pitch", "yaw")),
+)
+GROUPS = (
+    "Experiment",
+    "Position controller",
+    "Tracker",
+    "Grid",
+    "Current",
+    "Water and camera",
+    "Station keeper",
+    "Velocity controller",
+    "Sensors",
+    "Faults",
+)
+# What the published experiment sets beside the defaults of its vehicle.
+PAPER_SCENE = {
+    "water_law": "uwsim",
+    "water_type": "grey",
+    "water_attenuation_1_m": 0.1,  # S: UWSim's default fog
+    "range_from": "start",
+    "level_out_tilt": False,
+    "heading_hold": False,
+    "depth_hold": False,
+}
+
+
+def _presets() -> dict[str, dict[str, object]]:
+    """Return vehicle -> values of other settings that come with its choice."""
+    own = {name: dict(load(name).defaults) for name in VEHICLES}
+    own["girona500-uwsim"] |= PAPER_SCENE
+    return {name: values for name, values in own.items() if values}
+
+
+def station_keeping_benchmark(
+    *,
+    name: str,
+    title: str,
+    summary: str,
+    configuration: type[StationKeepingSettings],
+    baselines: Mapping[str, Baseline],
+    quick_settings: Mapping[str, object],
+    metrics: tuple[LevelMetric[Window], ...] = (),
+    experiment: str = "seamark.sim.benchmarks.station_keeping.experiment:EXPERIMENT",
+) -> Benchmark:
+    """Return a benchmark of position controllers.
+
+    Parameters
+    ----------
+    metrics
+        Further metrics; `experiment` then is the path of a `StationKeeping` that computes them.
+    """
+    further = tuple(metric for metric in METRICS if metric not in KEY_METRICS)
+    return Benchmark(
+        name=name,
+        title=title,
+        summary=summary,
+        participants="position controllers",
+        role="controller",
+        built_in={name: resolve_name(path).label for name, path in CONTROLLERS.items()},
+        experiment=experiment,
+        headline=Metric("score", "Score", "of 100", "higher"),
+        score_bar_max=100.0,
+        level_held_unit="m/s",
+        charts=CHARTS,
+        tables=(
+            Table("After the settle window of {settle_s:g} s", (*HEAD, *KEY_METRICS)),
+            Table("More metrics, after the settle window of {settle_s:g} s", (*further, *metrics)),
+            Table("Whole levels", (*METRICS, *metrics), prefix=WHOLE),
+        ),
+        key_metrics=KEY_METRICS[:1],
+        metric_groups=(GROUP, *((MetricGroup(title, metrics),) if metrics else ())),
+        baselines=baselines,
+        configuration=configuration,
+        groups=GROUPS,
+        presets={"vehicle": _presets()},
+        quick_settings=quick_settings,
+    )
