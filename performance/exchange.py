@@ -18,7 +18,7 @@ from performance import first_answers
 from performance.table import Row
 from seamark.sandbox.box import Box
 from seamark.sandbox.isolation.level import IsolationLevel
-from seamark.sandbox.languages.python import SELF_TEST
+from seamark.sandbox.languages.python import PYTHON
 from seamark.sandbox.limits import Limits
 from seamark.sandbox.probing.probes import probe
 
@@ -78,7 +78,7 @@ def rows() -> list[Row]:
                 baseline="pipe without checks",
                 baseline_value=pipe,
             )
-            for name, program in (("plain Python", PLAIN), ("NumPy", SELF_TEST))
+            for name, program in (("plain Python", PLAIN), ("NumPy", PYTHON.self_test.text()))
         ] + [
             *_images(isolation, core),
             *first_answers.rows(isolation, core),

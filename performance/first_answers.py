@@ -38,13 +38,8 @@ def rows(isolation: IsolationLevel, core: int) -> list[Row]:
 
 def _program(name: str, isolation: IsolationLevel) -> bytes:
     language = LANGUAGES[name]
-    test = language.self_test
-    source = test.encode() if isinstance(test, str) else test()
-    return compiled(language.tested_by or name, source, _filename(name), isolation=isolation)
-
-
-def _filename(name: str) -> str:
-    return f"self_test{LANGUAGES[name].suffixes[0]}"
+    source, filename = language.self_test.upload(), language.self_test.upload_name
+    return compiled(language.sample_compiler, source, filename, isolation=isolation)
 
 
 def _of_language(name: str, program: bytes, isolation: IsolationLevel, core: int) -> list[Row]:
@@ -89,7 +84,7 @@ def _start(name: str, program: bytes, isolation: IsolationLevel, core: int) -> t
         box.wait_ready()
         waiting = box.usage()
         ready, own_s = time.perf_counter(), time.process_time()
-        box.load(program, _filename(name), {}, LAYOUT)
+        box.load(program, LANGUAGES[name].self_test.upload_name, {}, LAYOUT)
         box.step(OBSERVATION)
         end = time.perf_counter()
         own_s = time.process_time() - own_s

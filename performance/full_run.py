@@ -9,7 +9,7 @@ import time
 
 from performance.table import Row
 from seamark.sandbox.isolation.level import IsolationLevel
-from seamark.sandbox.languages.python import SELF_TEST
+from seamark.sandbox.languages.python import PYTHON
 from seamark.sandbox.probing.probes import probe
 from seamark.sim.engine.warm_up import warm_up
 from seamark.worker.evaluation.local import evaluate_locally
@@ -28,7 +28,7 @@ def rows() -> list[Row]:
         isolation = probe().level
         measured = [_measure("built-in PI", "pi", IsolationLevel.NONE)]
         if isolation >= IsolationLevel.MEDIUM:
-            program = (SELF_TEST.encode(), "controller.py")
+            program = (PYTHON.self_test.upload(), "controller.py")
             name = f"program in its box, isolation {isolation.name.lower()}"
             measured.append(_measure(name, program, isolation))
     finally:

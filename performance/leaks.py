@@ -103,6 +103,6 @@ def _resources() -> dict[str, int]:
 
 def _groups() -> list[Path]:
     try:
-        return cgroups.places().folders()
+        return cgroups.parent_groups().folders()
     except SandboxBroken:  # no cgroups on this host
         return []

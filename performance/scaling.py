@@ -7,7 +7,7 @@ import sys
 import time
 
 from performance.table import Row
-from seamark.sandbox.languages.python import SELF_TEST
+from seamark.sandbox.languages.python import PYTHON
 from seamark.sandbox.probing.probes import probe
 from seamark.sim.engine.warm_up import warm_up
 from seamark.worker.evaluation.local import evaluate_locally
@@ -81,7 +81,7 @@ def _ranked(cores: int) -> Row:
         {},
         seed=7,
         trials=_TRIALS,
-        controller=(SELF_TEST.encode(), "controller.py"),
+        controller=(PYTHON.self_test.upload(), "controller.py"),
         isolation=probe().level,
     )
     if outcome.failure is not None:

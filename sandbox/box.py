@@ -1,8 +1,8 @@
-"""One program in one box: start, load, answer by answer in lock step, end.
+"""One program in one box: start, load, exchange messages in lock step, finish.
 
-bubblewrap dies when the thread ends that made the box. A fork of the maker may use the box: it
-`closes` it like its own, the maker `leaves` it right after the fork and closes it when the fork has
-ended, which reaps what is left or ends what the fork could not.
+bubblewrap dies with the thread that started the box. A fork of that process may use the box: the
+fork closes it like one of its own; the parent calls `hand_over` right after forking, and `close`
+when the fork has ended, which reaps or kills what is left.
 """
 
 import json
@@ -15,18 +15,20 @@ from typing import Any, NamedTuple, Self, TypeVar, cast
 from seamark.sandbox import verdicts
 from seamark.sandbox.isolation.bwrap_command import IMAGES_DESCRIPTOR
 from seamark.sandbox.isolation.level import IsolationLevel
-from seamark.sandbox.isolation.process_tree import START_WITHIN_S, Confined, Layers
-from seamark.sandbox.isolation.shared_images import Pictures
-from seamark.sandbox.languages import LANGUAGES
-from seamark.sandbox.languages.language import Language, Runtime
+from seamark.sandbox.isolation.process_tree import START_WITHIN_S, Layers, ProcessTree
+from seamark.sandbox.isolation.shared_images import SharedImages
+from seamark.sandbox.languages import DEFAULT_LANGUAGE, LANGUAGES, role_refusal
+from seamark.sandbox.languages.inside import wire
+from seamark.sandbox.languages.language import CONTROLLER, Language
 from seamark.sandbox.limits import Limits
-from seamark.sandbox.outcome import Outcome, SandboxBroken, Verdict
+from seamark.sandbox.outcome import Failure, Outcome, SandboxBroken, Verdict
 from seamark.sandbox.protocol import answers, messages
 from seamark.sandbox.protocol.answers import Command, Corners, Detection
-from seamark.sandbox.protocol.messages import Failure, FrameInvalid
-from seamark.sandbox.protocol.session import Conversation
+from seamark.sandbox.protocol.messages import MessageInvalid
+from seamark.sandbox.protocol.session import ProtocolSession
+from seamark.sandbox.runtime import Runtime
 
-ROLES = ("controller", "tracker", "detector")  # what a program may be; the first if nothing is said
+MAX_NAME_LENGTH = 100  # of a file name as the program sees it
 
 Answer = TypeVar("Answer")
 
@@ -39,11 +41,11 @@ class Usage(NamedTuple):
 
 
 class Box:
-    """A single-use box: may be started before its program is known (warm)."""
+    """A single-use box. It may be started before its program is known."""
 
     def __init__(
         self,
-        language: str = "python",
+        language: str = DEFAULT_LANGUAGE,
         *,
         limits: Limits,
         isolation: IsolationLevel,
@@ -53,51 +55,53 @@ class Box:
     ) -> None:
         """Start the interpreter in its box and return at once.
 
-        `layers` is for tests alone: they switch one off and must notice. `runtime` is what runs in
-        the place of the language's own: its compiler.
+        `layers` is for tests alone, which switch one off and must notice. `runtime` replaces the
+        language's own: its compiler.
         """
         self.limits = limits
-        self._speak(LANGUAGES[language], compiling=runtime is not None)
-        self._cage = Confined(
-            runtime or self._language.runtime(), limits, layers or Layers.of(isolation), core=core
+        self._set_language(LANGUAGES[language], compiling=runtime is not None)
+        self._tree = ProcessTree(
+            runtime or self._language.runtime(),
+            limits,
+            layers or Layers.of(isolation),
+            core=core,
         )
-        self._talk = Conversation(self._cage, limits)
+        self._session = ProtocolSession(self._tree, limits)
         self._ready = self._closed = False
-        self._stepping = limits.stepping
-        self._floats = 0
-        self._values: object = None  # what the last observation came in
+        self._step_limit = limits.step_limit
+        self._float_count = 0
+        self._values: object = None  # the buffer that the last observation came in
         self._body = memoryview(b"")  # its bytes
 
-    def _speak(self, language: Language, *, compiling: bool) -> None:
+    def _set_language(self, language: Language, *, compiling: bool) -> None:
         self._language = language
-        made = language.compiler is not None or language.refusal is not None
-        binary = made and not compiling
-        self._most_kib = self.limits.binary_mib << 10 if binary else self.limits.source_kib
+        binary = language.runs_binaries and not compiling
+        self._max_program_kib = self.limits.binary_mib << 10 if binary else self.limits.source_kib
 
     @property
     def outcome(self) -> Outcome | None:
-        """Return how the program ended; None as long as it has not."""
-        return self._talk.outcome
+        """Return how the program ended; None as long as it runs."""
+        return self._session.outcome
 
-    def lives(self) -> bool:
-        """Tell whether the box has not ended by itself."""
-        return self._cage.exit_code(0.0) is None
+    def is_alive(self) -> bool:
+        """Return whether the box has not ended by itself."""
+        return self._tree.exit_code(0.0) is None
 
-    def adopt(self, limits: Limits, language: str) -> None:
-        """Give a box that has no program yet its limits and language, which must fit its start."""
+    def assign(self, limits: Limits, language: str) -> None:
+        """Set limits and language of a box without a program; they must fit what was started."""
         if not limits.fit(self.limits):
             raise ValueError(f"{limits} do not fit a box that was started with {self.limits}")
         if LANGUAGES[language].runtime is not self._language.runtime:
             raise ValueError(f"{language} does not run in a box for {self._language.name}")
-        self.limits = self._talk.limits = limits
-        self._speak(LANGUAGES[language], compiling=False)
-        self._stepping = limits.stepping
+        self.limits = self._session.limits = limits
+        self._set_language(LANGUAGES[language], compiling=False)
+        self._step_limit = limits.step_limit
 
     def wait_ready(self) -> None:
-        """Wait until the interpreter is up; SandboxBroken if it does not come."""
+        """Wait until the interpreter is up; SandboxBroken if it does not start."""
         if not self._ready:
-            self._talk.answer(messages.READY, self.limits.starting, "The interpreter")
-            self._cage.meet_init()
+            self._session.answer(messages.READY, self.limits.start_limit, "The interpreter")
+            self._tree.find_init()
             self._ready = True
 
     def load(
@@ -107,51 +111,54 @@ class Box:
         config: Mapping[str, object],
         layout: Mapping[str, object],
     ) -> None:
-        """Send the program and its configuration; wait until its controller is made.
+        """Send the program with its configuration; wait until its controller is constructed.
 
-        `source` is the text, or what `compilation.compiled` made of it. While a compiler is
-        in the box: wait until it has done its work.
+        In the box of a compiler: wait until it has compiled the program.
 
-        `layout["role"]` is one of ROLES. A controller's layout has the `observation` that `step`
-        is given; trackers and detectors are given images.
+        Parameters
+        ----------
+        source
+            The text, or what `compilation.compiled` made of it.
+        layout
+            `role` is one of the language's roles, a controller if it is missing. The layout of a
+            controller has the `observation` that `step` is given; the other roles get images.
         """
         self.wait_ready()
-        self._talk.begin()
-        if len(source) > self._most_kib << 10:
-            limit = f"The program has {len(source)} bytes; the limit is {self._most_kib} KiB."
-            self._talk.end(Failure(Verdict.COMPILE_ERROR, limit, ""))
-        role = str(layout.get("role", ROLES[0]))
-        if role not in self._language.roles:
-            able = ", ".join(each.label for each in LANGUAGES.values() if role in each.roles)
-            refused = f"A {role} is written in {able}, not in {self._language.label}."
-            self._talk.end(Failure(Verdict.COMPILE_ERROR, refused, ""))
+        self._session.begin()
+        if len(source) > self._max_program_kib << 10:
+            sentence = (
+                f"The program has {len(source)} bytes; the limit is {self._max_program_kib} KiB."
+            )
+            self._session.end(Failure(Verdict.COMPILE_ERROR, sentence))
+        if refusal := role_refusal(self._language.name, str(layout.get("role", CONTROLLER))):
+            self._session.end(Failure(Verdict.COMPILE_ERROR, refusal))
         fields = cast(Sequence[tuple[str, int]], layout.get("observation", ()))
-        self._floats = sum(count or 1 for _, count in fields)
+        self._float_count = sum(count or 1 for _, count in fields)
         header = json.dumps(self._header(filename, config, layout)).encode()
-        self._talk.ask(messages.BEGIN, messages.SIZES.pack(len(header), len(source)))
-        blob = header + source
-        for start in range(0, len(blob), messages.CHUNK_BYTES):
-            self._talk.ask(messages.SOURCE, blob[start : start + messages.CHUNK_BYTES])
-        self._talk.answer(messages.READY, self.limits.starting, self._language.calls.start)
+        self._session.ask(messages.BEGIN, wire.SIZES.pack(len(header), len(source)))
+        data = header + source
+        for start in range(0, len(data), messages.CHUNK_BYTES):
+            self._session.ask(messages.SOURCE, data[start : start + messages.CHUNK_BYTES])
+        self._session.answer(messages.READY, self.limits.start_limit, self._language.calls.start)
 
     def _header(
         self, filename: str, config: Mapping[str, object], layout: Mapping[str, object]
     ) -> dict[str, object]:
-        name = "".join(c for c in PurePosixPath(filename).name if c.isprintable())[:100]
+        printable = "".join(c for c in PurePosixPath(filename).name if c.isprintable())
         header: dict[str, object] = {
-            "protocol": messages.VERSION,
-            "filename": name or "program",
+            "protocol": wire.VERSION,
+            "filename": printable[:MAX_NAME_LENGTH] or "program",
             "config": dict(config),
             "layout": dict(layout),
         }
-        if layout.get("role", ROLES[0]) != ROLES[0]:
-            header["images"] = self._pictures.described(IMAGES_DESCRIPTOR)
+        if layout.get("role", CONTROLLER) != CONTROLLER:
+            header["images"] = self._images.description(IMAGES_DESCRIPTOR)
         return header
 
     def reset(self, level: Mapping[str, object]) -> None:
-        """Announce a level; wait until the program is ready."""
-        self._talk.ask(messages.RESET, json.dumps(dict(level)).encode())
-        self._talk.answer(messages.READY, self.limits.starting, self._language.calls.reset)
+        """Announce a level of the benchmark; wait until the program is ready."""
+        self._session.ask(messages.RESET, json.dumps(dict(level)).encode())
+        self._session.answer(messages.READY, self.limits.start_limit, self._language.calls.reset)
 
     def step(self, values: Sequence[float]) -> Command:
         """Send one observation, return the checked command.
@@ -159,25 +166,28 @@ class Box:
         Parameters
         ----------
         values : (n,) float64 in the order of the layout
-            A buffer of float64 is sent as it is, and looked at once if it comes again and again.
+            A float64 buffer is sent without a copy. If the same buffer is passed again, it is not
+            checked again.
 
         Returns
         -------
         tuple of 4 [m/s, m/s, m/s, rad/s]
-            Finite, at most 1e6 in size.
+            Finite, with a magnitude of at most 1e6.
         """
         if values is not self._values:
-            self._take(values)
-        self._talk.ask(messages.OBSERVE, self._body)
-        return self._checked(messages.ANSWER, answers.command, self._language.calls.step)
+            self._set_buffer(values)
+        self._session.ask(messages.OBSERVE, self._body)
+        return self._checked(messages.COMMAND, answers.command, self._language.calls.step)
 
-    def _take(self, values: Sequence[float]) -> None:
-        """Look at what observations come in; a buffer's bytes are those of its present values."""
+    def _set_buffer(self, values: Sequence[float]) -> None:
+        """Check what observations come in; the bytes of a buffer follow its current values."""
         body = _float64(values)
-        if len(body) != 8 * self._floats:
-            raise ValueError(f"{len(body)} bytes of observation, {8 * self._floats} in the layout")
-        whose: object = body.obj
-        self._values, self._body = values if whose is values else None, body
+        if len(body) != 8 * self._float_count:
+            raise ValueError(
+                f"{len(body)} bytes of observation, {8 * self._float_count} in the layout"
+            )
+        owner: object = body.obj
+        self._values, self._body = values if owner is values else None, body
 
     def start(self, image: object, corners: object) -> None:
         """Show a tracker the target; wait until it is ready.
@@ -187,12 +197,11 @@ class Box:
         image : (H, W) or (H, W, 3) uint8, C-contiguous
             Any buffer. It is copied once, into memory that the box can only read.
         corners : (4, 2) float64 [px]
-            Where the target is in it (x right, y down).
+            The target's corners in the image (x right, y down).
         """
-        where = answers.packed_corners(corners)
-        body = self._pictures.first(image) + where
-        self._talk.ask(messages.START, body)
-        self._talk.answer(messages.READY, self.limits.starting, "start(image, corners)")
+        packed = answers.packed_corners(corners)
+        self._session.ask(messages.START, self._images.put_first(image) + packed)
+        self._session.answer(messages.READY, self.limits.start_limit, "start(image, corners)")
 
     def update(self, image: object) -> Corners | None:
         """Show a tracker the next image; return the target's corners, None if it is lost.
@@ -200,53 +209,53 @@ class Box:
         Parameters
         ----------
         image : (H, W) or (H, W, 3) uint8, C-contiguous
-            As `start`.
+            As for `start`.
 
         Returns
         -------
         (4, 2) [px] or None
-            Nested tuples; finite, at most 1e6 in size.
+            Nested tuples; finite, with a magnitude of at most 1e6.
         """
-        self._talk.ask(messages.UPDATE, self._pictures.next(image))
+        self._session.ask(messages.UPDATE, self._images.put_next(image))
         return self._checked(messages.TRACK, answers.track, "update(image)")
 
     def detect(self, image: object) -> list[Detection]:
-        """Show a detector an image; return what it sees, at most MOST_DETECTIONS."""
-        self._talk.ask(messages.DETECT, self._pictures.next(image))
+        """Show a detector an image; return its detections, at most MAX_DETECTIONS."""
+        self._session.ask(messages.DETECT, self._images.put_next(image))
         return self._checked(messages.DETECTIONS, answers.detections, "detect(image)")
 
     def finish(self) -> Outcome:
-        """Say good-bye; the same process must answer and end by itself, well."""
-        return self._talk.finish()
+        """Ask the program to quit; its own process must answer and exit with 0."""
+        return self._session.finish()
 
     def take_output(self) -> bytes:
-        """Return what the program printed since the last call: head and tail if it is much."""
-        return self._talk.last_output() if self._closed else self._talk.take_output()
+        """Return what the program printed since the last call: head and tail if it is long."""
+        return self._session.last_output() if self._closed else self._session.take_output()
 
     def usage(self) -> Usage:
         """Return what all processes used since the start of the box; for measurements."""
-        return Usage(self._cage.cpu_s(), self._cage.memory_mib())
+        return Usage(self._tree.cpu_s(), self._tree.memory_mib())
 
     def processes(self) -> list[int]:
-        """Return the pids of the box as the host sees them; for probes and tests."""
-        return self._cage.processes()
+        """Return the host's pids of the processes in the box; for probes and tests."""
+        return self._tree.processes()
 
-    def move(self, cores: set[int]) -> None:
-        """Let a box that has no program yet run on other cores."""
-        self._cage.move(cores)
+    def set_affinity(self, cores: set[int]) -> None:
+        """Let a box without a program run on other cores."""
+        self._tree.set_affinity(cores)
 
-    def wait_known(self) -> None:
-        """Wait until it can be ended in one stroke, which takes some milliseconds of its start."""
-        self._cage.meet_init(START_WITHIN_S)
+    def wait_killable(self) -> None:
+        """Wait until the inner init is known, which takes some milliseconds of the start."""
+        self._tree.find_init(START_WITHIN_S)
 
-    def leave(self) -> None:
-        """Leave the talking to a fork of this process."""
-        self._cage.leave()
+    def hand_over(self) -> None:
+        """Leave the communication with the program to a fork of this process."""
+        self._tree.hand_over()
 
-    def forget(self) -> None:
-        """In a fork: have nothing to do with this box, which is the maker's or another fork's."""
+    def detach(self) -> None:
+        """In a fork: let go of a box that belongs to the parent or to another fork."""
         self._closed = True
-        self._cage.forget()
+        self._tree.detach()
 
     def close(self) -> None:
         """Kill everything in the box; SandboxBroken if anything survives."""
@@ -254,9 +263,9 @@ class Box:
             return
         self._closed = True
         try:
-            self._cage.kill()
+            self._tree.kill()
         finally:
-            self._cage.release()
+            self._tree.release()
 
     def __enter__(self) -> Self:
         """Return the box itself."""
@@ -272,24 +281,24 @@ class Box:
         self.close()
 
     @property
-    def _pictures(self) -> Pictures:
-        if self._cage.pictures is None:
+    def _images(self) -> SharedImages:
+        if self._tree.images is None:
             raise SandboxBroken(f"programs in {self._language.label} cannot be given images")
-        return self._cage.pictures
+        return self._tree.images
 
     def _checked(
-        self, kind: bytes, read: Callable[[memoryview], Answer], waited_for: str
+        self, message_type: bytes, read: Callable[[memoryview], Answer], waited_for: str
     ) -> Answer:
-        """Return the answer to a step if it is a good one; else the run ends."""
-        data = self._talk.answer(kind, self._stepping, waited_for)
+        """Return the program's answer; an invalid one ends the run."""
+        data = self._session.answer(message_type, self._step_limit, waited_for)
         try:
             return read(data)
-        except FrameInvalid as reason:
-            self._talk.end(verdicts.misbehaved(str(reason)))
+        except MessageInvalid as reason:
+            self._session.end(verdicts.protocol_error(str(reason)))
 
 
 def _float64(values: Sequence[float]) -> memoryview:
-    """Return float64 values as bytes, without a copy where they are a buffer of them."""
+    """Return float64 values as bytes, without a copy if they are a buffer of them."""
     try:
         view = memoryview(cast(Any, values))
     except TypeError:

@@ -1,6 +1,6 @@
 """Compiling an upload: untrusted execution like any other, in a box of its own.
 
-The text goes in over the protocol's socket, the program comes out over the pipe of the standard
+The text goes in through the protocol's socket, the program comes out through the pipe of standard
 output: no folder is shared. What comes out is as untrusted as what went in.
 """
 
@@ -13,7 +13,7 @@ from seamark.sandbox.languages import LANGUAGES
 from seamark.sandbox.limits import COMPILING, Limits
 from seamark.sandbox.outcome import Outcome, ProgramEnded, SandboxBroken, Verdict
 
-LAYOUT: dict[str, object] = {"observation": []}  # a compiler is shown nothing
+LAYOUT: dict[str, object] = {"observation": []}  # a compiler gets no observations
 
 
 def compiled(
@@ -25,7 +25,7 @@ def compiled(
     core: int | None = None,
     limits: Limits = COMPILING,
 ) -> bytes:
-    """Return what runs: the program that the compiler made, or the source if there is none.
+    """Return what runs: the compiled program, or the source if the language has no compiler.
 
     Raises
     ------
@@ -44,12 +44,12 @@ def compiled(
         except ProgramEnded as end:
             _refuse(end.outcome, limits)
     if not program:
-        raise SandboxBroken("the compiler was content and made nothing")
+        raise SandboxBroken("the compiler succeeded without an output")
     return program
 
 
 def _refuse(outcome: Outcome, limits: Limits) -> NoReturn:
-    """Raise the end of the compiler as the program's: its text was wrong, or too much for it."""
+    """Raise the compiler's outcome as the program's: its text is wrong, or exceeds a limit."""
     sentence = outcome.sentence
     if outcome.verdict is Verdict.TIME_LIMIT and not outcome.suspect_host:
         sentence = f"Compiling took more than {limits.cpu_s:g} s of CPU time."
@@ -58,5 +58,5 @@ def _refuse(outcome: Outcome, limits: Limits) -> NoReturn:
     elif outcome.verdict is Verdict.OUTPUT_LIMIT:
         sentence = f"The compiled program has more than {limits.output_max_mib} MiB."
     verdict = Verdict.COMPILE_ERROR
-    # What it printed so far is half a program, and nothing to read.
+    # The output so far is an incomplete binary, nothing to read.
     raise ProgramEnded(replace(outcome, verdict=verdict, sentence=sentence, output=b""))

@@ -4,11 +4,11 @@ import math
 from dataclasses import asdict, dataclass
 from typing import NamedTuple
 
-MOST_STEP_WALL_S = 600.0  # [s] above this a lost program would hold a core for too long
+MAX_STEP_WALL_S = 600.0  # [s] above this a hanging program would occupy a core for too long
 TIMES = ("cpu_s", "wall_s", "start_cpu_s", "start_wall_s", "step_cpu_s", "step_wall_s")
 
 
-class Patience(NamedTuple):
+class AnswerLimit(NamedTuple):
     """How long one answer may take."""
 
     cpu_s: float
@@ -42,22 +42,22 @@ class Limits:
     binary_mib: int = 8  # [MiB] what a compiler made of it
 
     @property
-    def starting(self) -> Patience:
+    def start_limit(self) -> AnswerLimit:
         """For import and __init__, and for each reset."""
-        return Patience(self.start_cpu_s, self.start_wall_s)
+        return AnswerLimit(self.start_cpu_s, self.start_wall_s)
 
     @property
-    def stepping(self) -> Patience:
+    def step_limit(self) -> AnswerLimit:
         """For one answer."""
-        return Patience(self.step_cpu_s, self.step_wall_s)
+        return AnswerLimit(self.step_cpu_s, self.step_wall_s)
 
     def fit(self, started: "Limits") -> bool:
-        """Tell whether a box that was started with other limits may still get these.
+        """Return whether a box that was started with other limits can still take these.
 
-        Times are watched from outside, but for the kernel's own end of CPU time.
+        Times are enforced from outside, except for RLIMIT_CPU.
         """
-        others = {name: value for name, value in asdict(self).items() if name not in TIMES}
-        same = others.items() <= asdict(started).items()
+        fixed = {name: value for name, value in asdict(self).items() if name not in TIMES}
+        same = fixed.items() <= asdict(started).items()
         return same and self.cpu_s <= started.cpu_s
 
     def __post_init__(self) -> None:
@@ -67,13 +67,13 @@ class Limits:
                 raise ValueError(f"{name} must be positive and finite, not {value}")
         if self.wall_s < self.cpu_s:
             raise ValueError(f"wall_s ({self.wall_s}) is shorter than cpu_s ({self.cpu_s})")
-        if self.step_wall_s > MOST_STEP_WALL_S:
-            raise ValueError(f"step_wall_s ({self.step_wall_s}) is over {MOST_STEP_WALL_S}")
+        if self.step_wall_s > MAX_STEP_WALL_S:
+            raise ValueError(f"step_wall_s ({self.step_wall_s}) is over {MAX_STEP_WALL_S}")
         if self.output_max_mib * 1024 < self.output_kib:
             raise ValueError("output_max_mib is less than the output_kib that are kept")
 
 
-MEANING = {  # limit -> what the program sees when it meets it; shown on the form and in the docs
+MEANING = {  # limit -> what happens when a program reaches it; shown on the form and in the docs
     "cpu_s": "the run ends: time limit",
     "wall_s": "the run ends: time limit",
     "start_cpu_s": "the run ends: time limit",
@@ -81,8 +81,8 @@ MEANING = {  # limit -> what the program sees when it meets it; shown on the for
     "step_cpu_s": "the run ends: time limit",
     "step_wall_s": "the run ends: time limit",
     "memory_mib": "the kernel ends the program, or Python raises MemoryError: memory limit",
-    "processes": "starting another fails: process limit, if the program ends by it",
-    "output_kib": "the middle of the log is dropped and the dropped bytes are counted",
+    "processes": "starting another one fails; if the program fails because of it: process limit",
+    "output_kib": "the middle of the log is dropped, and the dropped bytes are counted",
     "output_max_mib": "the run ends: output limit",
     "tmp_mib": "writing fails with OSError: no space left on device",
     "shared_mib": "writing fails with OSError: no space left on device",
@@ -93,14 +93,14 @@ MEANING = {  # limit -> what the program sees when it meets it; shown on the for
     "binary_mib": "the compiled program (C, C++) is refused before it starts",
 }
 
-COMPILING = Limits(  # of the box of a compiler
+COMPILING = Limits(  # of a compiler's box
     cpu_s=15.0,
     wall_s=60.0,
     start_cpu_s=15.0,
     start_wall_s=45.0,
     memory_mib=768,
     processes=16,
-    output_kib=64 << 10,  # what leaves the box is the compiled program, and all of it is kept
+    output_kib=64 << 10,  # the compiled program leaves the box this way, and all of it is kept
     output_max_mib=64,
     tmp_mib=192,
     file_mib=64,

@@ -1,9 +1,9 @@
-"""Boxes that were started before anybody knew what runs in them: the first answer comes at once.
+"""Pre-started boxes, so that the first answer does not wait for an interpreter to start.
 
-Each is used once. Stock is refilled only when its owner says so, which is when nobody waits for an
-answer: between runs. Starting a box takes a few milliseconds of ours; it warms up by itself.
+Each box is used once. The stock is refilled only when its owner calls `refill`, between runs, while
+nobody waits for an answer. Starting a box takes a few milliseconds of our time; it warms up alone.
 
-The owner lends boxes to processes that it forks, by the word `lend`, and keeps the rest.
+The owner leases boxes to processes that it forks (`lease`) and keeps the rest.
 """
 
 import contextlib
@@ -19,10 +19,10 @@ from seamark.sandbox.languages import LANGUAGES
 from seamark.sandbox.limits import Limits
 from seamark.sandbox.outcome import SandboxBroken
 
-OLDEST_S = 600.0  # [s] then a box that nobody needed is replaced by a new one
+MAX_AGE_S = 600.0  # [s] an unused box is replaced after this time
 
 
-class Waiting(NamedTuple):
+class IdleBox(NamedTuple):
     """A box in stock."""
 
     box: Box
@@ -30,7 +30,7 @@ class Waiting(NamedTuple):
 
 
 class Pool:
-    """Boxes of one thread and of its forks. The thread has to live as long as they do."""
+    """Boxes of one thread and its forks. The thread has to live as long as they do."""
 
     def __init__(
         self,
@@ -39,80 +39,81 @@ class Pool:
         limits: Limits,
         isolation: IsolationLevel,
         core: int | None = None,
-        oldest_s: float = OLDEST_S,
+        max_age_s: float = MAX_AGE_S,
     ) -> None:
         """Start nothing yet.
 
         Parameters
         ----------
         stock
-            Language -> how many boxes wait. Languages that start alike share them.
+            Language -> number of idle boxes. Languages with the same runtime share them.
         limits
-            Of the boxes in stock. Whoever takes one may have shorter and longer times, but not
+            Limits of the boxes in stock. Whoever takes one may have other time limits, but not
             more CPU time.
         """
-        self._stock = {kind(language): count for language, count in stock.items()}
+        self._stock = {stock_key(language): count for language, count in stock.items()}
         self._limits = limits
         self._isolation = isolation
         self._core = core
-        self._oldest_s = oldest_s
-        self._waiting: dict[str, list[Waiting]] = {language: [] for language in self._stock}
+        self._max_age_s = max_age_s
+        self._idle: dict[str, list[IdleBox]] = {language: [] for language in self._stock}
 
     def refill(self) -> None:
-        """Start what is missing in stock, and replace what is too old; waits for none of it.
+        """Start the boxes that are missing, replace those that are too old; wait for neither.
 
-        What cannot be started is missing: whoever takes a box then hears why.
+        A box that fails to start is left out: `take` then raises the reason.
         """
         for language, count in self._stock.items():
-            waiting = self._waiting[language]
-            old = [one for one in waiting if time.monotonic() - one.since_s >= self._oldest_s]
+            idle = self._idle[language]
+            old = [one for one in idle if time.monotonic() - one.since_s >= self._max_age_s]
             for one in old:
-                waiting.remove(one)
-                _end(one.box)
+                idle.remove(one)
+                _discard(one.box)
             with contextlib.suppress(SandboxBroken):
-                while len(waiting) < count:
-                    waiting.append(Waiting(self._new(language, self._limits), time.monotonic()))
+                while len(idle) < count:
+                    idle.append(IdleBox(self._new(language, self._limits), time.monotonic()))
 
     def take(self, language: str, limits: Limits) -> Box:
-        """Return a box that is the caller's from now on: from the stock, or a new one."""
-        waiting = self._waiting.get(kind(language), [])
-        while waiting and limits.fit(self._limits):
-            box = waiting.pop(0).box  # the oldest: it is warm most likely
+        """Return a box, from the stock or new, which the caller owns from now on."""
+        idle = self._idle.get(stock_key(language), [])
+        while idle and limits.fit(self._limits):
+            box = idle.pop(0).box  # the oldest one is the most likely to be warm
             if _is_ready(box):
-                box.adopt(limits, language)
-                box.move(os.sched_getaffinity(0))
+                box.assign(limits, language)
+                box.set_affinity(os.sched_getaffinity(0))
                 return box
-            _end(box)
+            _discard(box)
         return self._new(language, limits)
 
     def stock(self, language: str, count: int) -> None:
-        """Keep so many boxes of a language from the next `refill` on."""
-        self._stock[kind(language)] = count
-        self._waiting.setdefault(kind(language), [])
+        """Set how many boxes of a language are kept, from the next `refill` on."""
+        self._stock[stock_key(language)] = count
+        self._idle.setdefault(stock_key(language), [])
 
-    def lend(self, language: str, most: int) -> "Loan":
-        """Set boxes of the stock apart for a process that is forked next."""
-        waiting = self._waiting.get(kind(language), [])
-        lent, self._waiting[kind(language)] = waiting[:most], waiting[most:]
-        for one in lent:
-            one.box.wait_known()
-        return Loan(self, kind(language), lent)
+    def lease(self, language: str, count: int) -> "BoxLease":
+        """Reserve up to `count` boxes of the stock for the process that is forked next."""
+        key = stock_key(language)
+        idle = self._idle.get(key, [])
+        leased, self._idle[key] = idle[:count], idle[count:]
+        for one in leased:
+            one.box.wait_killable()
+        return BoxLease(self, key, leased)
 
-    def keep(self, language: str, lent: list[Waiting]) -> None:
-        """Be the pool of a fork, on its cores: these boxes alone wait, and no others are made."""
-        for one in (one for waiting in self._waiting.values() for one in waiting):
-            one.box.forget()
-        self._stock, self._waiting, self._core = {}, {language: lent}, None
+    def take_over(self, language: str, leased: list[IdleBox]) -> None:
+        """In a fork, on the fork's cores: hold these boxes alone, and never start another."""
+        for one in (one for idle in self._idle.values() for one in idle):
+            one.box.detach()
+        self._stock, self._idle, self._core = {}, {language: leased}, None
 
-    def waiting(self) -> int:
+    def idle_count(self) -> int:
         """Return how many boxes are in stock."""
-        return sum(map(len, self._waiting.values()))
+        return sum(map(len, self._idle.values()))
 
     def close(self) -> None:
-        """End all boxes in stock."""
-        for waiting in self._waiting.values():
-            while waiting:
-                _end(waiting.pop().box)
+        """Close all boxes in stock."""
+        for idle in self._idle.values():
+            while idle:
+                _discard(idle.pop().box)
 
     def __enter__(self) -> Self:
         """Return the pool itself."""
@@ -131,43 +132,43 @@ class Pool:
         return Box(language, limits=limits, isolation=self._isolation, core=self._core)
 
 
-def kind(language: str) -> str:
-    """Return the first language whose boxes start as those of this one, before their program."""
+def stock_key(language: str) -> str:
+    """Return the first language with the same runtime: until a program arrives, they are alike."""
     runtime = LANGUAGES[language].runtime
     return next(name for name, other in LANGUAGES.items() if other.runtime is runtime)
 
 
-class Loan:
-    """Boxes for one fork. The maker says `leave` right after it, and `close` when it has ended."""
+class BoxLease:
+    """Boxes for one fork. The parent calls `hand_over` after forking, `close` when it has ended."""
 
-    def __init__(self, pool: Pool, language: str, lent: list[Waiting]) -> None:
-        self._pool, self._language, self._lent = pool, language, lent
+    def __init__(self, pool: Pool, language: str, leased: list[IdleBox]) -> None:
+        self._pool, self._language, self._leased = pool, language, leased
 
-    def use(self) -> None:
-        """In the fork: have these boxes in stock, and forget the pool's others."""
-        self._pool.keep(self._language, list(self._lent))
+    def take_over(self) -> None:
+        """In the fork: have these boxes in stock, and detach from all others of the pool."""
+        self._pool.take_over(self._language, list(self._leased))
 
-    def leave(self) -> None:
-        """Leave the talking to the fork."""
-        for one in self._lent:
-            one.box.leave()
+    def hand_over(self) -> None:
+        """In the parent: leave the communication with the programs to the fork."""
+        for one in self._leased:
+            one.box.hand_over()
 
     def close(self) -> None:
-        """End what the fork could not end, and reap; SandboxBroken if anything survives."""
-        while self._lent:
-            self._lent.pop().box.close()
+        """Kill what the fork left, and reap; SandboxBroken if anything survives."""
+        while self._leased:
+            self._leased.pop().box.close()
 
 
 def _is_ready(box: Box) -> bool:
-    """Tell whether a box is up, which it may have been and died."""
+    """Return whether a box is up, and has not died since."""
     try:
         box.wait_ready()
     except SandboxBroken:
         return False
-    return box.lives()
+    return box.is_alive()
 
 
-def _end(box: Box) -> None:
-    """End a box that nobody used: nothing ran in it, so nobody needs to hear how it went."""
+def _discard(box: Box) -> None:
+    """Close a box that ran no program: a failure concerns nobody."""
     with contextlib.suppress(SandboxBroken):
         box.close()

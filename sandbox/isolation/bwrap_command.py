@@ -1,8 +1,8 @@
-"""How a box is started: the command line of bubblewrap and the orders of the launcher.
+"""How a box is started: the command lines of bubblewrap and of its launcher.
 
-Namespaces: all. Root: a new tmpfs with what the language needs, read-only, without /proc. Writable
-are /tmp and /dev/shm, both sized. bubblewrap's own `--dev` would be a writable tmpfs of half the
-memory, therefore five device nodes are bound into a small one.
+Namespaces: all. Root: a new tmpfs with what the language needs, read-only, without /proc. Only
+/tmp and /dev/shm are writable, both of limited size. bubblewrap's own `--dev` would be a writable
+tmpfs of half the memory; instead, five device nodes are bound into a small one.
 """
 
 import math
@@ -15,52 +15,53 @@ from itertools import count
 from pathlib import Path
 from typing import Self
 
-from seamark.sandbox.languages.language import Runtime
+from seamark.sandbox.isolation.readable_copies import readable_by_all
 from seamark.sandbox.limits import Limits
 from seamark.sandbox.outcome import SandboxBroken
+from seamark.sandbox.runtime import Runtime
 
 DEVICES = ("null", "zero", "full", "random", "urandom")
-DEV_BYTES = 65536  # [B] room for the mount points of /dev
+DEV_BYTES = 65536  # [B] size of /dev
 LOCKED_BYTES = 65536  # [B] RLIMIT_MEMLOCK
 STACK_BYTES = 8 << 20  # [B] RLIMIT_STACK
-INNER_PROCESSES = 1  # bubblewrap's own, in the same namespace
-FIRST_DESCRIPTOR = 3  # in the box: the protocol's, after standard input, output and error
+INNER_PROCESSES = 1  # bubblewrap's inner init, in the same namespace
+FIRST_DESCRIPTOR = 3  # in the box: the protocol's socket, after the standard streams
 IMAGES_DESCRIPTOR = 4
-CPU_GRACE_S = 10  # [s] RLIMIT_CPU, which counts the start too, is a lost worker's backstop
+CPU_GRACE_S = 10  # [s] RLIMIT_CPU counts the start too; it is the backstop for a worker that hangs
 
 NAMESPACES = ("user", "ipc", "pid", "net", "uts", "cgroup")
 
 
 @dataclass(frozen=True, slots=True)
 class Descriptors:
-    """Numbers of what bubblewrap inherits; it closes its own two before the program."""
+    """Descriptors that bubblewrap inherits; it closes its own two before it starts the program."""
 
-    protocol: int  # of these the program keeps this one
-    information: int  # it writes the pid of its inner init and the end of the program here
-    filter: int | None  # the system call filter
-    images: int | None = None  # and this one, if it is shown images; else its runner closes it
+    protocol: int  # the program keeps this one
+    status: int  # bubblewrap reports the pid of its inner init and the exit code here
+    seccomp: int | None  # the system call filter
+    images: int | None = None  # the program keeps this one if it is given images
 
     def inherited(self) -> tuple[int, ...]:
-        """Return all of them; the program's own come first."""
-        every = (self.protocol, self.images, self.information, self.filter)
+        """Return all of them; those of the program come first."""
+        every = (self.protocol, self.images, self.status, self.seccomp)
         return tuple(number for number in every if number is not None)
 
     def inside(self) -> Self:
         """Return the numbers that the launcher gives them.
 
-        They do not tell how many files the worker has open, and are the same in every run.
+        They are the same in every run and do not reveal how many files the worker has open.
         """
         moved = dict(zip(self.inherited(), count(FIRST_DESCRIPTOR), strict=False))
         return type(self)(
             protocol=moved[self.protocol],
-            information=moved[self.information],
-            filter=None if self.filter is None else moved[self.filter],
+            status=moved[self.status],
+            seccomp=None if self.seccomp is None else moved[self.seccomp],
             images=None if self.images is None else moved[self.images],
         )
 
 
 def bubblewrap() -> str:
-    """Return the path of bwrap; SandboxBroken with the remedy if there is none."""
+    """Return the path of bwrap; SandboxBroken with the remedy if it is missing."""
     found = shutil.which("bwrap", path=os.environ.get("PATH", "/usr/bin:/bin"))
     if found is None:
         raise SandboxBroken("bubblewrap is not installed (apt-get install bubblewrap)")
@@ -70,33 +71,33 @@ def bubblewrap() -> str:
 def bwrap_command(
     runtime: Runtime,
     limits: Limits,
-    use: Descriptors,
+    descriptors: Descriptors,
     *,
     limit_inside: bool,
     namespaces: Sequence[str] = NAMESPACES,
 ) -> list[str]:
     """Return bubblewrap's command line.
 
-    `use` has the numbers inside. `namespaces` are fewer only in tests. `limit_inside` lets the
-    runner limit processes and memory, where no control group does.
+    `descriptors` are those inside the box. Only tests use fewer `namespaces`. With `limit_inside`
+    the runner limits processes and memory itself, because no control group does.
     """
     command = [bubblewrap(), *(f"--unshare-{name}" for name in namespaces)]
     command += ["--hostname", "sandbox"] if "uts" in namespaces else []
     command += ["--disable-userns", "--uid", "1000", "--gid", "1000"]
     command += ["--die-with-parent", "--new-session", "--cap-drop", "ALL", "--clearenv"]
-    command += ["--json-status-fd", str(use.information)]
+    command += ["--json-status-fd", str(descriptors.status)]
     for name, value in runtime.environment.items():
         command += ["--setenv", name, value]
     command += _libraries()
-    for bind in runtime.binds:
-        command += ["--ro-bind", str(bind.source), bind.target]
+    for mount in runtime.mounts:
+        command += ["--ro-bind", str(readable_by_all(mount.source)), mount.target]
     command += _writable(limits)
     command += ["--remount-ro", "/", "--chdir", "/tmp"]  # noqa: S108  (inside the box)
-    if use.filter is not None:
-        command += ["--seccomp", str(use.filter)]
+    if descriptors.seccomp is not None:
+        command += ["--seccomp", str(descriptors.seccomp)]
     processes = limits.processes + INNER_PROCESSES if limit_inside else 0
     memory_mib = limits.memory_mib if limit_inside else 0
-    numbers = (use.protocol, processes, memory_mib)
+    numbers = (descriptors.protocol, processes, memory_mib)
     return [*command, "--", *runtime.command, *map(str, numbers)]
 
 
@@ -127,14 +128,14 @@ def launcher_command(
     limits: Limits,
     inherited: Sequence[int],
     *,
-    groups: list[str],
+    cgroups: list[str],
     uid: int | None,
     core: int | None,
 ) -> list[str]:
     """Return the command line of the launcher that becomes bubblewrap."""
-    orders = [f"descriptors={','.join(map(str, (FIRST_DESCRIPTOR, *inherited)))}"]
-    orders += [f"group={entry}" for entry in groups]
-    orders += [] if core is None else [f"core={core}"]
+    steps = [f"descriptors={','.join(map(str, (FIRST_DESCRIPTOR, *inherited)))}"]
+    steps += [f"cgroup={file}" for file in cgroups]
+    steps += [] if core is None else [f"core={core}"]
     resources = {
         "RLIMIT_CORE": 0,
         "RLIMIT_CPU": math.ceil(limits.cpu_s) + CPU_GRACE_S,
@@ -144,7 +145,7 @@ def launcher_command(
         "RLIMIT_MSGQUEUE": 0,
         "RLIMIT_STACK": STACK_BYTES,
     }
-    orders += [f"{name}={value}" for name, value in resources.items()]
-    orders += [] if uid is None else [f"uid={uid}"]
+    steps += [f"{name}={value}" for name, value in resources.items()]
+    steps += [] if uid is None else [f"uid={uid}"]
     launcher = str(Path(__file__).with_name("launcher.py"))
-    return [sys.executable, "-I", "-S", launcher, *orders, "--", *command]
+    return [sys.executable, "-I", "-S", launcher, *steps, "--", *command]

@@ -1,7 +1,7 @@
-"""What bubblewrap tells about itself: the pid of its inner init, and how the program ended.
+"""What bubblewrap reports: the pid of its inner init, and the program's exit code.
 
-Both are lines of JSON on its `--json-status-fd`. The end is known from here, and not by waiting for
-the process, because only its parent could do that: a box may be used by a fork of its maker.
+Both are lines of JSON on its `--json-status-fd`. The exit code is taken from here and not from
+waiting for the process, which only the parent can do: a box may be used by a fork of its parent.
 """
 
 import json
@@ -10,42 +10,42 @@ import select
 import time
 
 
-class Information:
-    """The reading end; does not block."""
+class BwrapStatus:
+    """The reading end of the pipe; does not block."""
 
     def __init__(self, descriptor: int) -> None:
         self._descriptor = descriptor
-        self._told = b""
+        self._received = b""
 
     def init_pid(self, within_s: float = 0.0) -> int | None:
-        """Return the pid when it is told; None if it does not come within the time.
+        """Return the pid of the inner init; None if it is not reported within the time.
 
-        A box that is closed right after its start is asked while bubblewrap still writes: half a
+        If the box is closed right after its start, bubblewrap may still be writing: an incomplete
         line is waited for, and kept for the next call.
         """
         deadline = time.monotonic() + within_s
-        while b"\n" not in self._told:
+        while b"\n" not in self._received:
             if not _readable(self._descriptor, max(deadline - time.monotonic(), 0.0)):
                 return None
-            if not self._read():  # bubblewrap ended before it came so far
+            if not self._read():  # bubblewrap ended before it reported the pid
                 return None
-        return int(json.loads(self._told.partition(b"\n")[0])["child-pid"])
+        return int(json.loads(self._received.partition(b"\n")[0])["child-pid"])
 
     def exit_code(self) -> int | None:
-        """Return how the program ended (128 + signal if by one); None if that was not told.
+        """Return the exit code (128 + signal if by one); None if it was not reported.
 
-        To be asked when bubblewrap has ended: what it told is there then.
+        Call it after bubblewrap has ended: then everything is in the pipe.
         """
         while _readable(self._descriptor, 0.0) and self._read():
             pass
-        for line in self._told.splitlines()[1:]:
+        for line in self._received.splitlines()[1:]:
             return int(json.loads(line)["exit-code"])
         return None
 
     def _read(self) -> bool:
-        """Take what is there; False at the end."""
+        """Read what is available; False at the end."""
         piece = os.read(self._descriptor, 4096)
-        self._told += piece
+        self._received += piece
         return bool(piece)
 
     def close(self) -> None:

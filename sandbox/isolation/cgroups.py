@@ -1,7 +1,7 @@
 """Control groups of a box: memory, processes and CPU time of all its processes together.
 
-Works with version 1, version 2 and both mixed: it looks for the controllers, not for a version.
-Version 2 gives `cgroup.kill` also where it has no controllers.
+Works with cgroup version 1, version 2 and both mixed: it looks for controllers, not for a version.
+Version 2 offers `cgroup.kill` even where it has no controllers.
 """
 
 import contextlib
@@ -17,18 +17,18 @@ from seamark.sandbox.limits import Limits
 from seamark.sandbox.outcome import SandboxBroken
 
 PREFIX = "seamark-box-"
-LEAF = "seamark-service"  # where a service's own processes go, beside its boxes
-MARK = "user.delegate"  # systemd sets it since version 251
-NEEDED = {"memory", "pids"}
-MOVES = 20  # a service that starts processes all the time moves some of them late
-OVERHEAD_PROCESSES = 3  # bwrap outside, bwrap inside, and room for the start
+LEAF = "seamark-service"  # the group of the service's own processes, beside its boxes
+DELEGATED = "user.delegate"  # systemd sets it since version 251
+REQUIRED = {"memory", "pids"}
+MOVE_ATTEMPTS = 20  # processes may be started while others are moved
+OVERHEAD_PROCESSES = 3  # the outer bwrap, the inner one, and one for the start
 REMOVE_WITHIN_S = 5.0  # [s] the kernel ends 20 processes in 4 ms; a busy host takes longer
 _serial = itertools.count()
 
 
 @dataclass(frozen=True, slots=True)
-class Places:
-    """Folders in which groups are made. Version 2 groups may hold all controllers or none."""
+class CgroupPaths:
+    """Where groups are created. A version 2 hierarchy may hold all controllers or none."""
 
     memory: Path
     pids: Path
@@ -40,18 +40,18 @@ class Places:
         every = {self.memory, self.pids, self.cpu, self.unified}
         return sorted(folder for folder in every if folder is not None)
 
-    def named(self, name: str) -> "Places":
-        """Return the same places one step further down."""
+    def child(self, name: str) -> "CgroupPaths":
+        """Return the paths of a child group."""
         unified = self.unified / name if self.unified else None
-        return Places(self.memory / name, self.pids / name, self.cpu / name, unified)
+        return CgroupPaths(self.memory / name, self.pids / name, self.cpu / name, unified)
 
 
 PROC = Path("/proc/self")
 
 
 @cache
-def places(proc: Path = PROC) -> Places:
-    """Return where groups can be made; SandboxBroken with the reason if nowhere."""
+def parent_groups(proc: Path = PROC) -> CgroupPaths:
+    """Return the groups in which boxes get theirs; SandboxBroken with the reason if none."""
     mounts = _mounts(proc)
     own = _own_groups(proc)
     v1 = {
@@ -60,15 +60,15 @@ def places(proc: Path = PROC) -> Places:
         if name in mounts
     }
     unified = _unified(mounts, own)
-    if unified is not None and NEEDED <= _controllers(unified):
-        found = Places(unified, unified, unified, unified)
+    if unified is not None and REQUIRED <= _controllers(unified):
+        found = CgroupPaths(unified, unified, unified, unified)
     elif len(v1) == 3:
-        found = Places(v1["memory"], v1["pids"], v1["cpuacct"], unified)
+        found = CgroupPaths(v1["memory"], v1["pids"], v1["cpuacct"], unified)
     else:
         raise SandboxBroken("no control groups with the memory and pids controllers")
     for folder in {found.memory, found.pids, found.cpu}:
         if not os.access(folder, os.W_OK):
-            raise SandboxBroken(f"control groups may not be made in {folder}")
+            raise SandboxBroken(f"no permission to create control groups in {folder}")
     return found
 
 
@@ -101,10 +101,10 @@ def _below(mount: tuple[Path, str], group: str) -> Path:
 
 
 def _unified(mounts: dict[str, tuple[Path, str]], own: dict[str, str]) -> Path | None:
-    """Return the folder of version 2 in which boxes can be made, controllers switched on.
+    """Return the version 2 group in which boxes get theirs, with its controllers enabled.
 
-    1. our own group, if systemd left it to us (`Delegate=`); 2. the top of the hierarchy, if we may
-    write there; 3. our own group without a mark: an older systemd shows it to root alone.
+    1. our own group, if systemd delegated it to us (`Delegate=`); 2. the root of the hierarchy, if
+    we may write there; 3. our own group without the mark: an older systemd shows it to root only.
     """
     if "unified" not in mounts:
         return None
@@ -112,15 +112,15 @@ def _unified(mounts: dict[str, tuple[Path, str]], own: dict[str, str]) -> Path |
     if mine.name == LEAF:
         mine = mine.parent
     for folder in (mine, top) if _delegated(mine) else (top, mine):
-        if os.access(folder / "cgroup.procs", os.W_OK) and _share(folder):
+        if os.access(folder / "cgroup.procs", os.W_OK) and _enable_controllers(folder):
             return folder
     return top if os.access(top, os.W_OK) else None
 
 
 def _delegated(folder: Path) -> bool:
-    """Tell whether systemd leaves all below a group to who runs in it (its CGROUP_DELEGATION)."""
+    """Return whether systemd delegated a group to its processes (its CGROUP_DELEGATION)."""
     with contextlib.suppress(OSError):
-        return os.getxattr(folder, MARK) == b"1"
+        return os.getxattr(folder, DELEGATED) == b"1"
     return False
 
 
@@ -131,23 +131,23 @@ def _controllers(folder: Path) -> set[str]:
         return set()
 
 
-def _share(folder: Path) -> bool:
-    """Switch the controllers on for the groups below; False if the host does not let us."""
+def _enable_controllers(folder: Path) -> bool:
+    """Enable the controllers for child groups; False if the host does not permit it."""
     with contextlib.suppress(OSError):
-        if not NEEDED <= set((folder / "cgroup.controllers").read_text().split()):
+        if not REQUIRED <= set((folder / "cgroup.controllers").read_text().split()):
             return False
-        if NEEDED <= _controllers(folder):
+        if REQUIRED <= _controllers(folder):
             return True
-        for _ in range(MOVES):
-            _step_aside(folder)
+        for _ in range(MOVE_ATTEMPTS):
+            _move_to_leaf(folder)
             with contextlib.suppress(OSError):  # a process was started meanwhile
                 (folder / "cgroup.subtree_control").write_text("+memory +pids")
                 return True
     return False
 
 
-def _step_aside(folder: Path) -> None:
-    """Move all processes of a group into a leaf: only the real top may have both."""
+def _move_to_leaf(folder: Path) -> None:
+    """Move all processes of a group into a leaf: only the root may have processes and children."""
     if not (folder / "cgroup.type").exists():
         return
     leaf = folder / LEAF
@@ -157,14 +157,14 @@ def _step_aside(folder: Path) -> None:
             (leaf / "cgroup.procs").write_text(pid)
 
 
-def sweep() -> int:
-    """Kill and remove what killed workers left behind; return how many groups were removed.
+def remove_orphans() -> int:
+    """Kill and remove the boxes of killed workers; return how many groups were removed.
 
-    bubblewrap dies with its worker but for some milliseconds of its start: a worker killed then
-    leaves an inner init that waits for its parent for ever, without a program.
+    bubblewrap dies with its worker, except during some milliseconds of its start: a worker killed
+    then leaves an inner init that waits for its parent forever, without a program.
     """
     removed = 0
-    for folder in reversed(places().folders()):  # unified first: there all can be killed at once
+    for folder in reversed(parent_groups().folders()):  # unified first: it can kill all at once
         for group in folder.glob(PREFIX + "*"):
             owner = group.name.removeprefix(PREFIX).partition("-")[0]
             if not Path("/proc", owner).exists():
@@ -184,9 +184,9 @@ def _kill(group: Path) -> None:
 
 
 class Kernel:
-    """What makes a group's files and takes them away; tests of another version have their own."""
+    """Creates and removes groups; tests of another cgroup version have a fake one."""
 
-    make = staticmethod(Path.mkdir)
+    create = staticmethod(Path.mkdir)
     remove = staticmethod(Path.rmdir)
 
 
@@ -194,43 +194,43 @@ class ControlGroup:
     """The groups of one box."""
 
     def __init__(
-        self, limits: Limits, *, under: Places | None = None, kernel: type[Kernel] = Kernel
+        self, limits: Limits, *, parents: CgroupPaths | None = None, kernel: type[Kernel] = Kernel
     ) -> None:
-        """Make the groups; `under` other places than this host's only in tests."""
-        if under is None:
-            sweep()
+        """Create the groups; only tests pass `parents` other than those of this host."""
+        if parents is None:
+            remove_orphans()
         self.name = f"{PREFIX}{os.getpid()}-{next(_serial)}"
         self._kernel = kernel
-        self._at = (under or places()).named(self.name)
-        self._version = 2 if self._at.memory == self._at.unified else 1
+        self._paths = (parents or parent_groups()).child(self.name)
+        self._version = 2 if self._paths.memory == self._paths.unified else 1
         self._usage = -1
         try:
-            for folder in self._at.folders():
-                kernel.make(folder)
+            for folder in self._paths.folders():
+                kernel.create(folder)
             self._set_limits(limits)
             usage = "cpu.stat" if self._version == 2 else "cpuacct.usage"
-            self._usage = os.open(self._at.cpu / usage, os.O_RDONLY | os.O_CLOEXEC)
+            self._usage = os.open(self._paths.cpu / usage, os.O_RDONLY | os.O_CLOEXEC)
         except OSError as error:
             self.remove()
             raise SandboxBroken(f"control group {self.name}: {error}") from error
 
     def _set_limits(self, limits: Limits) -> None:
         size = str(limits.memory_mib << 20)
-        (self._at.pids / "pids.max").write_text(str(limits.processes + OVERHEAD_PROCESSES))
+        (self._paths.pids / "pids.max").write_text(str(limits.processes + OVERHEAD_PROCESSES))
         if self._version == 2:
-            (self._at.memory / "memory.max").write_text(size)
-            # All of the box, or which process dies would depend on their sizes at that moment.
-            (self._at.memory / "memory.oom.group").write_text("1")
-            swap = (self._at.memory / "memory.swap.max", "0")
+            (self._paths.memory / "memory.max").write_text(size)
+            # Kill the whole box: which process is the largest depends on the moment.
+            (self._paths.memory / "memory.oom.group").write_text("1")
+            swap = (self._paths.memory / "memory.swap.max", "0")
         else:
-            (self._at.memory / "memory.limit_in_bytes").write_text(size)
-            swap = (self._at.memory / "memory.memsw.limit_in_bytes", size)
+            (self._paths.memory / "memory.limit_in_bytes").write_text(size)
+            swap = (self._paths.memory / "memory.memsw.limit_in_bytes", size)
         with contextlib.suppress(OSError):  # kernels without swap accounting have no such file
             swap[0].write_text(swap[1])
 
-    def entries(self) -> list[str]:
-        """Return the files into which the launcher writes itself."""
-        return [f"{folder}/cgroup.procs" for folder in self._at.folders()]
+    def procs_files(self) -> list[str]:
+        """Return the files by which the launcher joins the groups."""
+        return [f"{folder}/cgroup.procs" for folder in self._paths.folders()]
 
     def cpu_s(self) -> float:
         """Return the CPU time that all processes used so far [s]."""
@@ -243,34 +243,34 @@ class ControlGroup:
         """Return the peak of memory [MiB]; 0 where the kernel does not keep it."""
         name = "memory.peak" if self._version == 2 else "memory.max_usage_in_bytes"
         try:
-            return int((self._at.memory / name).read_text()) / (1 << 20)
+            return int((self._paths.memory / name).read_text()) / (1 << 20)
         except OSError:
             return 0.0
 
     def out_of_memory(self) -> bool:
-        """Tell whether the kernel ended a process of the box for the memory of the box."""
+        """Return whether the kernel killed a process at the memory limit of the box."""
         name = "memory.events" if self._version == 2 else "memory.oom_control"
-        return _counter(self._at.memory / name, "oom_kill") > 0 and not self.host_out_of_memory()
+        return _counter(self._paths.memory / name, "oom_kill") > 0 and not self.host_out_of_memory()
 
     def host_out_of_memory(self) -> bool:
-        """Tell whether a process was ended because the host, or a group above, had no more memory.
+        """Return whether a process was killed because the host, or a parent group, had no memory.
 
-        `oom_kill` counts the ends by any cause, `oom` how often the group's own limit was met
-        (cgroup-v2.rst). Version 1 counts the first alone: there every end is the program's.
+        `oom_kill` counts kills for any reason, `oom` how often the group's own limit was reached
+        (cgroup-v2.rst). Version 1 has the first alone: there, each kill counts as the program's.
         """
-        events = self._at.memory / "memory.events"
-        ended = self._version == 2 and _counter(events, "oom_kill") > 0
-        return ended and _counter(events, "oom") == 0
+        events = self._paths.memory / "memory.events"
+        killed = self._version == 2 and _counter(events, "oom_kill") > 0
+        return killed and _counter(events, "oom") == 0
 
     def out_of_processes(self) -> bool:
-        """Tell whether starting a process was refused."""
-        return _counter(self._at.pids / "pids.events", "max") > 0
+        """Return whether starting a process was refused."""
+        return _counter(self._paths.pids / "pids.events", "max") > 0
 
     def kill(self) -> None:
         """Kill every process in the group."""
-        _kill(self._at.unified or self._at.pids)
+        _kill(self._paths.unified or self._paths.pids)
 
-    def forget(self) -> None:
+    def detach(self) -> None:
         """Close what is open and leave the groups to others; a second call does nothing."""
         if self._usage >= 0:
             os.close(self._usage)
@@ -278,14 +278,14 @@ class ControlGroup:
 
     def remove(self) -> None:
         """Remove the groups, which proves that no process is left; SandboxBroken if one is."""
-        self.forget()
+        self.detach()
         deadline = time.monotonic() + REMOVE_WITHIN_S
-        for folder in self._at.folders():
+        for folder in self._paths.folders():
             while not _removed(folder, self._kernel):
                 if time.monotonic() > deadline:
                     raise SandboxBroken(f"processes survive in {folder}")
                 self.kill()
-                time.sleep(0.002)  # nothing announces an empty group of version 1
+                time.sleep(0.002)  # version 1 does not announce that a group is empty
 
 
 def _removed(folder: Path, kernel: type[Kernel] = Kernel) -> bool:

@@ -1,14 +1,14 @@
-"""CPU time and memory of a tree of processes by /proc, where there are no control groups.
+"""CPU time and memory of a process tree from /proc, where there are no control groups.
 
-Coarser than a control group: it counts in ticks of 10 ms and looks only now and then. Good enough
-for one's own programs. Not by /proc/PID/task/TID/children: many kernels are built without it.
+Coarser than a control group: clock ticks of 10 ms, sampled. Good enough for one's own programs.
+Not from /proc/PID/task/TID/children: many kernels are built without it.
 """
 
 import os
 from pathlib import Path
 
 TICKS_PER_S = os.sysconf("SC_CLK_TCK")
-PARENT_FIELD = 1  # after the name: state, parent ... (proc(5), field 4)
+PARENT_FIELD = 1  # index after the name: state, parent ... (proc(5), field 4)
 UTIME_FIELD = 11  # utime stime cutime cstime (fields 14 to 17)
 
 
@@ -19,13 +19,13 @@ def tree(pid: int) -> list[int]:
         if name.isdigit():
             children.setdefault(parent_of(int(name)), []).append(int(name))
     found = [pid]
-    for one in found:  # grows while it is walked
+    for one in found:  # grows during the iteration
         found += children.get(one, [])
     return found
 
 
 def cpu_s(pid: int) -> float:
-    """Return the CPU time of a tree with what its dead children used [s]."""
+    """Return the CPU time of a tree, including that of reaped children [s]."""
     fields = map(_stat, tree(pid))
     ticks = sum(sum(map(int, line[UTIME_FIELD : UTIME_FIELD + 4])) for line in fields)
     return ticks / TICKS_PER_S
@@ -48,7 +48,7 @@ def uid_of(pid: int) -> int:
 
 
 def _stat(pid: int) -> list[str]:
-    """Return the fields after the name, which may hold blanks and brackets itself."""
+    """Return the fields after the name, which itself may contain blanks and brackets."""
     return _text(Path(f"/proc/{pid}/stat")).rpartition(")")[2].split()
 
 
@@ -57,7 +57,7 @@ def _peak_kib(pid: int) -> int:
 
 
 def _status(pid: int, name: str, missing: str) -> str:
-    """Return one line of /proc/PID/status; a process that ended has none."""
+    """Return one line of /proc/PID/status; `missing` if the process is gone."""
     for line in _text(Path(f"/proc/{pid}/status")).splitlines():
         if line.startswith(name):
             return line.removeprefix(name).strip()

@@ -1,7 +1,8 @@
-"""The processes of one box: started confined, watched, killed to the last one.
+"""The process tree of one box: started isolated, monitored, killed to the last process.
 
-A box may be used by a fork of the process that made it: everything goes by descriptors. The maker
-has to live as long, since bubblewrap dies with it, and to close the box too: only it can reap.
+A box may be used by a fork of the process that started it, therefore everything goes by descriptor.
+The parent has to live as long as the box, since bubblewrap dies with it, and to close it too: only
+the parent can reap.
 """
 
 import contextlib
@@ -22,59 +23,59 @@ from seamark.sandbox.isolation.bwrap_command import (
     bwrap_command,
     launcher_command,
 )
-from seamark.sandbox.isolation.bwrap_status import Information
+from seamark.sandbox.isolation.bwrap_status import BwrapStatus
 from seamark.sandbox.isolation.cgroups import ControlGroup
 from seamark.sandbox.isolation.level import IsolationLevel
-from seamark.sandbox.isolation.shared_images import Pictures
-from seamark.sandbox.isolation.uid_slots import Slot
-from seamark.sandbox.languages.language import Runtime
+from seamark.sandbox.isolation.shared_images import SharedImages
+from seamark.sandbox.isolation.uid_slots import UidSlot
 from seamark.sandbox.limits import Limits
 from seamark.sandbox.outcome import SandboxBroken
+from seamark.sandbox.runtime import Runtime
 
 END_WITHIN_S = 5.0  # [s] measured 1-7 ms; a busy host may take longer
-OUTPUT_BYTES = 1 << 20  # [B] what a program may print before it has to wait until we read
-QUICK_US = 20_000  # [us] an answer that comes within it costs one system call
-START_WITHIN_S = 2.0  # [s] until bubblewrap tells the pid of its inner init
-KILLED = 128 + signal.SIGKILL  # the exit code of a bubblewrap that could not tell the program's
+OUTPUT_BYTES = 1 << 20  # [B] capacity of the output pipe: a program that fills it blocks
+RECEIVE_TIMEOUT_US = 20_000  # [us] an answer within this time costs one system call
+START_WITHIN_S = 2.0  # [s] until bubblewrap reports the pid of its inner init
+KILLED = 128 + signal.SIGKILL  # if bubblewrap died before it reported the program's exit code
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Layers:
-    """What is switched on. Only tests and `doctor` choose anything but `of`."""
+    """Which layers of isolation are switched on. Only tests use anything but `of`."""
 
-    groups: bool
+    cgroups: bool
     own_uid: bool
     seccomp: bool = True
     namespaces: tuple[str, ...] = NAMESPACES
 
     @classmethod
     def of(cls, isolation: IsolationLevel) -> Self:
-        """Return the layers of a level; SandboxBroken if uploads may not run at it."""
+        """Return the layers of an isolation level; SandboxBroken if uploads may not run at it."""
         if isolation < IsolationLevel.MEDIUM:
             raise SandboxBroken("this host cannot isolate programs: see `seamark doctor`")
         if not seccomp.supported():
-            raise SandboxBroken(f"the system call filter is for {seccomp.MACHINE} alone")
-        return cls(groups=isolation is IsolationLevel.STRONG, own_uid=os.geteuid() == 0)
+            raise SandboxBroken(f"the system call filter supports {seccomp.MACHINE} only")
+        return cls(cgroups=isolation is IsolationLevel.STRONG, own_uid=os.geteuid() == 0)
 
 
-class Confined:
-    """All processes of one box, with the descriptors by which the trusted side meets them."""
+class ProcessTree:
+    """All processes of one box, with our ends of the descriptors."""
 
     def __init__(
         self, runtime: Runtime, limits: Limits, layers: Layers, *, core: int | None
     ) -> None:
-        self.group: ControlGroup | None = None
+        self.images: SharedImages | None = None
         self.pidfd = self.output = -1
-        self._information = Information(-1)
-        self._slot: Slot | None = None
-        self.pictures: Pictures | None = None
+        self._cgroup: ControlGroup | None = None
+        self._status = BwrapStatus(-1)
+        self._uid_slot: UidSlot | None = None
         self._init_pid = 0
         self._init_pidfd = -1
         self._cpu_s = self._memory_mib = 0.0
-        self._maker = os.getpid()
+        self._parent = os.getpid()
         self.socket, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
-        # Waiting is cut into slices by the kernel: one system call for an answer that comes soon.
-        timeout = struct.pack("@ll", 0, QUICK_US)
+        # The kernel limits each wait: one system call is enough for an answer that comes soon.
+        timeout = struct.pack("@ll", 0, RECEIVE_TIMEOUT_US)
         self.socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVTIMEO, timeout)
         try:
             with theirs, contextlib.ExitStack() as opened:
@@ -92,52 +93,52 @@ class Confined:
         protocol: int,
         opened: contextlib.ExitStack,
     ) -> None:
-        self.group = ControlGroup(limits) if layers.groups else None
-        self._slot = Slot() if layers.own_uid else None
-        self.output, printing = _pipe(opened)
-        with contextlib.suppress(OSError):  # a user may have only so much of it
+        self._cgroup = ControlGroup(limits) if layers.cgroups else None
+        self._uid_slot = UidSlot() if layers.own_uid else None
+        self.output, stdout = _pipe(opened)
+        with contextlib.suppress(OSError):  # a user's total is limited
             fcntl.fcntl(self.output, fcntl.F_SETPIPE_SZ, OUTPUT_BYTES)
-        telling, informing = _pipe(opened)
-        self._information = Information(telling)
-        filters = _filter(opened) if layers.seccomp else None
-        self.pictures = Pictures() if runtime.images else None
-        images = self.pictures.descriptor if self.pictures else None
-        use = Descriptors(protocol, informing, filters, images)
+        reported, status = _pipe(opened)
+        self._status = BwrapStatus(reported)
+        seccomp_filter = _filter(opened) if layers.seccomp else None
+        self.images = SharedImages() if runtime.images else None
+        images = self.images.descriptor if self.images else None
+        descriptors = Descriptors(protocol, status, seccomp_filter, images)
         command = launcher_command(
             bwrap_command(
                 runtime,
                 limits,
-                use.inside(),
-                limit_inside=self.group is None,
+                descriptors.inside(),
+                limit_inside=self._cgroup is None,
                 namespaces=layers.namespaces,
             ),
             limits,
-            use.inherited(),
-            groups=self.group.entries() if self.group else [],
-            uid=self._slot.uid if self._slot else None,
+            descriptors.inherited(),
+            cgroups=self._cgroup.procs_files() if self._cgroup else [],
+            uid=self._uid_slot.uid if self._uid_slot else None,
             core=core,
         )
         self._process = subprocess.Popen(
             command,
             stdin=subprocess.DEVNULL,
-            stdout=printing,
-            stderr=printing,
-            pass_fds=use.inherited(),
+            stdout=stdout,
+            stderr=stdout,
+            pass_fds=descriptors.inherited(),
             env={},
             cwd="/",
         )
         self.pidfd = os.pidfd_open(self._process.pid)
 
-    def meet_init(self, within_s: float = 0.0) -> None:
-        """Learn which process is the inner init, if bubblewrap has told it by now."""
+    def find_init(self, within_s: float = 0.0) -> None:
+        """Find the inner init process, if bubblewrap has reported its pid by now."""
         if self._init_pidfd >= 0:
             return
-        pid = self._information.init_pid(within_s)
+        pid = self._status.init_pid(within_s)
         if pid is None:
             return
         with contextlib.suppress(ProcessLookupError):
             descriptor = os.pidfd_open(pid)
-            # A number may have been given to somebody else meanwhile: only our own child counts.
+            # The pid may have been reused meanwhile: accept our own child only.
             if proc_stats.parent_of(pid) == self._process.pid:
                 self._init_pid, self._init_pidfd = pid, descriptor
             else:
@@ -149,95 +150,95 @@ class Confined:
 
     def cpu_s(self) -> float:
         """Return the CPU time of all processes so far [s]."""
-        if self.group is not None:
-            return self.group.cpu_s()
+        if self._cgroup is not None:
+            return self._cgroup.cpu_s()
         now = proc_stats.cpu_s(self._init_pid) if self._init_pid else 0.0
-        self._cpu_s = max(self._cpu_s, now)  # a tree that ended counts nothing any more
+        self._cpu_s = max(self._cpu_s, now)  # a process that ended is no longer counted
         return self._cpu_s
 
     def memory_mib(self) -> float:
         """Return the peak of memory [MiB], as far as it can be known."""
-        if self.group is not None:
-            return self.group.memory_mib()
+        if self._cgroup is not None:
+            return self._cgroup.memory_mib()
         now = proc_stats.memory_mib(self._init_pid) if self._init_pid else 0.0
         self._memory_mib = max(self._memory_mib, now)
         return self._memory_mib
 
     @property
     def cpu_every_s(self) -> float:
-        """Return how often the CPU time should be read at most: without groups it is slow [s]."""
-        return 0.02 if self.group is not None else 0.2
+        """Return the shortest time between readings of CPU time [s]: slow without a cgroup."""
+        return 0.02 if self._cgroup is not None else 0.2
 
     def out_of_memory(self) -> bool:
-        """Tell whether the kernel ended a process for the memory of the box."""
-        return self.group is not None and self.group.out_of_memory()
+        """Return whether the kernel killed a process at the memory limit of the box."""
+        return self._cgroup is not None and self._cgroup.out_of_memory()
 
     def host_out_of_memory(self) -> bool:
-        """Tell whether the kernel ended a process for memory that others have."""
-        return self.group is not None and self.group.host_out_of_memory()
+        """Return whether the kernel killed a process because the host was out of memory."""
+        return self._cgroup is not None and self._cgroup.host_out_of_memory()
 
     def out_of_processes(self) -> bool:
-        """Tell whether the kernel refused a process."""
-        return self.group is not None and self.group.out_of_processes()
+        """Return whether the kernel refused to start a process."""
+        return self._cgroup is not None and self._cgroup.out_of_processes()
 
     def exit_code(self, within_s: float) -> int | None:
-        """Return how the program ended (128 + signal if by one); None if it still lives."""
+        """Return the program's exit code (128 + signal if by one); None if it still runs."""
         if not _readable(self.pidfd, within_s):
             return None
-        told = self._information.exit_code()
+        reported = self._status.exit_code()
         ended = self._reaped()
-        return ended if told is None else told
+        return ended if reported is None else reported
 
     def _reaped(self) -> int:
         """Return bubblewrap's own exit code; it has ended."""
-        if os.getpid() != self._maker:  # only its parent may wait for it
+        if os.getpid() != self._parent:  # only the parent may wait for it
             self._process.returncode = KILLED
             return KILLED
         code = self._process.wait()
         return code if code >= 0 else KILLED
 
-    def move(self, cores: set[int]) -> None:
-        """Let all processes run on these cores; of a box that has no program yet."""
+    def set_affinity(self, cores: set[int]) -> None:
+        """Let all processes of a box without a program run on these cores."""
         if not self._init_pid or os.sched_getaffinity(self._init_pid) == cores:
             return
         for pid in self.processes():
-            # Where we may not, it is slower and not wrong; one that ended is seen later.
+            # Without permission it is slower, not wrong; a process that ended is noticed later.
             with contextlib.suppress(PermissionError, ProcessLookupError):
                 os.sched_setaffinity(pid, cores)
 
     def kill(self) -> None:
-        """Kill every process and wait until the kernel is done; SandboxBroken if it is not.
+        """Kill every process and wait for the kernel; SandboxBroken if one survives.
 
-        The inner init goes first: with it the kernel ends the whole pid namespace, and bubblewrap
-        outside reaps it. Killing the outer one leaves the others running for some milliseconds.
+        The inner init is killed first: the kernel then kills its whole pid namespace, and the outer
+        bubblewrap reaps it. Killing the outer one leaves the rest running for some milliseconds.
         """
         if self.exit_code(0) is None:
-            self.meet_init(START_WITHIN_S)
+            self.find_init(START_WITHIN_S)
             _kill(self._init_pidfd if self._init_pidfd >= 0 else self.pidfd)
-        if self.group is not None:
-            self.group.kill()
+        if self._cgroup is not None:
+            self._cgroup.kill()
         if self.exit_code(END_WITHIN_S) is None:
             _kill(self.pidfd)
             if self.exit_code(END_WITHIN_S) is None:
                 raise SandboxBroken("the box cannot be killed")
 
-    def leave(self) -> None:
-        """Close all by which one talks to the program: a fork of this process does that now."""
+    def hand_over(self) -> None:
+        """Close our end of the communication: a fork of this process uses it now."""
         self.socket.close()
-        if self.pictures is not None:
-            self.pictures.close()
+        if self.images is not None:
+            self.images.close()
         self._close("output")
 
-    def forget(self) -> None:
-        """Close everything, and end nothing: the box is used by others."""
-        self._process.returncode = KILLED  # it is not waited for in here
-        self.leave()
-        self._information.close()
+    def detach(self) -> None:
+        """Close everything without killing anything: others use the box."""
+        self._process.returncode = KILLED  # this process does not wait for it
+        self.hand_over()
+        self._status.close()
         self._close("pidfd", "_init_pidfd")
-        if self.group is not None:
-            self.group.forget()
-        if self._slot is not None:
-            self._slot.release()
+        if self._cgroup is not None:
+            self._cgroup.detach()
+        if self._uid_slot is not None:
+            self._uid_slot.release()
 
     def _close(self, *names: str) -> None:
         for name in names:
@@ -246,21 +247,21 @@ class Confined:
                 setattr(self, name, -1)
 
     def release(self) -> None:
-        """Close what is open and remove the groups, which proves that nothing survives."""
-        self.leave()
-        self._information.close()
+        """Close what is open and remove the cgroup, which proves that nothing survives."""
+        self.hand_over()
+        self._status.close()
         self._close("pidfd", "_init_pidfd")
         try:
-            if self.group is not None:
-                self.group.remove()
-                self.group = None
+            if self._cgroup is not None:
+                self._cgroup.remove()
+                self._cgroup = None
         finally:
-            if self._slot is not None:
-                self._slot.release()
+            if self._uid_slot is not None:
+                self._uid_slot.release()
 
 
 def _pipe(opened: contextlib.ExitStack) -> tuple[int, int]:
-    """Return a pipe; its writing end is closed here as soon as the box has it."""
+    """Return a pipe; `opened` closes its writing end, which the box inherits."""
     reading, writing = os.pipe2(os.O_CLOEXEC)
     opened.callback(os.close, writing)
     os.set_blocking(reading, False)

@@ -39,7 +39,7 @@ Instruction = tuple[int, int, int, int]  # code, jump if true, jump if false, op
 
 
 def supported() -> bool:
-    """Tell whether the filter knows this machine's system calls."""
+    """Return whether the filter knows this machine's system calls."""
     return platform.machine() == MACHINE
 
 

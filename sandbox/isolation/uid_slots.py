@@ -1,7 +1,7 @@
-"""One uid per box when the worker is root: a program then owns nothing outside its box.
+"""A uid of its own for each box if the worker is root: the program owns nothing outside its box.
 
-bubblewrap started by root keeps the host's uid 0 inside, whatever it shows; so the uid changes
-before bubblewrap starts. A slot is held by a lock on a file, which ends with its process.
+Started by root, bubblewrap keeps the host's uid 0 inside, whatever it displays; therefore the uid
+is changed before bubblewrap starts. A slot is held by a file lock, which ends with its process.
 """
 
 import fcntl
@@ -12,13 +12,13 @@ from pathlib import Path
 
 from seamark.sandbox.outcome import SandboxBroken
 
-FIRST_UID = 23400  # below the ranges of containers (100000), above those of people
+FIRST_UID = 23400  # below the uids of containers (100000), above those of people
 SLOTS = 128
 FOLDER = Path("/run/seamark-slots")
 
 
-class Slot:
-    """A uid that no other box of this host uses now."""
+class UidSlot:
+    """A uid that no other box of this host is using."""
 
     def __init__(self) -> None:
         folder = os.open(_folder(), os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
@@ -28,18 +28,18 @@ class Slot:
             os.close(folder)
 
     def release(self) -> None:
-        """Give the uid back."""
+        """Release the uid."""
         if self._lock >= 0:
             os.close(self._lock)
             self._lock = -1
 
 
 def _folder() -> Path:
-    """Return the folder of the locks: root's alone, or others could hold all slots."""
+    """Return the folder of the locks: accessible to root only, or others could take all slots."""
     FOLDER.mkdir(mode=0o700, exist_ok=True)
     status = FOLDER.lstat()
     if not stat.S_ISDIR(status.st_mode) or status.st_uid != 0 or status.st_mode & 0o077:
-        raise SandboxBroken(f"{FOLDER} is not a folder of root alone")
+        raise SandboxBroken(f"{FOLDER} is not accessible to root only")
     return FOLDER
 
 
@@ -52,14 +52,14 @@ def _free(folder: int) -> tuple[int, int]:
         except BlockingIOError:
             os.close(lock)
             continue
-        if _belongs_to_somebody(uid):
+        if _is_an_account(uid):
             os.close(lock)
             continue
         return uid, lock
     raise SandboxBroken(f"all {SLOTS} uids for boxes are in use")
 
 
-def _belongs_to_somebody(uid: int) -> bool:
+def _is_an_account(uid: int) -> bool:
     try:
         pwd.getpwuid(uid)
     except KeyError:

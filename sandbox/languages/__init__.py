@@ -1,24 +1,50 @@
-"""The languages that a program may be written in: one small file each, one line here."""
+"""The languages that a program may be written in: a folder each, and a line each here."""
 
 from pathlib import PurePosixPath
 
-from seamark.sandbox.languages.c import C
-from seamark.sandbox.languages.cpp import CPP
+from seamark.sandbox.languages.c_family import CPP, C
 from seamark.sandbox.languages.executable import EXECUTABLE
 from seamark.sandbox.languages.fmu import FMU
-from seamark.sandbox.languages.language import Language
+from seamark.sandbox.languages.language import CONTROLLER, Language
 from seamark.sandbox.languages.matlab import MATLAB
 from seamark.sandbox.languages.python import PYTHON
+from seamark.sandbox.languages.sample import Sample
 
 LANGUAGES: dict[str, Language] = {
     language.name: language for language in (PYTHON, C, CPP, MATLAB, FMU, EXECUTABLE)
 }
 
+DEFAULT_LANGUAGE = next(iter(LANGUAGES))  # of the form and of `seamark init`
+
 
 def language_of(filename: str) -> str | None:
-    """Return the name of the language of a file by its suffix; None if there is none for it."""
+    """Return the name of the language with the file's suffix; None if there is none."""
     suffix = PurePosixPath(filename).suffix.lower()
     for language in LANGUAGES.values():
         if suffix in language.suffixes:
             return language.name
     return None
+
+
+def role_refusal(name: str, role: str) -> str:
+    """Return why no program of this role can be written in a language; empty if it can."""
+    if role in LANGUAGES[name].roles:
+        return ""
+    labels = ", ".join(each.label for each in LANGUAGES.values() if role in each.roles)
+    return f"A {role} is written in {labels}, not in {LANGUAGES[name].label}."
+
+
+def starters(role: str = CONTROLLER) -> dict[str, Sample]:
+    """Return the programs to start from, by their names for `seamark init --language`."""
+    return {
+        one.name or language.name: one
+        for language in LANGUAGES.values()
+        for one in language.starters
+        if one.role == role
+    }
+
+
+def editor_starters(role: str) -> dict[str, Sample]:
+    """Return the programs that the form's editor starts with, by language: those of one text."""
+    found = {name: language.starter(role) for name, language in LANGUAGES.items()}
+    return {name: one for name, one in found.items() if one and LANGUAGES[name].is_text}

@@ -1,70 +1,71 @@
-"""What a box has to know about a programming language."""
+"""What the service needs to know about a programming language."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from pathlib import Path
 
+from seamark.sandbox.languages.sample import Sample
+from seamark.sandbox.runtime import Runtime
 
-@dataclass(frozen=True, slots=True)
-class Bind:
-    """A file or folder of the host that the box sees read-only under another name."""
-
-    source: Path
-    target: str
-
-
-@dataclass(frozen=True, slots=True)
-class Runtime:
-    """What one language needs inside a box: command, environment and read-only files."""
-
-    command: tuple[str, ...]  # the number of the protocol's descriptor is appended
-    environment: dict[str, str]
-    binds: tuple[Bind, ...]
-    images: bool = False  # whether its programs may be shown images: trackers and detectors
+CONTROLLER, TRACKER, DETECTOR = "controller", "tracker", "detector"
+ALL_ROLES = (CONTROLLER, TRACKER, DETECTOR)
 
 
 @dataclass(frozen=True, slots=True)
 class Calls:
-    """What the calls of a program are named to its owner when they take too long."""
+    """How the calls of a program are named in the message about a timeout."""
 
     start: str
     reset: str
     step: str
 
 
-PYTHON_CALLS = Calls("The program (import and __init__)", "reset(level)", "step(observation)")
-
-
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Language:
-    """One language: its name, its label, the suffixes of its files, how it runs in a box.
+    """One language: all that differs between languages is in its object.
 
-    With a `compiler`, what runs is not the text but what comes out of a box of the compiler's own
-    (see sandbox/compilation.py).
+    If it has a `compiler`, what runs is not the upload but what the compiler made of it, in its own
+    box (see sandbox/compilation.py).
     """
 
-    name: str
+    name: str  # in the database and on the command line
     label: str
     suffixes: tuple[str, ...]
-    runtime: Callable[[], Runtime]  # found on the host when first asked; SandboxBroken if missing
-    self_test: str | Callable[[], bytes]  # what it must answer is in sandbox/probing/self_test.py
+    runtime: Callable[[], Runtime]  # looks at the host at its first call; SandboxBroken if missing
+    calls: Calls
+    self_test: Sample  # the expected answers are in sandbox/probing/self_test.py
+    starters: tuple[Sample, ...]  # programs to start from
+    conformance: tuple[Sample, ...]  # the built-in PI; the tracker of starter/tracker.c
     compiler: Callable[[], Runtime] | None = None
-    calls: Calls = PYTHON_CALLS
-    mains: tuple[str, ...] = ()  # files at the top of an archive that make it one of this language
-    packed: bool = False  # its files are zip archives themselves
-    roles: tuple[str, ...] = ("controller",)  # what its programs may be
-    refusal: Callable[[bytes], str] | None = None  # its files are no text: why one cannot be run
-    tested_by: str = ""  # the language whose compiler makes the self-test, if not its own
-    packages: tuple[str, ...] = ()  # of Debian, beside what Seamark itself brings
+    archive_mains: tuple[str, ...] = ()  # an archive with one of these is of this language
+    is_archive: bool = False  # its files are zip archives
+    roles: tuple[str, ...] = (CONTROLLER,)  # what its programs can be
+    binary_refusal: Callable[[bytes], str] | None = None  # for files that are no text: why not
+    samples_compiled_by: str = ""  # the language whose compiler builds the samples, if not its own
+    debian_packages: tuple[str, ...] = ()  # beside what Seamark installs itself
 
     @property
     def is_text(self) -> bool:
         """Whether its files are texts that people write."""
-        return not self.packed and self.refusal is None
+        return not self.is_archive and self.binary_refusal is None
+
+    @property
+    def runs_binaries(self) -> bool:
+        """Whether its boxes run compiled programs."""
+        return self.compiler is not None or self.binary_refusal is not None
+
+    @property
+    def sample_compiler(self) -> str:
+        """The language whose compiler builds the self-test and the conformance programs."""
+        return self.samples_compiled_by or self.name
 
     @property
     def remedy(self) -> str:
-        """What to do where its self-test does not pass."""
-        if not self.packages:
-            return "`./run` sets up all that it needs"
-        return f"apt-get install {' '.join(self.packages)}"
+        """What to do if its self-test does not pass."""
+        if not self.debian_packages:
+            return "`./run` installs all that it needs"
+        return f"apt-get install {' '.join(self.debian_packages)}"
+
+    def starter(self, role: str = CONTROLLER) -> Sample | None:
+        """Return the program to start from; None if there is none for this role."""
+        found = (one for one in self.starters if one.role == role and not one.name)
+        return next(found, None)

@@ -1,6 +1,6 @@
-"""Mini attacks of the probe. Runs inside a box; the text of this file is sent, never imported.
+"""The attacks of the probe. This text is sent into a box, never imported.
 
-Prints one line for each: name, tab, what it got (nothing if it was stopped).
+Prints one line for each: name, tab, what it achieved (nothing if it was stopped).
 """
 
 import ctypes
@@ -38,12 +38,12 @@ def writable(canary: str) -> str:
 
 
 def environment(canary: str) -> str:
-    """Look for a variable that the box was not given."""
+    """Look for a variable of the service."""
     return ", ".join(name for name in os.environ if name.startswith("SEAMARK"))
 
 
 def descriptors(canary: str) -> str:
-    """Count what is open beside the standard three and the protocol."""
+    """Look for open descriptors other than the standard streams and the socket."""
     found = []
     for number in range(256):
         try:
@@ -55,7 +55,7 @@ def descriptors(canary: str) -> str:
 
 
 def sockets(canary: str) -> str:
-    """Try to make a socket of each family that could lead out."""
+    """Try to create a socket of each family that could reach the outside."""
     got = []
     for family in (socket.AF_INET, socket.AF_UNIX, AF_VSOCK, socket.AF_NETLINK):
         try:
@@ -67,12 +67,12 @@ def sockets(canary: str) -> str:
 
 
 def namespaces(canary: str) -> str:
-    """Try to become root in a namespace of one's own."""
-    return "" if libc.unshare(CLONE_NEWUSER) else "a user namespace of its own"
+    """Try to become root in a new user namespace."""
+    return "" if libc.unshare(CLONE_NEWUSER) else "a new user namespace"
 
 
 def kernel(canary: str) -> str:
-    """Try calls that the filter has to refuse."""
+    """Try system calls that the filter has to refuse."""
     got = []
     if libc.syscall(PTRACE, PTRACE_ATTACH, os.getppid(), 0, 0) == 0:
         got.append("ptrace")
@@ -95,7 +95,7 @@ ATTACKS: tuple[Callable[[str], str], ...] = (
 
 
 class Controller:
-    """Attacks when it is made."""
+    """Attacks when it is constructed."""
 
     def __init__(self, config: dict[str, str]) -> None:
         for attack in ATTACKS:

@@ -1,4 +1,4 @@
-"""Finds the level of this host by running mini attacks in real boxes (about a second)."""
+"""Finds the isolation level of this host by running small attacks in real boxes (one second)."""
 
 import os
 import tempfile
@@ -11,8 +11,8 @@ from seamark.sandbox.isolation import cgroups, proc_stats, seccomp
 from seamark.sandbox.isolation.bwrap_command import bubblewrap
 from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.isolation.process_tree import Layers
-from seamark.sandbox.languages.python import SELF_TEST
-from seamark.sandbox.languages.python_host import compile_packages
+from seamark.sandbox.languages.python import PYTHON
+from seamark.sandbox.languages.python.host import compile_packages
 from seamark.sandbox.limits import Limits
 from seamark.sandbox.outcome import Outcome, ProgramEnded, SandboxBroken, Verdict
 from seamark.sandbox.probing.report import Finding, IsolationReport
@@ -57,26 +57,26 @@ REMEDY = {
     "box": "allow user namespaces: sysctl -w kernel.unprivileged_userns_clone=1 (Debian), "
     "sysctl -w kernel.apparmor_restrict_unprivileged_userns=0 (Ubuntu); in a container, a "
     "seccomp profile that permits them",
-    "control groups": "start it by `./run`, which takes a scope of its own where systemd gives one "
-    "(log in as the user: `su` and `sudo -u` open no session), as a systemd service with "
+    "control groups": "start it with `./run`, which gets a scope of its own from systemd if "
+    "possible (log in as the user: `su` and `sudo -u` open no session), as a systemd service with "
     "Delegate=yes, or as root",
-    "own uid": "run the worker as root, so that each box gets a uid of its own, or give a "
+    "own uid": "run the worker as root, so that each box gets a uid of its own, or give it a "
     "delegated control group",
     "compiled packages": "python -m compileall -q on the folders of numpy and scipy",
 }
 
-UNEXPECTED = (  # of what no setting of a host should make possible
-    "let no strangers upload here, and report it with the output of `seamark doctor`: bubblewrap "
-    "or the kernel does not hold what it should (update both first)"
+UNEXPECTED = (  # if an attack succeeds that no setting of a host should permit
+    "do not accept uploads from others here, and report this with the output of `seamark doctor`: "
+    "bubblewrap or the kernel does not isolate as it should (update both first)"
 )
 
 
 def probe() -> IsolationReport:
-    """Try some mini attacks in real boxes; return the level that held and every finding."""
+    """Run the attacks in real boxes; return the isolation level that held, and all findings."""
     findings = [*_requirements()]
     if not all(finding.ok for finding in findings):
         return IsolationReport(IsolationLevel.NONE, tuple(findings))
-    groups = _try("control groups", cgroups.places)
+    groups = _try("control groups", cgroups.parent_groups)
     compiled = Finding("compiled packages", compile_packages())
     findings += [groups, _explained(compiled, "each box starts 100 ms later")]
     for isolation in (
@@ -90,22 +90,22 @@ def probe() -> IsolationReport:
 
 
 def _requirements() -> Iterator[Finding]:
-    """Yield what must be there before a box can be tried."""
+    """Yield the requirements without which no box can start."""
     yield _try("bubblewrap", bubblewrap)
     machine = Finding("system calls", seccomp.supported())
-    yield _explained(machine, f"the filter is for {seccomp.MACHINE} alone")
+    yield _explained(machine, f"the filter supports {seccomp.MACHINE} only")
 
 
 def _attacks(isolation: IsolationLevel) -> Iterator[Finding]:
-    """Yield one finding for each mini attack at a level; ends early if a box does not start."""
+    """Yield one finding for each attack; ends early if a box does not start."""
     try:
         yield from _in_boxes(isolation)
-    except SandboxBroken as error:  # a very slow host starts some boxes and others too late
+    except SandboxBroken as error:  # on a very slow host some boxes start too late
         yield _explained(Finding("box", ok=False), str(error))
 
 
 def _in_boxes(isolation: IsolationLevel) -> Iterator[Finding]:
-    box = _try("box", lambda: _outcome(SELF_TEST, isolation))
+    box = _try("box", lambda: _outcome(PYTHON.self_test.text(), isolation))
     yield box
     if not box.ok:
         return
@@ -125,7 +125,7 @@ def _try(name: str, action: Callable[[], object]) -> Finding:
 
 
 def _explained(finding: Finding, why: str) -> Finding:
-    """Return a finding with its reason and remedy, if it is a bad one."""
+    """Return the finding with its reason and remedy if it failed."""
     if finding.ok:
         return finding
     return replace(finding, why=why, remedy=REMEDY.get(finding.name, UNEXPECTED))
@@ -151,7 +151,7 @@ def _ends(name: str, source: str, isolation: IsolationLevel, expected: Verdict) 
 
 
 def _from_inside(isolation: IsolationLevel) -> Iterator[Finding]:
-    """Yield what the attacks in probe_program.py got."""
+    """Yield what the attacks in probe_program.py achieved."""
     source = Path(__file__).with_name("probe_program.py").read_text(encoding="utf-8")
     with tempfile.NamedTemporaryFile() as canary:
         os.fchmod(canary.fileno(), 0o644)
@@ -164,9 +164,9 @@ def _from_inside(isolation: IsolationLevel) -> Iterator[Finding]:
 
 
 def _uid(isolation: IsolationLevel) -> Finding:
-    """Return whether a program runs under a uid that owns nothing else of this host.
+    """Return whether a program runs under a uid that owns nothing else on this host.
 
-    As a plain user the uid is the worker's own: enough only with a control group around it.
+    A plain user's boxes have the worker's own uid: enough only with a control group around them.
     """
     with Box(limits=LIMITS, isolation=isolation) as box:
         box.wait_ready()

@@ -1,7 +1,7 @@
-"""Whether this host can run a language: its self-test program must answer right.
+"""Whether this host can run a language: its self-test program must give the expected answers.
 
-As a controller one step: half the error. As a tracker, where the language can, one image: the
-corners moved by what the second line of the image begins with.
+As a controller, to one step: half the error. As a tracker, if the language has that role, to one
+image: the corners moved by the first pixel of the second row.
 """
 
 from collections.abc import Callable
@@ -11,6 +11,7 @@ from seamark.sandbox.box import Box
 from seamark.sandbox.compilation import compiled
 from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.languages import LANGUAGES
+from seamark.sandbox.languages.language import TRACKER
 from seamark.sandbox.limits import Limits
 from seamark.sandbox.outcome import ProgramEnded, SandboxBroken
 
@@ -21,31 +22,30 @@ LAYOUT = {
 }
 OBSERVATION = (0.0, 1.0, -2.0, 3.0)
 COMMAND = (0.5, -1.0, 1.5, 0.0)  # half the error
-TRACKER = {"role": "tracker"}
-WIDTH, SECOND_LINE = 7, 3  # [px] of the image; grey value
-IMAGE = bytes(WIDTH) + bytes([SECOND_LINE]) * WIDTH
+TRACKER_LAYOUT = {"role": TRACKER}
+WIDTH, SECOND_ROW = 7, 3  # [px] of the image; grey value
+IMAGE = bytes(WIDTH) + bytes([SECOND_ROW]) * WIDTH
 CORNERS = ((1.0, 2.0), (3.0, 2.5), (3.0, 4.0), (1.0, 4.0))  # [px]
-MOVED = tuple((x + SECOND_LINE, y + SECOND_LINE) for x, y in CORNERS)
+MOVED = tuple((x + SECOND_ROW, y + SECOND_ROW) for x, y in CORNERS)
 
 
 def why_not(language: str, isolation: IsolationLevel) -> str:
-    """Return why programs in this language cannot be run here; empty if they can."""
+    """Return why programs in this language cannot run here; empty if they can."""
     known = LANGUAGES[language]
-    name = f"self_test{known.suffixes[0]}"
+    name = known.self_test.upload_name
 
     def answer(layout: dict[str, Any], ask: Callable[[Box], object]) -> object:
         with Box(language, limits=LIMITS, isolation=isolation) as box:
             box.load(program, name, {}, layout)
-            said = ask(box)
+            answered = ask(box)
             box.finish()
-        return said
+        return answered
 
     try:
-        test = known.self_test
-        source = test.encode() if isinstance(test, str) else test()
-        program = compiled(known.tested_by or language, source, name, isolation=isolation)
+        source = known.self_test.upload()
+        program = compiled(known.sample_compiler, source, name, isolation=isolation)
         command = answer(LAYOUT, lambda box: box.step(OBSERVATION))
-        moved = answer(TRACKER, _track) if TRACKER["role"] in known.roles else MOVED
+        moved = answer(TRACKER_LAYOUT, _track) if TRACKER in known.roles else MOVED
     except (SandboxBroken, ProgramEnded) as error:
         return str(error)
     if command != COMMAND:

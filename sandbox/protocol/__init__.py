@@ -1,1 +1,1 @@
-"""What a box and the trusted side say to each other."""
+"""The protocol between the simulator and a program in a box (docs/protocol.md), our end."""

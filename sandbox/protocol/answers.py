@@ -1,4 +1,4 @@
-"""What a program answered, read from its frame: finite, bounded, of the right size, or refused."""
+"""Decoding of a program's answers: finite, bounded and of the right size, or refused."""
 
 import struct
 from collections.abc import Sequence
@@ -6,23 +6,25 @@ from itertools import chain
 from math import isfinite
 from typing import Any, NamedTuple
 
-from seamark.sandbox.protocol import messages
-from seamark.sandbox.protocol.messages import FrameInvalid
+from seamark.sandbox.languages.inside.wire import (
+    COMMAND,
+    CORNERS,
+    COUNT,
+    DETECTION,
+    HEADER,
+    MAX_DETECTIONS,
+    MAX_LABEL_BYTES,
+    MAX_VALUE,
+)
+from seamark.sandbox.protocol.messages import MessageInvalid
 
 Command = tuple[float, float, float, float]
 Point = tuple[float, float]
 Corners = tuple[Point, Point, Point, Point]
 
-MOST_FIELD = 1e6  # [m/s, rad/s, px] a number beyond is a mistake, not a wish
-CORNERS = struct.Struct("<8d")
-COUNT = struct.Struct("<I")
-DETECTION = struct.Struct("<9dH")  # corners, confidence, bytes of the label that follows
-MOST_DETECTIONS = 64
-MOST_LABEL_BYTES = 64
-
 
 class Detection(NamedTuple):
-    """One thing that a detector saw."""
+    """One object that a detector found."""
 
     label: str  # printable, not empty
     corners: Corners  # [px]
@@ -30,74 +32,74 @@ class Detection(NamedTuple):
 
 
 def command(data: bytes | memoryview) -> Command:
-    """Return surge, sway, heave [m/s] and yaw rate [rad/s]; FrameInvalid if they are none."""
-    if len(data) != messages.COMMAND.size:
-        raise FrameInvalid(f"The program answered with {len(data)} bytes.")
-    _, _, _, surge, sway, heave, yaw = messages.COMMAND.unpack(data)
-    most = MOST_FIELD  # NaN compares false, so that it does not get through either
+    """Return surge, sway, heave [m/s] and yaw rate [rad/s]; MessageInvalid if they are none."""
+    if len(data) != HEADER.size + COMMAND.size:
+        raise MessageInvalid(f"The program answered with {len(data)} bytes.")
+    surge, sway, heave, yaw_rate = COMMAND.unpack_from(data, HEADER.size)
+    most = MAX_VALUE  # NaN compares false, so that it does not get through either
     if not (
         -most <= surge <= most
         and -most <= sway <= most
         and -most <= heave <= most
-        and -most <= yaw <= most
+        and -most <= yaw_rate <= most
     ):
-        raise FrameInvalid("The program answered with a number beyond all limits.")
-    return surge, sway, heave, yaw
+        raise MessageInvalid("The program answered with a number that is out of range.")
+    return surge, sway, heave, yaw_rate
 
 
 def track(data: bytes | memoryview) -> Corners | None:
     """Return the target's corners [px]; None if the tracker has lost it."""
-    body = data[messages.HEADER.size :]
+    body = data[HEADER.size :]
     if not body:
         return None
     if len(body) != CORNERS.size:
-        raise FrameInvalid(f"The tracker answered with {len(body)} bytes, not 8 numbers or none.")
+        raise MessageInvalid(f"The tracker answered with {len(body)} bytes, not 8 numbers or none.")
     return _corners(CORNERS.unpack(body))
 
 
 def detections(data: bytes | memoryview) -> list[Detection]:
-    """Return what a detector saw, in its own order."""
-    body = bytes(data[messages.HEADER.size :])
+    """Return what a detector found, in its own order."""
+    body = bytes(data[HEADER.size :])
     try:
         (count,) = COUNT.unpack_from(body)
-        if count > MOST_DETECTIONS:
-            raise FrameInvalid(
-                f"The detector answered with {count} detections; the limit is {MOST_DETECTIONS}."
+        if count > MAX_DETECTIONS:
+            raise MessageInvalid(
+                f"The detector answered with {count} detections; the limit is {MAX_DETECTIONS}."
             )
-        found, at = [], COUNT.size
+        found, offset = [], COUNT.size
         for _ in range(count):
-            *numbers, length = DETECTION.unpack_from(body, at)
-            at += DETECTION.size
-            found.append(_detection(body[at : at + length], numbers, length))
-            at += length
+            *numbers, length = DETECTION.unpack_from(body, offset)
+            offset += DETECTION.size
+            found.append(_detection(body[offset : offset + length], numbers, length))
+            offset += length
     except struct.error:
-        raise FrameInvalid("The detector's answer ends in the middle of a detection.") from None
-    if at != len(body):
-        raise FrameInvalid("The detector's answer is longer than its detections.")
+        raise MessageInvalid("The detector's answer ends in the middle of a detection.") from None
+    if offset != len(body):
+        raise MessageInvalid("The detector's answer is longer than its detections.")
     return found
 
 
 def _detection(label: bytes, numbers: Sequence[float], length: int) -> Detection:
     text = label.decode("utf-8", "replace")
-    if len(label) != length or not 0 < length <= MOST_LABEL_BYTES or not text.isprintable():
-        raise FrameInvalid(
-            f"A detection's label is no printable text of 1 to {MOST_LABEL_BYTES} bytes."
+    if len(label) != length or not 0 < length <= MAX_LABEL_BYTES or not text.isprintable():
+        raise MessageInvalid(
+            f"The label of a detection is not printable text of 1 to {MAX_LABEL_BYTES} bytes."
         )
     *corners, confidence = numbers
     if not 0.0 <= confidence <= 1.0:
-        raise FrameInvalid(f"A detection's confidence is {confidence}, not within 0 and 1.")
+        raise MessageInvalid(f"The confidence of a detection is {confidence}, not within 0 and 1.")
     return Detection(text, _corners(corners), confidence)
 
 
 def _corners(numbers: Sequence[float]) -> Corners:
-    if not all(-MOST_FIELD <= number <= MOST_FIELD for number in numbers):
-        raise FrameInvalid("The program answered with a corner beyond all limits.")
+    if not all(-MAX_VALUE <= number <= MAX_VALUE for number in numbers):
+        raise MessageInvalid("The program answered with a corner that is out of range.")
     x0, y0, x1, y1, x2, y2, x3, y3 = numbers
     return (x0, y0), (x1, y1), (x2, y2), (x3, y3)
 
 
 def packed_corners(corners: Any) -> bytes:
-    """Return four corners [px] as the frames have them.
+    """Return four corners [px] in the format of a message.
 
     Parameters
     ----------

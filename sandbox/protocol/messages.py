@@ -1,49 +1,39 @@
-"""The protocol between a box and its program: one frame per packet, version 1.
+"""Messages between the simulator and a program in a box: one per packet, version 1.
 
-A frame is `<cB2xI` (kind, version, two zero bytes, sequence number) and a body, little endian,
-on a Unix socket of type SEQPACKET. The trusted side asks, the program answers with the same
-sequence number; it never speaks first.
+A message is `<cB2xI` (type, version, two zero bytes, sequence number) and a body, little endian, on
+a Unix socket of type SEQPACKET. The simulator asks; the program answers with the same sequence
+number and never speaks first.
 
-| kind | way | body |
+| type | direction | body |
 |---|---|---|
 | `I` | to the program | u32 bytes of the header, u32 bytes of the source |
 | `S` | to the program | the next part of header (JSON) and source, at most 60 KiB |
 | `R` | to the program | JSON: the level |
 | `O` | to the program | the observation: float64 values in the order of the layout |
-| `T` | to the program | an image (see pictures.py), 8 float64: corners [px]: start to track |
+| `T` | to the program | an image (see shared_images.py), 8 float64: corners [px]: start tracking |
 | `U` | to the program | an image: track |
 | `D` | to the program | an image: detect |
-| `Q` | to the program | nothing: answer `q`, then exit with 0 |
-| `k` | from the program | nothing: ready |
+| `Q` | to the program | empty: answer `q`, then exit with 0 |
+| `k` | from the program | empty: ready |
 | `c` | from the program | four float64: surge, sway, heave [m/s], yaw rate [rad/s] |
-| `t` | from the program | 8 float64: corners [px]; nothing if the target is lost |
+| `t` | from the program | 8 float64: corners [px]; empty if the target is lost |
 | `d` | from the program | detections (see answers.py) |
 | `x` | from the program | a letter, u16 bytes of the sentence, sentence, traceback (UTF-8) |
-| `q` | from the program | nothing: the last word |
+| `q` | from the program | empty: the last message |
 
-`I`, all `S` together, `R` and `T` are answered by `k`. The first `k` has sequence number 0: the
-interpreter is up, no program is known yet. The runner inside (languages/python_inside) has the
-same numbers once more: it can import nothing of ours.
+`I` with all its `S` together, `R` and `T` are answered by `k`. The first `k` has sequence number 0:
+the interpreter is up, no program is known yet.
 """
 
-import struct
-from dataclasses import dataclass
-
-from seamark.sandbox.outcome import Verdict
-
-VERSION = 1
-HEADER = struct.Struct("<cB2xI")
-COMMAND = struct.Struct("<cB2xI4d")
-SIZES = struct.Struct("<II")
-ERROR = struct.Struct("<cH")
+from seamark.sandbox.languages.inside.wire import ERROR, HEADER, VERSION
+from seamark.sandbox.outcome import Failure, Verdict
 
 BEGIN, SOURCE, RESET, OBSERVE, QUIT = b"I", b"S", b"R", b"O", b"Q"
 START, UPDATE, DETECT = b"T", b"U", b"D"
-READY, ANSWER, FAILED, BYE = b"k", b"c", b"x", b"q"
+READY, COMMAND, FAILED, BYE = b"k", b"c", b"x", b"q"
 TRACK, DETECTIONS = b"t", b"d"
 
-MOST_BYTES = 65536  # [B] a frame of the program; the longest is an error with its traceback
-CHUNK_BYTES = 61440  # [B] of source in one frame
+CHUNK_BYTES = 61440  # [B] of source in one message
 
 VERDICTS = {
     b"u": Verdict.USER_ERROR,
@@ -54,52 +44,45 @@ VERDICTS = {
 }
 
 
-class FrameInvalid(Exception):
-    """The program sent something that is not in the protocol. The text is for its owner."""
+class MessageInvalid(Exception):
+    """The program sent something that violates the protocol. The text is for its owner."""
 
 
-@dataclass(frozen=True, slots=True)
-class Failure:
-    """What the runner inside says about the end of the program. Not to be trusted, only shown."""
-
-    verdict: Verdict
-    sentence: str
-    traceback: str
+def message(message_type: bytes, sequence: int, body: bytes | memoryview = b"") -> bytes:
+    """Return one message to the program."""
+    return HEADER.pack(message_type, VERSION, sequence) + body
 
 
-def frame(kind: bytes, sequence: int, body: bytes | memoryview = b"") -> bytes:
-    """Return one frame to the program."""
-    return HEADER.pack(kind, VERSION, sequence) + body
-
-
-def check(data: bytes | memoryview, kinds: bytes, sequence: int) -> bytes:
-    """Return the kind of a frame that is one of `kinds` and answers `sequence`."""
+def check(data: bytes | memoryview, types: bytes, sequence: int) -> bytes:
+    """Return the type of a message that is one of `types` and answers `sequence`."""
     if len(data) < HEADER.size:
-        raise FrameInvalid(f"The program sent a frame of {len(data)} bytes past its runner.")
-    kind, version, answered = HEADER.unpack_from(data)
-    if version != VERSION or kind not in kinds:
-        raise FrameInvalid(f"The program sent a frame of unknown kind {kind!r} past its runner.")
-    if answered != sequence:
-        raise FrameInvalid(
-            f"The program answered question {answered} when question {sequence} was asked."
+        raise MessageInvalid(f"The program bypassed its runner and sent {len(data)} bytes.")
+    message_type, version, answered = HEADER.unpack_from(data)
+    if version != VERSION or message_type not in types:
+        raise MessageInvalid(
+            f"The program bypassed its runner and sent a message of unknown type {message_type!r}."
         )
-    return bytes(kind)
+    if answered != sequence:
+        raise MessageInvalid(
+            f"The program answered request {answered} when request {sequence} was pending."
+        )
+    return bytes(message_type)
 
 
 def failure(data: bytes | memoryview) -> Failure:
-    """Return what an error frame says."""
+    """Return the content of an error message."""
     body = bytes(data[HEADER.size :])
     if len(body) < ERROR.size:
-        raise FrameInvalid("The program sent an error frame that is too short.")
-    kind, length = ERROR.unpack_from(body)
-    verdict = VERDICTS.get(kind)
+        raise MessageInvalid("The program sent an error message that is too short.")
+    letter, length = ERROR.unpack_from(body)
+    verdict = VERDICTS.get(letter)
     if verdict is None or ERROR.size + length > len(body):
-        raise FrameInvalid("The program sent an error frame that is wrong inside.")
+        raise MessageInvalid("The program sent a malformed error message.")
     text = body[ERROR.size :]
-    return Failure(verdict, readable(text[:length]), readable(text[length:]))
+    return Failure(verdict, printable(text[:length]), printable(text[length:]))
 
 
-def readable(data: bytes) -> str:
+def printable(data: bytes) -> str:
     """Return text of the program without control characters that could forge or hide lines."""
     text = data.decode("utf-8", "replace")
     return "".join(c if c.isprintable() or c in "\n\t" else f"\\x{ord(c):02x}" for c in text)

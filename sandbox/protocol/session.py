@@ -1,4 +1,4 @@
-"""Question and answer with the processes of one box, while all its limits are minded."""
+"""Request and answer with the processes of one box, while all of its limits are enforced."""
 
 import contextlib
 import os
@@ -9,181 +9,183 @@ import time
 from typing import NoReturn
 
 from seamark.sandbox import verdicts
-from seamark.sandbox.isolation.process_tree import Confined
-from seamark.sandbox.limits import Limits, Patience
-from seamark.sandbox.outcome import Outcome, ProgramEnded, SandboxBroken, Verdict
+from seamark.sandbox.isolation.process_tree import ProcessTree
+from seamark.sandbox.languages.inside.wire import HEADER, MAX_MESSAGE_BYTES, VERSION
+from seamark.sandbox.limits import AnswerLimit, Limits
+from seamark.sandbox.outcome import Failure, Outcome, ProgramEnded, SandboxBroken, Verdict
 from seamark.sandbox.protocol import messages
 from seamark.sandbox.protocol.head_tail import HeadTail
-from seamark.sandbox.protocol.messages import Failure, FrameInvalid
+from seamark.sandbox.protocol.messages import MessageInvalid
 
-SLICE_S = 0.25  # [s] waiting is cut into these, so that all limits are seen
-LAST_WORDS_S = 2.0  # [s] for the process to end after its connection did
+POLL_S = 0.25  # [s] the longest wait after which all limits are checked again
+EXIT_WITHIN_S = 2.0  # [s] for the process to exit after its connection ended
 READ_BYTES = 65536  # [B] the capacity of a pipe
 
 
-class Conversation:
-    """The trusted side of the protocol. Whatever the program does, it ends as an outcome."""
+class ProtocolSession:
+    """The simulator's end of the protocol. Whatever the program does, it ends with an outcome."""
 
-    def __init__(self, cage: Confined, limits: Limits) -> None:
+    def __init__(self, tree: ProcessTree, limits: Limits) -> None:
         self.limits = limits
         self.outcome: Outcome | None = None
-        self._cage = cage
-        self._socket = cage.socket
+        self._tree = tree
+        self._socket = tree.socket
         self._poll = select.poll()
-        for descriptor in (self._socket.fileno(), cage.pidfd, cage.output):
+        for descriptor in (self._socket.fileno(), tree.pidfd, tree.output):
             self._poll.register(descriptor, select.POLLIN)
         self._socket_fd = self._socket.fileno()
-        self._look_every_s = cage.cpu_every_s
-        self._look_at = 0.0
-        self._buffer = bytearray(messages.MOST_BYTES)
+        self._check_every_s = tree.cpu_every_s
+        self._check_at_s = 0.0
+        self._buffer = bytearray(MAX_MESSAGE_BYTES)
         self._view = memoryview(self._buffer)
         self._printed = HeadTail(limits.output_kib << 10)
-        self._news = HeadTail(limits.output_kib << 10)
+        self._unread = HeadTail(limits.output_kib << 10)  # since the last `take_output`
         self._sequence = 0
         self._loaded = False
         self._waited_s = self._cpu_before_s = self._cpu_seen_s = 0.0
 
     def begin(self) -> None:
-        """From now on time and blame are the program's: it arrives."""
+        """The program arrives: time and failures are its own from now on."""
         self._loaded = True
-        self._cpu_before_s = self._cpu_seen_s = self._cage.cpu_s()
+        self._cpu_before_s = self._cpu_seen_s = self._tree.cpu_s()
         self._waited_s = 0.0
 
     def finish(self) -> Outcome:
-        """Say good-bye; the same process must answer and end by itself, well."""
+        """Ask the program to quit; its own process must answer and exit with 0."""
         self.ask(messages.QUIT)
-        self._look_at_limits()
-        self._cage.memory_mib()
-        self.answer(messages.BYE, self.limits.stepping, "The end of the program")
-        code = self._cage.exit_code(LAST_WORDS_S)
+        self._check_cpu()
+        self._tree.memory_mib()  # without a control group it is read from the living process
+        self.answer(messages.BYE, self.limits.step_limit, "The end of the program")
+        code = self._tree.exit_code(EXIT_WITHIN_S)
         if code != 0:
-            self.end(verdicts.died(code) if code else _lives_on())
+            self.end(verdicts.died(code) if code else verdicts.still_running())
         self._drain()
-        self.outcome = self._outcome(Failure(Verdict.OK, "The program ended well.", ""))
+        self.outcome = self._outcome(Failure(Verdict.OK, "The program ended well."))
         return self.outcome
 
     def take_output(self) -> bytes:
-        """Return what was printed since the last call: head and tail if it is much."""
+        """Return what was printed since the last call: head and tail if it is long."""
         self._drain()
         return self.last_output()
 
     def last_output(self) -> bytes:
         """Return what was printed and already read since the last call."""
-        text = self._news.text()
-        self._news = HeadTail(self.limits.output_kib << 10)
+        text = self._unread.text()
+        self._unread = HeadTail(self.limits.output_kib << 10)
         return text
 
-    def ask(self, kind: bytes, body: bytes | memoryview = b"") -> None:
-        """Send one frame."""
+    def ask(self, message_type: bytes, body: bytes | memoryview = b"") -> None:
+        """Send one message."""
         if self.outcome is not None:
             raise ProgramEnded(self.outcome)
         self._sequence += 1
-        message = messages.frame(kind, self._sequence, body)
+        message = messages.message(message_type, self._sequence, body)
         try:
             self._socket.send(message, socket.MSG_DONTWAIT)
         except BlockingIOError:
             self._send_slowly(message)
         except (BrokenPipeError, ConnectionResetError):
-            self._gone()
+            self._disconnected()
 
     def _send_slowly(self, message: bytes) -> None:
-        """Send a frame to a program that has not read those before, as soon as there is room."""
+        """Send to a program that has not read the messages before, as soon as there is room."""
         writable = select.poll()
         writable.register(self._socket_fd, select.POLLOUT)
         begin = time.monotonic()
         while True:
-            writable.poll(SLICE_S * 1000)
-            self._look_around()
+            writable.poll(POLL_S * 1000)
+            self._check_box()
             try:
                 self._socket.send(message, socket.MSG_DONTWAIT)
                 return
             except BlockingIOError:
                 if time.monotonic() - begin > self.limits.start_wall_s:
                     wall_s = self.limits.start_wall_s
-                    self._late("The program", wall_s, since_cpu_s=self._cpu_seen_s)
+                    self._timed_out("The program", wall_s, since_cpu_s=self._cpu_seen_s)
             except (BrokenPipeError, ConnectionResetError):
-                self._gone()
+                self._disconnected()
 
-    def answer(self, kind: bytes, patience: Patience, waited_for: str) -> memoryview:
-        """Return the program's answer; drains its output and minds all limits meanwhile.
+    def answer(self, message_type: bytes, limit: AnswerLimit, waited_for: str) -> memoryview:
+        """Return the program's answer; read its output and enforce all limits meanwhile.
 
-        Most answers come at once: one system call waits for them a little while. Only what takes
-        longer is waited for with an eye on everything else.
+        Most answers come at once: a single system call waits for them for a short time. Only while
+        an answer takes longer is everything else watched too.
         """
         begin = time.monotonic()
         try:
             size = self._socket.recv_into(self._buffer, 0, socket.MSG_TRUNC)
         except BlockingIOError:
-            size = self._wait(patience, waited_for, begin)
+            size = self._wait(limit, waited_for, begin)
         except ConnectionResetError:
             size = self._received_bytes()
         now = time.monotonic()
         self._waited_s += now - begin
-        if now > self._look_at:
-            self._look_at = now + self._look_every_s
-            self._look_around()
+        if now > self._check_at_s:
+            self._check_at_s = now + self._check_every_s
+            self._check_box()
             if self._waited_s > self.limits.wall_s:
-                self._late(waited_for, 0.0, since_cpu_s=self._cpu_before_s)
-        return self._received(kind, size)
+                self._timed_out(waited_for, 0.0, since_cpu_s=self._cpu_before_s)
+        return self._received(message_type, size)
 
-    def _wait(self, patience: Patience, waited_for: str, begin: float) -> int:
-        """Return the size of an answer that takes long; ends the run if it takes too long."""
+    def _wait(self, limit: AnswerLimit, waited_for: str, begin: float) -> int:
+        """Return the size of a slow answer; end the run if it exceeds its limit."""
         seen_s = self._cpu_seen_s
-        deadline = begin + min(patience.wall_s, max(self.limits.wall_s - self._waited_s, 0.0))
+        deadline = begin + min(limit.wall_s, max(self.limits.wall_s - self._waited_s, 0.0))
         while True:
             now = time.monotonic()
-            seen_s = self._mind_answer(patience, waited_for, seen_s, now - begin)
-            left_s = min(deadline - now, SLICE_S)
+            seen_s = self._check_answer_cpu(limit, waited_for, seen_s, now - begin)
+            left_s = min(deadline - now, POLL_S)
             descriptors = dict(self._poll.poll(left_s * 1000 if left_s > 0 else 0))
             self._drain()
             if self._socket_fd in descriptors:
                 return self._received_bytes()
-            if self._cage.pidfd in descriptors:
-                self._gone()
+            if self._tree.pidfd in descriptors:
+                self._disconnected()
             if left_s <= 0:
-                self._late(waited_for, patience.wall_s, since_cpu_s=seen_s)
+                self._timed_out(waited_for, limit.wall_s, since_cpu_s=seen_s)
 
-    def _mind_answer(
-        self, patience: Patience, waited_for: str, seen_s: float, waited_s: float
+    def _check_answer_cpu(
+        self, limit: AnswerLimit, waited_for: str, seen_s: float, waited_s: float
     ) -> float:
-        """End the run if one answer took too much CPU time; return that of its begin.
+        """End the run if one answer used too much CPU time; return the CPU time at its begin.
 
-        It was last read some steps before. On one core, more than the time that went by since the
-        begin cannot be this answer's.
+        The CPU time was last read some steps before. On one core, no more than the time that has
+        passed since the request can belong to this answer.
         """
-        self._look_at_limits()
+        self._check_cpu()
         begin_s = max(seen_s, self._cpu_seen_s - waited_s)
-        if self._loaded and self._cpu_seen_s - begin_s > patience.cpu_s:
-            self._look_at_memory()
-            self.end(verdicts.answer_limit(waited_for, patience.cpu_s))
+        if self._loaded and self._cpu_seen_s - begin_s > limit.cpu_s:
+            self._check_memory()
+            self.end(verdicts.answer_cpu_limit(waited_for, limit.cpu_s))
         return begin_s
 
-    def _received(self, kind: bytes, size: int) -> memoryview:
-        """Return the frame that came if it is the answer to the present question.
+    def _received(self, message_type: bytes, size: int) -> memoryview:
+        """Return the received message if it answers the pending request.
 
-        One that came before its question was asked has the number of another, or the answer to
-        the question has: the next frame then ends the run.
+        A message that was sent before its request carries another sequence number, or the real
+        answer does: then the next message ends the run.
         """
-        head = messages.HEADER
-        if head.size <= size <= len(self._buffer):  # the usual answer is seen at a glance
-            if head.unpack_from(self._buffer) == (kind, messages.VERSION, self._sequence):
+        if HEADER.size <= size <= len(self._buffer):  # the usual answer: one comparison
+            if HEADER.unpack_from(self._buffer) == (message_type, VERSION, self._sequence):
                 return self._view[:size]
         elif size == 0:
-            self._gone()
+            self._disconnected()
         data = self._view[:size]
         try:
             if size > len(self._buffer):
-                raise FrameInvalid(f"The program sent a frame of {size} bytes past its runner.")
-            if messages.check(data, kind + messages.FAILED, self._sequence) == messages.FAILED:
+                raise MessageInvalid(f"The program bypassed its runner and sent {size} bytes.")
+            found = messages.check(data, message_type + messages.FAILED, self._sequence)
+            if found == messages.FAILED:
                 self._failed(messages.failure(data))
-        except FrameInvalid as reason:
-            self.end(verdicts.misbehaved(str(reason)))
+        except MessageInvalid as reason:
+            self.end(verdicts.protocol_error(str(reason)))
         return data
 
     def _received_bytes(self) -> int:
-        """Return the size of the waiting frame, also if it is cut; 0 at the connection's end.
+        """Return the size of the waiting message, before truncation; 0 at the end of connection.
 
-        A peer that left without reading everything is told of once, before what it sent last.
+        If the peer closed with unread data, the kernel reports that once, before the peer's last
+        message.
         """
         for _ in range(2):
             with contextlib.suppress(ConnectionResetError):
@@ -192,93 +194,92 @@ class Conversation:
                 )
         return 0
 
-    def _look_around(self) -> None:
-        """Take what was printed and read the clock of the box, now and then."""
+    def _check_box(self) -> None:
+        """Read the output and check the CPU time."""
         self._drain()
-        self._look_at_limits()
+        self._check_cpu()
 
     def _drain(self) -> None:
-        """Take what the program printed; ends the run if it is too much."""
+        """Read what the program printed; end the run if it is too much."""
         data = b" "
         while data:
             try:
-                data = os.read(self._cage.output, READ_BYTES)
+                data = os.read(self._tree.output, READ_BYTES)
             except BlockingIOError:
                 return
             self._printed.feed(data)
-            self._news.feed(data)
+            self._unread.feed(data)
             if self._printed.total > self.limits.output_max_mib << 20 and self.outcome is None:
                 self.end(verdicts.output_limit(self.limits))
-        if self._cage.output >= 0 and self.outcome is None:
-            self._forget_output()
+        if self._tree.output >= 0 and self.outcome is None:
+            self._unregister_output()
 
-    def _forget_output(self) -> None:
-        """Stop looking at a pipe whose other end is closed: it would be readable for ever."""
+    def _unregister_output(self) -> None:
+        """Stop polling a pipe whose other end is closed: it would always be readable."""
         try:
-            self._poll.unregister(self._cage.output)
+            self._poll.unregister(self._tree.output)
         except KeyError:
             return
 
-    def _look_at_limits(self) -> None:
-        self._cpu_seen_s = self._cage.cpu_s()
+    def _check_cpu(self) -> None:
+        self._cpu_seen_s = self._tree.cpu_s()
         used_s = self._cpu_seen_s - self._cpu_before_s
         if self._loaded and used_s > self.limits.cpu_s:
-            self._look_at_memory()
+            self._check_memory()
             self.end(verdicts.cpu_limit(self.limits, used_s))
 
-    def _look_at_memory(self) -> None:
-        """End the run if the kernel ended a process for memory, which itself takes CPU time."""
-        if self._cage.out_of_memory():
+    def _check_memory(self) -> None:
+        """End the run if the kernel killed a process for memory, which takes CPU time itself."""
+        if self._tree.out_of_memory():
             self.end(verdicts.memory_limit(self.limits))
-        if self._cage.host_out_of_memory():
-            raise SandboxBroken("the kernel ended the box for memory that the host did not have")
+        if self._tree.host_out_of_memory():
+            raise SandboxBroken("the kernel killed the box because the host was out of memory")
 
-    def _late(self, waited_for: str, wall_s: float, *, since_cpu_s: float) -> NoReturn:
+    def _timed_out(self, waited_for: str, wall_s: float, *, since_cpu_s: float) -> NoReturn:
         """End the run for its wall time; the host is suspected if little CPU time was used."""
-        self._look_at_limits()
-        said = verdicts.wall_limit(waited_for, wall_s)
+        self._check_cpu()
+        failure = verdicts.answer_wall_limit(waited_for, wall_s)
         if self._waited_s + wall_s > self.limits.wall_s:
-            said, wall_s = verdicts.run_limit(self.limits), self.limits.wall_s
+            failure, wall_s = verdicts.wall_limit(self.limits), self.limits.wall_s
             since_cpu_s = self._cpu_before_s
-        self.end(said, suspect_host=self._cpu_seen_s - since_cpu_s < wall_s / 2)
+        self.end(failure, suspect_host=self._cpu_seen_s - since_cpu_s < wall_s / 2)
 
     def _failed(self, failure: Failure) -> NoReturn:
-        """End the run for what the runner reports, seen in the light of the kernel's counters."""
-        if failure.verdict is Verdict.USER_ERROR and self._cage.out_of_memory():
+        """End the run with the failure that the runner reports, unless the kernel knows better."""
+        if failure.verdict is Verdict.USER_ERROR and self._tree.out_of_memory():
             failure = verdicts.memory_limit(self.limits)
-        elif failure.verdict is Verdict.USER_ERROR and self._cage.out_of_processes():
+        elif failure.verdict is Verdict.USER_ERROR and self._tree.out_of_processes():
             failure = verdicts.process_limit(self.limits, failure.traceback)
         self.end(failure)
 
-    def _gone(self) -> NoReturn:
-        """End the run because the process ended, or closed its connection and lives on."""
-        code = self._cage.exit_code(LAST_WORDS_S)
+    def _disconnected(self) -> NoReturn:
+        """End the run because the process exited, or closed its connection and keeps running."""
+        code = self._tree.exit_code(EXIT_WITHIN_S)
         if code is None:
-            self.end(_lives_on())
-        self._look_at_memory()
-        self._look_at_limits()
-        self._failed(self._last_words() or verdicts.died(code))
+            self.end(verdicts.still_running())
+        self._check_memory()
+        self._check_cpu()
+        self._failed(self._pending_failure() or verdicts.died(code))
 
-    def _last_words(self) -> Failure | None:
-        """Return the error that the program sent while we were still asking, if there is one."""
+    def _pending_failure(self) -> Failure | None:
+        """Return the error that the program sent before it read our request, if there is one."""
         try:
             data = self._view[: self._received_bytes()]
-            *_, answered = messages.HEADER.unpack_from(data)
+            *_, answered = HEADER.unpack_from(data)
             messages.check(data, messages.FAILED, min(answered, self._sequence))
             return messages.failure(data)
-        except (BlockingIOError, FrameInvalid, struct.error):
+        except (BlockingIOError, MessageInvalid, struct.error):
             return None
 
     def end(self, failure: Failure, *, suspect_host: bool = False) -> NoReturn:
-        """Kill the box, keep what is known, raise it."""
+        """Kill the box and raise the outcome."""
         outcome = self._outcome(failure, suspect_host=suspect_host)
-        self._cage.kill()
+        self._tree.kill()
         self.outcome = outcome
         self._drain()
         if not self._loaded:
-            raise SandboxBroken(
-                f"{failure.sentence} {messages.readable(self._printed.text())}".strip()
-            )
+            printed = messages.printable(self._printed.text())
+            raise SandboxBroken(f"{failure.sentence} {printed}".strip())
         self.outcome = self._outcome(failure, suspect_host=suspect_host)
         raise ProgramEnded(self.outcome)
 
@@ -287,14 +288,10 @@ class Conversation:
             verdict=failure.verdict,
             sentence=failure.sentence,
             traceback=failure.traceback,
-            cpu_s=max(self._cage.cpu_s() - self._cpu_before_s, 0.0),
+            cpu_s=max(self._tree.cpu_s() - self._cpu_before_s, 0.0),
             wall_s=self._waited_s,
-            memory_mib=self._cage.memory_mib(),
+            memory_mib=self._tree.memory_mib(),
             output=self._printed.text(),
             output_dropped=self._printed.dropped,
             suspect_host=suspect_host,
         )
-
-
-def _lives_on() -> Failure:
-    return verdicts.misbehaved("The program closed its connection to the simulator and lived on.")

@@ -16,10 +16,16 @@ from flask import (
 )
 from flask.typing import ResponseReturnValue
 
-from seamark.sandbox.languages import LANGUAGES
+from seamark.sandbox.languages import (
+    DEFAULT_LANGUAGE,
+    LANGUAGES,
+    c_family,
+    editor_starters,
+    starters,
+)
+from seamark.sandbox.languages.language import CONTROLLER, TRACKER
 from seamark.sandbox.limits import COMPILING, MEANING, Limits
 from seamark.server.pages import benchmarks, guides
-from seamark.server.programs import starter_files
 from seamark.server.runs import trial_limits
 from seamark.server.runs.failure_reasons import DESCRIPTIONS
 from seamark.server.web.services import services
@@ -57,7 +63,7 @@ def _controller() -> dict[str, Any]:
         "booleans": observation.BOOLEANS,
         "command": observation.COMMAND,
         "archive": Limits(),
-        "example": starter_files.of("python"),
+        "example": editor_starters(CONTROLLER)[DEFAULT_LANGUAGE].text(),
         "limits": list(limits_of(trial_limits.for_trial(_usual_duration_s()))),
         "duration_s": _usual_duration_s(),
         "per_simulated_s": trial_limits.CPU_PER_SIMULATED_S,
@@ -87,7 +93,7 @@ def _tracker() -> dict[str, Any]:
     duration = benchmark.trial_duration_s(benchmark.read({}))
     return {
         "benchmark": benchmark,
-        "example": starter_files.of("python", "tracker"),
+        "example": editor_starters(TRACKER)[DEFAULT_LANGUAGE].text(),
         "limits": list(limits_of(trial_limits.for_trial(duration))),
         "duration_s": duration,
         "far_px": tracking.FAR_PX,
@@ -97,22 +103,17 @@ def _tracker() -> dict[str, Any]:
 
 def _native() -> dict[str, Any]:
     return {
-        "header": starter_files.header(),
-        "c": starter_files.of("c"),
-        "cpp": starter_files.of("c++"),
+        "header": c_family.HEADER.read_text("utf-8"),
+        "c": editor_starters(CONTROLLER)[c_family.C.name].text(),
+        "cpp": editor_starters(CONTROLLER)[c_family.CPP.name].text(),
         "compiling": COMPILING,
         "limits": Limits(),
     }
 
 
 def _languages() -> dict[str, Any]:
-    first = {
-        kind: next(iter(starter_files.start(kind).values())).decode()
-        for kind in ("matlab", "embedded-c", "executable")
-    }
-    members = starter_files.start("fmu")
-    first["fmu"] = members["modelDescription.xml"].decode()
-    return {"examples": first, "languages": LANGUAGES.values()}
+    examples = {name: starter.text() for name, starter in starters().items()}
+    return {"examples": examples, "languages": LANGUAGES.values()}
 
 
 def _runs() -> dict[str, Any]:

@@ -3,11 +3,11 @@
 from flask import Blueprint, g, redirect, render_template, request, url_for
 from flask.typing import ResponseReturnValue
 
-from seamark.sandbox.languages import LANGUAGES
+from seamark.sandbox.languages import DEFAULT_LANGUAGE, LANGUAGES, editor_starters
 from seamark.server import workers
 from seamark.server.accounts.permissions import Action, can
 from seamark.server.pages import benchmarks, form_fields, submitted_program
-from seamark.server.programs import archives, starter_files
+from seamark.server.programs import archives
 from seamark.server.programs.store import TEXT_MAX_BYTES, StoredProgram, UploadRejected
 from seamark.server.runs import quota, submission, trial_limits, views
 from seamark.server.runs.quota import QuotaExceeded
@@ -140,7 +140,7 @@ def _show(
     kept: StoredProgram | None = None,
 ) -> str:
     settings = services().settings
-    schema = benchmark.schema()
+    schema, starters = benchmark.schema(), editor_starters(benchmark.role)
     fields = {*schema["properties"], "program", "seed", "trials"}
     general = [text for name, text in errors.items() if name not in fields]
     with services().database.reading() as session:
@@ -162,15 +162,12 @@ def _show(
         errors=errors,
         kept=kept and {"program": kept, "token": submitted_program.token(benchmark, kept)},
         archives=archives.SUFFIXES,
-        file_names=starter_files.FILES[benchmark.role],
+        file_names={name: starter.upload_name for name, starter in starters.items()},
         general=" ".join(general),
         languages=[LANGUAGES[name] for name, refusal in refusals.items() if not refusal],
         unavailable={LANGUAGES[name].label: why for name, why in refusals.items() if why},
-        examples={
-            name: starter_files.of(name, benchmark.role)
-            for name in starter_files.FILES[benchmark.role]
-            if not refusals[name]
-        },
+        default_language=DEFAULT_LANGUAGE,
+        examples={name: starter.text() for name, starter in starters.items() if not refusals[name]},
         uploads=can(g.viewer, Action.UPLOAD),
         ranked=can(g.viewer, Action.SUBMIT_RANKED),
         upload_refusal=None if None in refusals.values() else next(iter(refusals.values())),

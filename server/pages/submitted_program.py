@@ -10,7 +10,8 @@ from typing import BinaryIO, cast
 from flask import g, request
 from itsdangerous import BadData, URLSafeTimedSerializer
 
-from seamark.server.programs import starter_files, store
+from seamark.sandbox.languages import DEFAULT_LANGUAGE, editor_starters
+from seamark.server.programs import store
 from seamark.server.programs.store import StoredProgram, UploadRejected
 from seamark.server.runs import submission
 from seamark.server.web.services import services
@@ -47,12 +48,12 @@ def token(benchmark: Benchmark, program: StoredProgram) -> str:
 
 
 def _save_text(benchmark: Benchmark, answers: dict[str, str]) -> StoredProgram:
-    name = starter_files.FILES[benchmark.role].get(answers.get("language", "python"))
-    if name is None:
+    starter = editor_starters(benchmark.role).get(answers.get("language", DEFAULT_LANGUAGE))
+    if starter is None:
         raise UploadRejected("Choose a language from the list.")
     # Browsers convert line endings to CR LF.
     text = answers.get("program_text", "").replace("\r\n", "\n").encode()
-    return _save(benchmark, io.BytesIO(text), name)
+    return _save(benchmark, io.BytesIO(text), starter.upload_name)
 
 
 def _save(benchmark: Benchmark, stream: BinaryIO, filename: str) -> StoredProgram:

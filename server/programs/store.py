@@ -90,7 +90,7 @@ def prepare(source: bytes, filename: str, *, role: str = "controller") -> Prepar
     language = _language_by_suffix(name)
     if not source.strip():
         raise UploadRejected(f"{name} is empty.")
-    if language is None or LANGUAGES[language].packed:
+    if language is None or LANGUAGES[language].is_archive:
         return _prepare_archive(source, name, language, role)
     if language == "python":
         found = python_lint.lint({name: source}, name, role)
@@ -186,10 +186,11 @@ def _prepare_archive(source: bytes, name: str, language: str | None, role: str) 
 def _main_file(files: dict[str, bytes], name: str) -> tuple[str, str]:
     """Return language and path of the archive's main file."""
     for language in LANGUAGES.values():
-        for main in language.mains:
+        for main in language.archive_mains:
             if main in files:
                 return language.name, main
-    known = ", ".join(f"{main} ({one.label})" for one in LANGUAGES.values() for main in one.mains)
+    languages = LANGUAGES.values()
+    known = ", ".join(f"{main} ({one.label})" for one in languages for main in one.archive_mains)
     top = sorted(path for path in files if "/" not in path)[:5]
     raise UploadRejected(
         f"{name}: the archive needs one of {known} at its top level; it has "
@@ -199,7 +200,7 @@ def _main_file(files: dict[str, bytes], name: str) -> tuple[str, str]:
 
 def _check_format(name: str, source: bytes, language: str) -> None:
     """Raise UploadRejected if these bytes cannot be a program of this language."""
-    refusal = LANGUAGES[language].refusal
+    refusal = LANGUAGES[language].binary_refusal
     if refusal is None:
         _check_utf8(name, source)
     elif reason := refusal(source):

@@ -20,7 +20,7 @@ from seamark.sandbox.limits import COMPILING, Limits
 from seamark.sandbox.outcome import Outcome, ProgramEnded
 from seamark.sandbox.probing.self_test import why_not
 from tests.hostile.conftest import LAYOUT, STEPS, limits_for
-from tests.worker.built import zipped
+from tests.sandbox.host_compiler import zipped
 
 pytestmark = pytest.mark.host
 

@@ -85,5 +85,5 @@ def test_what_a_worker_killed_at_the_start_of_a_box_leaves_goes_with_the_next_bo
         with Box(limits=Limits(), isolation=isolation) as box:
             printed(box, program())
 
-    for folder in cgroups.places().folders():
+    for folder in cgroups.parent_groups().folders():
         assert not [pid for pid in pids if list(folder.glob(f"seamark-box-{pid}-*"))]

@@ -11,7 +11,7 @@ from seamark.sandbox.box import Box
 from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.limits import Limits
 from seamark.sandbox.outcome import ProgramEnded, Verdict
-from seamark.sandbox.pool import Loan, Pool
+from seamark.sandbox.pool import BoxLease, Pool
 
 pytestmark = pytest.mark.host
 
@@ -26,8 +26,12 @@ class Controller:
 """
 
 
-def pool(isolation: IsolationLevel, stock: int = 1, oldest_s: float = 600.0) -> Pool:
-    return Pool({"python": stock}, limits=LIMITS, isolation=isolation, oldest_s=oldest_s)
+def idle(boxes: Pool) -> int:
+    return sum(map(len, boxes._idle.values()))
+
+
+def pool(isolation: IsolationLevel, stock: int = 1, max_age_s: float = 600.0) -> Pool:
+    return Pool({"python": stock}, limits=LIMITS, isolation=isolation, max_age_s=max_age_s)
 
 
 def answer(box: Box, t: float = 0.0) -> tuple[float, ...]:
@@ -52,27 +56,27 @@ def test_refilling_keeps_what_is_there_and_adds_what_is_missing(isolation) -> No
     with pool(isolation, stock=2) as boxes:
         boxes.refill()
         boxes.take("python", LIMITS).close()
-        assert boxes.waiting() == 1
+        assert idle(boxes) == 1
         boxes.refill()
-        assert boxes.waiting() == 2
+        assert idle(boxes) == 2
 
 
 def test_a_box_that_waited_too_long_is_replaced(isolation) -> None:
-    with pool(isolation, oldest_s=0.0) as boxes:
+    with pool(isolation, max_age_s=0.0) as boxes:
         boxes.refill()
         before = len(os.listdir("/proc/self/fd"))
         boxes.refill()
 
-        assert boxes.waiting() == 1
+        assert idle(boxes) == 1
         assert len(os.listdir("/proc/self/fd")) == before
 
 
 def test_a_box_that_died_while_it_waited_is_replaced_by_a_new_one(isolation) -> None:
     with pool(isolation, stock=1) as boxes:
         boxes.refill()
-        box = boxes._waiting["python"][0].box
+        box = boxes._idle["python"][0].box
         os.kill(pid_of(box), signal.SIGKILL)
-        assert select.select([box._cage.pidfd], [], [], 5.0)[0]
+        assert select.select([box._tree.pidfd], [], [], 5.0)[0]
 
         with boxes.take("python", LIMITS) as other:
             assert answer(other) == (1.0, 2.0, 3.0, 4.0)
@@ -83,7 +87,7 @@ def test_a_box_in_stock_gets_the_times_of_its_run(isolation) -> None:
     with pool(isolation) as boxes:
         boxes.refill()
         with boxes.take("python", limits) as box:
-            assert boxes.waiting() == 0
+            assert idle(boxes) == 0
             with pytest.raises(ProgramEnded, match=r"0\.3 s of CPU time") as end:
                 answer(box, t=1.0)
 
@@ -97,7 +101,7 @@ def test_what_the_kernel_holds_cannot_be_changed_so_that_a_new_box_is_made(
     with pool(isolation) as boxes:
         boxes.refill()
         boxes.take("python", replace(LIMITS, **other)).close()
-        assert boxes.waiting() == 1
+        assert idle(boxes) == 1
 
 
 def test_a_box_takes_no_limits_that_do_not_fit_it(isolation) -> None:
@@ -105,7 +109,7 @@ def test_a_box_takes_no_limits_that_do_not_fit_it(isolation) -> None:
         Box(limits=LIMITS, isolation=isolation) as box,
         pytest.raises(ValueError, match="do not fit"),
     ):
-        box.adopt(replace(LIMITS, memory_mib=1024), "python")
+        box.assign(replace(LIMITS, memory_mib=1024), "python")
 
 
 def test_a_box_takes_no_language_that_starts_otherwise(isolation) -> None:
@@ -113,32 +117,32 @@ def test_a_box_takes_no_language_that_starts_otherwise(isolation) -> None:
         Box(limits=LIMITS, isolation=isolation) as box,
         pytest.raises(ValueError, match="does not run"),
     ):
-        box.adopt(LIMITS, "matlab")
+        box.assign(LIMITS, "matlab")
 
 
 def test_compiled_languages_share_a_stock(isolation) -> None:
     with Pool({"c": 1, "c++": 1}, limits=LIMITS, isolation=isolation) as boxes:
         boxes.refill()
-        assert boxes.waiting() == 1
+        assert idle(boxes) == 1
         boxes.take("executable", LIMITS).close()
-        assert boxes.waiting() == 0
+        assert idle(boxes) == 0
 
 
-def in_a_fork(loan: Loan, boxes: Pool, kill: bool = False) -> bytes:
+def in_a_fork(lease: BoxLease, boxes: Pool, kill: bool = False) -> bytes:
     """Let a fork use what it is lent; return what it tells, empty if it was killed."""
     reading, writing = os.pipe()
     pid = os.fork()
     if pid == 0:
-        loan.use()
+        lease.take_over()
         box = boxes.take("python", LIMITS)
-        says = f"{answer(box)[2]} {boxes.waiting()}"
+        says = f"{answer(box)[2]} {idle(boxes)}"
         if kill:
             os.kill(os.getpid(), signal.SIGKILL)
         says += f" {box.finish().verdict}"
         box.close()
         os.write(writing, says.encode())
         os._exit(0)
-    loan.leave()
+    lease.hand_over()
     os.close(writing)
     with os.fdopen(reading, "rb") as said:
         text = said.read()
@@ -146,31 +150,31 @@ def in_a_fork(loan: Loan, boxes: Pool, kill: bool = False) -> bytes:
     return text
 
 
-def test_a_fork_uses_the_box_that_it_is_lent_and_no_other(isolation) -> None:
+def test_a_fork_uses_the_box_that_it_is_leased_and_no_other(isolation) -> None:
     with pool(isolation, stock=2) as boxes:
         boxes.refill()
-        mine = boxes._waiting["python"][1].box
-        loan = boxes.lend("python", 1)
-        lent = os.pidfd_open(pid_of(loan._lent[0].box))
+        mine = boxes._idle["python"][1].box
+        lease = boxes.lease("python", 1)
+        lent = os.pidfd_open(pid_of(lease._leased[0].box))
 
-        assert in_a_fork(loan, boxes) == b"3.0 0 ok"
+        assert in_a_fork(lease, boxes) == b"3.0 0 ok"
 
-        loan.close()
+        lease.close()
         assert select.select([lent], [], [], 5.0)[0]
         os.close(lent)
         assert answer(mine) == (1.0, 2.0, 3.0, 4.0)
 
 
-def test_the_box_of_a_fork_that_was_killed_ends_with_the_loan(isolation) -> None:
+def test_the_box_of_a_fork_that_was_killed_ends_with_the_lease(isolation) -> None:
     before = len(os.listdir("/proc/self/fd"))
     with pool(isolation) as boxes:
         boxes.refill()
-        loan = boxes.lend("python", 1)
-        pidfds = [os.pidfd_open(pid) for pid in loan._lent[0].box.processes()]
+        lease = boxes.lease("python", 1)
+        pidfds = [os.pidfd_open(pid) for pid in lease._leased[0].box.processes()]
 
-        assert in_a_fork(loan, boxes, kill=True) == b""
+        assert in_a_fork(lease, boxes, kill=True) == b""
 
-        loan.close()
+        lease.close()
         assert pidfds
         for one in pidfds:
             assert select.select([one], [], [], 5.0)[0]
@@ -197,7 +201,7 @@ def test_no_box_is_left_when_the_pool_closes(isolation) -> None:
     before = len(os.listdir("/proc/self/fd"))
     with pool(isolation, stock=2) as boxes:
         boxes.refill()
-        waiting = [one.box for one in boxes._waiting["python"]]
+        waiting = [one.box for one in boxes._idle["python"]]
         for box in waiting:
             box.wait_ready()
         everybody = [os.pidfd_open(pid) for box in waiting for pid in box.processes()]

@@ -14,7 +14,7 @@ from collections.abc import Callable, Iterator
 from typing import NoReturn
 
 from seamark.sandbox.outcome import SandboxBroken
-from seamark.sandbox.pool import Loan
+from seamark.sandbox.pool import BoxLease
 from seamark.worker.evaluation.cores import Cores
 from seamark.worker.evaluation.warm_boxes import WarmBoxes
 from seamark.worker.ipc import messages
@@ -128,7 +128,7 @@ class ParallelTrials:
 class TrialProcess:
     """One trial in a process of its own."""
 
-    def __init__(self, run_trial: RunTrial, trial: int, core: int, box: Loan | None) -> None:
+    def __init__(self, run_trial: RunTrial, trial: int, core: int, box: BoxLease | None) -> None:
         self.trial, self.core = trial, core
         self._box = box
         self._buffer: deque[Message] = deque()
@@ -141,7 +141,7 @@ class TrialProcess:
             self.channel.close()
             _child(run_trial, trial, core, childs, parent, box)
         if box:
-            box.leave()
+            box.hand_over()
         childs.close()
         self._reader = Reader(self.channel)
         self._pidfd = os.pidfd_open(self._pid)
@@ -204,7 +204,7 @@ def _child(
     core: int,
     channel: socket.socket,
     parent: int,
-    box: Loan | None,
+    box: BoxLease | None,
 ) -> NoReturn:
     """Be the process of a trial: never returns."""
 
@@ -214,7 +214,7 @@ def _child(
         die_with_parent(parent)
         pin(core)
         if box:
-            box.use()
+            box.take_over()
         messages.send(channel, _result(run_trial, trial, channel))
 
     run_forked(run, lambda text: messages.send(channel, Crashed(text)))

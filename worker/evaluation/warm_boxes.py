@@ -4,7 +4,7 @@ The process of the run owns the boxes and leases one to the process of each tria
 run, the boxes for the next ones start.
 """
 
-from seamark.sandbox.pool import Loan, Pool
+from seamark.sandbox.pool import BoxLease, Pool
 
 
 class WarmBoxes:
@@ -15,9 +15,9 @@ class WarmBoxes:
         self._language = language
         self._waiting_max = waiting_max
 
-    def lease(self) -> Loan:
+    def lease(self) -> BoxLease:
         """Return a box for the next trial, or none if none is waiting: the trial starts its own."""
-        return self._pool.lend(self._language, 1)
+        return self._pool.lease(self._language, 1)
 
     def start(self, trials: int) -> None:
         """Start the boxes that are missing for so many trials to come."""

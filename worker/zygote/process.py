@@ -14,7 +14,7 @@ import socket
 import sys
 from typing import NamedTuple
 
-from seamark.sandbox.pool import Loan, Pool
+from seamark.sandbox.pool import BoxLease, Pool
 from seamark.sim.engine.warm_up import warm_up
 from seamark.worker.evaluation.check import check
 from seamark.worker.evaluation.evaluation import Evaluation
@@ -62,7 +62,7 @@ class Zygote:
         if not packet:
             return False
         job, parent = Job.from_json(packet), os.getpid()
-        boxes = self._pool.lend(job.language, 0 if job.program is None else len(job.seeds))
+        boxes = self._pool.lease(job.language, 0 if job.program is None else len(job.seeds))
         with socket.socket(fileno=descriptors[0]) as channel:
             pid = os.fork()
             if pid == 0:
@@ -71,7 +71,7 @@ class Zygote:
                     lambda: _run(job, channel, self._slot, self._pool, boxes, parent),
                     lambda text: messages.send(channel, Crashed(text)),
                 )
-        boxes.leave()
+        boxes.hand_over()
         self._children[os.pidfd_open(pid)] = Child(pid, boxes)
         return True
 
@@ -87,14 +87,14 @@ class Child(NamedTuple):
     """A process that evaluates a job, and the boxes that are leased to it."""
 
     pid: int
-    boxes: Loan
+    boxes: BoxLease
 
 
 def _run(
-    job: Job, channel: socket.socket, slot: WorkerSlot, pool: Pool, boxes: Loan, parent: int
+    job: Job, channel: socket.socket, slot: WorkerSlot, pool: Pool, boxes: BoxLease, parent: int
 ) -> None:
     """Evaluate a job as a simulator child; the outcome is the last message."""
-    boxes.use()
+    boxes.take_over()
     die_with_parent(parent)
     limit_simulator(CPU_LIMIT_S)
     pin(slot.core)

@@ -1,5 +1,4 @@
-"""What runs in boxes beside the programs of strangers: one script per kind of program.
+"""What the scripts of several languages share inside a box. It imports nothing else of ours.
 
-The folder is bound into those boxes as a package of its own, so that it imports nothing of ours but
-itself. Nothing in it is trusted by the other side.
+The simulator trusts none of it: it runs beside the user's program.
 """

@@ -1,50 +1,44 @@
-"""The program's end of the protocol (docs/protocol.md), as all scripts in this folder speak it."""
+"""The program's end of the protocol (docs/protocol.md), for the scripts inside a box."""
 
 import json
 import os
 import resource
-import struct
-import sys
 from collections.abc import Sequence
 from itertools import pairwise
 
-TYPE_CHECKING = False  # `typing` takes a millisecond of every start
+from .wire import ERROR, HEADER, MAX_MESSAGE_BYTES, SIZES, VERSION
+
+TYPE_CHECKING = False  # importing `typing` would take a millisecond of every start
 if TYPE_CHECKING:
     from typing import Any, NoReturn
 
-VERSION = 1
-HEADER = struct.Struct("<cB2xI")
-COMMAND = struct.Struct("<4d")
-SIZES = struct.Struct("<II")
-ERROR = struct.Struct("<cH")
-MOST_BYTES = 65536  # [B] one frame
-MOST_FIELD = 1e6  # [m/s, rad/s] a command beyond is a mistake, not a wish
-MOST_SENTENCE, MOST_TEXT = 1500, 16000  # [B]
-DESCRIPTORS = 4096  # above the limit of open files
+MAX_SENTENCE_BYTES, MAX_TEXT_BYTES = 1500, 16000
+MAX_DESCRIPTORS = 4096  # above the limit of open files
+DISCONNECTED = 70  # exit code: the connection is lost
 
 
 class Connection:
-    """The descriptor and the number of the question that waits for an answer."""
+    """The socket, and the sequence number of the pending request."""
 
     def __init__(self, descriptor: int) -> None:
-        self.fd = descriptor
+        self.descriptor = descriptor
         self.sequence = 0
 
-    def send(self, kind: bytes, body: bytes = b"") -> None:
-        """Send one frame that answers the present question."""
-        os.write(self.fd, HEADER.pack(kind, VERSION, self.sequence) + body)
+    def send(self, message_type: bytes, body: bytes = b"") -> None:
+        """Send one message that answers the pending request."""
+        os.write(self.descriptor, HEADER.pack(message_type, VERSION, self.sequence) + body)
 
     def receive(self) -> tuple[bytes, bytes]:
-        """Return kind and body of the next question; ends the process if nobody asks any more."""
-        data = os.read(self.fd, MOST_BYTES)
+        """Return type and body of the next request; exit if the simulator is gone."""
+        data = os.read(self.descriptor, MAX_MESSAGE_BYTES)
         if not data:
             os._exit(0)
-        kind, _, self.sequence = HEADER.unpack_from(data)
-        return kind, data[HEADER.size :]
+        message_type, _, self.sequence = HEADER.unpack_from(data)
+        return message_type, data[HEADER.size :]
 
     def close_others(self, *kept: int) -> None:
-        """Close every descriptor but this one, the standard streams and those that are kept."""
-        wanted = sorted({2, self.fd, *kept, DESCRIPTORS})
+        """Close all descriptors except this one, the standard streams and those that are kept."""
+        wanted = sorted({2, self.descriptor, *kept, MAX_DESCRIPTORS})
         for before, after in pairwise(wanted):
             os.closerange(before + 1, after)
 
@@ -56,16 +50,18 @@ class Connection:
             data += self.receive()[1]
         return json.loads(data[:header_size]), bytes(data[header_size:])
 
-    def give_up(self, kind: bytes, sentence: str, text: str = "") -> "NoReturn":
-        """Send the last frame and end."""
-        words = sentence.encode("utf-8", "replace")[:MOST_SENTENCE]
-        trace = text.encode("utf-8", "replace")[:MOST_TEXT]
-        self.send(b"x", ERROR.pack(kind, len(words)) + words + trace)
+    def give_up(self, letter: bytes, sentence: str, text: str = "") -> "NoReturn":
+        """Report an error, with the letter of its verdict, and exit."""
+        encoded = sentence.encode("utf-8", "replace")[:MAX_SENTENCE_BYTES]
+        trace = text.encode("utf-8", "replace")[:MAX_TEXT_BYTES]
+        try:
+            self.send(b"x", ERROR.pack(letter, len(encoded)) + encoded + trace)
+        except OSError:
+            os._exit(DISCONNECTED)
         os._exit(1)
 
-    def leave(self) -> "NoReturn":
-        """Say the last word and end well."""
-        sys.stdout.flush()
+    def quit(self) -> "NoReturn":
+        """Send the last message and exit. No `atexit` and no `__del__` of the program runs."""
         self.send(b"q")
         os._exit(0)
 
@@ -73,22 +69,23 @@ class Connection:
 def connected(
     numbers: Sequence[str], *, inherited: bool = False, images: bool = False
 ) -> Connection:
-    """Close what is not needed, set the limits, say that the box is up.
+    """Return the connection after closing other descriptors and setting the limits.
 
     Parameters
     ----------
     numbers : 3 texts
-        The protocol's descriptor; processes and memory [MiB] to limit here, 0 where control groups
-        do it.
+        The socket's descriptor; the limits of processes and memory [MiB] to set here, 0 if control
+        groups enforce them.
     inherited : bool
-        Whether a program that this process becomes keeps the connection.
+        Whether a program that replaces this process keeps the connection.
     images : bool
-        Whether the descriptor of images may be needed: then `close_others` is the caller's to call.
+        Whether the images' descriptor may be needed: then the caller has to call `close_others`.
     """
     descriptor, processes, memory_mib = map(int, numbers)
     connection = Connection(descriptor)
     if not images:
         connection.close_others()
+    # Inside the user namespace: outside, the boxes of one user would share the limit.
     _limit(resource.RLIMIT_NPROC, processes)
     _limit(resource.RLIMIT_AS, memory_mib << 20)
     os.set_inheritable(descriptor, inherited)
@@ -96,6 +93,6 @@ def connected(
 
 
 def _limit(which: int, value: int) -> None:
-    """Lower a limit for good; 0 leaves it."""
+    """Lower a limit for good; 0 keeps it."""
     if value:
         resource.setrlimit(which, (value, value))

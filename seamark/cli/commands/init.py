@@ -7,13 +7,13 @@ from pathlib import Path
 import click
 
 from seamark.failures import UsageRefused
-
-LANGUAGES = ("python", "c", "c++", "matlab", "fmu", "embedded-c", "executable")
-COMPILE = "gcc -O2 -static {source} -o {program}"  # for a program that speaks the protocol itself
+from seamark.sandbox.languages import DEFAULT_LANGUAGE, starters
 
 
 @click.command()
-@click.option("--language", type=click.Choice(LANGUAGES), default="python", show_default=True)
+@click.option(
+    "--language", type=click.Choice(tuple(starters())), default=DEFAULT_LANGUAGE, show_default=True
+)
 @click.option(
     "--benchmark",
     default="currents-v1",
@@ -35,17 +35,14 @@ def init(*, language: str, benchmark: str, folder: Path) -> None:
       seamark init --benchmark visibility-v1 my_tracker
     """
     from seamark.cli.configuration import benchmark_of
-    from seamark.server.programs import starter_files
 
     entry = benchmark_of(benchmark)
     role, short = entry.role, entry.quick_settings
-    try:
-        files = starter_files.start(language, role)
-    except KeyError:
-        able = ", ".join(starter_files.FILES[role])
-        raise UsageRefused(
-            f"There is a {role} to start from in {able}, not in {language}."
-        ) from None
+    starter = starters(role).get(language)
+    if starter is None:
+        names = ", ".join(starters(role))
+        raise UsageRefused(f"There is a {role} to start from in {names}, not in {language}.")
+    files = starter.contents()
     taken = [name for name in files if (folder / name).exists()]
     if taken:
         raise UsageRefused(f"{folder / taken[0]} already exists; nothing was written.")
@@ -58,9 +55,9 @@ def init(*, language: str, benchmark: str, folder: Path) -> None:
         raise UsageRefused(f"{folder} cannot be written: {error.strerror}.") from None
     main = folder / next(iter(files))
     click.echo(f"Wrote {', '.join(str(folder / name) for name in files)}. Try it:")
-    if language == "executable":
+    if starter.build:
         source, main = main, main.with_suffix(".elf")
-        click.echo(f"  {COMPILE.format(source=source, program=main)}")
+        click.echo(f"  {starter.build.format(source=source, program=main)}")
     quick = " ".join(f"--set {key}={_text(value)}" for key, value in short.items())
     click.echo(f"  seamark run {benchmark} --controller {main} {quick}")
 

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from seamark.sandbox.isolation.bwrap_status import Information
+from seamark.sandbox.isolation.bwrap_status import BwrapStatus
 
 TOLD = b'{ "child-pid": 4711, "net-namespace": 4026532 }\n'
 
@@ -20,7 +20,7 @@ def pipe() -> Iterator[tuple[int, int]]:
 @pytest.mark.parametrize("cut", range(1, len(TOLD)))
 def test_half_of_it_is_waited_for(pipe: tuple[int, int], cut: int) -> None:
     reading, writing = pipe
-    information = Information(reading)
+    information = BwrapStatus(reading)
 
     os.write(writing, TOLD[:cut])
     early = information.init_pid()
@@ -37,7 +37,7 @@ def test_a_start_that_broke_off_tells_nothing() -> None:
     reading, writing = os.pipe()
     os.write(writing, TOLD[:20])
     os.close(writing)
-    information = Information(reading)
+    information = BwrapStatus(reading)
 
     assert information.init_pid(10.0) is None
     information.close()
@@ -46,7 +46,7 @@ def test_a_start_that_broke_off_tells_nothing() -> None:
 
 def test_the_end_of_the_program_is_known_when_it_was_told(pipe: tuple[int, int]) -> None:
     reading, writing = pipe
-    information = Information(reading)
+    information = BwrapStatus(reading)
 
     os.write(writing, TOLD)
     early = information.exit_code()

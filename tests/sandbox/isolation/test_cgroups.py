@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from seamark.sandbox.isolation import cgroups
-from seamark.sandbox.isolation.cgroups import ControlGroup, Kernel, Places
+from seamark.sandbox.isolation.cgroups import CgroupPaths, ControlGroup, Kernel
 from seamark.sandbox.limits import Limits
 from seamark.sandbox.outcome import SandboxBroken
 
@@ -41,7 +41,7 @@ class Version2(Kernel):
     """Makes and removes a group with its files."""
 
     @staticmethod
-    def make(folder: Path) -> None:
+    def create(folder: Path) -> None:
         folder.mkdir()
         for name, text in FILES.items():
             (folder / name).write_text(text)
@@ -75,7 +75,7 @@ def top(tmp_path: Path) -> Path:
 
 @pytest.fixture
 def group(top: Path) -> ControlGroup:
-    return ControlGroup(LIMITS, under=Places(top, top, top, top), kernel=Version2)
+    return ControlGroup(LIMITS, parents=CgroupPaths(top, top, top, top), kernel=Version2)
 
 
 def proc(tmp_path: Path, top: Path, own: str, *, root: str = "/") -> Path:
@@ -85,9 +85,9 @@ def proc(tmp_path: Path, top: Path, own: str, *, root: str = "/") -> Path:
 
 
 def test_a_host_with_version_2_alone_gets_all_groups_in_one_folder(tmp_path, top) -> None:
-    found = cgroups.places(proc(tmp_path, top, "/"))
+    found = cgroups.parent_groups(proc(tmp_path, top, "/"))
 
-    assert found == Places(top, top, top, top)
+    assert found == CgroupPaths(top, top, top, top)
     assert found.folders() == [top]
 
 
@@ -115,7 +115,7 @@ def test_a_group_that_systemd_left_to_us_comes_before_the_top(top) -> None:
     where = {"unified": (top, "/")}, {"unified": "/system.slice/seamark.service/seamark-service"}
     unmarked = cgroups._unified(*where)
     try:
-        os.setxattr(own, cgroups.MARK, b"1")
+        os.setxattr(own, cgroups.DELEGATED, b"1")
     except OSError:
         pytest.skip("this file system keeps no marks")
 
@@ -133,7 +133,7 @@ def test_a_process_that_ended_meanwhile_stops_no_move(top, monkeypatch) -> None:
 
     monkeypatch.setattr(Path, "write_text", refuses_41)
 
-    cgroups._step_aside(own)
+    cgroups._move_to_leaf(own)
 
     assert (own / cgroups.LEAF / "cgroup.procs").read_text() == "42"
 
@@ -143,7 +143,7 @@ def test_a_host_without_the_controllers_says_so(tmp_path, top) -> None:
     (top / "cgroup.subtree_control").write_text("hugetlb\n")
 
     with pytest.raises(SandboxBroken, match="memory and pids"):
-        cgroups.places(proc(tmp_path, top, "/"))
+        cgroups.parent_groups(proc(tmp_path, top, "/"))
 
 
 def test_version_1_with_a_version_2_that_can_only_kill_uses_both(tmp_path, top) -> None:
@@ -164,9 +164,11 @@ def test_version_1_with_a_version_2_that_can_only_kill_uses_both(tmp_path, top) 
         },
     )
 
-    found = cgroups.places(here)
+    found = cgroups.parent_groups(here)
 
-    assert found == Places(tmp_path / "memory", tmp_path / "pids", tmp_path / "cpu,cpuacct", top)
+    assert found == CgroupPaths(
+        tmp_path / "memory", tmp_path / "pids", tmp_path / "cpu,cpuacct", top
+    )
 
 
 def test_the_limits_stand_in_the_files_of_version_2(group, top) -> None:
@@ -176,7 +178,7 @@ def test_the_limits_stand_in_the_files_of_version_2(group, top) -> None:
     assert (folder / "memory.swap.max").read_text() == "0"
     assert (folder / "memory.oom.group").read_text() == "1"
     assert (folder / "pids.max").read_text() == str(20 + cgroups.OVERHEAD_PROCESSES)
-    assert group.entries() == [f"{folder}/cgroup.procs"]
+    assert group.procs_files() == [f"{folder}/cgroup.procs"]
     group.remove()
 
 
@@ -223,7 +225,7 @@ def test_all_processes_are_killed_by_one_word_and_the_group_goes(group, top) -> 
 
 def test_a_group_that_cannot_be_removed_is_said_to_have_survivors(top, monkeypatch) -> None:
     monkeypatch.setattr(cgroups, "REMOVE_WITHIN_S", 0.01)
-    group = ControlGroup(LIMITS, under=Places(top, top, top, top), kernel=Busy)
+    group = ControlGroup(LIMITS, parents=CgroupPaths(top, top, top, top), kernel=Busy)
 
     with pytest.raises(SandboxBroken, match="processes survive"):
         group.remove()

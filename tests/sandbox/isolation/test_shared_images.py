@@ -1,4 +1,4 @@
-"""The memory of images: whoever holds its descriptor can read it and nothing else."""
+"""The images' memory: whoever holds its descriptor can read it, and nothing else."""
 
 import fcntl
 import mmap
@@ -11,9 +11,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from seamark.sandbox.isolation.shared_images import MOST_BYTES, PICTURE, PLACES, Pictures
+from seamark.sandbox.isolation.shared_images import MAX_IMAGE_BYTES, SLOTS, SharedImages
+from seamark.sandbox.languages.inside.wire import IMAGE
 
-SIZE = PLACES * MOST_BYTES
+SIZE = SLOTS * MAX_IMAGE_BYTES
 ATTACKS = """
     import ctypes, fcntl, mmap, os, sys
     libc = ctypes.CDLL(None, use_errno=True)
@@ -29,8 +30,8 @@ ATTACKS = """
 
     def unprotected(descriptor):
         libc.mmap.restype = ctypes.c_void_p
-        place = libc.mmap(None, 4096, 1, 1, descriptor, 0)
-        if libc.mprotect(ctypes.c_void_p(place), 4096, 3):
+        address = libc.mmap(None, 4096, 1, 1, descriptor, 0)
+        if libc.mprotect(ctypes.c_void_p(address), 4096, 3):
             raise OSError("mprotect")
 
     def reopened():
@@ -64,25 +65,25 @@ ATTACKS = """
 
 
 def test_a_process_of_the_same_user_with_the_descriptor_can_change_nothing() -> None:
-    pictures = Pictures()
-    pictures.first(memoryview(bytes(4096)).cast("B", (64, 64)))
-    command = [sys.executable, "-c", textwrap.dedent(ATTACKS), str(pictures.descriptor)]
+    memory = SharedImages()
+    memory.put_first(memoryview(bytes(4096)).cast("B", (64, 64)))
+    command = [sys.executable, "-c", textwrap.dedent(ATTACKS), str(memory.descriptor)]
 
     done = subprocess.run(
-        command, pass_fds=[pictures.descriptor], capture_output=True, text=True, check=True
+        command, pass_fds=[memory.descriptor], capture_output=True, text=True, check=True
     )
 
     assert done.stdout.split("\n") == [""]
-    assert os.fstat(pictures.descriptor).st_size == SIZE
-    assert os.pread(pictures.descriptor, 4096, 0) == bytes(4096)
-    pictures.close()
+    assert os.fstat(memory.descriptor).st_size == SIZE
+    assert os.pread(memory.descriptor, 4096, 0) == bytes(4096)
+    memory.close()
 
 
 def test_the_descriptor_that_is_handed_out_was_never_open_for_writing() -> None:
-    pictures = Pictures()
+    memory = SharedImages()
 
-    assert fcntl.fcntl(pictures.descriptor, fcntl.F_GETFL) & os.O_ACCMODE == os.O_RDONLY
-    pictures.close()
+    assert fcntl.fcntl(memory.descriptor, fcntl.F_GETFL) & os.O_ACCMODE == os.O_RDONLY
+    memory.close()
 
 
 @given(
@@ -91,30 +92,30 @@ def test_the_descriptor_that_is_handed_out_was_never_open_for_writing() -> None:
         max_size=12,
     )
 )
-def test_an_image_lies_where_the_frame_says_and_leaves_the_ones_that_must_stay(images) -> None:
-    pictures = Pictures()
-    reading = mmap.mmap(pictures.descriptor, SIZE, prot=mmap.PROT_READ)
+def test_an_image_lies_where_the_message_says_and_keeps_those_that_must_stay(images) -> None:
+    memory = SharedImages()
+    reading = mmap.mmap(memory.descriptor, SIZE, prot=mmap.PROT_READ)
     first, updates = None, []
     for number, (starts, height, width, channels) in enumerate(images):
         shape = (height, width) if channels == 1 else (height, width, channels)
         image = bytes([number + 1]) * (height * width * channels)
-        put = pictures.first if starts else pictures.next
-        words = PICTURE.unpack(put(memoryview(image).cast("B", shape)))
-        assert words[1:] == (height, width, channels)
+        put = memory.put_first if starts else memory.put_next
+        header = IMAGE.unpack(put(memoryview(image).cast("B", shape)))
+        assert header[1:] == (height, width, channels)
         if starts:
-            first = (words[0], image)
+            first = (header[0], image)
         else:
-            updates = [*updates[-1:], (words[0], image)]
+            updates = [*updates[-1:], (header[0], image)]
         for offset, kept in [*([first] if first else []), *updates]:
             assert reading[offset : offset + len(kept)] == kept
     reading.close()
-    pictures.close()
+    memory.close()
 
 
 def test_closing_twice_does_nothing() -> None:
-    pictures = Pictures()
-    pictures.close()
-    pictures.close()
+    memory = SharedImages()
+    memory.close()
+    memory.close()
 
     with pytest.raises(ValueError, match="closed"):
-        pictures.first(memoryview(bytes(4)).cast("B", (2, 2)))
+        memory.put_first(memoryview(bytes(4)).cast("B", (2, 2)))

@@ -7,8 +7,8 @@ import pytest
 from seamark.sandbox.box import Box
 from seamark.sandbox.compilation import compiled
 from seamark.sandbox.isolation.level import IsolationLevel
-from seamark.sandbox.languages.executable import IDENTITY, refusal
-from seamark.sandbox.languages.native import SELF_TEST
+from seamark.sandbox.languages.c_family import C
+from seamark.sandbox.languages.executable import ELF_HEADER, refusal
 from seamark.sandbox.limits import Limits
 from seamark.sandbox.outcome import Outcome, ProgramEnded, Verdict
 from seamark.sandbox.probing.self_test import why_not
@@ -17,7 +17,7 @@ from tests.hostile.conftest import LAYOUT
 
 
 def elf(*, bits: int = 2, machine: int = 62, kind: int = 2, order: int = 1) -> bytes:
-    return IDENTITY.pack(b"\x7fELF", bits, order, 1, 0, kind, machine) + bytes(200)
+    return ELF_HEADER.pack(b"\x7fELF", bits, order, 1, 0, kind, machine) + bytes(200)
 
 
 CASES = [
@@ -69,7 +69,7 @@ def test_what_is_refused_would_end_as_the_users_error(program, _, executables) -
 
 @pytest.mark.host
 def test_a_compiled_program_is_no_text_and_runs(executables) -> None:
-    program = compiled("c", SELF_TEST.encode(), "half.c", isolation=executables)
+    program = compiled("c", C.self_test.upload(), "half.c", isolation=executables)
 
     assert refusal(program) == ""
     assert store.prepare(program, "half").language == "executable"
@@ -79,7 +79,8 @@ def test_a_compiled_program_is_no_text_and_runs(executables) -> None:
 @pytest.mark.host
 def test_an_executable_that_speaks_no_protocol_ends_by_its_own_fault(executables) -> None:
     text = (
-        SELF_TEST + "#include <stdlib.h>\n__attribute__((constructor)) void f(void) { exit(0); }\n"
+        C.self_test.text()
+        + "#include <stdlib.h>\n__attribute__((constructor)) void f(void) { exit(0); }\n"
     )
     program = compiled("c", text.encode(), "exits.c", isolation=executables)
 
@@ -89,5 +90,5 @@ def test_an_executable_that_speaks_no_protocol_ends_by_its_own_fault(executables
     assert "exit code 0" in outcome.sentence
 
 
-def test_the_identity_is_that_of_the_standard() -> None:
-    assert IDENTITY.size == struct.calcsize("<16sHH")
+def test_the_elf_header_has_the_size_of_the_standard() -> None:
+    assert ELF_HEADER.size == struct.calcsize("<16sHH")

@@ -8,10 +8,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from seamark.sandbox.languages.inside.fmu_build import BUILD, Build, build_of
-from seamark.sandbox.languages.inside.fmu_description import Unusable, read
-from seamark.sandbox.languages.inside.fmu_wiring import Wiring, wired
-from seamark.sandbox.languages.inside.names import commanded, observed
+from seamark.sandbox.languages.fmu.inside.build import BUILD, Build, build_of
+from seamark.sandbox.languages.fmu.inside.description import Unusable, read
+from seamark.sandbox.languages.fmu.inside.wiring import Wiring, wired
+from seamark.sandbox.languages.inside.port_names import command_spans, observation_spans
 
 LAYOUT = {"observation": [["t", 0], ["error", 3], ["attitude", 3], ["thrust", 2]]}
 MODEL = '<CoSimulation modelIdentifier="m"/>'
@@ -61,14 +61,14 @@ def wiring(data: bytes, config: dict[str, object] | None = None) -> Wiring:
         (b"PK\x03\x04" + bytes(100), "zip archive"),
         (fmu(version="1.0"), "FMI 1.0; FMI 2.0 and 3.0"),
         (fmu(model='<ModelExchange modelIdentifier="m"/>'), "co-simulation"),
-        (fmu(ENOUGH.replace('"1"', '"x"')), "surge has no valueReference"),
+        (fmu(ENOUGH.replace('"1"', '"x"')), "surge has no integer valueReference"),
         (fmu(scalar("surge", "output")), "no output sway. Its outputs are: surge; wanted"),
         (fmu(), "no output surge and sway. Its outputs are: none"),
         (
             fmu(ENOUGH + scalar("errorx", "input")),
             "no observation has: errorx. .* error_x, error_y",
         ),
-        (fmu(ENOUGH + scalar("t", "input", kind="String")), "t is not of a type of numbers"),
+        (fmu(ENOUGH + scalar("t", "input", kind="String")), "t is not of a numeric type"),
         (fmu(ENOUGH, mapping=[1]), "extra/seamark.json must be an object"),
         (fmu(ENOUGH, mapping={"input": {}}), "objects inputs, outputs, parameters"),
         (fmu(ENOUGH, mapping={"inputs": {"e": "t"}}), "has e, which is no input .* are: none"),
@@ -76,7 +76,7 @@ def wiring(data: bytes, config: dict[str, object] | None = None) -> Wiring:
         (fmu(ENOUGH, mapping={"outputs": {"pitch": "surge"}}), "there are surge, sway, heave"),
         (
             fmu(ENOUGH + scalar("g", "parameter"), mapping={"parameters": {"g": "kp"}}),
-            "g is mapped to kp, which is none",
+            "g is mapped to kp, which is not a number",
         ),
         (
             fmu(ENOUGH + scalar("error", "input")),
@@ -117,22 +117,22 @@ def test_a_mapping_connects_other_names_and_numbers() -> None:
 
     found = wiring(fmu(variables, mapping=mapping), {"kp": 0.5})
 
-    assert [(end.variable.name, end.place.offset) for end in found.inputs] == [("In1", 1)]
+    assert [(end.variable.name, end.span.offset) for end in found.inputs] == [("In1", 1)]
     assert [(end.variable.name, end.value) for end in found.constants] == [
         ("In2", 2.5),
         ("gain", 0.5),
     ]
-    assert [(end.variable.name, end.place.offset) for end in found.outputs] == [("Out1", 0)]
+    assert [(end.variable.name, end.span.offset) for end in found.outputs] == [("Out1", 0)]
     assert found.fixed == {1: 0.25}
 
 
 def test_an_element_of_a_vector_has_three_names() -> None:
-    places = observed(LAYOUT)
+    spans = observation_spans(LAYOUT)
 
-    assert places["error[2]"] == places["error_2"] == places["error_y"]
-    assert places["yaw"] == places["attitude[3]"]
-    assert places["thrust[2]"].offset == 8
-    assert commanded()["yaw_rate"] == commanded()["command[4]"]
+    assert spans["error[2]"] == spans["error_2"] == spans["error_y"]
+    assert spans["yaw"] == spans["attitude[3]"]
+    assert spans["thrust[2]"].offset == 8
+    assert command_spans()["yaw_rate"] == command_spans()["command[4]"]
 
 
 BUILT = """
@@ -173,7 +173,7 @@ def test_sources_of_fmi_3_are_compiled_as_their_build_description_says() -> None
         ('<SourceFile name="../a.c"/>', "", "outside"),
         ('<SourceFile name="/etc/passwd"/>', "", "outside"),
         ('<IncludeDirectory name="../../x"/>', "", "outside"),
-        ('<PreprocessorDefinition name="A -fplugin=x"/>', "", "no name"),
+        ('<PreprocessorDefinition name="A -fplugin=x"/>', "", "not a valid name"),
         ("", '<SourceFileSet language="C++11"/>', r"C\+\+11 sources"),
         ("", '<SourceFileSet compilerOptions="-ffast-math"/>', "C -ffast-math"),
     ],

@@ -21,7 +21,7 @@ def test_the_remedy_of_a_missing_language_names_its_own_package(
 
 
 def test_a_language_without_packages_is_mended_by_the_set_up() -> None:
-    without = [language for language in LANGUAGES.values() if not language.packages]
+    without = [language for language in LANGUAGES.values() if not language.debian_packages]
 
     assert [language.name for language in without] == ["python"]
     assert all("./run" in language.remedy for language in without)

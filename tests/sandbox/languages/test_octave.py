@@ -10,13 +10,13 @@ from hypothesis import strategies as st
 
 from seamark.sandbox.box import Box
 from seamark.sandbox.isolation.level import IsolationLevel
-from seamark.sandbox.languages.inside.octave_relay import octave_value
-from seamark.sandbox.languages.language import Bind
-from seamark.sandbox.languages.octave.host import alternatives
+from seamark.sandbox.languages.matlab.host import alternatives
+from seamark.sandbox.languages.matlab.inside.relay import octave_value
 from seamark.sandbox.limits import Limits
 from seamark.sandbox.outcome import Outcome, ProgramEnded
 from seamark.sandbox.probing.self_test import why_not
-from tests.worker.built import zipped
+from seamark.sandbox.runtime import BindMount
+from tests.sandbox.host_compiler import zipped
 
 LAYOUT = {
     "observation": [["t", 0], ["new_field", 2], ["error", 3], ["target_visible", 0]],
@@ -47,7 +47,7 @@ def test_every_library_that_is_reached_over_etc_is_in_the_box(tmp_path: Path) ->
     (tmp_path / "libgone.so.1").symlink_to("/etc/alternatives/of-nothing")
     (tmp_path / "libchosen.so.0").symlink_to("/etc/hostname")
 
-    assert alternatives(tmp_path) == [Bind(Path("/etc/hostname"), "/etc/hostname")]
+    assert alternatives(tmp_path) == [BindMount(Path("/etc/hostname"), "/etc/hostname")]
 
 
 @pytest.fixture(scope="module")

@@ -105,7 +105,7 @@ def ended(source: str, octave: IsolationLevel, role: str) -> Outcome:
 @pytest.mark.parametrize(
     ("returned", "says"),
     [
-        ("{1}", "no array of at most 64 structures"),
+        ("{1}", "an array of at most 64 structures"),
         ("repmat(one, 1, 65)", "at most 64"),
         ("setfield(one, 'confidence', NaN)", "confidence"),
         ("setfield(one, 'label', '')", "label"),

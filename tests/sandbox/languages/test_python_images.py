@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 from seamark.sandbox.box import Box
 from seamark.sandbox.isolation.level import IsolationLevel
-from seamark.sandbox.isolation.shared_images import MOST_BYTES
+from seamark.sandbox.isolation.shared_images import MAX_IMAGE_BYTES
+from seamark.sandbox.languages.inside.wire import MAX_DETECTIONS
 from seamark.sandbox.limits import Limits
 from seamark.sandbox.outcome import Outcome, ProgramEnded, Verdict
-from seamark.sandbox.protocol.answers import MOST_DETECTIONS
 
 pytestmark = pytest.mark.host
 
@@ -188,7 +188,7 @@ def test_what_a_program_of_a_role_lacks_is_named(box, source, role, says) -> Non
         np.zeros((2, 240, 320, 3), np.uint8),
         np.zeros((240, 320), np.uint8)[:, ::2],
         np.zeros((0, 320), np.uint8),
-        np.zeros(MOST_BYTES + 1, np.uint8).reshape(1, -1),
+        np.zeros(MAX_IMAGE_BYTES + 1, np.uint8).reshape(1, -1),
     ],
 )
 def test_an_image_of_another_kind_is_our_mistake_not_the_programs(box, image) -> None:
@@ -217,9 +217,9 @@ def test_a_detector_may_see_nothing_or_as_much_as_the_limit(box) -> None:
     detecting(box, f"[('a', {CORNERS.tolist()}, 0)] * int(image[0, 0])")
 
     assert box.detect(np.zeros((1, 1), np.uint8)) == []
-    assert len(box.detect(np.full((1, 1), MOST_DETECTIONS, np.uint8))) == MOST_DETECTIONS
+    assert len(box.detect(np.full((1, 1), MAX_DETECTIONS, np.uint8))) == MAX_DETECTIONS
     with pytest.raises(ProgramEnded, match="more than 64 detections"):
-        box.detect(np.full((1, 1), MOST_DETECTIONS + 1, np.uint8))
+        box.detect(np.full((1, 1), MAX_DETECTIONS + 1, np.uint8))
 
 
 @pytest.mark.parametrize(

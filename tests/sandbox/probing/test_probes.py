@@ -16,9 +16,9 @@ from seamark.sandbox.box import Box
 from seamark.sandbox.isolation import proc_stats, uid_slots
 from seamark.sandbox.isolation.bwrap_command import Descriptors, bwrap_command
 from seamark.sandbox.isolation.level import IsolationLevel
-from seamark.sandbox.isolation.readable_copies import SHELF
+from seamark.sandbox.isolation.readable_copies import COPIES
 from seamark.sandbox.languages import LANGUAGES, language_of
-from seamark.sandbox.languages.python_host import PACKAGES, package_folder, python_runtime
+from seamark.sandbox.languages.python.host import PACKAGES, package_folder, python_runtime
 from seamark.sandbox.limits import Limits
 from seamark.sandbox.outcome import Verdict
 from seamark.sandbox.probing.probes import probe
@@ -36,14 +36,13 @@ REPORT = """
     from seamark.sandbox import box
     from seamark.sandbox.isolation import cgroups
     from seamark.sandbox.box import Box
-    from seamark.sandbox.languages.python import SELF_TEST
     from seamark.sandbox.probing.probes import probe
     from seamark.sandbox.limits import Limits
     from seamark.sandbox.outcome import ProgramEnded
     LAYOUT = {"observation": [["t", 0], ["error", 3]], "command": []}
     found = probe()
     report = {"level": found.level.name, "why": found.sentence(), "package": box.__file__}
-    report["groups"] = str(cgroups.places().memory) if found.level.name == "STRONG" else ""
+    report["groups"] = str(cgroups.parent_groups().memory) if found.level.name == "STRONG" else ""
     for name, source in json.loads(SOURCES).items():
         with Box(limits=Limits(cpu_s=2.0, memory_mib=192), isolation=found.level) as one:
             try:
@@ -55,7 +54,7 @@ REPORT = """
     print(json.dumps(report))
 """
 SOURCES = {
-    "well": LANGUAGES["python"].self_test,
+    "well": LANGUAGES["python"].self_test.text(),
     "heap": "x = [b'x' * (1 << 20) for _ in range(400)]",
     "spin": "while True: pass",
     "fork": "import os\nwhile True: os.fork()",
@@ -196,9 +195,9 @@ def test_checkout_and_packages_may_lie_where_other_users_may_not_enter(tmp_path,
 @pytest.fixture
 def shelf() -> Iterator[Path]:
     """Give the folder of the copies; what the test adds goes."""
-    before = set(SHELF.glob("*"))
-    yield SHELF
-    for path in set(SHELF.glob("*")) - before:
+    before = set(COPIES.glob("*"))
+    yield COPIES
+    for path in set(COPIES.glob("*")) - before:
         shutil.rmtree(path) if path.is_dir() else path.unlink()
 
 

@@ -1,4 +1,4 @@
-"""Both sides of the protocol take whatever is sent: a verdict or a sentence, never a crash."""
+"""Both ends of the protocol accept whatever is sent: a verdict or an error, never a crash."""
 
 import random
 import struct
@@ -7,68 +7,70 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
+from seamark.sandbox.languages.inside.wire import ERROR
 from seamark.sandbox.outcome import Verdict
 from seamark.sandbox.protocol import messages
 from tests.fuzz import sides
-from tests.fuzz.session import packets_of, runner_once, trusted_once
+from tests.fuzz.session import packets_of, runner_once, simulator_once
 
-KINDS = [bytes([letter]) for letter in b"kcxqtdISROTUDQ\x00\xff"]
+TYPES = [bytes([letter]) for letter in b"kcxqtdISROTUDQ\x00\xff"]
 NUMBERS = st.one_of(st.integers(0, 8), st.integers(0, 2**32 - 1))
 DOUBLES = st.lists(st.floats(), max_size=12).map(lambda many: struct.pack(f"<{len(many)}d", *many))
 BODIES = st.one_of(st.binary(max_size=200), DOUBLES, st.just(b""), st.just(bytes(70_000)))
-FRAMES = st.builds(
-    lambda kind, version, number, body: struct.pack("<cB2xI", kind, version, number) + body,
-    st.sampled_from(KINDS),
+MESSAGES = st.builds(
+    lambda letter, version, number, body: struct.pack("<cB2xI", letter, version, number) + body,
+    st.sampled_from(TYPES),
     st.sampled_from([1, 1, 1, 0, 2, 255]),
     NUMBERS,
     BODIES,
 )
-PACKETS = st.lists(st.one_of(FRAMES, st.binary(max_size=80)), max_size=8)
+PACKETS = st.lists(st.one_of(MESSAGES, st.binary(max_size=80)), max_size=8)
 
 WELL = [
-    messages.frame(messages.READY, 0),
-    messages.frame(messages.READY, 1),
-    messages.COMMAND.pack(messages.ANSWER, 1, 2, 1.0, 2.0, 3.0, 4.0),
-    messages.frame(messages.TRACK, 3, struct.pack("<8d", *range(8))),
-    messages.frame(messages.DETECTIONS, 4, struct.pack("<I9dH", 1, *[0.5] * 9, 2) + b"ab"),
-    messages.frame(messages.BYE, 5),
+    messages.message(messages.READY, 0),
+    messages.message(messages.READY, 1),
+    messages.message(messages.COMMAND, 2, struct.pack("<4d", 1.0, 2.0, 3.0, 4.0)),
+    messages.message(messages.TRACK, 3, struct.pack("<8d", *range(8))),
+    messages.message(messages.DETECTIONS, 4, struct.pack("<I9dH", 1, *[0.5] * 9, 2) + b"ab"),
+    messages.message(messages.BYE, 5),
 ]
 SEEDS = range(300)
 
 
-def test_an_error_is_heard_also_if_the_program_left_before_it_was_asked_everything() -> None:
-    said = messages.ERROR.pack(b"s", 5) + b"wrong"
+def test_an_error_is_reported_even_if_the_program_left_before_the_next_request() -> None:
+    error = ERROR.pack(b"s", 5) + b"wrong"
 
     assert (
-        sides.trusted([WELL[0], messages.frame(messages.FAILED, 1, said)]) is Verdict.COMPILE_ERROR
+        sides.simulator([WELL[0], messages.message(messages.FAILED, 1, error)])
+        is Verdict.COMPILE_ERROR
     )
 
 
-def test_the_peer_of_this_file_reaches_every_question() -> None:
-    with_code = sides.trusted(WELL)
+def test_the_good_messages_of_this_file_reach_every_request() -> None:
+    with_code = sides.simulator(WELL)
 
-    assert with_code is Verdict.PROTOCOL_ERROR  # the last word came, exit code 0 did not
-    assert sides.trusted(WELL[:-1]) is Verdict.PROTOCOL_ERROR
+    assert with_code is Verdict.PROTOCOL_ERROR  # it quit, but not with exit code 0
+    assert sides.simulator(WELL[:-1]) is Verdict.PROTOCOL_ERROR
 
 
 @settings(max_examples=150, deadline=None)
 @given(packets=PACKETS, printed=st.binary(max_size=100))
-def test_whatever_a_program_sends_it_ends_as_a_verdict(packets, printed) -> None:
-    sides.trusted(packets, printed)
+def test_whatever_a_program_sends_it_ends_with_a_verdict(packets, printed) -> None:
+    sides.simulator(packets, printed)
 
 
 @settings(max_examples=150, deadline=None)
 @given(data=st.data(), packets=PACKETS)
 @example(data=None, packets=[])
-def test_a_good_program_that_turns_bad_at_any_point_ends_as_a_verdict(data, packets) -> None:
+def test_a_good_program_that_turns_bad_at_any_point_ends_with_a_verdict(data, packets) -> None:
     good = 0 if data is None else data.draw(st.integers(0, len(WELL)))
 
-    sides.trusted([*WELL[:good], *packets])
+    sides.simulator([*WELL[:good], *packets])
 
 
 @settings(max_examples=40, deadline=None)
 @given(packets=PACKETS)
-def test_whatever_the_runner_is_sent_it_ends_by_itself(packets) -> None:
+def test_whatever_the_runner_receives_it_exits(packets) -> None:
     code, _ = sides.runner(packets)
 
     assert code in sides.GOOD_EXITS
@@ -76,32 +78,32 @@ def test_whatever_the_runner_is_sent_it_ends_by_itself(packets) -> None:
 
 @settings(max_examples=40, deadline=None)
 @given(packets=PACKETS)
-def test_whatever_the_runner_is_sent_after_a_program_it_ends_by_itself(packets) -> None:
-    code, kinds = sides.runner([*sides.loading(), *packets])
+def test_whatever_the_runner_receives_after_a_program_it_exits(packets) -> None:
+    code, types = sides.runner([*sides.loading(), *packets])
 
     assert code in sides.GOOD_EXITS
-    assert kinds[:2] == [b"k", b"k"]
-    assert set(kinds) <= {b"k", b"c", b"x", b"q"}
+    assert types[:2] == [b"k", b"k"]
+    assert set(types) <= {b"k", b"c", b"x", b"q"}
 
 
-def test_the_runner_of_this_file_answers_what_is_well() -> None:
+def test_the_runner_answers_good_requests() -> None:
     asked = [
         *sides.loading(),
-        messages.frame(messages.RESET, 3, b"{}"),
-        messages.frame(messages.OBSERVE, 4, struct.pack("<4d", 1.0, 2.0, 3.0, 4.0)),
-        messages.frame(messages.QUIT, 5),
+        messages.message(messages.RESET, 3, b"{}"),
+        messages.message(messages.OBSERVE, 4, struct.pack("<4d", 1.0, 2.0, 3.0, 4.0)),
+        messages.message(messages.QUIT, 5),
     ]
 
     assert sides.runner(asked) == (0, [b"k", b"k", b"k", b"c", b"q"])
 
 
-@pytest.mark.parametrize("once", [trusted_once, runner_once])
-def test_the_targets_of_the_fuzzer_take_a_corpus_of_random_bytes(once) -> None:
+@pytest.mark.parametrize("once", [simulator_once, runner_once])
+def test_the_fuzz_targets_accept_random_bytes(once) -> None:
     for seed in SEEDS:
         once(random.Random(seed).randbytes(seed * 3))  # noqa: S311
 
 
-def test_the_fuzzers_bytes_become_frames_of_all_shapes() -> None:
+def test_the_fuzzers_bytes_become_messages_and_raw_packets() -> None:
     made = packets_of(b"\x01\x00\x02c!" + b"\x02\x00\x01cab")
 
-    assert made == [messages.frame(b"c", 1, b"!"), b"ab"]
+    assert made == [messages.message(b"c", 1, b"!"), b"ab"]

@@ -1,21 +1,22 @@
 """docs/protocol.md and seamark.h say what the code does.
 
-`python -m tests.sandbox.protocol.test_protocol_page` writes the page's table anew.
+`python -m tests.sandbox.protocol.test_protocol_page` rewrites the page's table.
 """
 
 import re
 import struct
 from pathlib import Path
 
-from seamark.sandbox.languages import native
+from seamark.sandbox.languages import c_family
+from seamark.sandbox.languages.inside.wire import MAX_MESSAGE_BYTES, VERSION
 from seamark.sandbox.protocol import messages
 from seamark.sim.control import observation
 from seamark.sim.control.observation import PER_THRUSTER
 
 PAGE = Path(__file__).parents[3] / "docs" / "protocol.md"
-HEADER = Path(native.__file__).with_name("seamark.h")
-RUNNER = Path(native.__file__).with_name("runner.c")
-PLACE = re.compile(r"(<!-- observation: .*? -->\n)(.*?)(<!-- end -->)", re.DOTALL)
+HEADER = Path(c_family.__file__).with_name("seamark.h")
+RUNNER = Path(c_family.__file__).with_name("runner.c")
+TABLE = re.compile(r"(<!-- observation: .*? -->\n)(.*?)(<!-- end -->)", re.DOTALL)
 ADDED = "thrusters"  # the header's own field: how long `thrust` is
 MOST_THRUSTERS = 8  # of a native program: the size of the header's array
 
@@ -31,13 +32,13 @@ def table() -> str:
 
 
 def test_the_table_of_the_page_is_that_of_the_simulator() -> None:
-    found = PLACE.search(PAGE.read_text(encoding="utf-8"))
+    found = TABLE.search(PAGE.read_text(encoding="utf-8"))
 
     assert found is not None
     assert found[2] == table()
 
 
-def test_every_kind_of_frame_is_on_the_page_and_no_other() -> None:
+def test_every_message_type_is_on_the_page_and_no_other() -> None:
     kinds = set(re.findall(r"^\| `(\w)` \| (?:simulator|program)", PAGE.read_text("utf-8"), re.M))
 
     known = {
@@ -51,15 +52,15 @@ def test_every_kind_of_frame_is_on_the_page_and_no_other() -> None:
 def test_every_letter_of_an_error_is_on_the_page() -> None:
     letters = re.findall(r"^\| `(\w)` \| (\w+ \w+)", PAGE.read_text("utf-8"), re.M)
 
-    said = {letter.encode(): words.replace(" ", "_") for letter, words in letters}
-    assert said == {letter: str(verdict) for letter, verdict in messages.VERDICTS.items()}
+    named = {letter.encode(): words.replace(" ", "_") for letter, words in letters}
+    assert named == {letter: str(verdict) for letter, verdict in messages.VERDICTS.items()}
 
 
 def test_the_sizes_and_the_version_are_on_the_page() -> None:
     page = PAGE.read_text(encoding="utf-8")
 
-    assert f"\nVersion {messages.VERSION}." in page
-    assert f"more\n  than {messages.MOST_BYTES} bytes" in page
+    assert f"\nVersion {VERSION}." in page
+    assert f"more\n  than {MAX_MESSAGE_BYTES} bytes" in page
     assert f"at most {messages.CHUNK_BYTES} bytes" in page
 
 
@@ -67,9 +68,9 @@ def test_the_example_of_the_page_is_what_the_code_packs() -> None:
     code = PAGE.read_text(encoding="utf-8").split("```")[1]
     octets = "".join(re.findall(r"^((?:[0-9a-f]{2} {1,2})+)", code, re.M))
 
-    question = messages.frame(messages.OBSERVE, 7, struct.pack("<4d", 0.25, 1.0, 2.0, 0.0))
-    answer = messages.COMMAND.pack(messages.ANSWER, messages.VERSION, 7, 0.5, 1.0, 0.0, 0.0)
-    assert bytes.fromhex(octets) == question + answer
+    request = messages.message(messages.OBSERVE, 7, struct.pack("<4d", 0.25, 1.0, 2.0, 0.0))
+    answer = messages.message(messages.COMMAND, 7, struct.pack("<4d", 0.5, 1.0, 0.0, 0.0))
+    assert bytes.fromhex(octets) == request + answer
 
 
 def test_the_header_has_the_fields_of_the_observation_in_their_order() -> None:
@@ -96,4 +97,4 @@ def test_the_runner_knows_every_field_of_the_observation() -> None:
 
 if __name__ == "__main__":
     text = PAGE.read_text(encoding="utf-8")
-    PAGE.write_text(PLACE.sub(lambda m: m[1] + table() + m[3], text), encoding="utf-8")
+    PAGE.write_text(TABLE.sub(lambda m: m[1] + table() + m[3], text), encoding="utf-8")

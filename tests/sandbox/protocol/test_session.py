@@ -1,6 +1,6 @@
-"""docs/conversation.txt: a whole conversation with the template of an executable, byte for byte.
+"""docs/conversation.txt: a whole session with the starter of an executable, byte for byte.
 
-`python -m tests.sandbox.protocol.test_session` writes it anew.
+`python -m tests.sandbox.protocol.test_session` rewrites it.
 """
 
 import json
@@ -12,60 +12,59 @@ import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
-from seamark.sandbox.protocol.messages import OBSERVE, QUIT, RESET, frame
-from seamark.server.programs import starter_files
-from tests.worker.built import compiled_here
+from seamark.sandbox.languages.executable import EXECUTABLE
+from seamark.sandbox.protocol.messages import OBSERVE, QUIT, RESET, message
+from tests.sandbox.host_compiler import compiled_on_host
 
 PAGE = Path(__file__).parents[3] / "docs" / "conversation.txt"
 LAYOUT = [("t", 0), ("dt", 0), ("error", 3), ("target_visible", 0)]
 CONFIG = {"kp": 0.5, "ki": 0.02}
-WAITING = 2  # the number of the question that waits when the program starts
+PENDING = 2  # the number of the pending request when the program starts
 HEAD = """\
-# A conversation with the template of `seamark init --language executable`; see protocol.md.
+# A session with the program of `seamark init --language executable`; see protocol.md.
 # Arguments: the descriptor, 2, and a file with the lines
 #   t 0 / dt 0 / error 3 / target_visible 0 / {"kp": 0.5, "ki": 0.02}
-# "<" is what the program sends, ">" what it gets, in hexadecimal digits.
+# "<" is sent by the program, ">" by the simulator, in hexadecimal digits.
 """
 
 
-def questions() -> Iterator[bytes]:
-    """Yield two levels of four steps and the last word."""
-    number = WAITING
+def requests() -> Iterator[bytes]:
+    """Yield two levels of four steps, then quit."""
+    number = PENDING
     for index in range(2):
         number += 1
         level = {"index": index, "count": 2, "duration_s": 0.2, "dt": 0.05, "t": index * 0.2}
-        yield frame(RESET, number, json.dumps(level).encode())
-        for tick in range(4):
+        yield message(RESET, number, json.dumps(level).encode())
+        for step in range(4):
             number += 1
-            values = (index * 0.2 + tick * 0.05, 0.05, 0.1 + tick, -0.3, 2.0 / 3.0, tick != 2)
-            yield frame(OBSERVE, number, struct.pack("<6d", *values))
-    yield frame(QUIT, number + 1)
+            values = (index * 0.2 + step * 0.05, 0.05, 0.1 + step, -0.3, 2.0 / 3.0, step != 2)
+            yield message(OBSERVE, number, struct.pack("<6d", *values))
+    yield message(QUIT, number + 1)
 
 
-def conversation(folder: Path) -> str:
-    """Return what is said, by the program compiled on this machine."""
-    ((_, source),) = starter_files.start("executable").items()
-    (folder / "client.c").write_bytes(source)
-    compiled_here([folder / "client.c"], folder / "client")
+def session(folder: Path) -> str:
+    """Return all messages of a session with the program, compiled on this machine."""
+    (folder / "client.c").write_text(EXECUTABLE.starters[0].text())
+    compiled_on_host([folder / "client.c"], folder / "client")
     begin = folder / "begin"
     begin.write_text("".join(f"{name} {count}\n" for name, count in LAYOUT) + json.dumps(CONFIG))
     ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
     ours.settimeout(20.0)
     with ours, theirs:
-        command = [folder / "client", str(theirs.fileno()), str(WAITING), begin]
+        command = [folder / "client", str(theirs.fileno()), str(PENDING), begin]
         program = subprocess.Popen(command, pass_fds=[theirs.fileno()])
         lines = [f"< {ours.recv(65536).hex()}"]
-        for question in questions():
-            ours.send(question)
-            lines += [f"> {question.hex()}", f"< {ours.recv(65536).hex()}"]
+        for request in requests():
+            ours.send(request)
+            lines += [f"> {request.hex()}", f"< {ours.recv(65536).hex()}"]
         assert program.wait(20.0) == os.EX_OK
     return HEAD + "\n".join(lines) + "\n"
 
 
-def test_the_conversation_of_the_page_is_that_of_the_template(tmp_path) -> None:
-    assert conversation(tmp_path) == PAGE.read_text(encoding="utf-8")
+def test_the_session_of_the_page_is_that_of_the_starter(tmp_path) -> None:
+    assert session(tmp_path) == PAGE.read_text(encoding="utf-8")
 
 
 if __name__ == "__main__":
-    with tempfile.TemporaryDirectory() as place:
-        PAGE.write_text(conversation(Path(place)), encoding="utf-8")
+    with tempfile.TemporaryDirectory() as folder:
+        PAGE.write_text(session(Path(folder)), encoding="utf-8")

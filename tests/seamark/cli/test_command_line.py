@@ -10,15 +10,14 @@ from typing import Any
 import pytest
 from click.testing import CliRunner, Result
 
-from seamark.cli.commands import init
 from seamark.cli.commands.token import SCOPES as OFFERED
 from seamark.cli.configuration import read_settings, typed
 from seamark.cli.main import COMMANDS, cli
 from seamark.cli.options import settings_of
+from seamark.sandbox.languages import starters
 from seamark.server.accounts import accounts
 from seamark.server.accounts.permissions import SCOPES
 from seamark.server.database.engine import Database
-from seamark.server.programs import starter_files
 from seamark.sim import registry
 
 SHORT = ("--set", "levels=0", "--set", "level_duration_s=40", "--seed", "7")
@@ -233,31 +232,18 @@ def test_a_syntax_error_of_the_program_ends_with_exit_code_1(tmp_path: Path) -> 
     assert "broken.py:1:" in answer.output
 
 
-def test_init_offers_every_starter_file() -> None:
-    assert init.LANGUAGES == starter_files.KINDS
+@pytest.mark.parametrize("language", starters())
+def test_init_writes_a_controller_but_overwrites_none(language: str) -> None:
+    starter = starters()[language].contents()
 
-
-@pytest.mark.parametrize(
-    ("language", "files"),
-    [
-        ("python", {"controller.py"}),
-        ("c", {"controller.c", "seamark.h"}),
-        ("c++", {"controller.cpp", "seamark.h"}),
-        ("matlab", {"controller.m"}),
-        ("embedded-c", {"controller.c"}),
-        ("executable", {"controller.c"}),
-        ("fmu", {"controller.fmu", "modelDescription.xml", "sources"}),
-    ],
-)
-def test_init_writes_a_controller_but_overwrites_none(language: str, files: set[str]) -> None:
     first = seamark("init", "--language", language, "mine")
-    written = {path.name for path in Path("mine").iterdir()}
-    main = next(path for path in Path("mine").iterdir() if path.stem == "controller")
+    written = {name: Path("mine", name).read_bytes() for name in starter}
+    main = Path("mine", next(iter(starter)))
     main.write_text("my own")
     second = seamark("init", "--language", language, "mine")
 
     assert (first.exit_code, second.exit_code) == (0, 2)
-    assert written == files
+    assert written == starter
     assert main.read_text() == "my own"
 
 

@@ -1,30 +1,35 @@
 """One law in every language: the same trajectory, bit for bit."""
 
 import io
+import subprocess
 import zipfile
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 import pytest
 from pythonfmu.builder import FmuBuilder
 
+from seamark.sandbox.compilation import compiled
 from seamark.sandbox.isolation.level import IsolationLevel
-from seamark.sandbox.languages import language_of
+from seamark.sandbox.languages import LANGUAGES, language_of, starters
+from seamark.sandbox.languages.language import CONTROLLER, TRACKER
+from seamark.sandbox.languages.sample import Sample
 from seamark.sandbox.limits import Limits
 from seamark.sandbox.probing.probes import probe
 from seamark.sandbox.probing.self_test import why_not
-from seamark.server.programs import starter_files, store
+from seamark.server.programs import store
+from seamark.server.programs.store import PreparedProgram
 from seamark.server.settings import Settings
 from seamark.worker.evaluation.local import Controller, evaluate_locally
 from seamark.worker.ipc.outcomes import RunOutcome
-from tests.worker import built
+from tests.sandbox import host_compiler
 from tests.worker.conftest import SHORT
 
 pytestmark = pytest.mark.host
 
-PROGRAMS = Path(__file__).parents[1] / "conformance"
-TRACKER = Path(__file__).parents[1] / "conforming_trackers" / "differences.py"
+SAMPLES = [(name, sample) for name in LANGUAGES for sample in LANGUAGES[name].conformance]
+CONTROLLERS = [each for each in SAMPLES if each[1].role == CONTROLLER]
+TRACKERS = [each for each in SAMPLES if each[1].role == TRACKER]
 SWEEP = {"sweep_to": 2.0, "sweep_step": 1.0, "level_duration_s": 3.0}
 STRONG_CURRENT = SHORT | {"levels": [0.0, 0.6]}  # the reference meets its limit: anti-windup too
 
@@ -63,18 +68,38 @@ def built_in_digest(isolation: IsolationLevel, heave: bool) -> str:
     return evaluated("pi", STRONG_CURRENT | {"control_heave": heave}, isolation).digest
 
 
-@pytest.mark.parametrize(
-    ("name", "heave"),
-    [("pi.py", False), *((path.name, True) for path in sorted(PROGRAMS.iterdir()))],
-)
-def test_a_pi_in_another_language_gives_the_built_in_trajectory(name, heave, isolation) -> None:
-    skip_without(name, isolation)
-    config = STRONG_CURRENT | {"control_heave": heave}
+def name_of(value: object) -> str:
+    return value.upload_name if isinstance(value, Sample) else str(value)
 
-    upload = evaluated(((PROGRAMS / name).read_bytes(), name), config, isolation)
 
-    assert (upload.failure, upload.sentence) == (None, "")
-    assert upload.digest == built_in_digest(isolation, heave)
+def upload_of(language: str, sample: Sample, isolation: IsolationLevel) -> PreparedProgram:
+    """Return a conformance program as it would be uploaded."""
+    if why := missing(language, isolation):
+        pytest.skip(why)
+    known, content, name = LANGUAGES[language], sample.upload(), sample.upload_name
+    if known.sample_compiler != language:
+        content = compiled(known.sample_compiler, content, name, isolation=isolation)
+        name = f"program{known.suffixes[0]}"
+    return store.prepare(content, name, role=sample.role)
+
+
+@pytest.mark.parametrize(("language", "sample"), CONTROLLERS, ids=name_of)
+def test_a_pi_in_any_language_gives_the_built_in_trajectory(language, sample, isolation) -> None:
+    program = upload_of(language, sample, isolation)
+
+    outcome = evaluated(program, STRONG_CURRENT | {"control_heave": True}, isolation)
+
+    assert (program.language, outcome.failure, outcome.sentence) == (language, None, "")
+    assert outcome.digest == built_in_digest(isolation, True)
+
+
+def test_a_pi_that_does_not_control_heave_gives_the_built_in_trajectory(isolation) -> None:
+    language, sample = CONTROLLERS[0]
+    program = upload_of(language, sample, isolation)
+
+    outcome = evaluated(program, STRONG_CURRENT | {"control_heave": False}, isolation)
+
+    assert outcome.digest == built_in_digest(isolation, False) != built_in_digest(isolation, True)
 
 
 @pytest.mark.parametrize("name", ["fmi2", "fmi3"])
@@ -82,7 +107,7 @@ def test_a_pi_as_an_fmu_gives_the_built_in_trajectory(name, isolation, tmp_path)
     skip_without("pi.fmu", isolation)
     config = STRONG_CURRENT | {"control_heave": True}
 
-    program = store.prepare(built.fmu(name, tmp_path), "pi.fmu")
+    program = store.prepare(host_compiler.fmu(name, tmp_path), "pi.fmu")
     upload = evaluated(program, config, isolation)
 
     assert (upload.failure, upload.sentence) == (None, "")
@@ -91,7 +116,7 @@ def test_a_pi_as_an_fmu_gives_the_built_in_trajectory(name, isolation, tmp_path)
 
 def test_a_pi_exported_by_pythonfmu_gives_the_built_in_trajectory(isolation, tmp_path) -> None:
     skip_without("pi.fmu", isolation)
-    made = FmuBuilder.build_FMU(built.FMUS / "pythonfmu_pi.py", dest=tmp_path)
+    made = FmuBuilder.build_FMU(host_compiler.FMUS / "pythonfmu_pi.py", dest=tmp_path)
     config = STRONG_CURRENT | {"control_heave": True}
 
     upload = evaluated(store.prepare(made.read_bytes(), "pi.fmu"), config, isolation)
@@ -104,7 +129,7 @@ def test_the_largest_uploads_and_an_fmu_of_five_mib_get_into_a_box(isolation, tm
     skip_without("pi.fmu", isolation)
     most = Settings(data=tmp_path).upload_max_bytes
     assert most == Limits().source_kib << 10 == Limits().binary_mib << 20
-    whole = io.BytesIO(built.fmu("fmi2", tmp_path))
+    whole = io.BytesIO(host_compiler.fmu("fmi2", tmp_path))
     with zipfile.ZipFile(whole, "a") as archive:
         archive.writestr("resources/table.bin", np.random.default_rng(1).bytes(5 << 20))
     whole.seek(0)
@@ -117,26 +142,16 @@ def test_the_largest_uploads_and_an_fmu_of_five_mib_get_into_a_box(isolation, tm
     assert upload.digest == built_in_digest(isolation, True)
 
 
-def test_a_pi_as_embedded_coder_writes_it_gives_the_built_in_trajectory(isolation) -> None:
-    skip_without("pi.c", isolation)
-    config = STRONG_CURRENT | {"control_heave": True}
-    files = {path.name: path.read_bytes() for path in built.MODEL.iterdir()}
-
-    program = store.prepare(built.zipped(files), "pi.zip")
-    upload = evaluated(program, config, isolation)
-
-    assert (upload.failure, upload.sentence) == (None, "")
-    assert upload.digest == built_in_digest(isolation, True)
-
-
-def test_the_templates_give_one_trajectory_and_hold_station(isolation, tmp_path) -> None:
+def test_all_starters_give_one_trajectory(isolation, tmp_path) -> None:
     outcomes = []
-    for kind in starter_files.KINDS:
-        name, source = next(iter(starter_files.start(kind).items()))
-        if kind == "executable":
+    for starter in starters().values():
+        name, source = starter.upload_name, starter.upload()
+        if starter.build:
             (tmp_path / name).write_bytes(source)
             target = tmp_path / "controller.elf"
-            name, source = target.name, built.compiled_here([tmp_path / name], target, "-static")
+            command = starter.build.format(source=tmp_path / name, program=target)
+            subprocess.run(command.split(), check=True)
+            name, source = target.name, target.read_bytes()
         skip_without(name, isolation)
         outcomes.append(evaluated((source, name), SHORT, isolation))
 
@@ -144,23 +159,21 @@ def test_the_templates_give_one_trajectory_and_hold_station(isolation, tmp_path)
     assert len({outcome.digest for outcome in outcomes}) == 1
 
 
-@pytest.mark.parametrize("language", ["c", "c++", "matlab"])
-def test_a_tracker_in_another_language_gives_the_trajectory_of_the_one_in_python(
-    language, isolation
-) -> None:
-    name = starter_files.FILES["tracker"][language]
-    skip_without(name, isolation)
-    texts = {TRACKER.name: TRACKER.read_bytes()}
-    texts[name] = starter_files.of(language, "tracker").encode()
+@cache
+def first_tracker(isolation: IsolationLevel) -> RunOutcome:
+    program = upload_of(*TRACKERS[0], isolation)
+    return evaluated(program, SWEEP, isolation, benchmark="visibility-v1")
 
-    outcomes = [
-        evaluated((text, file), SWEEP, isolation, benchmark="visibility-v1")
-        for file, text in texts.items()
-    ]
 
-    assert [(outcome.failure, outcome.sentence) for outcome in outcomes] == [(None, "")] * 2
-    assert outcomes[0].digest == outcomes[1].digest
-    assert outcomes[0].metrics["overall"]["p5_percent"] > 50.0
+@pytest.mark.parametrize(("language", "sample"), TRACKERS[1:], ids=name_of)
+def test_a_tracker_gives_one_trajectory_in_all_languages(language, sample, isolation) -> None:
+    program = upload_of(language, sample, isolation)
+
+    outcome = evaluated(program, SWEEP, isolation, benchmark="visibility-v1")
+
+    assert (outcome.failure, outcome.sentence) == (None, "")
+    assert outcome.digest == first_tracker(isolation).digest
+    assert outcome.metrics["overall"]["p5_percent"] > 50.0
 
 
 def test_a_program_that_cannot_be_compiled_ends_the_run_with_its_line(isolation) -> None:

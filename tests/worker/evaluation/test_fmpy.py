@@ -14,11 +14,11 @@ from fmpy.validation import validate_fmu
 
 from seamark.sandbox.box import Box
 from seamark.sandbox.isolation.level import IsolationLevel
+from seamark.sandbox.languages.fmu import FMU
 from seamark.sandbox.limits import Limits
 from seamark.sandbox.probing.probes import probe
 from seamark.sandbox.probing.self_test import why_not
-from seamark.server.programs import starter_files
-from tests.worker import built
+from tests.sandbox import host_compiler
 
 DT_S = 0.05
 STEPS = 20
@@ -47,14 +47,14 @@ INPUTS = {
 def fmu(name: str, folder: Path) -> bytes:
     """Return one of our FMUs with a program for this machine."""
     if name != "template":
-        return built.fmu(name, folder)
-    files = starter_files.start("fmu")
+        return host_compiler.fmu(name, folder)
+    files = FMU.starters[0].contents()
     (folder / "controller.c").write_bytes(files["sources/controller.c"])
     target = folder / "controller.so"
-    library = built.compiled_here([folder / "controller.c"], target, "-shared", "-fPIC")
+    library = host_compiler.compiled_on_host([folder / "controller.c"], target, "-shared", "-fPIC")
     with zipfile.ZipFile(io.BytesIO(files["controller.fmu"])) as archive:
         members = {member: archive.read(member) for member in archive.namelist()}
-    return built.zipped(members | {"binaries/linux64/controller.so": library})
+    return host_compiler.zipped(members | {"binaries/linux64/controller.so": library})
 
 
 def boxed(program: bytes, isolation: IsolationLevel) -> list[tuple[float, ...]]:

@@ -14,7 +14,7 @@ import pytest
 
 from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.isolation.proc_stats import tree
-from seamark.sandbox.languages.python import SELF_TEST
+from seamark.sandbox.languages.python import PYTHON
 from seamark.sandbox.limits import Limits
 from seamark.sandbox.outcome import Outcome, SandboxBroken
 from seamark.sandbox.probing.probes import probe
@@ -102,7 +102,7 @@ def test_an_upload_gives_the_same_from_boxes_that_waited_and_leaves_none(
     isolation: IsolationLevel,
 ) -> None:
     before = tree(os.getpid())
-    program = (SELF_TEST.encode(), "half.py")
+    program = (PYTHON.self_test.upload(), "half.py")
 
     one, received_from_one = received_here(1, program, isolation)
     two, received_from_two = received_here(2, program, isolation)

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from seamark.sandbox.isolation.level import IsolationLevel
+from seamark.sandbox.languages import editor_starters
 from seamark.sandbox.limits import Limits
 from seamark.sandbox.probing.probes import probe
-from seamark.server.programs import starter_files
 from seamark.sim.recording.telemetry import INDEX, Rows
 from seamark.worker.evaluation.evaluation import Evaluation
 from seamark.worker.evaluation.job import Job
@@ -85,7 +85,7 @@ def evaluated(
 def test_the_template_tracker_follows_its_target(
     isolation: IsolationLevel, size: dict[str, object]
 ) -> None:
-    outcome, _ = evaluated(starter_files.of("python", "tracker"), isolation, **size)
+    outcome, _ = evaluated(editor_starters("tracker")["python"].text(), isolation, **size)
 
     assert (outcome.failure, outcome.sentence) == (None, "")
     assert outcome.metrics is not None

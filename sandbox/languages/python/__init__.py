@@ -1,0 +1,36 @@
+"""Python: the interpreter of this service, with its NumPy and SciPy."""
+
+from pathlib import Path
+
+from seamark.sandbox.languages.language import ALL_ROLES, TRACKER, Calls, Language
+from seamark.sandbox.languages.sample import sample
+from seamark.sandbox.runtime import Runtime
+
+HERE = Path(__file__).parent
+
+
+def runtime() -> Runtime:
+    """Return command, environment and files of the interpreter."""
+    from seamark.sandbox.languages.python.host import python_runtime  # noqa: PLC0415  (lazily)
+
+    return python_runtime()
+
+
+PYTHON = Language(
+    name="python",
+    label="Python",
+    suffixes=(".py",),
+    runtime=runtime,
+    calls=Calls("The program (import and __init__)", "reset(level)", "step(observation)"),
+    self_test=sample(HERE / "self_test.py"),
+    starters=(
+        sample(HERE / "starter/controller.py"),
+        sample(HERE / "starter/tracker.py", role=TRACKER),
+    ),
+    conformance=(
+        sample(HERE / "conformance/pi.py"),
+        sample(HERE / "conformance/tracker.py", role=TRACKER),
+    ),
+    archive_mains=("main.py",),
+    roles=ALL_ROLES,
+)

@@ -1,0 +1,1 @@
+"""Inside the box of a Python program: imports it and calls its methods."""

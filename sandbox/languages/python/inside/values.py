@@ -1,0 +1,131 @@
+"""Observations for the user's program, and the commands that it returns."""
+
+import itertools
+import math
+import struct
+from collections.abc import Callable, Iterator, Mapping
+from numbers import Real
+from typing import Any
+
+import numpy as np
+
+from ...inside.wire import HEADER, MAX_VALUE
+
+NUMBER = struct.Struct("<d")
+FLOAT64 = np.float64
+
+
+class AnswerInvalid(Exception):
+    """A method returned something that is not an answer. The text is for the program's owner."""
+
+
+class Observation(Mapping):  # type: ignore[type-arg]
+    """The vehicle's measurements: `observation.depth` or `observation["depth"]`, read-only.
+
+    Numbers are float or bool, vectors are read-only NumPy arrays.
+    """
+
+    __slots__ = ("_cache", "_data")
+    _fields: dict[str, tuple[int, int, bool]] = {}  # noqa: RUF012  (set once, from the layout)
+
+    _data: bytes
+    _cache: dict[str, object]
+
+    def __init__(self, data: bytes) -> None:
+        set_data(self, data)
+        set_cache(self, {})
+
+    def __getitem__(self, name: str) -> object:
+        """Return a field; vectors as read-only arrays."""
+        cache = self._cache
+        if name not in cache:
+            offset, count, boolean = self._fields[name]
+            if count:
+                cache[name] = np.frombuffer(self._data, FLOAT64, count, offset)
+            else:
+                (value,) = NUMBER.unpack_from(self._data, offset)
+                cache[name] = bool(value) if boolean else value
+        return cache[name]
+
+    def __getattr__(self, name: str) -> object:
+        """Return a field by its attribute."""
+        try:
+            return self[name]
+        except KeyError:
+            known = ", ".join(self._fields)
+            raise AttributeError(f"an observation has no {name!r}; it has {known}") from None
+
+    def __setattr__(self, name: str, value: object) -> None:
+        """Refuse."""
+        raise AttributeError("an observation cannot be changed")
+
+    def __delattr__(self, name: str) -> None:
+        """Refuse."""
+        raise AttributeError("an observation cannot be changed")
+
+    def __iter__(self) -> Iterator[str]:
+        """Return the names of the fields."""
+        return iter(self._fields)
+
+    def __len__(self) -> int:
+        """Return the number of fields."""
+        return len(self._fields)
+
+    def __repr__(self) -> str:
+        """Return all fields with their values."""
+        return "Observation(" + ", ".join(f"{name}={self[name]}" for name in self) + ")"
+
+
+# `__setattr__` refuses, and object.__setattr__ is slower than these.
+set_data: Callable[[Observation, bytes], None] = Observation._data.__set__  # type: ignore[attr-defined]
+set_cache: Callable[[Observation, dict[str, object]], None]
+set_cache = Observation._cache.__set__  # type: ignore[attr-defined]
+
+
+def set_layout(layout: dict[str, list]) -> None:  # type: ignore[type-arg]
+    """Set where each field of an observation is in its message."""
+    offset = HEADER.size
+    booleans = set(layout.get("booleans", ()))
+    for name, count in layout.get("observation", ()):
+        Observation._fields[name] = (offset, count, name in booleans)
+        offset += 8 * (count or 1)
+
+
+def as_command(answer: Any) -> list[float]:
+    """Return four floats; AnswerInvalid says what was returned instead."""
+    if type(answer) is list and len(answer) == 4:
+        return [as_number(index, value) for index, value in enumerate(answer)]
+    if isinstance(answer, np.ndarray):
+        if answer.shape != (4,):
+            raise AnswerInvalid(f"step returned an array of shape {answer.shape}")
+        if answer.dtype.kind not in "fiu":
+            raise AnswerInvalid(f"step returned an array of {answer.dtype}")
+        answer = answer.tolist()
+    elif answer is None:
+        raise AnswerInvalid("step returned None (is a return missing?)")
+    elif not isinstance(answer, (list, tuple)):
+        raise AnswerInvalid(f"step returned a value of type {type(answer).__name__}")
+    values = list(itertools.islice(answer, 5))  # a user-defined list may be endless
+    if len(values) != 4:
+        count = len(answer) if len(answer) != 4 else "more than 4"
+        raise AnswerInvalid(f"step returned {count} values")
+    return [as_number(index, value) for index, value in enumerate(values)]
+
+
+def as_number(index: int, value: Any) -> float:
+    """Return one value of a command as a float."""
+    if type(value) is FLOAT64:
+        value = float(value)
+    if type(value) is float and -MAX_VALUE <= value <= MAX_VALUE:
+        return value  # the usual case, and the fast one
+    if isinstance(value, np.ndarray) and value.shape == ():
+        value = value.item()
+    if not isinstance(value, Real):
+        raise AnswerInvalid(f"value {index} that step returned is of type {type(value).__name__}")
+    try:
+        number = float(value)
+    except OverflowError:
+        number = math.inf
+    if not abs(number) <= MAX_VALUE:  # also catches NaN
+        raise AnswerInvalid(f"value {index} that step returned is {number}")
+    return number
