@@ -95,7 +95,7 @@ def test_the_network_is_held_twice_by_its_namespace_and_by_the_filter(run_file, 
 def test_the_suite_notices_when_the_control_groups_are_off(run_file, all_layers) -> None:
     program = LAYERS / "memory_together.py"
 
-    assert b"GOT" in run_file(program, layers=replace(all_layers, groups=False)).output
+    assert b"GOT" in run_file(program, layers=replace(all_layers, cgroups=False)).output
 
 
 @as_root
