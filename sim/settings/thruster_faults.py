@@ -4,6 +4,7 @@ from functools import partial
 
 from seamark.sim.settings.configuration import Configuration
 from seamark.sim.settings.setting import setting
+from seamark.sim.vehicles import most_thrusters
 
 fault_setting = partial(setting, group="Faults", role="scenario", advanced=True)
 
@@ -16,7 +17,7 @@ class FaultSettings(Configuration):
         title="Broken thruster",
         help="Index as in the column thrust_0; -1 for none.",
         low=-1,
-        high=7,
+        high=most_thrusters() - 1,
     )
     fault_efficiency: float = fault_setting(
         0.0,
