@@ -1,4 +1,4 @@
-"""Benchmarks by the names that stand in addresses, and a page for each: what it is made of."""
+"""The pages of the benchmarks, with all their parameters."""
 
 from flask import Blueprint, abort, redirect, render_template, url_for
 from flask.typing import ResponseReturnValue
@@ -13,13 +13,13 @@ page = Blueprint("benchmark", __name__, url_prefix="/benchmarks")
 
 @page.get("/")
 def index() -> ResponseReturnValue:
-    """Go to the first benchmark."""
+    """Redirect to the first benchmark."""
     return redirect(url_for("benchmark.show", name=first().name))
 
 
 @page.get("/<name>")
 def show(name: str) -> ResponseReturnValue:
-    """Show every number of a benchmark, with its unit, its tag and its source."""
+    """Show every parameter of a benchmark, with its unit, tag and source."""
     benchmark = by_name(name)
     config = benchmark.read({})
     return render_template(
@@ -36,7 +36,7 @@ def show(name: str) -> ResponseReturnValue:
 
 
 def first() -> Benchmark:
-    """Return the benchmark that is shown where none was chosen."""
+    """Return the default benchmark."""
     return registry.benchmark(next(iter(registry.BENCHMARKS)))
 
 

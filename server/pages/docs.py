@@ -154,11 +154,11 @@ def _telemetry() -> dict[str, Any]:
 
 # name -> title, values for its template
 PAGES: Mapping[str, tuple[str, Callable[[], dict[str, Any]]]] = {
-    "start": ("Start here", _start),
+    "start": ("Getting started", _start),
     "controller": ("Write a controller", _controller),
     "tracker": ("Write a tracker", _tracker),
     "native": ("C and C++", _native),
-    "languages": ("MATLAB, FMU and others", _languages),
+    "languages": ("MATLAB, FMU and other languages", _languages),
     "runs": ("Runs and failures", _runs),
     "metrics": ("Metrics and score", _metrics),
     "measures": ("All metrics and formulas", _measures),
@@ -169,7 +169,7 @@ PAGES: Mapping[str, tuple[str, Callable[[], dict[str, Any]]]] = {
 
 @page.get("/")
 def index() -> ResponseReturnValue:
-    """Go to the first page."""
+    """Redirect to the first page."""
     return redirect(url_for("docs.show", name="start"))
 
 

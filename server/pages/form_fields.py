@@ -1,4 +1,4 @@
-"""Form fields generated from a benchmark's JSON Schema, and their texts read back as values."""
+"""Form fields generated from the JSON Schema of a benchmark, and parsing of their values."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -6,18 +6,18 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 Schema = Mapping[str, Any]
-_LABEL_MAX = 22  # [character] that one column of the form can show
+_LABEL_MAX = 22  # [character] that fit into one column of the form
 
 
 @dataclass(frozen=True, slots=True)
 class Field:
-    """One field of the form; everything the template needs and no rule of its own."""
+    """One field of the form, with everything the template needs."""
 
     name: str
     title: str
     help: str
     unit: str
-    kind: str  # "choice", "check", "number", "list" or "text"
+    type: str  # "choice", "checkbox", "number", "list" or "text"
     value: str
     default: str
     options: tuple[tuple[str, str], ...]  # value, label
@@ -29,29 +29,29 @@ class Field:
     source: str
     advanced: bool
     error: str
-    names: tuple[str, ...] = ()  # that an expression may have in it
-    applies: Mapping[str, Sequence[str]] = field(default_factory=dict)  # as `applying` takes it
-    only: str = ""  # the same in words
+    names: tuple[str, ...] = ()  # variables available in an expression
+    applies: Mapping[str, Sequence[str]] = field(default_factory=dict)  # see `is_applicable`
+    condition: str = ""  # `applies` in words
 
     @property
     def wide(self) -> bool:
-        """Whether a label among the options is too long for one column."""
+        """Whether the label of an option is too long for one column."""
         return any(len(label) > _LABEL_MAX for _value, label in self.options)
 
 
 @dataclass(frozen=True, slots=True)
 class Group:
-    """Fields that belong together; `scenario` says that a ranked run fixes them."""
+    """A titled group of fields; ranked runs fix the groups with `scenario`."""
 
     title: str
     scenario: bool
-    shown: tuple[Field, ...]
-    folded: tuple[Field, ...]
+    basic: tuple[Field, ...]
+    advanced: tuple[Field, ...]
 
     @property
-    def folded_error(self) -> bool:
-        """Whether a field that is folded away has an error; then it is unfolded."""
-        return any(one.error for one in self.folded)
+    def advanced_error(self) -> bool:
+        """Whether an advanced field has an error, so that they have to be shown."""
+        return any(one.error for one in self.advanced)
 
 
 def groups(
@@ -61,14 +61,14 @@ def groups(
     *,
     order: Sequence[str] = (),
 ) -> tuple[Group, ...]:
-    """Return the form, its groups in the order given, then in the schema's.
+    """Return the groups of the form: first those in `order`, then the others as in the schema.
 
     Parameters
     ----------
     values
-        Setting -> value or text to show; what is missing shows the default.
+        Setting -> value, or invalid text to show again. The others show their defaults.
     errors
-        Setting -> sentence, shown at the field.
+        Setting -> sentence shown at the field.
     """
     preset = preset_of(schema, values)
     found: dict[tuple[bool, str], list[Field]] = {}
@@ -77,25 +77,25 @@ def groups(
         shown = values.get(name, default)
         key = (entry.get("x-role") == "scenario", entry.get("x-group", ""))
         one = _field(name, entry, shown=shown, default=default, error=errors.get(name, ""))
-        only = _only(schema, entry.get("x-applies", {}))
-        found.setdefault(key, []).append(replace(one, only=only))
-    places = {title: at for at, title in enumerate(order)}
-    ordered = sorted(found.items(), key=lambda item: places.get(item[0][1], len(places)))
+        condition = _condition(schema, entry.get("x-applies", {}))
+        found.setdefault(key, []).append(replace(one, condition=condition))
+    position = {title: index for index, title in enumerate(order)}
+    ordered = sorted(found.items(), key=lambda item: position.get(item[0][1], len(position)))
     return tuple(
         Group(
             title=title,
             scenario=scenario,
-            shown=tuple(one for one in members if not one.advanced),
-            folded=tuple(one for one in members if one.advanced),
+            basic=tuple(one for one in members if not one.advanced),
+            advanced=tuple(one for one in members if one.advanced),
         )
         for (scenario, title), members in ordered
     )
 
 
 def read(schema: Schema, form: Mapping[str, str]) -> dict[str, object]:
-    """Return the values of a posted form; what is no number stays text, for the sentence about it.
+    """Return the values of a submitted form. Invalid numbers stay text, for the error message.
 
-    A checkbox that is not ticked is not posted: `<name>.there` says that the form had it.
+    Browsers do not submit unchecked boxes: `<name>.there` says that the form had the field.
     """
     values: dict[str, object] = {}
     for name, entry in schema["properties"].items():
@@ -108,28 +108,28 @@ def read(schema: Schema, form: Mapping[str, str]) -> dict[str, object]:
 
 
 def solution(schema: Schema, values: Mapping[str, object]) -> dict[str, object]:
-    """Return the values of the settings that compete, without those of the scenario."""
+    """Return the values of the participant's settings, without those of the scenario."""
     entries = schema["properties"]
     return {name: v for name, v in values.items() if entries[name].get("x-role") == "solution"}
 
 
 def preset_of(schema: Schema, values: Mapping[str, object]) -> Mapping[str, object]:
-    """Return the values that come with the choices among others, such as a vehicle's."""
+    """Return the values preset by other settings, such as those of the chosen vehicle."""
     preset: dict[str, object] = {}
     for name, choices in schema.get("x-presets", {}).items():
         preset |= choices.get(str(values.get(name, "")), {})
     return preset
 
 
-def applying(entry: Schema, values: Mapping[str, object]) -> bool:
-    """Return whether a setting does anything beside these values of others."""
+def is_applicable(entry: Schema, values: Mapping[str, object]) -> bool:
+    """Return whether a setting has any effect with these values of other settings."""
     return all(
         str(values.get(other)) in allowed for other, allowed in entry.get("x-applies", {}).items()
     )
 
 
-def _only(schema: Schema, applies: Mapping[str, Sequence[str]]) -> str:
-    """Return with which choices a setting does anything, such as "Tracker esm or visp"."""
+def _condition(schema: Schema, applies: Mapping[str, Sequence[str]]) -> str:
+    """Return when a setting has an effect, such as "Tracker esm or visp"."""
     return "; ".join(
         f"{schema['properties'][other]['title']} {' or '.join(values)}"
         for other, values in applies.items()
@@ -137,7 +137,7 @@ def _only(schema: Schema, applies: Mapping[str, Sequence[str]]) -> str:
 
 
 def text_of(value: object) -> str:
-    """Return a value as a field shows it."""
+    """Return the text of a value in a field."""
     if value is None:
         return ""
     if isinstance(value, bool):
@@ -150,13 +150,13 @@ def text_of(value: object) -> str:
 
 
 def _value(entry: Schema, text: str) -> object:
-    kind = entry["type"]
-    if kind == "array":
+    schema_type = entry["type"]
+    if schema_type == "array":
         parts = text.replace(";", ",").replace(",", " ").split()
         return [_number(part) for part in parts]
-    if kind == "integer":
+    if schema_type == "integer":
         return int(text) if text.lstrip("+-").isdecimal() else text
-    return _number(text) if kind == "number" else text
+    return _number(text) if schema_type == "number" else text
 
 
 def _number(text: str) -> object:
@@ -175,7 +175,7 @@ def _field(name: str, entry: Schema, *, shown: object, default: object, error: s
         title=entry.get("title", name),
         help=entry.get("description", ""),
         unit=entry.get("x-unit", ""),
-        kind=_kind(entry),
+        type=_type(entry),
         value=text_of(shown),
         default=text_of(default),
         options=tuple((text_of(v), labels.get(v, text_of(v))) for v in entry.get("enum", ())),
@@ -192,15 +192,15 @@ def _field(name: str, entry: Schema, *, shown: object, default: object, error: s
     )
 
 
-def _kind(entry: Schema) -> str:
+def _type(entry: Schema) -> str:
     if "enum" in entry:
         return "choice"
-    kinds = {"boolean": "check", "number": "number", "integer": "number", "array": "list"}
-    return kinds.get(entry["type"], "text")
+    types = {"boolean": "checkbox", "number": "number", "integer": "number", "array": "list"}
+    return types.get(entry["type"], "text")
 
 
 def _range(entry: Schema) -> str:
-    """Return the allowed range in words, empty if any value goes."""
+    """Return the allowed range in words, empty if there is none."""
     if entry["type"] == "array":
         count = f"{entry.get('minItems', 1)} to {entry.get('maxItems', '∞')} numbers"
         inner = _range({"type": "number", **entry.get("items", {})})

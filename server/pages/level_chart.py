@@ -1,4 +1,4 @@
-"""The chart of a run over its levels, from its metrics or from what it recorded so far."""
+"""The chart of metrics over levels, from the metrics of a run or its telemetry so far."""
 
 from collections.abc import Mapping, Sequence
 from itertools import groupby
@@ -17,37 +17,37 @@ from seamark.sim.settings.configuration import Configuration
 def curve(
     benchmark: Benchmark, config: Configuration, run: RunView, files: RunFiles
 ) -> dict[str, Any] | None:
-    """Return what the chart shows, as JSON; None for a benchmark without one.
+    """Return the chart as JSON; None for a benchmark without one.
 
-    `x` is the level's value in the unit of the score; `lines` hold a value for each level that is
-    over, as the mean over the trials that had it; `mark` is the score, or where the first line is
-    below the limit so far.
+    `x` holds the values of the completed levels in the unit of the score, `lines` the metrics of
+    these levels as means over the trials. `mark` is the score, or the first value so far at which
+    the first line is below the limit.
     """
-    drawn = benchmark.curve
-    if drawn is None:
+    chart = benchmark.curve
+    if chart is None:
         return None
     levels: Sequence[Mapping[str, Any]] = (run.metrics or {}).get("levels") or []
     if not levels:
-        levels = _so_far(drawn, files.rows(), ended=run.state.final)
+        levels = _so_far(chart, files.rows(), ended=run.state.final)
     headline = benchmark.headline_of(config)
-    values = drawn.values(config)
+    values = chart.values(config)
     x = values[: len(levels)]
-    first = [level[drawn.metrics[0].name] for level in levels]
-    failed = next((at for at, value in zip(x, first, strict=True) if value < drawn.limit), None)
+    first = [level[chart.metrics[0].name] for level in levels]
+    failed = next((at for at, value in zip(x, first, strict=True) if value < chart.limit), None)
     mark = run.score if run.score is not None else failed
-    labels = [metric.label for metric in drawn.metrics]
+    labels = [metric.label for metric in chart.metrics]
     return {
         "title": f"{' and '.join(labels)} over the {headline.unit}",
-        "says": _sentence(labels[0], drawn.limit, headline.label, mark, final=run.state.final),
-        "unit": drawn.metrics[0].unit,
+        "sentence": _sentence(labels[0], chart.limit, headline.label, mark, final=run.state.final),
+        "unit": chart.metrics[0].unit,
         "x_label": headline.unit,
         "range": [values[0], values[-1]],
         "x": list(x),
         "lines": [
             {"label": metric.label, "values": [level[metric.name] for level in levels]}
-            for metric in drawn.metrics
+            for metric in chart.metrics
         ],
-        "limit": drawn.limit,
+        "limit": chart.limit,
         "mark": mark,
         "mark_label": headline.label,
     }
@@ -62,19 +62,19 @@ def _sentence(first: str, limit: float, score: str, mark: float | None, *, final
     return f"{score}, where {first} falls below {limit:g} %, is {mark:.2f}{sofar}."
 
 
-def _so_far(drawn: Curve, rows: Rows, *, ended: bool) -> list[dict[str, float]]:
-    """Return the metrics of the levels that are over, each the mean over the trials."""
+def _so_far(chart: Curve, rows: Rows, *, ended: bool) -> list[dict[str, float]]:
+    """Return the metrics of the completed levels, as means over the trials."""
     places = rows[:, [INDEX["trial"], INDEX["level"]]]
     starts = [0, *(np.flatnonzero((np.diff(places, axis=0) != 0).any(axis=1)) + 1).tolist()]
     ends = [*starts[1:], len(rows)] if ended and len(rows) else starts[1:]
     measured = sorted(
         (
-            (int(rows[a, INDEX["level"]]), drawn.measure(rows[a:b]))
+            (int(rows[a, INDEX["level"]]), chart.measure(rows[a:b]))
             for a, b in zip(starts, ends, strict=False)
         ),
         key=lambda item: item[0],
     )
-    names = [metric.name for metric in drawn.metrics]
+    names = [metric.name for metric in chart.metrics]
     return [
         {name: mean([found[name] for found in same]) for name in names}
         for same in (

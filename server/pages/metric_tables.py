@@ -1,4 +1,4 @@
-"""Metrics and configurations as tables: names, units and values."""
+"""Tables of the metrics and the configuration of a run."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -11,12 +11,12 @@ from seamark.sim.benchmarks.benchmark import Benchmark
 from seamark.sim.metrics.metric import Metric
 from seamark.sim.settings.grid import UPDATERS
 
-MOST_COLUMNS = 12
+COLUMNS_MAX = 12
 
 
 @dataclass(frozen=True, slots=True)
-class Line:
-    """One metric over all levels."""
+class Row:
+    """The values of one metric, one per level, or a single value over all levels."""
 
     label: str
     unit: str
@@ -26,95 +26,96 @@ class Line:
 
 @dataclass(frozen=True, slots=True)
 class Table:
-    """The metrics of all levels, one line per metric."""
+    """Metrics by level, one row per metric."""
 
     title: str
-    value: Metric  # what a level's value is
-    levels: tuple[float, ...]  # the value of each
-    lines: tuple[Line, ...]
+    level: Metric  # label and unit of the level values
+    levels: tuple[float, ...]  # level values
+    rows: tuple[Row, ...]
 
     @property
     def tall(self) -> bool:
-        """Whether there are too many levels for a column each: they are the rows then."""
-        return len(self.levels) > MOST_COLUMNS
+        """Whether there are too many levels for columns, so that the table is transposed."""
+        return len(self.levels) > COLUMNS_MAX
 
 
 @dataclass(frozen=True, slots=True)
-class Option:
-    """One chosen setting."""
+class SettingValue:
+    """One setting of a run."""
 
     title: str
     value: str
     unit: str
-    changed: bool
+    changed: bool  # from the default
 
 
 def tables(
     benchmark: Benchmark, config: Mapping[str, Any], metrics: Mapping[str, Any]
 ) -> list[Table]:
-    """Return the benchmark's tables of a run's metrics; empty without."""
+    """Return the tables of a run; empty if it has no metrics."""
     levels: Sequence[Mapping[str, Any]] = metrics.get("levels") or []
     if not levels:
         return []
-    value = benchmark.restore(config).level_metric()
-    first, *more = (_table(table, levels, value, config) for table in benchmark.tables)
-    return [_with_grid(first, levels, value.label), *more]
+    level = benchmark.restore(config).level_metric()
+    first, *others = (_table(table, levels, level, config) for table in benchmark.tables)
+    return [_with_grid(first, levels, level.label), *others]
 
 
-def facts(benchmark: Benchmark, metrics: Mapping[str, Any]) -> list[Line]:
+def overall(benchmark: Benchmark, metrics: Mapping[str, Any]) -> list[Row]:
     """Return the metrics over all levels."""
-    overall: Mapping[str, Any] = metrics.get("overall") or {}
+    values: Mapping[str, Any] = metrics.get("overall") or {}
     return [
-        Line(metric.label, metric.unit, metric.meaning, (overall[metric.name],))
+        Row(metric.label, metric.unit, metric.meaning, (values[metric.name],))
         for metric in benchmark.overall
-        if metric.name in overall
+        if metric.name in values
     ]
 
 
-def _with_grid(table: Table, levels: Sequence[Mapping[str, Any]], head: str) -> Table:
-    """Return the table with where in the grid each level is on top, beside what its head says."""
-    lines = tuple(
-        Line(what.label, what.unit, "", tuple(plain(level["grid"][name]) for level in levels))
-        for name in levels[0].get("grid") or {}
-        if (what := UPDATERS[name].quantity).label != head
-    )
-    return replace(table, lines=lines + table.lines)
-
-
 def trials(metrics: Mapping[str, Any]) -> list[Mapping[str, Any]]:
-    """Return the trials of a run with more than one."""
+    """Return the metrics of each trial; empty for a run with a single trial."""
     found: list[Mapping[str, Any]] = metrics.get("trials") or []
     return found if len(found) > 1 else []
 
 
-def options(schema: Mapping[str, Any], config: Mapping[str, Any]) -> dict[str, list[Option]]:
-    """Return group -> chosen settings that do anything; `changed` marks those not the default."""
+def settings(schema: Mapping[str, Any], config: Mapping[str, Any]) -> dict[str, list[SettingValue]]:
+    """Return group -> settings of a run that have an effect."""
     preset = form_fields.preset_of(schema, config)
-    chosen: dict[str, list[Option]] = {}
+    groups: dict[str, list[SettingValue]] = {}
     for name, entry in schema["properties"].items():
-        if name not in config or not form_fields.applying(entry, config):
+        if name not in config or not form_fields.is_applicable(entry, config):
             continue
         text = form_fields.text_of(config[name])
-        shown = {"true": "yes", "false": "no"} if entry["type"] == "boolean" else {}
-        label = (entry.get("x-labels") or shown).get(text, text)
+        labels = {"true": "yes", "false": "no"} if entry["type"] == "boolean" else {}
+        label = (entry.get("x-labels") or labels).get(text, text)
         default = form_fields.text_of(preset.get(name, entry.get("default")))
-        option = Option(entry["title"], label, entry.get("x-unit", ""), text != default)
-        chosen.setdefault(entry.get("x-group", ""), []).append(option)
-    return chosen
+        value = SettingValue(entry["title"], label, entry.get("x-unit", ""), text != default)
+        groups.setdefault(entry.get("x-group", ""), []).append(value)
+    return groups
 
 
 def _table(
     table: benchmark.Table,
     levels: Sequence[Mapping[str, Any]],
-    value: Metric,
+    level_metric: Metric,
     config: Mapping[str, Any],
 ) -> Table:
-    lines = []
-    at = tuple(level[value.name] for level in levels)
+    rows = []
+    level_values = tuple(level[level_metric.name] for level in levels)
     for metric in table.metrics:
         name = table.prefix + metric.name
         values = tuple(level.get(name) for level in levels)
-        if name in levels[0] and values != at:  # what the levels set is in the head already
-            lines.append(Line(metric.label, metric.unit, metric.meaning, values))
-    title = table.title.format(**config)
-    return Table(title, value, at, tuple(lines))
+        if name in levels[0] and values != level_values:  # those are in the header already
+            rows.append(Row(metric.label, metric.unit, metric.meaning, values))
+    return Table(table.title.format(**config), level_metric, level_values, tuple(rows))
+
+
+def _with_grid(table: Table, levels: Sequence[Mapping[str, Any]], header: str) -> Table:
+    """Return the table with the grid coordinates of each level, except the one in the header."""
+    rows = tuple(
+        Row(
+            quantity.label, quantity.unit, "", tuple(plain(level["grid"][name]) for level in levels)
+        )
+        for name in levels[0].get("grid") or {}
+        if (quantity := UPDATERS[name].quantity).label != header
+    )
+    return replace(table, rows=rows + table.rows)

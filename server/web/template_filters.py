@@ -1,4 +1,4 @@
-"""How pages write numbers, times and sizes."""
+"""Template filters: how pages write numbers, times and sizes."""
 
 import math
 import time
@@ -14,14 +14,14 @@ _STEPS = ((86_400, "day"), (3600, "hour"), (60, "minute"))
 
 
 def register(app: Flask) -> None:
-    """Make the functions below filters of the templates."""
+    """Add the functions below as filters."""
     of_runs, of_values = (solution, score, score_unit), (number, plain, duration, size, words)
     for function in (*of_runs, *of_values, utc, iso, ago):
         app.add_template_filter(function)
 
 
 def solution(run: RunView | Rank) -> str:
-    """Return what took part in a run: the program's name, or what is built in."""
+    """Return the name of the program, or the label of the built-in solution."""
     if run.program_name:
         return run.program_name
     if run.benchmark not in registry.BENCHMARKS:  # of an earlier version
@@ -30,7 +30,7 @@ def solution(run: RunView | Rank) -> str:
 
 
 def score_unit(run: RunView) -> str:
-    """Return what the score of a run is."""
+    """Return the unit of the score of a run, or its name if that says more."""
     if run.benchmark not in registry.BENCHMARKS:
         return ""
     benchmark = registry.benchmark(run.benchmark)
@@ -39,12 +39,12 @@ def score_unit(run: RunView) -> str:
 
 
 def score(value: float | None) -> str:
-    """Return a score as leaderboards write it, with two decimals."""
+    """Return a score with two decimals."""
     return "–" if value is None else f"{value:.2f}".replace("-", "−")
 
 
 def number(value: object, digits: int = 3) -> str:
-    """Return a number with as many significant digits; other values as people write them."""
+    """Return a number with `digits` significant digits; other values as text."""
     if isinstance(value, bool):
         return "yes" if value else "no"
     if isinstance(value, list | tuple):
@@ -55,7 +55,7 @@ def number(value: object, digits: int = 3) -> str:
 
 
 def plain(value: float | None) -> str:
-    """Return a chosen number as it was chosen, without zeros at its end."""
+    """Return a number without trailing zeros."""
     return "–" if value is None else f"{value:g}".replace("-", "−")
 
 
@@ -67,22 +67,22 @@ def _figures(value: float, digits: int) -> str:
 
 
 def _decimals(size: float, digits: int) -> int:
-    """Return how many places after the point give so many significant digits."""
+    """Return the number of decimal places for so many significant digits."""
     return digits - 1 - math.floor(math.log10(size))
 
 
 def utc(epoch_s: float) -> str:
-    """Return a moment as people read it."""
+    """Return a time for people."""
     return datetime.fromtimestamp(epoch_s, UTC).strftime("%d %b %Y, %H:%M UTC")
 
 
 def iso(epoch_s: float) -> str:
-    """Return a moment as programs read it."""
+    """Return a time in ISO 8601."""
     return datetime.fromtimestamp(epoch_s, UTC).isoformat(timespec="seconds")
 
 
 def ago(epoch_s: float) -> str:
-    """Return how long ago a moment was; the date if it was more than a week."""
+    """Return how long ago a time was; the date if it was more than a week ago."""
     passed = time.time() - epoch_s
     if passed > 7 * 86_400:
         return datetime.fromtimestamp(epoch_s, UTC).strftime("%d %b %Y")
@@ -94,7 +94,7 @@ def ago(epoch_s: float) -> str:
 
 
 def duration(seconds: float | None) -> str:
-    """Return a length of time in one or two units."""
+    """Return a duration in one or two units."""
     if seconds is None:
         return "–"
     if seconds < 10:
@@ -108,7 +108,7 @@ def duration(seconds: float | None) -> str:
 
 
 def size(count: int) -> str:
-    """Return a number of bytes in the unit that suits it."""
+    """Return a number of bytes in a suitable unit."""
     if count < 1024:
         return f"{count} bytes"
     if count < 2**20:
@@ -117,5 +117,5 @@ def size(count: int) -> str:
 
 
 def words(name: str) -> str:
-    """Return a technical name as words: "rmse_m" gives "rmse m"."""
+    """Return an identifier as words: "rmse_m" gives "rmse m"."""
     return name.replace("_", " ").replace("-", " ").strip()

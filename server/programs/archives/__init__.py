@@ -1,8 +1,8 @@
-"""Uploaded archives: read without trust, kept as a plain list of files, never unpacked to disk.
+"""Uploaded archives: untrusted, read strictly, and never unpacked to disk by the server.
 
-`files_of` reads .zip and .tar.gz strictly and in memory; `normal_form` writes what it found anew,
-as a zip archive without compression, links, dates or anything else to be clever with. That is what
-is kept under its SHA-256 and what a box gets, whose runner unpacks it inside.
+`files_of` reads .zip and .tar.gz in memory; `normal_form` writes the files to a new zip archive
+without compression, links or dates, so that equal contents give equal bytes. This archive is stored
+under its SHA-256, and unpacked inside the sandbox.
 """
 
 import io
@@ -19,7 +19,7 @@ __all__ = ["SUFFIXES", "ArchiveRefused", "files_of", "is_archive", "normal_form"
 
 SUFFIXES = (".zip", ".tar.gz", ".tgz")
 DROPPED = ("__MACOSX", "__pycache__", ".git", ".DS_Store", "Thumbs.db", "desktop.ini")
-NESTED = {  # how an archive in the archive begins -> what it is called
+NESTED = {  # magic bytes -> format
     b"PK\x03\x04": "zip",
     b"PK\x05\x06": "zip",
     b"\x1f\x8b": "gzip",
@@ -29,46 +29,45 @@ NESTED = {  # how an archive in the archive begins -> what it is called
     b"Rar!\x1a\x07": "rar",
     b"\x28\xb5\x2f\xfd": "zstd",
 }
-_TAR_MAGIC = slice(257, 262)  # where a tar archive says "ustar"
+_TAR_MAGIC = slice(257, 262)  # "ustar"
 _DATE = (1980, 1, 1, 0, 0, 0)
 
 
 def is_archive(name: str) -> bool:
-    """Return whether a file of this name has to be an archive."""
+    """Return whether the name is that of an archive."""
     return name.lower().endswith(SUFFIXES)
 
 
 def files_of(data: bytes, name: str, *, limits: Limits) -> dict[str, bytes]:
     """Return path -> content of the files in an archive, sorted by path.
 
-    What systems leave behind (__MACOSX, __pycache__ ...) is dropped, and so is a folder around
-    everything.
+    Drops files added by operating systems and tools (`DROPPED`) and a single enclosing folder.
 
     Raises
     ------
     ArchiveRefused
-        With a sentence for the user.
+        The archive breaks a rule; the text is for the user.
     """
     read = members_of_zip if name.lower().endswith((".zip", ".fmu")) else members_of_tar_gz
     names, found = Names(limits.archive_files), dict[str, bytes]()
     try:
-        for member in read(data, most=limits.source_kib << 10):
+        for member in read(data, size_max=limits.source_kib << 10):
             name_inside = member.name.removeprefix("./")  # as `tar -c .` writes
             if member.content is None and name_inside.rstrip("/") in {"", "."}:
                 continue
-            path = names.take(name_inside, is_folder=member.content is None)
+            path = names.add(name_inside, is_folder=member.content is None)
             if member.content is not None and not _dropped(path):
                 _refuse_nested(member)
                 found[path] = member.content
     except NameRefused as reason:
         raise ArchiveRefused(str(reason)) from None
     if not found:
-        raise ArchiveRefused("The archive has no file in it.")
+        raise ArchiveRefused("The archive contains no files.")
     return _without_wrapper(dict(sorted(found.items())))
 
 
 def normal_form(files: Mapping[str, bytes], *, limits: Limits) -> bytes:
-    """Return the files as a zip archive that depends on nothing but their paths and contents."""
+    """Return a zip archive that depends only on the paths and contents of the files."""
     target = io.BytesIO()
     with zipfile.ZipFile(target, "w", zipfile.ZIP_STORED) as archive:
         for path in sorted(files):
@@ -82,13 +81,13 @@ def normal_form(files: Mapping[str, bytes], *, limits: Limits) -> bytes:
 
 
 def read_normal(data: bytes) -> dict[str, bytes]:
-    """Return path -> content of what `normal_form` wrote; ours, so it needs no mistrust."""
+    """Return path -> content of an archive written by `normal_form`, which can be trusted."""
     with zipfile.ZipFile(io.BytesIO(data)) as archive:
         return {entry.filename: archive.read(entry) for entry in archive.infolist()}
 
 
 def _too_large(limits: Limits) -> str:
-    return f"Unpacked, the archive has more than {limits.source_kib / 1024:g} MiB."
+    return f"The unpacked archive is larger than {limits.source_kib / 1024:g} MiB."
 
 
 def _dropped(path: str) -> bool:
@@ -97,18 +96,18 @@ def _dropped(path: str) -> bool:
 
 def _refuse_nested(member: Member) -> None:
     content = member.content or b""
-    kind = next((kind for magic, kind in NESTED.items() if content.startswith(magic)), None)
+    found = next((name for magic, name in NESTED.items() if content.startswith(magic)), None)
     if content[_TAR_MAGIC] == b"ustar":
-        kind = "tar"
-    if kind is not None:
+        found = "tar"
+    if found is not None:
         raise ArchiveRefused(
-            f"{member.shown} is an archive itself ({kind}). Unpack it first; arrays of NumPy go "
-            "into .npy, not .npz."
+            f"{member.shown} is a nested archive ({found}). Unpack it first; store NumPy arrays as "
+            ".npy instead of .npz."
         )
 
 
 def _without_wrapper(files: dict[str, bytes]) -> dict[str, bytes]:
-    """Return the files without the one folder that is around all of them."""
+    """Return the files without a single folder that encloses all of them."""
     first = {path.partition("/")[0] for path in files}
     if len(first) > 1 or any("/" not in path for path in files):
         return files

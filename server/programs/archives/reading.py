@@ -1,74 +1,76 @@
-"""What the readers of archives share: a member, a refusal, counting while unpacking."""
+"""Shared by the archive readers: members, refusals, and decompression with a size limit."""
 
 import zlib
 from dataclasses import dataclass
 
-CHUNK = 64 * 1024  # [B] unpacked at a time
-RATIO_MAX = 200  # unpacked : packed; text reaches 20, weights 2, a bomb 1000
-RATIO_FROM = 256 * 1024  # [B] below it no ratio does harm
+CHUNK = 64 * 1024  # [B] decompressed at a time
+RATIO_MAX = 200  # decompressed : compressed; text reaches 20, weights 2, a zip bomb 1000
+RATIO_FROM = 256 * 1024  # [B] decompressed; below this any ratio is harmless
 
 
 class ArchiveRefused(Exception):
-    """The archive breaks a rule. The text is for its owner."""
+    """The archive breaks a rule. The text is for the user."""
 
 
 @dataclass(frozen=True, slots=True)
 class Member:
-    """One entry: its name as it stands there, its content; None for a folder."""
+    """One entry: its raw name and its content, None for a folder."""
 
     name: str
     content: bytes | None
 
     @property
     def shown(self) -> str:
-        """The name for a sentence: short, without characters that hide others."""
+        """The name for a message."""
         return shown(self.name)
 
 
 def shown(name: str) -> str:
-    """Return a name as it can be put into a sentence."""
+    """Return a name for a message: shortened, with unprintable characters escaped."""
     text = "".join(c if c.isprintable() else f"\\x{ord(c):02x}" for c in name)
     return text if len(text) <= 60 else f"{text[:40]}...{text[-15:]}"
 
 
-class Room:
-    """How much may still be unpacked, over all members."""
+class SizeLimit:
+    """The limit of the decompressed size over all members."""
 
-    def __init__(self, most: int, *, beside: int = 0) -> None:
-        self._most = most
-        self._beside = beside  # [B] that are no content: what tar puts around its files
+    def __init__(self, maximum: int, *, overhead: int = 0) -> None:
+        self._maximum = maximum  # [B]
+        self._overhead = overhead  # [B] in addition, for the headers of tar
         self._used = 0
 
-    def take(self, count: int) -> None:
-        """Count bytes that came out; raises ArchiveRefused."""
+    def add(self, count: int) -> None:
+        """Count decompressed bytes; raises ArchiveRefused."""
         self._used += count
-        if self._used > self._most + self._beside:
-            raise ArchiveRefused(f"Unpacked, the archive has more than {self._most / 2**20:g} MiB.")
+        if self._used > self._maximum + self._overhead:
+            raise ArchiveRefused(
+                f"The unpacked archive is larger than {self._maximum / 2**20:g} MiB."
+            )
 
 
-def inflate(packed: bytes, wbits: int, room: Room, what: str) -> tuple[bytes, bytes]:
-    """Return what `packed` holds, and the bytes behind its end, counting while it unpacks.
+def inflate(compressed: bytes, wbits: int, limit: SizeLimit, name: str) -> tuple[bytes, bytes]:
+    """Return the decompressed content and the bytes after its end.
 
     Raises
     ------
     ArchiveRefused
-        It is cut, damaged or too much.
+        The data is truncated, damaged or too large.
     """
-    machine = zlib.decompressobj(wbits)
-    parts, rest, total = [], packed, 0
+    decompressor = zlib.decompressobj(wbits)
+    parts, rest, total = [], compressed, 0
     try:
-        while not machine.eof:
-            part = machine.decompress(rest, CHUNK)
-            rest = machine.unconsumed_tail
+        while not decompressor.eof:
+            part = decompressor.decompress(rest, CHUNK)
+            rest = decompressor.unconsumed_tail
             total += len(part)
-            if total > RATIO_FROM and total > RATIO_MAX * len(packed):
+            if total > RATIO_FROM and total > RATIO_MAX * len(compressed):
                 raise ArchiveRefused(
-                    f"{what} unpacks to more than {RATIO_MAX} times its size, as a bomb does."
+                    f"{name} unpacks to more than {RATIO_MAX} times its size, like a zip bomb."
                 )
-            room.take(len(part))
-            if not part and not rest and not machine.eof:
-                raise ArchiveRefused(f"{what} ends in the middle: the archive was cut.")
+            limit.add(len(part))
+            if not part and not rest and not decompressor.eof:
+                raise ArchiveRefused(f"{name} is truncated.")
             parts.append(part)
     except zlib.error:
-        raise ArchiveRefused(f"{what} cannot be unpacked: the archive is damaged.") from None
-    return b"".join(parts), machine.unused_data
+        raise ArchiveRefused(f"{name} cannot be unpacked: the archive is damaged.") from None
+    return b"".join(parts), decompressor.unused_data

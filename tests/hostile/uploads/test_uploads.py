@@ -22,19 +22,19 @@ GOOD = zipped(Entry(b"main.py", MAIN))
 Made = Callable[[], bytes]
 
 ZIPS: dict[str, tuple[Made, str]] = {
-    "leads out": (lambda: named("../out.py"), "leads out of the archive"),
-    "leads out in the middle": (lambda: named("a/../../out.py"), "leads out of the archive"),
+    "points outside": (lambda: named("../out.py"), "points outside the archive"),
+    "points outside in the middle": (lambda: named("a/../../out.py"), "points outside the archive"),
     "absolute": (lambda: named("/etc/passwd"), "is absolute"),
     "a drive": (lambda: named("C:evil.py"), "is absolute"),
-    "a backslash": (lambda: named("..\\out.py"), "has a backslash"),
-    "a zero byte": (lambda: named("a\0.py"), "cannot be seen"),
-    "a line break": (lambda: named("a\n.py"), "cannot be seen"),
-    "a name from right to left": (lambda: named("a\u202egpj.py"), "cannot be seen"),
-    "a hidden space": (lambda: named("ma\u200bin.py"), "cannot be seen"),
+    "a backslash": (lambda: named("..\\out.py"), "contains a backslash"),
+    "a zero byte": (lambda: named("a\0.py"), "invisible characters"),
+    "a line break": (lambda: named("a\n.py"), "invisible characters"),
+    "a name from right to left": (lambda: named("a\u202egpj.py"), "invisible characters"),
+    "a hidden space": (lambda: named("ma\u200bin.py"), "invisible characters"),
     "a dot that is none": (lambda: named("\uff0e\uff0e/out.py"), "look like others"),
     "a slash that is none": (lambda: named("a\uff0fb.py"), "look like others"),
     "reserved": (lambda: named("aux.py"), "reserved on Windows"),
-    "a dot at the end": (lambda: named("main.py."), "space or dot at its end"),
+    "a dot at the end": (lambda: named("main.py."), "trailing space or dot"),
     "an empty part": (lambda: named("a//b.py"), "has an empty part"),
     "a stream of NTFS": (lambda: named("main.py:evil"), "one of the characters"),
     "too long": (lambda: named("a" * 300), "longer than 180"),
@@ -47,61 +47,61 @@ ZIPS: dict[str, tuple[Made, str]] = {
     ),
     "a file and a folder": (
         lambda: beside_main(Entry(b"a", b"x"), Entry(b"a/b.py", b"x")),
-        "a is a file and a folder at once",
+        "a is both a file and a folder",
     ),
-    "no UTF-8": (lambda: named(b"\xff.py"), "is not in UTF-8"),
-    "in an old code page": (lambda: named(b"\x82.py", flags=0), "is not in UTF-8"),
-    "two names": (lambda: named("a.py", extra=UNICODE_NAME), "has two names"),
+    "no UTF-8": (lambda: named(b"\xff.py"), "is not UTF-8"),
+    "in an old code page": (lambda: named(b"\x82.py", flags=0), "is not UTF-8"),
+    "two names": (lambda: named("a.py", extra=UNICODE_NAME), "two different names"),
     "a link": (lambda: named("a.py", mode=make.LINK), "is a link"),
     "a device": (lambda: named("a.py", mode=make.DEVICE), "is a device"),
     "a pipe": (lambda: named("a.py", mode=make.PIPE), "is a device or a pipe"),
     "encrypted": (lambda: named("a.py", flags=make.ENCRYPTED), "is encrypted"),
-    "an archive in it": (lambda: beside_main(Entry(b"a.bin", NESTED)), "is an archive itself"),
+    "an archive in it": (lambda: beside_main(Entry(b"a.bin", NESTED)), "is a nested archive"),
     "a tar in it": (
         lambda: beside_main(Entry(b"a.dat", bytes(257) + b"ustar\x0000" + bytes(248))),
-        "is an archive itself (tar)",
+        "is a nested archive (tar)",
     ),
-    "a bomb": (lambda: make.bomb(4 << 20), "as a bomb does"),
+    "a bomb": (lambda: make.bomb(4 << 20), "like a zip bomb"),
     "a bomb that lies about its size": (
         lambda: beside_main(
             Entry(b"a", bytes(4 << 20), DEFLATED, local={"size": 9}, central={"size": 9})
         ),
-        "as a bomb does",
+        "like a zip bomb",
     ),
     "many small bombs": (
         lambda: beside_main(*(Entry(b"%d" % n, bytes(250_000), DEFLATED) for n in range(40))),
-        "more than 8 MiB",
+        "larger than 8 MiB",
     ),
     "too many": (
         lambda: beside_main(*(Entry(b"%d.py" % n) for n in range(300))),
         "more than 256 entries",
     ),
-    "cut in the middle": (lambda: GOOD[: len(GOOD) // 2], "it was cut"),
-    "cut at the end": (lambda: GOOD[:-3], "it was cut"),
-    "a file that is cut": (
+    "truncated in the middle": (lambda: GOOD[: len(GOOD) // 2], "is truncated"),
+    "truncated at the end": (lambda: GOOD[:-3], "is truncated"),
+    "a truncated file": (
         lambda: beside_main(Entry(b"a", b"\x4b", 8, local={"packed": 1}, central={"packed": 1})),
-        "ends in the middle",
+        "a is truncated",
     ),
-    "overlapping": (make.overlapping, "overlaps the one before it"),
-    "one inside of the other": (make.quoted, "overlaps the one before it"),
+    "overlapping": (make.overlapping, "overlaps the previous file"),
+    "one inside of the other": (make.quoted, "overlaps the previous file"),
     "another name inside": (
         lambda: beside_main(Entry(b"a.py", b"x", local={"name": b"b.py"})),
-        "described in two ways",
+        "contradictory headers",
     ),
     "another size inside": (
         lambda: beside_main(Entry(b"a.py", b"x", local={"size": 7})),
-        "described in two ways",
+        "contradictory headers",
     ),
     "a wrong checksum": (
         lambda: beside_main(Entry(b"a.py", b"x", local={"crc": 1}, central={"crc": 1})),
         "its checksum is wrong",
     ),
-    "another method": (lambda: named("a.py", method=14), "packed by method 14"),
-    "something in front": (lambda: b"#!/bin/sh\n" + GOOD, "not a .zip archive"),
-    "something behind": (lambda: GOOD + b"evil", "bytes behind the end"),
-    "a list elsewhere": (
+    "another method": (lambda: named("a.py", method=14), "compressed by method 14"),
+    "leading data": (lambda: b"#!/bin/sh\n" + GOOD, "not a .zip archive"),
+    "trailing data": (lambda: GOOD + b"evil", "data after the end"),
+    "central directory elsewhere": (
         lambda: zipped(Entry(b"main.py", MAIN), end={"start": 3}),
-        "not where the archive says",
+        "not at the position stated",
     ),
     "more files than it lists": (
         lambda: zipped(Entry(b"main.py", MAIN), Entry(b"a.py"), end={"count": 1}),
@@ -109,15 +109,15 @@ ZIPS: dict[str, tuple[Made, str]] = {
     ),
     "one of several": (
         lambda: GOOD[:-18] + b"\1\0" + GOOD[-16:],
-        "one part of several",
+        "split into several parts",
     ),
     "of more than 4 GiB": (
         lambda: zipped(Entry(b"main.py", MAIN), end={"count": 0xFFFF}),
         "Zip64",
     ),
     "no main.py": (lambda: zipped(Entry(b"a.py", MAIN)), "needs one of main.py (Python)"),
-    "nothing": (lambda: zipped(), "has no file in it"),
-    "only leftovers": (lambda: zipped(Entry(b"__MACOSX/main.py", MAIN)), "has no file in it"),
+    "nothing": (lambda: zipped(), "contains no files"),
+    "only leftovers": (lambda: zipped(Entry(b"__MACOSX/main.py", MAIN)), "contains no files"),
     "no zip": (lambda: MAIN, "not a .zip archive"),
     "an error of syntax": (
         lambda: beside_main(Entry(b"pid.py", b"def f(:\n")),
@@ -125,7 +125,7 @@ ZIPS: dict[str, tuple[Made, str]] = {
     ),
 }
 TARS: dict[str, tuple[Made, str]] = {
-    "leads out": (lambda: make.tarred(tar_entry("../out.py")), "leads out of the archive"),
+    "points outside": (lambda: make.tarred(tar_entry("../out.py")), "points outside the archive"),
     "absolute": (lambda: make.tarred(tar_entry("/etc/x")), "is absolute"),
     "a link out": (
         lambda: make.tarred(tar_entry("a.py", tarfile.SYMTYPE, "/etc/shadow")),
@@ -139,12 +139,12 @@ TARS: dict[str, tuple[Made, str]] = {
     "a pipe": (lambda: make.tarred(tar_entry("a", tarfile.FIFOTYPE)), "is a pipe"),
     "a file in a file": (
         lambda: make.tarred(tar_entry("main.py/a.py")),
-        "a file and a folder at once",
+        "both a file and a folder",
     ),
-    "a bomb": (lambda: make.gzip_bomb(100 << 20), "more than 8 MiB"),
-    "cut": (lambda: make.tarred()[:-20], "was cut"),
-    "something behind": (lambda: make.tarred() + b"evil", "bytes behind the end"),
-    "no tar": (lambda: make.gzip_bomb(3000), "no file in it"),
+    "a bomb": (lambda: make.gzip_bomb(100 << 20), "larger than 8 MiB"),
+    "truncated": (lambda: make.tarred()[:-20], "is truncated"),
+    "trailing data": (lambda: make.tarred() + b"evil", "data after the end"),
+    "no tar": (lambda: make.gzip_bomb(3000), "contains no files"),
     "no gzip": (lambda: b"hello", "not a .tar.gz archive"),
 }
 CASES = [("mine.zip", name, *case) for name, case in ZIPS.items()]
@@ -160,16 +160,16 @@ def sent(site: Site, content: bytes, name: str) -> tuple[int, str]:
 
 
 @pytest.mark.parametrize(
-    ("file", "made", "says"),
-    [(file, made, says) for file, _, made, says in CASES],
+    ("file", "made", "reason"),
+    [(file, made, reason) for file, _, made, reason in CASES],
     ids=[f"{file.split('.')[1]}: {name}" for file, name, *_ in CASES],
 )
 def test_a_hostile_upload_is_refused_with_its_reason_and_leaves_no_file(
-    site: Site, file: str, made: Made, says: str
+    site: Site, file: str, made: Made, reason: str
 ) -> None:
     status, sentence = sent(site, made(), file)
 
-    assert (status, says in sentence) == (422, True), sentence
+    assert (status, reason in sentence) == (422, True), sentence
     assert sentence.startswith(f"{file}: ") or "line" in sentence
     assert not list(site.settings.data.glob("programs/*"))
     with site.database.reading() as session:
@@ -236,8 +236,8 @@ def test_the_same_files_have_one_hash_however_they_are_packed(site: Site) -> Non
         (usual("tar.gz"), "c.tgz"),
         (streamed(), "d.zip"),
     ):
-        status, said = sent(site, content, name)
-        assert status == 202, said
+        status, detail = sent(site, content, name)
+        assert status == 202, detail
 
     kept = {path.name for path in (site.settings.data / "programs").iterdir()}
     assert len(kept) == 1

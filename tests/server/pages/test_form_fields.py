@@ -43,7 +43,7 @@ def test_the_untouched_form_gives_the_defaults_of_each_vehicle() -> None:
 
     for vehicle in registry.VEHICLES:
         shown = form_fields.groups(SCHEMA, {"vehicle": vehicle}, {})
-        entries = [entry for group in shown for entry in (*group.shown, *group.folded)]
+        entries = [entry for group in shown for entry in (*group.basic, *group.advanced)]
         texts = {entry.name: entry.value for entry in entries}
         posted = {name: text for name, text in texts.items() if text != "false"}
         form = posted | {f"{name}.there": "1" for name in texts}
@@ -70,10 +70,10 @@ def test_groups_follow_the_order_given() -> None:
 def test_a_setting_applies_only_with_the_choices_that_look_at_it() -> None:
     entry = {"x-applies": {"tracker": ["esm", "visp"], "warp": ["homography"]}}
 
-    assert form_fields.applying(entry, {"tracker": "visp", "warp": "homography"})
-    assert not form_fields.applying(entry, {"tracker": "klt", "warp": "homography"})
-    assert not form_fields.applying(entry, {"tracker": "esm", "warp": "srt"})
-    assert form_fields.applying({}, {})
+    assert form_fields.is_applicable(entry, {"tracker": "visp", "warp": "homography"})
+    assert not form_fields.is_applicable(entry, {"tracker": "klt", "warp": "homography"})
+    assert not form_fields.is_applicable(entry, {"tracker": "esm", "warp": "srt"})
+    assert form_fields.is_applicable({}, {})
 
 
 def test_every_option_of_a_tracker_says_with_which_trackers_it_applies() -> None:

@@ -74,7 +74,7 @@ def test_the_chart_of_a_run_that_ended_shows_its_metrics_and_marks_its_score(sit
     assert curve is not None
     assert curve["lines"][0]["values"] == [100.0, 80.0, 10.0]
     assert curve["mark"] == 0.5
-    assert "τ50, where p@5 falls below 50 %, is 0.50." in curve["says"]
+    assert "τ50, where p@5 falls below 50 %, is 0.50." in curve["sentence"]
 
 
 def test_a_benchmark_of_controllers_has_no_chart_over_its_levels(site: Site) -> None:
