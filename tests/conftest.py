@@ -7,11 +7,22 @@ from pathlib import Path
 import pytest
 from redis import Redis
 
+from seamark.sandbox.isolation.level import IsolationLevel
+from seamark.sandbox.probing.probes import probe
 from seamark.server.database.engine import Database
 from seamark.server.database.schema import upgrade
 from seamark.server.settings import Settings
 from tests.cast import Backend
 from tests.services import postgres, valkey
+
+
+@pytest.fixture(scope="session")
+def isolation() -> IsolationLevel:
+    """The isolation level of boxes on this machine; without boxes the test is skipped."""
+    report = probe()
+    if report.level < IsolationLevel.MEDIUM:
+        pytest.skip(report.sentence())
+    return report.level
 
 
 @pytest.fixture(scope="session")

@@ -13,8 +13,6 @@ from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.isolation.process_tree import Layers
 from seamark.sandbox.limits import Limits
 from seamark.sandbox.outcome import Outcome, ProgramEnded, Verdict
-from seamark.sandbox.probing.probes import probe
-from seamark.sandbox.probing.report import IsolationReport
 
 PROGRAMS = Path(__file__).with_name("programs")
 STEPS = 20
@@ -40,18 +38,6 @@ PATIENT = replace(LIMITS, start_wall_s=20.0, step_wall_s=10.0)
 IMPATIENT = replace(LIMITS, start_wall_s=2.0)
 
 Run = Callable[..., Outcome]
-
-
-@pytest.fixture(scope="session")
-def report() -> IsolationReport:
-    return probe()
-
-
-@pytest.fixture(scope="session")
-def isolation(report: IsolationReport) -> IsolationLevel:
-    if report.level < IsolationLevel.MEDIUM:
-        pytest.skip(report.sentence())
-    return report.level
 
 
 @pytest.fixture(scope="session")

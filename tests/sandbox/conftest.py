@@ -1,10 +1,6 @@
 """Boxes and programs for tests of the sandbox itself."""
 
-import pytest
-
 from seamark.sandbox.box import Box
-from seamark.sandbox.isolation.level import IsolationLevel
-from seamark.sandbox.probing.probes import probe
 
 LAYOUT = {
     "observation": [["t", 0], ["error", 3], ["target_visible", 0], ["thrust", 5]],
@@ -33,11 +29,3 @@ def printed(box: Box, source: bytes) -> str:
     box.reset({"index": 0})
     box.step(VALUES)
     return box.finish().output.decode()
-
-
-@pytest.fixture(scope="session")
-def isolation() -> IsolationLevel:
-    report = probe()
-    if report.level < IsolationLevel.MEDIUM:
-        pytest.skip(report.sentence())
-    return report.level

@@ -101,6 +101,13 @@ class Service(Backend):
             time.sleep(0.05)
         return True
 
+    def time_to_cancel(self, run_id: int) -> tuple[RunView, float]:
+        """Cancel a running run; return it with the seconds until its worker has stopped."""
+        started = time.monotonic()
+        assert self.cancel(run_id)
+        view = self.wait(run_id, lambda view: "t_reached" in view.detail)
+        return view, time.monotonic() - started
+
     def files(self, run_id: int) -> RunFiles:
         return RunFiles(self.settings.data, run_id)
 

@@ -15,7 +15,6 @@ from seamark.sandbox.languages import LANGUAGES, language_of, starters
 from seamark.sandbox.languages.language import CONTROLLER, TRACKER
 from seamark.sandbox.languages.sample import Sample
 from seamark.sandbox.limits import Limits
-from seamark.sandbox.probing.probes import probe
 from seamark.sandbox.probing.self_test import why_not
 from seamark.server.programs import store
 from seamark.server.programs.store import PreparedProgram
@@ -32,14 +31,6 @@ CONTROLLERS = [each for each in SAMPLES if each[1].role == CONTROLLER]
 TRACKERS = [each for each in SAMPLES if each[1].role == TRACKER]
 SWEEP = {"sweep_to": 2.0, "sweep_step": 1.0, "level_duration_s": 3.0}
 STRONG_CURRENT = SHORT | {"levels": [0.0, 0.6]}  # the reference meets its limit: anti-windup too
-
-
-@pytest.fixture(scope="module")
-def isolation() -> IsolationLevel:
-    report = probe()
-    if report.level < IsolationLevel.MEDIUM:
-        pytest.skip(report.sentence())
-    return report.level
 
 
 def evaluated(

@@ -1,30 +1,13 @@
 import math
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
-import pytest
 
 from seamark.sim.recording.telemetry import digest
 from seamark.worker.evaluation.evaluation import Evaluation
 from seamark.worker.evaluation.job import Job
 from seamark.worker.ipc.outcomes import RunOutcome
-from tests.worker.conftest import SHORT
 from tests.worker.evaluation.fakes import SLOW, FakeBox, FakeBoxes, FakeListener
-
-
-@pytest.fixture
-def job(tmp_path: Path) -> Job:
-    program = tmp_path / "program"
-    program.write_text("the fake box does not read it")
-    return Job(
-        benchmark="currents-v1",
-        config=dict(SHORT),
-        seeds=(5, 5),
-        shown_seed=5,
-        controller="upload",
-        program=program,
-    )
 
 
 def _evaluate(job: Job, *boxes: FakeBox) -> tuple[RunOutcome, FakeListener]:

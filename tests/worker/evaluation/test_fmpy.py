@@ -16,7 +16,6 @@ from seamark.sandbox.box import Box
 from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.languages.fmu import FMU
 from seamark.sandbox.limits import Limits
-from seamark.sandbox.probing.probes import probe
 from seamark.sandbox.probing.self_test import why_not
 from tests.sandbox import host_compiler
 
@@ -88,10 +87,9 @@ def test_fmpy_finds_no_problem_in_it(name, tmp_path) -> None:
 
 @pytest.mark.host
 @pytest.mark.parametrize("name", ["fmi2", "fmi3", "template"])
-def test_fmpy_gets_the_outputs_that_a_box_gets(name, tmp_path) -> None:
-    isolation = probe().level
-    if isolation < IsolationLevel.MEDIUM or (why := why_not("fmu", isolation)):
-        pytest.skip(why if isolation >= IsolationLevel.MEDIUM else "no level")
+def test_fmpy_gets_the_outputs_that_a_box_gets(name, tmp_path, isolation) -> None:
+    if why := why_not("fmu", isolation):
+        pytest.skip(why)
     program = fmu(name, tmp_path)
     path = tmp_path / "mine.fmu"
     path.write_bytes(program)

@@ -5,8 +5,7 @@ import signal
 import time
 from collections.abc import Iterator
 from contextlib import closing
-from dataclasses import asdict
-from pathlib import Path
+from dataclasses import asdict, replace
 from typing import Any
 
 import numpy as np
@@ -17,7 +16,6 @@ from seamark.sandbox.isolation.proc_stats import tree
 from seamark.sandbox.languages.python import PYTHON
 from seamark.sandbox.limits import Limits
 from seamark.sandbox.outcome import Outcome, SandboxBroken
-from seamark.sandbox.probing.probes import probe
 from seamark.sim.engine.program import Command
 from seamark.sim.recording.telemetry import STEP_US, WIDTH
 from seamark.worker.evaluation.cores import Cores
@@ -39,17 +37,8 @@ def two_cores() -> Cores:
 
 
 @pytest.fixture
-def job(tmp_path: Path) -> Job:
-    program = tmp_path / "program"
-    program.write_text("the fake box does not read it")
-    return Job(
-        benchmark="currents-v1",
-        config=dict(SHORT),
-        seeds=(5, 6, 7),
-        shown_seed=5,
-        controller="upload",
-        program=program,
-    )
+def job(job: Job) -> Job:
+    return replace(job, seeds=(5, 6, 7))
 
 
 class Logging(FakeListener):
@@ -87,14 +76,6 @@ def test_what_is_received_does_not_depend_on_the_number_of_processes() -> None:
 
     assert asdict(two) == asdict(one)
     assert received_from_two == received_from_one
-
-
-@pytest.fixture
-def isolation() -> IsolationLevel:
-    report = probe()
-    if report.level < IsolationLevel.MEDIUM:
-        pytest.skip(report.sentence())
-    return report.level
 
 
 @pytest.mark.host

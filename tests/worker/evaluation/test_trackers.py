@@ -8,7 +8,6 @@ import pytest
 from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.languages import editor_starters
 from seamark.sandbox.limits import Limits
-from seamark.sandbox.probing.probes import probe
 from seamark.sim.recording.telemetry import INDEX, Rows
 from seamark.worker.evaluation.evaluation import Evaluation
 from seamark.worker.evaluation.job import Job
@@ -32,14 +31,6 @@ class Tracker:
     def update(self, image):
         {answer}
 """
-
-
-@pytest.fixture(scope="module")
-def isolation() -> IsolationLevel:
-    report = probe()
-    if report.level < IsolationLevel.MEDIUM:
-        pytest.skip(report.sentence())
-    return report.level
 
 
 class Received:

@@ -6,7 +6,6 @@ import sys
 import pytest
 
 from seamark.sandbox.isolation.level import IsolationLevel
-from seamark.sandbox.probing.probes import probe
 from seamark.worker.evaluation.local import evaluate_locally
 
 pytestmark = [pytest.mark.host, pytest.mark.slow]
@@ -38,10 +37,9 @@ def evaluated(isolation: IsolationLevel) -> tuple[str, object]:
     return outcome.digest, outcome.metrics["score"]
 
 
-def test_a_runs_score_is_the_same_with_four_busy_processes_beside_it() -> None:
-    isolation = probe().level
-    if isolation < IsolationLevel.MEDIUM:
-        pytest.skip("needs a box")
+def test_the_result_of_a_run_is_the_same_beside_four_busy_processes(
+    isolation: IsolationLevel,
+) -> None:
     alone = evaluated(isolation)
 
     spin = [sys.executable, "-I", "-S", "-c", "while True: pass"]
