@@ -8,6 +8,7 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
 from seamark.server.accounts.accounts import TOKEN_DAYS, TOKEN_DAYS_MAX
 from seamark.server.programs.diagnostics import Diagnostic
+from seamark.server.runs.columns import PublicRun
 from seamark.server.runs.views import RunView
 from seamark.server.web.url_converters import ROW_ID_MAX
 from seamark.sim.engine.seeds import SEED_MAX
@@ -171,26 +172,11 @@ class BenchmarksResponse(ResponseModel):
     benchmarks: list[BenchmarkResponse]
 
 
-class RunResponse(ResponseModel):
+class RunResponse(PublicRun, ResponseModel):
     """A run. Times are seconds since 1970, UTC."""
 
-    id: int
-    state: Literal["queued", "running", "succeeded", "failed", "cancelled"]
-    benchmark: str
-    kind: str
-    user: str
-    controller: str
-    seed: int | None
-    trials: int
-    progress: float
-    t_simulated: float
-    position: int | None
-    estimate_s: float | None
-    why_waiting: str | None
     result: dict[str, Any] | None
     failure: dict[str, Any] | None
-    public: bool
-    config: dict[str, Any]
     links: dict[str, str]
 
 
@@ -306,24 +292,15 @@ def links_of(run_id: int) -> dict[str, str]:
     }
 
 
-_SHOWN = (
-    *("id", "benchmark", "kind", "user", "is_baseline", "controller", "program_name", "language"),
-    *("seed", "trials", "title", "notes", "rerun_of", "cause", "progress", "t_simulated"),
-    *("position", "estimate_s", "why_waiting", "queued_at", "started_at", "finished_at"),
-    *("attempt", "isolation", "public", "published_at", "config"),
-)
-
-
 def run_answer(view: RunView, *, whole: bool = True) -> dict[str, Any]:
     """Return the JSON of a run; lists go without metrics."""
-    answer = {name: getattr(view, name) for name in _SHOWN}
-    answer["state"] = view.state.value
-    answer["result"] = _result(view)
-    answer["failure"] = {"cause": view.cause, **view.detail} if view.cause else None
-    if whole:
-        answer["metrics"] = view.metrics
-    answer["links"] = links_of(view.id)
-    return answer
+    run = RunResponse(
+        **{name: getattr(view, name) for name in PublicRun.model_fields},
+        result=_result(view),
+        failure={"cause": view.cause, **view.detail} if view.cause else None,
+        links=links_of(view.id),
+    )
+    return run.model_dump(mode="json", exclude=None if whole else {"metrics"})
 
 
 def _result(view: RunView) -> dict[str, Any] | None:

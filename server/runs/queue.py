@@ -18,6 +18,7 @@ from sqlalchemy.orm import Session
 from seamark.server import workers
 from seamark.server.database.advisory_locks import AdvisoryLock, acquire
 from seamark.server.database.tables import Run, Turn, User
+from seamark.server.runs.columns import RunSpec
 from seamark.server.runs.failure_reasons import FailureReason, describe
 from seamark.server.runs.states import RunState, move
 from seamark.server.settings import Settings
@@ -26,24 +27,14 @@ _log = structlog.get_logger()
 _DAY_S = 86_400.0
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Claim:
+class Claim(RunSpec):
     """The lease on one run, and what its evaluation needs."""
 
     run_id: int
     attempt: int
     worker: str
     lease_s: float
-    owner: str
-    benchmark: str
-    kind: str
-    config: dict[str, Any]
-    seed: int | None
-    trials: int
-    controller: str
     program_sha256: str | None
-    program_name: str | None
-    language: str | None
 
 
 class LeaseStatus(Enum):
@@ -93,7 +84,7 @@ def claim(
         return None  # cancelled, on PostgreSQL, between the two statements
     _record_turn(session, run.owner, now)
     session.refresh(run)
-    return _claim(run, worker, settings)
+    return Claim.from_rows(run, run_id=run.id, lease_s=settings.lease_s)
 
 
 def heartbeat(
@@ -214,23 +205,4 @@ def _record_turn(session: Session, owner: str, now: float) -> None:
     turn = insert(Turn).values(owner=owner, served_at=now)
     session.execute(
         turn.on_conflict_do_update(index_elements=[Turn.owner], set_={"served_at": now})
-    )
-
-
-def _claim(run: Run, worker: str, settings: Settings) -> Claim:
-    return Claim(
-        run_id=run.id,
-        attempt=run.attempt,
-        worker=worker,
-        lease_s=settings.lease_s,
-        owner=run.owner,
-        benchmark=run.benchmark,
-        kind=run.kind,
-        config=run.config,
-        seed=run.seed,
-        trials=run.trials,
-        controller=run.controller,
-        program_sha256=run.program_sha256,
-        program_name=run.program_name,
-        language=run.language,
     )
