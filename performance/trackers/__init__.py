@@ -11,7 +11,7 @@ import cv2
 from performance.trackers.contenders import CONTENDERS, FILTERS, PEERS
 from performance.trackers.race import Result, fastest, race
 from performance.trackers.sequences import FRAMES, SEQUENCES
-from seamark.sim.trackers.visp.installation import why_not
+from seamark.sim.trackers.visp.installation import unavailable_reason
 
 ROUNDS = 3
 _HEAD = ("tracker", "us per image", "speed-up", "median px", "95 % px", "lost at image")
@@ -32,7 +32,7 @@ def table() -> str:
             f"### {name}: {FRAMES} images, "
             f"corners move up to {sequence.largest_step_px():.1f} px\n\n{_markdown(results)}"
         )
-    if reason := why_not():
+    if reason := unavailable_reason():
         parts.append(f"ViSP is not included: {reason}.")
     return "\n\n".join(parts) + "\n"
 

@@ -15,7 +15,7 @@ from performance.visibility.page import write
 from seamark.sim.engine.trial import run_trial
 from seamark.sim.numerics.statistics import mean
 from seamark.sim.registry import benchmark
-from seamark.sim.trackers.visp.installation import why_not
+from seamark.sim.trackers.visp.installation import unavailable_reason
 
 NAME = "visibility-v1"
 DOCS = Path(__file__).parents[2] / "docs"
@@ -57,7 +57,7 @@ def main(names: list[str]) -> int:
     results: dict[str, Any] = json.loads(RESULTS.read_text()) if RESULTS.exists() else {}
     with ProcessPoolExecutor(max_workers=min(2, os.cpu_count() or 1)) as pool:
         for name in names or GROUPS:
-            if name.startswith("visp") and (reason := why_not()):
+            if name.startswith("visp") and (reason := unavailable_reason()):
                 print(f"{name} is skipped: {reason}.")
                 continue
             results[name] = []

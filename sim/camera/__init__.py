@@ -1,4 +1,4 @@
-"""The vehicle's camera over a sea floor with a box: pictures, water and true image positions."""
+"""The vehicle's camera above a seabed with a box: rendering, water, true image positions."""
 
 import numpy as np
 
@@ -24,7 +24,7 @@ __all__ = [
 
 
 def warm_up() -> None:
-    """Load all compiled code and the grey textures, so that forked simulators start at once."""
+    """Load all compiled code and the grey textures, so that forked processes start at once."""
     camera = Camera(VISIBILITY, Water(), Target(), noise_seed=0)
     pose = start_pose(VISIBILITY, Target(), 1.27)
     camera.region(pose, 0, (0, 0, 32, 32))

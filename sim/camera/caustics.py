@@ -1,9 +1,9 @@
-"""Daylight that the waves above gather and scatter: a net of light that runs over the bottom.
+"""Caustics: surface waves focus the daylight into a moving net of light on the bottom.
 
-The logarithm of the light is a sum of plane waves, so that bright lines are narrow and dark fields
-wide: skewed as it is measured near the surface (Gernez, Stramski & Darecki 2011). How strong it is
-at which depth is left to whoever sets it: the coefficient of variation is on average four times as
-large above 2 m as in 25 m (Hieronymi & Macke 2010).
+The logarithm of the light is a sum of plane waves, so bright lines are narrow and dark areas wide:
+skewed as measured near the surface (Gernez, Stramski & Darecki 2011). The strength is a setting and
+does not follow the depth: on average the coefficient of variation is four times as large above 2 m
+as at 25 m (Hieronymi & Macke 2010).
 """
 
 from math import sqrt
@@ -18,15 +18,15 @@ from seamark.sim.numerics.libm import PI, cos, exp, log, sincos
 WAVES = 8
 LONGEST_M, SHORTEST_M = 1.2, 0.2  # E: ripples under a light breeze
 GRAVITY_M_S2 = 9.81
-HALVINGS = 60  # of the interval in which the waves' amplitude is sought
+BISECTIONS = 60  # of the interval that contains the amplitude
 TERMS = 40  # of the Bessel function's series, for arguments up to 4
 
 Waves = NDArray[np.float64]  # (n, 4) wave vector north, east [rad/m], frequency [rad/s], phase
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def waves_of(seed: int) -> Waves:
-    """Return the waves of a seed; each runs as gravity waves on deep water do."""
+def draw_waves(seed: int) -> Waves:
+    """Return the waves of a seed; each obeys the dispersion of deep-water gravity waves."""
     waves = np.empty((WAVES, 4))
     ratio = exp(log(LONGEST_M / SHORTEST_M) / (WAVES - 1))
     number = 2.0 * PI / LONGEST_M
@@ -40,12 +40,12 @@ def waves_of(seed: int) -> Waves:
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def focused(
+def caustic_gain(
     north: float, east: float, time_s: float, waves: Waves, amplitude: float, mean: float
 ) -> float:
-    """Return the daylight at a place as a multiple of its mean.
+    """Return the daylight at a position as a multiple of its mean.
 
-    `amplitude` and `mean` are those of `amplitude_for`.
+    `amplitude` and `mean` are the results of `wave_amplitude`.
     """
     total = 0.0
     for n in range(waves.shape[0]):
@@ -53,13 +53,13 @@ def focused(
     return float(exp(amplitude * total) / mean)
 
 
-def amplitude_for(variation: float) -> tuple[float, float]:
-    """Return each wave's amplitude for a coefficient of variation, and the mean that it makes.
+def wave_amplitude(variation: float) -> tuple[float, float]:
+    """Return each wave's amplitude for a coefficient of variation, and the mean of the light.
 
     Over independent phases, exp(a cos) has the mean I0(a) and the mean square I0(2 a).
     """
     low, high = 0.0, 2.0
-    for _ in range(HALVINGS):
+    for _ in range(BISECTIONS):
         middle = 0.5 * (low + high)
         low, high = (middle, high) if _variation(middle) < variation else (low, middle)
     return low, _bessel(low) ** WAVES

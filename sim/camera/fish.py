@@ -1,39 +1,39 @@
-"""A fish that swims between the camera and the target, on a seeded schedule.
+"""Fish that swim between the camera and the target, on a seeded schedule.
 
-Time is cut into slots; in each, one fish crosses right above the target at a hashed moment, in a
-hashed direction.
+Time is divided into slots; in each, one fish crosses directly above the target, at a time and in a
+direction given by a hash.
 """
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from seamark.sim.camera.effects import Disturbance
-from seamark.sim.camera.geometry import plane_map
+from seamark.sim.camera.effects import EffectParameters
+from seamark.sim.camera.geometry import plane_homography
 from seamark.sim.camera.scene import Channel, Scene
 from seamark.sim.camera.seabed import hash01
-from seamark.sim.camera.snow import through_water
+from seamark.sim.camera.snow import attenuated
 from seamark.sim.numerics.libm import PI, sincos
 
 Array = NDArray[np.float64]
 
 SPEED_M_S = 0.5  # E
-ABOVE_M = 0.35  # E: above the target's top
-RUN_UP_M = 1.2  # E: length of its way beside its own
+ABOVE_M = 0.35  # E: height above the target's top
+RUN_UP_M = 1.2  # E: length of its path without its own length
 SLENDER = 0.34  # E: width of the body as a share of the length
 ALBEDO = 0.16  # E: a dark back
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def crossing(time_s: float, light: Disturbance) -> tuple[bool, float, float]:
-    """Return whether a fish is there, its place along its way [m] and its heading [rad]."""
-    slot_s = 1.0 / light.fish
+def crossing(time_s: float, effects: EffectParameters) -> tuple[bool, float, float]:
+    """Return whether a fish is present, its position along its path [m] and its heading [rad]."""
+    slot_s = 1.0 / effects.fish
     slot = int(np.floor(time_s / slot_s))
-    way = light.fish_m + RUN_UP_M
+    way = effects.fish_m + RUN_UP_M
     lasts = min(way / SPEED_M_S, slot_s)
-    begins = slot * slot_s + hash01(slot, 1, light.seed) * (slot_s - lasts)
+    begins = slot * slot_s + hash01(slot, 1, effects.seed) * (slot_s - lasts)
     passed = (time_s - begins) / lasts
-    heading = 2.0 * PI * hash01(slot, 2, light.seed)
+    heading = 2.0 * PI * hash01(slot, 2, effects.seed)
     return 0.0 <= passed < 1.0, (passed - 0.5) * way, heading
 
 
@@ -41,32 +41,34 @@ def crossing(time_s: float, light: Disturbance) -> tuple[bool, float, float]:
 def add_fish(
     plane: NDArray[np.float32],
     corner: tuple[int, int],
-    look_at: tuple[Array, Array],
+    extrinsics: tuple[Array, Array],
     scene: Scene,
     channel: Channel,
-    light: Disturbance,
+    effects: EffectParameters,
     time_s: float,
 ) -> None:
     """Paint the fish into a plane (rows, columns) whose first pixel is at `corner` (row, column).
 
-    Its outline is an ellipse with a tail; how much of a pixel it covers goes by the distance.
+    Its outline is an ellipse with a tail; the coverage of a pixel follows from its distance to it.
     """
-    there, along, heading = crossing(time_s, light)
+    there, along, heading = crossing(time_s, effects)
     if not there:
         return
-    rotation, centre = look_at
+    rotation, centre = extrinsics
     s, c = sincos(heading)
     top = scene.faces[0]
     spot = np.zeros(12)
     spot[0] = top[0] + 0.5 * (top[3] + top[6]) + along * c
     spot[1] = top[1] + 0.5 * (top[4] + top[7]) + along * s
     spot[2] = top[2] - ABOVE_M
-    # The plane's axes: nose and left side, in half lengths of the body.
-    half = 0.5 * light.fish_m
+    # Axes of the plane: nose and left side, in half lengths of the body.
+    half = 0.5 * effects.fish_m
     spot[3], spot[4] = half * c, half * s
     spot[6], spot[7] = -half * s, half * c
     g = np.empty((3, 3))
-    if spot[2] - centre[2] < 0.05 or not plane_map(spot, rotation, centre, scene.intrinsics, g):
+    if spot[2] - centre[2] < 0.05 or not plane_homography(
+        spot, rotation, centre, scene.intrinsics, g
+    ):
         return
     for row in range(plane.shape[0]):
         for column in range(plane.shape[1]):
@@ -81,17 +83,17 @@ def add_fish(
             if cover > 0.0:
                 x = (u - scene.intrinsics[1]) / scene.intrinsics[0] / inverse
                 y = (v - scene.intrinsics[2]) / scene.intrinsics[0] / inverse
-                tone = 255.0 * ALBEDO * light.level * (1.0 + 0.5 * min(abs(b) / SLENDER, 1.0))
-                value = through_water(tone, x, y, 1.0 / inverse, channel, scene.fog) + channel.veil
+                tone = 255.0 * ALBEDO * effects.level * (1.0 + 0.5 * min(abs(b) / SLENDER, 1.0))
+                value = attenuated(tone, x, y, 1.0 / inverse, channel, scene.fog) + channel.veil
                 old = plane[row, column]
                 plane[row, column] = np.float32(old + cover * (value - old))
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _inside(a: float, b: float) -> float:
-    """Return how far inside the outline a place is, in half lengths; negative outside."""
+    """Return how far inside the outline a point is, in half lengths; negative outside."""
     q = np.sqrt((a - 0.2) * (a - 0.2) / 0.64 + b * b / (SLENDER * SLENDER))
     body = (1.0 - q) * SLENDER
-    spread = 0.06 + 0.45 * max(-a - 0.5, 0.0)  # the tail widens backwards
-    tail = min(a + 1.0, -0.4 - a, spread - abs(b))
+    interpolate_nodes = 0.06 + 0.45 * max(-a - 0.5, 0.0)  # the tail widens backwards
+    tail = min(a + 1.0, -0.4 - a, interpolate_nodes - abs(b))
     return float(max(body, tail))

@@ -1,7 +1,7 @@
-"""Where the camera is and how planes in the world map to its pixels.
+"""Projective geometry of the camera: its pose, and maps between pixels and planes.
 
 A plane is a point P0 and two edges e1, e2. With M = [e1 e2 P0 - C] in camera axes, a pixel's ray
-(x, y, 1) gives (a, b, 1) / z = M^-1 (x, y, 1): the place (a, b) on the plane and the inverse depth.
+(x, y, 1) gives (a, b, 1) / z = M^-1 (x, y, 1): coordinates (a, b) on the plane and inverse depth.
 """
 
 import numpy as np
@@ -11,19 +11,19 @@ from numpy.typing import NDArray
 from seamark.sim.numerics.libm import sincos
 
 Array = NDArray[np.float64]
-Line = tuple[np.float32, np.float32, np.float32, np.float32, np.float32, np.float32]
+RowMap = tuple[np.float32, np.float32, np.float32, np.float32, np.float32, np.float32]
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def camera_pose(pose: Array, mount: Array, rotation: Array, centre: Array) -> None:
-    """Write the camera axes in the world as rows of (3, 3) and its place (3,) [m].
+    """Write the camera axes in the world frame as rows of (3, 3) and its position (3,) [m].
 
     Parameters
     ----------
     pose : (6,) [m, rad]
         North, east, down, roll, pitch, yaw of the body.
     mount : (3,) [m]
-        Place of the camera in the body frame; it looks along body z, image right is body y.
+        Position of the camera in the body frame; it looks along body z, image right is body y.
     """
     sr, cr = sincos(pose[3])
     sp, cp = sincos(pose[4])
@@ -44,7 +44,9 @@ def camera_pose(pose: Array, mount: Array, rotation: Array, centre: Array) -> No
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def plane_map(plane: Array, rotation: Array, centre: Array, intrinsics: Array, g: Array) -> bool:
+def plane_homography(
+    plane: Array, rotation: Array, centre: Array, intrinsics: Array, g: Array
+) -> bool:
     """Write g (3, 3): pixel (u, v, 1) -> (a / z, b / z, 1 / z) for the plane's coordinates a, b.
 
     Returns False when the camera lies in the plane.
@@ -88,7 +90,7 @@ def plane_map(plane: Array, rotation: Array, centre: Array, intrinsics: Array, g
 def project(points: Array, rotation: Array, centre: Array, intrinsics: Array, out: Array) -> None:
     """Write the image points (n, 2) [px] of world points (n, 3) [m].
 
-    A point at or behind the camera's plane becomes NaN: it has no image.
+    A point at or behind the camera's plane becomes NaN.
     """
     for k in range(points.shape[0]):
         x = 0.0
@@ -108,8 +110,8 @@ def project(points: Array, rotation: Array, centre: Array, intrinsics: Array, ou
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def faces_seen(faces: Array, centre: Array) -> NDArray[np.bool_]:
-    """Return (n,) which of the faces (n, 12) turn their outer side to the camera."""
+def visible_faces(faces: Array, centre: Array) -> NDArray[np.bool_]:
+    """Return (n,) which of the faces (n, 12) face the camera."""
     seen = np.zeros(faces.shape[0], np.bool_)
     for k in range(faces.shape[0]):
         d = 0.0
@@ -120,8 +122,8 @@ def faces_seen(faces: Array, centre: Array) -> NDArray[np.bool_]:
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def row_of(g: Array, v: float) -> Line:
-    """Return a plane's map along row v, float32: value at column 0 and change per column."""
+def map_along_row(g: Array, v: float) -> RowMap:
+    """Return a homography along image row v, float32: values at column 0, then per column."""
     return (
         np.float32(g[0, 1] * v + g[0, 2]),
         np.float32(g[1, 1] * v + g[1, 2]),

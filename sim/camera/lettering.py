@@ -1,7 +1,7 @@
-"""The box's surface: black plastic with a frame, bolts and letters of an own stroke font.
+"""The surface of the box: black plastic with a rim, bolts and letters in a stroke font.
 
-Drawn from distances to line segments, so it needs no font file and no library whose bytes depend
-on the CPU.
+Rendered from distances to line segments, so it needs no font file and no library whose results
+depend on the processor.
 """
 
 from functools import lru_cache
@@ -79,8 +79,8 @@ def _averaged(samples: NDArray[np.float64]) -> NDArray[np.float64]:
 def _smoothed(texels: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return texels under a binomial 3x3 mask, edges repeated.
 
-    It stands for the area of a pixel and the blur of a lens: without it the letters alias when they
-    move by parts of a pixel, and no tracker can be better than that.
+    It models the area of a pixel and the blur of a lens: without it the letters would alias under
+    sub-pixel motion, which limits every tracker.
     """
     out = texels
     for axis in range(2):
@@ -91,7 +91,7 @@ def _smoothed(texels: NDArray[np.float64]) -> NDArray[np.float64]:
     return out
 
 
-def _ink(
+def _painted(
     base: NDArray[np.float64], distance: NDArray[np.float64], half: float, tone: float
 ) -> NDArray[np.float64]:
     return np.where(distance < half, tone, base)
@@ -101,18 +101,18 @@ def _ink(
 def face(
     length_m: float, width_m: float, texel_m: float, channel: int, *, lettered: bool = True
 ) -> NDArray[np.float64]:
-    """Return the albedo (rows, columns) of a face, with the text when there is room for it.
+    """Return the albedo (rows, columns) of a face, with the text if there is room for it.
 
     Parameters
     ----------
     length_m, width_m : float [m]
         Extent to the right and downwards as one reads the text.
     texel_m : float [m]
-        Wanted texel size; the real one divides the face evenly.
+        Desired texel size; the actual one divides the face evenly.
     channel : int
         0 red, 1 green, 2 blue.
     lettered : bool
-        False leaves nothing but the black plastic.
+        False gives plain black plastic.
     """
     columns, rows = round(length_m / texel_m), round(width_m / texel_m)
     u, v = _grid(length_m, width_m, columns, rows)
@@ -124,11 +124,11 @@ def face(
     out = np.where(rim < 0.05, 0.11, out)  # worn edges are lighter
     for x in (0.16, wide - 0.16):
         for y in (0.16, 0.84):
-            out = _ink(out, np.sqrt((u - x) ** 2 + (v - y) ** 2), 0.055, 0.42)
+            out = _painted(out, np.sqrt((u - x) ** 2 + (v - y) ** 2), 0.055, 0.42)
     if wide < 2:
         return _smoothed(_smoothed(_averaged(out)))
     for stroke in _segments(TEXT, x=0.32, y=0.26, height=0.44, pitch=0.345):
-        out = _ink(out, _distance(u, v, stroke), 0.042, WHITE)
+        out = _painted(out, _distance(u, v, stroke), 0.042, WHITE)
     mark = (u > wide - 0.48) & (u < wide - 0.29) & (v > 0.26) & (v < 0.74)
     stripe = (u + v) * 4.2
     out = np.where(mark & (stripe - np.floor(stripe) < 0.5), AMBER[channel], out)

@@ -1,36 +1,38 @@
-"""Light that is not the usual daylight: on what it falls, and a lamp's glow in the water.
+"""Light other than normal daylight: illuminance of surfaces, and backscatter of a lamp.
 
-In units of daylight and albedo, as all radiances here. Daylight from above has its level and its
-caustics; a lamp beside the camera gives E = lamp / d^2 with the distance d, less by the cone
-(1 / (1 + tan^2 / tan^2 of the half angle)), by the slant of what it meets and by the water.
+In units of daylight and albedo, like all radiances here. Daylight has a level and caustics; a lamp
+beside the camera gives E = lamp / d^2 at the distance d, reduced by its cone
+(1 / (1 + tan^2 / tan^2 of the half angle)), by the inclination of the surface and by the water.
 """
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from seamark.sim.camera.caustics import focused
-from seamark.sim.camera.effects import LAMP_FORWARD_M, Disturbance
+from seamark.sim.camera.caustics import caustic_gain
+from seamark.sim.camera.effects import LAMP_FORWARD_M, EffectParameters
 from seamark.sim.camera.rows import CHUNK, NODE
 from seamark.sim.camera.scene import MARGIN, Scene
 from seamark.sim.numerics.libm import exp
 
 GLOW_STEPS = 8  # of the integral along a ray
-# E: share of the attenuated light that comes straight back: albedo of a flake 0.6, times pi times a
+# E: share of the attenuated light scattered straight back: particle albedo 0.6, times pi, times a
 # phase function of 0.016 per steradian backwards.
 BACKSCATTER = 0.03
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def lamp_light(x: float, y: float, z: float, attenuation: float, light: Disturbance) -> float:
-    """Return the lamp's light at a point [m] in the camera frame, before the slant of a surface."""
+def lamp_light(
+    x: float, y: float, z: float, attenuation: float, effects: EffectParameters
+) -> float:
+    """Return the lamp's light at a point [m], camera frame, on a surface that faces the lamp."""
     if z < 0.02:
         return 0.0
     ahead = y + LAMP_FORWARD_M  # image down is aft
     across = x * x + ahead * ahead
     square = across + z * z
-    cone = 1.0 / (1.0 + across / (z * z) * light.cone)
-    return light.lamp * cone / square * exp(-min(attenuation * np.sqrt(square), 40.0))
+    cone = 1.0 / (1.0 + across / (z * z) * effects.cone)
+    return effects.lamp * cone / square * exp(-min(attenuation * np.sqrt(square), 40.0))
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -38,15 +40,15 @@ def light_nodes(
     g: NDArray[np.float64],
     scene: Scene,
     water: tuple[float, float],
-    light: Disturbance,
+    effects: EffectParameters,
     window: tuple[int, int, int, int],
-    eye: tuple[NDArray[np.float64], NDArray[np.float64]],
+    extrinsics: tuple[NDArray[np.float64], NDArray[np.float64]],
     time_s: float,
 ) -> NDArray[np.float32]:
-    """Return (3, rows, columns): light on the seabed, on the box's top, and the glow [albedo].
+    """Return (3, rows, columns): light on the seabed, on the box's top, and backscatter [albedo].
 
-    `water` is the attenuation and how much nearer the top is than the seabed, as a share; `eye`
-    the camera's axes (3, 3) and place (3,).
+    `water` is the attenuation and the depth of the top as a share of that of the seabed;
+    `extrinsics` the axes (3, 3) and the position (3,) of the camera.
     """
     attenuation, nearer = water
     x0, y0, x1, y1 = window
@@ -64,10 +66,10 @@ def light_nodes(
                 z = depth * (1.0 if k == 0 else nearer)
                 ahead = y * z + LAMP_FORWARD_M
                 slant = z / np.sqrt(x * z * x * z + ahead * ahead + z * z)
-                e = lamp_light(x * z, y * z, z, attenuation, light)
-                day = light.level * _daylight(x * z, y * z, z, eye, light, time_s)
+                e = lamp_light(x * z, y * z, z, attenuation, effects)
+                day = effects.level * _daylight(x * z, y * z, z, extrinsics, effects, time_s)
                 out[k, j, i] = day + slant * e
-            out[2, j, i] = _glow(x, y, depth, attenuation, light)
+            out[2, j, i] = _glow(x, y, depth, attenuation, effects)
     return out
 
 
@@ -76,23 +78,23 @@ def _daylight(
     x: float,
     y: float,
     z: float,
-    eye: tuple[NDArray[np.float64], NDArray[np.float64]],
-    light: Disturbance,
+    extrinsics: tuple[NDArray[np.float64], NDArray[np.float64]],
+    effects: EffectParameters,
     time_s: float,
 ) -> float:
-    """Return the daylight at a point [m] in the camera frame as a multiple of its mean."""
-    if light.waves.shape[0] == 0:
+    """Return the daylight at a point [m], camera frame, as a multiple of its mean."""
+    if effects.waves.shape[0] == 0:
         return 1.0
-    axes, place = eye
-    north = place[0] + axes[0, 0] * x + axes[1, 0] * y + axes[2, 0] * z
-    east = place[1] + axes[0, 1] * x + axes[1, 1] * y + axes[2, 1] * z
-    return focused(north, east, time_s, light.waves, light.wave[0], light.wave[1])
+    axes, position = extrinsics
+    north = position[0] + axes[0, 0] * x + axes[1, 0] * y + axes[2, 0] * z
+    east = position[1] + axes[0, 1] * x + axes[1, 1] * y + axes[2, 1] * z
+    return caustic_gain(north, east, time_s, effects.waves, effects.wave[0], effects.wave[1])
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _glow(x: float, y: float, depth: float, attenuation: float, light: Disturbance) -> float:
-    """Return the lamp's light that the water sends back along a ray, by the midpoint rule."""
-    if light.lamp == 0.0:
+def _glow(x: float, y: float, depth: float, attenuation: float, effects: EffectParameters) -> float:
+    """Return the lamp's light that the water scatters back along a ray, by the midpoint rule."""
+    if effects.lamp == 0.0:
         return 0.0
     stretch = np.sqrt(1.0 + x * x + y * y)
     step = min(depth, 6.0) / GLOW_STEPS
@@ -100,5 +102,5 @@ def _glow(x: float, y: float, depth: float, attenuation: float, light: Disturban
     for k in range(GLOW_STEPS):
         z = (k + 0.5) * step
         back = exp(-min(attenuation * z * stretch, 40.0))
-        total += lamp_light(x * z, y * z, z, attenuation, light) * back
+        total += lamp_light(x * z, y * z, z, attenuation, effects) * back
     return float(BACKSCATTER * attenuation * total * step * stretch)

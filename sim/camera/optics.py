@@ -1,7 +1,7 @@
-"""The vehicle's downward camera: resolution, focal length and where it sits on the body.
+"""The vehicle's downward camera: resolution, focal length and mount on the body.
 
-Camera frame: x to the image's right (u), y to the image's bottom (v), z along the view. With the
-mount straight down, image right is the body's starboard side and image down is aft. Pixel centres
+Camera frame: x to the image's right (u), y to the image's bottom (v), z along the optical axis.
+Mounted straight down, image right is the body's starboard side and image down is aft. Pixel centres
 are at integer coordinates, so the principal point is ((W - 1) / 2, (H - 1) / 2).
 """
 
@@ -17,7 +17,7 @@ MOUNT_M = (-0.2, -0.1, 0.95)
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Optics:
-    """An ideal pinhole that looks along the body's z axis."""
+    """An ideal pinhole camera that looks along the body's z axis."""
 
     width: int = 640
     height: int = 480
@@ -25,7 +25,7 @@ class Optics:
     mount_m: tuple[float, float, float] = MOUNT_M
 
     def __post_init__(self) -> None:
-        """Refuse a camera that cannot be."""
+        """Refuse an impossible camera."""
         if not (16 <= self.width <= 4096 and 16 <= self.height <= 4096):
             raise ValueError(f"an image of {self.width}x{self.height} px is not within 16..4096 px")
         if not self.focal_px > 0:

@@ -1,7 +1,7 @@
-"""Draws a window of the picture row by row: seabed, box faces, water, noise.
+"""Renders a window of the image row by row: seabed, faces of the box, water, noise.
 
-A row's buffers begin at a column that is a multiple of NODE and have whole CHUNKs, so that no loop
-has a scalar remainder; what is computed beyond the window is dropped.
+The buffers of a row begin at a column that is a multiple of NODE and consist of whole CHUNKs, so
+that no loop has a scalar remainder; what is computed outside the window is dropped.
 """
 
 from typing import Any, NamedTuple
@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from seamark.sim.camera import rows
 from seamark.sim.camera.faces import Outlines, draw_faces, outlines
-from seamark.sim.camera.geometry import camera_pose, plane_map
+from seamark.sim.camera.geometry import camera_pose, plane_homography
 from seamark.sim.camera.rows import CHUNK, NODE
-from seamark.sim.camera.scene import MARGIN, STRIP, Channel, Grain, Scene, Work
+from seamark.sim.camera.scene import MARGIN, STRIP, Buffers, Channel, Scene, SensorNoise
 from seamark.sim.camera.seabed import TEXEL_M
 from seamark.sim.numerics.libm import exp
 
@@ -32,7 +32,7 @@ class View(NamedTuple):
     north: int
     east: int
     nodes: NDArray[np.float32]  # (rows, columns) transmission to the seabed
-    lamp: NDArray[np.float32]  # (3, rows, columns) light on ground and top, glow; (0, 0, 0): none
+    lamp: NDArray[np.float32]  # (3, rows, columns) light on seabed and top, backscatter; or empty
     outlines: Outlines
 
 
@@ -52,7 +52,7 @@ def noise_start(seed: int, frame: int, row: int, channel: int) -> int:
 def _seabed_map(
     depth: float, rotation: Array, centre: Array, intrinsics: Array, g: Array
 ) -> tuple[int, int]:
-    """Write the seabed's map in texels around the one below the camera; return that texel."""
+    """Write the seabed's homography relative to the texel below the camera; return that texel."""
     north = np.floor(centre[0] / TEXEL_M)
     east = np.floor(centre[1] / TEXEL_M)
     plane = np.zeros(12)
@@ -61,7 +61,7 @@ def _seabed_map(
     plane[2] = depth
     plane[3] = TEXEL_M
     plane[7] = TEXEL_M
-    plane_map(plane, rotation, centre, intrinsics, g)
+    plane_homography(plane, rotation, centre, intrinsics, g)
     for k in range(3):
         g[0, k] -= 0.5 * g[2, k]
         g[1, k] -= 0.5 * g[2, k]
@@ -69,10 +69,12 @@ def _seabed_map(
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _nodes(g: Array, scene: Scene, attenuation: float, window: Window) -> NDArray[np.float32]:
+def _transmission_nodes(
+    g: Array, scene: Scene, attenuation: float, window: Window
+) -> NDArray[np.float32]:
     """Return the seabed's transmission at the nodes that the window needs.
 
-    (rows, columns) for the whole picture; node (0, 0) stands at (-MARGIN, -MARGIN) px.
+    (rows, columns) for the whole image; node (0, 0) is at (-MARGIN, -MARGIN) px.
     """
     x0, y0, x1, y1 = window
     f = scene.intrinsics[0]
@@ -93,8 +95,8 @@ def _nodes(g: Array, scene: Scene, attenuation: float, window: Window) -> NDArra
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def view_of(pose: Array, scene: Scene, attenuation: float, window: Window) -> View:
-    """Return what a pose (6,) makes of the scene, for the rows of a window."""
+def view_from(pose: Array, scene: Scene, attenuation: float, window: Window) -> View:
+    """Return the view of the scene from a pose (6,), for the rows of a window."""
     rotation = np.empty((3, 3))
     centre = np.empty(3)
     camera_pose(pose, scene.mount, rotation, centre)
@@ -104,71 +106,71 @@ def view_of(pose: Array, scene: Scene, attenuation: float, window: Window) -> Vi
         g,
         north - rows.BIAS,
         east - rows.BIAS,
-        _nodes(g, scene, attenuation, window),
+        _transmission_nodes(g, scene, attenuation, window),
         np.empty((0, 0, 0), np.float32),
         outlines(scene.faces, scene.layout, rotation, centre, scene.intrinsics),
     )
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def columns_of(x0: int, x1: int) -> tuple[int, int]:
-    """Return start and width of the rows that are computed for the columns x0..x1."""
+def padded_columns(x0: int, x1: int) -> tuple[int, int]:
+    """Return start and width of the rows to compute for the columns x0..x1."""
     start = (x0 + MARGIN) // NODE * NODE - MARGIN
     return start, (x1 - start + CHUNK - 1) // CHUNK * CHUNK
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def light_strip(
+def render_strip(
     view: View,
     row: int,
     columns: tuple[int, int],
     scene: Scene,
     channel: Channel,
-    work: Work,
+    buffers: Buffers,
     light: Row,
 ) -> None:
-    """Write the light [grey] of a strip of rows, (rows * width,), from `row` on.
+    """Write the radiance [grey] of a strip of rows, (rows * width,), from `row` on.
 
-    `columns` is the window's first column and the one behind its last.
+    `columns` is the window's first column and the one after its last.
     """
-    start, width = columns_of(columns[0], columns[1])
+    start, width = padded_columns(columns[0], columns[1])
     n = light.shape[0]
     from_node = (row + MARGIN, start + MARGIN, width)
     shift = (view.north, view.east)
-    rows.seabed_light(channel.tile, view.ground, (row, start, width), shift, light)
-    gain = work.gain[1, :0]
+    rows.seabed_light(channel.seabed, view.ground, (row, start, width), shift, light)
+    gain = buffers.gain[1, :0]
     if view.lamp.shape[0]:
-        transmission = work.transmission[:n]
-        ground_gain = work.gain[0, :n]
-        gain = work.gain[1, :n]
-        rows.spread(view.nodes, from_node, transmission)
-        rows.spread(view.lamp[0], from_node, ground_gain)
-        rows.spread(view.lamp[1], from_node, gain)
-        rows.shine(light, ground_gain, transmission, channel.veil)
+        transmission = buffers.transmission[:n]
+        ground_gain = buffers.gain[0, :n]
+        gain = buffers.gain[1, :n]
+        rows.interpolate_nodes(view.nodes, from_node, transmission)
+        rows.interpolate_nodes(view.lamp[0], from_node, ground_gain)
+        rows.interpolate_nodes(view.lamp[1], from_node, gain)
+        rows.illuminate(light, ground_gain, transmission, channel.veil)
     else:
-        rows.pass_through(view.nodes, from_node, channel.veil, light)
-    place = (row, start, width, columns[0], columns[1])
-    draw_faces(view.outlines, place, scene, channel, work, light, gain)
+        rows.attenuate(view.nodes, from_node, channel.veil, light)
+    extent = (row, start, width, columns[0], columns[1])
+    draw_faces(view.outlines, extent, scene, channel, buffers, light, gain)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def expose_strip(
     light: Row,
-    place: tuple[int, int, int, int],
-    grain: Grain,
-    stamp: tuple[int, int],
+    extent: tuple[int, int, int, int],
+    grain: SensorNoise,
+    noise_key: tuple[int, int],
     levels: NDArray[np.uint8],
     out: NDArray[np.uint8],
 ) -> None:
-    """Write the grey levels of a strip's window into the picture.
+    """Write the grey values of a strip's window into the image.
 
-    `place` is row and column of the strip's first pixel and the window's columns, `stamp` the
-    number of frame and channel.
+    `extent` is row and column of the first pixel and the columns of the window; `noise_key` the
+    numbers of frame and channel.
     """
-    row, start, x0, x1 = place
-    width = columns_of(x0, x1)[1]
+    row, start, x0, x1 = extent
+    width = padded_columns(x0, x1)[1]
     for r in range(light.shape[0] // width):
-        first = noise_start(grain.seed, stamp[0], row + r, stamp[1]) + start
+        first = noise_start(grain.seed, noise_key[0], row + r, noise_key[1]) + start
         noise = grain.bank[first : first + width]
         part = light[r * width : (r + 1) * width]
         rows.expose(part, noise, grain.read_variance, grain.shot_gain, levels[:width])
@@ -180,21 +182,21 @@ def _draw(
     pose: Array,
     scene: Scene,
     channel: Channel,
-    grain: Grain,
+    grain: SensorNoise,
     frame: int,
     window: Window,
-    work: Work,
+    buffers: Buffers,
     out: NDArray[np.uint8],
 ) -> None:
     x0, y0, x1, y1 = window
-    view = view_of(pose, scene, channel.attenuation, window)
-    start, width = columns_of(x0, x1)
+    view = view_from(pose, scene, channel.attenuation, window)
+    start, width = padded_columns(x0, x1)
     height = max(1, STRIP // width)
     for row in range(y0, y1, height):
-        light = work.light[: min(height, y1 - row) * width]
-        light_strip(view, row, (x0, x1), scene, channel, work, light)
-        stamp = (frame, channel.number)
-        expose_strip(light, (row, start, x0, x1), grain, stamp, work.levels, out)
+        light = buffers.light[: min(height, y1 - row) * width]
+        render_strip(view, row, (x0, x1), scene, channel, buffers, light)
+        noise_key = (frame, channel.number)
+        expose_strip(light, (row, start, x0, x1), grain, noise_key, buffers.levels, out)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -205,12 +207,21 @@ def draw(
     grain: tuple[Any, ...],
     frame: int,
     window: Window,
-    work: tuple[Any, ...],
+    buffers: tuple[Any, ...],
     out: NDArray[np.uint8],
 ) -> None:
-    """Draw the window x0, y0, x1, y1 of one channel into `out` (H, W) uint8.
+    """Render the window x0, y0, x1, y1 of one channel into `out` (H, W) uint8.
 
-    The tuples are Scene, Channel, Grain and Work without their names: Numba's dispatcher takes
-    microseconds longer to tell the type of a named tuple.
+    The tuples are `Scene`, `Channel`, `SensorNoise` and `Buffers` as plain tuples: dispatching on
+    the type of a named tuple takes Numba microseconds longer.
     """
-    _draw(pose, Scene(*scene), Channel(*channel), Grain(*grain), frame, window, Work(*work), out)
+    _draw(
+        pose,
+        Scene(*scene),
+        Channel(*channel),
+        SensorNoise(*grain),
+        frame,
+        window,
+        Buffers(*buffers),
+        out,
+    )

@@ -1,8 +1,8 @@
-"""The hot loops of the ray-caster over a strip of rows, the same on every CPU.
+"""The inner loops of the ray-caster over a strip of rows, with the same bits on every processor.
 
 Each loop runs from 0 over slices, which is what lets LLVM vectorise it; without `fastmath` LLVM
 neither reorders nor contracts, so a vector lane computes the same bits as the scalar remainder. A
-pixel's value depends on its absolute column alone, never on where the slice starts.
+pixel's value depends only on its absolute column, never on where the slice starts.
 """
 
 from typing import TYPE_CHECKING
@@ -11,45 +11,45 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from seamark.sim.camera.geometry import row_of
+from seamark.sim.camera.geometry import map_along_row
 from seamark.sim.camera.seabed import STRIDE, TILE
 from seamark.sim.numerics.simd import (
+    f32x16,
     gather,
-    lanes,
-    larger,
+    i32x16,
     load,
-    places,
-    real,
-    smaller,
+    maximum,
+    minimum,
     store,
-    whole,
+    to_f32,
+    to_i32,
 )
 
 if TYPE_CHECKING:
-    from seamark.sim.numerics.simd import Lanes, Places
+    from seamark.sim.numerics.simd import F32x16, I32x16
 
 Row = NDArray[np.float32]
 Texels = NDArray[np.int32]
 
 _F = np.float32
 BIAS = 4096  # [texel] keeps the coordinates positive, so that int() rounds down
-_REACH = _F(4000.0)  # [texel] 20 m: what lies farther repeats the texture's edge
+_REACH = _F(4000.0)  # [texel] 20 m: beyond it the edge of the texture is repeated
 NODE = 16  # [px] distance of the points at which the seabed's transmission is computed
 STEPS = np.arange(NODE, dtype=np.float32)[None]
-CHUNK = 32  # [px] what LLVM makes of a loop is whole vectors for a multiple of this
+CHUNK = 32  # [px] loops over a multiple of this compile to whole vectors
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def seabed_light(
     tile: Texels,
     ground: NDArray[np.float64],
-    place: tuple[int, int, int],
+    extent: tuple[int, int, int],
     shift: tuple[int, int],
     out: Row,
 ) -> None:
     """Write bilinear samples [grey] of the seabed for a strip of rows.
 
-    From a pixel's place on the ground to its grey without memory in between.
+    From a pixel's position on the seabed to its grey value without intermediate arrays.
 
     Parameters
     ----------
@@ -62,55 +62,55 @@ def seabed_light(
     shift : tuple
         Texels that a and b are counted from.
     """
-    row, start, width = place
+    row, start, width = extent
     blocks = out.reshape(out.shape[0] // NODE, NODE)
     across = width // NODE
-    shift_u, shift_v = places(shift[0]), places(shift[1])
+    shift_u, shift_v = i32x16(shift[0]), i32x16(shift[1])
     steps = load(STEPS, 0, 0)
-    least, far, near, bias = lanes(1e-3), lanes(_REACH), lanes(-_REACH), lanes(float(BIAS))
+    least, far, near, bias = f32x16(1e-3), f32x16(_REACH), f32x16(-_REACH), f32x16(float(BIAS))
     for r in range(blocks.shape[0] // across):
-        a, b, w, a_slope, b_slope, w_slope = row_of(ground, float(row + r))
-        a0, b0, w0 = lanes(a), lanes(b), lanes(w)
-        a1, b1, w1 = lanes(a_slope), lanes(b_slope), lanes(w_slope)
+        a, b, w, a_slope, b_slope, w_slope = map_along_row(ground, float(row + r))
+        a0, b0, w0 = f32x16(a), f32x16(b), f32x16(w)
+        a1, b1, w1 = f32x16(a_slope), f32x16(b_slope), f32x16(w_slope)
         for i in range(across):
-            column = lanes(float(start + i * NODE)) + steps
-            z = lanes(1.0) / larger(w0 + w1 * column, least)
-            u = smaller(larger((a0 + a1 * column) * z, near), far) + bias
-            v = smaller(larger((b0 + b1 * column) * z, near), far) + bias
-            iu, iv = whole(u), whole(v)
-            across_tile = (iu + shift_u) & places(TILE - 1)
-            down_tile = (iv + shift_v) & places(TILE - 1)
-            four = gather(tile, down_tile * places(STRIDE) + across_tile)
-            store(blocks, r * across + i, 0, mixture(four, u - real(iu), v - real(iv)))
+            column = f32x16(float(start + i * NODE)) + steps
+            z = f32x16(1.0) / maximum(w0 + w1 * column, least)
+            u = minimum(maximum((a0 + a1 * column) * z, near), far) + bias
+            v = minimum(maximum((b0 + b1 * column) * z, near), far) + bias
+            iu, iv = to_i32(u), to_i32(v)
+            across_tile = (iu + shift_u) & i32x16(TILE - 1)
+            down_tile = (iv + shift_v) & i32x16(TILE - 1)
+            four = gather(tile, down_tile * i32x16(STRIDE) + across_tile)
+            store(blocks, r * across + i, 0, bilinear(four, u - to_f32(iu), v - to_f32(iv)))
 
 
 @njit(cache=True, nogil=True, error_model="numpy", inline="always")
-def mixture(four: "Places", fu: "Lanes", fv: "Lanes") -> "Lanes":
-    """Return the bilinear mixtures of packed texels' four greys."""
-    byte = places(255)
-    a, b = real(four & byte), real((four >> places(8)) & byte)
-    c, d = real((four >> places(16)) & byte), real((four >> places(24)) & byte)
+def bilinear(four: "I32x16", fu: "F32x16", fv: "F32x16") -> "F32x16":
+    """Return bilinear interpolations of the four grey values in packed texels."""
+    byte = i32x16(255)
+    a, b = to_f32(four & byte), to_f32((four >> i32x16(8)) & byte)
+    c, d = to_f32((four >> i32x16(16)) & byte), to_f32((four >> i32x16(24)) & byte)
     top = a + fu * (b - a)
     low = c + fu * (d - c)
     return top + fv * (low - top)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def shine(light: Row, gain: Row, transmission: Row, veil: float) -> None:
-    """Replace radiances [grey] by what arrives of them when they get `gain` times daylight."""
+def illuminate(light: Row, gain: Row, transmission: Row, veil: float) -> None:
+    """Replace radiances [grey] by what reaches the camera under `gain` times daylight."""
     b = _F(veil)
     for q in range(gain.shape[0]):
         light[q] = (light[q] * gain[q] - b) * transmission[q] + b
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def spread(nodes: NDArray[np.float32], place: tuple[int, int, int], out: Row) -> None:
-    """Write a strip of values between nodes (rows, columns) that stand every NODE px.
+def interpolate_nodes(nodes: NDArray[np.float32], extent: tuple[int, int, int], out: Row) -> None:
+    """Write a strip of values interpolated between nodes (rows, columns) every NODE px.
 
-    `place` is row and column of the strip's first pixel, counted from the first node, and its
+    `extent` is row and column of the strip's first pixel, counted from the first node, and its
     width; the column is that of a node.
     """
-    row, start, width = place
+    row, start, width = extent
     first = start // NODE
     blocks = out.reshape(out.shape[0] // NODE, NODE)
     across = width // NODE
@@ -123,32 +123,32 @@ def spread(nodes: NDArray[np.float32], place: tuple[int, int, int], out: Row) ->
         for i in range(across):
             right = _between(nodes, j, first + i + 1, share)
             slope = (right - left) * _F(1.0 / NODE)
-            store(blocks, k, 0, lanes(left) + lanes(slope) * steps)
+            store(blocks, k, 0, f32x16(left) + f32x16(slope) * steps)
             left = right
             k += 1
 
 
 @njit(cache=True, nogil=True, error_model="numpy", inline="always")
 def _between(nodes: NDArray[np.float32], row: int, column: int, share: np.float32) -> np.float32:
-    """Return the value on the way from a node to the one below it."""
+    """Return the value interpolated between a node and the one below it."""
     above = nodes[row, column]
     value: np.float32 = above + share * (nodes[row + 1, column] - above)
     return value
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def pass_through(
-    nodes: NDArray[np.float32], place: tuple[int, int, int], veil: float, light: Row
+def attenuate(
+    nodes: NDArray[np.float32], extent: tuple[int, int, int], veil: float, light: Row
 ) -> None:
-    """Replace a strip of radiances [grey] by what arrives of them through the water.
+    """Replace a strip of radiances [grey] by what reaches the camera through the water.
 
-    `nodes` are transmissions and `place` what `spread` takes: the two of them in one.
+    `nodes` are transmissions and `extent` that of `interpolate_nodes`: both steps in one loop.
     """
-    row, start, width = place
+    row, start, width = extent
     first = start // NODE
     blocks = light.reshape(light.shape[0] // NODE, NODE)
     across = width // NODE
-    steps, b = load(STEPS, 0, 0), lanes(veil)
+    steps, b = load(STEPS, 0, 0), f32x16(veil)
     k = 0
     for r in range(blocks.shape[0] // across):
         j = (row + r) // NODE
@@ -157,7 +157,7 @@ def pass_through(
         for i in range(across):
             right = _between(nodes, j, first + i + 1, share)
             slope = (right - left) * _F(1.0 / NODE)
-            transmission = lanes(left) + lanes(slope) * steps
+            transmission = f32x16(left) + f32x16(slope) * steps
             store(blocks, k, 0, (load(blocks, k, 0) - b) * transmission + b)
             left = right
             k += 1
@@ -165,7 +165,7 @@ def pass_through(
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def copy(source: Row | NDArray[np.uint8], out: Row | NDArray[np.uint8]) -> None:
-    """Write what is in `source`; Numba's assignment of slices is no vector loop."""
+    """Copy `source`; Numba does not vectorise the assignment of slices."""
     for q in range(out.shape[0]):
         out[q] = source[q]
 
@@ -174,7 +174,7 @@ def copy(source: Row | NDArray[np.uint8], out: Row | NDArray[np.uint8]) -> None:
 def expose(
     light: Row, noise: Row, read_variance: float, shot_gain: float, out: NDArray[np.uint8]
 ) -> None:
-    """Write grey levels: radiance plus read and shot noise, rounded and clipped."""
+    """Write grey values: radiance plus read and shot noise, rounded and clipped."""
     v0 = _F(read_variance)
     g = _F(shot_gain)
     for q in range(out.shape[0]):
@@ -190,7 +190,7 @@ def interleave(
     third: NDArray[np.uint8],
     out: NDArray[np.uint8],
 ) -> None:
-    """Write three planes (n,) as one picture (3 n,)."""
+    """Write three planes (n,) as one image (3 n,)."""
     for q in range(first.shape[0]):
         out[3 * q] = first[q]
         out[3 * q + 1] = second[q]

@@ -1,4 +1,4 @@
-"""What the ray-caster is given: scene, channels, noise and the buffers of a row."""
+"""Inputs of the ray-caster: scene, colour channels, noise and buffers."""
 
 from typing import NamedTuple
 
@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 
 from seamark.sim.camera.rows import CHUNK, NODE
 
-STRIP = 12288  # [px] drawn at once: few calls a picture, and the buffers stay in the second cache
-MARGIN = 2 * NODE  # [px] how far beyond the picture a row may be asked for
+STRIP = 12288  # [px] rendered at once: few calls per image, and the buffers fit into the L2 cache
+MARGIN = 2 * NODE  # [px] rows may be rendered this far beyond the image
 Array = NDArray[np.float64]
 Row = NDArray[np.float32]
 Rows = NDArray[np.float32]
@@ -16,27 +16,27 @@ Texels = NDArray[np.int32]
 
 
 class Channel(NamedTuple):
-    """What one colour channel has of its own."""
+    """What belongs to one colour channel."""
 
-    tile: Texels  # the seabed in blocks
-    skin: Texels  # the faces' packed textures
+    seabed: Texels  # packed tile, see seabed.py
+    box_texture: Texels  # the faces' packed textures
     attenuation: float  # [1/m]
     veil: float  # [grey]
     number: int  # 0 red, 1 green, 2 blue
 
 
 class Scene(NamedTuple):
-    """What all channels share. Lens, place of the camera on the body, ground and box."""
+    """What all channels share: optics, mount of the camera, seabed and box."""
 
     intrinsics: Array  # (3,) focal length, principal column, principal row [px]
     mount: Array  # (3,) [m] body frame
     seabed_m: float
     faces: Array  # (n, 12)
-    layout: Texels  # (n, 3) where each face lies in the skin
+    layout: Texels  # (n, 3) position of each face in the texture: offset, columns, rows
     fog: bool  # UWSim's law instead of Beer-Lambert
 
 
-class Grain(NamedTuple):
+class SensorNoise(NamedTuple):
     """The camera's noise."""
 
     bank: Row
@@ -45,7 +45,7 @@ class Grain(NamedTuple):
     shot_gain: float  # [grey]
 
 
-class Work(NamedTuple):
+class Buffers(NamedTuple):
     """Buffers of a strip of rows."""
 
     light: Row  # [grey] the strip
@@ -55,11 +55,11 @@ class Work(NamedTuple):
     levels: NDArray[np.uint8]  # the strip in grey levels
 
 
-def work_for(width: int) -> Work:
-    """Return buffers for pictures of that width [px]."""
+def buffers_for(width: int) -> Buffers:
+    """Return buffers for images of this width [px]."""
     wide = (width + 2 * MARGIN) // CHUNK * CHUNK + 3 * CHUNK
     strip = max(STRIP, wide)
-    return Work(
+    return Buffers(
         light=np.zeros(strip, np.float32),
         ground=np.zeros(strip, np.float32),
         transmission=np.zeros(strip, np.float32),

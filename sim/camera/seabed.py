@@ -1,7 +1,7 @@
-"""Procedural sea floor: rippled sand with pebbles and shell, as a tile that repeats without a seam.
+"""Procedural seabed: rippled sand with pebbles and shells, as a tile that repeats seamlessly.
 
-Everything is made of an integer hash and + - * / sqrt, so that the same bytes come out on every
-CPU. No FFT, blur or library noise.
+Only an integer hash and + - * / sqrt are used, so every processor gives the same bytes: no FFT, no
+blur and no noise of a library.
 """
 
 from functools import lru_cache
@@ -12,13 +12,13 @@ from numpy.typing import NDArray
 
 TILE = 1024  # [texel] a power of two: the ray-caster wraps with a mask
 STRIDE = TILE + 16  # [texel] from a row to the next in memory
-TEXEL_M = 0.005  # about one pixel of both benchmarks' cameras, so that no mip levels are needed
+TEXEL_M = 0.005  # about one pixel of both benchmarks' cameras, so no mipmaps are needed
 SAND_TINT = (1.20, 1.0, 0.74)  # E: red, green, blue of quartz sand relative to its grey
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def hash01(i: int, j: int, seed: int) -> float:
-    """Return a number in [0, 1) that depends on the three integers alone."""
+    """Return a number in [0, 1) that depends only on the three integers."""
     h = np.uint32(i) * np.uint32(0x9E3779B1) ^ np.uint32(j) * np.uint32(0x85EBCA77)
     h = np.uint32(h ^ np.uint32(seed) * np.uint32(0xC2B2AE3D))
     h = np.uint32(h ^ (h >> np.uint32(15))) * np.uint32(0x2C1B3C6D)
@@ -31,7 +31,7 @@ def hash01(i: int, j: int, seed: int) -> float:
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def value_noise(x: float, y: float, cells: int, seed: int) -> float:
-    """Return smooth noise in [-1, 1] at x, y in [0, 1) of a tile of `cells` x `cells` lattice."""
+    """Return value noise in [-1, 1] at x, y in [0, 1), on a periodic lattice of `cells`²."""
     u = x * cells
     v = y * cells
     i = int(u)
@@ -155,14 +155,14 @@ def packed(texels: NDArray[np.uint8], *, wrap: bool) -> NDArray[np.int32]:
     return np.ascontiguousarray(quad).view(np.int32).ravel()
 
 
-def padded(quads: NDArray[np.int32]) -> NDArray[np.int32]:
+def padded(texels: NDArray[np.int32]) -> NDArray[np.int32]:
     """Return the packed tile with rows of STRIDE texels, (TILE * STRIDE,).
 
-    In rows of 4 KB all texels of a column would share one set of the caches and push each other
-    out: a picture took twice as long when the vehicle headed along the rows.
+    With rows of 4 KB all texels of a column would map to one cache set and evict each other:
+    an image took twice as long when the vehicle headed along the rows.
     """
     tile = np.zeros((TILE, STRIDE), np.int32)
-    tile[:, :TILE] = quads.reshape(TILE, TILE)
+    tile[:, :TILE] = texels.reshape(TILE, TILE)
     return tile.ravel()
 
 

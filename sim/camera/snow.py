@@ -1,14 +1,14 @@
-"""Marine snow: flakes that hang in the water and drift; a fish that swims over the target.
+"""Marine snow: flakes that drift with the water.
 
-Flakes live in cubes of a grid that drifts as a whole; a cube's flakes are a hash of its place. The
-order in which flakes are painted is that of the cubes, whatever the window.
+Flakes belong to the cubes of a grid that drifts as a whole; those of a cube follow from a hash of
+its index. They are painted in the order of the cubes, whatever the window.
 """
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from seamark.sim.camera.effects import Disturbance
+from seamark.sim.camera.effects import EffectParameters
 from seamark.sim.camera.light import lamp_light
 from seamark.sim.camera.scene import Channel, Scene
 from seamark.sim.camera.seabed import hash01
@@ -19,23 +19,21 @@ Plane = NDArray[np.float32]  # (rows, columns)
 
 CUBE_M = 0.25
 DRIFT_M_S = (0.03, 0.02, 0.004)  # E: slow water, and flakes that sink some 300 m a day
-NEAREST_M, FARTHEST_M = 0.15, 3.0  # of the camera; a flake farther off is smaller than a pixel
-SMALLEST_M, LARGEST_M = 0.001, 0.005  # E: diameters; small ones are more
+NEAREST_M, FARTHEST_M = 0.15, 3.0  # from the camera; flakes farther away are smaller than a pixel
+SMALLEST_M, LARGEST_M = 0.001, 0.005  # E: diameters; small ones are more frequent
 ALBEDO = 0.8  # E
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def flakes_in(i: int, j: int, k: int, density: float, seed: int) -> int:
-    """Return how many flakes a cube has; over many cubes `density` per cubic metre."""
+def flake_count(i: int, j: int, k: int, density: float, seed: int) -> int:
+    """Return the number of flakes in a cube: on average `density` per cubic metre."""
     expected = density * (CUBE_M * CUBE_M * CUBE_M)
     return int(expected + hash01(i, j, seed + 7919 * k))
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def through_water(
-    radiance: float, x: float, y: float, z: float, channel: Channel, fog: bool
-) -> float:
-    """Return what arrives of a radiance [grey] from a point in the camera frame, less the veil."""
+def attenuated(radiance: float, x: float, y: float, z: float, channel: Channel, fog: bool) -> float:
+    """Return the radiance [grey] that arrives from a point in the camera frame, less the veil."""
     path = channel.attenuation * z
     if fog:
         path = path * path
@@ -48,7 +46,7 @@ def through_water(
 def paint_disc(
     plane: Plane, corner: tuple[int, int], disc: tuple[float, float, float], value: float
 ) -> None:
-    """Blend a disc (column, row, radius) [px] of one grey level into a plane; soft at its rim."""
+    """Blend a disc (column, row, radius) [px] of one grey value into a plane, with a soft edge."""
     u, v, radius = disc
     # A flake smaller than a pixel covers a part of one.
     strength = min(1.0, 4.0 * radius * radius)
@@ -70,52 +68,54 @@ def add_snow(
     plane: Plane,
     corner: tuple[int, int],
     size: tuple[int, int],
-    look_at: tuple[Array, Array],
+    extrinsics: tuple[Array, Array],
     scene: Scene,
     channel: Channel,
-    light: Disturbance,
+    effects: EffectParameters,
     time_s: float,
 ) -> None:
     """Paint the flakes into a plane whose first pixel is at `corner` (row, column).
 
-    `size` is the whole picture's (W, H) and `look_at` the camera's axes (3, 3) and place (3,).
+    `size` is (W, H) of the image; `extrinsics` the camera's axes (3, 3) and position (3,).
     """
-    rotation, centre = look_at
+    rotation, centre = extrinsics
     low, high = _reach(size, rotation, centre, scene)
-    place, moved = np.empty(3), np.empty(3)
+    position, pose_after = np.empty(3), np.empty(3)
     for axis in range(3):
-        moved[axis] = DRIFT_M_S[axis] * time_s
-        low[axis] = np.floor((low[axis] - moved[axis]) / CUBE_M)
-        high[axis] = np.floor((high[axis] - moved[axis]) / CUBE_M)
+        pose_after[axis] = DRIFT_M_S[axis] * time_s
+        low[axis] = np.floor((low[axis] - pose_after[axis]) / CUBE_M)
+        high[axis] = np.floor((high[axis] - pose_after[axis]) / CUBE_M)
     for k in range(int(low[2]), int(high[2]) + 1):
         for j in range(int(low[1]), int(high[1]) + 1):
             for i in range(int(low[0]), int(high[0]) + 1):
-                for m in range(flakes_in(i, j, k, light.snow, light.seed)):
-                    own = light.seed + 7919 * k + 16 * m
-                    place[0] = (i + hash01(i, j, own + 1)) * CUBE_M + moved[0]
-                    place[1] = (j + hash01(i, j, own + 2)) * CUBE_M + moved[1]
-                    place[2] = (k + hash01(i, j, own + 3)) * CUBE_M + moved[2]
-                    if place[2] < scene.seabed_m:
+                for m in range(flake_count(i, j, k, effects.snow, effects.seed)):
+                    own = effects.seed + 7919 * k + 16 * m
+                    position[0] = (i + hash01(i, j, own + 1)) * CUBE_M + pose_after[0]
+                    position[1] = (j + hash01(i, j, own + 2)) * CUBE_M + pose_after[1]
+                    position[2] = (k + hash01(i, j, own + 3)) * CUBE_M + pose_after[2]
+                    if position[2] < scene.seabed_m:
                         shape = hash01(i, j, own + 4)
                         wide = SMALLEST_M + (LARGEST_M - SMALLEST_M) * shape * shape
-                        _paint_flake(plane, corner, look_at, (place, wide), scene, channel, light)
+                        _paint_flake(
+                            plane, corner, extrinsics, (position, wide), scene, channel, effects
+                        )
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _paint_flake(
     plane: Plane,
     corner: tuple[int, int],
-    look_at: tuple[Array, Array],
+    extrinsics: tuple[Array, Array],
     flake: tuple[Array, float],
     scene: Scene,
     channel: Channel,
-    light: Disturbance,
+    effects: EffectParameters,
 ) -> None:
-    rotation, centre = look_at
-    place, wide = flake
+    rotation, centre = extrinsics
+    position, wide = flake
     x, y, z = 0.0, 0.0, 0.0
     for axis in range(3):
-        d = place[axis] - centre[axis]
+        d = position[axis] - centre[axis]
         x += rotation[0, axis] * d
         y += rotation[1, axis] * d
         z += rotation[2, axis] * d
@@ -128,8 +128,8 @@ def _paint_flake(
         return
     if disc[1] < corner[0] - reach or disc[1] > corner[0] + plane.shape[0] + reach:
         return
-    e = light.level + lamp_light(x, y, z, channel.attenuation, light)
-    value = through_water(255.0 * ALBEDO * e, x, y, z, channel, scene.fog) + channel.veil
+    e = effects.level + lamp_light(x, y, z, channel.attenuation, effects)
+    value = attenuated(255.0 * ALBEDO * e, x, y, z, channel, scene.fog) + channel.veil
     paint_disc(plane, corner, disc, value)
 
 
@@ -137,7 +137,7 @@ def _paint_flake(
 def _reach(
     size: tuple[int, int], rotation: Array, centre: Array, scene: Scene
 ) -> tuple[Array, Array]:
-    """Return the corners of the box in the world that holds all that the camera can see."""
+    """Return two corners of a box in the world frame around all that the camera can see."""
     low, high = centre.copy(), centre.copy()
     f = scene.intrinsics[0]
     for corner in range(4):

@@ -21,9 +21,9 @@ SHADES = (1.0, 0.55, 0.80, 0.75, 0.50)
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Target:
-    """Where the box lies and how big it is.
+    """Position and size of the box.
 
-    With `heading_rad` equal to the vehicle's heading, the letters read upright in the picture: the
+    With `heading_rad` equal to the vehicle's heading, the letters are upright in the image: the
     box's length lies along the image's u axis, its width along v.
     """
 
@@ -56,7 +56,7 @@ class Target:
         return np.array([self.north_m, self.east_m, self.seabed_m - self.height_m])
 
     def origin(self) -> Vector:
-        """Return the box's middle (3,) [m], which UWSim takes for the object's place."""
+        """Return the box's centre (3,) [m], which is the object's position in UWSim."""
         return np.array([self.north_m, self.east_m, self.seabed_m - 0.5 * self.height_m])
 
     def top_corners(self) -> Vector:
@@ -84,15 +84,17 @@ class Target:
 
 
 @dataclass(frozen=True, slots=True)
-class Skin:
+class BoxTexture:
     """Packed textures of all faces for one channel."""
 
-    quads: NDArray[np.int32]  # all faces, one behind the other
+    texels: NDArray[np.int32]  # all faces, one after the other
     layout: NDArray[np.int32]  # (FACES, 3): offset, columns, rows
 
 
 @lru_cache(maxsize=12)
-def skin(size_m: tuple[float, float, float], channel: int, *, lettered: bool = True) -> Skin:
+def box_texture(
+    size_m: tuple[float, float, float], channel: int, *, lettered: bool = True
+) -> BoxTexture:
     """Return the textures of a box (length, width, height); its sides are darker."""
     length_m, width_m, height_m = size_m
     sizes = [(length_m, width_m)] + [(length_m, height_m)] * 2 + [(width_m, height_m)] * 2
@@ -104,11 +106,11 @@ def skin(size_m: tuple[float, float, float], channel: int, *, lettered: bool = T
         parts.append(packed(texels, wrap=False))
         layout.append((offset, texels.shape[1], texels.shape[0]))
         offset += texels.size
-    return Skin(np.concatenate(parts), np.array(layout, dtype=np.int32))
+    return BoxTexture(np.concatenate(parts), np.array(layout, dtype=np.int32))
 
 
 def start_pose(optics: Optics, target: Target, height: float) -> Vector:
-    """Return the level body pose (6,) from which the camera looks at the target's middle.
+    """Return the level body pose (6,) from which the camera looks at the target's centre.
 
     Parameters
     ----------
@@ -118,5 +120,5 @@ def start_pose(optics: Optics, target: Target, height: float) -> Vector:
     c, s = cos(target.heading_rad), sin(target.heading_rad)
     x, y, z = optics.mount_m
     centre = target.top_centre()
-    place = centre - np.array([c * x - s * y, s * x + c * y, z + height])
-    return np.array([*place, 0.0, 0.0, target.heading_rad])
+    position = centre - np.array([c * x - s * y, s * x + c * y, z + height])
+    return np.array([*position, 0.0, 0.0, target.heading_rad])

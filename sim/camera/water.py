@@ -1,10 +1,10 @@
-"""What the water does to light on its way to the camera, and the camera's noise.
+"""Attenuation and veil of the water, and the noise of the camera.
 
 `beer`:  L = (J - B) exp(-c R) + B with the slant range R; c is the beam attenuation, not Kd:
          along a line of sight contrast decays with c (Duntley 1963).
 `uwsim`: L = (J - B) exp(-(rho Z)^2) + B with the depth Z along the optical axis, as UWSim's fog.
-Channels are in the order red (600 nm), green (550 nm), blue (450 nm). The trackers' grey picture is
-the green channel.
+Channels are in the order red (600 nm), green (550 nm), blue (450 nm). The grey image that
+trackers get is the green channel.
 """
 
 from dataclasses import dataclass
@@ -31,7 +31,7 @@ JERLOV: dict[str, Channels] = {
 }
 AMBIENT_VEIL: Channels = (0.10, 0.32, 0.33)  # E: scattered daylight, share of full scale
 UWSIM_VEIL: Channels = (0.0, 0.05, 0.3)  # S: UWSim's fog colour
-MIN_SIGMA_GREY = 0.8  # below it 8-bit rounding, not the water, decides which tracker fails
+MIN_SIGMA_GREY = 0.8  # below it 8-bit rounding, not the water, would decide which tracker fails
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -45,7 +45,7 @@ class Water:
     shot_gain: float = 0.01  # [grey] variance per grey of signal, E
 
     def __post_init__(self) -> None:
-        """Refuse water that cannot be."""
+        """Refuse impossible water."""
         if self.law not in LAWS:
             raise ValueError(f"water law {self.law!r} is none of {', '.join(LAWS)}")
         if not all(0 <= c <= 100 for c in self.attenuation):
@@ -66,6 +66,6 @@ class Water:
 
     @classmethod
     def grey(cls, attenuation: float, *, law: str = "beer") -> Self:
-        """Return water that takes the same share of every colour: the axis of a turbidity sweep."""
+        """Return water that attenuates all colours alike: the axis of a grid over turbidity."""
         veil = UWSIM_VEIL if law == "uwsim" else AMBIENT_VEIL
         return cls(law=law, attenuation=(attenuation,) * 3, veil=veil)

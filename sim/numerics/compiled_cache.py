@@ -1,60 +1,71 @@
-"""Where Numba keeps compiled code: a folder for each state of the sources that it was made of.
+"""Where Numba keeps compiled code: in a folder per state of the sources that it depends on.
 
-Numba watches the file of the compiled function alone. After a change in a file that it calls into,
-the cache would silently go on with the old code, and results would be of neither version. So a
-function's folder is named after its own file and all files of `sim` that this one imports, also by
-way of others. A change compiles anew what depends on it and nothing else.
+Numba's own cache watches only the file of the compiled function. After a change in a file that it
+imports, it would silently go on with the old code, and results would be of neither version. So the
+folder of a function is named after its own file and all files of `sim` that this one imports,
+directly or indirectly. A change compiles again what depends on it and nothing else.
 
-Numba imports this module by name (NUMBA_CACHE_LOCATOR_CLASSES), set in `sim/__init__.py`.
+Numba imports this module by name, from the variable that `numba_internals.configure_cache` sets.
 """
 
 import functools
 import hashlib
 import os
+import tempfile
 from collections.abc import Callable, Iterator
 from modulefinder import ModuleFinder
 from pathlib import Path
 from types import CodeType
 from typing import Self
 
-from numba.core.caching import _CacheLocator
+from seamark.sim.numerics.numba_internals import SOURCES, cache_folder
 
-ROOT = Path(__file__).resolve().parents[2]  # the folder that holds `sim`
+ROOT = SOURCES.parent
 _FINDER = ModuleFinder()
-_OF_THIS_USER = Path.home() / ".cache" / "seamark"
 
 
-class NamedAfterSources(_CacheLocator):
-    """Numba's cache locator for the functions of one file of `sim`."""
+class SourceStampLocator:
+    """Numba's cache locator for the functions of one file of `sim`.
+
+    It has the methods of `numba.core.caching._CacheLocator` that Numba calls.
+    """
 
     def __init__(self, file: Path, line: int) -> None:
         self._stamp = stamp(file, ROOT)
         self._line = line
-        beside = ROOT / "sim"
-        own = beside / "__pycache__" if os.access(beside, os.W_OK) else _OF_THIS_USER
-        base = Path(os.environ.get("NUMBA_CACHE_DIR") or own)
-        self._folder = base / f"numba-{file.stem}-{self._stamp[:16]}"
+        self._folder = cache_folder(os.environ) / f"numba-{file.stem}-{self._stamp[:16]}"
 
     @classmethod
     def from_function(cls, function: Callable[..., object], file: str) -> Self | None:
-        """Return the locator of a compiled function; None for a function that is not of `sim`."""
+        """Return the locator of a compiled function; None for a function outside `sim`."""
         path = Path(file).resolve()
-        if not path.is_relative_to(ROOT / "sim"):
+        if not path.is_relative_to(SOURCES):
             return None
         locator = cls(path, function.__code__.co_firstlineno)
-        locator.ensure_cache_path()  # type: ignore[no-untyped-call] # numba has no types
+        locator.ensure_cache_path()
         return locator
 
+    def ensure_cache_path(self) -> None:
+        """Create the folder.
+
+        Raises
+        ------
+        OSError
+            It cannot be created or written to.
+        """
+        self._folder.mkdir(parents=True, exist_ok=True)
+        tempfile.TemporaryFile(dir=self._folder).close()
+
     def get_cache_path(self) -> str:
-        """Return the folder that holds the function's compiled code."""
+        """Return the folder of the function's compiled code."""
         return str(self._folder)
 
     def get_source_stamp(self) -> str:
-        """Return what has to be the same for compiled code to be used."""
+        """Return what must be unchanged for compiled code to be used."""
         return self._stamp
 
     def get_disambiguator(self) -> str:
-        """Return what tells functions of one name in one file apart."""
+        """Return what distinguishes functions of the same name in one file."""
         return str(self._line)
 
 
@@ -69,22 +80,22 @@ def stamp(file: Path, root: Path) -> str:
 
 
 def _closure(file: Path, root: Path) -> set[Path]:
-    """Return a file and all files that it imports, directly or by way of others."""
-    known: set[Path] = set()
-    waiting = [file]
-    while waiting:
-        path = waiting.pop()
-        if path not in known:
-            known.add(path)
-            waiting.extend(_imported(path, root))
-    return known
+    """Return a file and all files that it imports, directly or indirectly."""
+    closure: set[Path] = set()
+    pending = [file]
+    while pending:
+        path = pending.pop()
+        if path not in closure:
+            closure.add(path)
+            pending.extend(_imported(path, root))
+    return closure
 
 
 @functools.cache
 def _imported(file: Path, root: Path) -> tuple[Path, ...]:
-    """Return the files below `root` that one file names in its import statements.
+    """Return the files below `root` that appear in the import statements of one file.
 
-    `root` is what the namespace `seamark` stands for: a checkout, or the package as installed.
+    `root` is the folder of the namespace `seamark`: a checkout, or the installed package.
     """
     names = _names(compile(file.read_bytes(), str(file), "exec", dont_inherit=True))
     candidates = (
@@ -99,12 +110,12 @@ def _imported(file: Path, root: Path) -> tuple[Path, ...]:
 def _names(code: CodeType) -> Iterator[str]:
     """Yield the full names that may be modules: `from a import b` names a and a.b.
 
-    From the compiled text, not its syntax tree: trees that two threads make at a time can fail in
-    CPython before 3.11.5 (its issue 106905).
+    From the bytecode, not from a syntax tree: parsing in two threads at once can fail in CPython
+    before 3.11.5 (its issue 106905).
     """
-    for kind, named in _FINDER.scan_opcodes(code):
-        if kind == "absolute_import":
-            members, module = named
+    for operation, operands in _FINDER.scan_opcodes(code):
+        if operation == "absolute_import":
+            members, module = operands
             yield module
             yield from (f"{module}.{member}" for member in members or ())
     for constant in code.co_consts:

@@ -1,58 +1,62 @@
-"""Sixteen float32 side by side as one value in compiled code: fast, and the same bits everywhere.
+"""SIMD: vectors of sixteen float32 or int32 in compiled code, with the same bits everywhere.
 
-LLVM vectorises a float sum only where it may reorder it (`fastmath`), differently for each width of
-the processor's registers. Here the lanes are written out: sums are kept in sixteen fixed parts and
-added in a fixed order, so a processor with narrow registers takes more instructions and gets the
-same bits. Inside `njit` functions `+ - * /` work on `Lanes`, and on `Lanes` alone: `lanes(x)` makes
-one of a scalar. None of these functions can be called outside compiled code. Their
-types for mypy are in lanes.pyi.
+LLVM vectorises a float sum only where it may reorder it (`fastmath`), and differently for each
+register width. Here the lanes are explicit: a sum is kept in sixteen partial sums, which are added
+in a fixed order, so a processor with narrow registers takes more instructions and gets the same
+bits. Inside `njit` functions `+ - * /` work on two F32x16 (`f32x16(x)` broadcasts a scalar), and
+`+ * & >>` on two I32x16. None of these functions can be called outside compiled code. Their types
+for mypy are in simd.pyi; the internals of Numba that they need are in numba_internals.py.
 """
 
 import operator
 from typing import Any
 
-from llvmlite import ir
-from numba.core import cgutils, types
-from numba.core.imputils import lower_builtin
-from numba.core.typing.templates import ConcreteTemplate, infer_global, signature
-from numba.extending import intrinsic, models, register_model
+from seamark.sim.numerics.numba_internals import require_simd
+
+require_simd()
+
+from llvmlite import ir  # noqa: E402  # what follows fails without a sentence if internals lack
+from numba.core import cgutils, types  # noqa: E402
+from numba.core.imputils import lower_builtin  # noqa: E402
+from numba.core.typing.templates import ConcreteTemplate, infer_global, signature  # noqa: E402
+from numba.extending import intrinsic, models, register_model  # noqa: E402
 
 WIDTH = 16
 _FLOAT, _INT = ir.FloatType(), ir.IntType(32)
 _FLOATS, _INTS = ir.VectorType(_FLOAT, WIDTH), ir.VectorType(_INT, WIDTH)
 
 
-class _LanesType(types.Type):
+class _F32x16Type(types.Type):
     def __init__(self) -> None:
-        super().__init__(name="Lanes")
+        super().__init__(name="F32x16")
 
 
-class _PlacesType(types.Type):
+class _I32x16Type(types.Type):
     def __init__(self) -> None:
-        super().__init__(name="Places")
+        super().__init__(name="I32x16")
 
 
-_lanes, _places = _LanesType(), _PlacesType()
+_f32x16, _i32x16 = _F32x16Type(), _I32x16Type()
 
 
-@register_model(_LanesType)
-class _LanesModel(models.PrimitiveModel):
-    def __init__(self, manager: Any, kind: Any) -> None:
-        super().__init__(manager, kind, _FLOATS)
+@register_model(_F32x16Type)
+class _F32x16Model(models.PrimitiveModel):
+    def __init__(self, manager: Any, numba_type: Any) -> None:
+        super().__init__(manager, numba_type, _FLOATS)
 
 
-@register_model(_PlacesType)
-class _PlacesModel(models.PrimitiveModel):
-    def __init__(self, manager: Any, kind: Any) -> None:
-        super().__init__(manager, kind, _INTS)
+@register_model(_I32x16Type)
+class _I32x16Model(models.PrimitiveModel):
+    def __init__(self, manager: Any, numba_type: Any) -> None:
+        super().__init__(manager, numba_type, _INTS)
 
 
-def _operation(symbol: Any, kind: types.Type, instruction: str) -> None:
+def _operation(symbol: Any, vector: types.Type, instruction: str) -> None:
     @infer_global(symbol)
     class _Template(ConcreteTemplate):
-        cases = (signature(kind, kind, kind),)
+        cases = (signature(vector, vector, vector),)
 
-    @lower_builtin(symbol, kind, kind)
+    @lower_builtin(symbol, vector, vector)
     def _lower(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         return getattr(builder, instruction)(*args)
 
@@ -63,17 +67,17 @@ for _symbol, _instruction in (
     (operator.mul, "fmul"),
     (operator.truediv, "fdiv"),
 ):
-    _operation(_symbol, _lanes, _instruction)
+    _operation(_symbol, _f32x16, _instruction)
 for _symbol, _instruction in (
     (operator.add, "add"),
     (operator.mul, "mul"),
     (operator.and_, "and_"),
     (operator.rshift, "lshr"),
 ):
-    _operation(_symbol, _places, _instruction)
+    _operation(_symbol, _i32x16, _instruction)
 
 
-def _spread(builder: Any, scalar: Any, vector: Any) -> Any:
+def _broadcast(builder: Any, scalar: Any, vector: Any) -> Any:
     one = builder.insert_element(ir.Constant(vector, ir.Undefined), scalar, _INT(0))
     return builder.shuffle_vector(
         one, ir.Constant(vector, ir.Undefined), ir.Constant(_INTS, [0] * WIDTH)
@@ -95,36 +99,36 @@ def _row_address(context: Any, builder: Any, sig: Any, args: Any) -> Any:
     return builder.bitcast(builder.gep(data, [column]), _INTS.as_pointer())
 
 
-def _plane(array: types.Type) -> bool:
+def _is_matrix(array: types.Type) -> bool:
     return isinstance(array, types.Array) and array.ndim == 2 and array.layout == "C"
 
 
 @intrinsic
-def lanes(typing: Any, scalar: Any) -> Any:
-    """Return a float32 in every lane; a wider number is rounded first."""
+def f32x16(typing: Any, scalar: Any) -> Any:
+    """Return a vector with a float32 in every lane; a wider number is rounded first."""
 
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         value = context.cast(builder, args[0], sig.args[0], types.float32)
-        return _spread(builder, value, _FLOATS)
+        return _broadcast(builder, value, _FLOATS)
 
-    return _lanes(scalar), generate
+    return _f32x16(scalar), generate
 
 
 @intrinsic
-def places(typing: Any, scalar: Any) -> Any:
-    """Return an int32 in every lane."""
+def i32x16(typing: Any, scalar: Any) -> Any:
+    """Return a vector with an int32 in every lane."""
 
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         value = context.cast(builder, args[0], sig.args[0], types.int32)
-        return _spread(builder, value, _INTS)
+        return _broadcast(builder, value, _INTS)
 
-    return _places(scalar), generate
+    return _i32x16(scalar), generate
 
 
 @intrinsic
 def load(typing: Any, array: Any, row: Any, column: Any) -> Any:
-    """Return array[row, column : column + 16] of float32; nothing checks that it is there."""
-    if not _plane(array) or array.dtype != types.float32:
+    """Return array[row, column : column + 16] of float32, without a bounds check."""
+    if not _is_matrix(array) or array.dtype != types.float32:
         return None
 
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
@@ -133,13 +137,13 @@ def load(typing: Any, array: Any, row: Any, column: Any) -> Any:
         value.align = 4
         return value
 
-    return _lanes(array, row, column), generate
+    return _f32x16(array, row, column), generate
 
 
 @intrinsic
 def store(typing: Any, array: Any, row: Any, column: Any, value: Any) -> Any:
-    """Set array[row, column : column + 16] of float32; nothing checks that it is there."""
-    if not _plane(array) or array.dtype != types.float32 or value != _lanes:
+    """Set array[row, column : column + 16] of float32, without a bounds check."""
+    if not _is_matrix(array) or array.dtype != types.float32 or value != _f32x16:
         return None
 
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
@@ -150,60 +154,60 @@ def store(typing: Any, array: Any, row: Any, column: Any, value: Any) -> Any:
     return types.void(array, row, column, value), generate
 
 
-def _choice(comparison: str) -> Any:
+def _selection(comparison: str) -> Any:
     def typed(typing: Any, a: Any, b: Any) -> Any:
         def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
             first = builder.fcmp_ordered(comparison, *args)
             return builder.select(first, *args)
 
-        return (_lanes(a, b), generate) if a == b == _lanes else None
+        return (_f32x16(a, b), generate) if a == b == _f32x16 else None
 
     return typed
 
 
-larger = intrinsic(_choice(">"))  # of two, lane by lane; the second where one is not a number
-smaller = intrinsic(_choice("<"))
+maximum = intrinsic(_selection(">"))  # lane by lane; the second operand where one of them is NaN
+minimum = intrinsic(_selection("<"))
 
 
 @intrinsic
-def where_larger(typing: Any, a: Any, b: Any, then: Any, otherwise: Any) -> Any:
-    """Return `then` in the lanes where a > b, and `otherwise` in the others."""
+def select_greater(typing: Any, a: Any, b: Any, then: Any, otherwise: Any) -> Any:
+    """Return `then` in the lanes where a > b, `otherwise` in the others."""
 
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         return builder.select(builder.fcmp_ordered(">", args[0], args[1]), args[2], args[3])
 
-    if not a == b == then == otherwise == _lanes:
+    if not a == b == then == otherwise == _f32x16:
         return None
-    return _lanes(a, b, then, otherwise), generate
+    return _f32x16(a, b, then, otherwise), generate
 
 
 @intrinsic
-def whole(typing: Any, value: Any) -> Any:
-    """Return lanes cut to int32; they must be numbers within its range."""
+def to_i32(typing: Any, value: Any) -> Any:
+    """Return float32 lanes truncated to int32; they must be finite and in its range."""
 
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         return builder.fptosi(args[0], _INTS)
 
-    return (_places(value), generate) if value == _lanes else None
+    return (_i32x16(value), generate) if value == _f32x16 else None
 
 
 @intrinsic
-def real(typing: Any, value: Any) -> Any:
-    """Return int32 lanes as float32."""
+def to_f32(typing: Any, value: Any) -> Any:
+    """Return int32 lanes converted to float32."""
 
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         return builder.sitofp(args[0], _FLOATS)
 
-    return (_lanes(value), generate) if value == _places else None
+    return (_f32x16(value), generate) if value == _i32x16 else None
 
 
 @intrinsic
-def pair(typing: Any, array: Any, at: Any) -> Any:
-    """Return the element of an array at a flat place and the one after it, as one uint32.
+def load_pair(typing: Any, array: Any, at: Any) -> Any:
+    """Return the element of an array at a flat index and the next one as one uint32.
 
-    The array is of uint8 or uint16: one load of twice the size, the first element in the low bits.
+    The array is of uint8 or uint16: one load of twice the size, first element in the low bits.
     """
-    if not _plane(array) or array.dtype not in (types.uint8, types.uint16):
+    if not _is_matrix(array) or array.dtype not in (types.uint8, types.uint16):
         return None
     bits = array.dtype.bitwidth
 
@@ -219,12 +223,12 @@ def pair(typing: Any, array: Any, at: Any) -> Any:
 
 
 @intrinsic
-def part(typing: Any, words: Any, row: Any, column: Any, shift: Any, bits: Any) -> Any:
-    """Return a part of each of sixteen uint32 from words[row, column] on, as lanes.
+def load_bits(typing: Any, words: Any, row: Any, column: Any, shift: Any, bits: Any) -> Any:
+    """Return a bit field of sixteen uint32 from words[row, column] on, as float32 lanes.
 
-    The part is of that many bits, at most 16, and starts at bit `shift`.
+    The field starts at bit `shift` and has at most 16 bits.
     """
-    if not _plane(words) or words.dtype != types.uint32:
+    if not _is_matrix(words) or words.dtype != types.uint32:
         return None
 
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
@@ -234,82 +238,84 @@ def part(typing: Any, words: Any, row: Any, column: Any, shift: Any, bits: Any) 
         by, size = (context.cast(builder, args[k], sig.args[k], types.int32) for k in (3, 4))
         one = ir.Constant(_INT, 1)
         mask = builder.sub(builder.shl(one, size), one)
-        moved = builder.lshr(found, _spread(builder, by, _INTS))
-        return builder.sitofp(builder.and_(moved, _spread(builder, mask, _INTS)), _FLOATS)
+        moved = builder.lshr(found, _broadcast(builder, by, _INTS))
+        return builder.sitofp(builder.and_(moved, _broadcast(builder, mask, _INTS)), _FLOATS)
 
-    return _lanes(words, row, column, shift, bits), generate
+    return _f32x16(words, row, column, shift, bits), generate
 
 
 @intrinsic
-def root(typing: Any, value: Any) -> Any:
-    """Return the square roots of lanes, rounded as IEEE 754 says."""
+def sqrt(typing: Any, value: Any) -> Any:
+    """Return the square roots of all lanes, correctly rounded (IEEE 754)."""
 
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        kind = ir.FunctionType(_FLOATS, (_FLOATS,))
-        square_root = cgutils.get_or_insert_function(builder.module, kind, "llvm.sqrt.v16f32")
+        function_type = ir.FunctionType(_FLOATS, (_FLOATS,))
+        square_root = cgutils.get_or_insert_function(
+            builder.module, function_type, "llvm.sqrt.v16f32"
+        )
         return builder.call(square_root, args)
 
-    return (_lanes(value), generate) if value == _lanes else None
+    return (_f32x16(value), generate) if value == _f32x16 else None
 
 
 @intrinsic
 def fma(typing: Any, a: Any, b: Any, c: Any) -> Any:
-    """Return a b + c, rounded once, as IEEE 754 says.
+    """Return a b + c, rounded once (IEEE 754).
 
-    A processor without such an instruction has the C library do each lane: the bits are the same.
+    Without such an instruction the C library computes each lane: the bits are the same.
     """
-    if not a == b == c == _lanes:
+    if not a == b == c == _f32x16:
         return None
 
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        kind = ir.FunctionType(_FLOATS, (_FLOATS, _FLOATS, _FLOATS))
-        fused = cgutils.get_or_insert_function(builder.module, kind, "llvm.fma.v16f32")
+        function_type = ir.FunctionType(_FLOATS, (_FLOATS, _FLOATS, _FLOATS))
+        fused = cgutils.get_or_insert_function(builder.module, function_type, "llvm.fma.v16f32")
         return builder.call(fused, args)
 
-    return _lanes(a, b, c), generate
+    return _f32x16(a, b, c), generate
 
 
 @intrinsic
 def gather(typing: Any, array: Any, at: Any) -> Any:
-    """Return sixteen elements of an int32 array (n,) at places; nothing checks that they are there.
+    """Return sixteen elements of an int32 array (n,) by index, without a bounds check.
 
-    A processor without such an instruction loads them one by one: the bits are the same.
+    Without such an instruction they are loaded one by one: the bits are the same.
     """
     if not isinstance(array, types.Array) or (array.ndim, array.dtype) != (1, types.int32):
         return None
-    if array.layout != "C" or at != _places:
+    if array.layout != "C" or at != _i32x16:
         return None
 
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         data = context.make_array(sig.args[0])(context, builder, args[0]).data
-        # llvmlite knows no vectors of addresses: one is made, and then given sixteen places.
+        # llvmlite has no vectors of addresses: an instruction for one address gets sixteen indices.
         addresses = builder.gep(data, [_INT(0)])
         addresses.indices, addresses.type = [args[1]], ir.VectorType(data.type, WIDTH)
         all_lanes = ir.VectorType(ir.IntType(1), WIDTH)
-        kinds = (_INTS, (addresses.type, _INT, all_lanes, _INTS))
+        types_ = (_INTS, (addresses.type, _INT, all_lanes, _INTS))
         load_all = cgutils.get_or_insert_function(
-            builder.module, ir.FunctionType(*kinds), "llvm.masked.gather.v16i32.v16p0"
+            builder.module, ir.FunctionType(*types_), "llvm.masked.gather.v16i32.v16p0"
         )
         mask, otherwise = ir.Constant(all_lanes, [1] * WIDTH), ir.Constant(_INTS, ir.Undefined)
         return builder.call(load_all, [addresses, _INT(4), mask, otherwise])
 
-    return _places(array, at), generate
+    return _i32x16(array, at), generate
 
 
 @intrinsic
-def store_places(typing: Any, array: Any, column: Any, value: Any) -> Any:
-    """Set array[column : column + 16] of int32; nothing checks that it is there."""
+def store_i32(typing: Any, array: Any, column: Any, value: Any) -> Any:
+    """Set array[column : column + 16] of int32, without a bounds check."""
 
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         builder.store(args[2], _row_address(context, builder, sig, args)).align = 4
         return context.get_dummy_value()
 
-    return (types.void(array, column, value), generate) if value == _places else None
+    return (types.void(array, column, value), generate) if value == _i32x16 else None
 
 
 @intrinsic
-def total(typing: Any, value: Any) -> Any:
-    """Return the sum over the lanes as float32: halves upon halves, always in this order."""
+def horizontal_sum(typing: Any, value: Any) -> Any:
+    """Return the sum over the lanes as float32: upper half onto lower half, until one is left."""
 
     def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         part, n = args[0], WIDTH
@@ -325,4 +331,4 @@ def total(typing: Any, value: Any) -> Any:
             part = builder.fadd(low, high)
         return builder.extract_element(part, _INT(0))
 
-    return (types.float32(value), generate) if value == _lanes else None
+    return (types.float32(value), generate) if value == _f32x16 else None

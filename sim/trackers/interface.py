@@ -1,4 +1,4 @@
-"""What a tracker is: it is shown pictures and says where the target is."""
+"""The interface of a tracker: it gets images and returns where the target is."""
 
 from typing import NamedTuple, Protocol
 
@@ -10,25 +10,25 @@ Window = tuple[int, int, int, int]  # x0, y0, x1, y1 [px], the last column and r
 
 
 class Track(NamedTuple):
-    """What a tracker says about one picture."""
+    """The result of a tracker for one image."""
 
     corners: Corners
-    ok: bool  # the tracker's own opinion; False: `corners` is where it last was sure
-    residual: float  # 0 perfect ... 1 nothing alike ... 2 the opposite
+    ok: bool  # whether the tracker has the target; if not, `corners` are the last valid ones
+    residual: float  # 0 perfect match, 1 no similarity, 2 inverted
     iterations: int
 
 
 class Tracker(Protocol):
-    """Follows one target from picture to picture."""
+    """Follows one target from image to image."""
 
     def start(self, image: NDArray[np.uint8], corners: Corners) -> None:
-        """Learn the target from a whole picture (H, W) in which its corners are known."""
+        """Learn the target from a whole image (H, W) in which its corners are known."""
         ...
 
     def window(self) -> Window:
-        """Return which part of the next picture is needed; an empty one if none is."""
+        """Return the part of the next image that is needed; may be empty."""
         ...
 
     def update(self, image: NDArray[np.uint8]) -> Track:
-        """Find the target in the next picture (H, W), of which only `window()` need be drawn."""
+        """Find the target in the next image (H, W), of which only `window()` is rendered."""
         ...

@@ -1,4 +1,4 @@
-"""`truth`: a perfect tracker, for studies of controllers without the tracker's part in them."""
+"""`truth`: a perfect tracker, for studies of controllers without tracking errors."""
 
 from collections.abc import Callable
 
@@ -9,7 +9,7 @@ from seamark.sim.trackers.interface import Corners, Track, Window
 
 
 class TruthTracker:
-    """Says the true corners at every picture and needs no pixel of it."""
+    """Returns the true corners for every image, without reading a pixel of it."""
 
     def __init__(self, *, truth: Callable[[], Corners]) -> None:
         self._truth = truth
@@ -17,7 +17,7 @@ class TruthTracker:
         self._shape = (0, 0)
 
     def start(self, image: NDArray[np.uint8], corners: Corners) -> None:
-        """Remember where the target starts and how large the picture is."""
+        """Remember where the target starts and how large the image is."""
         self._last, self._shape = np.array(corners, dtype=np.float64), image.shape
 
     def window(self) -> Window:
@@ -25,7 +25,7 @@ class TruthTracker:
         return 0, 0, 0, 0
 
     def update(self, image: NDArray[np.uint8]) -> Track:
-        """Return the true corners; not `ok` while the target's middle is out of the picture."""
+        """Return the true corners; not `ok` while the target's centre is outside the image."""
         corners = np.asarray(self._truth(), dtype=np.float64)
         middle = corners.mean(axis=0)
         height, width = self._shape

@@ -165,10 +165,14 @@ def _languages(isolation: IsolationLevel) -> Iterable[Check]:
 
 
 def _visp(_: Settings) -> Iterable[Check]:
-    from seamark.sim.trackers.visp.installation import REMEDY, program, why_not
+    from seamark.sim.trackers.visp.installation import (
+        REMEDY,
+        bridge_path,
+        unavailable_reason,
+    )
 
-    why = why_not()
-    yield Check("tracker visp", "warning" if why else "ok", why or program().name, f"{REMEDY}.")
+    why = unavailable_reason()
+    yield Check("tracker visp", "warning" if why else "ok", why or bridge_path().name, f"{REMEDY}.")
 
 
 def _machine(settings: Settings) -> Iterable[Check]:

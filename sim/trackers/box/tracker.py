@@ -1,8 +1,8 @@
-"""`box`: an upright box moved to where its pixels correlate best (OpenCV): a baseline.
+"""`box`: an axis-aligned box, moved to where its pixels correlate best (OpenCV): a baseline.
 
-Beside KCF and CSRT it is what remains of them without learning: it never drifts, answers in parts
-of a pixel and needs a hundredth of their time. OpenCV's MIL is not offered: it draws its samples
-from a generator that cannot be seeded, so the same run would not give the same bytes.
+Compared with KCF and CSRT it does not learn, so it never drifts; it has sub-pixel resolution and
+takes a hundredth of their time. OpenCV's MIL is not offered: its random generator cannot be seeded,
+so the same run would not give the same bytes.
 """
 
 import cv2
@@ -10,35 +10,35 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seamark.sim.trackers.interface import Corners, Track, Window
-from seamark.sim.trackers.plausibility import Judge
+from seamark.sim.trackers.plausibility import PlausibilityGate
 
 LOWEST_CORRELATION = 0.5  # E: as for the template tracker
 SMALLEST_PX = 6
 
 
 class BoxTracker:
-    """Moves the target's corners with an upright box, which neither turns nor grows."""
+    """Moves the target's corners with an axis-aligned box of constant size."""
 
     def __init__(self, *, search_px: int = 20) -> None:
         self._search = search_px
         self._shape = (0, 0)
 
     def start(self, image: NDArray[np.uint8], corners: Corners) -> None:
-        """Learn the box around the corners (4, 2) of a whole picture (H, W)."""
-        self._judge = Judge(corners)
+        """Learn the box around the corners (4, 2) of a whole image (H, W)."""
+        self._gate = PlausibilityGate(corners)
         self._shape = image.shape
         low = np.maximum(np.floor(corners.min(axis=0)).astype(int), 0)
         high = np.minimum(np.ceil(corners.max(axis=0)).astype(int) + 1, image.shape[::-1])
         if (high - low).min() < SMALLEST_PX:
-            raise ValueError("the target is too small or outside the picture")
+            raise ValueError("the target is too small or outside the image")
         self._template = image[low[1] : high[1], low[0] : high[0]].copy()
-        self._start, self._place = low, low
-        self._corners = self._judge.last.copy()
+        self._start, self._position = low, low
+        self._corners = self._gate.last.copy()
 
     def window(self) -> Window:
-        """Return the box and the search margin around it, inside the picture."""
+        """Return the box and the search margin around it, inside the image."""
         height, width = self._template.shape
-        x, y = (int(value) for value in self._place)
+        x, y = (int(value) for value in self._position)
         return (
             max(x - self._search, 0),
             max(y - self._search, 0),
@@ -47,25 +47,27 @@ class BoxTracker:
         )
 
     def update(self, image: NDArray[np.uint8]) -> Track:
-        """Move the box to where it fits best in the next picture (H, W)."""
+        """Move the box to the best match in the next image (H, W)."""
         x0, y0, x1, y1 = self.window()
         found = cv2.matchTemplate(image[y0:y1, x0:x1], self._template, cv2.TM_CCOEFF_NORMED)
         scores = np.nan_to_num(np.asarray(found, dtype=np.float64))
         row, column = np.unravel_index(int(scores.argmax()), scores.shape)
-        alike = float(scores[row, column])
-        place = np.array([x0 + column, y0 + row])
-        part = np.array([_peak(scores[row], int(column)), _peak(scores[:, column], int(row))])
-        ok = alike >= LOWEST_CORRELATION
-        ok = ok and self._judge.believes(self._corners + (place - self._start) + part)
+        similarity = float(scores[row, column])
+        position = np.array([x0 + column, y0 + row])
+        fraction = np.array([_peak(scores[row], int(column)), _peak(scores[:, column], int(row))])
+        ok = similarity >= LOWEST_CORRELATION
+        ok = ok and self._gate.accept(self._corners + (position - self._start) + fraction)
         if ok:
-            self._place = place
-        return Track(self._judge.last.copy(), ok, 1.0 - alike, 1)
+            self._position = position
+        return Track(self._gate.last.copy(), ok, 1.0 - similarity, 1)
 
 
 def _peak(line: NDArray[np.float64], at: int) -> float:
-    """Return where between neighbours the peak of a line is, by a parabola, -0.5..0.5."""
+    """Return the sub-pixel offset of the peak of a line, by a parabola, -0.5..0.5."""
     if not 0 < at < len(line) - 1:
         return 0.0
     before, top, after = line[at - 1 : at + 2]
-    bend = before - 2.0 * top + after
-    return 0.0 if bend >= 0.0 else float(np.clip(0.5 * (before - after) / bend, -0.5, 0.5))
+    curvature = before - 2.0 * top + after
+    return (
+        0.0 if curvature >= 0.0 else float(np.clip(0.5 * (before - after) / curvature, -0.5, 0.5))
+    )

@@ -1,8 +1,8 @@
-"""Aligns a template with an image on one level: Gauss-Newton on the warp.
+"""Aligns a template with an image on one pyramid level: Gauss-Newton on the warp.
 
 The update is H <- H N E N^-1, where N maps normalised coordinates to template pixels and E is
-exp(sum d_i A_i) for compositional methods, or what adding d to the warp's own parameters comes to
-for the additive one (warps.py). With the mean of both gradients as Jacobian this is
+exp(sum d_i A_i) for compositional methods, or the equivalent of adding d to the parameters of the
+warp for the additive one (warps.py). With the mean of both gradients as Jacobian this is
 ESM (Benhimane & Malis 2007); the template's gradient alone gives the inverse, the image's the
 forward method (Baker & Matthews 2004), because for a group the inverse of exp(d) is exp(-d).
 """
@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 
 from seamark.sim.trackers.template.level_buffers import (
     ALONG,
-    CODES,
     COLUMN,
     COLUMNS,
     COUNT,
@@ -21,28 +20,29 @@ from seamark.sim.trackers.template.level_buffers import (
     ERRORS,
     MEAN,
     PATCH,
+    QUANTISED,
     RAW,
     ROW,
     SCALE,
     SIGMA,
     TEMPLATE,
     UNIT,
-    Level,
-    Search,
+    PyramidLevel,
+    SearchSettings,
 )
 from seamark.sim.trackers.template.mutual_information import (
-    FINE,
+    FINE_BINS,
     REACH,
     bins_per_grey,
-    codes,
-    curvature,
-    pull,
+    information_gradient,
+    information_hessian,
+    quantise,
 )
 from seamark.sim.trackers.template.normal_equations import normal_equations
 from seamark.sim.trackers.template.patches import (
     XS,
+    Image,
     Matrix,
-    Picture,
     blur,
     correlation,
     moments,
@@ -57,29 +57,30 @@ from seamark.sim.trackers.template.warps import (
     solve,
 )
 
-_DAMPING = 1e-5  # of the diagonal: keeps a parameter that the template hardly shows from exploding
-_LEAST_SIGMA = 0.25  # [grey] a flatter patch holds nothing but rounding
-_FARTHEST_PX = 1e4
-# What is left after a step of ZNCC is about its square. It is a share of the step for mutual
-# information, whose curvature is that of a perfect match, and for SSD where water changes the grey
-# values: these two go on for longer.
-_STOP_OF_OTHERS = 0.2
+_DAMPING = 1e-5  # of the diagonal: bounds parameters that the template hardly determines
+_MIN_SIGMA = 0.25  # [grey] a flatter patch contains only rounding
+_MAX_STEP_PX = 1e4
+# ZNCC converges quadratically. Mutual information (with the Hessian of a perfect match) and SSD
+# (where water changes the grey values) converge linearly, so these two stop later.
+_STOP_FACTOR = 0.2
 
 SSD, ZNCC, MI = range(3)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def cut(image: Picture, bounds: NDArray[np.float64], h: Matrix, level: Level) -> None:
-    """Fill the level's patch with the smoothed image under the homography."""
+def extract_patch(
+    image: Image, bounds: NDArray[np.float64], h: Matrix, level: PyramidLevel
+) -> None:
+    """Sample and smooth the image under the homography into the level's patch."""
     planes = level.planes
     warp_patch(image, bounds, h, level.frame[UNIT], level.columns, planes[RAW])
     blur(planes[RAW], int(level.frame[COLUMNS]) + 2, planes[PATCH])
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def likeness(image: Picture, bounds: NDArray[np.float64], h: Matrix, level: Level) -> float:
-    """Return the normalised correlation of the template with the image under the homography."""
-    cut(image, bounds, h, level)
+def zncc(image: Image, bounds: NDArray[np.float64], h: Matrix, level: PyramidLevel) -> float:
+    """Return the ZNCC of the template with the image under the homography."""
+    extract_patch(image, bounds, h, level)
     own = (level.frame[MEAN], level.frame[SIGMA])
     planes = level.planes
     count = int(level.frame[COUNT])
@@ -88,36 +89,36 @@ def likeness(image: Picture, bounds: NDArray[np.float64], h: Matrix, level: Leve
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _equations(
-    level: Level, weight: float, criterion: int, a: Matrix, g: NDArray[np.float64]
+    level: PyramidLevel, weight: float, criterion: int, a: Matrix, g: NDArray[np.float64]
 ) -> None:
-    """Write the equations of the next step by a criterion."""
+    """Write the normal equations of the next step for a criterion."""
     planes, frame = level.planes, level.frame
     patch, template, gain, bias = planes[PATCH], planes[TEMPLATE], 1.0, 0.0
     half = 0.5 * weight
     if criterion != SSD:
         m, s = moments(patch, level.columns, int(frame[COUNT]))
-        gain = frame[SIGMA] / max(s, _LEAST_SIGMA)
+        gain = frame[SIGMA] / max(s, _MIN_SIGMA)
         bias = frame[MEAN] - gain * m
         half *= gain
     if criterion == MI:
         scale = bins_per_grey(frame[SIGMA])
         errors = planes[ERRORS, : level.ys.shape[0]]
         fine = _fine_values(frame)
-        codes(patch, 1, (fine[0] * gain, fine[0] * bias + fine[1]), errors)
-        own = planes[CODES, : level.ys.shape[0]]
-        pull(own, errors, int(frame[COLUMNS]), weight, scale, errors)
+        quantise(patch, 1, (fine[0] * gain, fine[0] * bias + fine[1]), errors)
+        own = planes[QUANTISED, : level.ys.shape[0]]
+        information_gradient(own, errors, int(frame[COLUMNS]), weight, scale, errors)
         template, gain, bias = errors, 0.0, 0.0
     gradients = (patch, template, planes[ALONG], planes[DOWN])
     normal_equations(gradients, (level.columns, level.ys), (half, gain, bias), a, g)
     if criterion == MI:
-        a[:] = level.curvature
+        a[:] = level.hessian
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _fine_values(frame: NDArray[np.float64]) -> tuple[float, float]:
-    """Return factor and offset from the template's grey values to fine values."""
-    factor = (FINE - 1.0) / (2.0 * REACH * frame[SIGMA])
-    return factor, 0.5 * (FINE - 1.0) - factor * frame[MEAN]
+    """Return gain and offset from the template's grey values to fine bins."""
+    factor = (FINE_BINS - 1.0) / (2.0 * REACH * frame[SIGMA])
+    return factor, 0.5 * (FINE_BINS - 1.0) - factor * frame[MEAN]
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -144,7 +145,11 @@ def _step(a: Matrix, g: NDArray[np.float64], basis: Matrix, d: NDArray[np.float6
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _update(
-    h: Matrix, d: NDArray[np.float64], frame: NDArray[np.float64], search: Search, group: int
+    h: Matrix,
+    d: NDArray[np.float64],
+    frame: NDArray[np.float64],
+    search: SearchSettings,
+    group: int,
 ) -> None:
     """Replace h by h N E(d) N^-1, scaled to h[2, 2] = 1."""
     scale, column, row = frame[SCALE], frame[COLUMN], frame[ROW]
@@ -154,7 +159,7 @@ def _update(
         t[i, 0] = h[i, 0] * scale
         t[i, 1] = h[i, 1] * scale
         t[i, 2] = h[i, 0] * column + h[i, 1] * row + h[i, 2]
-    if search.adds:
+    if search.is_additive:
         additive(d, group, t, e)
     else:
         exponential(d, e)
@@ -168,7 +173,7 @@ def _update(
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _template_corners(level: Level, out: Matrix) -> None:
+def _template_corners(level: PyramidLevel, out: Matrix) -> None:
     """Write the template's outermost pixel centres (4, 2) in reading order."""
     out[:] = 0.0
     out[1, 0] = out[2, 0] = level.frame[COLUMNS] - 1.0
@@ -176,12 +181,12 @@ def _template_corners(level: Level, out: Matrix) -> None:
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _farthest(before: Matrix, after: Matrix) -> float:
-    """Return how far the corners moved at most, as |du| + |dv|; inf if one is not a number."""
+def _largest_step(before: Matrix, after: Matrix) -> float:
+    """Return the largest motion |du| + |dv| of the corners; inf if one is not finite."""
     largest = 0.0
     for k in range(4):
         moved = abs(after[k, 0] - before[k, 0]) + abs(after[k, 1] - before[k, 1])
-        if not moved < _FARTHEST_PX:
+        if not moved < _MAX_STEP_PX:
             return np.inf
         largest = max(largest, moved)
     return largest
@@ -189,14 +194,14 @@ def _farthest(before: Matrix, after: Matrix) -> float:
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def align(
-    image: Picture,
+    image: Image,
     bounds: NDArray[np.float64],
     h: Matrix,
-    level: Level,
-    search: Search,
+    level: PyramidLevel,
+    search: SearchSettings,
     coarse: bool,
 ) -> tuple[int, bool]:
-    """Improve h (template px -> image px) in place; return iterations and whether it is sane."""
+    """Improve h (template px -> image px) in place; return iterations and whether h is valid."""
     a = np.empty((8, 8))
     g = np.empty(8)
     d = np.empty(8)
@@ -206,11 +211,11 @@ def align(
     basis = search.coarse_basis if coarse else search.basis
     criterion = search.coarse_criterion if coarse else search.criterion
     iterations = search.coarse_iterations if coarse else search.fine_iterations
-    stop_px = search.stop_px * (1.0 if criterion == ZNCC else _STOP_OF_OTHERS)
+    stop_px = search.stop_px * (1.0 if criterion == ZNCC else _STOP_FACTOR)
     _template_corners(level, rim)
     apply(h, rim, before)
     for done in range(1, iterations + 1):
-        cut(image, bounds, h, level)
+        extract_patch(image, bounds, h, level)
         _equations(level, search.weight, criterion, a, g)
         if not _step(a, g, basis, d):
             return done, False
@@ -218,7 +223,7 @@ def align(
             d[q] = min(max(d[q] / level.frame[SCALE], -1.0), 1.0)
         _update(h, d, level.frame, search, basis.shape[1])
         apply(h, rim, after)
-        largest = _farthest(before, after)
+        largest = _largest_step(before, after)
         if largest == np.inf:
             return done, False
         before[:] = after
@@ -227,12 +232,12 @@ def align(
     return iterations, True
 
 
-def learn(level: Level, weight: float, criterion: int) -> None:
-    """Take the level's patch as the template."""
+def set_template(level: PyramidLevel, weight: float, criterion: int) -> None:
+    """Make the level's patch the template."""
     rows, columns = len(level.ys), int(level.frame[COLUMNS])
     patch = level.planes[PATCH]
     mean, sigma = moments(patch, level.columns, rows * columns)
-    level.frame[MEAN], level.frame[SIGMA] = mean, max(sigma, _LEAST_SIGMA)
+    level.frame[MEAN], level.frame[SIGMA] = mean, max(sigma, _MIN_SIGMA)
     inner = (slice(rows), slice(columns))
     gradients = level.planes[[ALONG, DOWN]]
     level.planes[TEMPLATE][inner] = patch[1:-1, 1 : columns + 1]
@@ -242,17 +247,17 @@ def learn(level: Level, weight: float, criterion: int) -> None:
     )
     level.planes[[ALONG, DOWN]] = gradients * np.float32(1.0 - weight)
     if criterion == MI:
-        _learn_information(level, gradients[:, :rows, :columns].astype(np.float64))
+        _set_information_hessian(level, gradients[:, :rows, :columns].astype(np.float64))
 
 
-def _learn_information(level: Level, gradients: NDArray[np.float64]) -> None:
+def _set_information_hessian(level: PyramidLevel, gradients: NDArray[np.float64]) -> None:
     rows, columns = gradients.shape[1:]
-    own = level.planes[CODES, :rows]
+    own = level.planes[QUANTISED, :rows]
     factor, offset = _fine_values(level.frame)
-    codes(level.planes[PATCH], 1, (factor, offset), own)
+    quantise(level.planes[PATCH], 1, (factor, offset), own)
     x, y = level.columns[XS, :columns].astype(np.float64), level.ys.astype(np.float64)[:, None]
     gx, gy = gradients
     t = gx * x + gy * y
     jacobian = np.stack([gx * x, gx * y, gy * x, gy * y, -x * t, -y * t, gx, gy], axis=-1)
     scale = bins_per_grey(level.frame[SIGMA])
-    curvature(own, columns, scale, np.ascontiguousarray(jacobian), level.curvature)
+    information_hessian(own, columns, scale, np.ascontiguousarray(jacobian), level.hessian)

@@ -1,7 +1,7 @@
-"""What happens from one picture to the next: expect, align, judge, and ask for a window.
+"""One frame of template tracking: predict, align, check plausibility, choose the next window.
 
-All of it is one compiled call a picture, with few arrays (level_buffers.py): at 20 pictures a
-second the way between Python and compiled code would cost as much as the alignment.
+All of it is one compiled call with few arrays (level_buffers.py): several calls per image would
+take as long as the alignment itself.
 """
 
 from typing import NamedTuple
@@ -11,52 +11,57 @@ from numba import njit
 from numpy.typing import NDArray
 
 from seamark.sim.trackers.interface import Window
-from seamark.sim.trackers.template.alignment import align, cut, likeness
+from seamark.sim.trackers.template.alignment import align, extract_patch, zncc
 from seamark.sim.trackers.template.level_buffers import (
     COLUMNS,
     SCALE,
-    Levels,
     Numbers,
-    Search,
-    Store,
-    level_of,
-    search_of,
+    PlaneStore,
+    PyramidLevels,
+    SearchSettings,
+    pyramid_level,
+    unpack_search,
 )
 from seamark.sim.trackers.template.patches import Matrix
-from seamark.sim.trackers.template.pyramid import Sums, from_level, pyramid, to_level, whole_of
+from seamark.sim.trackers.template.pyramid import (
+    SummedImage,
+    from_pyramid_level,
+    full_bounds,
+    pyramid,
+    to_pyramid_level,
+)
 from seamark.sim.trackers.template.warps import apply, inverse, is_convex, multiply, signed_area
 
 LOWEST_CORRELATION = 0.5  # E: chance alignments on noise reach 0.3 to 0.4
-# E: the best of some hundred places is alike by chance more often than one place.
-LOWEST_CORRELATION_AFAR = 0.7
-LARGEST_AREA_RATIO = 4.0  # research: area outside [1/4, 4] of the start
-LARGEST_JUMP = 1.0 / 3.0  # of the template's longer side, between two pictures
-# The window need not reach farther than the target may be off its expected place. That is judged
-# by the last picture: E, four times as far as the expectation was off then, and never below 8 px.
-CLOSEST_SEARCH_PX = 8.0
-SURPRISE_FACTOR = 4.0
-GROWTH = 1.5  # E: of the searched reach, from one picture without the target to the next
+# E: the best of some hundred positions is more often similar by chance than a single one.
+LOWEST_CORRELATION_REACQUIRE = 0.7
+MAX_AREA_RATIO = 4.0  # E: of the area at the start, both ways
+MAX_JUMP = 1.0 / 3.0  # of the template's longer side, from one image to the next
+# The search margin follows the last prediction error: E, four times the error, at least 8 px.
+MIN_SEARCH_PX = 8.0
+PREDICTION_ERROR_FACTOR = 4.0
+REACH_GROWTH = 1.5  # E: of the search margin, for each image without the target
 
-NOW, MOST, BEYOND, AFAR = range(4)
+SEARCH, SEARCH_LIMIT, MARGIN, REACQUIRE = range(4)
 
 
-class Memory(NamedTuple):
-    """What the tracker knows between pictures; the arrays are changed in place."""
+class TrackerState(NamedTuple):
+    """The tracker's state between images; the arrays are updated in place."""
 
-    home: Matrix  # (3, 3) template px -> image px where the target was last seen
-    motion: Matrix  # (3, 3) of the last picture, in template coordinates
-    quad: Matrix  # (4, 2) the target's corners in template px
+    homography: Matrix  # (3, 3) template px -> image px where the target was last seen
+    motion: Matrix  # (3, 3) of the last image, in template coordinates
+    template_corners: Matrix  # (4, 2) the target's corners in template px
     last: Matrix  # (4, 2) [px] corners where the target was last seen
-    reach: Numbers  # (4,) [px] search margin now, at most, beyond the template, afar
-    lost: Numbers  # (1,) pictures since the target was last seen
-    area: float  # [px^2] of the target in the first picture
-    predict: bool  # whether the target is expected to move on as it did
+    reach: Numbers  # (4,) [px] search margin, its limit, margin of the template, limit after a loss
+    lost: Numbers  # (1,) images since the target was last seen
+    area: float  # [px^2] of the target in the first image
+    predict: bool  # whether constant velocity is predicted
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def memory_of(numbers: Numbers) -> Memory:
-    """Return the memory that these numbers are."""
-    return Memory(
+def unpack_state(numbers: Numbers) -> TrackerState:
+    """Return the state as views of an array of numbers."""
+    return TrackerState(
         numbers[:9].reshape(3, 3),
         numbers[9:18].reshape(3, 3),
         numbers[18:26].reshape(4, 2),
@@ -69,12 +74,12 @@ def memory_of(numbers: Numbers) -> Memory:
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _expect(memory: Memory, out: Matrix) -> None:
+def _predict_homography(state: TrackerState, out: Matrix) -> None:
     """Write the homography from which the next search starts."""
-    if not memory.predict:
-        out[:] = memory.home
+    if not state.predict:
+        out[:] = state.homography
         return
-    multiply(memory.home, memory.motion, out)
+    multiply(state.homography, state.motion, out)
     last = out[2, 2]
     for i in range(3):
         for j in range(3):
@@ -82,17 +87,17 @@ def _expect(memory: Memory, out: Matrix) -> None:
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _window(memory: Memory, width: int, height: int) -> Window:
-    """Return the box on even pixels around expected and last place, inside the picture.
+def _window(state: TrackerState, width: int, height: int) -> Window:
+    """Return the box on even pixels around the predicted and the last corners, inside the image.
 
-    An expected place that is not a number, or far away, is ignored.
+    A predicted corner that is not finite, or far away, is ignored.
     """
     expected = np.empty((4, 2))
     h = np.empty((3, 3))
-    _expect(memory, h)
-    apply(h, memory.quad, expected)
-    last = memory.last
-    reach = np.ceil(memory.reach[NOW]) + memory.reach[BEYOND]
+    _predict_homography(state, h)
+    apply(h, state.template_corners, expected)
+    last = state.last
+    reach = np.ceil(state.reach[SEARCH]) + state.reach[MARGIN]
     limits = (width, height)
     found = np.empty(4, np.int64)
     for axis in range(2):
@@ -112,26 +117,26 @@ def _window(memory: Memory, width: int, height: int) -> Window:
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def next_window(memory: Numbers, width: int, height: int) -> Window:
-    """Return the box x0, y0, x1, y1 of the next picture that will be read."""
-    return _window(memory_of(memory), width, height)
+def next_window(state: Numbers, width: int, height: int) -> Window:
+    """Return the box x0, y0, x1, y1 of the next image that will be read."""
+    return _window(unpack_state(state), width, height)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _at(
+def _similarity_at(
     image: NDArray[np.uint8],
-    small: tuple[Sums, Sums, Sums],
+    small: tuple[SummedImage, SummedImage, SummedImage],
     window: Window,
     h: Matrix,
-    levels: Levels,
+    levels: PyramidLevels,
     k: int,
 ) -> float:
-    """Return the normalised correlation of level k with the image under h (of level 0)."""
+    """Return the ZNCC of level k with the image under h (of level 0)."""
     low = np.empty((3, 3))
-    to_level(h, k, window, low)
+    to_pyramid_level(h, k, window, low)
     if k == 0:
-        return likeness(image, _bounds(window), low, level_of(levels, 0))
-    return likeness(small[k - 1], whole_of(small[k - 1]), low, level_of(levels, k))
+        return zncc(image, _bounds(window), low, pyramid_level(levels, 0))
+    return zncc(small[k - 1], full_bounds(small[k - 1]), low, pyramid_level(levels, k))
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -143,53 +148,57 @@ def _bounds(window: Window) -> NDArray[np.float64]:
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _track(
+def _align_pyramid(
     image: NDArray[np.uint8],
-    small: tuple[Sums, Sums, Sums],
+    small: tuple[SummedImage, SummedImage, SummedImage],
     window: Window,
     h: Matrix,
-    levels: Levels,
-    search: Search,
+    levels: PyramidLevels,
+    search: SearchSettings,
 ) -> tuple[int, bool, float]:
-    """Improve h on all levels; return iterations, sanity and the final normalised correlation.
+    """Improve h on all levels; return iterations, validity and the final ZNCC.
 
-    The correlation is that of level 1, where the noise is a quarter as strong. Nothing outside the
-    window is read.
+    The ZNCC is that of level 1, where the noise is a quarter as strong. Nothing outside the window
+    is read.
     """
     low = np.empty((3, 3))
     done = 0
     for k in range(search.levels - 1, 0, -1):
-        to_level(h, k, window, low)
-        level = level_of(levels, k)
-        more, sane = align(small[k - 1], whole_of(small[k - 1]), low, level, search, True)
+        to_pyramid_level(h, k, window, low)
+        level = pyramid_level(levels, k)
+        more, sane = align(small[k - 1], full_bounds(small[k - 1]), low, level, search, True)
         done += more
         if not sane:
             return done, False, 0.0
-        from_level(low, k, window, h)
-    more, sane = align(image, _bounds(window), h, level_of(levels, 0), search, False)
+        from_pyramid_level(low, k, window, h)
+    more, sane = align(image, _bounds(window), h, pyramid_level(levels, 0), search, False)
     if not sane:
         return done + more, False, 0.0
-    return done + more, True, _at(image, small, window, h, levels, min(1, search.levels - 1))
+    return (
+        done + more,
+        True,
+        _similarity_at(image, small, window, h, levels, min(1, search.levels - 1)),
+    )
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _look_around(
+def _grid_search(
     image: NDArray[np.uint8],
-    small: tuple[Sums, Sums, Sums],
+    small: tuple[SummedImage, SummedImage, SummedImage],
     window: Window,
     h: Matrix,
-    levels: Levels,
-    search: Search,
+    levels: PyramidLevels,
+    search: SearchSettings,
     radius: float,
 ) -> None:
-    """Move h to where the target's last appearance fits best, on a grid of places around.
+    """Move h to the position with the best ZNCC on a grid around the last one.
 
-    The grid is a quarter of the template's shorter side wide: from its nearest point the alignment
-    finds the way.
+    The spacing is a quarter of the template's shorter side, so the alignment converges from the
+    nearest point.
     """
     k = min(1, search.levels - 1)
     pitch = np.sqrt(h[0, 0] * h[0, 0] + h[1, 0] * h[1, 0])  # image px per template px
-    finest = level_of(levels, 0)
+    finest = pyramid_level(levels, 0)
     shorter = min(finest.ys.shape[0], finest.frame[COLUMNS]) * pitch
     step = min(max(0.25 * shorter, 2.0), 12.0)
     count = int(radius / step)
@@ -202,15 +211,15 @@ def _look_around(
                 there[0, j] = start[0, j] + column * step * start[2, j]
                 there[1, j] = start[1, j] + row * step * start[2, j]
                 there[2, j] = start[2, j]
-            alike = _at(image, small, window, there, levels, k)
-            if alike > best:
-                best = alike
+            similarity = _similarity_at(image, small, window, there, levels, k)
+            if similarity > best:
+                best = similarity
                 h[:] = there
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _largest(a: Matrix, b: Matrix) -> float:
-    """Return the largest absolute difference; inf where one is not a number."""
+def _largest_difference(a: Matrix, b: Matrix) -> float:
+    """Return the largest absolute difference; inf if one is not finite."""
     most = 0.0
     for k in range(a.shape[0]):
         for axis in range(2):
@@ -222,96 +231,99 @@ def _largest(a: Matrix, b: Matrix) -> float:
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _plausible(corners: Matrix, memory: Memory, jump: float) -> bool:
-    """Return whether a quadrilateral can be the target, at most `jump` px off the last good one."""
+def _plausible(corners: Matrix, state: TrackerState, jump: float) -> bool:
+    """Return whether corners are plausible: convex, of similar area, at most `jump` px away."""
     if not is_convex(corners):
         return False
-    ratio = signed_area(corners) / memory.area
-    if not 1.0 / LARGEST_AREA_RATIO <= ratio <= LARGEST_AREA_RATIO:
+    ratio = signed_area(corners) / state.area
+    if not 1.0 / MAX_AREA_RATIO <= ratio <= MAX_AREA_RATIO:
         return False
-    return _largest(corners, memory.last) <= jump
+    return _largest_difference(corners, state.last) <= jump
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _remember(memory: Memory, h: Matrix, corners: Matrix, expected: Matrix) -> None:
-    """Take a good place over, and how far it was off the expected one."""
-    if memory.lost[0] > 0:
-        _stand_still(memory)
+def _accept(state: TrackerState, h: Matrix, corners: Matrix, expected: Matrix) -> None:
+    """Accept a result; the prediction error sets the next search margin."""
+    if state.lost[0] > 0:
+        _reset_motion(state)
     else:
         back = np.empty((3, 3))
-        inverse(memory.home, back)
-        multiply(back, h, memory.motion)
-    memory.home[:] = h
-    memory.last[:] = corners
-    memory.lost[0] = 0
-    surprise = SURPRISE_FACTOR * _largest(corners, expected)
-    memory.reach[NOW] = min(max(surprise, CLOSEST_SEARCH_PX), memory.reach[MOST])
+        inverse(state.homography, back)
+        multiply(back, h, state.motion)
+    state.homography[:] = h
+    state.last[:] = corners
+    state.lost[0] = 0
+    margin = PREDICTION_ERROR_FACTOR * _largest_difference(corners, expected)
+    state.reach[SEARCH] = min(max(margin, MIN_SEARCH_PX), state.reach[SEARCH_LIMIT])
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _stand_still(memory: Memory) -> None:
-    memory.motion[:] = 0.0
+def _reset_motion(state: TrackerState) -> None:
+    state.motion[:] = 0.0
     for i in range(3):
-        memory.motion[i, i] = 1.0
+        state.motion[i, i] = 1.0
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _forget_motion(memory: Memory) -> None:
-    """Expect the target where it last was, and look for it as far as is allowed."""
-    _stand_still(memory)
-    reach = memory.reach
-    grown = max(GROWTH * reach[NOW], reach[MOST]) if memory.lost[0] > 0 else reach[MOST]
-    reach[NOW] = min(grown, max(reach[AFAR], reach[MOST]))
-    memory.lost[0] += 1
+def _mark_lost(state: TrackerState) -> None:
+    """Predict the target where it last was, and enlarge the search margin."""
+    _reset_motion(state)
+    reach = state.reach
+    grown = (
+        max(REACH_GROWTH * reach[SEARCH], reach[SEARCH_LIMIT])
+        if state.lost[0] > 0
+        else reach[SEARCH_LIMIT]
+    )
+    reach[SEARCH] = min(grown, max(reach[REACQUIRE], reach[SEARCH_LIMIT]))
+    state.lost[0] += 1
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def follow(  # fewer would be packed and unpacked
+def track_frame(  # fewer arguments would have to be packed and unpacked
     image: NDArray[np.uint8],
     window: Window,
-    memory: Numbers,
+    state: Numbers,
     search_numbers: Numbers,
-    facts: Matrix,
-    store: Store,
+    level_numbers: Matrix,
+    store: PlaneStore,
 ) -> tuple[bool, float, int, Window]:
-    """Find the target in the next picture, of which the window alone is read.
+    """Find the target in the next image, of which only the window is read.
 
-    Returns whether it was found, the normalised correlation, the iterations, and the window of
-    the picture after.
+    Returns whether it was found, the ZNCC, the iterations, and the window of the following image.
     """
-    known, search = memory_of(memory), search_of(search_numbers)
-    levels = (facts, store)
+    known, search = unpack_state(state), unpack_search(search_numbers)
+    levels = (level_numbers, store)
     h = np.empty((3, 3))
     expected = np.empty((4, 2))
     corners = np.empty((4, 2))
     small = pyramid(image, window, search.levels)
-    _expect(known, h)
-    apply(h, known.quad, expected)
-    jump = LARGEST_JUMP * 2.0 * facts[0, SCALE]
+    _predict_homography(known, h)
+    apply(h, known.template_corners, expected)
+    jump = MAX_JUMP * 2.0 * level_numbers[0, SCALE]
     lowest = LOWEST_CORRELATION
-    if known.lost[0] > 0 and known.reach[AFAR] > 0.0:
-        lowest = LOWEST_CORRELATION_AFAR
-        jump += known.reach[NOW]
-        _look_around(image, small, window, h, levels, search, known.reach[NOW])
-    iterations, sane, similar = _track(image, small, window, h, levels, search)
-    apply(h, known.quad, corners)
+    if known.lost[0] > 0 and known.reach[REACQUIRE] > 0.0:
+        lowest = LOWEST_CORRELATION_REACQUIRE
+        jump += known.reach[SEARCH]
+        _grid_search(image, small, window, h, levels, search, known.reach[SEARCH])
+    iterations, sane, similar = _align_pyramid(image, small, window, h, levels, search)
+    apply(h, known.template_corners, corners)
     found = sane and similar >= lowest and _plausible(corners, known, jump)
     if found:
-        _remember(known, h, corners, expected)
+        _accept(known, h, corners, expected)
     else:
-        _forget_motion(known)
+        _mark_lost(known)
     ahead = _window(known, image.shape[1], image.shape[0])
     return found, similar, iterations, ahead
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def cut_start(
-    image: NDArray[np.uint8], window: Window, h: Matrix, levels: Levels, count: int
+def extract_templates(
+    image: NDArray[np.uint8], window: Window, h: Matrix, levels: PyramidLevels, count: int
 ) -> None:
-    """Fill all levels' patches from the picture in which the target is known."""
+    """Extract the patches of all levels from the image in which the target is known."""
     small = pyramid(image, window, count)
-    cut(image, _bounds(window), h, level_of(levels, 0))
+    extract_patch(image, _bounds(window), h, pyramid_level(levels, 0))
     low = np.empty((3, 3))
     for k in range(1, count):
-        to_level(h, k, window, low)
-        cut(small[k - 1], whole_of(small[k - 1]), low, level_of(levels, k))
+        to_pyramid_level(h, k, window, low)
+        extract_patch(small[k - 1], full_bounds(small[k - 1]), low, pyramid_level(levels, k))

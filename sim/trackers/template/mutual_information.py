@@ -1,10 +1,10 @@
-"""Mutual information of template and patch: what it says about each pixel, and its curvature.
+"""Mutual information of template and patch: its gradient by pixel, and its Hessian.
 
-Dame & Marchand (ISMAR 2010): a joint histogram with quadratic B-splines as bins, made here in two
-steps so that it is exact and quick. Pixels are counted as pairs of 64 fine values, in integers;
-then the counts, not the pixels, are spread over ten bins. What a pixel adds to the gradient depends
-on its pair alone and comes from a table of all pairs. The bins cover 2.5 deviations on both sides
-of the mean, after the patch was brought to the template's mean and deviation.
+Dame & Marchand (ISMAR 2010): a joint histogram with quadratic B-splines as bins, computed in two
+steps, which is exact and fast. Pixels are counted as pairs of 64 fine bins, in integers; then the
+counts, not the pixels, are distributed over ten coarse bins. The contribution of a pixel to the
+gradient depends only on its pair and comes from a table. The bins cover 2.5 standard deviations on
+both sides of the mean, after the patch was scaled to the template's mean and deviation.
 """
 
 import numpy as np
@@ -12,56 +12,58 @@ from numba import njit
 from numpy.typing import NDArray
 
 from seamark.sim.numerics.libm import log
-from seamark.sim.numerics.simd import WIDTH, lanes, larger, load, smaller, store
+from seamark.sim.numerics.simd import WIDTH, f32x16, load, maximum, minimum, store
 from seamark.sim.trackers.template.patches import Matrix, Plane
 
 BINS = 10
-FINE = 64
+FINE_BINS = 64
 REACH = 2.5  # [deviations] on both sides of the mean
-_STEP = (BINS - 3.0) / (FINE - 1.0)  # [bins] between two fine values
-_NOTHING = -6.0  # stands for the logarithm of an empty bin
+_STEP = (BINS - 3.0) / (FINE_BINS - 1.0)  # [bins] between two fine bins
+_LOG_OF_EMPTY = -6.0  # used for the logarithm of an empty bin
 
 
 def _splines() -> tuple[Matrix, Matrix, Matrix]:
-    """Return weights, first and second derivatives [per bin] of all fine values in all bins.
+    """Return weights, first and second derivatives [per bin] of all fine bins in all bins.
 
-    Beyond the outermost values the derivatives are zero: the values are clipped there.
+    The derivatives at the ends are zero, since values are clipped there.
     """
-    weights, slopes, bends = (np.zeros((FINE, BINS)) for _ in range(3))
-    for code in range(FINE):
+    weights, slopes, bends = (np.zeros((FINE_BINS, BINS)) for _ in range(3))
+    for code in range(FINE_BINS):
         k = int(code * _STEP + 0.5)
         d = code * _STEP - k
         weights[code, k : k + 3] = 0.5 * (0.5 - d) ** 2, 0.75 - d * d, 0.5 * (0.5 + d) ** 2
-        if 0 < code < FINE - 1:
+        if 0 < code < FINE_BINS - 1:
             slopes[code, k : k + 3] = d - 0.5, -2.0 * d, d + 0.5
             bends[code, k : k + 3] = 1.0, -2.0, 1.0
     return weights, slopes, bends
 
 
 _WEIGHTS, _SLOPES, _BENDS = _splines()
-_FIRST = np.array([int(code * _STEP + 0.5) for code in range(FINE)])  # each value's first bin
+_FIRST = np.array(
+    [int(code * _STEP + 0.5) for code in range(FINE_BINS)]
+)  # first coarse bin of each fine bin
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def bins_per_grey(sigma: float) -> float:
-    """Return how many bins a grey value is, for a template of that deviation [grey]."""
+    """Return bins per grey value, for a template with this standard deviation [grey]."""
     return (BINS - 3.0) / (2.0 * REACH * sigma)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def codes(values: Plane, rim: int, model: tuple[float, float], out: Plane) -> None:
-    """Write the fine values 0..63 of gain * values + bias, nearest; `rim` is left out."""
-    gain, bias = lanes(model[0]), lanes(model[1] + 0.5)
-    least, most = lanes(0.0), lanes(FINE - 0.5)
+def quantise(values: Plane, rim: int, model: tuple[float, float], out: Plane) -> None:
+    """Write the nearest fine bins 0..63 of gain * values + bias, without `rim`."""
+    gain, bias = f32x16(model[0]), f32x16(model[1] + 0.5)
+    least, most = f32x16(0.0), f32x16(FINE_BINS - 0.5)
     for r in range(out.shape[0]):
         for c in range(0, out.shape[1] - WIDTH, WIDTH):
             value = gain * load(values, r + rim, c + rim) + bias
-            store(out, r, c, smaller(larger(value, least), most))
+            store(out, r, c, minimum(maximum(value, least), most))
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _count(template: Plane, patch: Plane, columns: int, pairs: NDArray[np.int32]) -> None:
-    """Count the pairs (template, patch) of fine values."""
+def _joint_histogram(template: Plane, patch: Plane, columns: int, pairs: NDArray[np.int32]) -> None:
+    """Write the counts of pairs (template, patch) of fine bins."""
     pairs[:] = 0
     for r in range(template.shape[0]):
         for c in range(columns):
@@ -70,23 +72,23 @@ def _count(template: Plane, patch: Plane, columns: int, pairs: NDArray[np.int32]
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _joint(pairs: NDArray[np.int32], count: int, p: Matrix) -> None:
+def _joint_probabilities(pairs: NDArray[np.int32], count: int, p: Matrix) -> None:
     """Write the joint probabilities p[template bin, patch bin] (10, 10)."""
-    spread = np.zeros((BINS, FINE))
-    for code in range(FINE):
+    spread = np.zeros((BINS, FINE_BINS))
+    for code in range(FINE_BINS):
         for k in range(_FIRST[code], _FIRST[code] + 3):
             weight = _WEIGHTS[code, k] / count
-            for i in range(FINE):
+            for i in range(FINE_BINS):
                 spread[k, i] += weight * pairs[code, i]
     p[:] = 0.0
     for t in range(BINS):
-        for i in range(FINE):
+        for i in range(FINE_BINS):
             for k in range(_FIRST[i], _FIRST[i] + 3):
                 p[t, k] += spread[t, i] * _WEIGHTS[i, k]
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _logarithms(p: Matrix, over_patch: Matrix, over_template: Matrix) -> None:
+def _log_ratios(p: Matrix, over_patch: Matrix, over_template: Matrix) -> None:
     """Write log(p / p of the patch's bin) and log(p / p of the template's bin)."""
     of_template, of_patch = np.zeros(BINS), np.zeros(BINS)
     for t in range(BINS):
@@ -95,7 +97,7 @@ def _logarithms(p: Matrix, over_patch: Matrix, over_template: Matrix) -> None:
             of_patch[k] += p[t, k]
     for t in range(BINS):
         for k in range(BINS):
-            over_patch[t, k] = over_template[t, k] = _NOTHING
+            over_patch[t, k] = over_template[t, k] = _LOG_OF_EMPTY
             if p[t, k] > 1e-9:
                 own = log(p[t, k])
                 over_patch[t, k] = own - log(of_patch[k])
@@ -106,48 +108,48 @@ def _logarithms(p: Matrix, over_patch: Matrix, over_template: Matrix) -> None:
 def _table(
     template_side: Matrix, logs: Matrix, patch_side: Matrix, factor: float, out: Plane
 ) -> None:
-    """Add factor * template_side @ logs @ patch_side.T, for all pairs of fine values."""
-    half = np.zeros((BINS, FINE), np.float32)
+    """Add factor * template_side @ logs @ patch_side.T, for all pairs of fine bins."""
+    half = np.zeros((BINS, FINE_BINS), np.float32)
     for t in range(BINS):
-        for i in range(FINE):
+        for i in range(FINE_BINS):
             for k in range(_FIRST[i], _FIRST[i] + 3):
                 half[t, i] += np.float32(logs[t, k] * patch_side[i, k])
-    for code in range(FINE):
+    for code in range(FINE_BINS):
         row = out[code]
         for t in range(_FIRST[code], _FIRST[code] + 3):
             weight = np.float32(factor * template_side[code, t])
             part = half[t]
-            for i in range(FINE):
+            for i in range(FINE_BINS):
                 row[i] += weight * part[i]
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def pull(
+def information_gradient(
     template: Plane, patch: Plane, columns: int, weight: float, scale: float, errors: Plane
 ) -> None:
-    """Write what brighter patch pixels would add to the information, in place of an error.
+    """Write the gradient of the information by the patch's grey values, in place of an error.
 
     Parameters
     ----------
     template, patch : (rows, width)
-        Fine values. `errors` may be `patch`.
+        Fine bins. `errors` may be `patch`.
     weight : float
-        Of the derivative by the patch's values; the rest is that by the template's, with the sign
-        turned: 1 forward, 0 inverse, 0.5 ESM.
+        Weight of the derivative by the patch's values; the rest is that by the template's, negated:
+        1 forward, 0 inverse, 0.5 ESM.
     scale : float
         Bins per grey value.
     """
     count = template.shape[0] * columns
-    pairs = np.empty((FINE, FINE), np.int32)
+    pairs = np.empty((FINE_BINS, FINE_BINS), np.int32)
     p, over_patch, over_template = (
         np.empty((BINS, BINS)),
         np.empty((BINS, BINS)),
         np.empty((BINS, BINS)),
     )
-    table = np.zeros((FINE, FINE), np.float32)
-    _count(template, patch, columns, pairs)
-    _joint(pairs, count, p)
-    _logarithms(p, over_patch, over_template)
+    table = np.zeros((FINE_BINS, FINE_BINS), np.float32)
+    _joint_histogram(template, patch, columns, pairs)
+    _joint_probabilities(pairs, count, p)
+    _log_ratios(p, over_patch, over_template)
     _table(_WEIGHTS, over_patch, _SLOPES, weight * scale, table)
     _table(_SLOPES, over_template, _WEIGHTS, (weight - 1.0) * scale, table)
     for r in range(template.shape[0]):
@@ -157,38 +159,38 @@ def pull(
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def curvature(
+def information_hessian(
     template: Plane, columns: int, scale: float, jacobian: NDArray[np.float64], out: Matrix
 ) -> None:
-    """Write minus the Hessian (8, 8) of count times the information, patch and template alike.
+    """Write the negative Hessian (8, 8) of count times the information at a perfect match.
 
     Parameters
     ----------
     template : (rows, width)
-        Fine values.
+        Fine bins.
     jacobian : (rows, columns, 8)
         Of the template.
     """
     count = template.shape[0] * columns
-    pairs = np.empty((FINE, FINE), np.int32)
+    pairs = np.empty((FINE_BINS, FINE_BINS), np.int32)
     p, over_patch, over_template = (
         np.empty((BINS, BINS)),
         np.empty((BINS, BINS)),
         np.empty((BINS, BINS)),
     )
-    by_value = np.zeros((FINE, 8))
+    by_value = np.zeros((FINE_BINS, 8))
     slopes = np.zeros((BINS, BINS, 8))
-    _count(template, template, columns, pairs)
-    _joint(pairs, count, p)
-    _logarithms(p, over_patch, over_template)
+    _joint_histogram(template, template, columns, pairs)
+    _joint_probabilities(pairs, count, p)
+    _log_ratios(p, over_patch, over_template)
     out[:] = 0.0
-    _bend(template, over_template, jacobian, by_value, out)
-    for value in range(FINE):
+    _subtract_second_derivatives(template, over_template, jacobian, by_value, out)
+    for value in range(FINE_BINS):
         for t in range(_FIRST[value], _FIRST[value] + 3):
             for k in range(_FIRST[value], _FIRST[value] + 3):
                 weight = _SLOPES[value, t] * _WEIGHTS[value, k] / count
                 slopes[t, k] += weight * by_value[value]
-    _spread(slopes, p, count, out)
+    _subtract_squared_slopes(slopes, p, count, out)
     out *= scale * scale
 
 
@@ -201,16 +203,16 @@ def _add_square(vector: NDArray[np.float64], factor: float, out: Matrix) -> None
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _bend(
+def _subtract_second_derivatives(
     template: Plane,
     logs: Matrix,
     jacobian: NDArray[np.float64],
     by_value: Matrix,
     out: Matrix,
 ) -> None:
-    """Subtract the part with second derivatives of the bins; sum the Jacobian by fine value."""
-    bend = np.zeros(FINE)
-    for value in range(FINE):
+    """Subtract the term of second derivatives of the bins; sum the Jacobian by fine bin."""
+    bend = np.zeros(FINE_BINS)
+    for value in range(FINE_BINS):
         for t in range(_FIRST[value], _FIRST[value] + 3):
             for k in range(_FIRST[value], _FIRST[value] + 3):
                 bend[value] += _BENDS[value, t] * _WEIGHTS[value, k] * logs[t, k]
@@ -222,8 +224,10 @@ def _bend(
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _spread(slopes: NDArray[np.float64], p: Matrix, count: int, out: Matrix) -> None:
-    """Subtract the part with squared slopes of p over p, less the same of the template's bins."""
+def _subtract_squared_slopes(
+    slopes: NDArray[np.float64], p: Matrix, count: int, out: Matrix
+) -> None:
+    """Subtract the terms of squared slopes: those of p, less those of the template's bins."""
     for t in range(BINS):
         margin, slope = 0.0, np.zeros(8)
         for k in range(BINS):

@@ -2,16 +2,16 @@
 
 Columns of the Jacobian are gx x, gx y, gy x, gy y, -x t, -y t, gx, gy with t = gx x + gy y, so all
 sums are of gx gx, gx gy, gy gy, gx e or gy e times powers of x and y. The loops go down sixteen
-columns at a time: only powers of y are summed there, x is the same and enters once, afterwards.
-Each loop has no more sums than a processor with sixteen registers of eight lanes can hold in them;
-one loop with all seventeen took 1.6 times as long there.
+columns at once: only powers of y are summed there; x is constant and multiplied in afterwards.
+Each loop has only as many sums as fit into sixteen registers of eight lanes; one loop with all
+seventeen took 1.6 times as long on a processor with such registers.
 """
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from seamark.sim.numerics.simd import WIDTH, fma, lanes, load, store, total
+from seamark.sim.numerics.simd import WIDTH, f32x16, fma, horizontal_sum, load, store
 from seamark.sim.trackers.template.patches import MASK, XS, Matrix, Plane
 
 # Each column as terms: direction of the gradient (0 x, 1 y), power of x, power of y, sign.
@@ -25,17 +25,16 @@ _JACOBIAN = (
     ((0, 0, 0, 1.0),),
     ((1, 0, 0, 1.0),),
 )
-# Where the sums over gx gx y^k, gx gy y^k, gy gy y^k, gx e y^k, gy e y^k start among all of them.
+# Index of the first of the sums over gx gx y^k, gx gy y^k, gy gy y^k, gx e y^k, gy e y^k.
 _SQUARES = (0, 3, 7)
 _ERRORS = (12, 14)
 _SUMS = 17
 
 
 def _tables() -> tuple[NDArray[np.int64], NDArray[np.int64], Matrix]:
-    """Return which moments there are and what they make up.
+    """Return the moments, and the terms of the equations that they make up.
 
-    The moments are (sum, power of x); the terms (row, column, moment) with their signs. Column 8
-    stands for g.
+    A moment is (sum, power of x); a term (row, column, moment), with its sign. Column 8 is g.
     """
     moments: dict[tuple[int, int], int] = {}
     terms, signs = [], []
@@ -66,7 +65,7 @@ def _strip(
 ) -> None:
     """Write both gradients and the error of sixteen columns from c on, row after row."""
     patch, template, along, down = planes
-    half, loss, bias = lanes(model[0]), lanes(-model[1]), lanes(model[2])
+    half, loss, bias = f32x16(model[0]), f32x16(-model[1]), f32x16(model[2])
     inside = load(mask, MASK, c)
     for r in range(patch.shape[0] - 2):
         sides = load(patch, r + 1, c + 2) - load(patch, r + 1, c)
@@ -80,10 +79,10 @@ def _strip(
 @njit(cache=True, nogil=True, error_model="numpy")
 def _sums_along(strip: Plane, ys: Plane, out: Plane) -> None:
     """Write the sums over gx gx y^k and gx e y^k of a strip, lane by lane."""
-    a0 = a1 = a2 = d0 = d1 = lanes(0.0)
+    a0 = a1 = a2 = d0 = d1 = f32x16(0.0)
     for r in range(ys.shape[0]):
         gx, error = load(strip, 3 * r, 0), load(strip, 3 * r + 2, 0)
-        gx1 = gx * lanes(ys[r])
+        gx1 = gx * f32x16(ys[r])
         a0 = fma(gx, gx, a0)
         a1 = fma(gx, gx1, a1)
         a2 = fma(gx1, gx1, a2)
@@ -99,9 +98,9 @@ def _sums_along(strip: Plane, ys: Plane, out: Plane) -> None:
 @njit(cache=True, nogil=True, error_model="numpy")
 def _sums_across(strip: Plane, ys: Plane, out: Plane) -> None:
     """Write the sums over gx gy y^k."""
-    b0 = b1 = b2 = b3 = lanes(0.0)
+    b0 = b1 = b2 = b3 = f32x16(0.0)
     for r in range(ys.shape[0]):
-        gx, gy, y = load(strip, 3 * r, 0), load(strip, 3 * r + 1, 0), lanes(ys[r])
+        gx, gy, y = load(strip, 3 * r, 0), load(strip, 3 * r + 1, 0), f32x16(ys[r])
         gx1, gy1 = gx * y, gy * y
         b0 = fma(gx, gy, b0)
         b1 = fma(gx, gy1, b1)
@@ -116,9 +115,9 @@ def _sums_across(strip: Plane, ys: Plane, out: Plane) -> None:
 @njit(cache=True, nogil=True, error_model="numpy")
 def _sums_down(strip: Plane, ys: Plane, out: Plane) -> None:
     """Write the sums over gy gy y^k and gy e y^k."""
-    c0 = c1 = c2 = c3 = c4 = lanes(0.0)
+    c0 = c1 = c2 = c3 = c4 = f32x16(0.0)
     for r in range(ys.shape[0]):
-        gy, y = load(strip, 3 * r + 1, 0), lanes(ys[r])
+        gy, y = load(strip, 3 * r + 1, 0), f32x16(ys[r])
         gy1 = gy * y
         gy2 = gy1 * y
         c0 = fma(gy, gy, c0)
@@ -126,9 +125,9 @@ def _sums_down(strip: Plane, ys: Plane, out: Plane) -> None:
         c2 = fma(gy1, gy1, c2)
         c3 = fma(gy1, gy2, c3)
         c4 = fma(gy2, gy2, c4)
-    e0 = e1 = e2 = lanes(0.0)
+    e0 = e1 = e2 = f32x16(0.0)
     for r in range(ys.shape[0]):
-        gy, error, y = load(strip, 3 * r + 1, 0), load(strip, 3 * r + 2, 0), lanes(ys[r])
+        gy, error, y = load(strip, 3 * r + 1, 0), load(strip, 3 * r + 2, 0), f32x16(ys[r])
         gy1 = gy * y
         e0 = fma(gy, error, e0)
         e1 = fma(gy1, error, e1)
@@ -156,13 +155,13 @@ def normal_equations(
     Parameters
     ----------
     planes : tuple
-        The patch, with its rim; the template; its share of the gradients, already weighted, along
-        the rows and down the columns.
+        The patch, with its rim; the template; its gradients along the rows and down the columns,
+        already weighted.
     axes : tuple
         Columns (3, width) and normalised rows.
     model : tuple
-        Factor of the patch's own differences of neighbours, then gain and bias that turn the patch
-        into the template's grey values.
+        Factor of the patch's differences of neighbours; gain and bias from the patch to the
+        template's grey values.
     """
     columns, ys = axes
     strip = np.empty((3 * ys.shape[0], WIDTH), np.float32)
@@ -175,7 +174,7 @@ def normal_equations(
         _sums_across(strip, ys, sums)
         _sums_down(strip, ys, sums)
         x = load(columns, XS, c)
-        power = lanes(1.0)
+        power = f32x16(1.0)
         for k in range(5):
             store(powers, k, 0, power)
             power = power * x
@@ -184,7 +183,7 @@ def normal_equations(
             store(totals, t, 0, load(totals, t, 0) + part)
     moments = np.empty(totals.shape[0])
     for t in range(totals.shape[0]):
-        moments[t] = total(load(totals, t, 0))
+        moments[t] = horizontal_sum(load(totals, t, 0))
     a[:] = 0.0
     g[:] = 0.0
     for t in range(_SIGNS.shape[0]):

@@ -1,7 +1,7 @@
-"""Per-pixel loops of the template tracker: cut a patch out of a picture, smooth it, measure it.
+"""Per-pixel loops of the template tracker: sample a patch of an image, smooth it, measure it.
 
 A patch has a rim of one pixel around the template's pixels, for its gradient. Its rows are whole
-numbers of lanes (numerics/simd.py) and one more; what lies beyond the last column is masked away.
+vectors (numerics/simd.py) and one more; values beyond the last column are masked.
 """
 
 import math
@@ -13,42 +13,41 @@ from numpy.typing import NDArray
 
 from seamark.sim.numerics.simd import (
     WIDTH,
+    f32x16,
     fma,
-    lanes,
-    larger,
+    horizontal_sum,
+    i32x16,
     load,
-    pair,
-    part,
-    places,
-    real,
-    smaller,
+    load_bits,
+    load_pair,
+    maximum,
+    minimum,
     store,
-    store_places,
-    total,
-    whole,
+    store_i32,
+    to_f32,
+    to_i32,
 )
 
 if TYPE_CHECKING:
-    from seamark.sim.numerics.simd import Lanes
+    from seamark.sim.numerics.simd import F32x16
 
 Plane = NDArray[np.float32]
 Matrix = NDArray[np.float64]
-Picture = NDArray[np.uint8] | NDArray[np.uint16]  # coarser levels are sums of pixels
+Image = NDArray[np.uint8] | NDArray[np.uint16]  # coarser levels are sums of pixels
 
 NUMBERS, XS, MASK = 0, 1, 2  # rows of a level's columns: 0, 1, 2...; normalised; 1 inside, 0 beyond
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _gather(image: Picture, at: NDArray[np.int32], words: NDArray[np.uint32]) -> None:
-    """Write the pixels at flat places, their right neighbours, and both of the row below.
+def _gather(image: Image, at: NDArray[np.int32], words: NDArray[np.uint32]) -> None:
+    """Write the pixels at flat indices, their right neighbours, and both pixels below.
 
-    Four pixels of eight bits make a word of the first row; of wider ones the lower two make one of
-    the second. A loop of its own between the vectors' ones: a processor loads scattered places one
-    by one.
+    Four pixels of eight bits fill a word of the first row; of wider pixels the lower two go into
+    the second row. A separate scalar loop, since scattered pixels are loaded one by one anyway.
     """
     pitch = image.shape[1]
     for c in range(at.shape[0]):
-        upper, lower = pair(image, at[c]), pair(image, at[c] + pitch)
+        upper, lower = load_pair(image, at[c]), load_pair(image, at[c] + pitch)
         if image.itemsize == 1:
             words[0, c] = upper | lower << 16
         else:
@@ -58,66 +57,66 @@ def _gather(image: Picture, at: NDArray[np.int32], words: NDArray[np.uint32]) ->
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def warp_patch(
-    image: Picture, bounds: NDArray[np.float64], m: Matrix, unit: float, columns: Plane, out: Plane
+    image: Image, bounds: NDArray[np.float64], m: Matrix, unit: float, columns: Plane, out: Plane
 ) -> None:
     """Write out[r, c] = unit times the image at m (c - 1, r - 1, 1), bilinear.
 
     Parameters
     ----------
     bounds : (4,)
-        x0, y0, x1, y1 [px]: samples outside take the border's value, whatever lies beyond it.
+        x0, y0, x1, y1 [px]: samples outside take the value at the border.
     columns : (3, width)
-        Only the numbers of the columns are read.
+        Only the column numbers are read.
     """
     end = out.shape[1] - WIDTH
     at = np.empty(end, np.int32)
     words = np.empty((2, end), np.uint32)
     fractions = np.empty((2, end), np.float32)
     bits = 8 * image.itemsize
-    below, low = (0, 16) if bits == 8 else (1, 0)  # where _gather puts the lower pixels
-    one, least, value = lanes(1.0), lanes(1e-3), lanes(unit)
-    low_u, low_v = lanes(bounds[0]), lanes(bounds[1])
-    high_u, high_v = lanes(bounds[2] - 1.001), lanes(bounds[3] - 1.001)
-    across_u, across_v, across_z = lanes(m[0, 0]), lanes(m[1, 0]), lanes(m[2, 0])
-    pitch = places(image.shape[1])
+    below, low = (0, 16) if bits == 8 else (1, 0)  # where _gather writes the lower pixels
+    one, least, value = f32x16(1.0), f32x16(1e-3), f32x16(unit)
+    low_u, low_v = f32x16(bounds[0]), f32x16(bounds[1])
+    high_u, high_v = f32x16(bounds[2] - 1.001), f32x16(bounds[3] - 1.001)
+    across_u, across_v, across_z = f32x16(m[0, 0]), f32x16(m[1, 0]), f32x16(m[2, 0])
+    pitch = i32x16(image.shape[1])
     for r in range(out.shape[0]):
         y = r - 1.0
-        u0 = lanes(m[0, 1] * y + m[0, 2] - m[0, 0])
-        v0 = lanes(m[1, 1] * y + m[1, 2] - m[1, 0])
-        z0 = lanes(m[2, 1] * y + m[2, 2] - m[2, 0])
+        u0 = f32x16(m[0, 1] * y + m[0, 2] - m[0, 0])
+        v0 = f32x16(m[1, 1] * y + m[1, 2] - m[1, 0])
+        z0 = f32x16(m[2, 1] * y + m[2, 2] - m[2, 0])
         for c in range(0, end, WIDTH):
             column = load(columns, NUMBERS, c)
-            scale = one / larger(fma(across_z, column, z0), least)
-            u = smaller(larger(fma(across_u, column, u0) * scale, low_u), high_u)
-            v = smaller(larger(fma(across_v, column, v0) * scale, low_v), high_v)
-            left, above = whole(u), whole(v)
-            store(fractions, 0, c, u - real(left))
-            store(fractions, 1, c, v - real(above))
-            store_places(at, c, above * pitch + left)
+            scale = one / maximum(fma(across_z, column, z0), least)
+            u = minimum(maximum(fma(across_u, column, u0) * scale, low_u), high_u)
+            v = minimum(maximum(fma(across_v, column, v0) * scale, low_v), high_v)
+            left, above = to_i32(u), to_i32(v)
+            store(fractions, 0, c, u - to_f32(left))
+            store(fractions, 1, c, v - to_f32(above))
+            store_i32(at, c, above * pitch + left)
         _gather(image, at, words)
         for c in range(0, end, WIDTH):
             fu = load(fractions, 0, c)
-            a, d = part(words, 0, c, 0, bits), part(words, below, c, low, bits)
-            over = fma(fu, part(words, 0, c, bits, bits) - a, a)
-            under = fma(fu, part(words, below, c, low + bits, bits) - d, d)
+            a, d = load_bits(words, 0, c, 0, bits), load_bits(words, below, c, low, bits)
+            over = fma(fu, load_bits(words, 0, c, bits, bits) - a, a)
+            under = fma(fu, load_bits(words, below, c, low + bits, bits) - d, d)
             store(out, r, c, value * fma(load(fractions, 1, c), under - over, over))
 
 
 @njit(cache=True, nogil=True, error_model="numpy", inline="always")
-def _smooth(raw: Plane, row: int, column: int) -> "Lanes":
-    """Return sixteen pixels smoothed along their row."""
+def _smooth(raw: Plane, row: int, column: int) -> "F32x16":
+    """Return sixteen pixels smoothed along the row."""
     sides = load(raw, row, column - 1) + load(raw, row, column + 1)
-    return fma(lanes(0.25), sides, lanes(0.5) * load(raw, row, column))
+    return fma(f32x16(0.25), sides, f32x16(0.5) * load(raw, row, column))
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def blur(raw: Plane, width: int, out: Plane) -> None:
     """Write a patch smoothed with the 3x3 binomial mask; its outermost pixels are smoothed less.
 
-    `width` is the patch's own width, rim included. The loop goes down the columns: a row that is
-    smoothed along serves three times without memory in between.
+    `width` is the patch's own width, rim included. The loop goes down the columns: each row
+    that is smoothed along is used three times from registers.
     """
-    quarter, half = lanes(0.25), lanes(0.5)
+    quarter, half = f32x16(0.25), f32x16(0.5)
     last = raw.shape[0] - 1
     for c in range(1, width - 1, WIDTH):
         above, middle = _smooth(raw, 0, c), _smooth(raw, 1, c)
@@ -136,8 +135,8 @@ def blur(raw: Plane, width: int, out: Plane) -> None:
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def halve(image: Picture, x0: int, y0: int, out: NDArray[np.uint16]) -> None:
-    """Write the sums of 2x2 blocks from column x0 and row y0 on: exact, also of sums of sums."""
+def halve(image: Image, x0: int, y0: int, out: NDArray[np.uint16]) -> None:
+    """Write the sums of 2x2 blocks from column x0 and row y0 on; exact, also for sums of sums."""
     rows, columns = out.shape
     for r in range(rows):
         upper = image[y0 + 2 * r, x0 : x0 + 2 * columns]
@@ -158,25 +157,25 @@ def halve(image: Picture, x0: int, y0: int, out: NDArray[np.uint16]) -> None:
 def moments(patch: Plane, columns: Plane, count: int) -> tuple[float, float]:
     """Return mean and standard deviation [grey] of a patch without its rim.
 
-    `count` is the number of the pixels inside.
+    `count` is the number of pixels inside.
     """
     rows, end = patch.shape[0] - 2, patch.shape[1] - WIDTH
-    found = lanes(0.0)
+    found = f32x16(0.0)
     for c in range(0, end, WIDTH):
-        inside = lanes(0.0)
+        inside = f32x16(0.0)
         for r in range(1, rows + 1):
             inside = inside + load(patch, r, c + 1)
         found = found + inside * load(columns, MASK, c)
-    mean = float(total(found)) / count
-    middle = lanes(mean)
-    found = lanes(0.0)
+    mean = float(horizontal_sum(found)) / count
+    middle = f32x16(mean)
+    found = f32x16(0.0)
     for c in range(0, end, WIDTH):
-        inside = lanes(0.0)
+        inside = f32x16(0.0)
         for r in range(1, rows + 1):
             off = load(patch, r, c + 1) - middle
             inside = fma(off, off, inside)
         found = found + inside * load(columns, MASK, c)
-    return mean, math.sqrt(float(total(found)) / count)
+    return mean, math.sqrt(float(horizontal_sum(found)) / count)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -185,19 +184,19 @@ def correlation(
 ) -> float:
     """Return the zero-mean normalised correlation of a patch with the template.
 
-    For two signals of one mean and deviation it is 1 - mean square difference / (2 variance).
-    `own` is the template's mean and deviation.
+    For two signals of equal mean and variance it is 1 - mean square difference / (2 variance).
+    `own` is the template's mean and standard deviation.
     """
     m, s = moments(patch, columns, count)
     if s < 1e-3:
         return 0.0
     mean, sigma = own
-    gain, bias = lanes(sigma / s), lanes(mean - sigma / s * m)
-    found = lanes(0.0)
+    gain, bias = f32x16(sigma / s), f32x16(mean - sigma / s * m)
+    found = f32x16(0.0)
     for c in range(0, patch.shape[1] - WIDTH, WIDTH):
-        inside = lanes(0.0)
+        inside = f32x16(0.0)
         for r in range(patch.shape[0] - 2):
             off = load(template, r, c) - fma(gain, load(patch, r + 1, c + 1), bias)
             inside = fma(off, off, inside)
         found = found + inside * load(columns, MASK, c)
-    return float(1.0 - float(total(found)) / count / (2.0 * sigma * sigma))
+    return float(1.0 - float(horizontal_sum(found)) / count / (2.0 * sigma * sigma))

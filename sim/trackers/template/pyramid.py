@@ -1,7 +1,7 @@
-"""Pictures and homographies at half, a quarter and an eighth of the resolution.
+"""Images and homographies at half, a quarter and an eighth of the resolution.
 
-Level 0 is the picture itself. Level 1 is the window of it that is read, in sums of 2x2 pixels; each
-further level sums the one before. Pixel centres are at whole numbers, so pixel i of a level is
+Level 0 is the image itself. Level 1 is the window that is read, in sums of 2x2 pixels; each further
+level sums the one before. Pixel centres are at whole numbers, so pixel i of a level is
 2 i + 1/2 of the level below it; the same holds for the template's pixels.
 """
 
@@ -12,13 +12,15 @@ from numpy.typing import NDArray
 from seamark.sim.trackers.interface import Window
 from seamark.sim.trackers.template.patches import Matrix, halve
 
-MOST_LEVELS = 4  # an eighth of the resolution; sums of 64 pixels fit into 16 bits
-Sums = NDArray[np.uint16]
+MAX_LEVELS = 4  # an eighth of the resolution; sums of 64 pixels fit into 16 bits
+SummedImage = NDArray[np.uint16]
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def pyramid(image: NDArray[np.uint8], window: Window, levels: int) -> tuple[Sums, Sums, Sums]:
-    """Return the levels 1, 2 and 3 of the window; those that are not asked for are empty."""
+def pyramid(
+    image: NDArray[np.uint8], window: Window, levels: int
+) -> tuple[SummedImage, SummedImage, SummedImage]:
+    """Return the levels 1, 2 and 3 of the window; further ones than `levels` are empty."""
     x0, y0, x1, y1 = window
     size = (y1 - y0, x1 - x0)
     none = np.empty((0, 0), np.uint16)
@@ -38,17 +40,17 @@ def pyramid(image: NDArray[np.uint8], window: Window, levels: int) -> tuple[Sums
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def whole_of(picture: Sums) -> NDArray[np.float64]:
-    """Return the bounds (4,) of a picture all of which may be read."""
+def full_bounds(image: SummedImage) -> NDArray[np.float64]:
+    """Return the bounds (4,) of a whole image."""
     bounds = np.zeros(4)
-    bounds[2] = picture.shape[1]
-    bounds[3] = picture.shape[0]
+    bounds[2] = image.shape[1]
+    bounds[3] = image.shape[0]
     return bounds
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def to_level(h: Matrix, level: int, window: Window, out: Matrix) -> None:
-    """Write h, template px -> image px, for the template and the window at a level."""
+def to_pyramid_level(h: Matrix, level: int, window: Window, out: Matrix) -> None:
+    """Write h, template px -> image px, converted to a level of template and window."""
     out[:] = h
     x0, y0 = float(window[0]), float(window[1])
     for _ in range(level):
@@ -63,8 +65,8 @@ def to_level(h: Matrix, level: int, window: Window, out: Matrix) -> None:
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def from_level(h: Matrix, level: int, window: Window, out: Matrix) -> None:
-    """Undo `to_level`, scaled to out[2, 2] = 1."""
+def from_pyramid_level(h: Matrix, level: int, window: Window, out: Matrix) -> None:
+    """Undo `to_pyramid_level`, scaled to out[2, 2] = 1."""
     out[:] = h
     for k in range(level, 0, -1):
         x0 = float(window[0]) if k == 1 else 0.0

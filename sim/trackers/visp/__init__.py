@@ -19,7 +19,7 @@ from seamark.sim.trackers.options import (
     TEMPLATE_MARGIN_PX,
     WARP,
 )
-from seamark.sim.trackers.visp.installation import why_not
+from seamark.sim.trackers.visp.installation import unavailable_reason
 
 
 def _unsupported(values: OptionValues) -> Errors:
@@ -68,6 +68,6 @@ TRACKER = TrackerDeclaration(
         ),
     ),
     exact=False,
-    unavailable=why_not,
+    unavailable=unavailable_reason,
     unsupported=_unsupported,
 )

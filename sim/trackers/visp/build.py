@@ -4,7 +4,7 @@ import shutil
 import subprocess
 import sys
 
-from seamark.sim.trackers.visp.installation import PACKAGE, SOURCE, program
+from seamark.sim.trackers.visp.installation import PACKAGE, SOURCE, bridge_path
 
 _LIBRARIES = ("-lvisp_tt_mi", "-lvisp_tt", "-lvisp_core")
 _TRIES_S = 120
@@ -15,12 +15,12 @@ def build() -> str:
 
     It takes its place in one step, so that nobody ever starts half a program.
     """
-    if program().exists():
+    if bridge_path().exists():
         return ""
     compiler = shutil.which("g++")
     if compiler is None:
         return "g++ is missing: apt-get install g++"
-    made = program().with_suffix(".new")
+    made = bridge_path().with_suffix(".new")
     command = [compiler, "-O2", "-std=c++17", "-w", "-o", str(made), str(SOURCE), *_LIBRARIES]
     try:
         done = subprocess.run(
@@ -33,9 +33,9 @@ def build() -> str:
     if done.returncode != 0:
         first = next(iter(done.stderr.splitlines()), "g++ said nothing")
         return f"ViSP's headers are missing or of another version ({first}): {PACKAGE}"
-    made.replace(program())
+    made.replace(bridge_path())
     for old in SOURCE.parent.glob("bridge-*"):
-        if old != program():
+        if old != bridge_path():
             old.unlink()
     return ""
 

@@ -11,14 +11,14 @@ REMEDY = f"apt-get install {PACKAGE}, then ./run builds the bridge"
 
 
 @cache
-def program() -> Path:
+def bridge_path() -> Path:
     """Return the path of the built bridge; its name holds the hash of its source."""
     stamp = hashlib.sha256(SOURCE.read_bytes()).hexdigest()[:16]
     return SOURCE.with_name(f"bridge-{stamp}")
 
 
-def why_not() -> str:
+def unavailable_reason() -> str:
     """Return why ViSP cannot be used on this machine; empty if it can."""
-    if os.access(program(), os.X_OK):
+    if os.access(bridge_path(), os.X_OK):
         return ""
     return f"its bridge program is not built on this machine: {REMEDY}"

@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seamark.sim.trackers.interface import Corners, Track, Window
-from seamark.sim.trackers.plausibility import Judge
+from seamark.sim.trackers.plausibility import PlausibilityGate
 from seamark.sim.trackers.template.tracker import SMALLEST_TEMPLATE_PX
 from seamark.sim.trackers.template.warps import apply, from_square
-from seamark.sim.trackers.visp.installation import program, why_not
+from seamark.sim.trackers.visp.installation import bridge_path, unavailable_reason
 
 _CRITERIA = {"ssd": 0, "zncc": 1, "mi": 2}
 _METHODS = {
@@ -28,10 +28,10 @@ _ANSWER = struct.Struct("=8did")  # corners u, v; iterations; CPU seconds
 
 
 class VispTracker:
-    """One of ViSP's trackers, with the settings that treat it fairly (bridge.cpp).
+    """One of ViSP's trackers, with settings that make the comparison fair (bridge.cpp).
 
-    As of our own, the template leaves out the target's rim: with what lies beside it, in another
-    plane, ViSP's ZNCC and MI lost the target at once, and its SSD erred by half as much again.
+    As in the template tracker, the template excludes the target's rim: with surroundings in another
+    plane, ViSP's ZNCC and MI lost the target at once, and the error of its SSD was 50 % larger.
     """
 
     def __init__(
@@ -46,13 +46,13 @@ class VispTracker:
         visp_iterations: int = 60,
         visp_sl3: bool = True,
     ) -> None:
-        if reason := why_not():
+        if reason := unavailable_reason():
             raise ValueError(f"ViSP is not available: {reason}.")
-        kind = _SL3 if warp == "homography" and visp_sl3 else _WARPS[warp]
+        warp_number = _SL3 if warp == "homography" and visp_sl3 else _WARPS[warp]
         self._settings = (
             _CRITERIA[criterion],
             _METHODS[method],
-            kind,
+            warp_number,
             pyramid_levels,
             round(sampling_px),
             visp_iterations,
@@ -60,53 +60,53 @@ class VispTracker:
         self._margin = template_margin_px
         self._shape = (0, 0)
         self._bridge: _Bridge | None = None
-        self.spent_s = 0.0  # CPU time of ViSP's own part of the last answer
+        self.spent_s = 0.0  # CPU time of ViSP alone for the last update
 
     def start(self, image: NDArray[np.uint8], corners: Corners) -> None:
-        """Hand ViSP a whole picture (H, W) in which the target's corners (4, 2) are known."""
-        self._judge = Judge(corners)
+        """Start ViSP with a whole image (H, W) and the target's corners (4, 2) in it."""
+        self._gate = PlausibilityGate(corners)
         self._shape = image.shape
         if self._bridge is None or self._bridge.ended:
             self._bridge = _Bridge()
         settings = struct.pack("=8i", *self._settings, image.shape[1], image.shape[0])
-        corners = self._judge.last
-        places = corners.tobytes() + _outline(corners, self._margin).tobytes()
-        self._bridge.send(b"S" + settings + places + _pixels(image))
+        corners = self._gate.last
+        points = corners.tobytes() + _outline(corners, self._margin).tobytes()
+        self._bridge.send(b"S" + settings + points + _pixels(image))
         self._bridge.answer(0)
 
     def window(self) -> Window:
-        """Return the whole picture: ViSP smooths all of it."""
+        """Return the whole image: ViSP smooths all of it."""
         return 0, 0, self._shape[1], self._shape[0]
 
     def update(self, image: NDArray[np.uint8]) -> Track:
-        """Have ViSP find the target in the next picture (H, W)."""
+        """Have ViSP find the target in the next image (H, W)."""
         bridge = self._bridge
         if bridge is None:
-            raise ValueError("a tracker has to be started before it can go on")
+            raise ValueError("the tracker has not been started")
         if image.shape != self._shape:
-            raise ValueError(f"a picture of {image.shape} after one of {self._shape}")
+            raise ValueError(f"a image of {image.shape} after one of {self._shape}")
         bridge.send(b"T" + _pixels(image))
         answer = bridge.answer(_ANSWER.size)
         if not answer:
-            return Track(self._judge.last.copy(), False, 1.0, 0)
-        *places, iterations, self.spent_s = _ANSWER.unpack(answer)
-        ok = self._judge.believes(np.array(places).reshape(4, 2))
-        return Track(self._judge.last.copy(), ok, 0.0 if ok else 1.0, iterations)
+            return Track(self._gate.last.copy(), False, 1.0, 0)
+        *points, iterations, self.spent_s = _ANSWER.unpack(answer)
+        ok = self._gate.accept(np.array(points).reshape(4, 2))
+        return Track(self._gate.last.copy(), ok, 0.0 if ok else 1.0, iterations)
 
 
 class _Bridge:
-    """The child process. Once it ended, it answers nothing: the target is lost, not the run."""
+    """The child process. Once it has ended, the target is lost; the run goes on."""
 
     def __init__(self) -> None:
         process = subprocess.Popen(
-            [program()],
+            [bridge_path()],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,
             env={"OMP_NUM_THREADS": "1"},
         )
         if process.stdin is None or process.stdout is None:
-            raise RuntimeError("a process was started without its pipes")
+            raise RuntimeError("the process was started without pipes")
         self._in: IO[bytes] = process.stdin
         self._out: IO[bytes] = process.stdout
         self.ended = False
@@ -114,7 +114,7 @@ class _Bridge:
         self._end = weakref.finalize(self, _end, process)
 
     def send(self, message: bytes) -> None:
-        """Send a message; to a process that ended it goes nowhere."""
+        """Send a message; it is dropped if the process has ended."""
         if self.ended:
             return
         try:
@@ -124,7 +124,7 @@ class _Bridge:
             self._stop()
 
     def answer(self, size: int) -> bytes:
-        """Return the answer of that size; empty if ViSP refused the picture or ended."""
+        """Return an answer of this size; empty if ViSP failed on the image or the process ended."""
         if self.ended:
             return b""
         kind = self._out.read(1)
@@ -134,7 +134,7 @@ class _Bridge:
                 return found
         elif kind == b"E":
             (length,) = struct.unpack("=i", self._out.read(4))
-            self._out.read(length)  # why it could not go on; the target is lost
+            self._out.read(length)  # the reason; the target is lost
             return b""
         self._stop()
         return b""
@@ -145,21 +145,21 @@ class _Bridge:
 
 
 def _end(process: subprocess.Popen[bytes]) -> None:
-    """End a bridge and leave neither a process nor an open file behind."""
+    """End the process and close its pipes."""
     process.kill()
     process.wait()
     for pipe in (process.stdin, process.stdout):
         if pipe is not None:
             try:
                 pipe.close()
-            except BrokenPipeError:  # what was still to be sent goes nowhere
+            except BrokenPipeError:  # unsent data is dropped
                 continue
 
 
 def _outline(corners: Corners, margin_px: float) -> Corners:
-    """Return the target's corners (4, 2) moved outwards along its sides [px]; negative: inwards.
+    """Return the target's corners (4, 2) moved outwards along its sides [px], inwards if negative.
 
-    A small target keeps its whole face.
+    The whole face of a small target is used.
     """
     sides = np.sqrt(((corners[[1, 3]] - corners[0]) ** 2).sum(axis=1))
     if sides.min() + 2 * margin_px < SMALLEST_TEMPLATE_PX:

@@ -9,7 +9,7 @@ from performance.visibility.cases import GROUPS, IN_PLANE, STEP
 from performance.visibility.page import write
 from seamark.sim.registry import benchmark
 from seamark.sim.settings.configuration import ConfigurationInvalid
-from seamark.sim.trackers.visp.installation import why_not
+from seamark.sim.trackers.visp.installation import unavailable_reason
 
 VISIBILITY = benchmark("visibility-v1")
 
@@ -31,7 +31,7 @@ def test_the_benchmark_accepts_every_case(group: str) -> None:
         try:
             VISIBILITY.read(settings)
         except ConfigurationInvalid as refusal:
-            assert why_not(), (case.label, refusal.errors)  # noqa: PT017  # ViSP is not here
+            assert unavailable_reason(), (case.label, refusal.errors)  # noqa: PT017  # ViSP is not here
 
 
 def test_the_cases_of_a_group_have_different_names() -> None:

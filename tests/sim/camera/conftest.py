@@ -97,7 +97,7 @@ class Reference:
         return out
 
     def grey(self, pose: Array) -> Array:
-        """Picture (H, W) in grey levels, without noise and rounding."""
+        """Image (H, W) in grey levels, without noise and rounding."""
         n, o = self.samples, self.optics
         total = np.zeros(o.width * o.height)
         v, u = (c.ravel().astype(float) for c in np.indices((o.height, o.width)))

@@ -1,4 +1,4 @@
-"""Pictures: pure, the same by region and whole, noisy as stated, and true to the scene."""
+"""Images: pure, the same by region and whole, noisy as stated, and true to the scene."""
 
 import hashlib
 import subprocess
@@ -32,7 +32,7 @@ def average(camera: Camera, pose: Array, frames: int = 64) -> Array:
     shift=st.tuples(*[st.floats(-0.3, 0.3)] * 6),
 )
 @settings(max_examples=60, deadline=None)
-def test_region_has_the_bytes_of_the_whole_picture(
+def test_region_has_the_bytes_of_the_whole_image(
     x0: int, y0: int, width: int, height: int, frame: int, shift: tuple[float, ...]
 ) -> None:
     pose = START + np.array(shift)
@@ -44,16 +44,14 @@ def test_region_has_the_bytes_of_the_whole_picture(
     assert np.array_equal(part[rows, columns], whole[rows, columns])
 
 
-def test_pictures_do_not_depend_on_the_order_of_frames(camera: Camera, tilted: Array) -> None:
+def test_images_do_not_depend_on_the_order_of_frames(camera: Camera, tilted: Array) -> None:
     forwards = [camera.grey(tilted, k) for k in range(5)]
     backwards = [camera.grey(tilted, k) for k in reversed(range(5))]
 
     assert all(np.array_equal(a, b) for a, b in zip(forwards, reversed(backwards), strict=True))
 
 
-def test_grey_picture_is_the_green_channel_of_the_coloured_one(
-    camera: Camera, tilted: Array
-) -> None:
+def test_grey_image_is_the_green_channel_of_the_coloured_one(camera: Camera, tilted: Array) -> None:
     assert np.array_equal(camera.colour(tilted, 3)[:, :, 1], camera.grey(tilted, 3))
 
 
@@ -67,9 +65,9 @@ def test_another_noise_seed_changes_noise_but_not_the_scene(tilted: Array) -> No
 
 
 def test_noise_grows_with_light_as_read_and_shot_noise_do(tilted: Array) -> None:
-    pictures = np.array([CAMERA.grey(tilted, k) for k in range(100)], dtype=float)
+    images = np.array([CAMERA.grey(tilted, k) for k in range(100)], dtype=float)
 
-    light, variance = pictures.mean(axis=0), pictures.var(axis=0)
+    light, variance = images.mean(axis=0), images.var(axis=0)
 
     rounding = 1 / 12
     for low, high in ((20, 60), (80, 100), (100, 140)):
@@ -105,7 +103,7 @@ def test_contrast_to_the_veil_decays_by_the_law(law: str, density: float) -> Non
 
 @pytest.mark.parametrize("water", [Water.grey(0.0), Water.of_type("3C")])
 @pytest.mark.parametrize("heading", [0.0, 0.7])
-def test_pictures_agree_with_a_slow_supersampled_renderer(
+def test_images_agree_with_a_slow_supersampled_renderer(
     reference: Callable[..., object], water: Water, heading: float
 ) -> None:
     target = Target(heading_rad=heading, north_m=3.1, east_m=-40.2)
@@ -148,10 +146,10 @@ def test_a_vehicle_adrift_still_sees_textured_ground(tilted: Array) -> None:
 
 
 @pytest.mark.parametrize("pose", [[0, 0, 4.9, 0, 0, 0], [0, 0, 20, 0, 0, 0], [0, 0, 2, 2, 0, 0]])
-def test_a_camera_in_the_ground_or_on_its_side_still_gives_a_picture(pose: list[float]) -> None:
-    picture = CAMERA.grey(np.array(pose, dtype=float), 0)
+def test_a_camera_in_the_ground_or_on_its_side_still_gives_an_image(pose: list[float]) -> None:
+    image = CAMERA.grey(np.array(pose, dtype=float), 0)
 
-    assert picture.shape == (240, 320)
+    assert image.shape == (240, 320)
 
 
 PROGRAM = """

@@ -10,9 +10,9 @@ from seamark.sim.camera.caustics import (
     LONGEST_M,
     SHORTEST_M,
     WAVES,
-    amplitude_for,
-    focused,
-    waves_of,
+    caustic_gain,
+    draw_waves,
+    wave_amplitude,
 )
 from seamark.sim.camera.effects import Effects
 
@@ -22,7 +22,7 @@ START = start_pose(VISIBILITY, Target(), 1.27)
 @given(variation=st.floats(0.05, 1.5))
 @settings(max_examples=20, deadline=None)
 def test_amplitude_gives_the_stated_variation_by_numpys_bessel_function(variation: float) -> None:
-    amplitude, mean = amplitude_for(variation)
+    amplitude, mean = wave_amplitude(variation)
 
     assert mean == pytest.approx(np.i0(amplitude) ** WAVES, rel=1e-12)
     square = np.i0(2 * amplitude) ** WAVES
@@ -32,11 +32,11 @@ def test_amplitude_gives_the_stated_variation_by_numpys_bessel_function(variatio
 @pytest.mark.parametrize("variation", [0.1, 0.4])
 @pytest.mark.parametrize("seed", [1, 5])
 def test_light_over_a_wide_field_has_the_mean_one_and_the_stated_variation(variation, seed) -> None:
-    waves = waves_of(seed)
-    amplitude, mean = amplitude_for(variation)
+    waves = draw_waves(seed)
+    amplitude, mean = wave_amplitude(variation)
     places = np.random.default_rng(2).uniform(-300.0, 300.0, (40_000, 3))
 
-    light = np.array([focused(x, y, abs(t), waves, amplitude, mean) for x, y, t in places])
+    light = np.array([caustic_gain(x, y, abs(t), waves, amplitude, mean) for x, y, t in places])
 
     assert light.mean() == pytest.approx(1.0, abs=4 * variation / 200)
     assert light.std() == pytest.approx(variation, rel=0.05)
@@ -44,7 +44,7 @@ def test_light_over_a_wide_field_has_the_mean_one_and_the_stated_variation(varia
 
 
 def test_waves_are_as_long_as_stated_and_run_as_gravity_waves_do() -> None:
-    north, east, frequency, _ = waves_of(3).T
+    north, east, frequency, _ = draw_waves(3).T
     number = np.hypot(north, east)
 
     assert 2 * np.pi / number[[0, -1]] == pytest.approx([LONGEST_M, SHORTEST_M])

@@ -1,4 +1,4 @@
-"""Disturbances of the pictures: off by default, pure, the same by region and whole, as stated."""
+"""Disturbances of the images: off by default, pure, the same by region and whole, as stated."""
 
 from itertools import pairwise
 from typing import Any
@@ -13,8 +13,8 @@ from seamark.sim import registry
 from seamark.sim.benchmarks.visibility_v1.experiment import EXPERIMENT
 from seamark.sim.camera import VISIBILITY, Camera, Target, Water, start_pose
 from seamark.sim.camera.effects import Effects
-from seamark.sim.camera.snow import CUBE_M, flakes_in
-from seamark.sim.camera.special import blurred
+from seamark.sim.camera.raycast_effects import gaussian_blur
+from seamark.sim.camera.snow import CUBE_M, flake_count
 from seamark.sim.engine.replay import Replay
 from seamark.sim.recording.telemetry import Rows
 from seamark.sim.settings.targets import TARGETS
@@ -39,7 +39,7 @@ CAMERAS = [
 
 
 def light(effects: Effects, motion: Array, frames: int = 32, water: Water | None = None) -> Array:
-    """Mean picture: the light without most of its noise."""
+    """Mean image: the light without most of its noise."""
     camera = Camera(VISIBILITY, water or Water(), Target(), noise_seed=4, effects=effects)
     return np.mean([camera.grey(motion, k) for k in range(frames)], axis=0)
 
@@ -52,7 +52,7 @@ def light(effects: Effects, motion: Array, frames: int = 32, water: Water | None
     motion=st.tuples(*[st.floats(-0.3, 0.3)] * 12),
 )
 @settings(max_examples=60, deadline=None)
-def test_region_has_the_bytes_of_the_whole_picture_with_effects(
+def test_region_has_the_bytes_of_the_whole_image_with_effects(
     camera: Camera,
     corner: tuple[int, int],
     size: tuple[int, int],
@@ -70,23 +70,23 @@ def test_region_has_the_bytes_of_the_whole_picture_with_effects(
 
 
 @pytest.mark.parametrize("camera", CAMERAS, ids=[*ON, "all"])
-def test_grey_picture_is_the_green_channel_with_effects(camera: Camera) -> None:
+def test_grey_image_is_the_green_channel_with_effects(camera: Camera) -> None:
     motion = np.concatenate([START, [0.3, 0.1, 0.0, 0.0, 0.0, 0.2]])
 
     assert np.array_equal(camera.colour(motion, 40)[:, :, 1], camera.grey(motion, 40))
 
 
 @pytest.mark.parametrize("name", ON)
-def test_every_effect_changes_pictures_and_none_does_when_off(name: str) -> None:
+def test_every_effect_changes_images_and_none_does_when_off(name: str) -> None:
     motion = np.concatenate([START, [0.5, 0.2, 0.0, 0.0, 0.0, 0.0]])
     plain = Camera(VISIBILITY, Water(), Target(), noise_seed=4)
     off = Camera(VISIBILITY, Water(), Target(), noise_seed=4, effects=Effects())
     on = Camera(VISIBILITY, Water(), Target(), noise_seed=4, effects=Effects(**ON[name]))
 
-    pictures = [[c.grey(motion, k) for k in range(0, 120, 10)] for c in (plain, off, on)]
+    images = [[c.grey(motion, k) for k in range(0, 120, 10)] for c in (plain, off, on)]
 
-    assert np.array_equal(pictures[0], pictures[1])
-    assert not np.array_equal(pictures[0], pictures[2])
+    assert np.array_equal(images[0], images[1])
+    assert not np.array_equal(images[0], images[2])
 
 
 def test_the_longer_way_without_an_effect_gives_the_same_light() -> None:
@@ -122,7 +122,7 @@ def test_a_blurred_point_is_a_gaussian_of_the_sigma_asked_for() -> None:
     point = np.zeros((41, 41), np.float32)
     point[20, 20] = 1.0
 
-    spot = blurred(point, 2.5)
+    spot = gaussian_blur(point, 2.5)
 
     offset = np.arange(41) - 20
     assert spot.sum() == pytest.approx(1.0, abs=1e-5)
@@ -135,11 +135,11 @@ def test_a_blurred_point_is_a_gaussian_of_the_sigma_asked_for() -> None:
 def test_snow_is_as_dense_as_stated(density: float, seed: int) -> None:
     cubes = [(i, j, k) for i in range(-8, 8) for j in range(-8, 8) for k in range(16)]
 
-    flakes = sum(flakes_in(i, j, k, density, seed) for i, j, k in cubes)
+    flakes = sum(flake_count(i, j, k, density, seed) for i, j, k in cubes)
 
     volume = len(cubes) * CUBE_M**3
-    spread = 4 * np.sqrt(len(cubes) / 4)  # every cube rounds up or down
-    assert flakes == pytest.approx(density * volume, abs=spread)
+    interpolate_nodes = 4 * np.sqrt(len(cubes) / 4)  # every cube rounds up or down
+    assert flakes == pytest.approx(density * volume, abs=interpolate_nodes)
 
 
 def test_snow_drifts_from_frame_to_frame_and_stays_itself() -> None:
@@ -203,12 +203,12 @@ def test_every_target_lies_where_its_corners_say(name: str) -> None:
     pose = start_pose(VISIBILITY, target, 1.27)
     corners = camera.corners(pose)
 
-    picture = camera.grey(pose, 0).astype(float)
+    image = camera.grey(pose, 0).astype(float)
 
     x0, y0 = corners.min(axis=0).astype(int) + 2
     x1, y1 = corners.max(axis=0).astype(int) - 1
-    assert np.median(picture[y0:y1, x0:x1]) < 60 < np.median(picture)
-    assert (picture[y0:y1, x0:x1].std() > 8) == shape.lettered
+    assert np.median(image[y0:y1, x0:x1]) < 60 < np.median(image)
+    assert (image[y0:y1, x0:x1].std() > 8) == shape.lettered
 
 
 class Keeps:
@@ -230,7 +230,7 @@ class Keeps:
 
 
 @pytest.mark.parametrize("mode", ["fixed", "free"])
-def test_pictures_from_telemetry_are_those_of_the_run_with_every_effect(mode: str) -> None:
+def test_images_from_telemetry_are_those_of_the_run_with_every_effect(mode: str) -> None:
     benchmark = registry.benchmark("visibility-v1")
     config = benchmark.read(
         {

@@ -1,4 +1,4 @@
-"""Compiled code belongs to the sources it was made of."""
+"""Compiled code is never used after a change of the sources that it was compiled from."""
 
 from pathlib import Path
 
@@ -6,7 +6,7 @@ import pytest
 
 from seamark.sim.camera import raycast
 from seamark.sim.numerics import libm
-from seamark.sim.numerics.compiled_cache import ROOT, NamedAfterSources, stamp
+from seamark.sim.numerics.compiled_cache import ROOT, SourceStampLocator, stamp
 from seamark.sim.physics.plant import Plant
 
 SOURCES = {
@@ -39,7 +39,7 @@ def _stamps(folder: Path, **changed: str) -> dict[str, str]:
         ("sim/tides.py", {"sim/tides.py", "sim/water.py"}),
     ],
 )
-def test_a_change_compiles_anew_what_depends_on_it_and_nothing_else(
+def test_a_change_compiles_again_what_depends_on_it_and_nothing_else(
     tmp_path: Path, changed: str, affected: set[str]
 ) -> None:
     before = _stamps(tmp_path / "a")
@@ -56,5 +56,5 @@ def test_compiled_functions_are_kept_under_the_stamp_of_their_sources() -> None:
         )
 
 
-def test_code_that_is_not_of_the_simulator_is_left_to_numba() -> None:
-    assert NamedAfterSources.from_function(Plant.pose, "/usr/lib/python3/other.py") is None
+def test_code_outside_the_simulator_is_left_to_numba() -> None:
+    assert SourceStampLocator.from_function(Plant.pose, "/usr/lib/python3/other.py") is None

@@ -50,7 +50,7 @@ class Sequence:
         return np.array(errors), np.array(sure)
 
     def fastest(self) -> float:
-        """Largest way of a corner from one picture to the next [px]."""
+        """Largest way of a corner from one image to the next [px]."""
         return float(np.linalg.norm(np.diff(self.truth, axis=0), axis=2).max())
 
 
@@ -75,7 +75,7 @@ def brief() -> Sequence:
 
 @pytest.fixture(scope="session")
 def jump() -> Sequence:
-    """Still for 5 pictures, out of the picture for 10, then back 60 px to the side."""
+    """Still for 5 images, out of the image for 10, then back 60 px to the side."""
     poses = np.zeros((25, 6))
     poses[5:15, 1] = 2.0
     poses[15:, 1] = 0.3
@@ -112,7 +112,7 @@ def wide() -> Sequence:
 
 @pytest.fixture(scope="session")
 def blackout() -> Sequence:
-    """Still for 1 s, then the target out of the picture for 1 s, then back."""
+    """Still for 1 s, then the target out of the image for 1 s, then back."""
     poses = np.zeros((60, 6))
     poses[20:40, 1] = 2.0
     return visibility(Water(), poses)

@@ -1,4 +1,4 @@
-"""Every combination of the form works or is refused with a reason, whatever the pictures show."""
+"""Every combination of the form works or is refused with a reason, whatever the images show."""
 
 import itertools
 import re
@@ -14,12 +14,14 @@ from seamark.sim.settings.configuration import ConfigurationInvalid
 from seamark.sim.trackers import declaration, make, option_errors, option_names
 from seamark.sim.trackers.declaration import Option
 from seamark.sim.trackers.options import CRITERIA, METHODS, WARPS
-from seamark.sim.trackers.visp.installation import why_not
+from seamark.sim.trackers.visp.installation import unavailable_reason
+
+AVAILABLE = [name for name in TRACKERS if name != "visp" or not unavailable_reason()]
 
 CURRENTS = benchmark("currents-v1")
 Sequence = Any  # conftest's class; a test folder is no package
 
-# Largest error after 8 pictures: what a warp cannot represent there.
+# Largest error after 8 images: what a warp cannot represent there.
 LIMITS_PX = {"homography": 0.3, "affine": 1.0, "srt": 1.0, "rt": 6.0, "translation": 9.0}
 
 
@@ -65,7 +67,7 @@ def test_every_combination_of_the_form_works_or_is_refused_with_a_reason(
 
         assert np.isfinite(tracker.update(second).corners).all(), chosen
 
-    assert tried or why_not()
+    assert tried or unavailable_reason()
 
 
 def _refused(name: str) -> list[tuple[dict[str, Any], str]]:
@@ -96,14 +98,14 @@ def test_the_ends_of_every_range_work(brief: Sequence, option: Option) -> None:
         assert np.isfinite(errors).all()
 
 
-@pytest.mark.parametrize("name", [name for name in TRACKERS if name != "visp" or not why_not()])
+@pytest.mark.parametrize("name", AVAILABLE)
 @given(seed=st.integers(0, 10**6), kind=st.sampled_from(["noise", "black", "white", "stripes"]))
 @settings(max_examples=12, deadline=None)
-def test_pictures_of_nothing_neither_crash_nor_move_the_target_out_of_reason(
+def test_images_of_nothing_neither_crash_nor_move_the_target_out_of_reason(
     name: str, seed: int, kind: str
 ) -> None:
     random = np.random.default_rng(seed)
-    pictures = {
+    images = {
         "noise": random.integers(0, 256, (240, 320)),
         "black": np.zeros((240, 320)),
         "white": np.full((240, 320), 255),
@@ -112,10 +114,10 @@ def test_pictures_of_nothing_neither_crash_nor_move_the_target_out_of_reason(
     corners = np.array([[100.0, 100], [180, 102], [181, 140], [99, 138]])
     options = {"criterion": "ssd", "method": "inverse_compositional", "visp_iterations": 5}
     tracker = make(name, **(options if name == "visp" else {}))
-    tracker.start(pictures["noise"].astype(np.uint8), corners)
+    tracker.start(images["noise"].astype(np.uint8), corners)
 
     for _ in range(3):
-        track = tracker.update(pictures[kind].astype(np.uint8))
+        track = tracker.update(images[kind].astype(np.uint8))
 
         assert np.isfinite(track.corners).all()
         assert np.abs(track.corners - corners).max() < 120

@@ -10,7 +10,9 @@ from seamark.sim.camera import VISIBILITY, Camera, Water, start_pose
 from seamark.sim.registry import TRACKERS, benchmark
 from seamark.sim.trackers import declaration, make
 from seamark.sim.trackers.template.warps import signed_area
-from seamark.sim.trackers.visp.installation import why_not
+from seamark.sim.trackers.visp.installation import unavailable_reason
+
+AVAILABLE = [name for name in TRACKERS if name != "visp" or not unavailable_reason()]
 
 Sequence = Any  # conftest's class; a test folder is no package
 
@@ -36,7 +38,7 @@ def test_the_target_is_followed(
 
 
 @pytest.mark.parametrize("name", ["klt", "ecc"])
-def test_a_target_out_of_the_picture_is_lost_and_found_where_it_was(
+def test_a_target_out_of_the_image_is_lost_and_found_where_it_was(
     blackout: Sequence, name: str
 ) -> None:
     errors, sure = blackout.follow(make(name))
@@ -48,7 +50,7 @@ def test_a_target_out_of_the_picture_is_lost_and_found_where_it_was(
 
 
 @pytest.mark.parametrize(("name", "limit_px"), [("klt", 1.5), ("ecc", 0.1)])
-def test_six_pixels_a_picture_are_not_too_fast(brisk: Sequence, name: str, limit_px: float) -> None:
+def test_six_pixels_an_image_are_not_too_fast(brisk: Sequence, name: str, limit_px: float) -> None:
     errors, sure = brisk.follow(make(name))
 
     assert brisk.fastest() > 6.0
@@ -124,7 +126,7 @@ def test_one_tracker_twice_says_the_same(short: Sequence, name: str) -> None:
     assert np.array_equal(first, second)
 
 
-@pytest.mark.parametrize("name", [name for name in TRACKERS if name != "visp" or not why_not()])
+@pytest.mark.parametrize("name", AVAILABLE)
 def test_who_depends_on_the_processor_says_so_in_form_and_configuration(name: str) -> None:
     currents = benchmark("currents-v1")
     labels = currents.configuration.model_fields["tracker"].json_schema_extra["x-labels"]

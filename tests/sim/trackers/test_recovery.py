@@ -1,4 +1,4 @@
-"""A known warp of the picture is recovered, and a covered target is lost and found again."""
+"""A known warp of the image is recovered, and a covered target is lost and found again."""
 
 import cv2
 import numpy as np
@@ -18,7 +18,7 @@ LARGEST_STEP = 0.04  # of half the target's longer side, 68 px: 3 px for each pa
 
 @pytest.fixture(scope="module")
 def first() -> tuple[NDArray[np.uint8], Array]:
-    """A smooth picture of the target in the middle, and the corners.
+    """A smooth image of the target in the middle, and the corners.
 
     Smooth, so that the error of drawing it anew between its pixels is small beside the tracker's.
     """
@@ -29,7 +29,7 @@ def first() -> tuple[NDArray[np.uint8], Array]:
 
 
 def _warped(corners: Array, warp: str, steps: tuple[float, ...]) -> Array:
-    """Return a homography (3, 3) of the picture: the warp's exponential about the target."""
+    """Return a homography (3, 3) of the image: the warp's exponential about the target."""
     basis = warps.basis(warp)
     step = np.empty((3, 3))
     warps.exponential(basis @ np.array(steps[: basis.shape[1]]), step)
@@ -45,13 +45,13 @@ def _warped(corners: Array, warp: str, steps: tuple[float, ...]) -> Array:
 def test_every_warp_recovers_a_warp_of_its_own_group(
     first: tuple[NDArray[np.uint8], Array], warp: str, steps: tuple[float, ...]
 ) -> None:
-    picture, corners = first
+    image, corners = first
     h = _warped(corners, warp, steps)
-    moved = cv2.warpPerspective(picture, h, (320, 240), flags=cv2.INTER_LINEAR)
+    moved = cv2.warpPerspective(image, h, (320, 240), flags=cv2.INTER_LINEAR)
     truth = np.empty((4, 2))
     warps.apply(h, corners, truth)
     tracker = make("esm", warp=warp, fine_iterations=20, stop_px=0.01)
-    tracker.start(picture, corners)
+    tracker.start(image, corners)
 
     track = tracker.update(moved.astype(np.uint8))
 
@@ -63,13 +63,13 @@ def test_every_warp_recovers_a_warp_of_its_own_group(
 def test_a_covered_target_is_called_lost_and_followed_again_when_uncovered(
     first: tuple[NDArray[np.uint8], Array], name: str
 ) -> None:
-    picture, corners = first
-    covered = picture.copy()
+    image, corners = first
+    covered = image.copy()
     cv2.fillConvexPoly(covered, np.round(corners).astype(np.int32), 120)
     tracker = make(name)
-    tracker.start(picture, corners)
+    tracker.start(image, corners)
 
-    seen = [tracker.update(each) for each in (picture, covered, covered, picture)]
+    seen = [tracker.update(each) for each in (image, covered, covered, image)]
 
     assert [track.ok for track in seen] == [True, False, False, True]
     assert np.abs(seen[-1].corners - corners).max() < 1.5
@@ -78,14 +78,14 @@ def test_a_covered_target_is_called_lost_and_followed_again_when_uncovered(
 def test_a_target_that_moved_while_covered_is_found_again_by_looking_around(
     first: tuple[NDArray[np.uint8], Array],
 ) -> None:
-    picture, corners = first
-    aside = np.roll(picture, (-24, 50), axis=(0, 1))
-    covered = picture.copy()
+    image, corners = first
+    aside = np.roll(image, (-24, 50), axis=(0, 1))
+    covered = image.copy()
     cv2.fillConvexPoly(covered, np.round(corners).astype(np.int32), 120)
     staying, looking = make("esm"), make("esm", reacquire_px=80)
     found = []
     for tracker in (staying, looking):
-        tracker.start(picture, corners)
+        tracker.start(image, corners)
         lost = [tracker.update(covered).ok for _ in range(4)]
         found.append([tracker.update(aside) for _ in range(6)][-1])
 

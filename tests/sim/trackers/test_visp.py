@@ -9,13 +9,14 @@ import pytest
 
 from seamark.sim.camera import VISIBILITY, Camera, Target, Water, start_pose
 from seamark.sim.registry import benchmark
-from seamark.sim.trackers import make, visp
+from seamark.sim.trackers import make
 from seamark.sim.trackers.visp.build import build
+from seamark.sim.trackers.visp.installation import REMEDY
 
 Sequence = Any  # conftest's class; a test folder is no package
 
 IC = {"criterion": "ssd", "method": "inverse_compositional"}
-here = pytest.mark.skipif(bool(build()), reason=f"ViSP is not installed: {visp.REMEDY}")
+here = pytest.mark.skipif(bool(build()), reason=f"ViSP is not installed: {REMEDY}")
 
 
 @here
@@ -78,7 +79,7 @@ def test_with_the_rim_of_a_large_target_in_its_template_the_zncc_of_visp_loses_i
     ("options", "reason"),
     [
         ({"criterion": "zncc", "method": "esm"}, "visp does not support criterion zncc with esm"),
-        ({"criterion": "ssd", "method": "esm", "warp": "affine"}, "not affine"),
+        ({"criterion": "ssd", "method": "esm", "warp": "affine"}, "warp affine"),
         ({"criterion": "ssd", "method": "esm", "visp_sl3": False}, "SL3"),
     ],
 )
@@ -114,12 +115,12 @@ def test_no_bridge_outlives_its_tracker(short: Sequence) -> None:
 
 
 @here
-def test_pictures_of_nothing_lose_the_target(short: Sequence) -> None:
+def test_images_of_nothing_lose_the_target(short: Sequence) -> None:
     tracker = make("visp", sampling_px=2, visp_iterations=10, **IC)
     tracker.start(short.camera.grey(short.poses[0], 0), short.truth[0])
     noise = np.random.default_rng(1).integers(0, 255, (3, 240, 320)).astype(np.uint8)
 
-    sure = [tracker.update(picture).ok for picture in (np.zeros_like(noise[0]), *noise)]
+    sure = [tracker.update(image).ok for image in (np.zeros_like(noise[0]), *noise)]
 
     assert not sure[-1]
 

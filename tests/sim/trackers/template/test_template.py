@@ -60,7 +60,7 @@ def test_warps_without_scale_lose_the_target_when_the_vehicle_climbs(
     assert not sure[-1]
 
 
-def test_fast_motion_of_twelve_pixels_a_picture_is_never_lost(fast: Sequence) -> None:
+def test_fast_motion_of_twelve_pixels_an_image_is_never_lost(fast: Sequence) -> None:
     errors, sure = fast.follow(make("esm"))
 
     assert fast.fastest() > 12.0
@@ -75,7 +75,7 @@ def test_normalised_correlation_holds_in_turbid_water(turbid: Sequence) -> None:
     assert np.sqrt((errors**2).mean()) < 0.15
 
 
-def test_larger_pictures_are_tracked_as_well(wide: Sequence) -> None:
+def test_larger_images_are_tracked_as_well(wide: Sequence) -> None:
     errors, sure = wide.follow(make("esm"))
 
     assert sure.all()
@@ -97,17 +97,15 @@ def test_nothing_outside_the_window_is_read(clear: Sequence) -> None:
         tracker.start(clear.camera.grey(clear.poses[0], 0), clear.truth[0])
 
     for k in range(1, 30):
-        picture = clear.camera.grey(clear.poses[k], k)
+        image = clear.camera.grey(clear.poses[k], k)
         x0, y0, x1, y1 = trackers[0].window()
-        masked = np.full_like(picture, 255 * (k % 2))
-        masked[y0:y1, x0:x1] = picture[y0:y1, x0:x1]
+        masked = np.full_like(image, 255 * (k % 2))
+        masked[y0:y1, x0:x1] = image[y0:y1, x0:x1]
 
-        assert np.array_equal(
-            trackers[0].update(picture).corners, trackers[1].update(masked).corners
-        )
+        assert np.array_equal(trackers[0].update(image).corners, trackers[1].update(masked).corners)
 
 
-def test_window_stays_inside_the_picture(blackout: Sequence) -> None:
+def test_window_stays_inside_the_image(blackout: Sequence) -> None:
     tracker = make("esm", search_px=150)
     tracker.start(blackout.camera.grey(blackout.poses[0], 0), blackout.truth[0] + [120.0, 80.0])
 
@@ -150,17 +148,17 @@ def test_choices_that_are_not_offered_are_refused_with_a_reason(
 
 
 def test_a_template_too_small_or_twisted_is_refused() -> None:
-    picture = np.zeros((240, 320), np.uint8)
+    image = np.zeros((240, 320), np.uint8)
     small = np.array([[50, 50], [56, 50], [56, 54], [50, 54]], dtype=float)
     twisted = np.array([[50, 50], [150, 90], [150, 50], [50, 90]], dtype=float)
 
     with pytest.raises(ValueError, match="is not within"):
-        make("esm").start(picture, small)
+        make("esm").start(image, small)
     with pytest.raises(ValueError, match="convex"):
-        make("esm").start(picture, twisted)
+        make("esm").start(image, twisted)
 
 
-def test_a_flat_picture_is_lost_and_not_an_error() -> None:
+def test_a_flat_image_is_lost_and_not_an_error() -> None:
     corners = np.array([[50, 50], [150, 50], [150, 90], [50, 90]], dtype=float)
     tracker = make("esm")
     tracker.start(np.full((240, 320), 90, np.uint8), corners)
@@ -192,7 +190,7 @@ def test_every_warp_and_criterion_has_a_label() -> None:
     assert all((WARPS | CRITERIA | METHODS).values())
 
 
-# Of the simulator it compiles the tracker alone: the pictures are drawn before.
+# Of the simulator it compiles the tracker alone: the images are drawn before.
 PROGRAM = """
 import hashlib, sys, numpy as np
 from seamark.sim.trackers import make
@@ -200,9 +198,9 @@ seen = np.load(sys.argv[1])
 digest = hashlib.sha256()
 for options in ({}, {"criterion": "mi", "method": "forward_additional", "pyramid_levels": 3}):
     tracker = make("esm", reacquire_px=60, **options)
-    tracker.start(seen["pictures"][0], seen["corners"])
-    for picture in seen["pictures"][1:]:
-        track = tracker.update(picture)
+    tracker.start(seen["images"][0], seen["corners"])
+    for image in seen["images"][1:]:
+        track = tracker.update(image)
         digest.update(track.corners.tobytes() + np.float64(track.residual).tobytes())
 print(digest.hexdigest(), track.ok)
 """
@@ -210,14 +208,14 @@ print(digest.hexdigest(), track.ok)
 
 @pytest.fixture(scope="module")
 def drawn(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A file of pictures in which the target is out of sight for a while, and its corners."""
+    """A file of images in which the target is out of sight for a while, and its corners."""
     camera = Camera(VISIBILITY, Water.grey(1.0), Target(), noise_seed=5)
     start = start_pose(VISIBILITY, Target(), 1.27)
     poses = start + np.arange(25)[:, None] * [0.004, -0.006, 0.002, 0.001, -0.001, 0.003]
     poses[12:14, 1] += 3.0
-    pictures = [camera.grey(pose, k) for k, pose in enumerate(poses)]
-    path = tmp_path_factory.mktemp("drawn") / "pictures.npz"
-    np.savez(path, pictures=np.stack(pictures), corners=camera.corners(start))
+    images = [camera.grey(pose, k) for k, pose in enumerate(poses)]
+    path = tmp_path_factory.mktemp("drawn") / "images.npz"
+    np.savez(path, images=np.stack(images), corners=camera.corners(start))
     return path
 
 

@@ -1,0 +1,122 @@
+"""What the simulator uses of Numba and llvmlite beyond their documented interfaces, and since when.
+
+An update may change any of it without notice, so Numba is pinned to the minor version in
+`pyproject.toml` (Numba itself pins llvmlite), a test checks every name below, and this module
+decides what happens with another version:
+
+Cache of compiled code (`compiled_cache.py`)
+    The variable NUMBA_CACHE_LOCATOR_CLASSES and the methods that Numba calls of a locator: Numba's
+    own locators watch only the file of a function, not the files that it imports, so after a change
+    they go on using stale code. With another version of Numba its own locators are used, in a
+    folder named after all sources of the simulator: every change compiles everything, but stale
+    code is never used.
+Vectors of sixteen numbers (`simd.py`)
+    Operators on types of our own, and parts of the code generator. Without vectors, sums would be
+    added in another order and results would differ, so there is no fall-back: importing `simd.py`
+    fails with a sentence that says which version is needed.
+
+Importing this module loads neither Numba nor NumPy.
+"""
+
+import hashlib
+import importlib
+import importlib.metadata
+import os
+import warnings
+from collections.abc import Iterable, MutableMapping
+from pathlib import Path
+
+TESTED_NUMBA = "0.68"  # minor version; the same as in pyproject.toml
+LOCATORS = (
+    "seamark.sim.numerics.compiled_cache.SourceStampLocator,InTreeCacheLocator,UserWideCacheLocator"
+)
+SOURCES = Path(__file__).resolve().parents[1]  # the folder `sim`
+USER_CACHE = Path.home() / ".cache" / "seamark"
+_FALL_BACK = "numba-all-"
+
+CACHE_INTERNALS = (
+    "numba.core.config:CACHE_LOCATOR_CLASSES",  # the variable, as Numba has read it
+    "numba.core.caching:CacheImpl",  # calls the locators
+    "modulefinder:ModuleFinder.scan_opcodes",  # names in the import statements of a file
+)
+SIMD_INTERNALS = (
+    "numba.core.cgutils:unpack_tuple",  # shape of an array
+    "numba.core.cgutils:get_or_insert_function",  # declares an LLVM intrinsic
+    "numba.core.imputils:lower_builtin",  # code of an operator
+    "numba.core.typing.templates:ConcreteTemplate",  # type of an operator
+    "numba.core.typing.templates:infer_global",
+    "numba.core.typing.templates:signature",
+    "numba.core.base:BaseContext.make_array",  # data pointer of an array
+    "numba.core.base:BaseContext.cast",
+    "numba.core.base:BaseContext.get_dummy_value",
+    "llvmlite.ir:Undefined",
+    "llvmlite.ir.instructions:GEPInstr",  # its indices and type are replaced for a vector of them
+)
+
+
+def missing(internals: Iterable[str]) -> list[str]:
+    """Return those internals, written module:attribute, that the installed versions lack."""
+    return [internal for internal in internals if not _exists(internal)]
+
+
+def _exists(internal: str) -> bool:
+    module, _, attributes = internal.partition(":")
+    try:
+        value = importlib.import_module(module)
+        for attribute in attributes.split("."):
+            value = getattr(value, attribute)
+    except (ImportError, AttributeError):
+        return False
+    return True
+
+
+def require_simd() -> None:
+    """Check that the installed Numba can compile the vectors of `simd.py`.
+
+    Raises
+    ------
+    ImportError
+        It cannot; the text says which version is needed.
+    """
+    if lacking := missing(SIMD_INTERNALS):
+        raise ImportError(
+            f"The simulator needs Numba {TESTED_NUMBA}: the installed version "
+            f"{importlib.metadata.version('numba')} lacks {', '.join(lacking)}."
+        )
+
+
+def configure_cache(environ: MutableMapping[str, str], numba_version: str) -> None:
+    """Set the variables by which Numba finds its cache; call it before Numba is imported."""
+    if numba_version.startswith(f"{TESTED_NUMBA}."):
+        environ.setdefault("NUMBA_CACHE_LOCATOR_CLASSES", LOCATORS)
+        return
+    folder = _shared_folder(environ.get("NUMBA_CACHE_DIR"))
+    environ["NUMBA_CACHE_DIR"] = str(folder)
+    environ.pop("NUMBA_CACHE_LOCATOR_CLASSES", None)
+    warnings.warn(
+        f"Numba {numba_version} is not the tested version {TESTED_NUMBA}: after any change of the "
+        f"simulator's sources all of it is compiled again. The cache is {folder}.",
+        RuntimeWarning,
+        stacklevel=2,
+    )
+
+
+def cache_folder(environ: MutableMapping[str, str]) -> Path:
+    """Return the folder for compiled code: as set, else beside the sources or in the user's own."""
+    beside = SOURCES / "__pycache__" if os.access(SOURCES, os.W_OK) else USER_CACHE
+    return Path(environ.get("NUMBA_CACHE_DIR") or beside)
+
+
+def _shared_folder(configured: str | None) -> Path:
+    base = cache_folder({"NUMBA_CACHE_DIR": configured or ""})
+    if base.name.startswith(_FALL_BACK):  # set by the process that started this one
+        base = base.parent
+    return base / f"{_FALL_BACK}{_stamp_of_all_sources()[:16]}"
+
+
+def _stamp_of_all_sources() -> str:
+    digest = hashlib.sha256()
+    for path in sorted(SOURCES.rglob("*.py")):
+        digest.update(path.relative_to(SOURCES).as_posix().encode())
+        digest.update(path.read_bytes())
+    return digest.hexdigest()
