@@ -1,6 +1,6 @@
-"""How a command ends badly: one sentence for the person, one exit code for programs.
+"""How a command fails: a message for people, an exit code for programs.
 
-0 = fine, 1 = the user's program failed, 2 = usage, 3 = the platform failed.
+0 = success, 1 = the program of the participant failed, 2 = wrong usage, 3 = the platform failed.
 """
 
 from __future__ import annotations
@@ -9,18 +9,18 @@ import click
 
 
 class UsageRefused(click.ClickException):
-    """What was asked for cannot be done as asked; the sentence says what to do instead."""
+    """The command was used wrongly; the message says what to do instead."""
 
     exit_code = 2
 
 
 class ProgramFailed(click.ClickException):
-    """The participant's program ended badly; the sentence is the verdict."""
+    """The program of the participant failed; the message is the verdict."""
 
     exit_code = 1
 
 
 class PlatformFailed(click.ClickException):
-    """Seamark, its host or its server is not able to do what was asked."""
+    """Seamark, its host or its server failed."""
 
     exit_code = 3

@@ -46,7 +46,7 @@ def submit(  # noqa: PLR0913 (one argument per option is click's way)
     """
     from seamark.cli.configuration import read_settings
     from seamark.cli.solutions import choose
-    from seamark.client import Client, ServerAway, ServerRefused
+    from seamark.client import Client, ServerUnavailable, ServerRefused
 
     name, program = choose(controller, benchmark)
     submission: dict[str, Any] = {
@@ -62,7 +62,7 @@ def submit(  # noqa: PLR0913 (one argument per option is click's way)
             _announce(run, server, as_json=as_json)
             if wait:
                 run = _follow(client, run, quiet=as_json)
-    except ServerAway as error:
+    except ServerUnavailable as error:
         raise PlatformFailed(str(error)) from None
     except ServerRefused as refusal:
         raise _failure(refusal.status)(str(refusal)) from None
