@@ -2,9 +2,13 @@
 
 import os
 import signal
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 import pytest
+from sqlalchemy import update
 
+from seamark.server.database.tables import Run
 from seamark.server.runs.states import RunState
 from seamark.sim.recording.telemetry import digest
 from tests.worker.conftest import LONG, SHORT, Service, production, service
@@ -13,11 +17,22 @@ __all__ = ["production", "service"]  # the fixtures of the worker's tests
 pytestmark = [pytest.mark.slow, pytest.mark.host]
 
 
+@contextmanager
+def _unable_to_end(service: Service, run_id: int) -> Iterator[None]:
+    """Lock the row of a run, so that its worker cannot store an end, however fast it is."""
+    with service.database.writing() as session:
+        running = update(Run).where(Run.id == run_id, Run.state == RunState.RUNNING)
+        locked = session.scalars(running.values(title=Run.title).returning(Run.id)).all()
+        assert locked == [run_id]
+        yield
+
+
 def _killed_in_the_middle(service: Service) -> None:
     service.start_worker()
-    run_id = service.submit({**LONG, "level_duration_s": 200.0})
-    service.wait(run_id, lambda view: view.t_simulated > 0)
-    service.kill_worker()
+    run_id = service.submit(LONG)
+    service.wait(run_id, lambda _: service.files(run_id).row_count() > 0)
+    with _unable_to_end(service, run_id):
+        service.kill_worker()
 
     service.start_worker()
     view = service.ended(run_id)

@@ -84,9 +84,9 @@ class SideProcesses:
             process.keep_running()
         states = {process.name: process.state for process in self._processes}
         if states != self._reported or time.monotonic() >= self._report_at:
-            self._report_at = time.monotonic() + self._report_s
+            # Before the call: one that fails is not repeated at once.
+            self._report_at, self._reported = time.monotonic() + self._report_s, states
             self._report(states)
-            self._reported = states
 
 
 class _SideProcess:

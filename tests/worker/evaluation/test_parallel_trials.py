@@ -12,7 +12,6 @@ import numpy as np
 import pytest
 
 from seamark.sandbox.isolation.level import IsolationLevel
-from seamark.sandbox.isolation.proc_stats import tree
 from seamark.sandbox.languages.python import PYTHON
 from seamark.sandbox.limits import Limits
 from seamark.sandbox.outcome import Outcome, SandboxBroken
@@ -27,12 +26,14 @@ from seamark.worker.ipc.listener import Listener
 from seamark.worker.ipc.outcomes import RunOutcome, TrialOutcome
 from tests.worker.conftest import SHORT
 from tests.worker.evaluation.fakes import SLOW, FakeBox, FakeListener
+from tests.worker.processes import children
 
 _ANY: Any = "a result"
+FIRST_CORE = min(os.sched_getaffinity(0))  # of trial 0
 
 
 def two_cores() -> Cores:
-    """Two cores; on a machine with one, nothing is side by side, and the tests hold too."""
+    """Two cores; on a machine with one, trials run one after the other, and the tests hold too."""
     return Cores(None, sorted(os.sched_getaffinity(0))[:2])
 
 
@@ -82,7 +83,7 @@ def test_what_is_received_does_not_depend_on_the_number_of_processes() -> None:
 def test_an_upload_gives_the_same_from_boxes_that_waited_and_leaves_none(
     isolation: IsolationLevel,
 ) -> None:
-    before = tree(os.getpid())
+    before = children()
     program = (PYTHON.self_test.upload(), "half.py")
 
     one, received_from_one = received_here(1, program, isolation)
@@ -90,7 +91,7 @@ def test_an_upload_gives_the_same_from_boxes_that_waited_and_leaves_none(
 
     assert (one.failure, one.digest, one.metrics) == (two.failure, two.digest, two.metrics)
     assert (one.failure, received_from_two) == (None, received_from_one)
-    assert tree(os.getpid()) == before
+    assert children() == before
 
 
 @pytest.mark.parametrize("suspect", [False, True])
@@ -112,22 +113,22 @@ def test_a_program_that_ends_early_ends_the_run_as_one_after_the_other(
 
 
 class Deadly(FakeBox):
-    """Kills the simulator's process in the middle of a trial, as the kernel may."""
+    """Kills the process of trial 0, on the first core, in the middle of the trial."""
 
     def step(self, values: Any) -> Command:
-        if self.steps == 30:
+        if self.steps == 30 and os.sched_getaffinity(0) == {FIRST_CORE}:
             os.kill(os.getpid(), signal.SIGKILL)
         return super().step(values)
 
 
 def test_a_trial_that_is_killed_is_our_failure_and_leaves_no_process(job: Job) -> None:
-    listener, before = FakeListener(), tree(os.getpid())
+    listener, before = FakeListener(), children()
 
     with pytest.raises(TrialBroken, match="trial 0 died: SIGKILL"):
         Evaluation(job, listener, lambda *_: Deadly(), cores=two_cores()).run()
 
     assert len(np.concatenate(listener.received)) == 20  # what had come by then is not lost
-    assert tree(os.getpid()) == before
+    assert children() == before
 
 
 def test_a_trial_that_ends_without_a_result_says_how(job: Job) -> None:
@@ -203,14 +204,14 @@ def pipe() -> Iterator[None]:
 def test_closing_the_generator_early_stops_the_trials_in_order() -> None:
     if two_cores().count < 2:
         pytest.skip("one core: no other trial runs meanwhile")
-    before = tree(os.getpid())
+    before = children()
 
     with closing(ParallelTrials(endless, two_cores(), 3).outcomes(FakeListener())) as outcomes:
         next(outcomes)
 
     os.set_blocking(BEGUN[0], False)
     assert b"y" in os.read(BEGUN[0], 10)  # it ended its box before itself
-    assert tree(os.getpid()) == before
+    assert children() == before
 
 
 def test_the_outcomes_of_all_trials_are_added_up(job: Job) -> None:

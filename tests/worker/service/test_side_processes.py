@@ -16,6 +16,7 @@ from seamark.server.runs.states import RunState
 from seamark.server.workers import WorkerStatus
 from seamark.worker.service.side_processes import SideProcesses
 from tests.worker.conftest import Service
+from tests.worker.processes import children
 
 MODULES = {
     "maintenance": "seamark.worker.service.maintenance",
@@ -151,14 +152,14 @@ def test_a_report_that_fails_ends_nothing(started, reports: Reports) -> None:
 
 @pytest.mark.parametrize("command", [LIVES, IGNORES], ids=["ends", "ignores SIGTERM"])
 def test_a_stop_ends_all_side_processes(started, reports: Reports, command: list[str]) -> None:
-    before = tree(os.getpid())
+    before = children()
     side_processes = started({"one": command, "other": command})
     eventually(lambda: reports.states)
 
     side_processes.stop()
     side_processes.join()
 
-    assert tree(os.getpid()) == before
+    assert children() == before
 
 
 def test_a_fork_never_inherits_the_locks_of_the_watching_thread() -> None:
