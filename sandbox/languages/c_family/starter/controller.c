@@ -1,4 +1,4 @@
-/* A PI position controller: a starting point for your own. */
+/* A PI position controller as a starting point. */
 #include "seamark.h"
 
 static double kp, ki;
@@ -6,14 +6,14 @@ static const double LIMIT = 0.6; /* m/s */
 static double integral[3];
 
 int seamark_init(void) {
-    /* the configuration is what the form set, without the trial's seed */
+    /* the configuration of the run, without the seed of the trial */
     kp = seamark_config_number("kp", 0.5);
     ki = seamark_config_number("ki", 0.02);
     return 0;
 }
 
 void seamark_reset(const seamark_level *level) {
-    /* called at the start of each level, when the vehicle is put back */
+    /* called at the start of each level, when the vehicle is moved back */
     (void)level;
     for (int axis = 0; axis < 3; axis++) integral[axis] = 0.0;
 }

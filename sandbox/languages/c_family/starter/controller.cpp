@@ -1,4 +1,4 @@
-// A PI position controller: a starting point for your own.
+// A PI position controller as a starting point.
 #include "seamark.h"
 
 #include <algorithm>
@@ -9,7 +9,7 @@ namespace {
 constexpr double limit = 0.6;  // m/s
 
 struct Controller {
-    // the configuration is what the form set, without the trial's seed
+    // the configuration of the run, without the seed of the trial
     double kp = seamark_config_number("kp", 0.5);
     double ki = seamark_config_number("ki", 0.02);
     std::array<double, 3> integral{};
@@ -22,13 +22,13 @@ struct Controller {
 };
 
 Controller& controller() {
-    static Controller only;  // made at its first use: the configuration is there from seamark_init on
+    static Controller only;  // created at its first use, when the configuration is available
     return only;
 }
 
 }  // namespace
 
-// called at the start of each level, when the vehicle is put back
+// called at the start of each level, when the vehicle is moved back
 void seamark_reset(const seamark_level*) { controller().integral = {}; }
 
 // called 20 times per simulated second

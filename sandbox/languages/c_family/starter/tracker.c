@@ -1,26 +1,26 @@
-/* A template tracker in its simplest form: a starting point for your own.
+/* A minimal template tracker as a starting point.
  *
- * It keeps some pixels of the target and looks for them around its last place: where the sum of
- * absolute differences is least, the target is. The mean is taken out of both sides, since turbid
- * water adds light of its own. Whole numbers alone: the same answer on every machine.
+ * It stores some pixels of the target and searches around the last position for the smallest sum of
+ * absolute differences. Means are subtracted, since turbid water adds scattered light. Integer
+ * arithmetic gives the same result on every machine.
  */
 #include "seamark.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-enum { POINTS = 1200, REACH = 8 }; /* pixels of the target; how far it is looked for [px] */
+enum { POINTS = 1200, REACH = 8 }; /* maximum number of template pixels; search radius [px] */
 
-static int left, top, columns, rows, pitch; /* where the target is, and the grid on it [px] */
-static int patch[POINTS], count;            /* pixels of the target, without their mean, times count */
-static long long contrast;                  /* the sum of their sizes */
+static int left, top, columns, rows, pitch; /* position of the target and its sampling grid [px] */
+static int patch[POINTS], count;            /* template pixels minus their mean, times count */
+static long long contrast;                  /* sum of their absolute values */
 static double corners_here[8];              /* [px] */
 
 static int pixel(const seamark_image *image, int x, int y) {
     return image->pixels[(y * image->width + x) * image->channels];
 }
 
-/* Put the pixels of the grid at a place into `to`: without their mean, times their number. */
+/* Write the pixels of the grid at a position to `to`: minus their mean, times their number. */
 static void look(const seamark_image *image, int at_x, int at_y, int *to) {
     int sum = 0;
     for (int i = 0; i < count; i++) {
@@ -51,7 +51,7 @@ int seamark_tracker_start(const seamark_image *image, const double corners[8]) {
     return 0;
 }
 
-/* Called with each of the next pictures, 20 per simulated second; 0 when the target is lost. */
+/* Called with each following image, 20 per simulated second; returns 0 if the target is lost. */
 int seamark_tracker_update(const seamark_image *image, double corners[8]) {
     static int seen[POINTS];
     long long best = -1;

@@ -1,8 +1,8 @@
-// A template tracker in its simplest form: a starting point for your own.
+// A minimal template tracker as a starting point.
 //
-// It keeps some pixels of the target and looks for them around its last place: where the sum of
-// absolute differences is least, the target is. The mean is taken out of both sides, since turbid
-// water adds light of its own. Whole numbers alone: the same answer on every machine.
+// It stores some pixels of the target and searches around the last position for the smallest sum of
+// absolute differences. Means are subtracted, since turbid water adds scattered light. Integer
+// arithmetic gives the same result on every machine.
 #include "seamark.h"
 
 #include <algorithm>
@@ -12,13 +12,13 @@
 
 namespace {
 
-constexpr int points = 1200;  // pixels of the target at most
-constexpr int reach = 8;      // how far it is looked for, in pixels
+constexpr int points = 1200;  // maximum number of template pixels
+constexpr int reach = 8;      // search radius [px]
 
 struct Tracker {
-    int left = 0, top = 0, columns = 0, rows = 0, pitch = 1;  // the grid on the target [px]
-    std::vector<int> patch;  // its pixels without their mean, times their number
-    long long contrast = 0;  // the sum of their sizes
+    int left = 0, top = 0, columns = 0, rows = 0, pitch = 1;  // sampling grid on the target [px]
+    std::vector<int> patch;  // template pixels minus their mean, times their number
+    long long contrast = 0;  // sum of their absolute values
 
     bool start(const seamark_image& image, const double* corners) {
         double low[2] = {corners[0], corners[1]}, high[2] = {corners[0], corners[1]};
@@ -39,7 +39,7 @@ struct Tracker {
         return true;
     }
 
-    // Moves the grid to where the target is; false if it is nowhere.
+    // Moves the grid to the target; returns false if it is not found.
     bool update(const seamark_image& image) {
         long long best = -1;
         int best_x = 0, best_y = 0;
@@ -60,7 +60,7 @@ struct Tracker {
         return true;
     }
 
-    // The pixels of the grid at a place, without their mean, times their number.
+    // Returns the pixels of the grid at a position minus their mean, times their number.
     std::vector<int> look(const seamark_image& image, int at_x, int at_y) const {
         const int count = columns * rows;
         std::vector<int> to(count);
@@ -85,11 +85,11 @@ int seamark_tracker_start(const seamark_image* image, const double corners[8]) {
     return tracker.start(*image, corners) ? 0 : 1;
 }
 
-// called with each of the next pictures, 20 per simulated second; 0 when the target is lost
+// called with each following image, 20 per simulated second; returns 0 if the target is lost
 int seamark_tracker_update(const seamark_image* image, double corners[8]) {
     const int left = tracker.left, top = tracker.top;
     if (!tracker.update(*image)) return 0;
-    for (int i = 0; i < 8; i++)  // they come in as the last ones went out
+    for (int i = 0; i < 8; i++)  // `corners` holds the previous result
         corners[i] += i % 2 ? tracker.top - top : tracker.left - left;
     return 1;
 }

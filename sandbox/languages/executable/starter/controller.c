@@ -1,8 +1,8 @@
-/* A PI position controller that speaks the protocol itself: a starting point in any language.
+/* A PI position controller that implements the protocol, as a starting point in any language.
  *
- * Compile it for 64-bit Linux and upload what comes out:
+ * Compile it for 64-bit Linux and upload the executable:
  *   gcc -O2 -static controller.c -o controller.elf
- * The page "The protocol" of the documentation has all that is known here.
+ * The documentation describes the protocol.
  */
 #include <fcntl.h>
 #include <stdint.h>
@@ -16,7 +16,7 @@ enum { HEADER = 8, MOST = 65536, FIELDS = 64 };
 static unsigned char frame[MOST + 1];
 static int connection;
 
-/* Where the numbers of a field begin in an observation, -1 if there is no such field. */
+/* Return the index of the first number of a field in an observation, -1 if there is no such field. */
 static struct {
     char name[64];
     int at;
@@ -86,10 +86,10 @@ int main(int count, char **arguments) {
     while (read(connection, frame, MOST) >= HEADER) {
         if (frame[0] == 'O') {
             step();
-        } else if (frame[0] == 'R') { /* a level begins, the vehicle is put back */
+        } else if (frame[0] == 'R') { /* reset: a level begins */
             memset(integral, 0, sizeof integral);
             answer('k', "", 0);
-        } else { /* Q: the last word */
+        } else { /* Q: quit */
             answer('q', "", 0);
             return 0;
         }

@@ -1,7 +1,7 @@
-/* A PI position controller as an FMU of FMI 2.0: a starting point for your own.
+/* A PI position controller as an FMI 2.0 FMU, as a starting point.
  *
- * The sandbox compiles it. An FMU that Simulink or OpenModelica exports for 64-bit Linux is
- * uploaded as it is; only the names of its inputs and outputs matter.
+ * The sandbox compiles it. FMUs exported by Simulink or OpenModelica for 64-bit Linux are uploaded
+ * unchanged; only the names of their inputs and outputs matter.
  */
 #include <stddef.h>
 #include <stdlib.h>
@@ -20,7 +20,7 @@ static int reset(model *pi) {
     return OK;
 }
 
-/* The law: called 20 times per simulated second, after the inputs are set. */
+/* The control law, called 20 times per simulated second, after the inputs are set. */
 int fmi2DoStep(void *instance, double t, double dt, int no_going_back) {
     model *pi = instance;
     double *reals = pi->reals;
@@ -38,7 +38,7 @@ int fmi2DoStep(void *instance, double t, double dt, int no_going_back) {
     return OK;
 }
 
-/* What follows is what any FMU has: the instance, its states, access to its variables. */
+/* The following is part of every FMU: the instance, its states, access to its variables. */
 
 const char *fmi2GetTypesPlatform(void) { return "default"; }
 const char *fmi2GetVersion(void) { return "2.0"; }
@@ -102,7 +102,7 @@ int fmi2GetBoolean(void *instance, const unsigned *which, size_t count, int *val
     return OK;
 }
 
-/* An FMU has every function of the standard. These say that the model cannot do it. */
+/* An FMU exports every function of the standard; these are not supported by the model. */
 #define CANNOT(function) \
     int function(void) { return FAILED; }
 CANNOT(fmi2CancelStep)

@@ -1,7 +1,7 @@
-% A PI position controller: a starting point for your own.
+% A PI position controller as a starting point.
 
 function state = controller_setup(config)
-    % config: what the form set, without the trial's seed
+    % config: the configuration of the run, without the seed of the trial
     state.kp = config.kp;
     state.ki = config.ki;
     state.limit = 0.6;  % m/s
@@ -9,7 +9,7 @@ function state = controller_setup(config)
 end
 
 function state = controller_reset(state, level)
-    % called at the start of each level, when the vehicle is put back
+    % called at the start of each level, when the vehicle is moved back
     state.integral = [0; 0; 0];
 end
 

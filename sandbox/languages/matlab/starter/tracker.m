@@ -1,11 +1,11 @@
-% A template tracker in its simplest form: a starting point for your own.
+% A minimal template tracker as a starting point.
 %
-% It keeps some pixels of the target and looks for them around its last place: where the sum of
-% absolute differences is least, the target is. The mean is taken out of both sides, since turbid
-% water adds light of its own. Whole numbers alone: the same answer on every machine.
+% It stores some pixels of the target and searches around the last position for the smallest sum of
+% absolute differences. Means are subtracted, since turbid water adds scattered light. Integer
+% arithmetic gives the same result on every machine.
 
 function state = tracker_setup(config)
-    % config: what the form set, without the trial's seed
+    % config: the configuration of the run, without the seed of the trial
     state.points = 1200;  % pixels of the target, at most
     state.reach = 8;      % px: how far it is looked for
 end
@@ -20,7 +20,7 @@ function state = tracker_start(state, image, corners)
     width = min(floor(max(corners(:, 1))), width - 1) - state.left;
     height = min(floor(max(corners(:, 2))), height - 1) - state.top;
     if width < 1 || height < 1
-        error("there is no target in the first picture");
+        error("there is no target in the first image");
     end
     state.pitch = 1;
     while floor(width / state.pitch) * floor(height / state.pitch) > state.points
@@ -33,7 +33,7 @@ function state = tracker_start(state, image, corners)
 end
 
 function [corners, state] = tracker_update(state, image)
-    % called with each of the next pictures, 20 per simulated second; [] when the target is lost
+    % called with each following image, 20 per simulated second; returns [] if the target is lost
     corners = [];
     [height, width] = size(image);
     last_x = min(state.left + state.reach, width - state.columns * state.pitch);
@@ -58,7 +58,7 @@ function [corners, state] = tracker_update(state, image)
 end
 
 function pixels = look(state, image, x, y)
-    % the pixels of the grid, one column for each x: without their mean, times their number
+    % the pixels of the grid, one column for each x: minus their mean, times their number
     height = size(image, 1);
     right = (0:state.columns - 1) * state.pitch * height;
     down = (0:state.rows - 1)' * state.pitch;

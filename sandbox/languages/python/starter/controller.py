@@ -1,15 +1,15 @@
-"""A PI position controller: a starting point for your own."""
+"""A PI position controller as a starting point."""
 
 
 class Controller:
     def __init__(self, config):
-        # config: what the form set, without the trial's seed
+        # config: the configuration of the run, without the seed of the trial
         self.kp = config.get("kp", 0.5)
         self.ki = config.get("ki", 0.02)
         self.limit = 0.6  # m/s
 
     def reset(self, level):
-        # called at the start of each level, when the vehicle is put back
+        # called at the start of each level, when the vehicle is moved back
         self.integral = [0.0, 0.0, 0.0]
 
     def step(self, observation):
