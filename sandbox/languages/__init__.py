@@ -28,10 +28,11 @@ def language_of(filename: str) -> str | None:
 
 def role_refusal(name: str, role: str) -> str:
     """Return why no program of this role can be written in a language; empty if it can."""
-    if role in LANGUAGES[name].roles:
+    known = LANGUAGES.get(name)
+    if known is not None and role in known.roles:
         return ""
     labels = ", ".join(each.label for each in LANGUAGES.values() if role in each.roles)
-    return f"A {role} is written in {labels}, not in {LANGUAGES[name].label}."
+    return f"A {role} can be written in {labels}, but not in {known.label if known else name}."
 
 
 def starters(role: str = CONTROLLER) -> dict[str, Sample]:

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from seamark.failures import PlatformFailed, ProgramFailed, UsageRefused
-from seamark.sandbox.languages import LANGUAGES, language_of
+from seamark.sandbox.languages import language_of, role_refusal
 from seamark.sim import registry
 
 if TYPE_CHECKING:
@@ -46,11 +46,8 @@ def choose(controller: str | None, benchmark: str) -> tuple[str, Path | None]:
 
 def _check_language(path: Path, role: str) -> None:
     name = language_of(path.name)
-    if name is not None and role not in LANGUAGES[name].roles:
-        supported = ", ".join(each.label for each in LANGUAGES.values() if role in each.roles)
-        raise UsageRefused(
-            f"{path}: a {role} can be written in {supported}, not in {LANGUAGES[name].label}."
-        )
+    if name is not None and (refusal := role_refusal(name, role)):
+        raise UsageRefused(f"{path}: {refusal}")
 
 
 def prepare(path: Path, *, benchmark: str) -> PreparedProgram:

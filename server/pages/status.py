@@ -6,7 +6,7 @@ from flask import Blueprint, render_template
 from flask.typing import ResponseReturnValue
 from sqlalchemy import func, select
 
-from seamark.sandbox.languages import LANGUAGES
+from seamark.sandbox.languages import DEFAULT_LANGUAGE, LANGUAGES
 from seamark.server import workers
 from seamark.server.database.tables import Run
 from seamark.server.runs.states import RunState
@@ -24,7 +24,7 @@ def show() -> ResponseReturnValue:
         by_state = select(Run.state, func.count()).group_by(Run.state)
         counts = Counter(dict(session.execute(by_state).all()))
         oldest = session.scalar(select(func.min(Run.queued_at)).where(Run.state == "queued"))
-        refusal = workers.upload_refusal(session, "python", held.settings)
+        refusal = workers.upload_refusal(session, DEFAULT_LANGUAGE, held.settings)
     return render_template(
         "status/show.html",
         workers=listed,

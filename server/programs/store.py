@@ -14,11 +14,13 @@ from pathlib import Path
 from typing import BinaryIO
 
 from seamark.sandbox.languages import LANGUAGES, language_of
+from seamark.sandbox.languages.python import PYTHON
 from seamark.sandbox.limits import Limits
 from seamark.server.programs import archives, python_lint
 from seamark.server.programs.archives import ArchiveRefused
 from seamark.server.programs.diagnostics import Diagnostic
 
+LINTERS = {PYTHON.name: python_lint.lint}  # what can be checked without running a program
 _CHUNK = 64 * 1024
 _SHA256 = re.compile(r"[0-9a-f]{64}")
 _LIMITS = Limits()
@@ -92,11 +94,9 @@ def prepare(source: bytes, filename: str, *, role: str = "controller") -> Prepar
         raise UploadRejected(f"{name} is empty.")
     if language is None or LANGUAGES[language].is_archive:
         return _prepare_archive(source, name, language, role)
-    if language == "python":
-        found = python_lint.lint({name: source}, name, role)
-        return PreparedProgram(name, language, source, tuple(found))
-    _check_format(name, source, language)
-    return PreparedProgram(name, language, source)
+    if language not in LINTERS:
+        _check_format(name, source, language)
+    return PreparedProgram(name, language, source, _lint(language, {name: source}, name, role))
 
 
 def save(prepared: PreparedProgram, data: Path) -> StoredProgram:
@@ -179,8 +179,12 @@ def _prepare_archive(source: bytes, name: str, language: str | None, role: str) 
     if language is not None:
         return PreparedProgram(name, language, content)
     language, main = _main_file(files, name)
-    found = python_lint.lint(files, main, role) if language == "python" else []
-    return PreparedProgram(name, language, content, tuple(found))
+    return PreparedProgram(name, language, content, _lint(language, files, main, role))
+
+
+def _lint(language: str, files: dict[str, bytes], main: str, role: str) -> tuple[Diagnostic, ...]:
+    """Return what the language's linter finds, nothing if it has none."""
+    return tuple(LINTERS[language](files, main, role)) if language in LINTERS else ()
 
 
 def _main_file(files: dict[str, bytes], name: str) -> tuple[str, str]:

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 from sqlalchemy.orm import Session
 
-from seamark.sandbox.languages import LANGUAGES
+from seamark.sandbox.languages import role_refusal
 from seamark.server import workers
 from seamark.server.accounts.permissions import Action, Viewer, can
 from seamark.server.database.advisory_locks import AdvisoryLock, acquire
@@ -174,16 +174,9 @@ def require_language(
 
 
 def _check_language(benchmark: Benchmark, language: str) -> None:
-    role = benchmark.role
-    able = [each.label for each in LANGUAGES.values() if role in each.roles]
-    known = LANGUAGES.get(language)
-    if known is None or role not in known.roles:
-        label = language if known is None else known.label
-        raise SubmissionRejected(
-            f"{benchmark.name} compares {role}s. A {role} can be written in {', '.join(able)}, "
-            f"but not in {label}.",
-            field="program",
-        )
+    if refusal := role_refusal(language, benchmark.role):
+        sentence = f"{benchmark.name} compares {benchmark.role}s. {refusal}"
+        raise SubmissionRejected(sentence, field="program")
 
 
 def _check_practice(submission: Submission, settings: Settings) -> None:

@@ -5,6 +5,8 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Self
 
+from seamark.sandbox.languages import DEFAULT_LANGUAGE
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Job:
@@ -17,7 +19,7 @@ class Job:
     controller: str
     program: Path | None = None  # file of the source; None: the built-in `controller`
     filename: str = ""  # as the user named it
-    language: str = "python"
+    language: str = DEFAULT_LANGUAGE
     check: bool = False  # two simulated seconds only (see check.py)
 
     def to_json(self) -> bytes:

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seamark.sandbox.isolation.level import IsolationLevel
-from seamark.sandbox.languages import language_of
+from seamark.sandbox.languages import DEFAULT_LANGUAGE, language_of
 from seamark.server.checks import queue
 from seamark.server.programs.store import PreparedProgram
 from seamark.sim import registry
@@ -142,7 +142,7 @@ def job_of(
         source, name, language = controller.content, controller.name, controller.language
     else:
         source, name = controller
-        language = language_of(name) or "python"
+        language = language_of(name) or DEFAULT_LANGUAGE
     with tempfile.TemporaryDirectory(prefix="seamark-") as folder:
         program = Path(folder, "program")
         program.write_bytes(source)

@@ -9,6 +9,7 @@ import structlog
 from redis import Redis
 
 from seamark.sandbox.isolation.level import IsolationLevel
+from seamark.sandbox.languages import DEFAULT_LANGUAGE
 from seamark.server.database.engine import Database
 from seamark.server.programs import store
 from seamark.server.runs import queue as run_queue
@@ -159,7 +160,7 @@ class RunDriver:
             controller=claim.controller,
             program=None if program is None else store.path(settings.data, program),
             filename=claim.program_name or "",
-            language=claim.language or "python",
+            language=claim.language or DEFAULT_LANGUAGE,
         )
 
     def _watch(self, simulation: Simulation) -> None:
