@@ -1,4 +1,4 @@
-"""Settings of the chain: tracker, position controller, velocity controller.
+"""Settings of the control loop: tracker, position controller, velocity controller.
 
 Tags of the defaults: S sourced, D derived from sourced, E our estimate.
 """
@@ -29,7 +29,7 @@ class ControlLoopSettings(TrackerSettings):
     ki: float = position_setting(
         0.02,
         title="Integral gain Ki",
-        help="Velocity reference per metre of error and second; PI only.",
+        help="Change of the velocity reference per second and metre of error; PI only.",
         unit="1/s²",
         low=0,
         high=2,
@@ -38,15 +38,15 @@ class ControlLoopSettings(TrackerSettings):
     )
     control_heave: bool = position_setting(
         False,
-        title="Control the height too",
-        help="Whether P and PI act on z; if not, the depth is held.",
+        title="Control heave",
+        help="Whether P and PI also act on z; otherwise the depth is held.",
         advanced=True,
     )
 
     velocity_law: str = velocity_setting(
         "model",
         title="Velocity controller",
-        help="How a velocity reference becomes thrust.",
+        help="How velocity references are converted to thrust.",
         choices={
             "model": "DVL feedback + vehicle model, depth and heading held",
             "paper": "Proportional effort (the paper)",
@@ -54,19 +54,19 @@ class ControlLoopSettings(TrackerSettings):
     )
     reference_limit_m_s: float = velocity_setting(
         1.0,
-        title="Largest reference",
-        help="Velocity references are cut to this size on each axis.",
+        title="Velocity reference limit",
+        help="Velocity references are saturated at this value on each axis.",
         unit="m/s",
         above=0,
         high=5,
         tag="E",
-        source="the real vehicle's greatest speed ahead",
+        source="the real vehicle's maximum forward speed",
         advanced=True,
     )
     velocity_bandwidth_1_s: float = velocity_setting(
         2.0,
-        title="Bandwidth of the feedback",
-        help="Model law: gain over the vehicle's mass.",
+        title="Feedback bandwidth",
+        help="Model law: feedback gain divided by the vehicle's mass.",
         unit="1/s",
         low=0,
         high=5,
@@ -75,20 +75,20 @@ class ControlLoopSettings(TrackerSettings):
         advanced=True,
     )
     velocity_observer_1_s: float = velocity_setting(
-        0.0,  # proportional, as in the published experiment: the current is the position's task
-        title="Speed of the observer",
-        help="Model law: how fast it learns the current's force by itself; 0 leaves it to you.",
+        0.0,  # proportional, as published: rejecting the current is up to the position controller
+        title="Observer bandwidth",
+        help="Model law: how fast it estimates the current's force; 0: left to your controller.",
         unit="1/s",
         low=0,
         high=5,
         tag="E",
-        source="off: the integral term of the position controller is compared",
+        source="off: the benchmark compares the integral action of position controllers",
         advanced=True,
     )
     paper_gain_surge: float = velocity_setting(
         5.0,
-        title="Effort per m/s in surge and heave",
-        help="Paper's law: effort per m/s of error.",
+        title="Surge and heave gain",
+        help="The paper's law: effort per m/s of velocity error.",
         unit="s/m",
         low=0,
         high=50,
@@ -98,8 +98,8 @@ class ControlLoopSettings(TrackerSettings):
     )
     paper_gain_sway: float = velocity_setting(
         6.0,
-        title="Effort per m/s in sway",
-        help="Paper's law: effort per m/s of error.",
+        title="Sway gain",
+        help="The paper's law: effort per m/s of velocity error.",
         unit="s/m",
         low=0,
         high=50,
@@ -108,31 +108,37 @@ class ControlLoopSettings(TrackerSettings):
         advanced=True,
     )
     heading_hold: bool = velocity_setting(
-        True, title="Hold the heading", help="Yaw rates turn a held heading.", advanced=True
+        True,
+        title="Hold the heading",
+        help="Yaw rate commands turn the heading reference.",
+        advanced=True,
     )
     depth_hold: bool = velocity_setting(
-        True, title="Hold the depth", help="Heave references move a held depth.", advanced=True
+        True,
+        title="Hold the depth",
+        help="Heave references move the depth reference.",
+        advanced=True,
     )
     tilt_hold: bool = velocity_setting(
         False,
         title="Hold roll and pitch",
-        help="Model law: thrusters level the vehicle; for those that the current would turn over.",
+        help="Model law: thrusters level the vehicle, for those that the current would tip over.",
         advanced=True,
     )
     range_from: str = station_keeper_setting(
         "altitude",
-        title="Distance from",
-        help="What turns pixels into metres.",
+        title="Range source",
+        help="The range with which pixels are converted to metres.",
         choices={
             "altitude": "Measured altitude",
             "size": "Known size of the target",
-            "start": "Height at the level's start (the paper)",
+            "start": "Altitude at the start of the level (the paper)",
         },
         advanced=True,
     )
     level_out_tilt: bool = station_keeper_setting(
         True,
-        title="Level out the tilt",
-        help="Whether roll and pitch are taken out of the target's place.",
+        title="Compensate tilt",
+        help="Whether the target's image position is compensated for roll and pitch.",
         advanced=True,
     )

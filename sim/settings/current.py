@@ -17,8 +17,8 @@ class CurrentSettings(Configuration):
 
     current_law: str = current_setting(
         "relative",
-        title="The current acts as",
-        help="Relative velocity is physics; the body force is what the paper's simulator did.",
+        title="Current model",
+        help="Relative velocity is physical; the body force is how the paper's simulator did it.",
         choices={
             "relative": "Relative velocity of the water",
             "force": "Force on the body (the paper's simulator)",
@@ -27,7 +27,7 @@ class CurrentSettings(Configuration):
     current_azimuth_rad: float = current_setting(
         0.0,
         title="Direction of the current",
-        help="Where the water comes from, from the bow: 0 bow-on, 1.57 starboard (beam).",
+        help="Where the current comes from, relative to the bow: 0 ahead, 1.57 starboard (beam).",
         unit="rad",
         low=-math.pi,
         high=math.pi,
@@ -36,8 +36,8 @@ class CurrentSettings(Configuration):
     )
     current_swing_rad: float = current_setting(
         0.7,
-        title="Swing of the direction",
-        help="Amplitude of the sinusoid in the direction.",
+        title="Direction amplitude",
+        help="Amplitude of the sinusoidal direction change.",
         unit="rad",
         low=0,
         high=1.57,
@@ -46,8 +46,8 @@ class CurrentSettings(Configuration):
     )
     current_swing_period_s: float = current_setting(
         30.0,
-        title="Period of the swing",
-        help="Period of the sinusoid in the direction.",
+        title="Direction period",
+        help="Period of the sinusoidal direction change.",
         unit="s",
         low=1,
         high=600,
@@ -56,8 +56,8 @@ class CurrentSettings(Configuration):
     )
     current_wave_m_s: float = current_setting(
         0.005,
-        title="Wave of the speed",
-        help="Amplitude of the sinusoid in the speed; level 0 has none.",
+        title="Speed amplitude",
+        help="Amplitude of the sinusoidal speed change; none at 0 m/s.",
         unit="m/s",
         low=0,
         high=0.5,
@@ -66,8 +66,8 @@ class CurrentSettings(Configuration):
     )
     current_wave_period_s: float = current_setting(
         4.0,
-        title="Period of the wave",
-        help="Period of the sinusoid in the speed.",
+        title="Speed period",
+        help="Period of the sinusoidal speed change.",
         unit="s",
         low=1,
         high=600,
@@ -77,7 +77,7 @@ class CurrentSettings(Configuration):
     current_gust: float = current_setting(
         0.05,
         title="Gusts",
-        help="Standard deviation of the random part, as a share of the level.",
+        help="Standard deviation of the random part, relative to the mean speed.",
         low=0,
         high=0.5,
         tag="E",
@@ -86,18 +86,18 @@ class CurrentSettings(Configuration):
     current_gust_time_s: float = current_setting(
         10.0,
         title="Gust time constant",
-        help="How long a gust lasts (Ornstein-Uhlenbeck process).",
+        help="Correlation time of the gusts (Ornstein-Uhlenbeck process).",
         unit="s",
         low=0.1,
         high=120,
         tag="E",
-        source="some of them within a level",
+        source="several gusts per level",
     )
     current_shear: float = current_setting(
         0.0,
-        title="Shear over the bottom",
-        help="Exponent n: at height h the water has (h/h0)^n of its speed at the start's height "
-        "h0. 1/7 is usual, 0 is the same at every depth.",
+        title="Current shear",
+        help="Exponent n: at height h above the seabed the speed is (h/h0)^n of that at the "
+        "initial height h0. Typically 1/7; 0: uniform.",
         low=0,
         high=1,
         tag="S",
@@ -106,8 +106,8 @@ class CurrentSettings(Configuration):
     )
     current_force_share: float = current_setting(
         0.134,
-        title="Share of the body force",
-        help="Only as body force, 410 k v² N: the share k; 0.134 gives the paper's 18 px.",
+        title="Body force factor",
+        help="The factor k of the body force 410 k v² N; 0.134 reproduces the paper's 18 px.",
         low=0,
         high=1,
         tag="D",
@@ -120,6 +120,6 @@ class CurrentSettings(Configuration):
         if not self.current_shear or self.current_law != "force":
             return {}
         return {
-            "current_shear": "current_shear (Shear over the bottom) must be 0 when the current "
+            "current_shear": "current_shear (Current shear) must be 0 when the current "
             "acts as a body force: the water itself is at rest."
         }

@@ -1,4 +1,4 @@
-"""Settings of what every benchmark has: vehicle, levels of time, control loop, start of a level.
+"""Settings of every benchmark: vehicle, timing, start of a level.
 
 Tags of the defaults: S sourced, D derived from sourced, E our estimate.
 """
@@ -16,8 +16,8 @@ from seamark.sim.vehicles import load, most_thrusters
 
 experiment_setting = partial(setting, group="Experiment", role="scenario")
 
-SMALLEST_SIDE_PX = 16.0  # [px] a smaller target gives a tracker nothing to start from
-START_ERROR_SHARE = 0.1  # of the shorter side: the corners still make a convex figure
+SMALLEST_SIDE_PX = 16.0  # [px] a tracker cannot be initialised on a smaller target
+START_ERROR_SHARE = 0.1  # of the shorter side: the corners remain a convex quadrilateral
 
 
 class ExperimentSettings(ControlLoopSettings, SceneSettings, FaultSettings):
@@ -26,13 +26,13 @@ class ExperimentSettings(ControlLoopSettings, SceneSettings, FaultSettings):
     vehicle: str = experiment_setting(
         "girona500",
         title="Vehicle",
-        help="The plant; it brings its own defaults.",
+        help="The plant; choosing it also sets its own defaults.",
         choices={name: load(name).title for name in VEHICLES},
     )
     level_duration_s: float = experiment_setting(
         120.0,
-        title="Length of a level",
-        help="Simulated time before the vehicle is put back and the current grows.",
+        title="Level duration",
+        help="Simulated time before the vehicle is reset and the current increases.",
         unit="s",
         low=2,
         high=600,
@@ -42,12 +42,12 @@ class ExperimentSettings(ControlLoopSettings, SceneSettings, FaultSettings):
     control_period_s: float = experiment_setting(
         0.05,
         title="Control period",
-        help="Time between two pictures and two steps of the controller.",
+        help="Time between two images, and between two steps of the controller.",
         unit="s",
         low=0.01,
         high=0.5,
         tag="E",
-        source="20 pictures a second; the original's tracker waits 40 ms for each",
+        source="20 images per second; the original's tracker waits 40 ms for each",
         advanced=True,
     )
     physics_step_s: float = experiment_setting(
@@ -63,8 +63,8 @@ class ExperimentSettings(ControlLoopSettings, SceneSettings, FaultSettings):
     )
     altitude_m: float = experiment_setting(
         2.27,
-        title="Camera above the target",
-        help="Height of the camera above the target's top when a level starts.",
+        title="Camera altitude",
+        help="Height of the camera above the top of the target at the start of a level.",
         unit="m",
         low=0.8,
         high=6,
@@ -74,14 +74,14 @@ class ExperimentSettings(ControlLoopSettings, SceneSettings, FaultSettings):
     contact: bool = experiment_setting(
         True,
         title="Collisions",
-        help="Whether the vehicle can hit the bottom and the target, which stays where it is.",
+        help="Whether the vehicle can collide with the seabed and the target, which does not move.",
         advanced=True,
     )
     seabed_relief_m: float = experiment_setting(
         0.0,
-        title="Mounds on the bottom",
-        help="Greatest height of seeded mounds, felt by hull, DVL and altimeter; 0 is flat. "
-        "Pictures show a flat bottom all the same.",
+        title="Seabed relief",
+        help="Maximum height of random (seeded) mounds for hull, DVL and altimeter; 0: flat. "
+        "Camera images show a flat seabed regardless.",
         unit="m",
         low=0,
         high=1,
@@ -91,9 +91,9 @@ class ExperimentSettings(ControlLoopSettings, SceneSettings, FaultSettings):
     )
     seabed_flat_radius_m: float = experiment_setting(
         2.0,
-        title="Flat patch around the target",
-        help="Radius without mounds. With 2 m the picture is right at the station, and the DVL's "
-        "beams meet no mound there.",
+        title="Flat area around the target",
+        help="Radius without mounds. With 2 m the images at the station are correct, and the DVL's "
+        "beams hit no mound there.",
         unit="m",
         low=0.5,
         high=10,
@@ -103,8 +103,8 @@ class ExperimentSettings(ControlLoopSettings, SceneSettings, FaultSettings):
     )
     start_error_px: float = experiment_setting(
         0.0,
-        title="Error of the tracker's start",
-        help="Standard deviation of the corners that the tracker starts from.",
+        title="Initial tracker error",
+        help="Standard deviation of the corners with which the tracker is initialised.",
         unit="px",
         low=0,
         high=10,
@@ -112,7 +112,7 @@ class ExperimentSettings(ControlLoopSettings, SceneSettings, FaultSettings):
     )
 
     def cross_field_errors(self) -> dict[str, str]:
-        """Return setting -> sentence for the rules between several settings."""
+        """Return setting -> message for the rules between several settings."""
         errors: dict[str, str] = {}
         if not multiple(self.control_period_s, self.physics_step_s):
             errors["control_period_s"] = (
@@ -121,12 +121,12 @@ class ExperimentSettings(ControlLoopSettings, SceneSettings, FaultSettings):
             )
         if not multiple(self.level_duration_s, self.control_period_s):
             errors["level_duration_s"] = (
-                f"level_duration_s (Length of a level) must be a whole multiple of the control "
+                f"level_duration_s (Level duration) must be a whole multiple of the control "
                 f"period of {self.control_period_s:g} s, not {self.level_duration_s:g} s."
             )
         if not multiple(1.0 / self.dvl_rate_hz, self.physics_step_s):
             errors["dvl_rate_hz"] = (
-                f"dvl_rate_hz (DVL rate) must make a period that is a whole multiple of the "
+                f"dvl_rate_hz (DVL rate) must have a period that is a whole multiple of the "
                 f"physics step of {self.physics_step_s:g} s, such as 5 or 20 Hz, "
                 f"not {self.dvl_rate_hz:g} Hz."
             )
@@ -137,18 +137,18 @@ class ExperimentSettings(ControlLoopSettings, SceneSettings, FaultSettings):
         errors: dict[str, str] = {}
         if self.fault_thruster >= count:
             errors["fault_thruster"] = (
-                f"fault_thruster (Broken thruster) must be from -1 to {count - 1}: this vehicle "
+                f"fault_thruster (Faulty thruster) must be from -1 to {count - 1}: this vehicle "
                 f"has {count} thrusters."
             )
         if self.fault_delay_s and not multiple(self.fault_delay_s, self.control_period_s):
             errors["fault_delay_s"] = (
-                f"fault_delay_s (Its delay) must be a whole multiple of the control period of "
+                f"fault_delay_s (Thruster delay) must be a whole multiple of the control period of "
                 f"{self.control_period_s:g} s, not {self.fault_delay_s:g} s."
             )
         return errors
 
     def _image_errors(self) -> dict[str, str]:
-        """Refuse pictures in which no tracker could start."""
+        """Return setting -> message for images in which no tracker could start."""
         errors: dict[str, str] = {}
         box = TARGETS[self.target]
         long, short = (
@@ -157,7 +157,7 @@ class ExperimentSettings(ControlLoopSettings, SceneSettings, FaultSettings):
         highest = box.width_m * self.camera_focal_px / SMALLEST_SIDE_PX
         if short < SMALLEST_SIDE_PX:
             errors["altitude_m"] = (
-                f"altitude_m (Camera above the target) must be at most {highest:.2f} m with this "
+                f"altitude_m (Camera altitude) must be at most {highest:.2f} m with this "
                 f"focal length, not {self.altitude_m:g} m: the target would be too small."
             )
         if long > self.camera_width_px or short > self.camera_height_px:
@@ -172,27 +172,27 @@ class ExperimentSettings(ControlLoopSettings, SceneSettings, FaultSettings):
             )
         if self.start_error_px > START_ERROR_SHARE * short:
             errors["start_error_px"] = (
-                f"start_error_px (Error of the tracker's start) must be at most "
+                f"start_error_px (Initial tracker error) must be at most "
                 f"{START_ERROR_SHARE * short:.1f} px, a tenth of the target's shorter side, "
                 f"not {self.start_error_px:g} px."
             )
         return errors
 
     def ranking_errors(self) -> dict[str, str]:
-        """Return setting -> sentence for what keeps this configuration out of a ranked run."""
+        """Return setting -> message for what a ranked run does not allow."""
         if self.tracker == TRUTH:
-            return {"tracker": "tracker (Tracker) must not be ground truth in a ranked run."}
+            return {"tracker": "tracker (Tracker) must not be the ground truth in a ranked run."}
         return {}
 
     def unused_columns(self) -> frozenset[str]:
-        """Return the thrusts that the vehicle does not have, and the contact force without any."""
+        """Return the thrust columns that the vehicle does not use, and the contact force if off."""
         known = self.vehicle in VEHICLES  # a stored run may name one that no longer exists
         count = len(load(self.vehicle).thrusters) if known else COMMON_THRUSTERS
         idle = set(thrust_names(max(most_thrusters(), COMMON_THRUSTERS))[count:])
         return frozenset(idle if self.contact else idle | {"contact_n"})
 
     def trial_duration_s(self) -> float:
-        """Return the simulated length of all levels together."""
+        """Return the simulated duration of all levels together."""
         return len(self.level_values()) * self.level_duration_s
 
     @property
@@ -202,7 +202,7 @@ class ExperimentSettings(ControlLoopSettings, SceneSettings, FaultSettings):
 
     @property
     def dvl_period_steps(self) -> int:
-        """Physics steps between two measurements of the DVL."""
+        """Physics steps per DVL measurement."""
         return round(1.0 / (self.dvl_rate_hz * self.physics_step_s))
 
     @property
@@ -212,6 +212,6 @@ class ExperimentSettings(ControlLoopSettings, SceneSettings, FaultSettings):
 
 
 def multiple(whole: float, part: float) -> bool:
-    """Return whether `whole` is a whole number of times `part`, at least once."""
+    """Return whether `whole` is an integer multiple of `part`."""
     count = whole / part
     return round(count) >= 1 and abs(count - round(count)) < 1e-6

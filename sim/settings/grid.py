@@ -1,7 +1,7 @@
-"""Scene updaters that nest into a grid: each changes one setting from point to point.
+"""Scene updaters that nest into a grid: each varies one setting from point to point.
 
-A level is then a point of the grid. The outermost loop turns slowest, as in nested for loops; the
-benchmark's own levels are the loop around all, unless one of the loops sets what they set.
+Each level is then a point of the grid. The outermost loop varies slowest, as in nested for loops;
+the benchmark's own levels are the outermost loop, unless one of the loops sets the same quantity.
 """
 
 from abc import abstractmethod
@@ -26,7 +26,7 @@ MAX_VALUES = 12
 
 @dataclass(frozen=True, slots=True)
 class Updater:
-    """What a loop changes: `sets` gives the settings for one of its values."""
+    """What a loop varies: `sets` returns the settings for one of its values."""
 
     quantity: Metric  # name, label and unit of the value
     sets: Callable[[float], Mapping[str, object]]
@@ -47,24 +47,22 @@ UPDATERS: Mapping[str, Updater] = {
         _one("current_azimuth_rad"),
     ),
     "current_gust": Updater(
-        Metric("current_gust", "Gusts, share of the current", "", "higher"), _one("current_gust")
+        Metric("current_gust", "Gusts relative to the current", "", "higher"), _one("current_gust")
     ),
     "turbidity": Updater(
         Metric("turbidity", "Attenuation of grey water", "1/m", "higher"), _turbid
     ),
     "light": Updater(
-        Metric("light", "Daylight, share of the usual", "", "higher"), _one("light_level")
+        Metric("light", "Daylight relative to the standard", "", "higher"), _one("light_level")
     ),
     "snow": Updater(Metric("snow", "Marine snow", "1/m³", "higher"), _one("snow_per_m3")),
     "camera_noise": Updater(
         Metric("camera_noise", "Camera noise", "grey", "higher"), _one("camera_noise_grey")
     ),
-    "altitude": Updater(
-        Metric("altitude", "Camera above the target", "m", "higher"), _one("altitude_m")
-    ),
+    "altitude": Updater(Metric("altitude", "Camera altitude", "m", "higher"), _one("altitude_m")),
     "dvl_noise": Updater(Metric("dvl_noise", "DVL noise", "m/s", "higher"), _one("dvl_sigma_m_s")),
     "dvl_dropout": Updater(
-        Metric("dvl_dropout", "DVL drop-outs, share", "", "higher"), _one("dvl_dropout")
+        Metric("dvl_dropout", "DVL drop-outs, fraction", "", "higher"), _one("dvl_dropout")
     ),
     "repeat": Updater(Metric("repeat", "Repetition", "", "higher"), lambda _value: {}),
 }
@@ -86,8 +84,7 @@ def _values(loop: str) -> Any:  # as setting itself
     return grid_setting(
         (),
         title=f"Values of the {loop}",
-        help="With commas between, in the order in which they come; a repetition takes one number, "
-        "how often.",
+        help="Separated by commas, in order; a repetition takes one number, the count.",
         low=-1000,
         high=2000,
         length=(0, MAX_VALUES),
@@ -95,11 +92,11 @@ def _values(loop: str) -> Any:  # as setting itself
 
 
 class GridSettings(Configuration):
-    """Up to three loops, one in the other."""
+    """Up to three nested loops."""
 
     loop1: str = _loop(
         "First loop",
-        "Runs at each of the current levels; a loop over the current itself replaces them.",
+        "Runs at each current level; a loop over the current speed replaces them.",
     )
     loop1_values: tuple[float, ...] = _values("first loop")
     loop2: str = _loop("Second loop", "Runs at each value of the first loop.")
@@ -112,7 +109,7 @@ class GridSettings(Configuration):
         """Return the benchmark's levels: mean speeds [m/s] of the current."""
 
     def points(self) -> tuple[dict[str, float], ...]:
-        """Return name of the updater -> value for each level, in their order; empty without."""
+        """Return name of the updater -> value for each level, in order."""
         loops = list(self._loops())
         names = [name for name, _ in loops]
         if SPEED not in names:
@@ -123,15 +120,15 @@ class GridSettings(Configuration):
         )
 
     def grid_point(self, level: int) -> dict[str, float]:
-        """Return where in the grid a level is; empty where there is no grid."""
+        """Return name of the updater -> value at a level; empty without a grid."""
         return self.points()[level] if self.has_grid() else {}
 
     def has_grid(self) -> bool:
-        """Return whether there is any loop beside the levels."""
+        """Return whether there is any loop."""
         return any(getattr(self, f"loop{i}") != NONE for i in (1, 2, 3))
 
     def at(self, level: int) -> Self:
-        """Return the configuration of one level: what the loops set there is set."""
+        """Return the configuration of one level, with what the loops set there."""
         return self.model_copy(update=_settings(self.grid_point(level)))
 
     def _loops(self) -> Iterator[tuple[str, Sequence[float]]]:
@@ -143,18 +140,20 @@ class GridSettings(Configuration):
                 yield name, values
 
     def grid_errors(self) -> dict[str, str]:
-        """Return setting -> sentence for loops that make no grid."""
+        """Return setting -> message for invalid loops."""
         errors = self._loop_errors()
         if errors or not self.has_grid():
             return errors
         count = len(self.points())
         if count > MAX_POINTS:
-            return {"loop1_values": f"The grid has {count} points; at most {MAX_POINTS} are run."}
+            return {
+                "loop1_values": f"The grid has {count} points; at most {MAX_POINTS} are allowed."
+            }
         if self.trial_duration_s() > MAX_DURATION_S:
             return {
                 "loop1_values": (
-                    f"The grid takes {self.trial_duration_s():g} s of simulation; at most "
-                    f"{MAX_DURATION_S:g} s are run. Take fewer points or shorter levels."
+                    f"The grid takes {self.trial_duration_s():g} s of simulated time; at most "
+                    f"{MAX_DURATION_S:g} s are allowed. Use fewer points or shorter levels."
                 )
             }
         return self._point_errors()
@@ -166,32 +165,34 @@ class GridSettings(Configuration):
             name, values = getattr(self, f"loop{i}"), getattr(self, f"loop{i}_values")
             if name == NONE:
                 if values:
-                    errors[f"loop{i}"] = f"loop{i} has values but changes nothing: choose what."
+                    errors[f"loop{i}"] = (
+                        f"loop{i} has values but nothing to vary: choose what it varies."
+                    )
                 continue
             if name in seen:
-                errors[f"loop{i}"] = f"loop{i} changes {name} as a loop around it does already."
+                errors[f"loop{i}"] = f"loop{i} varies {name}, which an outer loop varies already."
             seen.add(name)
             if reason := _why_no_loop(name, values):
                 errors[f"loop{i}_values"] = f"loop{i}_values {reason}"
         return errors
 
     def _point_errors(self) -> dict[str, str]:
-        """Return the sentence about the first value of a loop that its setting refuses."""
+        """Return the message about the first value of a loop that its setting does not allow."""
         plain = self.model_dump()
         for i in (1, 2, 3):
             plain |= {f"loop{i}": NONE, f"loop{i}_values": ()}
-        before = self._wrong(plain).keys()  # without the loops: not a loop's fault
+        before = self._wrong(plain).keys()  # errors without the loops
         for i in (1, 2, 3):
             for value in getattr(self, f"loop{i}_values"):
                 sets = _settings({getattr(self, f"loop{i}"): value})
                 wrong = self._wrong(plain | sets)
-                told = " ".join(text for name, text in wrong.items() if name not in before)
-                if told:
-                    return {f"loop{i}_values": f"loop{i}_values, {value:g}: {told}"}
+                messages = " ".join(text for name, text in wrong.items() if name not in before)
+                if messages:
+                    return {f"loop{i}_values": f"loop{i}_values, {value:g}: {messages}"}
         return {}
 
     def _wrong(self, values: Mapping[str, object]) -> dict[str, str]:
-        """Return setting -> sentence for what is wrong with values."""
+        """Return setting -> message for what is wrong with values."""
         try:
             type(self).read(values)
         except ConfigurationInvalid as wrong:
@@ -229,24 +230,26 @@ def describe(point: Mapping[str, float]) -> str:
 
 
 def level_names(config: Configuration) -> tuple[str, ...]:
-    """Return a point of the grid in short for each level, such as "0.2 · 1.5"; empty without."""
+    """Return a short name for each level of a grid, such as "0.2 · 1.5"; empty without a grid."""
     if not isinstance(config, GridSettings) or not config.has_grid():
         return ()
     return tuple(" · ".join(f"{value:g}" for value in point.values()) for point in config.points())
 
 
 def axes(config: Configuration) -> str:
-    """Return what the parts of a `level_names` are, with their units; empty without a grid."""
+    """Return the quantities and units in `level_names`; empty without a grid."""
     if not isinstance(config, GridSettings) or not config.has_grid():
         return ""
     return " · ".join(_choice(_quantity(name)) for name in config.grid_point(0))
 
 
 def level_comments(config: Configuration) -> list[str]:
-    """Return a line for each level, for the head of a table: what it sets."""
+    """Return a line for each level for the head of a table: what it sets."""
     if isinstance(config, GridSettings) and config.has_grid():
-        told = [describe(point) for point in config.points()]
+        described = [describe(point) for point in config.points()]
     else:
         what = config.level_metric()
-        told = [f"{what.label} {value:g} {what.unit}".strip() for value in config.level_values()]
-    return [f"level {level}: {text}" for level, text in enumerate(told)]
+        described = [
+            f"{what.label} {value:g} {what.unit}".strip() for value in config.level_values()
+        ]
+    return [f"level {level}: {text}" for level, text in enumerate(described)]

@@ -1,4 +1,4 @@
-"""Settings of what disturbs the pictures beside the water; all off by default."""
+"""Settings of image effects other than the water's attenuation; all off by default."""
 
 from functools import partial
 
@@ -16,8 +16,7 @@ class EffectSettings(Configuration):
     camera_exposure_s: float = effect_setting(
         0.0,
         title="Exposure time",
-        help="Motion blur: how long the shutter is open, half before and half after a picture's "
-        "instant; 0 is none.",
+        help="Motion blur: how long the shutter is open, centred on the image's time; 0: none.",
         unit="s",
         low=0,
         high=0.05,
@@ -25,30 +24,30 @@ class EffectSettings(Configuration):
     light_level: float = effect_setting(
         1.0,
         title="Daylight",
-        help="Light from above as a share of the usual; the camera does not adapt.",
+        help="Light from above, relative to the standard scene; the camera does not adapt.",
         low=0.01,
         high=2,
     )
     caustics: float = effect_setting(
         0.0,
         title="Caustics",
-        help="Daylight that the waves above focus into a running net: its standard deviation as a "
-        "share of its mean; 0 is none.",
+        help="Moving light patterns focused by surface waves: standard deviation of the daylight "
+        "relative to its mean; 0: none.",
         low=0,
         high=1.5,
     )
     lamp: float = effect_setting(
         0.0,
         title="Lamp",
-        help="Light of a lamp ahead of the camera on a surface 1 m below it, in units of the usual "
-        "daylight; 0 is off.",
+        help="Illuminance of a lamp ahead of the camera at 1 m distance, relative to the standard "
+        "daylight; 0: off.",
         low=0,
         high=20,
     )
     lamp_cone_rad: float = effect_setting(
         0.6,
-        title="Cone of the lamp",
-        help="Angle from its axis at which the lamp's intensity is half.",
+        title="Lamp cone",
+        help="Angle from the axis at which the lamp's intensity is half.",
         unit="rad",
         low=0.05,
         high=1.4,
@@ -56,7 +55,7 @@ class EffectSettings(Configuration):
     snow_per_m3: float = effect_setting(
         0.0,
         title="Marine snow",
-        help="Flakes of 1 to 5 mm that drift in a cubic metre of water; 0 is none.",
+        help="Drifting flakes of 1 to 5 mm per cubic metre of water; 0: none.",
         unit="1/m³",
         low=0,
         high=2000,
@@ -64,8 +63,8 @@ class EffectSettings(Configuration):
     scatter_mrad: float = effect_setting(
         0.0,
         title="Forward scatter",
-        help="Blur by the water: its standard deviation per unit of optical depth; 1.4 is usual, "
-        "0 is none.",
+        help="Blur caused by the water: standard deviation per unit of optical depth; typically "
+        "1.4, 0: none.",
         unit="mrad",
         low=0,
         high=10,
@@ -73,15 +72,15 @@ class EffectSettings(Configuration):
     fish_per_min: float = effect_setting(
         0.0,
         title="Passing fish",
-        help="Fish that cross between camera and target at seeded moments; 0 is none.",
+        help="Fish that pass between camera and target at random (seeded) times; 0: none.",
         unit="1/min",
         low=0,
         high=20,
     )
     fish_length_m: float = effect_setting(
         0.3,
-        title="Length of a fish",
-        help="How long the passing fish are.",
+        title="Fish length",
+        help="Length of the passing fish.",
         unit="m",
         low=0.05,
         high=1,

@@ -1,4 +1,4 @@
-"""Settings of what every benchmark with a camera has: water, camera and sensors.
+"""Settings of the scene: water, camera, target and sensors.
 
 Tags of the defaults: S sourced, D derived from sourced, E our estimate.
 """
@@ -12,7 +12,7 @@ from seamark.sim.settings.targets import TARGETS
 water_setting = partial(setting, group="Water and camera", role="scenario")
 sensor_setting = partial(setting, group="Sensors", role="scenario")
 WATER_TYPES = {
-    "grey": "The same attenuation for every colour",
+    "grey": "Grey (the same attenuation for every colour)",
     "I": "Jerlov I (clearest ocean)",
     "IB": "Jerlov IB (clear ocean)",
     "II": "Jerlov II (ocean)",
@@ -31,24 +31,24 @@ class SceneSettings(EffectSettings):
     target: str = water_setting(
         "lettered",
         title="Target",
-        help="The box on the bottom that the camera looks at. A plain one shows nothing but its "
-        "edges: give the template tracker a margin of 6 px.",
+        help="The box on the seabed that the camera looks at. A plain one only has edges: give the "
+        "template tracker a margin of 6 px.",
         choices={name: shape.label for name, shape in TARGETS.items()},
         tag="S",
-        source="a black box of this size: benchmark_software_launcher ea65b39; the others are ours",
+        source="black box of this size: benchmark_software_launcher ea65b39; the others are ours",
         advanced=True,
     )
 
     water_law: str = water_setting(
         "beer",
-        title="Law of the water",
-        help="How contrast decays with the distance.",
+        title="Water model",
+        help="How contrast decays with distance.",
         choices={"beer": "Beer-Lambert attenuation", "uwsim": "UWSim fog"},
     )
     water_type: str = water_setting(
         "IB",
-        title="Type of water",
-        help="Colour of the attenuation.",
+        title="Water type",
+        help="Attenuation per colour channel.",
         choices=WATER_TYPES,
         tag="S",
         source="attenuation by Williamson & Hollins 2022 and Solonenko & Mobley 2015",
@@ -56,7 +56,7 @@ class SceneSettings(EffectSettings):
     water_attenuation_1_m: float = water_setting(
         0.2,
         title="Attenuation",
-        help="Only with grey water: beam attenuation, or the fog's density.",
+        help="Grey water only: beam attenuation, or the density of the fog.",
         unit="1/m",
         low=0,
         high=10,
@@ -64,8 +64,8 @@ class SceneSettings(EffectSettings):
     camera_noise_grey: float = water_setting(
         1.2,
         title="Camera noise",
-        help="Standard deviation of the read noise in grey levels of 255; with less than 0.8, "
-        "rounding to whole levels would decide which tracker fails.",
+        help="Standard deviation of the read noise in grey levels (0 to 255); below 0.8, rounding "
+        "to whole grey levels would decide which tracker fails.",
         unit="grey",
         low=0.8,
         high=64,
@@ -75,8 +75,8 @@ class SceneSettings(EffectSettings):
     )
     camera_width_px: int = water_setting(
         640,
-        title="Picture width",
-        help="Width of the camera's picture.",
+        title="Image width",
+        help="Width of the camera image.",
         unit="px",
         low=160,
         high=1280,
@@ -86,8 +86,8 @@ class SceneSettings(EffectSettings):
     )
     camera_height_px: int = water_setting(
         480,
-        title="Picture height",
-        help="Height of the camera's picture.",
+        title="Image height",
+        help="Height of the camera image.",
         unit="px",
         low=120,
         high=960,
@@ -108,8 +108,8 @@ class SceneSettings(EffectSettings):
     )
     target_truth: str = water_setting(
         "centroid",
-        title="True place of the target",
-        help="Point that counts as the target's place in the picture.",
+        title="Target reference point",
+        help="The point that defines the true position of the target in the image.",
         choices={
             "centroid": "Centre of the top face",
             "uwsim": "Projected origin of the object (the paper)",
@@ -131,7 +131,7 @@ class SceneSettings(EffectSettings):
     dvl_sigma_m_s: float = sensor_setting(
         0.0015,
         title="DVL noise",
-        help="Standard deviation per axis.",
+        help="Standard deviation on each axis.",
         unit="m/s",
         low=0,
         high=0.2,
@@ -142,28 +142,28 @@ class SceneSettings(EffectSettings):
     dvl_bias_m_s: float = sensor_setting(
         0.0,
         title="DVL bias",
-        help="Constant error along each axis.",
+        help="Constant error on each axis.",
         unit="m/s",
         low=-0.1,
         high=0.1,
         tag="E",
-        source="off; 0.002 m/s is a usual size, the data sheet was not found",
+        source="off; 0.002 m/s is typical, no data sheet found",
         advanced=True,
     )
     dvl_scale_error: float = sensor_setting(
         0.0,
         title="DVL scale error",
-        help="Relative error of the scale.",
+        help="Relative scale error.",
         low=-0.1,
         high=0.1,
         tag="E",
-        source="off; 0.003 is a usual size, the data sheet was not found",
+        source="off; 0.003 is typical, no data sheet found",
         advanced=True,
     )
     dvl_dropout: float = sensor_setting(
         0.0,
         title="DVL drop-outs",
-        help="Share of the measurements that are missing.",
+        help="Fraction of the measurements that are lost.",
         low=0,
         high=0.9,
         tag="E",
@@ -172,8 +172,8 @@ class SceneSettings(EffectSettings):
     )
     dvl_least_altitude_m: float = sensor_setting(
         0.5,
-        title="DVL blind below",
-        help="Nearer to the bottom than this the DVL has no bottom lock and keeps its last value.",
+        title="DVL minimum altitude",
+        help="Closer to the seabed than this the DVL has no bottom lock and keeps its last value.",
         unit="m",
         low=0,
         high=10,

@@ -17,7 +17,7 @@ class StationKeepingSettings(ExperimentSettings, GridSettings, CurrentSettings):
     levels: tuple[float, ...] = experiment_setting(
         (0.0, 0.1, 0.2, 0.3, 0.4),
         title="Current levels",
-        help="Mean speed of the current at each level, in rising order.",
+        help="Mean speed of the current at each level, in increasing order.",
         unit="m/s",
         low=0,
         high=1,
@@ -28,12 +28,12 @@ class StationKeepingSettings(ExperimentSettings, GridSettings, CurrentSettings):
     settle_s: float = experiment_setting(
         30.0,
         title="Settle window",
-        help="Time at the start of each level that the settled metrics and the score leave out.",
+        help="Time at the start of each level that the settled metrics and the score ignore.",
         unit="s",
         low=0,
         high=599,
         tag="E",
-        source="the first seconds after a start are the same for most controllers",
+        source="the first seconds are the same for most controllers",
     )
     score: str = custom_score_setting(overall(), group="Experiment")
 

@@ -1,4 +1,4 @@
-"""Settings of what can break."""
+"""Settings of thruster faults."""
 
 from functools import partial
 
@@ -10,34 +10,34 @@ fault_setting = partial(setting, group="Faults", role="scenario", advanced=True)
 
 
 class FaultSettings(Configuration):
-    """One thruster that fails in every level."""
+    """One thruster that is faulty in every level."""
 
     fault_thruster: int = fault_setting(
         -1,
-        title="Broken thruster",
+        title="Faulty thruster",
         help="Index as in the column thrust_0; -1 for none.",
         low=-1,
         high=most_thrusters() - 1,
     )
     fault_efficiency: float = fault_setting(
         0.0,
-        title="What is left of its thrust",
-        help="Share of the thrust that the broken thruster still gives; 0 is dead.",
+        title="Remaining thrust",
+        help="Fraction of its thrust that the faulty thruster still produces; 0: none.",
         low=0,
         high=1,
     )
     fault_delay_s: float = fault_setting(
         0.0,
-        title="Its delay",
-        help="How much later than commanded the broken thruster acts.",
+        title="Thruster delay",
+        help="Additional delay of the faulty thruster.",
         unit="s",
         low=0,
         high=5,
     )
     fault_from_s: float = fault_setting(
         0.0,
-        title="Broken from",
-        help="Time into each level at which the thruster breaks.",
+        title="Fault starts at",
+        help="Time into each level at which the fault begins.",
         unit="s",
         low=0,
         high=600,

@@ -34,7 +34,7 @@ def test_an_uploaded_controller_goes_from_sign_up_to_the_leaderboard(visitor: Vi
     file = FilePayload(name="mine.py", mimeType="text/x-python", buffer=PROGRAM.encode())
     page.locator("#program").set_input_files(file)
     page.get_by_text("Ranked", exact=True).click()
-    expect(page.get_by_label("Length of a level")).to_be_disabled()
+    expect(page.get_by_label("Level duration")).to_be_disabled()
 
     page.get_by_role("button", name="Start ranked run").click()
     visitor.wait_for("succeeded")
@@ -89,7 +89,7 @@ def test_choosing_a_vehicle_sets_its_defaults_and_keeps_other_values(visitor: Vi
 
     page.get_by_label("Vehicle", exact=True).select_option("girona500-uwsim")
 
-    expect(page.get_by_label("The current acts as")).to_have_value("force")
+    expect(page.get_by_label("Current model")).to_have_value("force")
     expect(page.get_by_label("Proportional gain Kp")).to_have_value("0.8")
 
 
@@ -100,7 +100,7 @@ def test_steering_settings_are_shown_only_if_the_tracker_steers(visitor: Visitor
     expect(page.get_by_role("group", name="Water and camera")).to_be_visible()
     expect(sensors).to_be_hidden()
 
-    page.get_by_label("Who steers").select_option("free")
+    page.get_by_label("Vehicle motion").select_option("free")
 
     expect(sensors).to_be_visible()
     expect(page.get_by_label("Proportional gain Kp")).to_be_visible()

@@ -38,7 +38,7 @@ def test_the_form_is_empty_after_an_accepted_run_and_restored_after_a_refused_on
     expect(page.locator("#seed")).to_have_value("7")
 
     page.get_by_label("Current levels").fill("0")
-    page.get_by_label("Length of a level").fill("4")
+    page.get_by_label("Level duration").fill("4")
     page.get_by_label("Settle window").fill("1")
     page.get_by_role("button", name="Start run").click()
     page.wait_for_url("**/runs/*")

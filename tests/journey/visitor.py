@@ -67,5 +67,5 @@ class Visitor:
 def shorten(page: Page) -> None:
     """Fill in an experiment of a few seconds."""
     page.get_by_label("Current levels").fill("0, 0.1")
-    page.get_by_label("Length of a level").fill("10")
+    page.get_by_label("Level duration").fill("10")
     page.get_by_label("Settle window").fill("2")

@@ -1,10 +1,10 @@
 """visibility-v1: which tracker keeps its target longest while the water gets worse.
 
-Levels of 5 s. At the start of each the tracker learns the target anew: from one picture as the
-first level has it (in clear water, by default) and the true corners in it; from the next picture on
-it sees the level's water. So a level measures what a tracker that knows its target can do in that
-water, not what became of it in the water before. By default the optical depth tau = c Z rises from
-0 to 7 in steps of 0.25; at the end e^-7 of the contrast is left, a tenth of a grey level.
+Levels of 5 s. At the start of each the tracker is initialised with an image in the water of the
+first level (clear water, by default) and the true corners in it; from the next image on it sees the
+water of the level. So a level measures what a tracker that knows its target can do in that water,
+independent of earlier levels. By default the optical depth tau = c Z rises from 0 to 7 in steps of
+0.25; at the end e^-7 of the contrast is left, a tenth of a grey level.
 
 Tags of the defaults: S sourced, D derived from sourced, E our estimate.
 """
@@ -28,11 +28,11 @@ motion_setting = partial(setting, group="Motion", role="scenario")
 INHERITED = ExperimentSettings.model_fields
 _SCENE = "uwsimbenchmarks 988deda, visionBenchmarkScene.xml"
 MAX_LEVELS = 200
-DARKEST_STOPS = 5.5  # a camera of 1.2 grey read noise then has 54 grey; 64 is the most
-# Columns in which nothing happens while nobody steers.
+DARKEST_STOPS = 5.5  # read noise of 1.2 grey is then amplified to 54 grey; 64 is the maximum
+# Columns that stay 0 on a prescribed path.
 STEERING = ("current_", "error_x", "error_y", "error_z", "ref_", "dvl_", "thrust_", "contact_n")
-SEEN = ("error_x_px", "error_y_px")  # these are not the steering's
-# Settings that a vehicle on a prescribed path does not feel.
+IMAGE_COLUMNS = ("error_x_px", "error_y_px")  # start like those, but come from the image
+# Settings without effect on a prescribed path.
 STEERING_GROUPS = {
     "Faults",
     "Sensors",
@@ -52,11 +52,11 @@ STEERING_SETTINGS = {
 
 @dataclass(frozen=True, slots=True)
 class Sweep:
-    """What the levels change."""
+    """What varies from level to level."""
 
     label: str
-    level: Metric  # what a level's value is
-    is_depth: bool = False  # whether it sets the optical depth, in which the score then is
+    level: Metric  # the quantity of a level's value
+    is_depth: bool = False  # whether it sets the optical depth; the score is one then
 
 
 SWEEPS = {
@@ -68,8 +68,8 @@ SWEEPS = {
         Metric("value", "Fog density", "1/m", "higher"),
         True,
     ),
-    "light": Sweep("Less and less light", Metric("value", "Light taken away", "stops", "higher")),
-    "camera_noise": Sweep("Noise of the camera", Metric("value", "Camera noise", "grey", "higher")),
+    "light": Sweep("Decreasing light", Metric("value", "Light reduction", "stops", "higher")),
+    "camera_noise": Sweep("Camera noise", Metric("value", "Camera noise", "grey", "higher")),
 }
 
 
@@ -80,7 +80,7 @@ class VisibilityConfiguration(ExperimentSettings):
     level_duration_s: float = override(
         INHERITED["level_duration_s"],
         5.0,
-        help="Simulated time before the tracker starts anew and the next level begins.",
+        help="Simulated time before the tracker is initialised again and the next level begins.",
         source="uwsimbenchmarks: 5 s per level",
     )
     altitude_m: float = override(INHERITED["altitude_m"], 1.27, source=_SCENE)
@@ -88,12 +88,15 @@ class VisibilityConfiguration(ExperimentSettings):
     camera_height_px: int = override(INHERITED["camera_height_px"], 240, source=_SCENE)
     camera_focal_px: float = override(INHERITED["camera_focal_px"], 257.3, source=_SCENE)
     water_type: str = override(
-        INHERITED["water_type"], "grey", tag="E", source="so that one number says how turbid it is"
+        INHERITED["water_type"],
+        "grey",
+        tag="E",
+        source="so that one number describes the turbidity",
     )
     water_attenuation_1_m: float = override(
         INHERITED["water_attenuation_1_m"],
         0.2,
-        help="Grey water whose levels change something else: attenuation, or the fog's density.",
+        help="Attenuation, or density of the fog, of grey water whose levels vary something else.",
     )
     kp: float = override(INHERITED["kp"], 0.5, role="scenario")
     ki: float = override(INHERITED["ki"], 0.02, role="scenario")
@@ -101,8 +104,8 @@ class VisibilityConfiguration(ExperimentSettings):
 
     sweep: str = sweep_setting(
         "turbidity",
-        title="What gets worse",
-        help="What changes from level to level; it brings its own range.",
+        title="Degradation",
+        help="What varies from level to level; choosing it also sets its range.",
         choices={name: sweep.label for name, sweep in SWEEPS.items()},
     )
     sweep_from: float = sweep_setting(
@@ -115,90 +118,90 @@ class VisibilityConfiguration(ExperimentSettings):
         low=0,
         high=100,
         tag="E",
-        source="nothing can be tracked there any more",
+        source="nothing can be tracked there",
     )
     sweep_step: float = sweep_setting(
         0.25,
         title="Step",
-        help="From one level to the next.",
+        help="Difference between successive levels.",
         above=0,
         high=100,
         tag="E",
-        source="fine enough to tell trackers apart",
+        source="fine enough to distinguish trackers",
     )
     score: str = custom_score_setting(METRICS, group="Experiment")
     mode: str = motion_setting(
         "fixed",
-        title="Who steers",
-        help="On the prescribed path all trackers see the same pictures.",
+        title="Vehicle motion",
+        help="On the prescribed path all trackers see the same images.",
         choices={
-            "fixed": "Nobody: a prescribed path",
-            "free": "The tracker, by way of a PI controller",
+            "fixed": "Prescribed path",
+            "free": "Closed loop: tracker and PI controller",
         },
     )
     path_swing_m: float = motion_setting(
         0.25,
         applies={"mode": ["fixed"]},
-        title="Swing of the path",
-        help="Prescribed path: how far it goes from its middle, ahead and aside; 0 stands still.",
+        title="Path amplitude",
+        help="Prescribed path: amplitude in surge and sway; 0: stationary.",
         unit="m",
         low=0,
         high=1,
         tag="E",
-        source="the target stays in the picture",
+        source="the target stays in the image",
     )
     path_turn_rad: float = motion_setting(
         0.05,
         applies={"mode": ["fixed"]},
-        title="Turn on the path",
-        help="Prescribed path: how far the heading turns; roll and pitch turn 0.6 times as far.",
+        title="Path heading amplitude",
+        help="Prescribed path: amplitude of the heading; roll and pitch have 0.6 times as much.",
         unit="rad",
         low=0,
         high=0.5,
         tag="E",
-        source="a few degrees, as a vehicle in a current",
+        source="a few degrees, like a vehicle in a current",
     )
     path_heave_share: float = motion_setting(
         0.2,
         applies={"mode": ["fixed"]},
-        title="Rise on the path",
-        help="Prescribed path: how far it goes up and down, in shares of the swing; 0 stays level.",
+        title="Path heave ratio",
+        help="Prescribed path: heave amplitude relative to the path amplitude; 0: constant depth.",
         low=0,
         high=1,
         tag="E",
-        source="a vehicle holds its depth better than its place",
+        source="vehicles hold depth better than position",
         advanced=True,
     )
     path_period_s: float = motion_setting(
         5.0,
         applies={"mode": ["fixed"]},
-        title="Period of the path",
-        help="Prescribed path: nominal time of one swing.",
+        title="Path period",
+        help="Prescribed path: nominal period of the oscillation.",
         unit="s",
         low=1,
         high=120,
         tag="E",
-        source="about a station-keeping vehicle's own",
+        source="about that of a station-keeping vehicle",
     )
     current_m_s: float = motion_setting(
         0.15,
         title="Current",
-        help="Free-running vehicle: mean speed of the current that moves it.",
+        help="Closed loop: mean speed of the current.",
         unit="m/s",
         low=0,
         high=1,
         tag="E",
-        source="one that every vehicle can hold",
+        source="every vehicle can hold station in it",
     )
 
     @classmethod
     def applies(cls, name: str) -> Mapping[str, Sequence[str]]:
-        """Return also what matters only where the tracker steers."""
+        """Return also what has an effect only in closed loop."""
         steering = name in STEERING_SETTINGS or group_of(cls.model_fields[name]) in STEERING_GROUPS
         return {**super().applies(name), **({"mode": ("free",)} if steering else {})}
 
     def cross_field_errors(self) -> dict[str, str]:
-        """Return setting -> sentence for the rules between several settings."""
+        """Return setting -> message for the rules between several settings."""
         return self._sweep_errors() | self._path_errors() | super().cross_field_errors()
 
     def _sweep_errors(self) -> dict[str, str]:
@@ -206,7 +209,7 @@ class VisibilityConfiguration(ExperimentSettings):
         span = self.sweep_to - self.sweep_from
         if span <= 0:
             errors["sweep_to"] = (
-                f"sweep_to (Last level) must be above the first level's {self.sweep_from:g}, "
+                f"sweep_to (Last level) must be greater than the first level, {self.sweep_from:g}, "
                 f"not {self.sweep_to:g}."
             )
         elif not multiple(span, self.sweep_step) or span / self.sweep_step >= MAX_LEVELS:
@@ -216,39 +219,39 @@ class VisibilityConfiguration(ExperimentSettings):
             )
         if self.sweep == "fog" and self.water_law != "uwsim":
             errors["water_law"] = (
-                "water_law (Law of the water) must be uwsim when the fog's density is swept."
+                "water_law (Water model) must be uwsim when the levels set the density of the fog."
             )
         if self.sweep in ("turbidity", "fog") and self.water_type != "grey":
             errors["water_type"] = (
-                "water_type (Type of water) must be grey when the levels set the attenuation."
+                "water_type (Water type) must be grey when the levels set the attenuation."
             )
         if self.sweep == "light" and self.sweep_to > DARKEST_STOPS:
             errors["sweep_to"] = (
-                f"sweep_to (Last level) must be at most {DARKEST_STOPS:g} stops when the light is "
-                f"swept, not {self.sweep_to:g}: no camera makes up for more."
+                f"sweep_to (Last level) must be at most {DARKEST_STOPS:g} stops when the light "
+                f"decreases, not {self.sweep_to:g}: no camera compensates for more."
             )
         if self.sweep == "camera_noise" and not 0.8 <= self.sweep_from <= self.sweep_to <= 64:
             errors["sweep_from"] = (
-                "sweep_from (First level) and the last must be from 0.8 to 64 grey for the "
-                "camera's noise: below, rounding to whole grey levels decides."
+                "sweep_from (First level) and the last level must be from 0.8 to 64 grey for "
+                "camera noise: below, rounding to whole grey levels decides which tracker fails."
             )
         return errors
 
     def _path_errors(self) -> dict[str, str]:
-        """Refuse a path on which the target leaves the picture."""
+        """Return setting -> message for a path on which the target leaves the image."""
         room = 0.5 * min(self.camera_width_px, self.camera_height_px)
         per_m = self.camera_focal_px / self.altitude_m
         if self.mode != "fixed" or self.path_swing_m * per_m <= 0.7 * room:
             return {}
         return {
             "path_swing_m": (
-                f"path_swing_m (Swing of the path) must be at most {0.7 * room / per_m:.2f} m at "
-                f"this height, or the target leaves the picture; not {self.path_swing_m:g} m."
+                f"path_swing_m (Path amplitude) must be at most {0.7 * room / per_m:.2f} m at "
+                f"this altitude, or the target leaves the image; not {self.path_swing_m:g} m."
             )
         }
 
     def level_values(self) -> tuple[float, ...]:
-        """Return what the sweep sets at each level."""
+        """Return the value that is set at each level."""
         count = round((self.sweep_to - self.sweep_from) / self.sweep_step) + 1
         return tuple(round(self.sweep_from + i * self.sweep_step, 9) for i in range(count))
 
@@ -262,17 +265,19 @@ class VisibilityConfiguration(ExperimentSettings):
         return SWEEPS.get(self.sweep, unknown)
 
     def headline(self) -> Metric | None:
-        """Return the sweep's own value where it is no optical depth."""
+        """Return the swept quantity if it is not the optical depth."""
         sweep = self._swept()
         if sweep.is_depth:
             return None
         return Metric("failure", "Failure level", sweep.level.unit, "higher")
 
     def unused_columns(self) -> frozenset[str]:
-        """Return what a prescribed path leaves at 0; else what the vehicle does not have."""
+        """Return what a prescribed path leaves at 0; else what the vehicle does not use."""
         if self.mode == "free":
             return super().unused_columns()
-        return frozenset(name for name in NAMES if name.startswith(STEERING) and name not in SEEN)
+        return frozenset(
+            name for name in NAMES if name.startswith(STEERING) and name not in IMAGE_COLUMNS
+        )
 
     def optical_depths(self) -> tuple[float, ...]:
         """Return the optical depth between camera and target at each level."""
@@ -291,7 +296,7 @@ class VisibilityConfiguration(ExperimentSettings):
         return self.optical_depths() if self._swept().is_depth else self.level_values()
 
 
-# What comes with a sweep: values of other settings.
+# Values of other settings that come with a sweep.
 SWEEP_PRESETS: dict[str, dict[str, object]] = {
     "fog": {  # S: the published experiment (visionBenchmarkScene.xml and its launch files)
         "water_law": "uwsim",
@@ -309,7 +314,7 @@ SWEEP_PRESETS: dict[str, dict[str, object]] = {
         "sweep_from": 1.0,
         "sweep_to": 41.0,
         "sweep_step": 2.0,
-        "water_attenuation_1_m": 1.5,  # E: in clear water a good tracker stands any noise
+        "water_attenuation_1_m": 1.5,  # E: in clear water a good tracker tolerates any noise
     },
 }
 
@@ -323,7 +328,7 @@ def _solution_label(config: Mapping[str, object]) -> str:
 
 
 OPTICAL_DEPTH = Metric("optical_depth", "Optical depth", "", "higher")
-# Of the built-in trackers, those that stand on the leaderboard: criterion, warp.
+# Built-in trackers on the leaderboard: criterion, warp.
 RANKED_TRACKERS = (
     ("zncc", "homography"),
     ("zncc", "affine"),
@@ -336,10 +341,10 @@ RANKED_TRACKERS = (
 
 BENCHMARK = Benchmark(
     name="visibility-v1",
-    title="Trackers in water that gets worse",
+    title="Trackers in increasingly turbid water",
     summary=(
-        "Follow a box in the camera's picture while the optical depth of the water rises from 0 "
-        "to 7, 5 s each, until the tracker fails."
+        "Track a box in the camera image while the optical depth of the water rises from 0 to 7, "
+        "5 s per level, until the tracker fails."
     ),
     participants="trackers",
     role="tracker",
@@ -350,9 +355,9 @@ BENCHMARK = Benchmark(
     level_held_unit="optical depth",
     charts=(
         Chart("Corner error", "px", ("tracker_error",)),
-        Chart("The tracker says that it has the target", "1 = yes", ("tracker_ok",)),
-        Chart("Place of the target along X", "px", ("target_x", "tracked_x")),
-        Chart("Place of the target along Y", "px", ("target_y", "tracked_y")),
+        Chart("The tracker reports the target", "1 = yes", ("tracker_ok",)),
+        Chart("Image position of the target along X", "px", ("target_x", "tracked_x")),
+        Chart("Image position of the target along Y", "px", ("target_y", "tracked_y")),
         Chart("Distance to the target", "px", ("distance_px",)),
         Chart("Distance to the station", "m", ("distance",)),
         Chart("Velocity", "m/s", ("u", "v", "w")),
@@ -374,7 +379,7 @@ BENCHMARK = Benchmark(
         "Sensors",
         "Faults",
     ),
-    tables=(Table("All pictures of a level but its first", (OPTICAL_DEPTH, *METRICS, HELD)),),
+    tables=(Table("All images of a level but the first", (OPTICAL_DEPTH, *METRICS, HELD)),),
     curve=Curve(
         metrics=METRICS[:2],
         limit=FAILED_PERCENT,

@@ -84,8 +84,8 @@ def test_a_benchmark_of_controllers_has_no_chart_over_its_levels(site: Site) -> 
 @pytest.mark.parametrize(
     ("config", "shown", "left_out"),
     [
-        ({"tracker": "klt"}, ["Points", "Swing of the path"], ["Similarity", "Current"]),
-        ({"tracker": "kcf", "mode": "free"}, ["Current"], ["Warp", "Swing of the path"]),
+        ({"tracker": "klt"}, ["Points", "Path amplitude"], ["Similarity", "Current"]),
+        ({"tracker": "kcf", "mode": "free"}, ["Current"], ["Warp", "Path amplitude"]),
         ({}, ["Similarity", "Sampling"], ["Points", "Homography as SL(3)"]),
     ],
 )

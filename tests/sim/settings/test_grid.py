@@ -145,7 +145,7 @@ def test_a_point_of_a_grid_has_a_short_name_and_other_levels_have_none() -> None
     config = read(levels=[0, 0.2], loop1="light", loop1_values=[1, 0.25])
 
     assert grid.level_names(config) == ("0 · 1", "0 · 0.25", "0.2 · 1", "0.2 · 0.25")
-    assert grid.axes(config) == "Current [m/s] · Daylight, share of the usual"
+    assert grid.axes(config) == "Current [m/s] · Daylight relative to the standard"
     assert config.at(1).light_level == 0.25
     assert grid.level_names(read()) == ()
 
