@@ -116,7 +116,7 @@ def test_the_metrics_of_a_level_carry_its_point_and_the_held_level_needs_all_its
         (
             {"level_duration_s": 600, "loop1": "repeat", "loop1_values": [3]},
             "loop1_values",
-            "9000 s of simulation; at most 7200 s",
+            "9000 s of simulated time; at most 7200 s",
         ),
     ],
 )

@@ -21,7 +21,7 @@ from seamark.sim.benchmarks.visibility_v1.definition import (
     VisibilityConfiguration,
 )
 from seamark.sim.benchmarks.visibility_v1.experiment import EXPERIMENT, water_at
-from seamark.sim.engine.prescribed_path import Path
+from seamark.sim.engine.prescribed_path import PrescribedPath
 from seamark.sim.engine.trial import TrialResult, run_trial
 from seamark.sim.metrics.metric import over_run
 from seamark.sim.metrics.tracking import (
@@ -315,10 +315,14 @@ def test_what_has_no_part_in_a_prescribed_path_stays_0_and_the_rest_moves() -> N
 
 def test_the_velocities_of_a_path_are_those_of_its_poses() -> None:
     random = np.random.Generator(np.random.PCG64(4))
-    path = Path([1.0, 2.0, 3.0, 0.0, 0.0, 0.4], [0.2] * 3 + [0.1] * 3, period_s=5.0, random=random)
+    path = PrescribedPath(
+        [1.0, 2.0, 3.0, 0.0, 0.0, 0.4], [0.2] * 3 + [0.1] * 3, period_s=5.0, random=random
+    )
     h = 1e-6
 
-    (before, _), (pose, body), (after, _) = (path.at(t) for t in (2.0 - h, 2.0, 2.0 + h))
+    (before, _), (pose, body), (after, _) = (
+        path.pose_and_velocity(t) for t in (2.0 - h, 2.0, 2.0 + h)
+    )
 
     rate = (np.array(after) - before) / (2 * h)
     roll, pitch, yaw = pose[3:]
@@ -338,7 +342,9 @@ def test_a_path_never_leaves_its_amplitudes(t: float, seed: int) -> None:
     amplitudes = np.array([0.25, 0.25, 0.05, 0.03, 0.03, 0.05])
     random = np.random.Generator(np.random.PCG64(seed))
 
-    pose, _ = Path([0.0] * 6, amplitudes.tolist(), period_s=5.0, random=random).at(t)
+    pose, _ = PrescribedPath(
+        [0.0] * 6, amplitudes.tolist(), period_s=5.0, random=random
+    ).pose_and_velocity(t)
 
     assert (np.abs(pose) <= amplitudes + 1e-12).all()
 
