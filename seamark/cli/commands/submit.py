@@ -46,7 +46,7 @@ def submit(  # noqa: PLR0913 (one argument per option is click's way)
     """
     from seamark.cli.configuration import read_settings
     from seamark.cli.solutions import choose
-    from seamark.client import Client, ServerUnavailable, ServerRefused
+    from seamark.client import Client, ServerRefused, ServerUnavailable
 
     name, program = choose(controller, benchmark)
     submission: dict[str, Any] = {

@@ -81,7 +81,7 @@ def test_help_imports_no_heavy_module() -> None:
         (("run", "currents-v1", "--config", "none.toml"), "cannot be read"),
         (("run", "currents-v1", "--seed", "-1"), "--seed"),
         (("token", "new", "nobody"), "There is no account nobody."),
-        (("user", "add", "a"), "A name has"),
+        (("user", "add", "a"), "A name consists of"),
         (("user", "add", "ann", "--password", "short"), "A password has"),
         (("user", "password", "nobody"), "There is no account nobody"),
         (("web",), "SEAMARK_BROKER_URL is not set"),
@@ -141,7 +141,7 @@ def test_accounts_are_imported_from_a_file_and_each_refusal_has_its_reason(tmp_p
     made = {name: len(row["password"]) >= 10 for name, row in rows.items()}
     assert made == {"ann": True, "bob": True, "not a name": False, "Bob": False}
     assert rows["Bob"]["refused"] == "The name Bob is taken."
-    assert rows["not a name"]["refused"].startswith("A name has")
+    assert rows["not a name"]["refused"].startswith("A name consists of")
 
 
 def test_the_scopes_of_tokens_are_those_of_the_server() -> None:
