@@ -48,7 +48,7 @@ def events_of(text: str) -> list[tuple[str, str]]:
 
 
 @pytest.mark.parametrize(("text", "field"), [("NaN", "kp"), ("-1", "kp"), ("1e999", "ki")])
-def test_an_impossible_gain_is_refused_by_its_name(site: Site, text: str, field: str) -> None:
+def test_an_invalid_gain_is_refused_under_its_name(site: Site, text: str, field: str) -> None:
     body = f'{{"benchmark": "currents-v1", "controller": "pi", "config": {{"{field}": {text}}}}}'
 
     answer = site.call("owner", "POST", RUNS, data=body, content_type="application/json")
@@ -58,7 +58,7 @@ def test_an_impossible_gain_is_refused_by_its_name(site: Site, text: str, field:
     assert "from 0 to" in document["errors"][0]["detail"]
 
 
-def test_a_guest_runs_a_built_in_controller_and_finds_it_again(site: Site) -> None:
+def test_a_guest_can_run_a_built_in_controller_and_see_it_later(site: Site) -> None:
     browser = site.client()
 
     ordered = browser.post(RUNS, json={"benchmark": "currents-v1", "controller": "p"})
@@ -68,7 +68,7 @@ def test_a_guest_runs_a_built_in_controller_and_finds_it_again(site: Site) -> No
     assert site.client().get(ordered.headers["Location"]).status_code == 404
 
 
-def test_a_guest_may_not_upload(site: Site) -> None:
+def test_a_guest_cannot_upload_a_program(site: Site) -> None:
     form = {"run": '{"benchmark": "currents-v1"}', "program": (io.BytesIO(b"x"), "c.py")}
 
     answer = site.client().post(RUNS, data=form)
@@ -95,7 +95,7 @@ def test_an_upload_is_queued_under_its_hash(site: Site) -> None:
         (b"#" * (3 * 2**20), 413, "payload-too-large"),
     ],
 )
-def test_a_bad_program_is_refused_before_it_waits(
+def test_an_invalid_program_is_refused_and_not_queued(
     site: Site, source: bytes, status: int, slug: str
 ) -> None:
     answer = site.call("owner", "POST", RUNS, **form_of(source))
@@ -104,7 +104,7 @@ def test_a_bad_program_is_refused_before_it_waits(
     assert site.call("owner", "GET", RUNS).get_json()["runs"] == []
 
 
-def test_the_quota_ends_in_429_with_a_time_to_wait(site: Site) -> None:
+def test_an_exceeded_quota_is_a_429_with_retry_after(site: Site) -> None:
     for _ in range(site.settings.quota_live):
         site.queue()
 
@@ -114,7 +114,7 @@ def test_the_quota_ends_in_429_with_a_time_to_wait(site: Site) -> None:
     assert int(answer.headers["Retry-After"]) > 0
 
 
-def test_a_cookie_alone_changes_nothing_without_the_secret(site: Site) -> None:
+def test_a_cookie_without_the_csrf_token_changes_nothing(site: Site) -> None:
     browser = site.client()
     order = {"benchmark": "currents-v1", "controller": "p"}
     address = browser.post(RUNS, json=order).headers["Location"]
@@ -165,7 +165,7 @@ def test_an_unchanged_run_is_not_sent_twice(site: Site) -> None:
     assert "Retry-After" not in changed.headers
 
 
-def test_the_pages_of_a_list_are_the_list(site: Site) -> None:
+def test_the_pages_of_a_list_hold_each_run_once_in_order(site: Site) -> None:
     made = [site.queue() for _ in range(5)]
 
     first = site.call("owner", "GET", f"{RUNS}?limit=3").get_json()
@@ -176,7 +176,7 @@ def test_the_pages_of_a_list_are_the_list(site: Site) -> None:
     assert second["next"] is None
 
 
-def test_the_hidden_seeds_of_a_ranked_run_are_shown_to_nobody(site: Site) -> None:
+def test_the_hidden_seeds_of_a_ranked_run_are_never_shown(site: Site) -> None:
     run_id = site.succeeded(kind="ranked")
 
     shown = [
@@ -189,7 +189,7 @@ def test_the_hidden_seeds_of_a_ranked_run_are_shown_to_nobody(site: Site) -> Non
     assert "seed hidden" in shown[2]
 
 
-def test_events_go_on_after_the_last_one_that_was_seen(site: Site) -> None:
+def test_events_resume_after_the_last_event_id(site: Site) -> None:
     run_id = site.queue()
     for progress in (0.1, 0.2, 0.3):
         live_events.append(site.services.redis, run_id, live_events.STATE, {"progress": progress})
@@ -205,7 +205,7 @@ def test_events_go_on_after_the_last_one_that_was_seen(site: Site) -> None:
     assert site.services.fanout.open_streams == 0
 
 
-def test_a_run_that_has_ended_is_told_again_from_its_files(site: Site) -> None:
+def test_the_events_of_an_ended_run_are_replayed_from_its_files(site: Site) -> None:
     run_id = site.recorded()
 
     answer = site.call("owner", "GET", f"{RUNS}/{run_id}/events")
@@ -215,7 +215,7 @@ def test_a_run_that_has_ended_is_told_again_from_its_files(site: Site) -> None:
     assert kinds == ["telemetry", "log", "state", "end"]
 
 
-def test_a_stream_too_many_is_sent_away_with_a_time(site: Site) -> None:
+def test_a_stream_beyond_the_limit_is_refused(site: Site) -> None:
     run_id = site.queue()
     fanout = live_events.Fanout(site.services.redis, streams_max=1)
     waiting = fanout.subscribe(run_id)
@@ -229,7 +229,7 @@ def test_a_stream_too_many_is_sent_away_with_a_time(site: Site) -> None:
     fanout.close()
 
 
-def test_telemetry_comes_the_same_in_every_form_also_while_it_runs(site: Site) -> None:
+def test_telemetry_is_the_same_in_every_format_while_the_run_is_running(site: Site) -> None:
     run_id = site.queue_program()
     site.record(run_id, rows=700)
     path = f"{RUNS}/{run_id}"
@@ -244,7 +244,7 @@ def test_telemetry_comes_the_same_in_every_form_also_while_it_runs(site: Site) -
     assert later.headers["X-Next-Row"] == "700"
 
 
-def test_the_log_is_read_in_pieces(site: Site) -> None:
+def test_the_log_is_read_from_an_offset(site: Site) -> None:
     path = f"{RUNS}/{site.recorded()}/log"
 
     first = site.call("owner", "GET", path)
@@ -258,7 +258,7 @@ def test_the_log_is_read_in_pieces(site: Site) -> None:
     values=st.lists(st.floats(-1e6, 1e6), min_size=1, max_size=400),
     max_points=st.integers(2, 60),
 )
-def test_thinning_keeps_the_extremes_and_never_more_than_asked(
+def test_thinning_keeps_the_extremes_and_at_most_the_requested_points(
     values: list[float], max_points: int
 ) -> None:
     column = np.array(values)[:, np.newaxis]
@@ -271,7 +271,7 @@ def test_thinning_keeps_the_extremes_and_never_more_than_asked(
     assert (thinned.min(), thinned.max()) == (column.min(), column.max())
 
 
-def test_a_ranked_public_run_stands_on_the_leaderboard_in_both_forms(site: Site) -> None:
+def test_a_published_ranked_run_is_on_the_leaderboard_as_json_and_csv(site: Site) -> None:
     run_id = site.succeeded(kind="ranked", title="=1+1")
     assert site.call("owner", "POST", f"{RUNS}/{run_id}/publish").status_code == 200
     path = "/api/v1/leaderboards/currents-v1"
@@ -297,7 +297,7 @@ def test_the_service_is_alive_but_not_ready_without_a_worker(site: Site) -> None
     assert 'seamark_runs{state="queued"} 0.0' in site.client().get("/metrics").text
 
 
-def test_a_failed_run_says_why(site: Site) -> None:
+def test_a_failed_run_shows_its_cause(site: Site) -> None:
     detail = {"title": "It stopped", "sentence": "Because.", "remedy": "Mend it."}
     run_id = site.failed(**detail)
 
@@ -307,7 +307,7 @@ def test_a_failed_run_says_why(site: Site) -> None:
     assert shown["state"] == "failed"
 
 
-def test_a_data_set_holds_a_picture_for_every_chosen_row(site: Site) -> None:
+def test_a_data_set_holds_an_image_for_every_selected_row(site: Site) -> None:
     run_id = site.recorded()
 
     answer = site.call("owner", "GET", f"{RUNS}/{run_id}/dataset.zip?every=10&begin=0.5")
@@ -326,7 +326,7 @@ def test_a_data_set_holds_a_picture_for_every_chosen_row(site: Site) -> None:
         ("trial=3", 404, "not-found"),
     ],
 )
-def test_a_data_set_without_pictures_is_refused(
+def test_a_data_set_without_images_is_refused(
     site: Site, query: str, status: int, slug: str
 ) -> None:
     answer = site.call("owner", "GET", f"{RUNS}/{site.recorded()}/dataset.zip?{query}")

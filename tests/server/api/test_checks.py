@@ -21,7 +21,7 @@ def sent(
     return site.call(role, "POST", CHECKS, data=form)
 
 
-def test_what_the_text_shows_is_answered_at_once_with_its_lines(site: Site) -> None:
+def test_errors_of_the_source_are_reported_at_once_with_their_lines(site: Site) -> None:
     program = b"class Controller:\n    def __init__(self): ...\n    def step(self): ...\n"
 
     answer = sent(site, program)
@@ -33,14 +33,14 @@ def test_what_the_text_shows_is_answered_at_once_with_its_lines(site: Site) -> N
     assert "write step(self, observation)" in document["problems"][1]["sentence"]
 
 
-def test_the_files_of_an_archive_are_named(site: Site) -> None:
+def test_a_problem_in_an_archive_names_its_file(site: Site) -> None:
     answer = sent(site, beside_main(Entry(b"law/pid.py", b"def f(:\n")), "mine.zip")
 
     [problem] = answer.get_json()["problems"]
     assert (problem["file"], problem["line"]) == ("law/pid.py", 1)
 
 
-def test_without_a_worker_the_answer_is_to_be_fetched_later(site: Site) -> None:
+def test_without_a_worker_a_check_is_queued_and_can_be_polled(site: Site) -> None:
     answer = sent(site, PROGRAM)
 
     assert (answer.status_code, answer.get_json()["state"]) == (202, "queued")
@@ -60,7 +60,7 @@ def test_without_a_worker_the_answer_is_to_be_fetched_later(site: Site) -> None:
         ({"program": b""}, 422, "upload-rejected"),
     ],
 )
-def test_what_cannot_be_checked_is_refused_in_words(
+def test_an_invalid_check_is_refused_as_a_problem(
     site: Site, wishes: dict[str, object], status: int, kind: str
 ) -> None:
     answer = sent(site, **({"program": PROGRAM} | wishes))  # type: ignore[arg-type]
@@ -68,7 +68,7 @@ def test_what_cannot_be_checked_is_refused_in_words(
     assert (answer.status_code, answer.get_json()["type"]) == (status, f"/problems/{kind}")
 
 
-def test_a_check_is_in_no_list(site: Site) -> None:
+def test_a_check_is_not_in_the_list_of_runs(site: Site) -> None:
     sent(site, PROGRAM)
 
     assert site.call("owner", "GET", "/api/v1/runs").get_json()["runs"] == []

@@ -14,7 +14,7 @@ LENIENT = {"negative_data_rejection", "positive_data_acceptance", "ignored_auth"
 
 
 @pytest.mark.slow
-def test_every_answer_is_one_that_the_document_describes(site: Site) -> None:
+def test_every_response_matches_the_openapi_document(site: Site) -> None:
     site.publish(site.recorded())
     site.queue()
     schema = schemathesis.openapi.from_wsgi("/api/v1/openapi.json", site.app)

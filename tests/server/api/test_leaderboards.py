@@ -23,7 +23,7 @@ def _fill(site: Site) -> None:
             session.add(row)
 
 
-def test_a_csv_has_all_ranks_unless_it_is_told_how_many(site: Site) -> None:
+def test_a_csv_has_all_ranks_unless_it_is_limited(site: Site) -> None:
     _fill(site)
 
     whole = site.call("guest", "GET", f"{PATH}?format=csv").text

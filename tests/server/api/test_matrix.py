@@ -87,16 +87,16 @@ def statuses(site: Site, role: str) -> dict[tuple[str, str], int]:
     return found
 
 
-def test_every_route_of_the_interface_has_an_expectation(site: Site) -> None:
+def test_every_route_of_the_api_has_a_row_in_the_table(site: Site) -> None:
     assert routes_of(site) == set(TABLE)
 
 
 @pytest.mark.parametrize("role", ROLES)
-def test_each_role_may_do_what_the_table_says_and_nothing_else(site: Site, role: str) -> None:
+def test_each_role_gets_the_statuses_of_the_table(site: Site, role: str) -> None:
     expected = {route: row[2][ROLES.index(role)] for route, row in TABLE.items()}
 
     assert statuses(site, role) == expected
 
 
-def test_an_expired_token_opens_nothing(site: Site) -> None:
+def test_an_expired_token_is_refused_everywhere(site: Site) -> None:
     assert set(statuses(site, "expired").values()) == {401}

@@ -29,19 +29,19 @@ OF_PUBLIC_RUN = {
 
 
 @pytest.mark.parametrize("path", OPEN)
-def test_open_pages_are_shown_to_everybody(site: Site, path: str) -> None:
+def test_public_pages_are_shown_to_everybody(site: Site, path: str) -> None:
     assert {site.browser(role).get(path).status_code for role in ROLES} == {200}
 
 
 @pytest.mark.parametrize("asked", OF_PRIVATE_RUN, ids=" ".join)
-def test_a_private_run_is_nothing_to_others(site: Site, asked: tuple[str, str]) -> None:
+def test_a_private_run_does_not_exist_for_others(site: Site, asked: tuple[str, str]) -> None:
     run_id = site.succeeded("ann")
 
     assert _answers(site, asked, run_id, "ann") == OF_PRIVATE_RUN[asked]
 
 
 @pytest.mark.parametrize("asked", OF_PUBLIC_RUN, ids=" ".join)
-def test_a_public_run_is_shown_to_all_and_changed_by_its_owner(
+def test_a_public_run_is_visible_to_all_but_changed_only_by_its_owner(
     site: Site, asked: tuple[str, str]
 ) -> None:
     run_id = site.published("eva")
@@ -81,7 +81,7 @@ def test_nothing_is_changed_by_get(site: Site, action: str) -> None:
 @pytest.mark.parametrize(
     "path", ["/tokens", "/tokens/1/revoke", "/sign-out", "/submit/currents-v1"]
 )
-def test_a_post_without_the_secret_is_refused(site: Site, path: str) -> None:
+def test_a_post_without_the_csrf_token_is_refused(site: Site, path: str) -> None:
     answer = site.browser("ann").client.post(path, data={"name": "x", "scopes": "read"})
 
     assert answer.status_code == 403
@@ -89,7 +89,7 @@ def test_a_post_without_the_secret_is_refused(site: Site, path: str) -> None:
 
 
 @pytest.mark.parametrize("name", ["cancel", "publish", "withdraw", "rerun"])
-def test_a_run_is_not_changed_without_the_secret(site: Site, name: str) -> None:
+def test_a_run_is_not_changed_without_the_csrf_token(site: Site, name: str) -> None:
     run_id = site.succeeded("ann")
 
     answer = site.browser("ann").client.post(f"/runs/{run_id}/{name}")
@@ -97,7 +97,7 @@ def test_a_run_is_not_changed_without_the_secret(site: Site, name: str) -> None:
     assert (answer.status_code, site.show(run_id).public) == (403, False)
 
 
-def test_the_api_refuses_a_cookie_without_the_secret(site: Site) -> None:
+def test_the_api_refuses_a_cookie_without_the_csrf_token(site: Site) -> None:
     run_id = site.succeeded("ann")
 
     answer = site.browser("ann").client.post(f"/api/v1/runs/{run_id}/publish")
@@ -105,7 +105,7 @@ def test_the_api_refuses_a_cookie_without_the_secret(site: Site) -> None:
     assert (answer.status_code, site.show(run_id).public) == (403, False)
 
 
-def test_only_an_admin_sees_the_runs_of_others_in_the_list(site: Site) -> None:
+def test_only_an_admin_sees_private_runs_of_others_in_the_list(site: Site) -> None:
     run_id = site.succeeded("ann", title="secret plan")
 
     seen = {role: "secret plan" in site.browser(role).get("/runs/?of=all").text for role in ROLES}

@@ -43,7 +43,7 @@ def test_the_right_password_signs_in(site: Site) -> None:
 @pytest.mark.parametrize(
     "wanted", ["https://evil.example/", "//evil.example", "/\\evil.example", "\\\\evil.example", ""]
 )
-def test_signing_up_never_leads_to_another_site(site: Site, wanted: str) -> None:
+def test_signing_up_never_redirects_to_another_site(site: Site, wanted: str) -> None:
     form = {"name": "cleo", "password": WORDS, "next": wanted}
 
     assert site.browser().post("/sign-up", form).headers["Location"] == "/"
@@ -61,7 +61,7 @@ def test_a_refused_account_says_why_and_keeps_the_name(
     assert 'role="alert"' in answer.text
 
 
-def test_guessing_passwords_is_slowed_down(site: Site) -> None:
+def test_guessing_passwords_is_rate_limited(site: Site) -> None:
     browser = site.browser()
 
     answers = [browser.post("/sign-in", {"name": "ann", "password": "x"}) for _ in range(11)]
@@ -93,14 +93,14 @@ def test_a_token_of_another_cannot_be_revoked(site: Site) -> None:
     assert site.browser("ben").post(f"/tokens/{token_id}/revoke").status_code == 404
 
 
-def test_nobody_but_an_admin_can_give_a_token_the_rights_of_one(site: Site) -> None:
+def test_only_an_admin_can_create_a_token_with_admin_scope(site: Site) -> None:
     answer = site.browser("ann").post("/tokens", {"name": "x", "scopes": ["admin"]})
 
     assert answer.status_code == 422
     assert "at least one scope" in answer.text
 
 
-def test_the_cookie_is_out_of_reach_of_scripts_and_other_sites(site: Site) -> None:
+def test_the_cookie_is_http_only_and_same_site(site: Site) -> None:
     answer = site.browser().post("/sign-up", {"name": "cleo", "password": WORDS})
 
     cookie = answer.headers["Set-Cookie"]
@@ -108,7 +108,7 @@ def test_the_cookie_is_out_of_reach_of_scripts_and_other_sites(site: Site) -> No
     assert "SameSite=Lax" in cookie
 
 
-def test_what_a_guest_ran_is_the_users_after_sign_up_and_after_sign_in(site: Site) -> None:
+def test_the_runs_of_a_guest_move_to_the_account_at_sign_up_and_sign_in(site: Site) -> None:
     browser = site.browser()
     order = {"controller": "pi"}
     browser.post("/submit/currents-v1", order)
@@ -126,7 +126,7 @@ def test_what_a_guest_ran_is_the_users_after_sign_up_and_after_sign_in(site: Sit
     assert "#1" in browser.get("/runs/").text
 
 
-def test_nobody_gets_the_runs_of_another_guest(site: Site) -> None:
+def test_an_account_does_not_get_the_runs_of_another_guest(site: Site) -> None:
     site.browser().post("/submit/currents-v1", {"controller": "pi"})
 
     other = site.browser()
@@ -135,7 +135,7 @@ def test_nobody_gets_the_runs_of_another_guest(site: Site) -> None:
     assert site.show(1).user_id is None
 
 
-def test_a_new_password_is_the_only_one_and_other_browsers_are_out(site: Site) -> None:
+def test_a_new_password_replaces_the_old_one_and_signs_other_browsers_out(site: Site) -> None:
     own, other = site.browser(), site.browser()
     own.post("/sign-up", {"name": "cleo", "password": WORDS})
     other.post("/sign-in", {"name": "cleo", "password": WORDS})
@@ -157,7 +157,7 @@ def test_a_new_password_is_the_only_one_and_other_browsers_are_out(site: Site) -
         (WORDS, "short", "A password has"),
     ],
 )
-def test_a_password_is_not_changed_without_the_old_one_or_to_a_bad_one(
+def test_a_password_change_needs_the_old_password_and_a_valid_new_one(
     site: Site, old: str, new: str, says: str
 ) -> None:
     browser = site.browser()
@@ -170,5 +170,5 @@ def test_a_password_is_not_changed_without_the_old_one_or_to_a_bad_one(
     assert again.status_code == 302
 
 
-def test_who_is_not_signed_in_has_no_password_to_change(site: Site) -> None:
+def test_a_visitor_who_is_not_signed_in_cannot_change_a_password(site: Site) -> None:
     assert site.browser().post("/password", {"old": "", "new": WORDS}).status_code == 404

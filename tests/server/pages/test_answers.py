@@ -8,7 +8,7 @@ from tests.server.pages.conftest import Site
 
 
 @pytest.mark.parametrize("path", ["/", "/nope", "/static/css/base.css", "/api/v1/benchmarks"])
-def test_every_answer_forbids_inline_code_frames_and_guessing(site: Site, path: str) -> None:
+def test_every_response_has_the_security_headers(site: Site, path: str) -> None:
     with site.browser().get(path) as answer:
         headers = answer.headers
 
@@ -54,7 +54,7 @@ def test_no_page_has_inline_code_or_loads_from_elsewhere(site: Site, path: str) 
         f"/runs/{10**40}",
     ],
 )
-def test_what_does_not_exist_is_a_page_that_says_so(site: Site, path: str) -> None:
+def test_what_does_not_exist_gives_a_404_page(site: Site, path: str) -> None:
     answer = site.browser().get(path)
 
     assert answer.status_code == 404
@@ -62,19 +62,19 @@ def test_what_does_not_exist_is_a_page_that_says_so(site: Site, path: str) -> No
 
 
 @pytest.mark.parametrize("path", ["/runs/?after={}", "/submit/currents-v1?from={}"])
-def test_a_number_that_no_row_can_have_is_passed_over(site: Site, path: str) -> None:
+def test_a_number_that_no_row_can_have_is_ignored(site: Site, path: str) -> None:
     answer = site.browser("ann").get(path.format(10**40))
 
     assert answer.status_code == 200
 
 
-def test_a_program_gets_errors_as_problem_documents(site: Site) -> None:
+def test_the_api_reports_errors_as_problem_documents(site: Site) -> None:
     answer = site.browser().get("/api/v1/runs/999")
 
     assert (answer.status_code, answer.mimetype) == (404, "application/problem+json")
 
 
-def test_a_published_ranked_run_stands_on_the_leaderboard_and_a_private_one_does_not(
+def test_a_published_ranked_run_is_on_the_leaderboard_and_a_private_one_is_not(
     site: Site,
 ) -> None:
     site.published("ann", kind="ranked")
@@ -95,7 +95,7 @@ def test_overlapping_intervals_share_the_rank(site: Site) -> None:
     assert "not significant" in page
 
 
-def test_the_pages_of_the_leaderboard_follow_each_other(site: Site) -> None:
+def test_the_next_page_of_the_leaderboard_starts_after_the_cursor(site: Site) -> None:
     site.published("ann", kind="ranked")
     site.published("ben", kind="ranked")
     with site.database.reading() as session:
@@ -121,11 +121,11 @@ def test_my_runs_are_filtered_by_state(site: Site) -> None:
     [(0.01234, "0.0123"), (1234.5, "1\u202f234"), (0, "0"), (-2.5, "−2.50"), (None, "–"),
      (float("nan"), "–"), (True, "yes"), (1e-7, "1e−07"), ([0, 0.1], "0, 0.100")],
 )  # fmt: skip
-def test_numbers_are_written_for_people(value: object, text: str) -> None:
+def test_numbers_are_formatted_for_people(value: object, text: str) -> None:
     assert number(value) == text
 
 
-def test_sizes_and_times_are_written_for_people() -> None:
+def test_sizes_and_durations_are_formatted_for_people() -> None:
     assert (size(2 * 2**20), size(300), duration(75), duration(3720)) == (
         "2 MiB",
         "300 bytes",
@@ -134,7 +134,7 @@ def test_sizes_and_times_are_written_for_people() -> None:
     )
 
 
-def test_an_admin_finds_the_runs_of_one_user_and_takes_them_home(site: Site) -> None:
+def test_an_admin_can_filter_runs_by_user_and_download_them(site: Site) -> None:
     site.succeeded("ann", title="=first")
     site.succeeded("ben", title="second")
     admin = site.browser("root")

@@ -16,21 +16,21 @@ def _number_schema(kind: str) -> dict[str, object]:
 
 
 @given(value=finite)
-def test_a_number_survives_being_shown_and_read(value: float) -> None:
+def test_a_number_shown_in_a_field_is_read_back_unchanged(value: float) -> None:
     shown = form_fields.text_of(value)
 
     assert form_fields.read(_number_schema("number"), {"x": shown}) == {"x": value}
 
 
 @given(values=st.lists(finite, min_size=1, max_size=12))
-def test_a_list_survives_being_shown_and_read(values: list[float]) -> None:
+def test_a_list_shown_in_a_field_is_read_back_unchanged(values: list[float]) -> None:
     shown = form_fields.text_of(values)
 
     assert form_fields.read(_number_schema("array"), {"x": shown}) == {"x": values}
 
 
 @given(text=st.text())
-def test_no_text_breaks_the_reading_of_a_form(text: str) -> None:
+def test_any_text_can_be_read_from_a_form(text: str) -> None:
     form = dict.fromkeys(SCHEMA["properties"], text)
 
     values = form_fields.read(SCHEMA, form)
@@ -38,7 +38,7 @@ def test_no_text_breaks_the_reading_of_a_form(text: str) -> None:
     assert set(values) == set(SCHEMA["properties"])
 
 
-def test_the_untouched_form_gives_the_defaults_of_each_vehicle() -> None:
+def test_an_unchanged_form_gives_the_defaults_of_each_vehicle() -> None:
     benchmark = registry.benchmark("currents-v1")
 
     for vehicle in registry.VEHICLES:
@@ -51,7 +51,7 @@ def test_the_untouched_form_gives_the_defaults_of_each_vehicle() -> None:
         assert read == benchmark.read({"vehicle": vehicle})
 
 
-def test_a_checkbox_that_is_not_ticked_is_false_only_if_the_form_had_it() -> None:
+def test_an_unticked_checkbox_is_false_only_if_the_form_had_it() -> None:
     schema = {"properties": {"x": {"type": "boolean", "default": True}}}
 
     assert form_fields.read(schema, {}) == {}
@@ -67,7 +67,7 @@ def test_groups_follow_the_order_given() -> None:
     assert tuple(titles[:2]) == order
 
 
-def test_a_setting_applies_only_with_the_choices_that_look_at_it() -> None:
+def test_a_setting_applies_only_with_the_choices_that_use_it() -> None:
     entry = {"x-applies": {"tracker": ["esm", "visp"], "warp": ["homography"]}}
 
     assert form_fields.is_applicable(entry, {"tracker": "visp", "warp": "homography"})

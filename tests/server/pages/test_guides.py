@@ -24,7 +24,7 @@ def _status(browser: Browser, address: str) -> int:
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_a_page_is_in_the_list_and_all_its_links_lead_somewhere(site: Site, name: str) -> None:
+def test_a_guide_is_listed_and_its_links_work(site: Site, name: str) -> None:
     browser = site.browser()
     address = f"/docs/guides/{name}"
     assert f'href="{address}"' in browser.get("/docs/start").text
@@ -46,11 +46,11 @@ def test_a_page_is_in_the_list_and_all_its_links_lead_somewhere(site: Site, name
 
 
 @pytest.mark.parametrize("name", ["nothing.md", "../README.md", "figures", "figures/nothing.png"])
-def test_what_is_no_page_is_not_found(site: Site, name: str) -> None:
+def test_a_path_that_is_no_guide_is_not_found(site: Site, name: str) -> None:
     assert site.browser().get(f"/docs/guides/{name}").status_code == 404
 
 
-def test_raw_html_in_a_page_is_text() -> None:
+def test_raw_html_in_a_guide_is_escaped() -> None:
     assert guides._markdown().render("<b>bold</b>") == "<p>&lt;b&gt;bold&lt;/b&gt;</p>\n"
 
 

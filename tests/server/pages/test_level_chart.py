@@ -30,7 +30,7 @@ def _rows(trial: int, errors_px: list[float]) -> np.ndarray:
     return rows
 
 
-def test_the_chart_grows_by_the_levels_that_are_over(site: Site) -> None:
+def test_the_chart_grows_by_the_completed_levels(site: Site) -> None:
     claim = site.running("ann", **VISIBILITY)
     files = RunFiles(site.settings.data, claim.run_id, claim.attempt)
     before = _curve(site, claim.run_id)
@@ -45,7 +45,7 @@ def test_the_chart_grows_by_the_levels_that_are_over(site: Site) -> None:
     assert during["mark"] is None
 
 
-def test_the_chart_of_a_live_run_is_the_mean_over_its_trials_and_marks_the_failure_so_far(
+def test_the_chart_of_a_running_run_is_the_mean_of_its_trials_and_marks_the_failure_so_far(
     site: Site,
 ) -> None:
     claim = site.running("ann", **VISIBILITY, trials=2)
@@ -77,7 +77,7 @@ def test_the_chart_of_a_run_that_ended_shows_its_metrics_and_marks_its_score(sit
     assert "τ50, where p@5 falls below 50 %, is 0.50." in curve["sentence"]
 
 
-def test_a_benchmark_of_controllers_has_no_chart_over_its_levels(site: Site) -> None:
+def test_a_benchmark_of_controllers_has_no_level_chart(site: Site) -> None:
     assert _curve(site, site.succeeded("ann")) is None
 
 
@@ -89,7 +89,7 @@ def test_a_benchmark_of_controllers_has_no_chart_over_its_levels(site: Site) -> 
         ({}, ["Similarity", "Sampling"], ["Points", "Homography as SL(3)"]),
     ],
 )
-def test_the_options_of_a_run_are_those_that_did_anything(
+def test_the_page_of_a_run_lists_the_options_that_applied(
     site: Site, config: dict[str, object], shown: list[str], left_out: list[str]
 ) -> None:
     run_id = site.queue("ann", **VISIBILITY, config=config)

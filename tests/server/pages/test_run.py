@@ -20,7 +20,7 @@ def _page(site: Site, run_id: int, role: str = "ann") -> str:
     return site.browser(role).get(f"/runs/{run_id}").text
 
 
-def test_a_waiting_run_shows_its_place_and_why_it_waits(site: Site) -> None:
+def test_a_queued_run_shows_its_position_and_why_it_waits(site: Site) -> None:
     site.queue("ben")
     run_id = site.queue("ann")
 
@@ -62,7 +62,7 @@ def test_a_failed_run_shows_cause_remedy_traceback_log_and_time(site: Site) -> N
     assert [text for text in ("user_error", *expected) if text not in page] == []
 
 
-def test_hostile_names_logs_and_tracebacks_stay_text(site: Site) -> None:
+def test_hostile_names_logs_and_tracebacks_are_escaped(site: Site) -> None:
     claim = site.running("ann", title=HOSTILE)
     run_id = claim.run_id
     RunFiles(site.settings.data, run_id, claim.attempt).append_log(HOSTILE.encode())
@@ -78,7 +78,7 @@ def test_hostile_names_logs_and_tracebacks_stay_text(site: Site) -> None:
     assert pages[0].count("&lt;script&gt;alert(1)") >= 6
 
 
-def test_the_data_for_scripts_cannot_leave_its_element(site: Site) -> None:
+def test_the_data_for_scripts_cannot_break_out_of_its_element(site: Site) -> None:
     run_id = site.queue("ann", title="</script><script>alert(1)</script>")
 
     page = _page(site, run_id)
@@ -89,7 +89,7 @@ def test_the_data_for_scripts_cannot_leave_its_element(site: Site) -> None:
     assert "</script><script>alert" not in page
 
 
-def test_cancelling_a_waiting_run_ends_it_and_tells_the_open_pages(
+def test_cancelling_a_queued_run_ends_it_and_notifies_open_pages(
     site: Site, redis_url: str
 ) -> None:
     run_id = site.queue("ann")
@@ -115,7 +115,7 @@ def test_publishing_shows_the_run_to_everybody_and_withdrawing_hides_it(site: Si
 
 
 @pytest.mark.parametrize("state", ["running", "cancelled"])
-def test_data_so_far_is_offered_in_every_state(site: Site, state: str) -> None:
+def test_the_data_so_far_can_be_downloaded_in_every_state(site: Site, state: str) -> None:
     claim = site.running("ann")
     run_id = claim.run_id
     RunFiles(site.settings.data, run_id, claim.attempt).append_rows(np.zeros((3, WIDTH)))

@@ -59,7 +59,7 @@ def test_a_wrong_gain_is_explained_at_its_field_and_all_values_are_kept(site: Si
 
 
 @pytest.mark.parametrize("text", ["abc", "nan", "1e999", "", "0,5"])
-def test_what_is_no_number_is_refused_with_a_sentence(site: Site, text: str) -> None:
+def test_a_value_that_is_no_number_is_refused_with_a_message(site: Site, text: str) -> None:
     answer = site.browser().post(FORM, {"controller": "pi", "kp": text})
 
     assert answer.status_code == 422
@@ -94,13 +94,13 @@ def test_a_comma_in_a_number_is_explained(site: Site) -> None:
     assert "Use a decimal point: 0.5." in answer.text
 
 
-def test_a_vehicle_brings_its_defaults_also_without_javascript(site: Site) -> None:
+def test_choosing_a_vehicle_sets_its_defaults_without_javascript(site: Site) -> None:
     page = site.browser().get(f"{FORM}?vehicle=girona500-uwsim").text
 
     assert re.search(r'<option value="force" selected>', page)
 
 
-def test_a_form_can_begin_with_the_configuration_of_a_run(site: Site) -> None:
+def test_a_form_can_start_from_the_configuration_of_a_run(site: Site) -> None:
     run_id = site.succeeded("ann", config={"kp": 1.25})
 
     own = site.browser("ann").get(f"{FORM}?from={run_id}").text
@@ -119,7 +119,7 @@ def test_an_uploaded_file_is_queued(site: Site) -> None:
     assert (run.program_name, run.language, run.state) == ("mine.py", "python", "queued")
 
 
-def test_a_program_of_the_editor_is_queued(site: Site) -> None:
+def test_a_program_from_the_editor_is_queued(site: Site) -> None:
     wishes = {"controller": "upload", "source": "editor", "program_text": PROGRAM}
 
     assert site.show(_new_run(site.browser("ann"), **wishes)).program_name == "controller.py"
@@ -141,7 +141,7 @@ def test_the_editor_takes_other_languages_and_the_page_has_their_templates(
     )
 
 
-def test_a_language_that_nobody_knows_is_refused(site: Site) -> None:
+def test_an_unknown_language_is_refused(site: Site) -> None:
     wishes = {"controller": "upload", "source": "editor", "program_text": "x", "language": "ada"}
 
     answer = site.browser("ann").post(FORM, wishes)
@@ -162,7 +162,7 @@ def test_a_syntax_error_names_the_line_and_the_text_is_kept(site: Site) -> None:
     assert "def step(self, observation)\n        return 1" in answer.text
 
 
-def test_a_guest_may_not_upload(site: Site) -> None:
+def test_a_guest_cannot_upload_a_program(site: Site) -> None:
     file = (io.BytesIO(PROGRAM.encode()), "mine.py")
 
     answer = site.browser().post(FORM, {"controller": "upload", "program": file})
@@ -171,7 +171,7 @@ def test_a_guest_may_not_upload(site: Site) -> None:
     assert "needs an account" in answer.text
 
 
-def test_nine_megabytes_are_refused_with_the_limit_in_a_sentence(site: Site) -> None:
+def test_an_upload_of_nine_megabytes_is_refused_with_the_limit(site: Site) -> None:
     head = b'--x\r\nContent-Disposition: form-data; name="program"; filename="big.py"\r\n\r\n'
     body = head + b"#" * 9_000_000 + b"\r\n--x--\r\n"
 
@@ -192,7 +192,7 @@ def test_a_ranked_run_has_the_scenario_of_the_benchmark(site: Site) -> None:
     assert (run.config["kp"], run.config["level_duration_s"]) == (0.9, 120.0)
 
 
-def test_a_used_up_quota_is_said_on_the_form(site: Site) -> None:
+def test_an_exceeded_quota_is_reported_on_the_form(site: Site) -> None:
     for _ in range(site.settings.quota_live):
         site.queue("ann")
 
@@ -202,7 +202,7 @@ def test_a_used_up_quota_is_said_on_the_form(site: Site) -> None:
     assert "which is the limit" in answer.text
 
 
-def test_running_again_makes_a_new_run_of_the_same_order(site: Site) -> None:
+def test_a_rerun_has_the_same_configuration_and_seed(site: Site) -> None:
     first = site.succeeded("ann", config={"kp": 0.4}, seed=11)
 
     answer = site.browser("ann").post(f"/runs/{first}/rerun")
@@ -227,7 +227,7 @@ def _refused(site: Site, name: str = "ann", **answers: object) -> str:
     return answer.text
 
 
-def test_a_file_is_not_lost_when_another_field_is_wrong(site: Site) -> None:
+def test_an_uploaded_file_is_kept_when_another_field_is_invalid(site: Site) -> None:
     page = _refused(site)
 
     again = {"controller": "upload", "source": "file", "kept_program": _kept(page)}
@@ -237,7 +237,7 @@ def test_a_file_is_not_lost_when_another_field_is_wrong(site: Site) -> None:
     assert (run.program_name, run.language) == ("mine.py", "python")
 
 
-def test_a_kept_file_is_its_senders_alone_and_cannot_be_made_up(site: Site) -> None:
+def test_a_kept_file_belongs_to_its_sender_and_cannot_be_forged(site: Site) -> None:
     kept = _kept(_refused(site))
 
     for name, text in (("ben", kept), ("ann", kept[:-2] + "xx"), ("ann", "e30.x.y")):
@@ -247,7 +247,7 @@ def test_a_kept_file_is_its_senders_alone_and_cannot_be_made_up(site: Site) -> N
         assert (answer.status_code, "Choose a file" in answer.text) == (422, True)
 
 
-def test_a_wrong_file_and_a_wrong_field_are_said_together(site: Site) -> None:
+def test_an_invalid_file_and_an_invalid_field_are_reported_together(site: Site) -> None:
     page = _refused(site, program=(io.BytesIO(b"def f(:"), "mine.py"))
 
     assert "mine.py, line 1: invalid syntax" in page

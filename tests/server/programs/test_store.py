@@ -16,7 +16,7 @@ def _store(source: bytes, data: Path, name: str = "mine.py") -> store.StoredProg
     return store.save_upload(BytesIO(source), name, limit=1000, data=data)
 
 
-def test_a_program_is_kept_under_its_hash_and_once(tmp_path: Path) -> None:
+def test_a_program_is_stored_once_under_its_hash(tmp_path: Path) -> None:
     first, second = _store(GOOD, tmp_path), _store(GOOD, tmp_path, "other.py")
 
     assert first.sha256 == second.sha256
@@ -42,7 +42,7 @@ def test_a_program_is_kept_under_its_hash_and_once(tmp_path: Path) -> None:
         (b"(" * 900 + GOOD, "a.py", "line 1|cannot be parsed"),
     ],
 )
-def test_an_upload_that_breaks_a_rule_is_refused_in_words(
+def test_an_upload_that_breaks_a_rule_is_refused_with_a_message(
     tmp_path: Path, source: bytes, name: str, says: str
 ) -> None:
     with pytest.raises(UploadRejected, match=says):
@@ -58,11 +58,11 @@ def test_the_language_is_that_of_the_suffix(tmp_path: Path, name: str, language:
     assert _store(GOOD, tmp_path, name).language == language
 
 
-def test_a_program_in_c_is_read_by_its_compiler_alone(tmp_path: Path) -> None:
+def test_a_program_in_c_is_checked_only_by_its_compiler(tmp_path: Path) -> None:
     assert _store(b"this is no C", tmp_path, "a.c").size == 12
 
 
-def test_nothing_of_an_upload_is_executed(tmp_path: Path) -> None:
+def test_an_upload_is_not_executed_while_it_is_checked(tmp_path: Path) -> None:
     mark = tmp_path / "executed"
 
     _store(f"open({str(mark)!r}, 'w')\n".encode() + GOOD, tmp_path)
@@ -87,12 +87,12 @@ def test_an_upload_too_large_is_not_read_to_its_end(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("key", ["", "../secret", "A" * 64, "0" * 63])
-def test_only_a_hash_is_a_key(tmp_path: Path, key: str) -> None:
+def test_a_program_is_found_only_by_a_valid_hash(tmp_path: Path, key: str) -> None:
     with pytest.raises(ValueError, match="SHA-256"):
         store.path(tmp_path, key)
 
 
-def test_only_old_programs_that_nothing_refers_to_are_forgotten(tmp_path: Path) -> None:
+def test_only_old_unreferenced_programs_are_deleted(tmp_path: Path) -> None:
     kept = [_store(GOOD + b"# %d" % number, tmp_path).sha256 for number in range(3)]
     for sha256 in kept[:2]:
         os.utime(store.path(tmp_path, sha256), (0, 0))
@@ -103,7 +103,7 @@ def test_only_old_programs_that_nothing_refers_to_are_forgotten(tmp_path: Path) 
     assert [store.touch(tmp_path, sha256) for sha256 in kept] == [True, False, True]
 
 
-def test_a_program_sent_again_is_young_again(tmp_path: Path) -> None:
+def test_uploading_a_program_again_renews_its_age(tmp_path: Path) -> None:
     sha256 = _store(GOOD, tmp_path).sha256
     os.utime(store.path(tmp_path, sha256), (0, 0))
 

@@ -33,7 +33,7 @@ def _decoded(jpeg: bytes | None) -> np.ndarray:
     return cv2.imdecode(np.frombuffer(jpeg, np.uint8), cv2.IMREAD_COLOR)
 
 
-def test_a_picture_shows_what_the_tracker_saw(backend: Backend, recorded: int) -> None:
+def test_the_camera_view_shows_what_the_tracker_saw(backend: Backend, recorded: int) -> None:
     run = backend.show(recorded)
     config = registry.benchmark("currents-v1").read(run.config)
     world = EXPERIMENT.world(config, seed=SEED, trial=0, level=1)
@@ -61,7 +61,7 @@ def test_the_same_time_gives_the_same_bytes(backend: Backend, recorded: int) -> 
     assert first == second
 
 
-def test_a_time_after_the_end_gives_the_last_picture(backend: Backend, recorded: int) -> None:
+def test_a_time_after_the_end_gives_the_last_image(backend: Backend, recorded: int) -> None:
     run = backend.show(recorded)
 
     last, beyond = (camera_view.picture(backend.settings, run, trial=0, t=t) for t in (7.95, 1e6))
@@ -69,7 +69,7 @@ def test_a_time_after_the_end_gives_the_last_picture(backend: Backend, recorded:
     assert last == beyond
 
 
-def test_a_trial_without_telemetry_has_no_picture(backend: Backend, recorded: int) -> None:
+def test_a_trial_without_telemetry_has_no_camera_view(backend: Backend, recorded: int) -> None:
     assert camera_view.picture(backend.settings, backend.show(recorded), trial=1, t=0.0) is None
     assert (
         camera_view.picture(backend.settings, backend.show(backend.queue("ann")), trial=0, t=0.0)

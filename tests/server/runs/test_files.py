@@ -16,7 +16,7 @@ def _rows(count: int, start: int = 0) -> files.Rows:
     return np.arange(start * WIDTH, (start + count) * WIDTH, dtype=np.float64).reshape(count, WIDTH)
 
 
-def test_rows_are_read_while_they_are_written(tmp_path: Path) -> None:
+def test_rows_can_be_read_while_they_are_written(tmp_path: Path) -> None:
     writer, reader = RunFiles(tmp_path, 7, 1), RunFiles(tmp_path, 7, 1)
     assert reader.rows().shape == (0, WIDTH)
 
@@ -29,7 +29,7 @@ def test_rows_are_read_while_they_are_written(tmp_path: Path) -> None:
     assert reader.rows(9).shape == (0, WIDTH)
 
 
-def test_half_a_row_is_not_there_yet(tmp_path: Path) -> None:
+def test_an_incomplete_row_is_not_read(tmp_path: Path) -> None:
     files = RunFiles(tmp_path, 7, 1)
     files.append_rows(_rows(2))
 
@@ -63,7 +63,7 @@ def test_rows_of_a_vehicle_with_more_thrusters_keep_all_of_them(tmp_path: Path) 
     assert np.array_equal(files.rows(), rows)
 
 
-def test_a_trial_that_is_done_again_leaves_no_rows(tmp_path: Path) -> None:
+def test_a_restarted_trial_leaves_no_rows(tmp_path: Path) -> None:
     files = RunFiles(tmp_path, 7, 1)
     files.append_rows(_rows(5))
 
@@ -85,7 +85,7 @@ def test_the_latest_attempt_is_shown_and_the_others_are_kept(tmp_path: Path) -> 
 
 @given(parts=st.lists(st.binary(max_size=300_000), max_size=6), after=st.integers(0, 10**6))
 @hypothesis_settings(max_examples=40, deadline=None)
-def test_a_log_is_its_head_and_tail_with_the_gap_counted(
+def test_a_long_log_is_its_head_and_tail_and_the_size_of_the_gap(
     tmp_path_factory: pytest.TempPathFactory, parts: list[bytes], after: int
 ) -> None:
     files = RunFiles(tmp_path_factory.mktemp("log"), 7, 1)
@@ -103,7 +103,7 @@ def test_a_log_is_its_head_and_tail_with_the_gap_counted(
     assert part.text == kept.decode("utf-8", "replace")
 
 
-def test_a_log_is_followed_without_doubles_and_gaps(tmp_path: Path) -> None:
+def test_a_log_is_followed_without_duplicates_and_gaps(tmp_path: Path) -> None:
     files = RunFiles(tmp_path, 7, 1)
     heard, at = "", 0
     for word in ("one ", "two ", "three"):
@@ -114,7 +114,7 @@ def test_a_log_is_followed_without_doubles_and_gaps(tmp_path: Path) -> None:
     assert heard == "one two three" == files.log_text()
 
 
-def test_documents_are_there_whole_or_not_at_all(tmp_path: Path) -> None:
+def test_documents_are_written_atomically(tmp_path: Path) -> None:
     files = RunFiles(tmp_path, 7, 1)
     assert files.manifest() is None
 

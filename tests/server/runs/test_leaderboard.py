@@ -48,7 +48,7 @@ def test_only_published_ranked_runs_that_succeeded_are_ranked(both: Backend) -> 
     assert _board(both) == [("ann", 60.0)]
 
 
-def test_the_best_of_a_user_counts_and_withdrawing_it_brings_the_next_back(both: Backend) -> None:
+def test_the_best_run_of_a_user_counts_and_withdrawing_it_ranks_the_next_one(both: Backend) -> None:
     low, high, other = (
         _ranked(both, who, score) for who, score in (("ann", 40.0), ("ann", 80.0), ("ben", 60.0))
     )
@@ -62,7 +62,7 @@ def test_the_best_of_a_user_counts_and_withdrawing_it_brings_the_next_back(both:
     assert _board(both) == [("ben", 60.0), ("ann", 40.0)]
 
 
-def test_pages_by_cursor_are_the_whole_board_without_gaps(both: Backend) -> None:
+def test_the_pages_by_cursor_are_the_whole_leaderboard(both: Backend) -> None:
     scores = [50.0, 50.0, 70.0, 30.0, 50.0]
     for index, score in enumerate(scores):
         both.sign_up(f"user{index}")
@@ -99,7 +99,7 @@ _acts = st.lists(
 @hypothesis_settings(
     max_examples=10, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
 )
-def test_a_rebuild_gives_the_rows_that_were_kept(
+def test_a_rebuild_gives_the_rows_that_were_maintained(
     both: Backend, acts: list[tuple[str, int, int]]
 ) -> None:
     users = [both.sign_up(f"u{time.time_ns()}") for _ in range(3)]
@@ -125,7 +125,7 @@ def _rows(session: Session, users: list[int | None]) -> set[tuple[object, ...]]:
     return {tuple(row) for row in session.execute(query.where(Best.user_id.in_(users)))}
 
 
-def test_no_score_that_is_no_number_can_be_stored(both: Backend) -> None:
+def test_a_score_that_is_nan_cannot_be_stored(both: Backend) -> None:
     run_id = _ranked(both, "ann", 1.0)
 
     with pytest.raises(IntegrityError), both.database.writing() as session:

@@ -44,7 +44,7 @@ def test_a_run_is_claimed_once(both: Backend) -> None:
     assert both.show(run_id).state is RunState.RUNNING
 
 
-def test_users_take_turns_whoever_queued_more(both: Backend) -> None:
+def test_users_take_turns_however_many_runs_they_queue(both: Backend) -> None:
     anns = [both.queue("ann") for _ in range(4)]
     bens = [both.queue("ben") for _ in range(2)]
 
@@ -56,7 +56,7 @@ def test_users_take_turns_whoever_queued_more(both: Backend) -> None:
     assert order == [anns[0], bens[0], anns[1], bens[1], anns[2], anns[3]]
 
 
-def test_who_has_most_running_waits_for_the_others(both: Backend) -> None:
+def test_the_user_with_most_running_runs_waits_for_the_others(both: Backend) -> None:
     for _ in range(3):
         both.queue("ann")
     both.claim()
@@ -68,7 +68,7 @@ def test_who_has_most_running_waits_for_the_others(both: Backend) -> None:
     assert claim.run_id == late
 
 
-def test_nobody_runs_more_than_the_cap(both: Backend) -> None:
+def test_no_user_has_more_running_runs_than_the_limit(both: Backend) -> None:
     for _ in range(5):
         both.queue("ann")
 
@@ -77,7 +77,7 @@ def test_nobody_runs_more_than_the_cap(both: Backend) -> None:
     assert sum(claim is not None for claim in claims) == both.settings.running_max
 
 
-def test_a_silent_workers_run_returns_to_its_old_place(both: Backend) -> None:
+def test_a_run_whose_lease_expired_returns_to_its_position(both: Backend) -> None:
     first = both.queue("ann")
     both.claim("dead")
     both.queue("ben")
@@ -91,7 +91,7 @@ def test_a_silent_workers_run_returns_to_its_old_place(both: Backend) -> None:
     assert both.claim_next().run_id == first
 
 
-def test_a_late_worker_cannot_write(both: Backend) -> None:
+def test_a_worker_whose_lease_expired_cannot_write(both: Backend) -> None:
     run_id = both.queue("ann")
     late = both.claim("late")
     assert late is not None
@@ -108,7 +108,7 @@ def test_a_late_worker_cannot_write(both: Backend) -> None:
     assert both.show(run_id).attempt == 2
 
 
-def test_the_third_silence_is_a_failure_of_the_platform(both: Backend) -> None:
+def test_the_third_expired_lease_is_a_platform_failure(both: Backend) -> None:
     run_id = both.queue("ann")
 
     for _ in range(3):
@@ -121,7 +121,7 @@ def test_the_third_silence_is_a_failure_of_the_platform(both: Backend) -> None:
     assert view.detail["remedy"]
 
 
-def test_a_run_given_back_at_shutdown_is_no_failure(both: Backend) -> None:
+def test_a_run_released_at_shutdown_is_no_failed_attempt(both: Backend) -> None:
     run_id = both.queue("ann")
 
     for _ in range(5):
@@ -178,7 +178,7 @@ def test_a_ranked_run_shows_no_seed(both: Backend) -> None:
     assert both.show(run_id).trials == both.settings.ranked_trials
 
 
-def test_the_place_in_the_line_is_the_order_of_claims(both: Backend) -> None:
+def test_the_positions_in_the_queue_are_the_order_of_claims(both: Backend) -> None:
     queued = [both.queue(who) for who in ("ann", "ann", "ann", "ben", "ben", "eva")]
     places = {run_id: both.show(run_id).position for run_id in queued}
 
@@ -190,7 +190,7 @@ def test_the_place_in_the_line_is_the_order_of_claims(both: Backend) -> None:
     assert [places[run_id] for run_id in order] == [1, 2, 3, 4, 5, 6]
 
 
-def test_a_page_sees_one_moment_even_if_a_worker_takes_the_run_meanwhile(both: Backend) -> None:
+def test_a_reading_transaction_sees_one_moment_while_a_worker_claims_the_run(both: Backend) -> None:
     run_id = both.queue("ann")
 
     with both.database.reading() as session:
@@ -204,7 +204,7 @@ def test_a_page_sees_one_moment_even_if_a_worker_takes_the_run_meanwhile(both: B
     assert (before.state, after.state) == (RunState.QUEUED, RunState.QUEUED)
 
 
-def test_a_run_that_was_taken_after_it_was_read_has_no_place_in_the_line(both: Backend) -> None:
+def test_a_run_that_was_claimed_after_it_was_read_has_no_position(both: Backend) -> None:
     run_id = both.queue("ann")
     with both.database.reading() as session:
         read_before = session.get_one(Run, run_id)
@@ -216,7 +216,7 @@ def test_a_run_that_was_taken_after_it_was_read_has_no_place_in_the_line(both: B
     assert wait.position is None
 
 
-def test_a_waiting_run_says_why(both: Backend) -> None:
+def test_a_queued_run_says_why_it_waits(both: Backend) -> None:
     run_id = both.queue("ann")
 
     assert "No worker is running" in (both.show(run_id).why_waiting or "")
@@ -285,7 +285,7 @@ def test_no_run_is_lost_or_finished_twice_whatever_happens(both: Backend, steps:
     assert all((view.state is RunState.FAILED) == (view.cause is not None) for view in views)
 
 
-def test_the_table_of_moves_has_no_way_out_of_a_final_state() -> None:
+def test_no_transition_leaves_a_final_state() -> None:
     assert set(NEXT_STATES) == {RunState.QUEUED, RunState.RUNNING}
     assert all(state.final for state in RunState if state not in NEXT_STATES)
 

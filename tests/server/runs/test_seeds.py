@@ -23,7 +23,7 @@ def test_each_trial_of_a_ranked_run_has_a_hidden_seed_of_its_own(settings: Setti
 
 
 @pytest.mark.parametrize("seed", [None, 7])
-def test_the_secret_is_not_in_what_a_log_would_show(settings: Settings, seed: int | None) -> None:
+def test_the_secret_is_not_in_the_repr_of_the_seeds(settings: Settings, seed: int | None) -> None:
     seeds = trial_seeds(SimpleNamespace(benchmark="currents-v1", seed=seed), settings)
 
     assert settings.secret_key not in repr(seeds)

@@ -23,7 +23,7 @@ def _worker(both: Backend, level: str, *languages: str, seen_at: float | None = 
         session.add(worker)
 
 
-def test_an_order_is_completed_from_the_benchmark(both: Backend) -> None:
+def test_a_submission_is_completed_from_the_benchmark(both: Backend) -> None:
     run_id = both.queue("ann", config={"kp": 0.7})
 
     view = both.show(run_id)
@@ -61,23 +61,25 @@ def test_a_ranked_run_gets_the_scenario_of_the_benchmark(both: Backend) -> None:
         {"seed": 2**31},
     ],
 )
-def test_a_guest_is_refused_what_breaks_a_rule(both: Backend, wishes: dict[str, object]) -> None:
+def test_a_submission_that_breaks_a_rule_is_refused(
+    both: Backend, wishes: dict[str, object]
+) -> None:
     with pytest.raises(SubmissionRejected):
         both.queue("guest", **wishes)
 
 
-def test_a_guest_may_practise_with_a_built_in_controller_but_not_upload(both: Backend) -> None:
+def test_a_guest_can_run_a_built_in_controller_but_not_an_upload(both: Backend) -> None:
     assert both.queue("guest")
     with pytest.raises(SubmissionRejected, match="account"):
         both.queue("guest", controller="upload", program=both.store_program())
 
 
-def test_nobody_in_particular_may_not_order(both: Backend) -> None:
+def test_a_viewer_without_account_and_cookie_cannot_submit(both: Backend) -> None:
     with pytest.raises(SubmissionRejected):
         both.queue("nobody")
 
 
-def test_the_quota_of_live_runs_holds_and_is_given_back(both: Backend) -> None:
+def test_the_quota_of_live_runs_is_enforced_and_freed_by_a_cancel(both: Backend) -> None:
     made = [both.queue("ann") for _ in range(both.settings.quota_live)]
 
     with pytest.raises(QuotaExceeded, match="waiting or running"):
@@ -88,7 +90,7 @@ def test_the_quota_of_live_runs_holds_and_is_given_back(both: Backend) -> None:
     assert both.queue("ann")
 
 
-def test_only_runs_that_completed_count_for_the_day(both: Backend) -> None:
+def test_only_completed_runs_count_for_the_daily_quota(both: Backend) -> None:
     done, broken, cancelled, old = (both.queue("ann") for _ in range(4))
     claim = both.claim()
     assert claim is not None
@@ -105,7 +107,7 @@ def test_only_runs_that_completed_count_for_the_day(both: Backend) -> None:
     assert (used.live, used.day) == (0, 1)
 
 
-def test_uploads_are_refused_where_no_living_worker_isolates_them(both: Backend) -> None:
+def test_uploads_are_refused_if_no_living_worker_can_isolate_them(both: Backend) -> None:
     _worker(both, "none", "python")
     _worker(both, "strong", "python", seen_at=time.time() - 3600)
 
@@ -113,7 +115,7 @@ def test_uploads_are_refused_where_no_living_worker_isolates_them(both: Backend)
         both.queue("ann", controller="upload", program=both.store_program())
 
 
-def test_uploads_wait_while_no_worker_is_there_at_all(both: Backend) -> None:
+def test_uploads_are_queued_while_there_is_no_worker(both: Backend) -> None:
     assert both.queue("ann", controller="upload", program=both.store_program())
 
 
@@ -124,7 +126,7 @@ def test_a_language_that_no_worker_has_is_refused(both: Backend) -> None:
         both.queue("ann", controller="upload", program=both.store_program())
 
 
-def test_a_rerun_is_a_new_run_of_the_same_order(both: Backend) -> None:
+def test_a_rerun_is_a_new_run_of_the_same_submission(both: Backend) -> None:
     old = both.show(both.queue("ann", config={"kp": 0.7}, seed=11, title="first"))
 
     with both.database.writing() as session:
@@ -135,7 +137,7 @@ def test_a_rerun_is_a_new_run_of_the_same_order(both: Backend) -> None:
     assert (new.config, new.seed, new.title) == (old.config, 11, "first")
 
 
-def test_baselines_are_queued_once_come_last_and_get_public(both: Backend) -> None:
+def test_baselines_are_queued_once_claimed_last_and_published(both: Backend) -> None:
     with both.database.writing() as session:
         first = baselines.ensure(session, both.settings)
         second = baselines.ensure(session, both.settings)
@@ -159,7 +161,7 @@ def test_baselines_are_queued_once_come_last_and_get_public(both: Backend) -> No
     assert both.show(late).state is RunState.SUCCEEDED
 
 
-def test_baselines_never_take_two_workers_at_a_time(both: Backend) -> None:
+def test_only_one_baseline_runs_at_a_time(both: Backend) -> None:
     with both.database.writing() as session:
         baselines.ensure(session, both.settings)
 
