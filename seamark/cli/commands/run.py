@@ -20,8 +20,8 @@ INTERRUPTED = 130  # 128 + SIGINT, as shells have it
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Order:
-    """What to run, checked."""
+class LocalRun:
+    """A run as the options describe it, checked."""
 
     benchmark: str
     config: dict[str, Any]
@@ -35,9 +35,7 @@ class Order:
 @click.command()
 @click.argument("benchmark")
 @run_options
-@click.option(
-    "--out", type=click.Path(path_type=Path), metavar="DIR", help="Where to put the data."
-)
+@click.option("--out", type=click.Path(path_type=Path), metavar="DIR", help="Folder for the data.")
 @click.option(
     "--score",
     metavar="EXPRESSION",
@@ -72,23 +70,23 @@ def run(  # noqa: PLR0913  # one argument per option
 
     if score is not None:
         pairs = (*pairs, f"score={score}")
-    order = _order(benchmark, controller, pairs, config, trials=trials, seed=seed)
-    recording = OutputFolder(out)
-    recording.comments = _head_of(order)
+    local_run = _local_run(benchmark, controller, pairs, config, trials=trials, seed=seed)
+    output = OutputFolder(out)
+    output.comments = _header_comments(local_run)
     if not as_json:
-        click.echo(f"{benchmark}, {order.controller}, seed {order.seed}, trials {trials}")
+        click.echo(f"{benchmark}, {local_run.controller}, seed {local_run.seed}, trials {trials}")
     try:
-        outcome = _evaluate(order, recording, quiet=as_json)
+        outcome = _evaluate(local_run, output, quiet=as_json)
     except KeyboardInterrupt:
-        recording.save(order.benchmark, None)
-        click.echo("Stopped." + (f" What there is so far: {out}" if out else ""), err=True)
+        output.save(local_run.benchmark, None)
+        click.echo("Stopped." + (f" Partial data: {out}" if out else ""), err=True)
         exit_with(INTERRUPTED)
-    recording.save(order.benchmark, outcome)
-    _report(order, outcome, out, as_json=as_json)
+    output.save(local_run.benchmark, outcome)
+    _report(local_run, outcome, out, as_json=as_json)
     exit_with(0 if outcome.failure is None else 1)
 
 
-def _order(
+def _local_run(
     benchmark: str,
     controller: str | None,
     pairs: tuple[str, ...],
@@ -96,7 +94,7 @@ def _order(
     *,
     trials: int,
     seed: int | None,
-) -> Order:
+) -> LocalRun:
     from seamark.cli.configuration import configuration_of
     from seamark.cli.solutions import choose
     from seamark.sim import registry
@@ -104,7 +102,7 @@ def _order(
 
     config = configuration_of(benchmark, file, pairs)
     name, program = choose(controller, benchmark)
-    return Order(
+    return LocalRun(
         benchmark=benchmark,
         config=config.model_dump(mode="json"),
         controller=name,
@@ -115,25 +113,27 @@ def _order(
     )
 
 
-def _head_of(order: Order) -> list[str]:
-    """Return the lines at the head of the telemetry."""
+def _header_comments(local_run: LocalRun) -> list[str]:
+    """Return the comments in the header of the telemetry."""
     from seamark.sim import registry
     from seamark.sim.recording import telemetry
     from seamark.sim.settings import grid
 
-    benchmark = registry.benchmark(order.benchmark)
-    program = order.program is not None
+    benchmark = registry.benchmark(local_run.benchmark)
+    program = local_run.program is not None
     solution = (
-        order.controller if program else benchmark.solution_label_of(order.controller, order.config)
+        local_run.controller
+        if program
+        else benchmark.solution_label_of(local_run.controller, local_run.config)
     )
     return [
-        f"{order.role} {solution}, seed {order.seed}, trials {order.trials}",
-        *grid.level_comments(benchmark.read(order.config)),
+        f"{local_run.role} {solution}, seed {local_run.seed}, trials {local_run.trials}",
+        *grid.level_comments(benchmark.read(local_run.config)),
         telemetry.units(),
     ]
 
 
-def _evaluate(order: Order, recording: OutputFolder, *, quiet: bool) -> RunOutcome:
+def _evaluate(local_run: LocalRun, output: OutputFolder, *, quiet: bool) -> RunOutcome:
     from seamark.cli.console import Progress
     from seamark.cli.solutions import (
         isolation_level,
@@ -144,38 +144,40 @@ def _evaluate(order: Order, recording: OutputFolder, *, quiet: bool) -> RunOutco
     from seamark.worker.evaluation.local import Callbacks, evaluate_locally
 
     program = (
-        None if order.program is None else prepare_valid(order.program, benchmark=order.benchmark)
+        None
+        if local_run.program is None
+        else prepare_valid(local_run.program, benchmark=local_run.benchmark)
     )
     isolation = IsolationLevel.NONE if program is None else isolation_level()
-    with sandbox_failures_explained(), Progress(order.benchmark, quiet=quiet) as bar:
+    with sandbox_failures_explained(), Progress(local_run.benchmark, quiet=quiet) as bar:
         callbacks = Callbacks(
-            rows=recording.add_rows,
-            log=recording.add_log,
-            trial_restarted=recording.discard,
+            rows=output.add_rows,
+            log=output.add_log,
+            trial_restarted=output.discard,
             progress=lambda p: bar.show(p.fraction, f"{p.t_simulated:.0f} s simulated"),
         )
         return evaluate_locally(
-            order.benchmark,
-            order.config,
-            seed=order.seed,
-            trials=order.trials,
-            controller=program or order.controller,
+            local_run.benchmark,
+            local_run.config,
+            seed=local_run.seed,
+            trials=local_run.trials,
+            controller=program or local_run.controller,
             callbacks=callbacks,
             isolation=isolation,
         )
 
 
-def _report(order: Order, outcome: RunOutcome, out: Path | None, *, as_json: bool) -> None:
+def _report(local_run: LocalRun, outcome: RunOutcome, out: Path | None, *, as_json: bool) -> None:
     from seamark.cli.run_summary import custom_score, level_table
 
     metrics = outcome.metrics or {}
     if as_json:
         print_json(
             {
-                "benchmark": order.benchmark,
-                "controller": order.controller,
-                "seed": order.seed,
-                "trials": order.trials,
+                "benchmark": local_run.benchmark,
+                "controller": local_run.controller,
+                "seed": local_run.seed,
+                "trials": local_run.trials,
                 "verdict": outcome.failure or "ok",
                 "sentence": outcome.sentence,
                 "traceback": outcome.traceback,

@@ -30,9 +30,9 @@ def up(
     data: Path | None,
     as_json: bool,
 ) -> None:
-    """Start everything on this machine: database, broker, web server, worker.
+    """Start the whole service on this machine: database, broker, web server, worker.
 
-    Everything is kept in the data folder. Ctrl-C ends all of it; runs that were under way start
+    All data is kept in the data folder. Ctrl-C stops the service; runs that were under way start
     again at the next `seamark up`.
 
     \b
@@ -50,13 +50,13 @@ def up(
     notes(f"Starting Seamark in {settings.data} ...")
     isolation = _isolation(settings)
     service = Embedded(settings, notes)
-    seen = service.run(lambda ready: _show(ready, isolation, as_json=as_json))
-    notes(f"Stopped ({seen.name}). Everything is kept in {settings.data}.")
+    stop_signal = service.run(lambda ready: _show(ready, isolation, as_json=as_json))
+    notes(f"Stopped ({stop_signal.name}). All data is kept in {settings.data}.")
     exit_with(0)
 
 
 def _silent(_: str) -> None:
-    """Say nothing: a program reads the one JSON object."""
+    """Print nothing: a program reads the one JSON object."""
 
 
 def _isolation(settings: Settings) -> tuple[str, str]:

@@ -83,7 +83,7 @@ def test_up_evaluates_a_run_refuses_a_second_instance_and_leaves_no_process(
     assert ended["state"] == "succeeded"
     assert ended["result"]["digest"]
     assert second.returncode == 2
-    assert f"Seamark is running already on {tmp_path / 'data'}" in second.stderr
+    assert f"Seamark is already running on {tmp_path / 'data'}" in second.stderr
     assert len(started) > 4  # broker, web, worker and their children
     assert service.returncode == 0
     assert [pid for pid in started if alive(pid)] == []
