@@ -1,4 +1,4 @@
-"""The web application: made once per process from the settings."""
+"""The web application: created once per process from the settings."""
 
 import atexit
 from datetime import timedelta
@@ -19,14 +19,14 @@ from seamark.server.settings import Settings
 from seamark.server.web import authentication, problems, rate_limits, security_headers
 from seamark.server.web.services import Services, services
 
-FORM_ROOM = 64 * 1024  # [byte] for the other fields of a form beside the upload
+FORM_MARGIN_BYTES = 64 * 1024  # of a form, for its fields beside the upload
 SESSION_DAYS = 30
-_READING = frozenset({"GET", "HEAD", "OPTIONS", "TRACE"})
+_SAFE_METHODS = frozenset({"GET", "HEAD", "OPTIONS", "TRACE"})
 _FOLDER = Path(templates.__file__).parent
 
 
 def create_app(settings: Settings) -> OpenAPI:
-    """Return the application with all pages and the API; its services hang on `extensions`."""
+    """Return the application with all pages and the API; its services are in `extensions`."""
     app = OpenAPI(
         "seamark",
         info=Info(title="Seamark", version=version("seamark")),
@@ -37,10 +37,10 @@ def create_app(settings: Settings) -> OpenAPI:
         validation_error_callback=lambda error: problems.from_validation_error(error).response(),
     )
     _configure(app, settings)
-    _believe_proxies(app, settings.proxies)
-    held = Services.start(settings)
-    app.extensions["seamark"] = held
-    atexit.register(held.close)
+    _trust_proxies(app, settings.proxies)
+    app_services = Services.start(settings)
+    app.extensions["seamark"] = app_services
+    atexit.register(app_services.close)
     authentication.register(app)
     _protect(app)
     rate_limits.register(app, settings)
@@ -55,45 +55,45 @@ def create_app(settings: Settings) -> OpenAPI:
 def _configure(app: OpenAPI, settings: Settings) -> None:
     app.config.update(
         SECRET_KEY=settings.secret_key,
-        MAX_CONTENT_LENGTH=settings.upload_max_bytes + FORM_ROOM,
+        MAX_CONTENT_LENGTH=settings.upload_max_bytes + FORM_MARGIN_BYTES,
         # The editor posts the program as a field; it may be as long as an upload.
-        MAX_FORM_MEMORY_SIZE=settings.upload_max_bytes + FORM_ROOM,
+        MAX_FORM_MEMORY_SIZE=settings.upload_max_bytes + FORM_MARGIN_BYTES,
         SESSION_COOKIE_NAME="seamark",
         SESSION_COOKIE_HTTPONLY=True,
         SESSION_COOKIE_SAMESITE="Lax",
         SESSION_COOKIE_SECURE=settings.public,
         PERMANENT_SESSION_LIFETIME=timedelta(days=SESSION_DAYS),
-        WTF_CSRF_CHECK_DEFAULT=False,  # `_protect` decides: a token in a header needs no secret
-        WTF_CSRF_TIME_LIMIT=None,  # a form that was filled in for hours must still work
-        WTF_CSRF_SSL_STRICT=False,  # the secret alone decides; proxies change the Referer
+        WTF_CSRF_CHECK_DEFAULT=False,  # `_protect` decides: requests with an API token need none
+        WTF_CSRF_TIME_LIMIT=None,  # a form may be filled in for hours
+        WTF_CSRF_SSL_STRICT=False,  # the token suffices; proxies change the Referer
     )
 
 
-def _believe_proxies(app: OpenAPI, count: int) -> None:
-    """Take the visitor's address from the proxies in front, so that limits count visitors.
+def _trust_proxies(app: OpenAPI, count: int) -> None:
+    """Take the client's address from the proxies in front, so that rate limits count clients.
 
-    Not the host: a proxy that does not set it would pass on what the visitor made up.
+    Not the host: a proxy that does not set it would pass on whatever the client sent.
     """
     if count:
         app.wsgi_app = ProxyFix(app.wsgi_app, x_for=count, x_proto=count, x_host=0)  # type: ignore[method-assign]
 
 
 def _protect(app: OpenAPI) -> None:
-    """Ask for the CSRF secret wherever a cookie could change something."""
+    """Require the CSRF token where a cookie could change something."""
     csrf = CSRFProtect(app)
 
     @app.before_request
-    def check_secret() -> None:
-        if request.method in _READING or authentication.by_token():
+    def check_csrf_token() -> None:
+        if request.method in _SAFE_METHODS or authentication.by_token():
             return
-        # A program without cookie and token speaks for nobody, so nobody can be tricked.
+        # An API client without a cookie acts for nobody, so there is nobody to trick.
         if request.path.startswith("/api/") and not session:
             return
         csrf.protect()
 
 
 def _common() -> dict[str, Any]:
-    """Return what every template may use."""
+    """Return the variables of all templates."""
     return {
         "viewer": g.viewer,
         "version": version("seamark"),

@@ -7,7 +7,7 @@ import structlog
 
 
 def configure(*, debug: bool = False) -> None:
-    """Set up structlog; called once by each process of the service at its start."""
+    """Set up structlog; every process of the service calls it once at its start."""
     level = logging.DEBUG if debug else logging.INFO
     structlog.configure(
         processors=[

@@ -1,4 +1,4 @@
-"""A run's events as they happen (server-sent events), and again for a run that has ended."""
+"""The events of a run as server-sent events: live, or replayed if it has ended."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ from seamark.server.runs.views import RunView
 from seamark.server.web.problems import Problem
 from seamark.server.web.services import Services, services
 
-RECONNECT_MS = 2000  # how long a browser waits before it asks again
+RECONNECT_MS = 2000  # how long a browser waits before it reconnects
 FULL_RETRY_S = 10
-REPLAY_ROWS = 400  # telemetry rows of a replay, at most; the whole of it is in telemetry.csv
+REPLAY_ROWS = 400  # telemetry rows of a replay at most; telemetry.csv has all
 BATCH_ROWS = 50
 
 api = APIBlueprint(
@@ -40,25 +40,26 @@ _STREAM: Any = {200: {"content": {"text/event-stream": {"schema": {"type": "stri
 def stream(path: RunPath) -> Response:
     """Follow a run by server-sent events: state, telemetry, log, end.
 
-    Goes on after the header Last-Event-ID. A run that has ended is told again.
+    Continues after the header Last-Event-ID. A run that has ended is replayed.
     """
-    view = authorization.run_for(path.run_id)
-    held = services()
+    run, app_services = authorization.run_for(path.run_id), services()
+    last_id = request.headers.get("Last-Event-ID")
     if request.method == "HEAD":
         return _response(iter(()))
-    if view.state.final:
-        return _response(_told_again(held, view, request.headers.get("Last-Event-ID")))
-    if held.fanout.open_streams >= held.settings.streams_max:
+    if run.state.final:
+        events = _replayed(app_services, run, last_id)
+    elif app_services.fanout.open_streams < app_services.settings.streams_max:
+        events = _live(app_services, run, last_id)
+    else:
         raise Problem("streams-full", headers={"Retry-After": str(FULL_RETRY_S)})
-    shows_log = can(authorization.viewer(), Action.VIEW_LOG, view)
-    events = _as_it_happens(held, view, request.headers.get("Last-Event-ID"))
+    shows_log = can(authorization.viewer(), Action.VIEW_LOG, run)
     return _response(event for event in events if shows_log or event.kind != live_events.LOG)
 
 
 def _response(events: Iterator[Event]) -> Response:
     answer = Response(_texts(events), content_type="text/event-stream; charset=utf-8")
     answer.headers["Cache-Control"] = "no-store"
-    answer.headers["X-Accel-Buffering"] = "no"  # nginx must not collect events
+    answer.headers["X-Accel-Buffering"] = "no"  # nginx must not buffer events
     return answer
 
 
@@ -69,7 +70,7 @@ def _texts(events: Iterator[Event]) -> Iterator[str]:
 
 
 def _without_id(event: Event) -> str:
-    """Return an event that is not a place to go on from."""
+    """Return an event after which a client cannot resume."""
     return f"event: {event.kind}\ndata: {json.dumps(event.data)}\n\n"
 
 
@@ -79,42 +80,42 @@ def _state(view: RunView) -> Event:
     return Event("", live_events.STATE, {"state": view.state.value, **data})
 
 
-def _as_it_happens(held: Services, view: RunView, last_id: str | None) -> Iterator[Event]:
-    """Yield events until the run has ended; holds no session of the database between them."""
+def _live(app_services: Services, view: RunView, last_id: str | None) -> Iterator[Event]:
+    """Yield events until the run has ended; holds no database session between them."""
     yield _state(view)
     try:
-        # Here and not in the route: a response that is never iterated would keep its place.
-        events = held.fanout.subscribe(view.id, last_id)
+        # Not in the route: a response that is never iterated would never be unsubscribed.
+        events = app_services.fanout.subscribe(view.id, last_id)
     except live_events.TooManyStreams:
-        return  # the browser asks again after RECONNECT_MS
+        return  # the browser reconnects after RECONNECT_MS
     for event in events:
         yield event
         if event.kind == live_events.HEARTBEAT:
-            now = _look(held, view.id)
+            now = _show(app_services, view.id)
             yield _state(now or view)
-            if now is None or now.state.final:  # its worker died, nobody else sends the end
+            if now is None or now.state.final:  # its worker died, so that no "end" was published
                 yield Event("", live_events.END, {})
                 return
 
 
-def _look(held: Services, run_id: int) -> RunView | None:
-    with held.database.reading() as database:
-        return views.show(database, run_id, held.settings)
+def _show(app_services: Services, run_id: int) -> RunView | None:
+    with app_services.database.reading() as database:
+        return views.show(database, run_id, app_services.settings)
 
 
-def _told_again(held: Services, view: RunView, last_id: str | None) -> Iterator[Event]:
-    """Yield what is still in the broker after `last_id`, else a replay from the files."""
-    kept = live_events.history(held.redis, view.id, last_id)
-    if last_id is None and not _is_whole(kept):
-        yield from _from_files(held, view)
+def _replayed(app_services: Services, view: RunView, last_id: str | None) -> Iterator[Event]:
+    """Yield the events that the broker still has after `last_id`, else a replay from the files."""
+    events = live_events.history(app_services.redis, view.id, last_id)
+    if last_id is None and not _is_complete(events):
+        yield from _from_files(app_services, view)
     else:
-        yield from (event for event in kept if event.kind != live_events.END)
+        yield from (event for event in events if event.kind != live_events.END)
     yield _state(view)
     yield Event("", live_events.END, {})
 
 
-def _is_whole(events: list[Event]) -> bool:
-    """Return whether the stream was not cut at its start: the first rows are the first rows."""
+def _is_complete(events: list[Event]) -> bool:
+    """Return whether the stream still has its start: its first row is at the start of a trial."""
     rows = [event for event in events if event.kind == live_events.TELEMETRY]
     if not rows or not rows[0].data.get("rows"):
         return False
@@ -122,8 +123,8 @@ def _is_whole(events: list[Event]) -> bool:
     return "t" in columns and rows[0].data["rows"][0][columns.index("t")] < 1.0
 
 
-def _from_files(held: Services, view: RunView) -> Iterator[Event]:
-    files = RunFiles(held.settings.data, view.id)
+def _from_files(app_services: Services, view: RunView) -> Iterator[Event]:
+    files = RunFiles(app_services.settings.data, view.id)
     total = files.row_count()
     step = max(total // REPLAY_ROWS, 1)
     for start in range(0, total, step * BATCH_ROWS):

@@ -1,4 +1,4 @@
-"""A run's data as files: at any time, also while it runs."""
+"""The data of a run as files, at any time, also while it is running."""
 
 from __future__ import annotations
 
@@ -24,13 +24,13 @@ from seamark.sim.settings import grid
 
 CHUNK_ROWS = 500
 HIDDEN = "hidden"
-_SECRET_KEYS = frozenset({"seed", "seeds", "hidden_seed", "trial_seed", "trial_seeds"})
+_SEED_KEYS = frozenset({"seed", "seeds", "hidden_seed", "trial_seed", "trial_seeds"})
 
 api = APIBlueprint(
     "api_files",
     __name__,
     url_prefix="/api/v1",
-    abp_tags=[Tag(name="Data", description="A run's data, at any time.")],
+    abp_tags=[Tag(name="Data", description="The data of a run, at any time.")],
 )
 
 
@@ -53,7 +53,7 @@ def telemetry_csv(path: RunPath, query: TelemetryQuery) -> Response:
         _csv(files, _comments(view, stop), query.start, stop),
         content_type="text/csv; charset=utf-8",
     )
-    _name(answer, view, "telemetry.csv")
+    _as_attachment(answer, view, "telemetry.csv")
     answer.headers["X-Next-Row"] = str(max(stop, query.start))
     return answer
 
@@ -90,44 +90,41 @@ def telemetry_f64(path: RunPath, query: TelemetryQuery) -> Response:
     answer = Response(pieces, content_type="application/octet-stream")
     answer.headers["X-Columns"] = ",".join(files.columns)
     answer.headers["X-Next-Row"] = str(max(stop, query.start))
-    _name(answer, view, "telemetry.f64")
+    _as_attachment(answer, view, "telemetry.f64")
     return answer
 
 
 @api.get("/runs/<int:run_id>/metrics.json", responses=_content("application/json", "object"))
 def metrics(path: RunPath) -> Response:
-    """Show the metrics; 404 until there are some."""
+    """Return the metrics; 404 until there are some."""
     view = authorization.run_for(path.run_id)
     found = view.metrics or files_of(view).metrics()
     if found is None:
-        raise Problem("not-found", f"Run {view.id} has no metrics (yet): it is {view.state.value}.")
-    return jsonify(_masked(found, view))
+        raise Problem("not-found", f"Run {view.id} has no metrics yet: it is {view.state.value}.")
+    return jsonify(_without_hidden_seeds(found, view))
 
 
 @api.get("/runs/<int:run_id>/manifest.json", responses=_content("application/json", "object"))
 def manifest(path: RunPath) -> Response:
-    """Show the manifest: versions, configuration, seed and digest; 404 until there is one."""
+    """Return the manifest: versions, configuration, seed and digest; 404 until there is one."""
     view = authorization.run_for(path.run_id)
     found = view.manifest or files_of(view).manifest()
     if found is None:
-        raise Problem(
-            "not-found", f"Run {view.id} has no manifest (yet): it is {view.state.value}."
-        )
-    return jsonify(_masked(found, view))
+        raise Problem("not-found", f"Run {view.id} has no manifest yet: it is {view.state.value}.")
+    return jsonify(_without_hidden_seeds(found, view))
 
 
-def _masked(value: Any, view: RunView) -> Any:
+def _without_hidden_seeds(value: Any, view: RunView) -> Any:
     """Return the document without the hidden seeds of a ranked run."""
-    return _without_secrets(value) if view.kind == RunKind.RANKED else value
+    return _without_seeds(value) if view.kind == RunKind.RANKED else value
 
 
-def _without_secrets(value: Any) -> Any:
+def _without_seeds(value: Any) -> Any:
     if isinstance(value, dict):
         return {
-            key: None if key in _SECRET_KEYS else _without_secrets(item)
-            for key, item in value.items()
+            key: None if key in _SEED_KEYS else _without_seeds(item) for key, item in value.items()
         }
-    return [_without_secrets(item) for item in value] if isinstance(value, list) else value
+    return [_without_seeds(item) for item in value] if isinstance(value, list) else value
 
 
 @api.get("/runs/<int:run_id>/config.json", responses=_content("application/json", "object"))
@@ -135,13 +132,13 @@ def config(path: RunPath) -> Response:
     """Download the configuration; `seamark run --config` reads it."""
     view = authorization.run_for(path.run_id)
     answer = jsonify(view.config)
-    _name(answer, view, "config.json")
+    _as_attachment(answer, view, "config.json")
     return answer
 
 
 @api.get("/runs/<int:run_id>/log", responses=_content("text/plain"))
 def log(path: RunPath, query: LogQuery) -> Response:
-    """Show what the program printed from byte `after` on; X-Next-Offset is the next `after`."""
+    """Return the output of the program from byte `after` on; X-Next-Offset is the next `after`."""
     view = authorization.run_for(path.run_id, Action.VIEW_LOG)
     part = files_of(view).log(query.after)
     answer = Response(part.text, content_type="text/plain; charset=utf-8")
@@ -152,35 +149,35 @@ def log(path: RunPath, query: LogQuery) -> Response:
 
 @api.get("/runs/<int:run_id>/program", responses=_content("text/plain"))
 def program(path: RunPath) -> Response:
-    """Download the uploaded program: one's own, or that of a public run."""
+    """Download the uploaded program of your own or of a public run."""
     view = authorization.run_for(path.run_id, Action.VIEW_PROGRAM)
     if view.program_sha256 is None:
-        raise Problem("not-found", f"Run {view.id} has no program: what it used is built in.")
+        raise Problem("not-found", f"Run {view.id} has no uploaded program.")
     try:
         source = store.read(services().settings.data, view.program_sha256)
     except FileNotFoundError:
-        raise Problem("not-found", "The program is no longer kept.") from None
+        raise Problem("not-found", "The program has been deleted.") from None
     answer = Response(source, content_type="text/plain; charset=utf-8")
-    _name(answer, view, view.program_name or "program")
+    _as_attachment(answer, view, view.program_name or "program")
     answer.set_etag(view.program_sha256)
     return authorization.conditional(answer)
 
 
 @api.get("/runs/<int:run_id>/camera.jpg", responses=_content("image/jpeg"))
 def camera(path: RunPath, query: CameraQuery) -> Response:
-    """Show the vehicle's view at a simulated time, with the tracker's box and the truth."""
+    """Render the camera image at a simulated time, with the tracked and the true outline."""
     from seamark.server.runs import camera_view  # noqa: PLC0415 (it loads OpenCV)
 
     view = authorization.run_for(path.run_id)
-    picture = camera_view.picture(services().settings, view, trial=query.trial, t=query.t)
-    if picture is None:
-        raise Problem("not-found", "There is no telemetry of that trial (yet).")
-    answer = Response(picture, content_type="image/jpeg")
+    image = camera_view.render(services().settings, view, trial=query.trial, t=query.t)
+    if image is None:
+        raise Problem("not-found", "There is no telemetry of that trial yet.")
+    answer = Response(image, content_type="image/jpeg")
     answer.add_etag()
     return authorization.conditional(answer)
 
 
-def _name(answer: Response, view: RunView, name: str) -> None:
+def _as_attachment(answer: Response, view: RunView, name: str) -> None:
     answer.headers.set(
         "Content-Disposition", "attachment", filename=f"seamark-run-{view.id}-{name}"
     )

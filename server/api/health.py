@@ -1,4 +1,4 @@
-"""For whoever operates the service: is it alive, is it ready, how does it do."""
+"""For monitoring: liveness, readiness and metrics of the service."""
 
 from __future__ import annotations
 
@@ -31,9 +31,9 @@ _KEY = "seamark-metrics"
 
 
 class Meters:
-    """The counters of one web process and what is read from the database when somebody asks."""
+    """The counters of one web process, and gauges that are read from the database."""
 
-    def __init__(self, held: Services) -> None:
+    def __init__(self, app_services: Services) -> None:
         self.registry = CollectorRegistry()
         self.answers = Counter(
             "seamark_http_answers", "Answers", ("endpoint", "status"), registry=self.registry
@@ -41,21 +41,21 @@ class Meters:
         self.seconds = Histogram(
             "seamark_http_seconds", "Time until an answer", ("endpoint",), registry=self.registry
         )
-        self.registry.register(_Queue(held))
+        self.registry.register(_Queue(app_services))
 
 
 class _Queue(Collector):
-    """Numbers that all processes share, so they come from the database and not from counters."""
+    """Gauges that all processes share: read from the database at each scrape."""
 
-    def __init__(self, held: Services) -> None:
-        self._held = held
+    def __init__(self, app_services: Services) -> None:
+        self._held = app_services
 
     def describe(self) -> Iterable[Metric]:
-        """Return nothing: the names are known only when the numbers are."""
+        """Return nothing, so that registering does not read the database."""
         return ()
 
     def collect(self) -> Iterable[Metric]:
-        """Read the numbers."""
+        """Read the gauges."""
         runs = GaugeMetricFamily("seamark_runs", "Runs by state", labels=("state",))
         with self._held.database.reading() as database:
             counts = dict.fromkeys((state.value for state in RunState), 0)
@@ -94,18 +94,18 @@ def _process_states(alive: Iterable[WorkerStatus]) -> GaugeMetricFamily:
     return states
 
 
-def start_watch() -> None:
-    """Remember when the request came; called before each request."""
-    g.came_at = time.perf_counter()
+def start_timer() -> None:
+    """Record when the request arrived; called before each request."""
+    g.started_at = time.perf_counter()
 
 
 def count(answer: Response) -> Response:
-    """Count an answer; called after each request."""
+    """Count a response; called after each request."""
     meters: Meters = current_app.extensions[_KEY]
     endpoint = request.endpoint or "none"
     meters.answers.labels(endpoint, str(answer.status_code)).inc()
-    if "came_at" in g:
-        meters.seconds.labels(endpoint).observe(time.perf_counter() - g.came_at)
+    if "started_at" in g:
+        meters.seconds.labels(endpoint).observe(time.perf_counter() - g.started_at)
     return answer
 
 
@@ -113,19 +113,19 @@ def count(answer: Response) -> Response:
 def _make_meters(state: object) -> None:
     app = state.app  # type: ignore[attr-defined]
     app.extensions[_KEY] = Meters(app.extensions["seamark"])
-    app.before_request(start_watch)
+    app.before_request(start_timer)
     app.after_request(count)
 
 
 @page.get("/healthz")
 def alive() -> Response:
-    """Say that this process answers; says nothing about the others."""
+    """Return "ok" if this process answers; other processes are not checked."""
     return Response("ok\n", content_type="text/plain; charset=utf-8")
 
 
 @page.get("/readyz")
 def ready() -> Response:
-    """Say whether a run that is ordered now would be carried out: database, broker, worker."""
+    """Return whether a run that is submitted now would be evaluated: database, broker, worker."""
     checks = {"database": _database(), "broker": _broker()}
     checks["worker"] = _worker() if checks["database"] == "ok" else "unknown"
     good = all(value == "ok" for value in checks.values())
@@ -160,6 +160,6 @@ def _worker() -> str:
 
 @page.get("/metrics")
 def metrics() -> Response:
-    """Show the meters in Prometheus's text format."""
+    """Return the metrics in the text format of Prometheus."""
     meters: Meters = current_app.extensions[_KEY]
     return Response(generate_latest(meters.registry), content_type=CONTENT_TYPE_LATEST)

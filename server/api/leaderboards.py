@@ -20,7 +20,7 @@ COLUMNS = (
     *("rank", "tied", "user", "controller", "run", "score", "score_low", "score_high"),
     *("level_held", "reached_at", "is_baseline", "title"),
 )
-PAGE = 50  # rows of an answer that does not say how many
+PAGE = 50  # rows of a page by default
 
 api = APIBlueprint(
     "api_leaderboards",
@@ -32,7 +32,7 @@ api = APIBlueprint(
 
 @api.get("/leaderboards/<string:benchmark>", responses={200: RanksResponse})
 def show(path: BenchmarkPath, query: RankQuery) -> Response:
-    """Show the ranks of one benchmark, with intervals and ties; JSON or CSV."""
+    """Return the ranks of one benchmark, with intervals and ties, as JSON or CSV."""
     check(path.benchmark)
     as_csv, after = _wants_csv(query), _cursor(query.after)
     limit = query.limit or (None if as_csv else PAGE)
@@ -62,8 +62,8 @@ def _cursor(text: str | None) -> Cursor | None:
     except (ValueError, OverflowError):
         raise Problem(
             "invalid-request",
-            "This is not the end of a page.",
-            errors={"after": "Send `next` of the page before, unchanged."},
+            "This is not a cursor of the leaderboard.",
+            errors={"after": "Send `next` of the previous page unchanged."},
         ) from None
 
 

@@ -84,7 +84,7 @@ def _store(file: FileStorage, benchmark: Benchmark) -> StoredProgram:
 
 def _accepted(run_id: int) -> Response:
     """Announce a committed run to the workers and answer with it."""
-    services().ring()
+    services().wake_worker()
     with services().database.reading() as database:
         view = views.show(database, run_id, services().settings)
     if view is None:

@@ -1,4 +1,4 @@
-"""Columns of the telemetry, thinned for charts without losing their peaks."""
+"""Telemetry columns, downsampled for charts with their peaks kept."""
 
 from __future__ import annotations
 
@@ -25,19 +25,21 @@ api = APIBlueprint(
     "api_series",
     __name__,
     url_prefix="/api/v1",
-    abp_tags=[Tag(name="Data", description="A run's data, at any time.")],
+    abp_tags=[Tag(name="Data", description="The data of a run, at any time.")],
 )
 
 
 @api.get("/runs/<int:run_id>/series.json", responses={200: SeriesResponse})
 def series(path: RunPath, query: SeriesQuery) -> dict[str, Any]:
-    """Show columns of one trial on one time axis; thinned, with the peaks kept."""
+    """Return columns of one trial on one time axis, downsampled with the peaks kept."""
     view = authorization.run_for(path.run_id)
     files = files_of(view)
     index = {name: at for at, name in enumerate(files.columns)}
     names = _names(query.columns, index)
     rows = files.rows_of_trial(query.trial)
-    t, columns = thin(rows[:, index["t"]], rows[:, [index[n] for n in names]], query.max_points)
+    t, columns = downsample(
+        rows[:, index["t"]], rows[:, [index[n] for n in names]], query.max_points
+    )
     return {
         "t": t.tolist(),
         "columns": {
@@ -59,8 +61,8 @@ def _names(text: str, index: Mapping[str, int]) -> list[str]:
     return list(dict.fromkeys(names))
 
 
-def thin(t: Rows, columns: Rows, max_points: int) -> tuple[Rows, Rows]:
-    """Return at most `max_points` points; each stretch gives two, with its extremes in order.
+def downsample(t: Rows, columns: Rows, max_points: int) -> tuple[Rows, Rows]:
+    """Return at most `max_points` points: the two extremes of each interval, in their order.
 
     Parameters
     ----------
@@ -72,7 +74,7 @@ def thin(t: Rows, columns: Rows, max_points: int) -> tuple[Rows, Rows]:
     Returns
     -------
     t : (m,) [s], columns : (m, k)
-        The very rows if there are no more than `max_points`.
+        The rows themselves if there are no more than `max_points`.
     """
     if len(t) <= max_points:
         return t, columns
@@ -80,16 +82,16 @@ def thin(t: Rows, columns: Rows, max_points: int) -> tuple[Rows, Rows]:
     times: list[float] = []
     values: list[Rows] = []
     for start, stop in pairwise(edges):
-        stretch = columns[start:stop]
+        interval = columns[start:stop]
         times += [t[start], t[stop - 1]]
-        values += _extremes(stretch)
+        values += _extremes(interval)
     return np.array(times), np.array(values)
 
 
-def _extremes(stretch: Rows) -> tuple[Rows, Rows]:
-    """Return two rows: per column its least and largest value, in the order in which they came."""
+def _extremes(interval: Rows) -> tuple[Rows, Rows]:
+    """Return two rows: minimum and maximum of each column, in the order of their occurrence."""
     # NaN would win every comparison; it stays only where there is nothing else.
-    low = np.where(np.isnan(stretch), np.inf, stretch).argmin(axis=0)
-    high = np.where(np.isnan(stretch), -np.inf, stretch).argmax(axis=0)
-    every = np.arange(stretch.shape[1])
-    return stretch[np.minimum(low, high), every], stretch[np.maximum(low, high), every]
+    low = np.where(np.isnan(interval), np.inf, interval).argmin(axis=0)
+    high = np.where(np.isnan(interval), -np.inf, interval).argmax(axis=0)
+    every = np.arange(interval.shape[1])
+    return interval[np.minimum(low, high), every], interval[np.maximum(low, high), every]

@@ -17,10 +17,10 @@ _PRAGMAS = (
 
 
 class Database:
-    """Gives sessions; `writing` commits at the end, `reading` never writes.
+    """Opens sessions: `writing` commits at the end, `reading` never writes.
 
-    On SQLite a writing transaction starts with BEGIN IMMEDIATE: with the driver's own way 1258
-    of 2000 concurrent increments were lost, with a deferred BEGIN 988 failed as "locked".
+    On SQLite a writing transaction starts with BEGIN IMMEDIATE: with the driver's default, 1258 of
+    2000 concurrent increments were lost; with a deferred BEGIN, 988 failed as "locked".
     """
 
     def __init__(self, url: str) -> None:
@@ -37,13 +37,13 @@ class Database:
 
     @contextmanager
     def writing(self) -> Iterator[Session]:
-        """Give a session whose changes are committed at the end, or rolled back on an error."""
+        """Yield a session whose changes are committed at the end, or rolled back on an error."""
         with Session(self.engine, expire_on_commit=False) as session, session.begin():
             yield session
 
     @contextmanager
     def reading(self) -> Iterator[Session]:
-        """Give a session for queries. Keep it short: an open reader keeps SQLite's log growing."""
+        """Yield a session for queries. Keep it short: an open reader keeps SQLite's WAL growing."""
         with Session(self._readers, autoflush=False, expire_on_commit=False) as session:
             yield session
 

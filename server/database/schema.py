@@ -1,4 +1,4 @@
-"""Bring a database to this version's schema; Alembic is configured here, not in a file."""
+"""Migrates a database to the schema of this version. Alembic is configured here, without a file."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -18,11 +18,11 @@ _FOLDER = Path(migrations.__file__).parent
 
 
 class SchemaTooOld(Exception):
-    """The database has not been brought to this version. The text names the command."""
+    """The database has an earlier schema. The text names the command to run."""
 
 
 def upgrade(settings: Settings) -> None:
-    """Make or change the tables, up to this version; safe to call at each start."""
+    """Create or migrate the tables; safe to call at every start."""
     database = Database(settings.database_url)
     try:
         with database.engine.begin() as connection:
@@ -32,29 +32,29 @@ def upgrade(settings: Settings) -> None:
 
 
 def check(engine: Engine) -> None:
-    """Raise SchemaTooOld unless the database has exactly this version's schema."""
+    """Raise SchemaTooOld unless the database has exactly the schema of this version."""
     with engine.connect() as connection:
-        there = MigrationContext.configure(connection).get_current_revision()
-    wanted = ScriptDirectory.from_config(config()).get_current_head()
-    if there != wanted:
+        current = MigrationContext.configure(connection).get_current_revision()
+    needed = ScriptDirectory.from_config(config()).get_current_head()
+    if current != needed:
         raise SchemaTooOld(
-            f"the database is at schema {there}, this version needs {wanted}: "
+            f"the database is at schema {current}, this version needs {needed}: "
             "run `seamark db upgrade`"
         )
 
 
 def config(connection: Connection | None = None) -> Config:
-    """Return Alembic's configuration, for `connection` if there is one."""
-    made = Config()
-    made.set_main_option("script_location", str(_FOLDER).replace("%", "%%"))
-    made.attributes["connection"] = connection
-    return made
+    """Return the configuration of Alembic, for a connection if there is one."""
+    alembic = Config()
+    alembic.set_main_option("script_location", str(_FOLDER).replace("%", "%%"))
+    alembic.attributes["connection"] = connection
+    return alembic
 
 
 def run_environment(
     attributes: dict[str, object], configure: Callable[..., None], run: Callable[[], None]
 ) -> None:
-    """Do what Alembic's env.py is for: batch mode, so that SQLite can change its tables too."""
+    """Run migrations for Alembic's env.py; in batch mode, so that SQLite can alter its tables."""
     configure(
         connection=attributes["connection"],
         target_metadata=Base.metadata,

@@ -1,4 +1,4 @@
-"""The tables. Times are UTC seconds since 1970 as floats; JSON holds what is never searched."""
+"""The tables. Times are seconds since 1970 (UTC); JSON is for values that no query searches."""
 
 from typing import Any
 
@@ -17,15 +17,15 @@ from sqlalchemy import (
 )
 from sqlalchemy.orm import DeclarativeBase, Mapped, mapped_column
 
-# SQLite only counts rows up by itself in a column of exactly this type.
+# SQLite autoincrements only columns of exactly this type.
 _Id = BigInteger().with_variant(Integer(), "sqlite")
 _Json = JSON(none_as_null=True)
-# PostgreSQL stores NaN and sorts it above every number: a bound keeps it (and infinity) out.
+# PostgreSQL stores NaN and sorts it above every number: the bounds reject it, and infinity.
 _FINITE = "{0} > -1e300 AND {0} < 1e300"
 
 
 class Base(DeclarativeBase):
-    """All tables; constraints have names, so that migrations can change them on SQLite."""
+    """Base class of the tables; constraints have names, so that migrations can alter them."""
 
     metadata = MetaData(
         naming_convention={
@@ -39,7 +39,7 @@ class Base(DeclarativeBase):
 
 
 class User(Base):
-    """Somebody with an account. `is_baseline` marks the owner of the built-in entries."""
+    """An account. `is_baseline` marks the owners of baseline runs."""
 
     __tablename__ = "users"
 
@@ -53,7 +53,7 @@ class User(Base):
 
 
 class Token(Base):
-    """A key for programs; only its SHA-256 is kept."""
+    """An API token; only its SHA-256 is stored."""
 
     __tablename__ = "tokens"
 
@@ -68,7 +68,7 @@ class Token(Base):
 
 
 class Run(Base):
-    """One evaluation of one controller. The queued rows of this table are the queue."""
+    """One evaluation of a controller or tracker. The queued rows are the queue."""
 
     __tablename__ = "runs"
 
@@ -79,7 +79,7 @@ class Run(Base):
     benchmark: Mapped[str] = mapped_column(String(80))
     kind: Mapped[str] = mapped_column(String(10))
     config: Mapped[dict[str, Any]] = mapped_column(_Json)
-    seed: Mapped[int | None] = mapped_column(BigInteger)  # empty: ranked, on hidden seeds
+    seed: Mapped[int | None] = mapped_column(BigInteger)  # NULL: ranked, on hidden seeds
     trials: Mapped[int]
     controller: Mapped[str] = mapped_column(String(80))
     program_sha256: Mapped[str | None] = mapped_column(String(64))
@@ -95,8 +95,8 @@ class Run(Base):
     queued_at: Mapped[float]
     started_at: Mapped[float | None]
     finished_at: Mapped[float | None]
-    attempt: Mapped[int] = mapped_column(default=0)  # fencing token: one more at each claim
-    failures: Mapped[int] = mapped_column(default=0)  # attempts that we, not the program, broke
+    attempt: Mapped[int] = mapped_column(default=0)  # fencing token: incremented by each claim
+    failures: Mapped[int] = mapped_column(default=0)  # attempts that failed because of the platform
     worker: Mapped[str | None] = mapped_column(String(255))
     lease_until: Mapped[float | None]
     cancel_requested: Mapped[bool] = mapped_column(default=False)  # of earlier versions, unused
@@ -116,7 +116,7 @@ class Run(Base):
             "ix_runs_queued",
             "owner",
             "id",
-            "language",  # so that a claim is answered from the index alone
+            "language",  # so that a claim reads the index alone
             sqlite_where=text("state = 'queued'"),
             postgresql_where=text("state = 'queued'"),
         ),
@@ -129,13 +129,13 @@ class Run(Base):
         Index("ix_runs_owner_id", "owner", "id"),
         Index("ix_runs_owner_state_finished", "owner", "state", "finished_at"),  # the quota
         Index("ix_runs_public_id", "public", "id"),
-        Index("ix_runs_program_sha256", "program_sha256"),  # for who looks for unused programs
+        Index("ix_runs_program_sha256", "program_sha256"),  # for finding unused programs
         Index("ix_runs_benchmark_state_id", "benchmark", "state", "id"),
     )
 
 
 class Turn(Base):
-    """When an owner's run was last started: who waited longest goes first."""
+    """When a run of an owner was last claimed: whose last claim is oldest goes first."""
 
     __tablename__ = "turns"
 
@@ -144,7 +144,7 @@ class Turn(Base):
 
 
 class Result(Base):
-    """What an evaluation gave; the key makes a second result of one run impossible."""
+    """The result of a run; the primary key rules out a second one."""
 
     __tablename__ = "results"
 
@@ -157,7 +157,7 @@ class Result(Base):
     score_low: Mapped[float | None]
     score_high: Mapped[float | None]
     level_held: Mapped[float | None]
-    rankable: Mapped[bool] = mapped_column(default=False)  # by the benchmark's own rules
+    rankable: Mapped[bool] = mapped_column(default=False)  # by the rules of the benchmark
     metrics: Mapped[dict[str, Any] | None] = mapped_column(_Json)
     manifest: Mapped[dict[str, Any] | None] = mapped_column(_Json)
     created_at: Mapped[float]
@@ -168,7 +168,7 @@ class Result(Base):
 
 
 class Best(Base):
-    """The best public ranked run of a user in a benchmark: the leaderboard, kept up to date."""
+    """The best published ranked run of a user in a benchmark: a row of the leaderboard."""
 
     __tablename__ = "best"
 
@@ -191,7 +191,7 @@ class Best(Base):
 
 
 class Check(Base):
-    """Two seconds of a program before it is submitted; gone after an hour."""
+    """A check: two simulated seconds of a program before it is submitted. Deleted after an hour."""
 
     __tablename__ = "checks"
 
@@ -205,7 +205,7 @@ class Check(Base):
     state: Mapped[str] = mapped_column(String(10))
     queued_at: Mapped[float]
     finished_at: Mapped[float | None]
-    attempt: Mapped[int] = mapped_column(default=0)  # fencing token: one more at each claim
+    attempt: Mapped[int] = mapped_column(default=0)  # fencing token: incremented by each claim
     lease_until: Mapped[float | None]
     answer: Mapped[dict[str, Any] | None] = mapped_column(_Json)
 
@@ -213,12 +213,12 @@ class Check(Base):
         CheckConstraint("state IN ('queued', 'running', 'done')", name="state"),
         CheckConstraint("(state = 'done') = (answer IS NOT NULL)", name="answer"),
         Index("ix_checks_state_id", "state", "id"),
-        {"sqlite_autoincrement": True},  # rows are deleted: an old number must not come again
+        {"sqlite_autoincrement": True},  # rows are deleted, and their ids must not be reused
     )
 
 
 class Worker(Base):
-    """A worker process and what its host can enforce; alive while `seen_at` is fresh."""
+    """A worker and what its host can enforce; alive while `seen_at` is recent."""
 
     __tablename__ = "workers"
 

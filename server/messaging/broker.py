@@ -13,7 +13,9 @@ from seamark.server.settings import Settings
 QUEUE = "runs"
 # A fixed name: tickets that wait in the broker survive a move of the module.
 WORK = "seamark.work"
-TIME_LIMIT_S = 4 * 3600  # backstop; stalls, limits of the box and cancelling come long before
+TIME_LIMIT_S = (
+    4 * 3600
+)  # a backstop: stalls, the limits of the sandbox and cancelling end runs long before
 _log = structlog.get_logger()
 
 
@@ -26,7 +28,7 @@ def redis_url(settings: Settings) -> str:
     if not settings.broker_url:
         raise BrokerMissing(
             "SEAMARK_BROKER_URL is not set: give a Redis URL, or use `seamark up`, "
-            "which brings a broker of its own"
+            "which starts a broker of its own"
         )
     return settings.broker_url.replace("redis+socket://", "unix://", 1)
 
@@ -41,13 +43,13 @@ def connect(settings: Settings) -> "Redis":
 
 
 def celery_app(settings: Settings) -> Celery:
-    """Return the Celery application. Its messages are tickets: they name no run."""
+    """Return the Celery application. Its messages are tickets: "there is work", without a run."""
     url = redis_url(settings)
     app = Celery(
         "seamark", broker=url.replace("unix://", "redis+socket://", 1), set_as_current=False
     )
     transport: dict[str, Any] = {
-        # More than twice the longest run; a ticket delivered twice would do no harm.
+        # Longer than any run; a ticket that is delivered twice does no harm.
         "visibility_timeout": 3 * TIME_LIMIT_S,
         "unacked_restore_interval": 30,
         "unacked_restore_throttle": 1,
@@ -65,7 +67,7 @@ def celery_app(settings: Settings) -> Celery:
         accept_content=["json"],
         task_acks_late=True,
         task_acks_on_failure_or_timeout=True,
-        task_reject_on_worker_lost=False,  # the lease does the retry, with a cap
+        task_reject_on_worker_lost=False,  # expired leases are requeued instead
         worker_prefetch_multiplier=1,
         task_time_limit=TIME_LIMIT_S,
         task_default_queue=QUEUE,
@@ -84,25 +86,28 @@ def celery_app(settings: Settings) -> Celery:
     return app
 
 
-def ring(app: Celery, tickets: int = 1) -> bool:
-    """Send tickets, after the commit; False if the broker is away (the sweeper tops them up)."""
+def send_tickets(app: Celery, count: int = 1) -> bool:
+    """Send tickets, after the commit; False if the broker is away.
+
+    The maintenance of the workers sends missing tickets later (`top_up`).
+    """
     try:
-        for _ in range(tickets):
+        for _ in range(count):
             app.send_task(WORK, ignore_result=True, retry=False)
     except (OperationalError, RedisError) as error:
-        _log.warning("ring_failed", error=str(error))
+        _log.warning("tickets_not_sent", error=str(error))
         return False
     return True
 
 
-def top_up(app: Celery, redis: "Redis", waiting: int) -> int:
-    """Send the tickets that queued runs lack and return their number."""
-    there = sum(int(redis.llen(key)) for key in ticket_keys(app))
-    missing = max(waiting - there, 0)
-    return missing if missing and ring(app, missing) else 0
+def top_up(app: Celery, redis: "Redis", queued: int) -> int:
+    """Send the tickets that `queued` runs lack and return their number."""
+    sent = sum(int(redis.llen(key)) for key in ticket_keys(app))
+    missing = max(queued - sent, 0)
+    return missing if missing and send_tickets(app, missing) else 0
 
 
 def ticket_keys(app: Celery) -> list[str]:
-    """Return the keys of the lists in which tickets wait, one for each priority."""
+    """Return the keys of the Redis lists that hold tickets, one for each priority."""
     steps = app.conf.broker_transport_options["priority_steps"]
     return [QUEUE if step == 0 else f"{QUEUE}\x06\x16{step}" for step in steps]

@@ -1,7 +1,7 @@
 """Live events: a Redis stream per run, and one reader thread per web process.
 
 Streams and not pub/sub: the id of an entry is the browser's Last-Event-ID, so a page that lost its
-connection goes on where it stopped.
+connection continues where it stopped.
 """
 
 import json
@@ -19,15 +19,15 @@ from redis.exceptions import RedisError
 KEEP = 2000  # entries kept of a stream
 EXPIRE_S = 3600  # after the end
 BACKLOG = 500  # events that may wait for one slow client; the oldest are dropped
-HEARTBEAT_S = 10.0  # a proxy closes silent connections; a thread notices a gone client by writing
-_BLOCK_MS = 200  # a new run is listened to after this time at the latest
+HEARTBEAT_S = 10.0  # proxies close idle connections; only a write detects a lost client
+_BLOCK_MS = 200  # the reader follows a new run after this time at the latest
 _RETRY_S = 1.0
 STATE, TELEMETRY, LOG, END, HEARTBEAT = "state", "telemetry", "log", "end", "heartbeat"
 _log = structlog.get_logger()
 
 
 class TooManyStreams(Exception):
-    """This process serves as many live pages as it may: answer 503 with Retry-After."""
+    """The process has as many open streams as it may: answer 503 with Retry-After."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,9 +39,9 @@ class Event:
     data: dict[str, Any]
 
     def sse(self) -> str:
-        """Return the event as text/event-stream has it."""
+        """Return the event in the format of text/event-stream."""
         if self.kind == HEARTBEAT:
-            return ": still here\n\n"
+            return ": heartbeat\n\n"
         return f"id: {self.id}\nevent: {self.kind}\ndata: {json.dumps(self.data)}\n\n"
 
 
@@ -51,7 +51,7 @@ def key(run_id: int) -> str:
 
 
 def append(redis: "Redis", run_id: int, kind: str, data: dict[str, Any]) -> None:
-    """Add an event; after "end" the stream is forgotten in an hour. Raises RedisError."""
+    """Add an event; the stream expires an hour after "end". Raises RedisError."""
     fields: Any = {"kind": kind, "data": json.dumps(data, allow_nan=False)}
     redis.xadd(key(run_id), fields, maxlen=KEEP, approximate=True)
     if kind == END:
@@ -84,7 +84,7 @@ def history(redis: "Redis", run_id: int, after: str | None = None) -> list[Event
 
 
 class Fanout:
-    """Gives the events of runs to any number of clients, with one connection to the broker."""
+    """Distributes the events of runs to any number of clients over one connection to the broker."""
 
     def __init__(self, redis: "Redis", *, streams_max: int = 200) -> None:
         self._redis = redis
@@ -97,18 +97,18 @@ class Fanout:
 
     @property
     def open_streams(self) -> int:
-        """How many clients listen now."""
+        """The number of connected clients."""
         with self._changed:
             return sum(len(clients) for clients in self._clients.values())
 
     def subscribe(self, run_id: int, last_id: str | None = None) -> Iterator[Event]:
         """Return the events after `last_id` (all that are kept, if None), then new ones.
 
-        Ends after "end". Gives a heartbeat when nothing happens. Raises TooManyStreams at once,
+        Ends after "end"; yields heartbeats while nothing happens. Raises TooManyStreams at once,
         not when it is first iterated.
         """
         inbox: queue.Queue[Event] = queue.Queue(BACKLOG)
-        self._enter(run_id, inbox)
+        self._add_client(run_id, inbox)
         return self._events(run_id, inbox, last_id or "0-0")
 
     def close(self) -> None:
@@ -121,7 +121,7 @@ class Fanout:
 
     def _events(self, run_id: int, inbox: "queue.Queue[Event]", last_id: str) -> Iterator[Event]:
         try:
-            # The client is registered already, so nothing falls between history and news.
+            # The client is already registered, so no event is lost between history and inbox.
             for event in history(self._redis, run_id, last_id):
                 last_id = event.id
                 yield event
@@ -136,9 +136,9 @@ class Fanout:
                 if event.kind == END:
                     return
         finally:
-            self._leave(run_id, inbox)
+            self._remove_client(run_id, inbox)
 
-    def _enter(self, run_id: int, inbox: "queue.Queue[Event]") -> None:
+    def _add_client(self, run_id: int, inbox: "queue.Queue[Event]") -> None:
         with self._changed:
             if sum(len(clients) for clients in self._clients.values()) >= self._streams_max:
                 raise TooManyStreams
@@ -151,7 +151,7 @@ class Fanout:
                 self._thread.start()
             self._changed.notify_all()
 
-    def _leave(self, run_id: int, inbox: "queue.Queue[Event]") -> None:
+    def _remove_client(self, run_id: int, inbox: "queue.Queue[Event]") -> None:
         with self._changed:
             clients = self._clients.get(run_id, [])
             if inbox in clients:
@@ -201,7 +201,7 @@ def _next(inbox: "queue.Queue[Event]") -> Event:
 
 
 def _put(inbox: "queue.Queue[Event]", event: Event) -> None:
-    """Put an event; a client that does not keep up loses the oldest, not the newest."""
+    """Put an event; a client that is too slow loses the oldest events."""
     while True:
         try:
             inbox.put_nowait(event)

@@ -1,4 +1,4 @@
-"""The start page: what this is, how to begin, what happens now."""
+"""The home page: what Seamark is, how to begin, live numbers and new runs."""
 
 from flask import Blueprint, g, render_template
 from flask.typing import ResponseReturnValue
@@ -20,7 +20,7 @@ page = Blueprint("home", __name__)
 
 @page.get("/")
 def show() -> ResponseReturnValue:
-    """Show the start page."""
+    """Show the home page."""
     with services().database.reading() as session:
         public = views.page(session, g.viewer, RunFilter(which="public"), limit=NEWEST)
         boards = [

@@ -19,7 +19,7 @@ def first() -> ResponseReturnValue:
 
 @page.get("/<name>")
 def show(name: str) -> ResponseReturnValue:
-    """Show the ranks of a benchmark from a cursor on."""
+    """Show a page of the ranks of a benchmark."""
     benchmark = benchmarks.by_name(name)
     after = None
     if text := request.args.get("after"):

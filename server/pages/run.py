@@ -1,4 +1,4 @@
-"""One run: its state, its data as it comes in, and what its owner may do with it."""
+"""The page of a run: its state, its data as they arrive, and the actions of its owner."""
 
 from collections.abc import Callable
 
@@ -19,8 +19,8 @@ from seamark.server.web.services import services
 from seamark.sim.settings.configuration import ConfigurationInvalid
 from seamark.sim.settings.grid import axes, level_names
 
-LOG_SHOWN = 64 * 1024  # [character] of the log on the page; the whole of it can be downloaded
-SECONDS_BETWEEN_PICTURES = 0.05
+LOG_SHOWN = 64 * 1024  # [character] of the log on the page; the download has all
+IMAGE_PERIOD_S = 0.05
 page = Blueprint("run", __name__, url_prefix="/runs")
 
 
@@ -58,7 +58,7 @@ def show(run_id: int) -> ResponseReturnValue:
             "levels": config.level_values(),
             "names": level_names(config),
             "level": {"label": config.level_metric().label, "unit": config.level_metric().unit},
-            "step_s": run.config.get("control_period_s", SECONDS_BETWEEN_PICTURES),
+            "step_s": run.config.get("control_period_s", IMAGE_PERIOD_S),
             "charts": [
                 {"title": chart.title, "unit": chart.unit, "columns": chart.columns}
                 for chart in benchmark.charts_of(config)
@@ -103,19 +103,21 @@ def rerun(run_id: int) -> ResponseReturnValue:
     try:
         with services().database.writing() as session:
             new_id = submission.rerun(session, run.id, viewer, services().settings)
-    except ConfigurationInvalid as refusal:  # of an earlier version: the form shows it for a change
+    except (
+        ConfigurationInvalid
+    ) as refusal:  # submitted to an earlier version: to be corrected in the form
         flash(f"This configuration is no longer accepted. {refusal}", "bad")
         form = url_for("submit.form", name=run.benchmark)
         return redirect(f"{form}?from={run_id}", code=303)
     except (SubmissionRejected, QuotaExceeded) as refusal:
         flash(str(refusal), "bad")
         return redirect(url_for("run.show", run_id=run_id), code=303)
-    services().ring()
+    services().wake_worker()
     return redirect(url_for("run.show", run_id=new_id), code=303)
 
 
 def _run_for(run_id: int, action: Action = Action.VIEW) -> RunView:
-    """Return the run, or end with 404 so that a private run cannot be told from none."""
+    """Return the run; a private run of somebody else gives 404, like a run that does not exist."""
     with services().database.reading() as session:
         run = views.show(session, run_id, services().settings)
     if run is None or not can(g.viewer, Action.VIEW, run):

@@ -1,4 +1,4 @@
-"""My runs: newest first, by state, in parts of a fixed size; all of them as CSV."""
+"""The list of runs: newest first, filtered, in pages; all of them as CSV."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -26,11 +26,15 @@ page = Blueprint("runs", __name__, url_prefix="/runs")
 
 @page.get("/")
 def mine() -> ResponseReturnValue:
-    """Show the viewer's own runs; an admin may look at everybody's."""
-    wanted, held = _wanted(g.viewer), services()
-    part = _part(held, g.viewer, wanted, request.args.get("after", type=row_id), SIZE)
-    with held.database.reading() as session:
-        used = None if g.viewer.owner is None else quota.used_by(session, g.viewer, held.settings)
+    """Show the viewer's own runs; an admin may list those of all users."""
+    wanted, app_services = _wanted(g.viewer), services()
+    part = _part(app_services, g.viewer, wanted, request.args.get("after", type=row_id), SIZE)
+    with app_services.database.reading() as session:
+        used = (
+            None
+            if g.viewer.owner is None
+            else quota.used_by(session, g.viewer, app_services.settings)
+        )
     return render_template(
         "runs/mine.html",
         part=part,
@@ -44,7 +48,7 @@ def mine() -> ResponseReturnValue:
 
 @page.get("/runs.csv")
 def as_csv() -> ResponseReturnValue:
-    """Download the whole list, as it is filtered."""
+    """Download the whole filtered list."""
     answer = Response(_lines(services(), g.viewer, _wanted(g.viewer)))
     answer.headers["Content-Type"] = csv_export.MEDIA_TYPE
     answer.headers["Content-Disposition"] = "attachment; filename=seamark-runs.csv"
@@ -52,7 +56,7 @@ def as_csv() -> ResponseReturnValue:
 
 
 def _wanted(viewer: Viewer) -> RunFilter:
-    """Return which runs the address asks for; those of others only for an admin."""
+    """Return the filter in the query string; only an admin may list the runs of others."""
     everybody = viewer.is_admin and request.args.get("of") == "all"
     state = request.args.get("state", "")
     return RunFilter(
@@ -63,18 +67,18 @@ def _wanted(viewer: Viewer) -> RunFilter:
 
 
 def _part(
-    held: Services, viewer: Viewer, wanted: RunFilter, after: int | None, limit: int
+    app_services: Services, viewer: Viewer, wanted: RunFilter, after: int | None, limit: int
 ) -> RunPage:
-    with held.database.reading() as session:
+    with app_services.database.reading() as session:
         return views.page(session, viewer, wanted, after=after, limit=limit)
 
 
-def _lines(held: Services, viewer: Viewer, wanted: RunFilter) -> Iterator[str]:
-    """Make the CSV part by part: no transaction stays open while a slow reader reads."""
+def _lines(app_services: Services, viewer: Viewer, wanted: RunFilter) -> Iterator[str]:
+    """Yield the CSV page by page: no transaction stays open while a slow client reads."""
     yield csv_export.lines(COLUMNS, ())
     after: int | None = None
     while True:
-        part = _part(held, viewer, wanted, after, LIMIT_MAX)
+        part = _part(app_services, viewer, wanted, after, LIMIT_MAX)
         yield csv_export.lines(COLUMNS, map(_row, part.runs), header=False)
         after = part.next
         if after is None:

@@ -17,14 +17,14 @@ page = Blueprint("status", __name__)
 
 @page.get("/status")
 def show() -> ResponseReturnValue:
-    """Show the workers, the length of the queue and whether uploads are accepted."""
-    held = services()
-    with held.database.reading() as session:
+    """Show the workers, the queue and whether uploads are accepted."""
+    app_services = services()
+    with app_services.database.reading() as session:
         listed = workers.listed(session)
         by_state = select(Run.state, func.count()).group_by(Run.state)
         counts = Counter(dict(session.execute(by_state).all()))
         oldest = session.scalar(select(func.min(Run.queued_at)).where(Run.state == "queued"))
-        refusal = workers.upload_refusal(session, DEFAULT_LANGUAGE, held.settings)
+        refusal = workers.upload_refusal(session, DEFAULT_LANGUAGE, app_services.settings)
     return render_template(
         "status/show.html",
         workers=listed,
@@ -32,7 +32,7 @@ def show() -> ResponseReturnValue:
         counts={state.value: counts[state.value] for state in RunState},
         oldest=oldest,
         refusal=refusal,
-        needed=held.settings.sandbox_min_level,
-        streams=held.fanout.open_streams,
-        streams_max=held.settings.streams_max,
+        needed=app_services.settings.sandbox_min_level,
+        streams=app_services.fanout.open_streams,
+        streams_max=app_services.settings.streams_max,
     )

@@ -63,7 +63,7 @@ def create(name: str) -> ResponseReturnValue:
     if errors:
         kept = program if answers.get("source") != "editor" else None
         return _show(benchmark, values, answers=answers, errors=errors, kept=kept), status
-    services().ring()  # only after the commit: the worker must find the row
+    services().wake_worker()  # only after the commit: the worker must find the row
     return redirect(url_for("run.show", run_id=run_id), code=303)
 
 

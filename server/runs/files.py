@@ -1,10 +1,10 @@
-"""The files of a run: telemetry, log, manifest, metrics; readable while the run goes on.
+"""The files of a run: telemetry, log, manifest, metrics; readable while it is running.
 
 `<data>/runs/<id // 1000>/<id>/<attempt>/` holds `telemetry.f64` (rows of little-endian float64),
-`columns.json` (their names, so that rows stay readable when a later version has other columns),
-`log.txt` (what the program printed first), `log.tail` (what it printed last, when it printed more),
-`manifest.json` and `metrics.json`. Each attempt has a folder of its own, so a late worker never
-writes into the files of the next one.
+`columns.json` (their names, so that a version with other columns can still read the rows),
+`log.txt` (the start of the program's output), `log.tail` (the end of a longer output),
+`manifest.json` and `metrics.json`. Each attempt has its own folder, so that a worker that
+lost its lease never writes into the files of the next attempt.
 """
 
 import json
@@ -31,7 +31,7 @@ Rows = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True)
 class LogPart:
-    """A piece of the log. `next` is where to go on; `dropped` bytes before `text` are not kept."""
+    """A part of the log. `next` is the offset after it; `dropped` bytes before it were not kept."""
 
     text: str
     next: int
@@ -57,17 +57,17 @@ class RunFiles:
         return telemetry.names(telemetry.width_for(thrusters))
 
     def attempts(self) -> list[int]:
-        """Return the attempts that left files."""
+        """Return the attempts that have files."""
         if not self.root.is_dir():
             return []
         return sorted(int(entry.name) for entry in self.root.iterdir() if entry.name.isdigit())
 
     @property
     def telemetry_path(self) -> Path:
-        """Where the rows are; the file may not exist yet."""
+        """The file of the rows; it may not exist yet."""
         return self.folder / "telemetry.f64"
 
-    # -- writing: one process, the worker that holds the attempt ---------------------------------
+    # -- writing: only by the worker that has the lease -------------------------------------------
     def append_rows(self, rows: Rows) -> None:
         """Append whole rows, shape (k, number of columns)."""
         if not self.telemetry_path.exists() and rows.ndim == 2 and rows.shape[1] >= WIDTH:
@@ -77,13 +77,13 @@ class RunFiles:
             raise ValueError(f"rows have shape {rows.shape}, not (k, {len(self._written_names())})")
         self._append(self.telemetry_path, np.ascontiguousarray(rows, dtype="<f8").tobytes())
 
-    def cut_rows(self, count: int) -> None:
-        """Keep only the first `count` rows: a trial is done again."""
+    def truncate_rows(self, count: int) -> None:
+        """Keep only the first `count` rows, before a trial is repeated."""
         if self.row_count() > count:
             os.truncate(self.telemetry_path, count * self._row_bytes())
 
     def append_log(self, text: bytes) -> None:
-        """Append what the program printed: the head to its file, the rest to a bounded tail."""
+        """Append output of the program: first to the head, then to a tail of bounded length."""
         room = max(HEAD_MAX - self._written, 0)
         if text[:room]:
             self._append(self.folder / "log.txt", text[:room])
@@ -94,12 +94,12 @@ class RunFiles:
             self._replace("log.tail", start.to_bytes(_COUNT_BYTES, "little") + self._tail)
 
     def write_json(self, name: str, value: Mapping[str, Any]) -> None:
-        """Write `manifest.json` or `metrics.json` whole; a reader never sees half of it."""
+        """Write `manifest.json` or `metrics.json` atomically."""
         self._replace(name, json.dumps(value, indent=2, allow_nan=False).encode())
 
-    # -- reading: any process, at any time --------------------------------------------------------
+    # -- reading: by any process, at any time -----------------------------------------------------
     def row_count(self) -> int:
-        """Return how many whole rows there are by now."""
+        """Return the number of complete rows so far."""
         try:
             return self.telemetry_path.stat().st_size // self._row_bytes()
         except FileNotFoundError:
@@ -108,7 +108,7 @@ class RunFiles:
     def rows(self, start: int = 0, stop: int | None = None) -> Rows:
         """Return the rows from `start` to before `stop`, shape (k, number of columns).
 
-        The columns are those of this version: NaN where the version that wrote them had none.
+        The columns are those of this version: NaN where the version that wrote the rows had none.
         """
         end = self.row_count() if stop is None else min(stop, self.row_count())
         count = max(end - max(start, 0), 0)
@@ -118,23 +118,23 @@ class RunFiles:
         offset = max(start, 0) * self._row_bytes()
         values = np.fromfile(self.telemetry_path, "<f8", count * len(names), offset=offset)
         rows = values.reshape(count, len(names)).astype(np.float64, copy=False)
-        return rows if names == columns else _in_present_columns(rows, names, columns)
+        return rows if names == columns else _in_current_columns(rows, names, columns)
 
     def rows_until(self, trial: int, t: float) -> int:
-        """Return how many rows there are up to time t [s] of a trial; trials follow each other."""
-        return bisect_right(range(self.row_count()), (trial, t), key=self._place)
+        """Return the number of rows up to time t [s] of a trial; trials are in ascending order."""
+        return bisect_right(range(self.row_count()), (trial, t), key=self._trial_and_time)
 
     def rows_of_trial(self, trial: int) -> Rows:
         """Return the rows of one trial so far, shape (k, number of columns)."""
         first, after = (self.rows_until(number, -math.inf) for number in (trial, trial + 1))
         return self.rows(first, after)
 
-    def _place(self, at: int) -> tuple[int, float]:
+    def _trial_and_time(self, at: int) -> tuple[int, float]:
         row = self.rows(at, at + 1)[0]
         return int(row[INDEX["trial"]]), float(row[INDEX["t"]])
 
     def log(self, after: int = 0) -> LogPart:
-        """Return what was printed from byte `after` on, as far as it is kept."""
+        """Return the output from byte `after` on, as far as it was kept."""
         head = _bytes(self.folder / "log.txt")
         kept = _bytes(self.folder / "log.tail")
         tail_start = int.from_bytes(kept[:_COUNT_BYTES], "little") if kept else len(head)
@@ -145,10 +145,10 @@ class RunFiles:
         return LogPart(text.decode("utf-8", "replace"), tail_start + len(tail), gap)
 
     def log_text(self) -> str:
-        """Return the whole log; where bytes are not kept a line says how many."""
+        """Return the whole log; a line says how many bytes in the middle were not kept."""
         head = _bytes(self.folder / "log.txt").decode("utf-8", "replace")
         rest = self.log(after=HEAD_MAX)
-        gap = f"\n[... {rest.dropped} bytes are not kept ...]\n" if rest.dropped else ""
+        gap = f"\n[... {rest.dropped} bytes were not kept ...]\n" if rest.dropped else ""
         return head + gap + rest.text
 
     def manifest(self) -> dict[str, Any] | None:
@@ -160,7 +160,7 @@ class RunFiles:
         return _json(self.folder / "metrics.json")
 
     def _written_names(self) -> tuple[str, ...]:
-        """Return the columns of the rows in the file, or the present ones while there is none."""
+        """Return the columns of the file; those of this version while there is no file."""
         if self._names is None:
             text = _bytes(self.folder / "columns.json")
             if not text:
@@ -183,7 +183,7 @@ class RunFiles:
         os.replace(draft, self.folder / name)
 
 
-def _in_present_columns(rows: Rows, names: tuple[str, ...], columns: tuple[str, ...]) -> Rows:
+def _in_current_columns(rows: Rows, names: tuple[str, ...], columns: tuple[str, ...]) -> Rows:
     written = {name: at for at, name in enumerate(names)}
     moved = np.full((len(rows), len(columns)), np.nan)
     for at, name in enumerate(columns):

@@ -1,11 +1,11 @@
-"""The limits of one trial's box: the same object for the worker, the form and the documentation."""
+"""The sandbox limits of one trial: the same object for worker, form and documentation."""
 
 from seamark.sandbox.limits import Limits
 
 _BASE = Limits()
-CHECK = Limits(cpu_s=20.0, wall_s=60.0)  # of the box of a check, which simulates two seconds
-CPU_PER_SIMULATED_S = 0.1  # [s/s] 5 ms for each of 20 answers per simulated second
-WALL_PER_SIMULATED_S = 0.2  # [s/s] only the time in which the simulator waits counts
+CHECK = Limits(cpu_s=20.0, wall_s=60.0)  # of a check, which simulates two seconds
+CPU_PER_SIMULATED_S = 0.1  # [s/s] 5 ms for each of the 20 steps of a simulated second
+WALL_PER_SIMULATED_S = 0.2  # [s/s] counts while the simulator waits for the program
 
 
 def for_trial(duration_s: float) -> Limits:

@@ -1,4 +1,4 @@
-"""A run's place in the line, how long it will take, and why it waits."""
+"""The position of a run in the queue, how long it will take, and why it waits."""
 
 import time
 from dataclasses import dataclass
@@ -11,12 +11,12 @@ from seamark.server.database.tables import Run, Turn, User
 from seamark.server.runs.states import RunState
 from seamark.server.settings import Settings
 
-_RECENT = 20  # ended runs of the same sort from which a duration is estimated
+_RECENT = 20  # finished runs of the benchmark from which a duration is estimated
 
 
 @dataclass(frozen=True, slots=True)
 class Wait:
-    """What a live run has before it."""
+    """Position, time until the end and reason of the wait of a live run; None: unknown."""
 
     position: int | None
     estimate_s: float | None
@@ -24,7 +24,7 @@ class Wait:
 
 
 def wait_of(session: Session, run: Run, settings: Settings) -> Wait:
-    """Return the place in the line of a queued run, and the time left of a live one."""
+    """Return the position of a queued run, and the time until the end of a live one."""
     typical = _typical_s(session, run)
     now = time.time()
     if run.state == RunState.RUNNING:
@@ -40,10 +40,10 @@ def wait_of(session: Session, run: Run, settings: Settings) -> Wait:
 
 
 def _position(session: Session, run: Run) -> int | None:
-    """Return the place, 1 = next, in rounds: everybody's first run, then everybody's second ...
+    """Return the position, 1 = next, in rounds: the first run of every owner, then the second ...
 
-    From one row per owner, so that a long line costs no more than a short one. None if a worker
-    took the run after it was read, which PostgreSQL shows to a transaction that writes.
+    Computed from one row per owner, so that a long queue costs no more than a short one. None if a
+    worker claimed the run after it was read, which a writing transaction sees on PostgreSQL.
     """
     owners = _owners(session)
     mine = owners.get(run.owner)
@@ -57,7 +57,7 @@ def _position(session: Session, run: Run) -> int | None:
 
 @dataclass(frozen=True, slots=True)
 class _Owner:
-    """What one owner has in the line."""
+    """What one owner has in the queue."""
 
     queued: int
     first: int  # id of the run that is next
@@ -66,7 +66,7 @@ class _Owner:
     is_baseline: bool
 
     def ahead_of(self, mine: "_Owner", before: int) -> int:
-        """Return how many of its runs start before the owner `mine` has started `before + 1`."""
+        """Return how many of its runs start before run number `before` + 1 of `mine`."""
         if self.is_baseline != mine.is_baseline:
             return 0 if self.is_baseline else self.queued
         rounds = mine.running + before - self.running
@@ -75,7 +75,7 @@ class _Owner:
 
 
 def _owners(session: Session) -> dict[str, _Owner]:
-    """Return all owners with queued runs."""
+    """Return the owners that have queued runs."""
     state = select(Run.owner, func.count()).group_by(Run.owner)
     running = {owner: n for owner, n in session.execute(state.where(Run.state == RunState.RUNNING))}
     names = session.scalars(select(User.id).where(User.is_baseline))
@@ -93,7 +93,7 @@ def _owners(session: Session) -> dict[str, _Owner]:
 
 
 def _typical_s(session: Session, run: Run) -> float | None:
-    """Return how long such runs took lately, scaled by the number of trials."""
+    """Return the mean duration of recent runs of the benchmark, scaled to the number of trials."""
     recent = (
         select(((Run.finished_at - Run.started_at) / Run.trials).label("s"))
         .where(Run.benchmark == run.benchmark, Run.state == RunState.SUCCEEDED)
@@ -107,14 +107,14 @@ def _typical_s(session: Session, run: Run) -> float | None:
 
 def _left_s(run: Run, now: float, typical: float | None) -> float | None:
     elapsed = now - (run.started_at or now)
-    if run.progress > 0.05:  # before that its own pace says little
+    if run.progress > 0.05:  # earlier than that the pace of the run itself says little
         return elapsed * (1.0 - run.progress) / run.progress
     return None if typical is None else max(typical - elapsed, 0.0)
 
 
 def _why(session: Session, run: Run, settings: Settings, *, slots: int, ahead: int) -> str:
     if not slots:
-        return "No worker is running. The run starts as soon as one is there."
+        return "No worker is running. The run starts as soon as one is available."
     if run.language is not None and (
         refusal := workers.upload_refusal(session, run.language, settings)
     ):
@@ -122,10 +122,10 @@ def _why(session: Session, run: Run, settings: Settings, *, slots: int, ahead: i
     mine = (Run.owner == run.owner) & (Run.state == RunState.RUNNING)
     running = session.scalar(select(func.count()).where(mine)) or 0
     if running >= settings.running_max:
-        return f"{running} of your runs are running, which is the most at a time."
+        return f"{running} of your runs are running, which is the limit."
     if ahead == 0:
         return (
-            "It is next: it starts as soon as a worker is free. After the first start of a service "
-            "that takes some minutes, while the simulator is compiled."
+            "It is next and starts as soon as a worker is free. After the very first start of a "
+            "service this takes some minutes, while the simulator is being compiled."
         )
-    return f"{ahead} run{'s are' if ahead > 1 else ' is'} before it, taken in turns between users."
+    return f"{ahead} run{'s' if ahead > 1 else ''} ahead of it; users take turns."

@@ -34,9 +34,9 @@ class Services:
             celery=broker.celery_app(settings),
         )
 
-    def ring(self) -> None:
+    def wake_worker(self) -> None:
         """Tell a worker that there is work; only after the commit, or it finds nothing."""
-        broker.ring(self.celery)
+        broker.send_tickets(self.celery)
 
     def close(self) -> None:
         """Stop threads and close connections."""

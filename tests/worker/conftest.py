@@ -55,7 +55,7 @@ class Service(Backend):
     def submit(self, config: Mapping[str, object] = SHORT, **changes: Any) -> int:
         """Queue a run and tell the workers."""
         run_id = self.queue(config=config, **({"seed": 3} | changes))
-        assert broker.ring(self.app)
+        assert broker.send_tickets(self.app)
         return run_id
 
     def submit_program(

@@ -61,7 +61,7 @@ class RunLoop:
         with self._database.reading() as session:
             waiting = run_queue.length(session)
         if waiting and not self._shutting_down():
-            broker.ring(self._app)
+            broker.send_tickets(self._app)
 
     def _wait_warm(self) -> bool:
         """Wait until the simulator is warm: before that, other workers should have the runs."""

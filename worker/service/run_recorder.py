@@ -35,5 +35,5 @@ class RunRecorder:
 
     def trial_restarted(self, trial: int, reason: str) -> None:
         """Discard the rows of the trial, and log that it starts again."""
-        self._files.cut_rows(self._trial_start_row)
+        self._files.truncate_rows(self._trial_start_row)
         self.log(f"[Trial {trial + 1} starts again: the host was slow.]\n".encode())

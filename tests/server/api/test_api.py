@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from seamark.server.api.series import thin
+from seamark.server.api.series import downsample
 from seamark.server.messaging import live_events
 from seamark.sim.recording.telemetry import NAMES
 from tests.cast import PROGRAM
@@ -264,7 +264,7 @@ def test_thinning_keeps_the_extremes_and_at_most_the_requested_points(
     column = np.array(values)[:, np.newaxis]
     t = np.arange(len(values), dtype=float)
 
-    times, thinned = thin(t, column, max_points)
+    times, thinned = downsample(t, column, max_points)
 
     assert len(times) == len(thinned) <= max(max_points, 2)
     assert (np.diff(times) >= 0).all()

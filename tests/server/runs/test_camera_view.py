@@ -40,14 +40,14 @@ def test_the_camera_view_shows_what_the_tracker_saw(backend: Backend, recorded: 
     row = RunFiles(backend.settings.data, recorded).rows(120, 121)[0]
     seen = world.camera.colour(row[INDEX["x"] : INDEX["yaw"] + 1].copy(), 80 + 40)
 
-    shown = _decoded(camera_view.picture(backend.settings, run, trial=0, t=6.0))
+    shown = _decoded(camera_view.render(backend.settings, run, trial=0, t=6.0))
 
     corner = (slice(0, 150), slice(0, 150))  # no box is drawn here; JPEG changes a little
     assert np.abs(shown[corner].astype(int) - seen[corner].astype(int)).mean() < 3.0
 
 
 def test_the_box_of_the_tracker_is_green(backend: Backend, recorded: int) -> None:
-    shown = _decoded(camera_view.picture(backend.settings, backend.show(recorded), trial=0, t=2.0))
+    shown = _decoded(camera_view.render(backend.settings, backend.show(recorded), trial=0, t=2.0))
 
     blue, green, red = (shown[:, :, channel].astype(int) for channel in range(3))
     assert np.count_nonzero((green > 150) & (green > red + 60) & (green > blue + 60)) > 100
@@ -56,7 +56,7 @@ def test_the_box_of_the_tracker_is_green(backend: Backend, recorded: int) -> Non
 def test_the_same_time_gives_the_same_bytes(backend: Backend, recorded: int) -> None:
     run = backend.show(recorded)
 
-    first, second = (camera_view.picture(backend.settings, run, trial=0, t=3.3) for _ in range(2))
+    first, second = (camera_view.render(backend.settings, run, trial=0, t=3.3) for _ in range(2))
 
     assert first == second
 
@@ -64,14 +64,14 @@ def test_the_same_time_gives_the_same_bytes(backend: Backend, recorded: int) -> 
 def test_a_time_after_the_end_gives_the_last_image(backend: Backend, recorded: int) -> None:
     run = backend.show(recorded)
 
-    last, beyond = (camera_view.picture(backend.settings, run, trial=0, t=t) for t in (7.95, 1e6))
+    last, beyond = (camera_view.render(backend.settings, run, trial=0, t=t) for t in (7.95, 1e6))
 
     assert last == beyond
 
 
 def test_a_trial_without_telemetry_has_no_camera_view(backend: Backend, recorded: int) -> None:
-    assert camera_view.picture(backend.settings, backend.show(recorded), trial=1, t=0.0) is None
+    assert camera_view.render(backend.settings, backend.show(recorded), trial=1, t=0.0) is None
     assert (
-        camera_view.picture(backend.settings, backend.show(backend.queue("ann")), trial=0, t=0.0)
+        camera_view.render(backend.settings, backend.show(backend.queue("ann")), trial=0, t=0.0)
         is None
     )

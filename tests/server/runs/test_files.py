@@ -67,7 +67,7 @@ def test_a_restarted_trial_leaves_no_rows(tmp_path: Path) -> None:
     files = RunFiles(tmp_path, 7, 1)
     files.append_rows(_rows(5))
 
-    files.cut_rows(3)
+    files.truncate_rows(3)
 
     assert np.array_equal(files.rows(), _rows(3))
 

@@ -196,7 +196,7 @@ def test_a_configuration_that_became_invalid_ends_at_once_and_blames_no_program(
         run_id = submission.submit(session, valid, running.settings)
         # As an update of the software leaves it that has narrowed a range.
         session.get_one(Run, run_id).config = {"kp": 99.0}
-    assert broker.ring(running.app)
+    assert broker.send_tickets(running.app)
 
     view = running.ended(run_id)
 
