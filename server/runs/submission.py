@@ -2,7 +2,7 @@
 
 1. `validate` checks everything that needs no database and parses the configuration once.
 2. `submit` checks the workers and the quota and inserts the row, in one transaction.
-3. The caller commits, then calls `broker.ring`.
+3. The caller commits, then calls `broker.send_tickets`.
 """
 
 import secrets
