@@ -1,4 +1,4 @@
-"""What a benchmark is; one file per benchmark beside this one."""
+"""The declaration of a benchmark: settings, experiment, score and presentation."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Chart:
-    """A chart that the run page offers: title, unit and the telemetry's columns in it."""
+    """A chart of the run page: title, unit and columns of the telemetry."""
 
     title: str
     unit: str
@@ -25,11 +25,10 @@ class Chart:
 
 @dataclass(frozen=True, slots=True)
 class Curve:
-    """A chart over the levels: metrics in one unit, and the limit that ends the score.
+    """A chart over the levels: metrics in one unit, and the limit at which a level fails.
 
-    `values` gives the levels' own values in the unit of the score, for a configuration; `measure`
-    makes a level's metrics from its rows of telemetry, so that the chart can grow while the run
-    goes on.
+    `values` returns the value of each level of a configuration in the unit of the score; `measure`
+    computes the metrics of a level from its telemetry, so that the chart grows during the run.
     """
 
     metrics: tuple[Metric, ...]
@@ -40,7 +39,7 @@ class Curve:
 
 @dataclass(frozen=True, slots=True)
 class Baseline:
-    """A built-in entry of the leaderboard: title, what is built in, and its settings."""
+    """A built-in entry of the leaderboard: title, built-in solution and its settings."""
 
     title: str
     built_in: str
@@ -49,9 +48,9 @@ class Baseline:
 
 @dataclass(frozen=True, slots=True)
 class Table:
-    """A table of the run page: metrics by level, their names in the metrics with a prefix.
+    """A table of the run page: metrics by level; `prefix` is that of their names in metrics.json.
 
-    Settings in braces in the title are filled in.
+    Settings in braces in the title are replaced by their values.
     """
 
     title: str
@@ -66,41 +65,45 @@ class Benchmark:
     name: str
     title: str
     summary: str
-    participants: str
-    role: str  # of the programs that take part: "controller" or "tracker"
-    built_in: Mapping[str, str]  # name -> label of what takes part without a program
+    participants: str  # in the plural, such as "trackers"
+    role: str  # of uploaded programs: "controller" or "tracker"
+    built_in: Mapping[str, str]  # name -> label of the built-in solutions
     experiment: str  # path, module:attribute, of a seamark.sim.engine.experiment.Experiment
     headline: Metric
-    score_bar_max: float  # where a bar of the score ends
+    score_bar_max: float  # right end of the score bars of the leaderboard
     level_held_unit: str  # of the highest level held
     charts: tuple[Chart, ...]
     tables: tuple[Table, ...]
-    key_metrics: tuple[Metric, ...]  # of the tables, at each level of each trial and in short lists
-    metric_groups: tuple[MetricGroup, ...]  # what is computed of a level, for the documentation
+    key_metrics: tuple[Metric, ...]  # of the tables, for each trial and in short lists
+    metric_groups: tuple[MetricGroup, ...]  # all metrics of a level, for the documentation
     overall: tuple[Metric, ...] = ()  # metrics over all levels
-    baselines: Mapping[str, Baseline] = field(default_factory=dict)  # by the end of the user's name
-    # settings -> name of the built-in solution that they make, where `built_in` does not say it
+    baselines: Mapping[str, Baseline] = field(
+        default_factory=dict
+    )  # keyed by the suffix of the user name
+    # label of a built-in solution, if it depends on the settings
     solution_label: Callable[[Mapping[str, object]], str] | None = None
     configuration: type[Configuration]
     groups: tuple[str, ...]  # of settings, in the form's order
-    # setting -> its value -> values of other settings that come with the choice; the later one wins
+    # setting -> its value -> values of other settings that come with it; later ones win
     presets: Mapping[str, Mapping[str, Mapping[str, object]]] = field(default_factory=dict)
-    quick_settings: Mapping[str, object] = field(default_factory=dict)  # settings of a quick run
+    quick_settings: Mapping[str, object] = field(
+        default_factory=dict
+    )  # settings of the shortest run
     ranked_trials: int = 10
     curve: Curve | None = None
 
     def load(self) -> "Experiment":
-        """Return what runs the levels; loads the simulator with Numba and OpenCV."""
+        """Return the experiment; loads the simulator with Numba and OpenCV."""
         loaded: Experiment = resolve_name(self.experiment)
         return loaded
 
     def read(self, values: Mapping[str, object]) -> Configuration:
-        """Return the checked configuration; what is left out comes with what was chosen.
+        """Return the validated configuration; presets of the chosen values fill in what is missing.
 
         Raises
         ------
         ConfigurationInvalid
-            One sentence per wrong setting, all at once.
+            With one message per invalid setting, all at once.
         """
         preset: dict[str, object] = {}
         for name, choices in self.presets.items():
@@ -121,12 +124,12 @@ class Benchmark:
         return schema | {"x-presets": presets}
 
     def ranked(self, config: Configuration) -> Configuration:
-        """Return what a ranked run uses: the benchmark's scenario, the user's solution.
+        """Return the configuration of a ranked run: the benchmark's scenario, the user's solution.
 
         Raises
         ------
         ConfigurationInvalid
-            If a solution's setting may not rank, such as ground truth in the tracker's place.
+            If the solution cannot rank, such as ground truth instead of a tracker.
         """
         fields = self.configuration.model_fields
         solution = {
@@ -140,29 +143,29 @@ class Benchmark:
         return self.configuration.read(solution)
 
     def charts_of(self, config: Configuration) -> tuple[Chart, ...]:
-        """Return the charts of a run, without the columns in which nothing happens."""
-        idle = config.unused_columns()
+        """Return the charts of a run, without unused columns."""
+        unused = config.unused_columns()
         shown = (
-            Chart(chart.title, chart.unit, tuple(c for c in chart.columns if c not in idle))
+            Chart(chart.title, chart.unit, tuple(c for c in chart.columns if c not in unused))
             for chart in self.charts
         )
         return tuple(chart for chart in shown if chart.columns)
 
     def solution_label_of(self, controller: str, config: Mapping[str, object]) -> str:
-        """Return what people call the built-in solution of a run."""
+        """Return the label of the built-in solution of a run."""
         if self.solution_label is not None:
             return self.solution_label(config)
         return self.built_in.get(controller, controller)
 
     def level_held_unit_of(self, config: Configuration) -> str:
         """Return the unit of the highest level held."""
-        own = config.headline()
-        return self.level_held_unit if own is None else own.unit
+        headline = config.headline()
+        return self.level_held_unit if headline is None else headline.unit
 
     def headline_of(self, config: Configuration) -> Metric:
-        """Return what the score of a run with this configuration is."""
+        """Return the metric that the score of a run with this configuration is."""
         return config.headline() or self.headline
 
     def trial_duration_s(self, config: Configuration) -> float:
-        """Return the simulated length of one trial."""
+        """Return the simulated duration of one trial."""
         return config.trial_duration_s()

@@ -1,4 +1,4 @@
-"""What happens in a level of a benchmark, and what is made of it; one file per kind of experiment.
+"""The interface of an experiment: how the levels of a benchmark run, and how they are scored.
 
 A benchmark names its experiment by path, so that forms need not load the simulator.
 """
@@ -15,10 +15,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TrialScore:
-    """What a trial is worth."""
+    """The score of a trial."""
 
-    score: float  # more is better; the unit is that of the benchmark's headline
-    level_held: float | None  # value of the last level up to which all were held; None: not one
+    score: float  # more is better; in the unit of the benchmark's headline
+    level_held: float | None  # value of the last level up to which all were held; None: none
     rankable: bool
     overall: Mapping[str, float | None] = field(default_factory=dict)  # metrics over all levels
 
@@ -33,29 +33,29 @@ class Level(Protocol):
         """
 
     def close(self) -> None:
-        """Give back what the level holds."""
+        """Release the resources of the level."""
 
 
 class Experiment(Protocol):
-    """How levels run and count. Each takes the configuration and the solutions of its own kind."""
+    """How levels run and are scored, for one type of configuration and of solution."""
 
     def built_in(self, name: str, config: Any) -> Any:
-        """Return a built-in solution that can take part."""
+        """Return a built-in solution."""
 
     def layout(self, config: Any) -> dict[str, Any]:
-        """Return what travels to a program and back: its role, and what that needs."""
+        """Return the role of a program and the layout of its messages."""
 
     def level(self, config: Any, solution: Any, *, seed: int, trial: int, level: int) -> Level:
-        """Return a level; nothing but these values goes into it."""
+        """Return a level, which depends on these values only."""
 
     def camera(self, config: Any, *, seed: int, trial: int, level: int) -> "Camera":
-        """Return the camera of a level: all that a picture needs beside pose and frame number."""
+        """Return the camera of a level; an image also depends on pose and frame number."""
 
     def first_camera(self, config: Any, *, seed: int, trial: int, level: int) -> "Camera":
-        """Return the camera that takes the first picture of a level, for the tracker to learn."""
+        """Return the camera of the image with which the tracker is initialised."""
 
     def metrics(self, config: Any, level: int, rows: Rows) -> dict[str, Any]:
         """Return the metrics of a level by name, from all of its rows."""
 
     def trial_score(self, config: Any, levels: Sequence[Mapping[str, Any]]) -> TrialScore:
-        """Return what a trial with these metrics is worth."""
+        """Return the score of a trial with these metrics."""

@@ -15,15 +15,15 @@ Command = tuple[float, float, float, float]
 
 
 class Program(Protocol):
-    """What the loop needs of a program. A box that fails raises through it, untouched."""
+    """A controller as the closed loop calls it. The exceptions of a failing box pass through."""
 
     def reset(self, level: Mapping[str, float | int]) -> None:
-        """Hear that a level begins: index, count, duration_s, dt, t; never the current's truth."""
+        """Start a level: index, count, duration_s, dt, t; never the true current."""
 
     def step(self, values: NDArray[np.float64]) -> Command:
         """Return surge, sway, heave [m/s] and yaw rate [rad/s] for a packed observation.
 
-        The array is the same at every step, with other values: who keeps it keeps a copy.
+        The array is reused at every step: copy what must be kept.
         """
 
 
@@ -38,7 +38,7 @@ class Controller(Protocol):
     def __init__(self, config: Mapping[str, Any]) -> None: ...
 
     def reset(self, level: Mapping[str, float | int]) -> None:
-        """Forget the last level."""
+        """Reset the state at the start of a level."""
 
     def step(self, observation: Observation) -> Sequence[float]:
         """Return surge, sway, heave [m/s] and yaw rate [rad/s]."""
@@ -48,14 +48,14 @@ class BuiltIn:
     """A `Program` that runs a built-in controller in this process."""
 
     def __init__(self, name: str, config: Configuration) -> None:
-        make = resolve_name(registry.CONTROLLERS[name])
-        self._controller: Controller = make(config.model_dump())
+        controller = resolve_name(registry.CONTROLLERS[name])
+        self._controller: Controller = controller(config.model_dump())
 
     def reset(self, level: Mapping[str, float | int]) -> None:
-        """Pass the level on."""
+        """Reset the controller."""
         self._controller.reset(level)
 
     def step(self, values: NDArray[np.float64]) -> Command:
-        """Return the controller's answer as four floats."""
+        """Return the controller's command as four floats."""
         surge, sway, heave, yaw_rate = self._controller.step(Observation(values))
         return float(surge), float(sway), float(heave), float(yaw_rate)

@@ -1,14 +1,14 @@
-"""Seeds: the range of those that users choose; those of ranked runs, which nobody can guess."""
+"""Seeds: the range that users may choose from, and the hidden seeds of ranked runs."""
 
 import hashlib
 import hmac
 
-SEED_MAX = 2**31 - 1  # of a seed that somebody chooses
+SEED_MAX = 2**31 - 1  # of a seed that a user chooses
 SEED_BITS = 63  # fits a signed 64-bit column
 
 
 def hidden_seed(secret: bytes, benchmark: str, trial: int) -> int:
-    """Return the seed of one ranked trial, by HMAC-SHA256 of benchmark and trial.
+    """Return the hidden seed of a ranked trial: HMAC-SHA256 of benchmark and trial.
 
     Raises
     ------

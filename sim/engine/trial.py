@@ -1,4 +1,4 @@
-"""A trial: one seed through all levels. And the summary of several trials."""
+"""A trial is one seed through all levels; a run is one or more trials and their summary."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -20,7 +20,7 @@ from seamark.sim.settings.configuration import Configuration
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TrialResult:
-    """What a trial ended with. `seed` is left out on purpose: it may be a hidden one."""
+    """The result of a trial. It has no seed on purpose: that may be a hidden one."""
 
     trial: int
     levels: tuple[Mapping[str, Any], ...]  # the metrics of each level
@@ -56,21 +56,21 @@ def run_trial(
     """Run all levels and return the metrics.
 
     Rows go to `on_rows` in order, every 20 control steps and at the end; also when the solution
-    raises, so that what happened until then is never lost.
+    raises, so that no row is lost.
 
     Parameters
     ----------
     solution
-        What the benchmark compares: a `Program` or a `Tracker`.
+        What the benchmark evaluates: a `Program` or a `Tracker`.
 
     Raises
     ------
     KeyError
         If there is no such benchmark.
     TypeError
-        If the configuration is another benchmark's.
+        If the configuration belongs to another benchmark.
     Exception
-        Whatever the solution raises, untouched.
+        Whatever the solution raises, unchanged.
     """
     entry = registry.benchmark(benchmark)
     if not isinstance(config, entry.configuration):
@@ -87,9 +87,9 @@ def run_trial(
     levels: list[dict[str, Any]] = []
     rows = 0
     for level in range(len(config.level_values())):
-        begun = experiment.level(config, solution, seed=seed, trial=trial, level=level)
-        with closing(begun):
-            begun.run(deliver)
+        running = experiment.level(config, solution, seed=seed, trial=trial, level=level)
+        with closing(running):
+            running.run(deliver)
         whole = np.concatenate(kept)
         original = uwsim_metrics.level_metrics(whole)
         levels.append(experiment.metrics(config, level, whole) | {"measures": original})
@@ -109,9 +109,9 @@ def summarise(
 ) -> dict[str, Any]:
     """Return metrics.json: the score with its interval, every trial, the means over the trials.
 
-    `overall` and `measures` are over all levels, `levels` of each.
+    `overall` and `measures` are over all levels, `levels` holds each level.
     `score_low` and `score_high` are the 95 % bootstrap interval of the mean; None for one trial.
-    `rankable` is false when a trial gave no number or lost its target for a whole level.
+    `rankable` is false if a trial has no finite score or lost its target for a whole level.
     """
     scores = [result.score for result in results]
     interval = bootstrap_interval(scores) if all(map(math.isfinite, scores)) else None
@@ -125,7 +125,9 @@ def summarise(
         "rankable": rankable,
         "level_held": _lowest(held),
         "overall": _mean_overall([result.overall for result in results]),
-        "own_score": custom_score(config.custom_score(), [_named(result) for result in results]),
+        "own_score": custom_score(
+            config.custom_score(), [_expression_values(result) for result in results]
+        ),
         "measures": _mean_overall([result.measures for result in results]),
         "trials": [_entry(result) for result in results],
         "levels": [
@@ -144,24 +146,24 @@ def _mean_overall(trials: Sequence[Mapping[str, float | None]]) -> dict[str, flo
     return result
 
 
-def _named(result: TrialResult) -> dict[str, Any]:
-    """Return what an expression can name of a trial."""
+def _expression_values(result: TrialResult) -> dict[str, Any]:
+    """Return the values of a trial that an expression may use."""
     return {"score": result.score} | result.overall | result.measures
 
 
 def custom_score(
     expression: str, trials: Sequence[Mapping[str, float | None]]
 ) -> dict[str, Any] | None:
-    """Return what the user's own expression gives, as the mean over trials; None without one.
+    """Return the value of the user's expression, mean over the trials; None without one.
 
-    `value` is None where it gives no number, and `why` says so.
+    `value` is None if it has none; `why` then has the reason.
     """
     if not expression:
         return None
     try:
         values = [score_of(expression, trial) for trial in trials]
-    except ExpressionInvalid as refusal:
-        return {"expression": expression, "value": None, "why": str(refusal)}
+    except ExpressionInvalid as error:
+        return {"expression": expression, "value": None, "why": str(error)}
     return {"expression": expression, "value": mean(values), "why": ""}
 
 
@@ -171,7 +173,7 @@ def _lowest(held: Sequence[float | None]) -> float | None:
 
 
 def _plain(level: Mapping[str, Any]) -> dict[str, Any]:
-    """Return metrics as JSON knows them: None for what is no number."""
+    """Return metrics for JSON: None for nan and infinity."""
     return {
         name: _plain(value)
         if isinstance(value, Mapping)

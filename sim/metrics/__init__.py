@@ -1,1 +1,1 @@
-"""What a run is measured by, computed from its telemetry."""
+"""Metrics of a run, computed from its telemetry."""

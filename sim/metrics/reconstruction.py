@@ -1,6 +1,6 @@
-"""The original benchmark module's measure of a 3-D reconstruction, on point clouds.
+"""The original benchmark module's metric of a 3-D reconstruction, for point clouds.
 
-No benchmark uses it yet: no run gives a point cloud. It works on clouds from anywhere.
+No benchmark uses it yet, as no run produces a point cloud.
 """
 
 import math
@@ -17,7 +17,7 @@ _AROUND = tuple(product((-1, 0, 1), repeat=3))
 
 
 def reconstruction(points: Cloud, truth: Cloud, *, level_of_detail: float) -> dict[str, float]:
-    """Return how well points describe a true surface, by an occupancy grid.
+    """Return how well points match a true surface, by an occupancy grid.
 
     Parameters
     ----------
@@ -30,8 +30,8 @@ def reconstruction(points: Cloud, truth: Cloud, *, level_of_detail: float) -> di
     -------
     dict
         `meanError` [m] and `variance` [m²] of the distance to the nearest true point, over the
-        points that are no outliers (nan without any); `coverage` [%] of the cells of the truth that
-        hold a point; `outliers` [%] of the points, those in no cell of the truth nor beside one.
+        points that are not outliers (nan without any); `coverage` [%]: share of the true cells that
+        contain a point; `outliers` [%]: share of the points neither in a true cell nor next to one.
 
     Raises
     ------

@@ -1,6 +1,6 @@
-"""Syntax trees of Python texts, one at a time: the web server reads them in many threads.
+"""Syntax trees of Python source, parsed one at a time: the web server has many threads.
 
-CPython before 3.11.5 can fail when two threads make trees (SystemError, its issue 106905).
+CPython before 3.11.5 can fail when two threads parse (SystemError, its issue 106905).
 """
 
 import ast
@@ -10,13 +10,13 @@ _one_at_a_time = threading.Lock()
 
 
 def module_of(text: str, filename: str) -> ast.Module:
-    """Return the tree of a whole file; raises what `ast.parse` raises."""
+    """Return the tree of a whole file; raises as `ast.parse`."""
     with _one_at_a_time:
         return ast.parse(text, filename=filename)
 
 
 def expression_of(text: str) -> ast.Expression:
-    """Return the tree of one expression; raises what `ast.parse` raises."""
+    """Return the tree of one expression; raises as `ast.parse`."""
     with _one_at_a_time:
         tree = ast.parse(text, mode="eval")
     return tree

@@ -25,8 +25,8 @@ from seamark.sim.recording.telemetry import INDEX, Rows
 
 FAR_PX, NEAR_PX = 5.0, 1.0  # [px] limits of p@5 and p@1
 LOST_PX = 10.0
-FAILED_PERCENT = 50.0  # of p@5: a level with less is the first that the tracker fails
-HELD_PERCENT = 95.0  # of p@5: a level with at least so much is held
+FAILED_PERCENT = 50.0  # p@5 below which the tracker fails a level
+HELD_PERCENT = 95.0  # p@5 from which a level is held
 
 
 class Images:

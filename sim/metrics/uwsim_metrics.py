@@ -26,7 +26,7 @@ from seamark.sim.metrics.metric import (
 from seamark.sim.numerics.statistics import mean
 from seamark.sim.recording.telemetry import INDEX, Rows
 
-COLLISION_SPEED_M_S = 0.5  # S: uwsimbenchmarks, the speed at which a collision costs all
+COLLISION_SPEED_M_S = 0.5  # S: uwsimbenchmarks, the speed at which a collision scores 0
 Point = tuple[float, float, float]  # [m] NED
 Column = NDArray[np.float64]  # (k,)
 Turn = tuple[Column, Column]  # sine and cosine
@@ -51,21 +51,21 @@ def contacts(rows: Rows) -> dict[str, float]:
 
 
 def collision(*, steps: float, mean_speed: float, max_speed: float) -> float:
-    """Return 1 for no collision, down to 0, from what `contacts` gives."""
+    """Return the collision score, 1 (none) to 0, from what `contacts` returns."""
     if not steps:
         return 1.0
     return max(0.0, 1.0 - (mean_speed + max_speed) / COLLISION_SPEED_M_S)
 
 
 def position_error(rows: Rows, target: Point) -> dict[str, float]:
-    """Return mean distance from a place, NED, and the mean size of each axis's error [m]."""
+    """Return the mean distance from a position, NED, and the mean absolute error per axis [m]."""
     off = rows[:, INDEX["x"] : INDEX["z"] + 1] - np.array(target)
     axes = {axis: mean(np.abs(off[:, i]).tolist()) for i, axis in enumerate("xyz")}
     return {"total": mean(_lengths(off))} | axes
 
 
 def attitude_error(rows: Rows) -> float:
-    """Return the mean angle [rad] by which the vehicle is turned from how the level starts."""
+    """Return the mean angle [rad] of the rotation from the attitude at the start of the level."""
     rotation = _rotation(*(_sine_and_cosine(_column(rows, name)) for name in ANGLES))
     # The trace of the rotation between two attitudes is 1 + 2 cos(angle).
     trace = sum(entry * entry[0] for entry in rotation)
@@ -74,7 +74,7 @@ def attitude_error(rows: Rows) -> float:
 
 
 def distance(rows: Rows) -> float:
-    """Return the length of the path [m]; a level's start is no part of it."""
+    """Return the travelled distance [m], without the resets between levels."""
     steps = np.diff(rows[:, INDEX["x"] : INDEX["z"] + 1], axis=0)
     same = np.diff(rows[:, INDEX["level"]]) == 0.0
     return math.fsum(_lengths(steps[same]))
@@ -104,12 +104,15 @@ def object_centered_on_cam(rows: Rows) -> dict[str, float]:
 
 def path_following(rows: Rows, path: Sequence[Point], dt: float) -> dict[str, float]:
     """Return IAE [m s], ISE [m² s] and mean distance [m] to a path of one or more points, NED."""
-    places = rows[:, INDEX["x"] : INDEX["z"] + 1]
+    positions = rows[:, INDEX["x"] : INDEX["z"] + 1]
     if len(path) == 1:
-        off = _lengths(places - np.array(path[0]))
+        off = _lengths(positions - np.array(path[0]))
     else:
-        pieces = list(pairwise(path))
-        off = [min(_to_piece(place, *piece) for piece in pieces) for place in places.tolist()]
+        segments = list(pairwise(path))
+        off = [
+            min(_to_segment(position, *segment) for segment in segments)
+            for position in positions.tolist()
+        ]
     return {
         "iae": math.fsum(off) * dt,
         "ise": math.fsum(value * value for value in off) * dt,
@@ -117,9 +120,9 @@ def path_following(rows: Rows, path: Sequence[Point], dt: float) -> dict[str, fl
     }
 
 
-def _to_piece(place: Sequence[float], start: Sequence[float], end: Sequence[float]) -> float:
+def _to_segment(position: Sequence[float], start: Sequence[float], end: Sequence[float]) -> float:
     along = [b - a for a, b in zip(start, end, strict=True)]
-    off = [p - a for a, p in zip(start, place, strict=True)]
+    off = [p - a for a, p in zip(start, position, strict=True)]
     square = math.fsum(value * value for value in along)
     share = math.fsum(a * b for a, b in zip(along, off, strict=True)) / square if square else 0.0
     share = min(max(share, 0.0), 1.0)

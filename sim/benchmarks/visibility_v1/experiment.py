@@ -1,4 +1,4 @@
-"""Visibility: trackers on pictures that get worse from level to level."""
+"""Visibility: trackers on images that degrade from level to level."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -33,17 +33,17 @@ from seamark.sim.physics.current import Current, Pattern
 from seamark.sim.recording.telemetry import Rows
 from seamark.sim.trackers import Tracker
 
-TILT_SHARE = 0.6  # of the path's turn: how far it rolls and pitches; E
+TILT_SHARE = 0.6  # amplitude of roll and pitch relative to that of the heading; E
 LN_2 = 0.6931471805599453  # a stop is a factor of two
-MOST_GREY = 64.0  # of read noise, as `Water` takes it
-STEERS = "pi"  # the controller of the free-running mode: all trackers have the same
+MAX_READ_NOISE_GREY = 64.0  # the maximum of `Water`
+CONTROLLER = "pi"  # in closed loop, the same for all trackers
 
 
 class Visibility:
     """A `seamark.sim.engine.experiment.Experiment` that compares trackers."""
 
     def built_in(self, name: str, config: VisibilityConfiguration) -> None:
-        """Return nothing: a level then makes the tracker of the configuration."""
+        """Return None: a level then uses the configured tracker."""
 
     def layout(self, config: VisibilityConfiguration) -> dict[str, Any]:
         """Return the role of programs."""
@@ -64,7 +64,7 @@ class Visibility:
             world = build_world(
                 config, _conditions(config, level, random), random, tracker=solution
             )
-            return ClosedLoop(world, BuiltIn(STEERS, config), trial=trial, level=level)
+            return ClosedLoop(world, BuiltIn(CONTROLLER, config), trial=trial, level=level)
         noise_seed = draw_noise_seed(random)
         camera, reference = (
             build_camera(config, water_at(config, at), noise_seed=noise_seed) for at in (level, 0)
@@ -89,17 +89,17 @@ class Visibility:
         return build_camera(config, water_at(config, 0), noise_seed=noise_seed)
 
     def metrics(self, config: VisibilityConfiguration, level: int, rows: Rows) -> dict[str, Any]:
-        """Return `seamark.sim.metrics.tracking.level_metrics` beside the level's value."""
-        place = {"level": level, "value": config.level_values()[level]}
+        """Return the tracking metrics of a level with its value."""
+        position = {"level": level, "value": config.level_values()[level]}
         depth = {"optical_depth": config.optical_depths()[level]}
-        return place | depth | level_metrics(rows)
+        return position | depth | level_metrics(rows)
 
     def trial_score(
         self, config: VisibilityConfiguration, levels: Sequence[Mapping[str, Any]]
     ) -> TrialScore:
         """Return the value of the first level at which the tracker fails.
 
-        A tracker that fails at the first level does not rank.
+        A tracker that fails at the first level cannot rank.
         """
         values = config.score_values()
         score = failure_value(values, [level["p5_percent"] for level in levels])
@@ -114,9 +114,9 @@ class Visibility:
 def _path(
     config: VisibilityConfiguration, station: NDArray[np.float64], random: Streams
 ) -> PrescribedPath:
-    swing, turn = config.path_swing_m, config.path_turn_rad
-    heave, tilt = config.path_heave_share * swing, TILT_SHARE * turn
-    amplitudes = (swing, swing, heave, tilt, tilt, turn)
+    horizontal, heading = config.path_swing_m, config.path_turn_rad
+    heave, tilt = config.path_heave_share * horizontal, TILT_SHARE * heading
+    amplitudes = (horizontal, horizontal, heave, tilt, tilt, heading)
     return PrescribedPath(
         station.tolist(), amplitudes, period_s=config.path_period_s, random=random.scene
     )
@@ -138,10 +138,10 @@ def water_at(config: VisibilityConfiguration, level: int) -> Water:
     water, value = configured_water(config), config.level_values()[level]
     if config.sweep == "camera_noise":
         return replace(water, read_sigma_grey=value)
-    if config.sweep == "light":  # the camera's gain makes up for it and takes the noise along
+    if config.sweep == "light":  # the camera's gain compensates for it and amplifies the noise
         gain = exp(value * LN_2)
         sigma, shot = gain * water.read_sigma_grey, gain * water.shot_gain
-        return replace(water, read_sigma_grey=min(sigma, MOST_GREY), shot_gain=shot)
+        return replace(water, read_sigma_grey=min(sigma, MAX_READ_NOISE_GREY), shot_gain=shot)
     if config.sweep == "fog":
         attenuation = value
     elif config.water_law == "uwsim":  # its optical depth is (density times distance) squared

@@ -19,11 +19,11 @@ def test_a_hidden_seed_never_changes() -> None:
     assert hidden_seed(b"secret", "currents-v1", 3) == 4360213739676080182
 
 
-def test_an_empty_secret_is_refused() -> None:
+def test_an_empty_secret_is_rejected() -> None:
     with pytest.raises(ValueError, match="secret"):
         hidden_seed(b"", "currents-v1", 0)
 
 
-def test_a_trial_before_the_first_is_refused() -> None:
+def test_a_negative_trial_is_rejected() -> None:
     with pytest.raises(ValueError, match="negative"):
         hidden_seed(b"secret", "currents-v1", -1)

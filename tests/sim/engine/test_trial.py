@@ -36,19 +36,19 @@ print(json.dumps([result.digest, result.score, "pybullet" in sys.modules]))
 
 
 class Watching:
-    """Runs the built-in PI and remembers what it was told."""
+    """Runs the built-in PI and records its inputs."""
 
     def __init__(self, config: Configuration) -> None:
         self._inner = BuiltIn("pi", config)
         self.levels: list[dict[str, float | int]] = []
-        self.told: list[NDArray[np.float64]] = []
+        self.observations: list[NDArray[np.float64]] = []
 
     def reset(self, level: Mapping[str, float | int]) -> None:
         self.levels.append(dict(level))
         self._inner.reset(level)
 
     def step(self, values: NDArray[np.float64]) -> Command:
-        self.told.append(values.copy())
+        self.observations.append(values.copy())
         return self._inner.step(values)
 
 
@@ -69,7 +69,7 @@ class Broken:
         return 0.0, 0.0, 0.0, 0.0
 
 
-def test_the_chain_keeps_station_with_a_perfect_tracker(run_short: RunOf) -> None:
+def test_the_closed_loop_keeps_station_with_a_perfect_tracker(run_short: RunOf) -> None:
     result, rows = run_short({"tracker": "truth", "velocity_observer_1_s": 1.5})
 
     assert rows.shape == (240, telemetry.WIDTH)
@@ -77,7 +77,7 @@ def test_the_chain_keeps_station_with_a_perfect_tracker(run_short: RunOf) -> Non
     assert result.score > 80.0
 
 
-def test_the_chain_keeps_station_with_the_template_tracker(run_short: RunOf) -> None:
+def test_the_closed_loop_keeps_station_with_the_template_tracker(run_short: RunOf) -> None:
     result, rows = run_short({})
 
     assert rows[:, INDEX["tracker_error"]].max() < 0.5
@@ -85,7 +85,7 @@ def test_the_chain_keeps_station_with_the_template_tracker(run_short: RunOf) -> 
     assert result.trial_score.level_held == 0.3
 
 
-def test_pi_holds_a_bluerov_and_all_its_thrusters_work(run_short: RunOf) -> None:
+def test_pi_keeps_a_bluerov_on_station_with_all_thrusters_active(run_short: RunOf) -> None:
     result, rows = run_short({"vehicle": "bluerov2-heavy", "tracker": "truth"})
 
     assert np.isfinite(rows).all()
@@ -94,7 +94,7 @@ def test_pi_holds_a_bluerov_and_all_its_thrusters_work(run_short: RunOf) -> None
     assert result.trial_score.rankable
 
 
-def test_rows_are_in_order_and_the_vehicle_is_put_back_at_each_level(run_short: RunOf) -> None:
+def test_rows_are_in_order_and_the_vehicle_is_reset_at_each_level(run_short: RunOf) -> None:
     _result, rows = run_short({})
 
     assert rows[:, INDEX["t"]] == pytest.approx(np.arange(240) * 0.05)
@@ -103,7 +103,7 @@ def test_rows_are_in_order_and_the_vehicle_is_put_back_at_each_level(run_short: 
     assert np.array_equal(rows[0, place], rows[120, place])
 
 
-def test_no_column_is_dead_and_nothing_is_nan(run_short: RunOf) -> None:
+def test_every_column_varies_and_none_has_nan(run_short: RunOf) -> None:
     _result, rows = run_short({"current_azimuth_rad": 0.5})
 
     assert np.isfinite(rows).all()
@@ -122,20 +122,20 @@ def test_no_column_is_dead_and_nothing_is_nan(run_short: RunOf) -> None:
     assert dead == idle
 
 
-def test_no_observation_is_dead_and_nothing_is_nan(short: Configuration) -> None:
+def test_every_observation_varies_and_none_is_nan(short: Configuration) -> None:
     program = Watching(short)
     run_trial("currents-v1", short, program, seed=5, trial=0, on_rows=lambda _rows: None)
-    told = np.array(program.told)
+    observed = np.array(program.observations)
 
-    assert told.shape == (240, len(empty(5)))
-    assert np.isfinite(told).all()
+    assert observed.shape == (240, len(empty(5)))
+    assert np.isfinite(observed).all()
     idle = {"dt", "target_age", *BOOLEANS}
     for name, count, _unit, _meaning in FIELDS:
-        values = told[:, STARTS[name] : STARTS[name] + max(count, 1)]
+        values = observed[:, STARTS[name] : STARTS[name] + max(count, 1)]
         assert (np.ptp(values, axis=0) > 0.0).all() == (name not in idle), name
 
 
-def test_the_program_hears_of_each_level_but_not_of_its_current(short: Configuration) -> None:
+def test_the_program_is_told_each_level_but_not_its_current(short: Configuration) -> None:
     program = Watching(short)
     run_trial("currents-v1", short, program, seed=5, trial=0, on_rows=lambda _rows: None)
 
@@ -144,7 +144,7 @@ def test_the_program_hears_of_each_level_but_not_of_its_current(short: Configura
     assert set(program.levels[0]) == {"index", "count", "duration_s", "dt", "t"}
 
 
-def test_rows_come_once_a_second_and_the_rest_when_the_program_raises(
+def test_rows_are_delivered_once_a_second_and_the_rest_when_the_program_raises(
     short: Configuration,
 ) -> None:
     delivered: list[Rows] = []
@@ -158,7 +158,7 @@ def test_rows_come_once_a_second_and_the_rest_when_the_program_raises(
     assert np.isfinite(rows).all()
 
 
-def test_two_processes_come_to_the_same_bytes_without_bullet_where_nothing_touches(
+def test_two_processes_give_the_same_bytes_and_load_bullet_only_for_contacts(
     run_short: RunOf,
 ) -> None:
     here, _rows = run_short({})
@@ -176,7 +176,7 @@ def test_the_digest_of_a_trial_is_that_of_its_rows(run_short: RunOf) -> None:
     assert result.rows == len(rows)
 
 
-def test_another_seed_or_trial_is_another_trajectory(short: Configuration) -> None:
+def test_another_seed_or_trial_gives_another_trajectory(short: Configuration) -> None:
     digests = {
         run_trial(
             "currents-v1", short, BuiltIn("pi", short), seed=seed, trial=trial, on_rows=_ignore
@@ -210,7 +210,7 @@ class Steady:
 @pytest.mark.parametrize(
     "command", [(0.0, 0.0, 1.0, 0.0), (1.0, 0.0, -1.0, 9.0), (1e300, -1e300, 1e300, 1e300)]
 )
-def test_a_wild_program_ends_with_a_finite_state_above_the_bottom_and_few_points(
+def test_an_erratic_program_ends_with_a_finite_state_above_the_seabed_and_few_points(
     vehicle: str, command: Command, currents: Benchmark
 ) -> None:
     config = currents.read({**SHORT, "vehicle": vehicle, "levels": 0.1, "level_duration_s": 20})
@@ -224,7 +224,7 @@ def test_a_wild_program_ends_with_a_finite_state_above_the_bottom_and_few_points
     assert 0.0 <= result.score < 40.0
 
 
-def test_diving_onto_the_bottom_is_a_collision_in_rows_and_metrics(currents: Benchmark) -> None:
+def test_diving_onto_the_seabed_is_a_collision_in_rows_and_metrics(currents: Benchmark) -> None:
     config = currents.read({**SHORT, "levels": 0.1, "level_duration_s": 20, "tracker": "truth"})
     rows: list[Rows] = []
 
@@ -271,7 +271,7 @@ def test_one_trial_has_no_interval(run_short: RunOf, short: Configuration) -> No
 
 
 @pytest.mark.parametrize("spoil", [{"points": math.nan}, {"whole_lost_percent": 100.0}])
-def test_a_trial_without_a_number_or_without_its_target_never_ranks(
+def test_a_trial_without_a_finite_score_or_without_its_target_never_ranks(
     run_short: RunOf, short: CurrentsConfiguration, spoil: dict[str, float]
 ) -> None:
     result, _rows = run_short({})
@@ -288,9 +288,7 @@ def _ignore(_rows: Rows) -> None:
     pass
 
 
-def test_a_score_of_ones_own_is_the_mean_of_the_trials_own_scores(
-    run_short: RunOf, currents: Benchmark
-) -> None:
+def test_the_custom_score_is_the_mean_of_the_trials(run_short: RunOf, currents: Benchmark) -> None:
     config = currents.read({**SHORT, "score": "time + 100 * collision - rmse_m"})
     result, _rows = run_short({})
 
@@ -301,7 +299,7 @@ def test_a_score_of_ones_own_is_the_mean_of_the_trials_own_scores(
     assert own["why"] == ""
 
 
-def test_a_score_of_ones_own_without_a_value_says_why() -> None:
+def test_a_custom_score_without_a_value_says_why() -> None:
     own = custom_score("2 * settling_s", [{"settling_s": 1.0}, {"settling_s": None}])
 
     assert own is not None
@@ -309,7 +307,7 @@ def test_a_score_of_ones_own_without_a_value_says_why() -> None:
     assert "settling_s has no value" in own["why"]
 
 
-def test_the_summary_has_the_measures_of_every_level_and_of_the_run(
+def test_the_summary_has_the_original_metrics_of_every_level_and_of_the_run(
     run_short: RunOf, short: Configuration
 ) -> None:
     result, rows = run_short({})

@@ -32,7 +32,7 @@ def rows_of(distances: list[float], **columns: list[float]) -> Rows:
     return rows
 
 
-def test_the_settled_part_leaves_out_the_settle_window() -> None:
+def test_settled_metrics_ignore_the_settle_window() -> None:
     result = level_metrics(rows_of([9.0, 9.0, 0.3, 0.4]), FACTS)
 
     assert result["rmse_m"] == pytest.approx(math.sqrt((0.09 + 0.16) / 2))
@@ -42,7 +42,7 @@ def test_the_settled_part_leaves_out_the_settle_window() -> None:
     assert result["whole_mae_m"] == pytest.approx(18.7 / 4)
 
 
-def test_the_integrals_are_named_for_what_they_are() -> None:
+def test_iae_ise_and_itae_are_what_their_names_say() -> None:
     result = level_metrics(rows_of([0.0, 1.0, 2.0]), FACTS)
 
     assert result["whole_iae_m_s"] == pytest.approx(0.5 * (0 + 1 + 2))
@@ -50,20 +50,20 @@ def test_the_integrals_are_named_for_what_they_are() -> None:
     assert result["whole_itae_m_s2"] == pytest.approx(0.5 * (0.5 * 1 + 1.0 * 2))
 
 
-def test_time_within_the_watch_circles_is_a_share_of_the_control_steps() -> None:
+def test_time_within_the_watch_circles_is_a_percentage_of_the_control_steps() -> None:
     result = level_metrics(rows_of([0.05, 0.2, 0.4, 0.6]), FACTS)
 
     circles = [result[f"whole_in_{name}_m_percent"] for name in ("0_1", "0_25", "0_5")]
     assert circles == [25.0, 50.0, 75.0]
 
 
-def test_lost_counts_by_the_trackers_word_and_by_ground_truth() -> None:
+def test_the_target_is_lost_by_the_trackers_report_or_by_ground_truth() -> None:
     rows = rows_of([0.0] * 4, tracker_ok=[1, 0, 1, 1], tracker_error=[0, 0, 15.1, math.nan])
 
     assert level_metrics(rows, FACTS)["whole_lost_percent"] == 75.0
 
 
-def test_efforts_of_a_known_thrust() -> None:
+def test_effort_metrics_of_a_known_thrust() -> None:
     rows = rows_of([0.0] * 2, thrust_0=[99.0, 4.0], thrust_1=[0.0, -79.0], ref_u=[0.1, -0.2])
 
     result = level_metrics(rows, FACTS)
@@ -93,14 +93,14 @@ def test_a_level_without_contact_has_no_collision() -> None:
     assert result["whole_contact_max_n"] == 0.0
 
 
-def test_the_vrx_error_adds_the_heading_the_more_the_nearer() -> None:
+def test_the_vrx_error_weights_the_heading_more_at_small_distances() -> None:
     result = level_metrics(rows_of([1.0], yaw=[0.4]), FACTS)
 
     assert result["whole_vrx_m"] == pytest.approx(1.0 + 0.75 * 0.4)
     assert result["whole_heading_rmse_rad"] == pytest.approx(0.4)
 
 
-def test_a_target_without_an_image_leaves_no_number_that_looks_like_one() -> None:
+def test_distance_metrics_are_nan_if_the_target_is_out_of_view() -> None:
     result = level_metrics(rows_of([0.1] * 3, distance_px=[1.0, math.nan, 2.0]), FACTS)
 
     assert all(math.isnan(result[f"whole_{name}_px"]) for name in ("rmse", "mae", "p95", "max"))
@@ -133,13 +133,13 @@ def test_a_level_is_held_within_half_a_metre_and_never_lost(
     assert level_metrics(rows_of(distances, tracker_ok=[ok] * 4), FACTS)["held"] is held
 
 
-def test_half_of_the_points_at_a_quarter_of_a_metre() -> None:
+def test_an_rmse_of_a_quarter_of_a_metre_earns_half_of_the_points() -> None:
     assert points(0.25, 0.0) == pytest.approx(50.0)
     assert points(0.0, 0.0) == 100.0
     assert points(0.0, 1.0) == 0.0
 
 
-def test_every_metric_is_in_the_table_and_every_entry_is_computed() -> None:
+def test_a_level_has_exactly_the_declared_metrics() -> None:
     result = level_metrics(rows_of([0.1, 0.2, 0.3]), FACTS)
 
     named = {metric.name for metric in METRICS}
@@ -152,7 +152,7 @@ distances = st.lists(st.floats(0.0, 10.0), min_size=3, max_size=20)
 
 
 @given(values=distances)
-def test_the_size_of_the_error_is_in_order(values: list[float]) -> None:
+def test_mean_rms_percentile_and_maximum_are_ordered(values: list[float]) -> None:
     result = level_metrics(rows_of(values), FACTS)
 
     slack = 1e-9
@@ -163,7 +163,7 @@ def test_the_size_of_the_error_is_in_order(values: list[float]) -> None:
 
 
 @given(values=distances, factor=st.floats(1.0, 10.0))
-def test_a_greater_error_never_earns_more_points(values: list[float], factor: float) -> None:
+def test_a_larger_error_never_earns_more_points(values: list[float], factor: float) -> None:
     near = level_metrics(rows_of(values), FACTS)["points"]
     far = level_metrics(rows_of([factor * value for value in values]), FACTS)["points"]
 
@@ -171,7 +171,7 @@ def test_a_greater_error_never_earns_more_points(values: list[float], factor: fl
 
 
 @given(first=distances, second=distances)
-def test_over_the_run_means_sums_and_greatest_are_those_of_all_rows(
+def test_metrics_over_the_run_equal_those_of_all_rows(
     first: list[float], second: list[float]
 ) -> None:
     length = min(len(first), len(second))
@@ -195,7 +195,7 @@ def test_a_level_that_does_not_settle_leaves_the_run_without_a_settling_time() -
     assert over_run(overall(), [settled, unsettled])["settling_s"] is None
 
 
-def test_the_mean_over_trials_reaches_what_is_within_and_keeps_words() -> None:
+def test_the_mean_over_trials_includes_nested_metrics_and_keeps_texts() -> None:
     trials = [
         {"level": 1, "held": True, "a": 1.0, "measures": {"b": 2.0, "c": None}, "at": "x"},
         {"level": 1, "held": False, "a": 2.0, "measures": {"b": 4.0, "c": 1.0}, "at": "x"},

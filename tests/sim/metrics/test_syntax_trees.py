@@ -19,7 +19,7 @@ def threads_that_take_turns_often() -> object:
 
 
 @pytest.mark.usefixtures("threads_that_take_turns_often")
-def test_many_threads_read_texts_at_a_time() -> None:
+def test_many_threads_can_parse_at_the_same_time() -> None:
     with ThreadPoolExecutor(8) as pool:
         trees = list(pool.map(lambda _: module_of(NESTED, "a.py"), range(400)))
         values = list(pool.map(lambda _: expression_of("a + b"), range(400)))

@@ -22,13 +22,13 @@ def test_time_is_simulated() -> None:
     assert uwsim_metrics.time(rows_of(3, t=[1.0, 1.5, 2.0], step_us=[1e9, 1e9, 1e9])) == 1.0
 
 
-def test_the_path_leaves_out_the_way_back_to_a_levels_start() -> None:
+def test_the_travelled_distance_ignores_the_reset_between_levels() -> None:
     rows = rows_of(4, x=[0.0, 3.0, 0.0, 0.0], y=[0.0, 4.0, 0.0, 1.0], level=[0.0, 0.0, 1.0, 1.0])
 
     assert uwsim_metrics.distance(rows) == 6.0
 
 
-def test_a_collision_costs_its_mean_and_its_greatest_speed() -> None:
+def test_a_collision_costs_its_mean_and_maximum_speed() -> None:
     rows = rows_of(3, u=[0.1, 0.0, 9.0], v=[0.0, 0.2, 0.0], contact_n=[5.0, 1.0, 0.0])
 
     assert uwsim_metrics.contacts(rows) == pytest.approx(
@@ -40,13 +40,13 @@ def test_a_collision_costs_its_mean_and_its_greatest_speed() -> None:
     assert uwsim_metrics.collision(steps=1.0, mean_speed=9.0, max_speed=9.0) == 0.0
 
 
-def test_the_position_error_is_whole_and_by_axis() -> None:
+def test_the_position_error_is_given_in_total_and_by_axis() -> None:
     result = uwsim_metrics.position_error(rows_of(2, x=[4.0, -2.0], y=[4.0, 4.0]), (1.0, 0.0, 0.0))
 
     assert result == {"total": 5.0, "x": 3.0, "y": 4.0, "z": 0.0}
 
 
-def test_a_lost_target_is_no_part_of_the_norms() -> None:
+def test_a_lost_target_does_not_count_in_the_norms() -> None:
     rows = rows_of(2, tracked_x=[3.0, -1.0], tracked_y=[4.0, -1.0], tracker_error=[5.0, 99.0])
     rows[1, INDEX["tracker_ok"]] = 0.0
 
@@ -54,7 +54,7 @@ def test_a_lost_target_is_no_part_of_the_norms() -> None:
     assert math.isnan(uwsim_metrics.euclidean_norm(rows[1:])["corners"])
 
 
-def test_a_path_is_followed_with_iae_and_ise_apart() -> None:
+def test_path_following_distinguishes_iae_and_ise() -> None:
     rows = rows_of(3, x=[0.0, 1.0, 5.0], y=[0.0, 2.0, 4.0])
 
     result = uwsim_metrics.path_following(rows, [(0.0, 0.0, 0.0), (2.0, 0.0, 0.0)], 0.5)
@@ -62,26 +62,26 @@ def test_a_path_is_followed_with_iae_and_ise_apart() -> None:
     assert result == pytest.approx({"iae": 3.5, "ise": 14.5, "distanceToPath": 7.0 / 3.0})
 
 
-def test_the_target_is_centred_by_axis() -> None:
+def test_the_distance_to_the_image_centre_is_given_in_total_and_by_axis() -> None:
     rows = rows_of(2, distance_px=[5.0, 5.0], error_x_px=[3.0, -3.0], error_y_px=[4.0, 4.0])
 
     assert uwsim_metrics.object_centered_on_cam(rows) == {"total": 5.0, "x": 3.0, "y": 4.0}
 
 
 @pytest.mark.parametrize("axis", ["roll", "pitch", "yaw"])
-def test_a_turn_about_one_axis_is_the_angle_itself(axis: str) -> None:
+def test_the_attitude_error_of_a_rotation_about_one_axis_is_its_angle(axis: str) -> None:
     rows = rows_of(2, **{axis: [0.0, 0.3]})
 
     assert uwsim_metrics.attitude_error(rows) == pytest.approx(0.15)
 
 
-def test_a_turn_is_measured_from_how_the_level_starts() -> None:
+def test_the_attitude_error_is_relative_to_the_start_of_the_level() -> None:
     rows = rows_of(3, yaw=[3.1, 3.1, 3.4 - 2 * math.pi])
 
     assert uwsim_metrics.attitude_error(rows) == pytest.approx(0.1)
 
 
-def test_every_metric_of_a_level_is_in_the_table() -> None:
+def test_a_level_has_exactly_the_metrics_of_the_original_module() -> None:
     rows = rows_of(3, t=[0.0, 0.5, 1.0], x=[0.0, 3.0, 3.0], distance_px=[0.0, 1.0, 2.0])
 
     result = uwsim_metrics.level_metrics(rows)
@@ -101,7 +101,7 @@ def levels() -> list[Rows]:
     return [one, two]
 
 
-def test_over_the_run_a_metric_is_what_all_rows_together_give() -> None:
+def test_metrics_over_the_run_equal_those_of_all_rows_together() -> None:
     one, two = levels()
     rows = np.concatenate([one, two])
 
@@ -119,7 +119,7 @@ def test_over_the_run_a_metric_is_what_all_rows_together_give() -> None:
     assert result["pathFollowingIAE"] == pytest.approx(3.5)
 
 
-def test_a_run_that_never_sees_its_target_has_no_norm() -> None:
+def test_a_run_that_never_tracks_its_target_has_no_norm() -> None:
     level = uwsim_metrics.level_metrics(levels()[1][1:])
 
     assert math.isnan(over_run(uwsim_metrics.METRICS, [level, level])["corners"])

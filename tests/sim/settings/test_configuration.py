@@ -1,4 +1,4 @@
-"""Refusals name the setting and its allowed range; the schema says the same to the form."""
+"""Errors name the setting and its allowed range; the schema gives the form the same range."""
 
 import contextlib
 import math
@@ -17,7 +17,7 @@ from seamark.sim.vehicles import TAGS
 CURRENTS = benchmark("currents-v1")
 
 
-def refusal(values: dict[str, Any]) -> dict[str, str]:
+def errors_of(values: dict[str, Any]) -> dict[str, str]:
     with pytest.raises(ConfigurationInvalid) as caught:
         CURRENTS.read(values)
     return caught.value.errors
@@ -50,21 +50,21 @@ def refusal(values: dict[str, Any]) -> dict[str, str]:
         ({"reference_limit_m_s": 0}, ("reference_limit_m_s", "above 0 up to 5 m/s")),
     ],
 )
-def test_a_bad_value_is_refused_with_its_range(
+def test_an_invalid_value_is_rejected_with_its_range(
     values: dict[str, Any], words: tuple[str, ...]
 ) -> None:
-    errors = refusal(values)
+    errors = errors_of(values)
 
     sentence = errors[words[0]]
     assert all(word in sentence for word in words), sentence
     assert sentence.endswith((".", "?"))
 
 
-def test_all_wrong_settings_are_named_at_once() -> None:
-    assert set(refusal({"kp": -1, "ki": "x", "tracker": "y"})) == {"kp", "ki", "tracker"}
+def test_all_invalid_settings_are_reported_at_once() -> None:
+    assert set(errors_of({"kp": -1, "ki": "x", "tracker": "y"})) == {"kp", "ki", "tracker"}
 
 
-def test_text_from_a_form_or_a_command_line_is_read_as_numbers() -> None:
+def test_text_from_a_form_or_a_command_line_is_parsed_as_numbers() -> None:
     config = CURRENTS.read({"levels": "0, 0.2,0.4", "kp": "0.7", "heading_hold": "false"})
 
     dump = config.model_dump()
@@ -75,7 +75,7 @@ def test_a_single_level_needs_no_list() -> None:
     assert CURRENTS.read({"levels": "0.3"}).model_dump()["levels"] == (0.3,)
 
 
-def test_the_papers_vehicle_brings_the_papers_laws_and_each_can_be_changed() -> None:
+def test_the_papers_vehicle_sets_the_papers_models_and_each_can_be_changed() -> None:
     paper = CURRENTS.read({"vehicle": "girona500-uwsim", "heading_hold": True}).model_dump()
 
     assert (paper["current_law"], paper["velocity_law"]) == ("force", "paper")
@@ -98,14 +98,14 @@ def test_a_ranked_run_has_the_benchmarks_scenario_and_the_users_solution() -> No
     assert (ranked["levels"], ranked["dvl_rate_hz"]) == ((0.0, 0.1, 0.2, 0.3, 0.4), 5.0)
 
 
-def test_ground_truth_in_the_trackers_place_cannot_rank() -> None:
+def test_ground_truth_instead_of_a_tracker_cannot_rank() -> None:
     with pytest.raises(ConfigurationInvalid) as caught:
         CURRENTS.ranked(CURRENTS.read({"tracker": "truth"}))
 
     assert set(caught.value.errors) == {"tracker"}
 
 
-def test_the_schema_is_json_schema_2020_12_and_every_setting_explains_itself(
+def test_the_schema_is_json_schema_2020_12_with_title_and_help_for_every_setting(
     currents: Benchmark,
 ) -> None:
     schema = currents.schema()
@@ -120,7 +120,7 @@ def test_the_schema_is_json_schema_2020_12_and_every_setting_explains_itself(
         assert set(entry.get("enum", [])) == set(entry.get("x-labels", {})), name
 
 
-def test_the_defaults_and_the_presets_obey_the_schema(currents: Benchmark) -> None:
+def test_defaults_and_presets_are_valid_under_the_schema(currents: Benchmark) -> None:
     schema = currents.schema()
     check = jsonschema_rs.validator_for(schema)
     defaults = {name: entry["default"] for name, entry in schema["properties"].items()}
@@ -140,7 +140,7 @@ def test_the_defaults_and_the_presets_obey_the_schema(currents: Benchmark) -> No
 )
 @example(name="kp", value=1)
 @example(name="levels", value=[0.0, 0.1])
-def test_what_is_accepted_obeys_the_schema(name: str, value: object) -> None:
+def test_accepted_values_are_valid_under_the_schema(name: str, value: object) -> None:
     check = jsonschema_rs.validator_for(CURRENTS.schema())
 
     with contextlib.suppress(ConfigurationInvalid):
@@ -148,7 +148,7 @@ def test_what_is_accepted_obeys_the_schema(name: str, value: object) -> None:
 
 
 @pytest.mark.parametrize("name", BENCHMARKS)
-def test_every_setting_with_a_tag_says_where_its_number_is_from(name: str) -> None:
+def test_every_tagged_setting_names_its_source(name: str) -> None:
     properties = benchmark(name).schema()["properties"]
 
     tagged = {key: entry for key, entry in properties.items() if "x-tag" in entry}

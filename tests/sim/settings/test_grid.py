@@ -1,4 +1,4 @@
-"""Scene updaters nested into a grid: the order of its points, what each sets, what is refused."""
+"""Scene updaters nested into a grid: the order of its points, what each sets, what is invalid."""
 
 import itertools
 from typing import Any
@@ -28,7 +28,7 @@ def read(**values: Any) -> CurrentsConfiguration:
     return config
 
 
-def test_without_loops_levels_are_what_they_were() -> None:
+def test_without_loops_the_levels_are_the_benchmarks_own() -> None:
     config = read()
 
     assert config.level_values() == config.levels == (0.0, 0.1, 0.2, 0.3, 0.4)
@@ -39,7 +39,7 @@ def test_without_loops_levels_are_what_they_were() -> None:
     ]
 
 
-def test_the_current_levels_are_the_outermost_loop_and_the_last_one_turns_fastest() -> None:
+def test_the_current_levels_are_the_outermost_loop_and_the_last_loop_varies_fastest() -> None:
     config = read(
         levels=[0, 0.2], loop1="turbidity", loop1_values=[0.5, 1], loop2="repeat", loop2_values=[2]
     )
@@ -52,7 +52,7 @@ def test_the_current_levels_are_the_outermost_loop_and_the_last_one_turns_fastes
     assert config.trial_duration_s() == 16.0
 
 
-def test_a_loop_over_the_current_takes_the_place_of_the_levels() -> None:
+def test_a_loop_over_the_current_replaces_the_levels() -> None:
     config = read(
         loop1="camera_noise", loop1_values=[2, 1], loop2="current_speed", loop2_values=[0.3, 0]
     )
@@ -62,14 +62,14 @@ def test_a_loop_over_the_current_takes_the_place_of_the_levels() -> None:
 
 
 @pytest.mark.parametrize("name", UPDATERS)
-def test_every_updater_makes_a_configuration_that_would_be_accepted(name: str) -> None:
+def test_every_updater_gives_a_valid_configuration(name: str) -> None:
     config = read(levels=[0.1], loop1=name, loop1_values=[1.0 if name in LARGE else 0.1])
 
     alone = config.at(0).model_dump() | {"loop1": "none", "loop1_values": ()}
     assert benchmark("currents-v1").read(alone).model_dump() == alone
 
 
-def test_each_level_sees_the_water_of_its_point() -> None:
+def test_each_level_has_the_water_of_its_grid_point() -> None:
     config = read(levels=[0.1], loop1="turbidity", loop1_values=[0.1, 2.0])
     cameras = [StationKeeping().camera(config, seed=1, trial=0, level=at) for at in (0, 1)]
     pose = np.array([0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
@@ -79,7 +79,7 @@ def test_each_level_sees_the_water_of_its_point() -> None:
     assert contrasts[0] > 2.0 * contrasts[1]
 
 
-def test_the_metrics_of_a_level_carry_its_point_and_the_held_level_needs_all_its_points() -> None:
+def test_level_metrics_include_the_grid_point_and_a_held_level_needs_all_its_points() -> None:
     config = read(levels=[0, 0.1], loop1="repeat", loop1_values=[2])
     rows: list[Rows] = []
 
@@ -97,7 +97,7 @@ def test_the_metrics_of_a_level_carry_its_point_and_the_held_level_needs_all_its
 
 
 @pytest.mark.parametrize(
-    ("values", "setting", "told"),
+    ("values", "setting", "message"),
     [
         ({"loop1": "turbidity"}, "loop1_values", "at least one value"),
         ({"loop2_values": [1]}, "loop2", "choose what"),
@@ -120,28 +120,28 @@ def test_the_metrics_of_a_level_carry_its_point_and_the_held_level_needs_all_its
         ),
     ],
 )
-def test_what_makes_no_grid_is_refused_at_its_field(
-    values: dict[str, Any], setting: str, told: str
+def test_an_invalid_grid_is_rejected_at_its_setting(
+    values: dict[str, Any], setting: str, message: str
 ) -> None:
-    with pytest.raises(ConfigurationInvalid, match=told) as refusal:
+    with pytest.raises(ConfigurationInvalid, match=message) as error:
         read(**values)
 
-    assert setting in refusal.value.errors
+    assert setting in error.value.errors
 
 
 def test_a_loop_is_not_blamed_for_what_is_wrong_without_it() -> None:
-    with pytest.raises(ConfigurationInvalid) as refusal:
+    with pytest.raises(ConfigurationInvalid) as error:
         read(loop1="turbidity", loop1_values=[0.5, 99], score="cornres")
 
-    errors = refusal.value.errors
+    errors = error.value.errors
     assert errors.keys() == {"score", "loop1_values"}
     assert errors["loop1_values"].startswith("loop1_values, 99: water_attenuation_1_m")
-    with pytest.raises(ConfigurationInvalid) as refusal:
+    with pytest.raises(ConfigurationInvalid) as error:
         read(loop1="turbidity", loop1_values=[0.5], score="cornres")
-    assert refusal.value.errors.keys() == {"score"}
+    assert error.value.errors.keys() == {"score"}
 
 
-def test_a_point_of_a_grid_has_a_short_name_and_other_levels_have_none() -> None:
+def test_grid_points_have_short_names_and_other_levels_have_none() -> None:
     config = read(levels=[0, 0.2], loop1="light", loop1_values=[1, 0.25])
 
     assert grid.level_names(config) == ("0 · 1", "0 · 0.25", "0.2 · 1", "0.2 · 0.25")

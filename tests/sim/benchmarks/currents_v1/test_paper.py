@@ -21,7 +21,7 @@ def rows() -> Mapping[str, Rows]:
 
 
 @pytest.mark.parametrize(("level", "px"), [(1, 4.5), (2, 9.0), (3, 13.5), (4, 18.1)])
-def test_p_settles_beside_the_target_the_more_the_stronger_the_current(
+def test_the_steady_state_error_of_p_grows_with_the_current(
     rows: Mapping[str, Rows], level: int, px: float
 ) -> None:
     settled = facts(rows["p"], level, "x")
@@ -42,7 +42,7 @@ def test_pi_returns_to_the_target_at_every_level(
 
 @pytest.mark.parametrize("level", [2, 3, 4])
 @pytest.mark.parametrize(("law", "ki"), [("p", 0.0), ("pi", 0.02)])
-def test_the_sinusoid_stays_on_y_with_both_as_the_planar_check_says(
+def test_the_sinusoid_remains_on_y_with_both_laws_as_in_the_planar_check(
     rows: Mapping[str, Rows], level: int, law: str, ki: float
 ) -> None:
     ours, planar = facts(rows[law], level, "y"), planar_check(Y_AXIS, SPEEDS[level], ki)
@@ -51,7 +51,7 @@ def test_the_sinusoid_stays_on_y_with_both_as_the_planar_check_says(
     assert ours.maximum - ours.minimum > 2.0 * level
 
 
-def test_the_sinusoid_grows_with_the_current(rows: Mapping[str, Rows]) -> None:
+def test_the_amplitude_of_the_sinusoid_grows_with_the_current(rows: Mapping[str, Rows]) -> None:
     for law in rows:
         swings = [
             (fact := facts(rows[law], level, "y")).maximum - fact.minimum for level in range(5)
@@ -59,7 +59,7 @@ def test_the_sinusoid_grows_with_the_current(rows: Mapping[str, Rows]) -> None:
         assert swings == sorted(swings)
 
 
-def test_without_current_p_and_pi_look_alike(rows: Mapping[str, Rows]) -> None:
+def test_without_current_p_and_pi_are_alike(rows: Mapping[str, Rows]) -> None:
     for axis in "xy":
         means = [facts(rows[law], 0, axis).mean for law in ("p", "pi")]
         assert means == pytest.approx([0.0, 0.0], abs=0.3)
@@ -83,7 +83,7 @@ def test_an_observer_in_the_velocity_loop_keeps_station_within_centimetres(
 
 
 @pytest.mark.slow
-def test_bow_on_p_settles_beside_the_target_and_pi_does_not(currents: Benchmark) -> None:
+def test_in_a_head_current_p_has_a_steady_state_error_and_pi_has_none(currents: Benchmark) -> None:
     p, pi = (_on_the_realistic_vehicle(currents, name) for name in ("p", "pi"))
 
     beside = [abs(level["mean_y_px"]) for level in p.levels]

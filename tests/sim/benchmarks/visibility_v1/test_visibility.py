@@ -1,4 +1,4 @@
-"""visibility-v1: its levels, its measure, and pictures on which a tracker has no influence."""
+"""visibility-v1: its levels, its score, and images that do not depend on the tracker."""
 
 import hashlib
 import json
@@ -49,7 +49,7 @@ shares = st.lists(st.floats(0.0, 100.0), min_size=2, max_size=30)
 
 
 class Watching:
-    """Says that the target is where it was, and keeps the hash of every picture."""
+    """Reports the target at its first position, and keeps the hash of every image."""
 
     def __init__(self, step_px: float = 0.0) -> None:
         self.seen: list[str] = []
@@ -108,7 +108,7 @@ def test_the_fog_sweep_is_the_published_configuration() -> None:
 
 
 @pytest.mark.parametrize("law", ["beer", "uwsim"])
-def test_the_water_of_a_level_lets_through_what_its_optical_depth_says(law: str) -> None:
+def test_the_transmission_of_a_levels_water_matches_its_optical_depth(law: str) -> None:
     config = read({"water_law": law})
 
     for level, depth in enumerate(config.optical_depths()):
@@ -118,7 +118,7 @@ def test_the_water_of_a_level_lets_through_what_its_optical_depth_says(law: str)
 
 
 @pytest.mark.parametrize("sweep", SWEEPS)
-def test_every_sweep_has_levels_that_rise_and_water_that_can_be(sweep: str) -> None:
+def test_every_sweep_has_increasing_levels_and_valid_water(sweep: str) -> None:
     config = read({"sweep": sweep})
 
     values = config.level_values()
@@ -139,16 +139,16 @@ def test_every_sweep_has_levels_that_rise_and_water_that_can_be(sweep: str) -> N
         ({"altitude_m": 5.0}, "altitude_m"),
     ],
 )
-def test_a_sweep_that_cannot_be_is_refused_at_the_setting(
+def test_an_invalid_sweep_is_rejected_at_its_setting(
     wrong: Mapping[str, object], setting: str
 ) -> None:
-    with pytest.raises(ConfigurationInvalid) as refusal:
+    with pytest.raises(ConfigurationInvalid) as error:
         read(wrong)
 
-    assert setting in refusal.value.errors
+    assert setting in error.value.errors
 
 
-def test_a_ranked_run_keeps_the_tracker_and_nothing_of_the_scenario() -> None:
+def test_a_ranked_run_keeps_the_tracker_and_resets_the_scenario() -> None:
     mine = read({"warp": "srt", "sweep": "fog", "mode": "free", "kp": 2.0})
 
     ranked = benchmark(NAME).ranked(mine)
@@ -183,17 +183,17 @@ def test_a_better_level_never_lowers_the_failure_level(
     assert failure_value(values, better) >= failure_value(values, p5)
 
 
-def test_a_tracker_that_never_fails_is_above_one_that_fails_last() -> None:
+def test_a_tracker_that_never_fails_scores_more_than_one_that_fails_last() -> None:
     assert failure_value([0.0, 0.5, 1.0], [100.0, 100.0, 49.9]) == 1.0
     assert failure_value([0.0, 0.5, 1.0], [100.0, 100.0, 50.0]) == 1.5
 
 
-def test_the_level_held_ends_before_the_first_that_is_not() -> None:
+def test_the_level_held_is_the_last_before_the_first_that_is_not_held() -> None:
     assert held_value([0.0, 0.5, 1.0], [True, False, True]) == 0.0
     assert held_value([0.0, 0.5], [False, True]) is None
 
 
-def test_the_metrics_of_a_level_are_shares_of_the_pictures_after_the_first() -> None:
+def test_the_metrics_of_a_level_are_percentages_of_the_images_after_the_first() -> None:
     found = level_metrics(rows_of([0.5, 1.0, 5.0, 5.1, 10.1]))
 
     assert (found["p5_percent"], found["p1_percent"]) == (60.0, 40.0)
@@ -201,21 +201,21 @@ def test_the_metrics_of_a_level_are_shares_of_the_pictures_after_the_first() -> 
     assert (found["admitted_percent"], found["not_admitted_percent"]) == (0.0, 20.0)
 
 
-def test_an_error_that_is_no_number_is_lost_and_no_success() -> None:
+def test_a_nan_error_counts_as_lost_and_not_as_a_success() -> None:
     found = level_metrics(rows_of([math.nan, math.inf]))
 
     assert (found["p5_percent"], found["not_admitted_percent"]) == (0.0, 100.0)
     assert found["corner_px"] is None
 
 
-def test_a_tracker_that_admits_its_loss_has_no_success_however_near_it_is() -> None:
+def test_a_tracker_that_reports_a_loss_has_no_success_however_close_it_is() -> None:
     found = level_metrics(rows_of([0.0, 20.0], ok=0.0))
 
     assert found["p5_percent"] == 0.0
     assert (found["admitted_percent"], found["not_admitted_percent"]) == (100.0, 0.0)
 
 
-def test_the_metrics_over_all_levels_weigh_each_picture_alike() -> None:
+def test_the_metrics_over_all_levels_weight_each_image_equally() -> None:
     levels = [level_metrics(rows_of([1.0, 1.0])), level_metrics(rows_of([4.0, 20.0]))]
 
     found = over_run(METRICS, levels)
@@ -225,7 +225,7 @@ def test_the_metrics_over_all_levels_weigh_each_picture_alike() -> None:
     assert found["corner_px"] == pytest.approx(2.0)
 
 
-def test_on_the_prescribed_path_all_trackers_see_the_same_pictures() -> None:
+def test_on_the_prescribed_path_all_trackers_see_the_same_images() -> None:
     still, restless = Watching(), Watching(step_px=3.0)
     run(SHORT, still)
     run(SHORT, restless)
@@ -234,7 +234,7 @@ def test_on_the_prescribed_path_all_trackers_see_the_same_pictures() -> None:
     assert len(set(still.seen)) == len(still.seen) == 3 * 39
 
 
-def test_a_setting_of_steering_changes_nothing_on_the_prescribed_path() -> None:
+def test_settings_of_the_closed_loop_have_no_effect_on_the_prescribed_path() -> None:
     entries = benchmark(NAME).schema()["properties"]
     steering = {
         name: _another(entry)
@@ -258,7 +258,7 @@ def _another(entry: Mapping[str, Any]) -> object:
     return default / 2 or entry["maximum"] / 2
 
 
-def test_a_free_vehicle_goes_where_its_tracker_leads_it() -> None:
+def test_in_closed_loop_the_vehicle_follows_its_tracker() -> None:
     still, restless = Watching(), Watching(step_px=3.0)
     run(SHORT | {"mode": "free"}, still)
     run(SHORT | {"mode": "free"}, restless)
@@ -266,14 +266,14 @@ def test_a_free_vehicle_goes_where_its_tracker_leads_it() -> None:
     assert still.seen != restless.seen
 
 
-def test_every_level_has_a_path_and_a_noise_of_its_own() -> None:
+def test_every_level_has_its_own_path_and_noise() -> None:
     tracker = Watching()
     run(SHORT, tracker)
 
     assert len(set(tracker.first)) == 3
 
 
-def test_a_target_that_stands_still_by_the_tracker_fails_at_the_first_level() -> None:
+def test_a_tracker_that_never_moves_fails_at_the_first_level() -> None:
     result = run(SHORT | {"level_duration_s": 5.0}, Watching())
 
     assert result.score == 0.0
@@ -288,7 +288,7 @@ def test_a_perfect_tracker_fails_at_no_level() -> None:
     assert result.trial_score.overall["p1_percent"] == 100.0
 
 
-def test_the_template_is_learnt_in_the_first_levels_water() -> None:
+def test_the_tracker_is_initialised_in_the_water_of_the_first_level() -> None:
     murky = {"sweep_from": 3.0, "sweep_to": 4.0, "sweep_step": 1.0, "level_duration_s": 2.0}
     clear = murky | {"sweep_from": 0.0, "sweep_step": 4.0}
 
@@ -300,7 +300,7 @@ def test_the_template_is_learnt_in_the_first_levels_water() -> None:
     assert learnt_clear["p5_percent"] < 10.0
 
 
-def test_what_has_no_part_in_a_prescribed_path_stays_0_and_the_rest_moves() -> None:
+def test_unused_columns_stay_0_on_a_prescribed_path_and_the_others_vary() -> None:
     rows: list[Rows] = []
     config = read(SHORT)
     run_trial(NAME, config, None, seed=5, trial=0, on_rows=rows.append)
@@ -349,7 +349,7 @@ def test_a_path_never_leaves_its_amplitudes(t: float, seed: int) -> None:
     assert (np.abs(pose) <= amplitudes + 1e-12).all()
 
 
-def test_two_processes_come_to_the_same_bytes() -> None:
+def test_two_processes_give_the_same_bytes() -> None:
     here = run(SHORT)
 
     done = subprocess.run(
@@ -359,19 +359,19 @@ def test_two_processes_come_to_the_same_bytes() -> None:
     assert json.loads(done.stdout) == [here.digest, here.score]
 
 
-def test_ssd_fails_far_before_zncc() -> None:
+def test_ssd_fails_long_before_zncc() -> None:
     levels = {"sweep_step": 1.0, "level_duration_s": 2.0}
 
     assert run(levels | {"criterion": "ssd"}).score < run(levels).score - 1.5
 
 
-def test_the_presets_keep_their_sweep_when_the_configuration_is_read_again() -> None:
+def test_presets_survive_reading_a_configuration_again() -> None:
     for sweep in SWEEP_PRESETS:
         config = read({"sweep": sweep})
         assert read(config.model_dump(mode="json")) == config
 
 
-def test_a_picture_is_made_again_in_the_water_of_its_level() -> None:
+def test_an_image_is_rendered_again_in_the_water_of_its_level() -> None:
     config = read(SHORT)
 
     cameras = [EXPERIMENT.camera(config, seed=5, trial=0, level=level) for level in (0, 2)]
