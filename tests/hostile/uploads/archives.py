@@ -1,4 +1,4 @@
-"""Archives that no tool would write: each field of a zip can be set apart from the others."""
+"""Archives that no tool would write: each field of a zip can be set independently."""
 
 import gzip
 import io
@@ -36,11 +36,11 @@ class Entry:
     def packed(self) -> bytes:
         if self.method != zipfile.ZIP_DEFLATED:
             return self.content
-        machine = zlib.compressobj(9, zlib.DEFLATED, -15)
-        return machine.compress(self.content) + machine.flush()
+        compressor = zlib.compressobj(9, zlib.DEFLATED, -15)
+        return compressor.compress(self.content) + compressor.flush()
 
-    def facts(self, changes: dict[str, Any]) -> dict[str, Any]:
-        plain = {
+    def fields(self, changes: dict[str, Any]) -> dict[str, Any]:
+        values = {
             "flags": self.flags,
             "method": self.method,
             "crc": zlib.crc32(self.content),
@@ -49,39 +49,39 @@ class Entry:
             "name": self.name,
             "offset": None,
         }
-        return plain | changes
+        return values | changes
 
 
 def zipped(*entries: Entry, tail: bytes = b"", end: dict[str, int] | None = None) -> bytes:
-    """Return a zip archive of the entries, written as they say."""
+    """Return a zip archive of the entries, with the headers that they describe."""
     body, directory = bytearray(), bytearray()
     for entry in entries:
         offset = len(body)
         body += _local(entry) + entry.packed()
         directory += _central(entry, offset)
-    facts = {"count": len(entries), "size": len(directory), "start": len(body)} | (end or {})
+    values = {"count": len(entries), "size": len(directory), "start": len(body)} | (end or {})
     record = struct.pack(
-        "<4s4H2LH", b"PK\x05\x06", 0, 0, facts["count"], facts["count"], facts["size"],
-        facts["start"], 0,
+        "<4s4H2LH", b"PK\x05\x06", 0, 0, values["count"], values["count"], values["size"],
+        values["start"], 0,
     )  # fmt: skip
     return bytes(body + directory + record + tail)
 
 
 def _local(entry: Entry) -> bytes:
-    f = entry.facts(entry.local)
+    f = entry.fields(entry.local)
     sizes = (f["crc"], f["packed"], f["size"], len(f["name"]), 0)
     head = struct.pack("<4s5H3L2H", b"PK\x03\x04", 20, f["flags"], f["method"], 0, 33, *sizes)
     return head + bytes(f["name"])
 
 
 def _central(entry: Entry, offset: int) -> bytes:
-    f = entry.facts(entry.central)
-    place = offset if f["offset"] is None else f["offset"]
+    f = entry.fields(entry.central)
+    position = offset if f["offset"] is None else f["offset"]
     return (
         struct.pack(
             "<4s6H3L5H2L", b"PK\x01\x02", UNIX | 20, 20, f["flags"], f["method"], 0, 33, f["crc"],
             f["packed"], f["size"], len(f["name"]), len(entry.extra), 0, 0, 0, entry.mode << 16,
-            place,
+            position,
         )
         + bytes(f["name"])
         + entry.extra
@@ -100,13 +100,13 @@ def named(name: str | bytes, **more: Any) -> bytes:
 
 
 def overlapping() -> bytes:
-    """Return an archive of two entries with one and the same content, as in the best bombs."""
+    """Return an archive of two entries that share their content, as in the most effective bombs."""
     twin = Entry(b"twin.py", MAIN)
     return zipped(Entry(b"main.py", MAIN), replace(twin, central={"offset": 0}))
 
 
-def quoted() -> bytes:
-    """Return an archive whose second member lies inside of the first one's content."""
+def nested_member() -> bytes:
+    """Return an archive whose second member is inside the content of the first one."""
     inner = _local(Entry(b"inner.py", MAIN)) + MAIN
     outer = Entry(b"main.py", MAIN + inner)
     head = len(_local(outer)) + len(MAIN)
@@ -129,10 +129,10 @@ def tarred(*entries: tarfile.TarInfo, content: bytes = b"") -> bytes:
     return target.getvalue()
 
 
-def tar_entry(name: str, kind: bytes = tarfile.REGTYPE, link: str = "") -> tarfile.TarInfo:
+def tar_entry(name: str, member_type: bytes = tarfile.REGTYPE, link: str = "") -> tarfile.TarInfo:
     """Return the header of a member."""
     entry = tarfile.TarInfo(name)
-    entry.type, entry.linkname = kind, link
+    entry.type, entry.linkname = member_type, link
     return entry
 
 

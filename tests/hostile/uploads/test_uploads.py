@@ -1,4 +1,4 @@
-"""Hostile uploads: each goes through POST /runs and has a sentence that it must get."""
+"""Hostile uploads: POST /runs refuses each of them with its own reason."""
 
 import io
 import json
@@ -19,9 +19,9 @@ DEFLATED = zipfile.ZIP_DEFLATED
 NESTED = zipped(Entry(b"main.py", MAIN))
 UNICODE_NAME = b"\x75\x70\x0d\x00\x01\0\0\0\0other.py"
 GOOD = zipped(Entry(b"main.py", MAIN))
-Made = Callable[[], bytes]
+Build = Callable[[], bytes]
 
-ZIPS: dict[str, tuple[Made, str]] = {
+ZIPS: dict[str, tuple[Build, str]] = {
     "points outside": (lambda: named("../out.py"), "points outside the archive"),
     "points outside in the middle": (lambda: named("a/../../out.py"), "points outside the archive"),
     "absolute": (lambda: named("/etc/passwd"), "is absolute"),
@@ -31,8 +31,8 @@ ZIPS: dict[str, tuple[Made, str]] = {
     "a line break": (lambda: named("a\n.py"), "invisible characters"),
     "a name from right to left": (lambda: named("a\u202egpj.py"), "invisible characters"),
     "a hidden space": (lambda: named("ma\u200bin.py"), "invisible characters"),
-    "a dot that is none": (lambda: named("\uff0e\uff0e/out.py"), "look like others"),
-    "a slash that is none": (lambda: named("a\uff0fb.py"), "look like others"),
+    "a lookalike of a dot": (lambda: named("\uff0e\uff0e/out.py"), "look like others"),
+    "a lookalike of a slash": (lambda: named("a\uff0fb.py"), "look like others"),
     "reserved": (lambda: named("aux.py"), "reserved on Windows"),
     "a dot at the end": (lambda: named("main.py."), "trailing space or dot"),
     "an empty part": (lambda: named("a//b.py"), "has an empty part"),
@@ -49,7 +49,7 @@ ZIPS: dict[str, tuple[Made, str]] = {
         lambda: beside_main(Entry(b"a", b"x"), Entry(b"a/b.py", b"x")),
         "a is both a file and a folder",
     ),
-    "no UTF-8": (lambda: named(b"\xff.py"), "is not UTF-8"),
+    "not UTF-8": (lambda: named(b"\xff.py"), "is not UTF-8"),
     "in an old code page": (lambda: named(b"\x82.py", flags=0), "is not UTF-8"),
     "two names": (lambda: named("a.py", extra=UNICODE_NAME), "two different names"),
     "a link": (lambda: named("a.py", mode=make.LINK), "is a link"),
@@ -83,7 +83,7 @@ ZIPS: dict[str, tuple[Made, str]] = {
         "a is truncated",
     ),
     "overlapping": (make.overlapping, "overlaps the previous file"),
-    "one inside of the other": (make.quoted, "overlaps the previous file"),
+    "one inside the other": (make.nested_member, "overlaps the previous file"),
     "another name inside": (
         lambda: beside_main(Entry(b"a.py", b"x", local={"name": b"b.py"})),
         "contradictory headers",
@@ -116,15 +116,18 @@ ZIPS: dict[str, tuple[Made, str]] = {
         "Zip64",
     ),
     "no main.py": (lambda: zipped(Entry(b"a.py", MAIN)), "needs one of main.py (Python)"),
-    "nothing": (lambda: zipped(), "contains no files"),
-    "only leftovers": (lambda: zipped(Entry(b"__MACOSX/main.py", MAIN)), "contains no files"),
-    "no zip": (lambda: MAIN, "not a .zip archive"),
-    "an error of syntax": (
+    "nothing": (zipped, "contains no files"),
+    "only metadata of macOS": (
+        lambda: zipped(Entry(b"__MACOSX/main.py", MAIN)),
+        "contains no files",
+    ),
+    "not a zip": (lambda: MAIN, "not a .zip archive"),
+    "a syntax error": (
         lambda: beside_main(Entry(b"pid.py", b"def f(:\n")),
         "pid.py, line 1: invalid syntax",
     ),
 }
-TARS: dict[str, tuple[Made, str]] = {
+TARS: dict[str, tuple[Build, str]] = {
     "points outside": (lambda: make.tarred(tar_entry("../out.py")), "points outside the archive"),
     "absolute": (lambda: make.tarred(tar_entry("/etc/x")), "is absolute"),
     "a link out": (
@@ -144,30 +147,30 @@ TARS: dict[str, tuple[Made, str]] = {
     "a bomb": (lambda: make.gzip_bomb(100 << 20), "larger than 8 MiB"),
     "truncated": (lambda: make.tarred()[:-20], "is truncated"),
     "trailing data": (lambda: make.tarred() + b"evil", "data after the end"),
-    "no tar": (lambda: make.gzip_bomb(3000), "contains no files"),
-    "no gzip": (lambda: b"hello", "not a .tar.gz archive"),
+    "not a tar": (lambda: make.gzip_bomb(3000), "contains no files"),
+    "not a gzip": (lambda: b"hello", "not a .tar.gz archive"),
 }
 CASES = [("mine.zip", name, *case) for name, case in ZIPS.items()]
 CASES += [("mine.tar.gz", name, *case) for name, case in TARS.items()]
 
 
-def sent(site: Site, content: bytes, name: str) -> tuple[int, str]:
-    """Return the status and the sentence for an upload."""
-    order = {"run": json.dumps({"benchmark": "currents-v1"})}
-    form = order | {"program": (io.BytesIO(content), name)}
+def upload(site: Site, content: bytes, name: str) -> tuple[int, str]:
+    """Return the status and the detail of the answer to an upload."""
+    run = {"run": json.dumps({"benchmark": "currents-v1"})}
+    form = run | {"program": (io.BytesIO(content), name)}
     answer = site.call("owner", "POST", "/api/v1/runs", data=form)
     return answer.status_code, answer.get_json().get("detail", "")
 
 
 @pytest.mark.parametrize(
-    ("file", "made", "reason"),
-    [(file, made, reason) for file, _, made, reason in CASES],
+    ("file", "build", "reason"),
+    [(file, build, reason) for file, _, build, reason in CASES],
     ids=[f"{file.split('.')[1]}: {name}" for file, name, *_ in CASES],
 )
 def test_a_hostile_upload_is_refused_with_its_reason_and_leaves_no_file(
-    site: Site, file: str, made: Made, reason: str
+    site: Site, file: str, build: Build, reason: str
 ) -> None:
-    status, sentence = sent(site, made(), file)
+    status, sentence = upload(site, build(), file)
 
     assert (status, reason in sentence) == (422, True), sentence
     assert sentence.startswith(f"{file}: ") or "line" in sentence
@@ -176,12 +179,12 @@ def test_a_hostile_upload_is_refused_with_its_reason_and_leaves_no_file(
         assert session.scalar(select(func.count()).select_from(Run)) == 0
 
 
-def test_a_bomb_never_takes_more_memory_than_the_limit(site: Site) -> None:
-    upload = make.gzip_bomb(200 << 20)
-    sent(site, upload, "warm.tar.gz")
+def test_a_bomb_never_uses_more_memory_than_the_limit(site: Site) -> None:
+    bomb = make.gzip_bomb(200 << 20)
+    upload(site, bomb, "warm.tar.gz")
 
     tracemalloc.start()
-    status, _ = sent(site, upload, "bomb.tar.gz")
+    status, _ = upload(site, bomb, "bomb.tar.gz")
     _, peak = tracemalloc.get_traced_memory()
     tracemalloc.stop()
 
@@ -189,11 +192,11 @@ def test_a_bomb_never_takes_more_memory_than_the_limit(site: Site) -> None:
     assert peak < 40 << 20
 
 
-def usual(kind: str) -> bytes:
-    """Return an archive as the tools of the field make it."""
+def usual(suffix: str) -> bytes:
+    """Return an archive as common tools write it."""
     target = io.BytesIO()
     files = {"main.py": MAIN, "lib/gains.py": b"KP = 0.5\n", "__pycache__/a.pyc": b"x"}
-    if kind == "tar.gz":
+    if suffix == "tar.gz":
         with tarfile.open(fileobj=target, mode="w:gz") as archive:
             archive.addfile(make.tar_entry(".", tarfile.DIRTYPE))
             for name, content in files.items():
@@ -209,7 +212,7 @@ def usual(kind: str) -> bytes:
 
 
 def streamed() -> bytes:
-    """Return a zip archive written without going back, as browsers and macOS write them."""
+    """Return a zip archive written without seeking, as browsers and macOS write them."""
 
     class Pipe(io.RawIOBase):
         def __init__(self) -> None:
@@ -236,7 +239,7 @@ def test_the_same_files_have_one_hash_however_they_are_packed(site: Site) -> Non
         (usual("tar.gz"), "c.tgz"),
         (streamed(), "d.zip"),
     ):
-        status, detail = sent(site, content, name)
+        status, detail = upload(site, content, name)
         assert status == 202, detail
 
     kept = {path.name for path in (site.settings.data / "programs").iterdir()}
