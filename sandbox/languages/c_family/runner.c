@@ -1,6 +1,6 @@
-/* The main program of programs in C and C++: speaks the protocol of docs/protocol.md for the
- * functions of seamark.h. Arguments: the number of the protocol's descriptor, the sequence number
- * of the question that waits for an answer, the file with layout and configuration.
+/* The main function of programs in C and C++: speaks the protocol of docs/protocol.md for the
+ * functions of seamark.h. Arguments: the number of the socket's descriptor, the sequence number of
+ * the pending request, the file with layout and configuration.
  */
 #define _POSIX_C_SOURCE 200809L
 
@@ -22,11 +22,12 @@
 #pragma weak seamark_tracker_update
 #pragma weak seamark_detect
 
-enum { HEADER_BYTES = 8, MOST_BYTES = 65536, MOST_FIELDS = 64, MOST_SENTENCE = 500 };
-enum { DETECTION_BYTES = 74, MOST_ANSWER = 4 + SEAMARK_MOST_DETECTIONS * (DETECTION_BYTES + 64) };
-enum { DISCONNECTED = 70 }; /* exit code: the connection is gone */
+enum { HEADER_BYTES = 8, MAX_BYTES = 65536, MAX_FIELDS = 64, MAX_SENTENCE = 500 };
+enum { DETECTION_BYTES = 74 };
+enum { MAX_ANSWER_BYTES = 4 + SEAMARK_MOST_DETECTIONS * (DETECTION_BYTES + 64) };
+enum { DISCONNECTED = 70 }; /* exit code: the connection is lost */
 
-/* Where a field of an observation stands in its struct, and the most numbers that fit there. */
+/* The position of a field in the struct of observations, and how many numbers fit there. */
 struct field {
     const char *name;
     size_t offset;
@@ -52,7 +53,7 @@ static const struct field FIELDS[] = {
     {"thrust", AT(thrust), 8, 0},
 };
 
-/* One field of the layout that came: numbers to take, and where they go if this program knows it. */
+/* One field of the received layout: its numbers, and where they are copied to if it is known. */
 struct copy {
     const struct field *field;
     int count;
@@ -62,37 +63,38 @@ static int connection;
 static uint32_t sequence;
 static char *configuration;
 static seamark_observation observation;
-static struct copy copies[MOST_FIELDS];
+static struct copy copies[MAX_FIELDS];
 static int copies_count;
-static unsigned char incoming[MOST_BYTES];
+static unsigned char incoming[MAX_BYTES];
 static char role = 'c'; /* controller, tracker or detector: its first letter */
 static const unsigned char *images;
-static double target[8]; /* where the tracker saw it last */
+static double target[8]; /* its last known corners */
 
-static void send_frame(char kind, const void *body, size_t size) {
-    unsigned char frame[HEADER_BYTES + MOST_ANSWER] = {(unsigned char)kind, SEAMARK_PROTOCOL};
-    memcpy(frame + 4, &sequence, sizeof sequence);
-    if (size) memcpy(frame + HEADER_BYTES, body, size);
-    if (write(connection, frame, HEADER_BYTES + size) < 0) _exit(DISCONNECTED);
+static void send_message(char type, const void *body, size_t size) {
+    unsigned char message[HEADER_BYTES + MAX_ANSWER_BYTES] = {(unsigned char)type};
+    message[1] = SEAMARK_PROTOCOL;
+    memcpy(message + 4, &sequence, sizeof sequence);
+    if (size) memcpy(message + HEADER_BYTES, body, size);
+    if (write(connection, message, HEADER_BYTES + size) < 0) _exit(DISCONNECTED);
 }
 
-/* Say in one sentence why the run cannot go on, and end. `verdict` is u (its error), p (its
- * answer) or s (its text). */
+/* Report in one sentence why the run cannot continue, and exit. `verdict` is u (user error), p
+ * (protocol error), s (compile error) or m (memory limit). */
 static void give_up(char verdict, const char *sentence) {
-    unsigned char body[3 + MOST_SENTENCE];
-    uint16_t length = (uint16_t)strnlen(sentence, MOST_SENTENCE);
+    unsigned char body[3 + MAX_SENTENCE];
+    uint16_t length = (uint16_t)strnlen(sentence, MAX_SENTENCE);
     body[0] = (unsigned char)verdict;
     memcpy(body + 1, &length, sizeof length);
     memcpy(body + 3, sentence, length);
     fflush(NULL);
-    send_frame('x', body, 3 + (size_t)length);
+    send_message('x', body, 3 + (size_t)length);
     _exit(1);
 }
 
-/* For the file that connects the code of a model (inside/embedded.py); not part of seamark.h. */
+/* For the adapter of a model's code (inside/embedded_coder.py); not part of seamark.h. */
 void seamark_refuse(const char *sentence) { give_up('p', sentence); }
 
-/* Skip a JSON string that begins at `at`; the layout of what comes is json.dumps of Python. */
+/* Skip the JSON string at `at`; the format is that of Python's json.dumps. */
 static const char *after_string(const char *at) {
     for (at++; *at && *at != '"'; at++)
         if (*at == '\\' && at[1]) at++;
@@ -143,7 +145,7 @@ static const struct field *known(const char *name, int count) {
 
 static void map_images(int descriptor, size_t bytes) {
     void *memory = mmap(NULL, bytes, PROT_READ, MAP_SHARED, descriptor, 0);
-    if (memory == MAP_FAILED) give_up('m', "There is no memory left for the images.");
+    if (memory == MAP_FAILED) give_up('m', "There is not enough memory for the images.");
     close(descriptor);
     images = memory;
 }
@@ -158,7 +160,7 @@ static void begin(const char *path) {
     while (getline(&line, &room, file) > 0 && line[0] != '{') {
         char name[64];
         int count;
-        if (sscanf(line, "%63s %d", name, &count) != 2 || copies_count == MOST_FIELDS) continue;
+        if (sscanf(line, "%63s %d", name, &count) != 2 || copies_count == MAX_FIELDS) continue;
         if (!strcmp(name, "tracker") || !strcmp(name, "detector")) role = name[0];
         if (!strcmp(name, "images_descriptor")) descriptor = count;
         if (!strcmp(name, "images_bytes")) map_images(descriptor, (size_t)count);
@@ -193,7 +195,7 @@ static void observe(const unsigned char *from, size_t size) {
 static void step(size_t size) {
     seamark_command command = {0.0, 0.0, 0.0, 0.0};
     double answer[4];
-    char sentence[MOST_SENTENCE];
+    char sentence[MAX_SENTENCE];
     observe(incoming + HEADER_BYTES, size - HEADER_BYTES);
     int code = seamark_step(&observation, &command);
     if (code) {
@@ -211,7 +213,7 @@ static void step(size_t size) {
                  observation.t, answer[0], answer[1], answer[2], answer[3]);
         give_up('p', sentence);
     }
-    send_frame('c', answer, sizeof answer);
+    send_message('c', answer, sizeof answer);
 }
 
 static seamark_image image_of(const unsigned char *body) {
@@ -224,13 +226,13 @@ static seamark_image image_of(const unsigned char *body) {
 }
 
 static void end_with_code(const char *function, int code) {
-    char sentence[MOST_SENTENCE];
+    char sentence[MAX_SENTENCE];
     snprintf(sentence, sizeof sentence, "%s returned %d.", function, code);
     give_up('u', sentence);
 }
 
 static void check_corners(const char *function, const double *corners) {
-    char sentence[MOST_SENTENCE];
+    char sentence[MAX_SENTENCE];
     for (int i = 0; i < 8; i++) {
         if (fabs(corners[i]) <= 1e6) continue; /* NaN compares false */
         snprintf(sentence, sizeof sentence,
@@ -245,7 +247,7 @@ static void track_from(void) {
     memcpy(target, incoming + HEADER_BYTES + 4 * sizeof(uint32_t), sizeof target);
     int code = seamark_tracker_start(&image, target);
     if (code) end_with_code("seamark_tracker_start", code);
-    send_frame('k', NULL, 0);
+    send_message('k', NULL, 0);
 }
 
 static void track(void) {
@@ -258,17 +260,17 @@ static void track(void) {
         check_corners("seamark_tracker_update", corners);
         memcpy(target, corners, sizeof target);
     }
-    send_frame('t', target, code ? sizeof target : 0);
+    send_message('t', target, code ? sizeof target : 0);
 }
 
-/* Put one detection into an answer; return how many bytes it takes. */
+/* Write one detection to an answer; return its number of bytes. */
 static size_t packed(unsigned char *to, const seamark_detection *one) {
     uint16_t length = (uint16_t)strnlen(one->label, SEAMARK_LABEL_BYTES);
     check_corners("seamark_detect", one->corners);
     if (!(one->confidence >= 0.0 && one->confidence <= 1.0))
-        give_up('p', "A confidence of seamark_detect is no number from 0 to 1.");
+        give_up('p', "A confidence of seamark_detect is not a number from 0 to 1.");
     if (!length || length == SEAMARK_LABEL_BYTES)
-        give_up('p', "A label of seamark_detect is no text of 1 to 64 bytes.");
+        give_up('p', "A label of seamark_detect is not a text of 1 to 64 bytes.");
     memcpy(to, one->corners, sizeof one->corners);
     memcpy(to + 64, &one->confidence, sizeof one->confidence);
     memcpy(to + 72, &length, sizeof length);
@@ -278,7 +280,7 @@ static size_t packed(unsigned char *to, const seamark_detection *one) {
 
 static void detect(void) {
     static seamark_detection found[SEAMARK_MOST_DETECTIONS];
-    static unsigned char answer[MOST_ANSWER];
+    static unsigned char answer[MAX_ANSWER_BYTES];
     seamark_image image = image_of(incoming + HEADER_BYTES);
     size_t size = sizeof(uint32_t);
     memset(found, 0, sizeof found);
@@ -288,7 +290,7 @@ static void detect(void) {
         give_up('p', "seamark_detect returned more than the 64 detections that fit.");
     memcpy(answer, &(uint32_t){(uint32_t)count}, sizeof(uint32_t));
     for (int i = 0; i < count; i++) size += packed(answer + size, &found[i]);
-    send_frame('d', answer, size);
+    send_message('d', answer, size);
 }
 
 static void reset(const char *json) {
@@ -299,15 +301,15 @@ static void reset(const char *json) {
     level.dt = number_of(json, "dt", 0.0);
     level.t = number_of(json, "t", 0.0);
     if (seamark_reset) seamark_reset(&level);
-    send_frame('k', NULL, 0);
+    send_message('k', NULL, 0);
 }
 
-/* Whether the program defines what its role asks for; else end with a sentence that says what. */
+/* Exit with a message unless the program defines what its role needs. */
 static void check_role(const char *program) {
     const char *wants = "a controller defines int seamark_step(const seamark_observation *, "
                         "seamark_command *)";
     const char *missing = seamark_step ? NULL : "seamark_step";
-    char sentence[MOST_SENTENCE];
+    char sentence[MAX_SENTENCE];
     if (role == 't') {
         wants = "a tracker defines int seamark_tracker_start(const seamark_image *, const double "
                 "corners[8]) and int seamark_tracker_update(const seamark_image *, double "
@@ -325,10 +327,10 @@ static void check_role(const char *program) {
     give_up('s', sentence);
 }
 
-static void leave(void) {
+static void quit(void) {
     fflush(NULL);
-    send_frame('q', NULL, 0);
-    _exit(0); /* no destructor and no atexit of the program runs after the last word */
+    send_message('q', NULL, 0);
+    _exit(0); /* no destructor and no atexit handler runs after the last message */
 }
 
 int main(int count, char **arguments) {
@@ -337,13 +339,13 @@ int main(int count, char **arguments) {
     sequence = (uint32_t)strtoul(arguments[2], NULL, 10);
     begin(arguments[3]);
     check_role(arguments[0]);
-    setvbuf(stdout, NULL, _IOLBF, 4096); /* a line is seen as soon as it is printed */
+    setvbuf(stdout, NULL, _IOLBF, 4096); /* each line is logged as soon as it is printed */
     int code = seamark_init ? seamark_init() : 0;
     if (code) end_with_code("seamark_init", code);
-    send_frame('k', NULL, 0);
+    send_message('k', NULL, 0);
     for (;;) {
         ssize_t size = read(connection, incoming, sizeof incoming - 1);
-        if (size < HEADER_BYTES) _exit(0); /* the other side is gone */
+        if (size < HEADER_BYTES) _exit(0); /* the simulator is gone */
         incoming[size] = 0;
         memcpy(&sequence, incoming + 4, sizeof sequence);
         if (incoming[0] == 'O')
@@ -357,6 +359,6 @@ int main(int count, char **arguments) {
         else if (incoming[0] == 'R')
             reset((const char *)incoming + HEADER_BYTES);
         else
-            leave();
+            quit();
     }
 }

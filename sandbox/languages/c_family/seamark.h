@@ -47,7 +47,7 @@ typedef struct seamark_level {
     int count;         /* number of levels */
     double duration_s; /* [s] of this level */
     double dt;         /* [s] control period */
-    double t;          /* [s] simulated time at which it begins */
+    double t;          /* [s] simulated time at its start */
 } seamark_level;
 
 /* A read-only image. The pixel of row y and column x is pixels[(y * width + x) * channels]. The image
@@ -74,7 +74,7 @@ void seamark_reset(const seamark_level *level); /* at each level; optional */
 
 int seamark_step(const seamark_observation *observation, seamark_command *command);
 
-/* The target is at these corners: x and y of upper left, upper right, lower right, lower left. */
+/* The target's corners: x and y of upper left, upper right, lower right, lower left. */
 int seamark_tracker_start(const seamark_image *image, const double corners[8]);
 
 /* Write the corners of the target to `corners` and return 1; return 0 if the target is lost. Negative
@@ -86,7 +86,7 @@ int seamark_detect(const seamark_image *image, seamark_detection found[SEAMARK_M
 
 /* These functions can be called at any time from seamark_init on. */
 
-/* A number of the configuration ("kp", "ki" ...; true is 1, false is 0), or `fallback`. */
+/* A number in the configuration ("kp", "ki" ...; true is 1, false is 0), or `fallback`. */
 double seamark_config_number(const char *key, double fallback);
 
 /* The configuration as JSON, for settings that are not numbers. */
