@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from seamark.sim.benchmarks.visibility_v1.definition import VisibilityConfiguration
+from seamark.sim.benchmarks.visibility_v1.settings import VisibilityConfiguration
 from seamark.sim.camera.camera import Camera
 from seamark.sim.camera.target import start_pose
 from seamark.sim.camera.water import Water

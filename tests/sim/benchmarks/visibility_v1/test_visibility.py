@@ -15,12 +15,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from seamark.sim.benchmarks.visibility_v1.definition import (
+from seamark.sim.benchmarks.visibility_v1.experiment import EXPERIMENT, water_at
+from seamark.sim.benchmarks.visibility_v1.settings import (
     SWEEP_PRESETS,
     SWEEPS,
     VisibilityConfiguration,
 )
-from seamark.sim.benchmarks.visibility_v1.experiment import EXPERIMENT, water_at
 from seamark.sim.engine.prescribed_path import PrescribedPath
 from seamark.sim.engine.trial import TrialResult, run_trial
 from seamark.sim.metrics.metric import over_run
