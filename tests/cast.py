@@ -5,6 +5,7 @@ a guest has only a cookie, and nobody not even that.
 """
 
 import io
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Self
 
@@ -109,11 +110,11 @@ class Backend:
         assert self.finish(claim)
         return claim.run_id
 
-    def failed(self, who: str = "ann", **detail: Any) -> int:
+    def failed(self, detail: Mapping[str, Any], who: str = "ann") -> int:
         """Return a run whose program raised an error, described by `detail`."""
         claim = self.running(who)
         report: dict[str, Any] = dict.fromkeys(("metrics", "manifest", "digest"))
-        report |= {"state": RunState.FAILED, "cause": "user_error", "detail": detail}
+        report |= {"state": RunState.FAILED, "cause": "user_error", "detail": dict(detail)}
         assert self.finish(claim, **report)
         return claim.run_id
 

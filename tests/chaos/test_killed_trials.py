@@ -38,7 +38,9 @@ def two_cores(tmp_path_factory: pytest.TempPathFactory, _valkey: str) -> Iterato
     with Redis.from_url(_valkey) as client:
         client.flushall()
     data = tmp_path_factory.mktemp("service")
-    made = service_with(Settings(data=data, broker_url=_valkey, **{**QUICK, "workers": 2}))
+    made = service_with(
+        Settings.model_validate(QUICK | {"data": data, "broker_url": _valkey, "workers": 2})
+    )
     made.start_worker()
     yield made
     made.close()

@@ -57,7 +57,7 @@ def test_a_token_authorizes_its_user_within_its_scopes(database: Database) -> No
         viewer = accounts.viewer_of_token(session, text)
 
     assert viewer is not None
-    assert (viewer.user_id, viewer.scopes) == (ann.id, {READ, SUBMIT})
+    assert (viewer.user_id, viewer.scopes) == (ann.id, frozenset({READ, SUBMIT}))
     assert ADMIN not in viewer.scopes
 
 

@@ -225,7 +225,7 @@ def test_a_stream_beyond_the_limit_is_refused(site: Site) -> None:
     with pytest.raises(live_events.TooManyStreams):
         fanout.subscribe(run_id)
 
-    waiting.close()
+    waiting.close()  # type: ignore[attr-defined]  # it is a generator
     fanout.close()
 
 
@@ -299,7 +299,7 @@ def test_the_service_is_alive_but_not_ready_without_a_worker(site: Site) -> None
 
 def test_a_failed_run_shows_its_cause(site: Site) -> None:
     detail = {"title": "It stopped", "sentence": "Because.", "remedy": "Mend it."}
-    run_id = site.failed(**detail)
+    run_id = site.failed(detail)
 
     shown = site.call("owner", "GET", f"{RUNS}/{run_id}").get_json()
 

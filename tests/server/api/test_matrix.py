@@ -1,5 +1,6 @@
 """Who may call what: every route of the interface has a row here, or the test fails."""
 
+from collections.abc import Callable
 from typing import Any
 
 import pytest
@@ -57,7 +58,7 @@ def routes_of(site: Site) -> set[tuple[str, str]]:
 
 
 def run_of(site: Site, kind: str) -> int:
-    makers = {
+    makers: dict[str, Callable[[], int]] = {
         "": lambda: 1,
         "queued": site.queue,
         "private": site.recorded,

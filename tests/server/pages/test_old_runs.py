@@ -17,7 +17,7 @@ OLD = {
 }
 
 
-@pytest.fixture(params=OLD.values(), ids=OLD.keys())
+@pytest.fixture(params=list(OLD.values()), ids=list(OLD))
 def old_run(site: Site, request: pytest.FixtureRequest) -> int:
     """A public run with a configuration that is no longer valid; settings are missing, too."""
     run_id = site.published("ann")

@@ -2,6 +2,7 @@
 
 import json
 import re
+from typing import Any
 
 import numpy as np
 import pytest
@@ -46,7 +47,7 @@ def test_a_run_that_succeeded_shows_score_metrics_and_digest(site: Site) -> None
 
 
 def test_a_failed_run_shows_cause_remedy_traceback_log_and_time(site: Site) -> None:
-    detail = {
+    detail: dict[str, Any] = {
         "title": "The program raised an error",
         "sentence": "It divided by zero.",
         "remedy": "Check the divisor.",
@@ -54,7 +55,7 @@ def test_a_failed_run_shows_cause_remedy_traceback_log_and_time(site: Site) -> N
         "log_tail": "last words",
         "t_reached": 63.0,
     }
-    run_id = site.failed(**detail)
+    run_id = site.failed(detail)
 
     page = _page(site, run_id)
 
@@ -67,7 +68,7 @@ def test_hostile_names_logs_and_tracebacks_are_escaped(site: Site) -> None:
     run_id = claim.run_id
     RunFiles(site.settings.data, run_id, claim.attempt).append_log(HOSTILE.encode())
     detail = dict.fromkeys(("title", "sentence", "remedy", "traceback", "log_tail"), HOSTILE)
-    failure = {"state": RunState.FAILED, "cause": "user_error", "metrics": None}
+    failure: dict[str, Any] = {"state": RunState.FAILED, "cause": "user_error", "metrics": None}
     assert site.finish(claim, **failure, detail=detail | {"t_reached": 1.0})
     site.publish(run_id)
 

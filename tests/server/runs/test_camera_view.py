@@ -1,8 +1,11 @@
 """Pictures made again from telemetry."""
 
+from typing import Any
+
 import cv2
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from seamark.server.runs import camera_view
 from seamark.server.runs.files import RunFiles
@@ -28,14 +31,16 @@ def recorded(backend: Backend) -> int:
     return claim.run_id
 
 
-def _decoded(jpeg: bytes | None) -> np.ndarray:
+def _decoded(jpeg: bytes | None) -> NDArray[Any]:
     assert jpeg is not None
-    return cv2.imdecode(np.frombuffer(jpeg, np.uint8), cv2.IMREAD_COLOR)
+    image = cv2.imdecode(np.frombuffer(jpeg, np.uint8), cv2.IMREAD_COLOR)
+    assert image is not None
+    return image
 
 
 def test_the_camera_view_shows_what_the_tracker_saw(backend: Backend, recorded: int) -> None:
     run = backend.show(recorded)
-    config = registry.benchmark("currents-v1").read(run.config)
+    config: Any = registry.benchmark("currents-v1").read(run.config)
     world = EXPERIMENT.world(config, seed=SEED, trial=0, level=1)
     row = RunFiles(backend.settings.data, recorded).rows(120, 121)[0]
     seen = world.camera.colour(row[INDEX["x"] : INDEX["yaw"] + 1].copy(), 80 + 40)

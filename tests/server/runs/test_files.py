@@ -93,14 +93,14 @@ def test_a_long_log_is_its_head_and_tail_and_the_size_of_the_gap(
         files.append_log(part)
     whole = b"".join(parts)
 
-    part = files.log(after)
+    read = files.log(after)
 
     gone = range(HEAD_MAX, max(len(whole) - TAIL_MAX, HEAD_MAX))
     lost = range(max(after, gone.start), max(gone.stop, after, gone.start))
     kept = bytes(b for at, b in enumerate(whole[after:], after) if at not in gone)
-    assert part.next == len(whole)
-    assert part.dropped == len(lost)
-    assert part.text == kept.decode("utf-8", "replace")
+    assert read.next == len(whole)
+    assert read.dropped == len(lost)
+    assert read.text == kept.decode("utf-8", "replace")
 
 
 def test_a_log_is_followed_without_duplicates_and_gaps(tmp_path: Path) -> None:

@@ -1,4 +1,5 @@
 import time
+from typing import Any
 
 import pytest
 from sqlalchemy import update
@@ -61,9 +62,7 @@ def test_a_ranked_run_gets_the_scenario_of_the_benchmark(both: Backend) -> None:
         {"seed": 2**31},
     ],
 )
-def test_a_submission_that_breaks_a_rule_is_refused(
-    both: Backend, wishes: dict[str, object]
-) -> None:
+def test_a_submission_that_breaks_a_rule_is_refused(both: Backend, wishes: dict[str, Any]) -> None:
     with pytest.raises(SubmissionRejected):
         both.queue("guest", **wishes)
 
