@@ -8,6 +8,6 @@ from seamark.sandbox.isolation.proc_stats import parent_of, tree
 def children() -> list[int]:
     """Return the children of this process; those of its database server come and go by themselves.
 
-    An orphan below a child that ended is no descendant any more, so a deeper look finds no more.
+    Orphans of a child that ended are no descendants of this process, so that it suffices.
     """
     return sorted(pid for pid in tree(os.getpid()) if parent_of(pid) == os.getpid())

@@ -31,7 +31,7 @@ RunTrial = Callable[[int, Listener], TrialOutcome]
 
 
 class TrialBroken(Exception):
-    """The process of a trial died or failed: our failure."""
+    """The process of a trial died or failed: a failure of the platform."""
 
 
 class ParallelTrials:

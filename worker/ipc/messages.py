@@ -62,7 +62,7 @@ class TrialRestarted:
 
 @dataclass(frozen=True, slots=True)
 class TrialReport:
-    """How one trial ended; sent by a fork to its parent, and unpickled by nobody else."""
+    """How one trial ended; sent by a fork to its parent, and unpickled there only."""
 
     pickled: bytes
 
@@ -94,7 +94,7 @@ class RunEnded:
 
 @dataclass(frozen=True, slots=True)
 class Crashed:
-    """The sending process raised an exception of ours."""
+    """The sending process failed with an exception: a failure of the platform."""
 
     traceback: str
 
@@ -113,7 +113,7 @@ Message = (
 
 
 class StreamBroken(Exception):
-    """The other side sent something that is no message: our failure."""
+    """The other side sent something that is no message: a failure of the platform."""
 
 
 class _Codec(NamedTuple):

@@ -25,7 +25,7 @@ def die_with_parent(parent: int, number: signal.Signals = signal.SIGKILL) -> Non
 
 
 def limit_simulator(cpu_s: int) -> None:
-    """Bound the resources of a simulator child, so that a fault of ours costs one run only.
+    """Bound the resources of a simulator child, so that a fault of the platform costs one run.
 
     The box's own limits are lower and set by the sandbox.
     """

@@ -28,8 +28,8 @@ from seamark.worker.ipc.messages import StreamBroken
 from seamark.worker.service.shutdown import ShuttingDown, follow_worker
 from seamark.worker.zygote.client import Simulator, SimulatorBroken
 
-POLL_S = 2.0  # [s] between two looks at the queue without a wake-up
-WARM_POLL_S = 0.2  # [s] between two looks at whether the worker shuts down
+POLL_S = 2.0  # [s] between two polls of the queue without a wake-up
+WARM_POLL_S = 0.2  # [s] between two checks of whether the worker shuts down
 TIMEOUT_S = 120.0  # [s] the limits of a box end every program before this
 _log = structlog.get_logger()
 

@@ -1,4 +1,4 @@
-"""What the host of a worker can enforce, found out once at the worker's start."""
+"""The host of a worker: what it can enforce and run, probed once at the worker's start."""
 
 import os
 from collections.abc import Iterator
@@ -37,7 +37,7 @@ class Host:
 
     @classmethod
     def probe(cls, settings: Settings, *, name: str) -> Self:
-        """Try what this host can enforce, and register the worker in the database."""
+        """Probe what this host can enforce and run, and register the worker in the database."""
         report = probe()
         tried = _try_languages(report, settings)
         languages = tuple(language for language, why in tried.items() if not why)
@@ -78,7 +78,7 @@ class Host:
             workers.unregister(session, self.name)
 
     def _slot(self, core: int, **cores: Any) -> WorkerSlot:
-        # Without isolation no box is made: such a host runs no uploads.
+        # A host that runs no uploads starts no box.
         isolation = self.isolation if self.languages else IsolationLevel.NONE
         warm_boxes = self.settings.warm_boxes
         return WorkerSlot(isolation, core, languages=self.languages, warm_boxes=warm_boxes, **cores)

@@ -25,14 +25,14 @@ from seamark.server.runs.states import RunState
 from seamark.server.settings import Settings
 from seamark.worker.service.shutdown import follow_worker
 
-POLL_S = 0.2  # [s] between two looks at what is due
+POLL_S = 0.2  # [s] between two checks of what is due
 FORGET_EVERY_S = 3600.0
 _log = structlog.get_logger()
 
 
 @dataclass(slots=True)
-class Duty:
-    """Something to do again and again; the first time one period after the start."""
+class PeriodicTask:
+    """An action that is repeated; it runs for the first time one period after the start."""
 
     name: str
     period_s: float
@@ -40,20 +40,20 @@ class Duty:
     due_at: float = 0.0  # monotonic
 
     def __post_init__(self) -> None:
-        """Make it due in one period."""
+        """Schedule the first time."""
         self.due_at = time.monotonic() + self.period_s
 
 
-def do_due(duties: Sequence[Duty]) -> None:
-    """Do what is due; a failure is logged, and stops neither the other duties nor the next time."""
-    for duty in duties:
-        if time.monotonic() < duty.due_at:
+def run_due(tasks: Sequence[PeriodicTask]) -> None:
+    """Run what is due; a failure is logged, and stops neither the other tasks nor the next time."""
+    for task in tasks:
+        if time.monotonic() < task.due_at:
             continue
-        duty.due_at = time.monotonic() + duty.period_s
+        task.due_at = time.monotonic() + task.period_s
         try:
-            duty.action()
+            task.action()
         except Exception:
-            _log.exception("maintenance_failed", duty=duty.name)
+            _log.exception("maintenance_failed", task=task.name)
 
 
 def recover_runs(app: Celery, database: Database, redis: "Redis", settings: Settings) -> None:
@@ -92,19 +92,23 @@ def forget_programs(database: Database, settings: Settings) -> None:
 
 
 def main(parent: str) -> None:
-    """Maintain until the worker ends."""
+    """Be the maintenance process of one worker."""
     stopping = follow_worker(int(parent))
     log.configure()
     settings = Settings.load()
     app, redis = broker.celery_app(settings), broker.connect(settings)
     database, recovery_s = Database(settings.database_url), settings.sweep_s
-    duties = [
-        Duty("recover_runs", recovery_s, lambda: recover_runs(app, database, redis, settings)),
-        Duty("recover_checks", recovery_s, lambda: recover_checks(database)),
-        Duty("forget_programs", FORGET_EVERY_S, lambda: forget_programs(database, settings)),
+    tasks = [
+        PeriodicTask(
+            "recover_runs", recovery_s, lambda: recover_runs(app, database, redis, settings)
+        ),
+        PeriodicTask("recover_checks", recovery_s, lambda: recover_checks(database)),
+        PeriodicTask(
+            "forget_programs", FORGET_EVERY_S, lambda: forget_programs(database, settings)
+        ),
     ]
     while not stopping.wait(POLL_S):
-        do_due(duties)
+        run_due(tasks)
 
 
 if __name__ == "__main__":

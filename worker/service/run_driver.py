@@ -31,7 +31,7 @@ from seamark.worker.service.run_recorder import RunRecorder
 from seamark.worker.service.shutdown import ShuttingDown
 from seamark.worker.zygote.client import Simulation, Simulator, SimulatorBroken
 
-CANCEL_POLL_S = 0.4  # [s] between two looks at whether the run was cancelled
+CANCEL_POLL_S = 0.4  # [s] between two checks of whether the run was cancelled
 START_STALL_S = 600.0  # [s] the very first start compiles the simulator
 STALL_S = 90.0  # [s] without a message from a simulation that has started
 LOG_TAIL = 2000  # [character] of the log shown with a failure
@@ -58,7 +58,7 @@ class RunContext:
 
 
 def evaluate(context: RunContext, claim: Claim) -> bool:
-    """Evaluate one claimed run and store how it ended; False if something of ours broke."""
+    """Evaluate one claimed run and store how it ended; False if the platform failed."""
     log = structlog.get_logger().bind(run=claim.run_id, attempt=claim.attempt)
     log.info("run_started", benchmark=claim.benchmark, kind=claim.kind, worker=claim.worker)
     started_at = time.monotonic()

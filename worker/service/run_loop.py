@@ -16,7 +16,7 @@ from seamark.worker.service.run_driver import RunContext, evaluate
 from seamark.worker.zygote.client import Simulator, SimulatorBroken
 
 PAUSE_DOUBLINGS = 6  # at most 64 s with the usual settings
-WARM_POLL_S = 0.2  # [s] between two looks at whether the worker shuts down
+WARM_POLL_S = 0.2  # [s] between two checks of whether the worker shuts down
 _log = structlog.get_logger()
 
 
@@ -42,7 +42,7 @@ class RunLoop:
         self._simulator = simulator or Simulator(host.slot(index), settings.data / "compiled")
         self._simulator.start()
         self._shutting_down = shutting_down
-        self._failures = 0  # of ours, in a row
+        self._failures = 0  # of the platform, in a row
         self._name = f"{host.name}/{index}"
 
     def run_next(self) -> None:
@@ -76,7 +76,7 @@ class RunLoop:
         return False
 
     def _pause(self) -> None:
-        """After failures of ours, leave the next runs to other workers for a while."""
+        """After failures of the platform, leave the next runs to other workers for a while."""
         pause_s = self._settings.sweep_s / 10 * 2 ** min(self._failures, PAUSE_DOUBLINGS)
         until = time.monotonic() + (pause_s if self._failures else 0.0)
         while time.monotonic() < until and not self._shutting_down():

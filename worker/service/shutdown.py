@@ -7,7 +7,7 @@ from seamark.worker.ipc.process_control import die_with_parent
 
 
 class ShuttingDown(Exception):
-    """The worker shuts down: what is under way returns to its queue and is charged to nobody."""
+    """The worker shuts down: what is under way returns to its queue, and counts as no failure."""
 
 
 def follow_worker(parent: int) -> threading.Event:

@@ -1,7 +1,7 @@
 """Keeps the side processes of a worker running, and reports that the worker is alive.
 
 In a thread of Celery's main process. That process forks its pool, and a fork must not inherit a
-lock that this thread holds at the moment; so no fork happens while the thread is at work.
+lock that this thread holds at the moment; so no fork happens while the thread works.
 """
 
 import os
@@ -18,7 +18,7 @@ import structlog
 from seamark.server.workers import RUNNING
 from seamark.worker.ipc.process_control import RestartBackoff, exit_reason
 
-POLL_S = 0.25  # [s] between two looks at the processes
+POLL_S = 0.25  # [s] between two checks of the processes
 REPORT_S = 5.0  # [s] well below seamark.server.workers.ALIVE_S
 STOP_WITHIN_S = 3.0  # [s] for a side process to release what it works on
 BROKEN_DEATHS = 3  # in a row; then it counts as broken even while it is running again
@@ -27,14 +27,18 @@ _no_fork = threading.RLock()
 os.register_at_fork(
     before=_no_fork.acquire, after_in_parent=_no_fork.release, after_in_child=_no_fork.release
 )
-Report = Callable[[dict[str, str]], None]
+ReportStates = Callable[[dict[str, str]], None]
 
 
 class SideProcesses:
     """The side processes of one worker, each a Python module with arguments."""
 
     def __init__(
-        self, commands: Mapping[str, Sequence[str]], report: Report, *, report_s: float = REPORT_S
+        self,
+        commands: Mapping[str, Sequence[str]],
+        report: ReportStates,
+        *,
+        report_s: float = REPORT_S,
     ) -> None:
         """Start nothing yet.
 
@@ -91,7 +95,7 @@ class SideProcesses:
 
 
 class _SideProcess:
-    """One process that is started again, after a while, when it ends."""
+    """One process that is restarted, after a back-off, when it ends."""
 
     def __init__(self, name: str, command: Sequence[str]) -> None:
         self.name = name
@@ -99,7 +103,7 @@ class _SideProcess:
         self._process: subprocess.Popen[bytes] | None = None
         self._backoff = RestartBackoff()
         self._started_at = self._start_at = 0.0  # monotonic
-        self._died_at = ""  # the first time in a row
+        self._died_at = ""  # the first of the deaths in a row
 
     @property
     def state(self) -> str:
@@ -133,7 +137,7 @@ class _SideProcess:
             self._process.send_signal(signal.SIGTERM)
 
     def wait(self) -> None:
-        """Wait for the end, and bring it about if it does not come."""
+        """Wait for the end, and kill the process if it does not come."""
         if self._process is None:
             return
         try:

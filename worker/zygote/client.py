@@ -25,7 +25,7 @@ MESSAGE_S = 0.2  # [s] to wait for the next message of a simulation
 
 
 class SimulatorBroken(Exception):
-    """The simulator died, crashed or stalled: our failure, the run is released."""
+    """The simulator died, crashed or stalled: a failure of the platform, the run is released."""
 
 
 class Simulator:

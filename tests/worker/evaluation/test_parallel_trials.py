@@ -80,7 +80,7 @@ def test_what_is_received_does_not_depend_on_the_number_of_processes() -> None:
 
 
 @pytest.mark.host
-def test_an_upload_gives_the_same_from_boxes_that_waited_and_leaves_none(
+def test_an_upload_gives_the_same_in_warm_boxes_and_leaves_none(
     isolation: IsolationLevel,
 ) -> None:
     before = children()
@@ -121,7 +121,9 @@ class Deadly(FakeBox):
         return super().step(values)
 
 
-def test_a_trial_that_is_killed_is_our_failure_and_leaves_no_process(job: Job) -> None:
+def test_a_trial_that_is_killed_is_a_failure_of_the_platform_and_leaves_no_process(
+    job: Job,
+) -> None:
     listener, before = FakeListener(), children()
 
     with pytest.raises(TrialBroken, match="trial 0 died: SIGKILL"):
@@ -136,14 +138,14 @@ def test_a_trial_that_ends_without_a_result_says_how(job: Job) -> None:
         Evaluation(job, FakeListener(), lambda *_: os._exit(3), cores=two_cores()).run()
 
 
-def test_a_trial_that_breaks_before_its_program_comes_says_why() -> None:
+def test_a_trial_that_breaks_before_its_program_starts_says_why() -> None:
     nowhere = Cores(None, [4095])
 
     with pytest.raises(TrialBroken, match="OSError"):
         list(ParallelTrials(talkative, nowhere, 1).outcomes(FakeListener()))
 
 
-def test_a_broken_box_and_a_mistake_of_ours_are_told_apart(job: Job) -> None:
+def test_a_broken_box_and_an_error_in_our_code_are_distinguished(job: Job) -> None:
     def broken(language: str, limits: Limits) -> FakeBox:
         raise SandboxBroken("no room")
 

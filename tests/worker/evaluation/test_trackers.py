@@ -85,7 +85,7 @@ def test_the_template_tracker_follows_its_target(
 
 @pytest.mark.host
 @pytest.mark.parametrize(
-    ("answer", "verdict", "told"),
+    ("answer", "failure", "explanation"),
     [
         ("return self.corners[:3]", "protocol_error", "(3, 2)"),
         ("return self.corners * float('nan')", "protocol_error", "nan"),
@@ -95,13 +95,13 @@ def test_the_template_tracker_follows_its_target(
         ("while True: pass", "time_limit", "update(image)"),
     ],
 )
-def test_what_is_no_answer_ends_the_run_with_its_cause(
-    isolation: IsolationLevel, answer: str, verdict: str, told: str
+def test_an_invalid_answer_ends_the_run_with_its_reason(
+    isolation: IsolationLevel, answer: str, failure: str, explanation: str
 ) -> None:
     outcome, received = evaluated(PROGRAM.format(answer=answer), isolation)
 
-    assert outcome.failure == verdict
-    assert told in outcome.sentence + outcome.traceback
+    assert outcome.failure == failure
+    assert explanation in outcome.sentence + outcome.traceback
     assert len(received.rows) == 1  # the row of the start: the data so far is kept
 
 
@@ -143,7 +143,7 @@ class Answering(FakeBox):
         return self._answers[self.steps % len(self._answers)]
 
 
-def test_an_answer_is_taken_over_and_none_is_a_loss_at_the_last_place() -> None:
+def test_an_answer_is_adopted_and_none_is_a_loss_at_the_last_position() -> None:
     tracker = TrackerAdapter(Answering(None, SQUARE + 1.0))
     tracker.start(np.zeros((60, 80), np.uint8), SQUARE)
 

@@ -103,7 +103,7 @@ def test_a_message_that_comes_in_pieces_is_read_when_it_is_whole(channel) -> Non
 
 
 @pytest.mark.parametrize("data", [b"?\0\0\0\0", b"L\xff\xff\xff\xff"], ids=["type", "length"])
-def test_what_is_no_message_is_our_failure(channel, data: bytes) -> None:
+def test_bytes_that_are_no_message_are_a_failure_of_the_platform(channel, data: bytes) -> None:
     mine, theirs = channel
     theirs.sendall(data)
 
@@ -111,6 +111,6 @@ def test_what_is_no_message_is_our_failure(channel, data: bytes) -> None:
         list(Reader(mine).read(1.0))
 
 
-def test_a_message_that_no_sender_sends_is_our_failure() -> None:
+def test_a_message_that_no_sender_sends_is_a_failure_of_the_platform() -> None:
     with pytest.raises(StreamBroken, match="Crashed"):
         deliver(Crashed("Traceback"), FakeListener())

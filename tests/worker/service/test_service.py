@@ -46,7 +46,7 @@ PROGRAMS = {
     + "  for _ in range(100): t.Thread(target=t.Event().wait, daemon=True).start()\n"
     + "  return [0, 0, 0, 0]\n",
 }
-OUTSIDE = {  # what a program may not reach -> the words that it is told
+OUTSIDE = {  # what a program must not reach -> the error that it gets
     "open('/etc/shadow')": "FileNotFoundError",
     "__import__('socket').create_connection(('192.0.2.1', 80))": "PermissionError",
 }
@@ -156,7 +156,7 @@ def test_the_bytes_are_those_of_the_command_line_under_load_and_beside_another_r
     assert {elsewhere, in_this_process.digest, *digests} == {elsewhere}
 
 
-def test_every_bad_program_gets_its_cause_and_words(running: Service) -> None:
+def test_every_bad_program_gets_its_failure_reason_with_a_remedy(running: Service) -> None:
     made = {}
     views = {}
     for cause, source in PROGRAMS.items():
@@ -175,7 +175,7 @@ def test_every_bad_program_gets_its_cause_and_words(running: Service) -> None:
     assert "line 5" in views["user_error"].detail["traceback"]
 
 
-def test_a_program_that_reaches_outside_is_told_that_there_is_nothing(running: Service) -> None:
+def test_a_program_that_reaches_outside_gets_an_error_and_a_remedy(running: Service) -> None:
     for reach, error in OUTSIDE.items():
         view = running.ended(running.submit_program(f"{STEP}  {reach}\n  return [0, 0, 0, 0]\n"))
 
@@ -204,7 +204,9 @@ def test_a_configuration_that_became_invalid_ends_at_once_and_blames_no_program(
     assert "Kp" in view.detail["sentence"]
 
 
-def test_what_breaks_on_our_side_is_tried_three_times_and_blames_nobody(running: Service) -> None:
+def test_a_failure_of_the_platform_is_retried_twice_and_not_charged_to_the_program(
+    running: Service,
+) -> None:
     program = running.store_program(UPLOADED_P.encode())
     for path in (running.settings.data / "programs").iterdir():
         path.unlink()
@@ -240,7 +242,7 @@ def test_tickets_of_earlier_versions_do_no_harm(running: Service) -> None:
     assert running.settled()  # no ticket waits or comes back
 
 
-def test_those_who_watch_see_the_state_the_telemetry_and_the_end(running: Service) -> None:
+def test_live_events_show_the_state_the_telemetry_the_log_and_the_end(running: Service) -> None:
     fanout = live_events.Fanout(running.redis)
     run_id = running.submit_program(UPLOADED_P)
     events = fanout.subscribe(run_id)
@@ -258,7 +260,7 @@ def test_those_who_watch_see_the_state_the_telemetry_and_the_end(running: Servic
     assert len(rows) == 2 * 4 * PUBLISHED_HZ  # two levels of 4 s
 
 
-def test_a_check_is_answered_while_long_runs_have_all_places(running: Service) -> None:
+def test_a_check_is_answered_while_long_runs_occupy_all_slots(running: Service) -> None:
     run_id = running.submit(LONG, trials=10)
     running.wait(run_id, lambda view: view.t_simulated > 0)
 
@@ -271,7 +273,7 @@ def test_a_check_is_answered_while_long_runs_have_all_places(running: Service) -
 
 
 @pytest.mark.parametrize(
-    ("step", "stage", "says", "line"),
+    ("step", "stage", "sentence", "line"),
     [
         ("  return [0, 0]\n", "run", "step returned 2 values", 4),
         ("  return [1 / 0, 0, 0, 0]\n", "run", "ZeroDivisionError", 5),
@@ -281,13 +283,13 @@ def test_a_check_is_answered_while_long_runs_have_all_places(running: Service) -
     ],
 )
 def test_a_check_names_what_is_wrong_with_its_line(
-    running: Service, step: str, stage: str, says: str, line: int | None
+    running: Service, step: str, stage: str, sentence: str, line: int | None
 ) -> None:
     answer = running.check((STEP + step).encode())
 
     [problem] = answer["problems"]
     assert (answer["ok"], problem["stage"], problem["line"]) == (False, stage, line)
-    assert says in problem["sentence"]
+    assert sentence in problem["sentence"]
 
 
 def test_a_check_of_c_shows_each_message_of_the_compiler(running: Service) -> None:
@@ -295,8 +297,8 @@ def test_a_check_of_c_shows_each_message_of_the_compiler(running: Service) -> No
 
     answer = running.check(source, "mine.c")
 
-    places = [(p["stage"], p["file"], p["line"]) for p in answer["problems"]]
-    assert places == [("compile", "mine.c", 2), ("compile", "mine.c", 3)]
+    locations = [(p["stage"], p["file"], p["line"]) for p in answer["problems"]]
+    assert locations == [("compile", "mine.c", 2), ("compile", "mine.c", 3)]
 
 
 def test_a_check_leaves_no_run_and_takes_nothing_of_the_quota(running: Service) -> None:

@@ -1,4 +1,4 @@
-"""A worker whose simulator is still being compiled, with a stand-in that is warm when told to."""
+"""A worker whose simulator is still being compiled, with a stand-in that is warm on command."""
 
 import os
 import threading
@@ -14,7 +14,7 @@ from seamark.worker.service.run_loop import RunLoop
 from seamark.worker.zygote.client import Simulator, SimulatorBroken
 from tests.worker.conftest import Service
 
-# Started as `seamark.worker.zygote.process` is; it is warm as soon as somebody
+# Started as `seamark.worker.zygote.process` is; it is warm as soon as a test
 # writes to the named pipe.
 SLOW = """
 import os, socket, sys
@@ -54,7 +54,7 @@ def test_a_simulator_is_warm_when_it_says_so(simulator: Simulator, start: Path) 
     assert simulator.wait_warm(0.0)
 
 
-def test_a_simulator_that_ends_while_it_starts_is_our_failure(
+def test_a_simulator_that_ends_during_its_start_is_a_failure_of_the_platform(
     simulator: Simulator, start: Path
 ) -> None:
     assert not simulator.wait_warm(0.0)
