@@ -104,7 +104,8 @@ def slot_count(session: Session) -> int:
 
 def finding_of(language: str) -> str:
     """Return the name of the finding by which a worker says why it cannot run a language."""
-    return f"programs in {LANGUAGES[language].label}"
+    known = LANGUAGES.get(language)  # None: of a run that an earlier version accepted
+    return f"programs in {language if known is None else known.label}"
 
 
 def upload_refusal(session: Session, language: str, settings: Settings) -> str | None:
