@@ -113,14 +113,14 @@ def list_some(query: RunsQuery) -> dict[str, Any]:
     if query.which == "all" and not authorization.is_operator():
         raise Problem("forbidden", "Only admins may list the runs of all users.")
     with services().database.reading() as database:
-        wanted = RunFilter(
+        run_filter = RunFilter(
             which=query.which,
             states=[RunState(state) for state in query.state],
             benchmark=query.benchmark,
             kind=query.kind,
         )
         page = views.page(
-            database, authorization.viewer(), wanted, after=query.after, limit=query.limit
+            database, authorization.viewer(), run_filter, after=query.after, limit=query.limit
         )
     return {"runs": [run_answer(view, whole=False) for view in page.runs], "next": page.next}
 

@@ -27,19 +27,15 @@ page = Blueprint("runs", __name__, url_prefix="/runs")
 @page.get("/")
 def mine() -> ResponseReturnValue:
     """Show the viewer's own runs; an admin may list those of all users."""
-    wanted, app_services = _wanted(g.viewer), services()
-    part = _part(app_services, g.viewer, wanted, request.args.get("after", type=row_id), SIZE)
+    run_filter, app_services = _filter(g.viewer), services()
+    runs = _page(app_services, g.viewer, run_filter, request.args.get("after", type=row_id), SIZE)
     with app_services.database.reading() as session:
-        used = (
-            None
-            if g.viewer.owner is None
-            else quota.used_by(session, g.viewer, app_services.settings)
-        )
+        used = quota.used_by(session, g.viewer, app_services.settings) if g.viewer.owner else None
     return render_template(
         "runs/mine.html",
-        part=part,
+        page=runs,
         states=list(RunState),
-        wanted=wanted,
+        run_filter=run_filter,
         first="after" not in request.args,
         quota=used,
         labels=benchmarks.labels(),
@@ -49,13 +45,13 @@ def mine() -> ResponseReturnValue:
 @page.get("/runs.csv")
 def as_csv() -> ResponseReturnValue:
     """Download the whole filtered list."""
-    answer = Response(_lines(services(), g.viewer, _wanted(g.viewer)))
+    answer = Response(_lines(services(), g.viewer, _filter(g.viewer)))
     answer.headers["Content-Type"] = csv_export.MEDIA_TYPE
     answer.headers["Content-Disposition"] = "attachment; filename=seamark-runs.csv"
     return answer
 
 
-def _wanted(viewer: Viewer) -> RunFilter:
+def _filter(viewer: Viewer) -> RunFilter:
     """Return the filter in the query string; only an admin may list the runs of others."""
     everybody = viewer.is_admin and request.args.get("of") == "all"
     state = request.args.get("state", "")
@@ -66,21 +62,21 @@ def _wanted(viewer: Viewer) -> RunFilter:
     )
 
 
-def _part(
-    app_services: Services, viewer: Viewer, wanted: RunFilter, after: int | None, limit: int
+def _page(
+    app_services: Services, viewer: Viewer, run_filter: RunFilter, after: int | None, limit: int
 ) -> RunPage:
     with app_services.database.reading() as session:
-        return views.page(session, viewer, wanted, after=after, limit=limit)
+        return views.page(session, viewer, run_filter, after=after, limit=limit)
 
 
-def _lines(app_services: Services, viewer: Viewer, wanted: RunFilter) -> Iterator[str]:
+def _lines(app_services: Services, viewer: Viewer, run_filter: RunFilter) -> Iterator[str]:
     """Yield the CSV page by page: no transaction stays open while a slow client reads."""
     yield csv_export.lines(COLUMNS, ())
     after: int | None = None
     while True:
-        part = _part(app_services, viewer, wanted, after, LIMIT_MAX)
-        yield csv_export.lines(COLUMNS, map(_row, part.runs), header=False)
-        after = part.next
+        runs = _page(app_services, viewer, run_filter, after, LIMIT_MAX)
+        yield csv_export.lines(COLUMNS, map(_row, runs.runs), header=False)
+        after = runs.next
         if after is None:
             return
 

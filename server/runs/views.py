@@ -74,25 +74,25 @@ def show(session: Session, run_id: int, settings: Settings | None = None) -> Run
 def page(
     session: Session,
     viewer: Viewer,
-    wanted: RunFilter,
+    run_filter: RunFilter,
     *,
     after: int | None = None,
     limit: int = 50,
 ) -> RunPage:
     """Return runs, newest first: the viewer's own, the public ones, or (for an admin) all."""
     query = _select()
-    if wanted.which == "public":
+    if run_filter.which == "public":
         query = query.where(Run.public)
-    elif wanted.which == "mine" or not viewer.is_admin:
+    elif run_filter.which == "mine" or not viewer.is_admin:
         query = query.where(Run.owner == (viewer.owner or ""))
-    if wanted.user is not None:
-        query = query.where(User.name_key == wanted.user.casefold())
-    if wanted.states:
-        query = query.where(Run.state.in_(wanted.states))
-    if wanted.benchmark is not None:
-        query = query.where(Run.benchmark == wanted.benchmark)
-    if wanted.kind is not None:
-        query = query.where(Run.kind == wanted.kind)
+    if run_filter.user is not None:
+        query = query.where(User.name_key == run_filter.user.casefold())
+    if run_filter.states:
+        query = query.where(Run.state.in_(run_filter.states))
+    if run_filter.benchmark is not None:
+        query = query.where(Run.benchmark == run_filter.benchmark)
+    if run_filter.kind is not None:
+        query = query.where(Run.kind == run_filter.kind)
     if after is not None:
         query = query.where(Run.id < after)
     limit = max(1, min(limit, LIMIT_MAX))

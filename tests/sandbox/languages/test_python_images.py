@@ -258,7 +258,9 @@ def test_a_controller_holds_no_descriptor_of_images(box) -> None:
 
 def test_a_tracker_in_a_language_without_images_is_refused_in_words(isolation) -> None:
     with Box("fmu", limits=Limits(), isolation=isolation) as box:
-        with pytest.raises(ProgramEnded, match=r"tracker can be written in Python, C, .* FMU") as end:
+        with pytest.raises(
+            ProgramEnded, match=r"tracker can be written in Python, C, .* FMU"
+        ) as end:
             box.load(b"", "a", {}, {"role": "tracker"})
 
     assert end.value.outcome.verdict is Verdict.COMPILE_ERROR
