@@ -16,14 +16,16 @@ from seamark.server.accounts.permissions import SCOPES, Viewer
 from seamark.server.database.tables import Run, Token, User
 from seamark.server.settings import Settings
 
-NAME_RULE = "2 to 40 letters, digits, dots, dashes or underscores, starting with a letter"
+NAME_MAX = 40  # [character]
+NAME_RULE = f"2 to {NAME_MAX} letters, digits, dots, dashes or underscores, starting with a letter"
 RESERVED = frozenset({"guest"})  # the name shown for runs without an account
 RESERVED_PREFIX = "seamark"  # the owners of the baselines
 PASSWORD_MIN, PASSWORD_MAX = 10, 200
 TOKEN_PREFIX = "smk_"  # noqa: S105 - lets secret scanners recognise our tokens
 TOKEN_DAYS, TOKEN_DAYS_MAX = 90, 3650
 TOKENS_MAX = 50  # per account
-_NAME = re.compile(r"[A-Za-z][A-Za-z0-9._-]{1,39}")
+TOKEN_NAME_MAX = 80  # [character]
+_NAME = re.compile(rf"[A-Za-z][A-Za-z0-9._-]{{1,{NAME_MAX - 1}}}")
 _DAY_S = 86_400.0
 _USED_STEP_S = 60.0  # `last_used_at` is written at most this often
 _hasher = PasswordHasher()
@@ -141,7 +143,7 @@ def new_token(
     now = time.time()
     token = Token(
         user_id=user_id,
-        name=name.strip()[:80] or "token",
+        name=name.strip()[:TOKEN_NAME_MAX] or "token",
         hash=_token_hash(text),
         scopes=granted,
         created_at=now,

@@ -13,7 +13,7 @@ from werkzeug.datastructures import FileStorage
 from seamark.server import workers
 from seamark.server.accounts.permissions import READ, SUBMIT
 from seamark.server.api import authorization, refusals, request_body
-from seamark.server.api.schemas import CheckPath, CheckQuery, CheckResponse, RunRequest
+from seamark.server.api.schemas import CheckPath, CheckQuery, CheckResponse
 from seamark.server.checks import queue, report
 from seamark.server.checks.queue import CheckState, CheckView
 from seamark.server.programs import store
@@ -50,12 +50,7 @@ def create(query: CheckQuery) -> Response:
     202 means that it is not ready yet: poll `Location`. Checks do not count towards the quota; you
     can run one at a time.
     """
-    body, file = request_body.json_or_multipart(
-        RunRequest,
-        json_part="run",
-        file_part="program",
-        file_max_bytes=services().settings.upload_max_bytes,
-    )
+    body, file = request_body.run_request()
     authorization.require_scope(SUBMIT)
     with refusals.as_problems():
         submission.require_permission(authorization.viewer(), uploads=True)

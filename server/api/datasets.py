@@ -35,7 +35,7 @@ _CONTENT: Any = {200: {"content": {"application/zip": {"schema": {"type": "strin
 
 @api.get("/runs/<int:run_id>/dataset.zip", responses=_CONTENT)
 def dataset(path: RunPath, query: DatasetQuery) -> Response:
-    """Download images with poses, true corners, intrinsics and water properties, at most 1200.
+    """Download images with poses, true corners, intrinsics and water properties.
 
     Not available for ranked runs, whose seeds are hidden. `seamark dataset` renders larger data
     sets, also without a run.

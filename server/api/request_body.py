@@ -9,7 +9,9 @@ from flask import request
 from pydantic import BaseModel, ValidationError
 from werkzeug.datastructures import FileStorage
 
+from seamark.server.api.schemas import RunRequest
 from seamark.server.web.problems import Problem, from_validation_error
+from seamark.server.web.services import services
 
 JSON_MAX_BYTES = 256 * 1024
 FORM_MARGIN_BYTES = 512 * 1024  # of a form besides the program
@@ -21,32 +23,31 @@ def json_body(model: type[Model]) -> Model:
     if not request.is_json:
         raise Problem("unsupported-media-type", "Send the body as application/json.")
     request.max_content_length = JSON_MAX_BYTES
-    return parse(model, request.get_data(cache=False))
+    return _parse(model, request.get_data(cache=False))
 
 
-def json_or_multipart(
-    model: type[Model], *, json_part: str, file_part: str, file_max_bytes: int
-) -> tuple[Model, FileStorage | None]:
-    """Return the validated JSON and, from a multipart form, the file; raises Problem."""
+def run_request() -> tuple[RunRequest, FileStorage | None]:
+    """Return the validated run and, from a multipart form, its program; raises Problem."""
     if request.is_json:
-        return json_body(model), None
+        return json_body(RunRequest), None
     if request.mimetype != "multipart/form-data":
         raise Problem("unsupported-media-type")
-    request.max_content_length = file_max_bytes + FORM_MARGIN_BYTES
-    text = request.form.get(json_part)
+    program_max_bytes = services().settings.upload_max_bytes
+    request.max_content_length = program_max_bytes + FORM_MARGIN_BYTES
+    text = request.form.get("run")
     if text is None:
         raise Problem(
             "invalid-request",
-            f"The part {json_part} is missing.",
-            errors={json_part: "This part is required and contains JSON."},
+            "The part run is missing.",
+            errors={"run": "This part is required and contains JSON."},
         )
-    file = request.files.get(file_part)
-    if file is not None:
-        _check_size(file, file_max_bytes)
-    return parse(model, text.encode("utf-8", "surrogatepass")), file
+    program = request.files.get("program")
+    if program is not None:
+        _check_size(program, program_max_bytes)
+    return _parse(RunRequest, text.encode("utf-8", "surrogatepass")), program
 
 
-def parse(model: type[Model], data: bytes) -> Model:
+def _parse(model: type[Model], data: bytes) -> Model:
     """Return the validated model of a JSON text; raises Problem."""
     try:
         # Not pydantic's parser: it rejects NaN as malformed JSON, without naming the field.

@@ -14,7 +14,6 @@ from seamark.server.accounts.permissions import READ, SUBMIT, Action
 from seamark.server.api import authorization, refusals, request_body
 from seamark.server.api.schemas import (
     RunPath,
-    RunRequest,
     RunResponse,
     RunsQuery,
     RunsResponse,
@@ -48,12 +47,7 @@ def create() -> Response:
 
     Guests may try built-in controllers; programs and ranked runs need an account.
     """
-    run, file = request_body.json_or_multipart(
-        RunRequest,
-        json_part="run",
-        file_part="program",
-        file_max_bytes=services().settings.upload_max_bytes,
-    )
+    run, file = request_body.run_request()
     authorization.require_scope(SUBMIT)
     viewer, kind = authentication.become_guest(), RunKind(run.kind)
     with refusals.as_problems():

@@ -6,9 +6,10 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
-from seamark.server.accounts.accounts import TOKEN_DAYS, TOKEN_DAYS_MAX
+from seamark.server.accounts.accounts import TOKEN_DAYS, TOKEN_DAYS_MAX, TOKEN_NAME_MAX
 from seamark.server.programs.diagnostics import Diagnostic
 from seamark.server.runs.columns import PublicRun
+from seamark.server.runs.submission import NOTES_MAX, TITLE_MAX
 from seamark.server.runs.views import RunView
 from seamark.server.web.url_converters import ROW_ID_MAX
 from seamark.sim.engine.seeds import SEED_MAX
@@ -64,8 +65,8 @@ class RunRequest(BaseModel):
     )
     trials: int = Field(1, ge=1, le=100, description="Practice runs only; fixed for ranked runs")
     kind: Literal["practice", "ranked"] = Field("practice", description="ranked: hidden seeds")
-    title: Text = Field("", max_length=120)
-    notes: Text = Field("", max_length=4000)
+    title: Text = Field("", max_length=TITLE_MAX)
+    notes: Text = Field("", max_length=NOTES_MAX)
 
 
 class RunsQuery(BaseModel):
@@ -146,7 +147,7 @@ class TokenRequest(BaseModel):
 
     model_config = ConfigDict(extra="forbid")
 
-    name: Text = Field("token", max_length=80)
+    name: Text = Field("token", max_length=TOKEN_NAME_MAX)
     scopes: list[Scope] = Field(default_factory=_default_scopes, min_length=1, max_length=3)
     days: float = Field(TOKEN_DAYS, gt=0, le=TOKEN_DAYS_MAX, description="Until the token expires")
 

@@ -150,6 +150,7 @@ def _form(template: str, error: str = "") -> str:
         name=request.form.get("name", ""),
         next=request.values.get("next", ""),
         rule=accounts.NAME_RULE,
+        name_max=accounts.NAME_MAX,
         password_min=accounts.PASSWORD_MIN,
         password_max=accounts.PASSWORD_MAX,
     )
@@ -161,6 +162,7 @@ def _tokens(*, new: str = "", error: str = "", password_error: str = "") -> str:
     return render_template(
         "account/tokens.html",
         tokens=tokens,
+        token_name_max=accounts.TOKEN_NAME_MAX,
         new=new,
         error=error,
         password_error=password_error,

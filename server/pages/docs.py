@@ -135,6 +135,8 @@ def _metrics() -> dict[str, Any]:
         "held_m": station_keeping.HELD_P95_M,
         "score_m": station_keeping.SCORE_LENGTH_M,
         "of_trackers": tracking.METRICS,
+        "far_px": tracking.FAR_PX,
+        "near_px": tracking.NEAR_PX,
         "failed_percent": tracking.FAILED_PERCENT,
         "tracker_held_percent": tracking.HELD_PERCENT,
     }
@@ -190,11 +192,11 @@ def guide(name: str) -> ResponseReturnValue:
         return _rendered("docs/guide.html", title=title, here=name, html=html)
     if name not in guides.attachments():
         abort(404)
-    data, kind = guides.attachment(name)
-    answer = Response(data, content_type=kind)
-    answer.add_etag()
-    answer.cache_control.max_age = _FIGURE_MAX_AGE_S
-    return answer.make_conditional(request)
+    data, media_type = guides.attachment(name)
+    response = Response(data, content_type=media_type)
+    response.add_etag()
+    response.cache_control.max_age = _FIGURE_MAX_AGE_S
+    return response.make_conditional(request)
 
 
 def _rendered(template: str, **values: Any) -> str:
@@ -208,6 +210,6 @@ def urdf(name: str) -> ResponseReturnValue:
     """Return a vehicle's URDF, as loaded by the contact engine."""
     if name not in registry.VEHICLES:
         abort(404)
-    answer = Response(urdf_of(vehicles.load(name)), mimetype="application/xml")
-    answer.headers["Content-Disposition"] = f'attachment; filename="{name}.urdf"'
-    return answer
+    response = Response(urdf_of(vehicles.load(name)), mimetype="application/xml")
+    response.headers["Content-Disposition"] = f'attachment; filename="{name}.urdf"'
+    return response

@@ -64,8 +64,8 @@ def _sentence(first: str, limit: float, score: str, mark: float | None, *, final
 
 def _so_far(chart: Curve, rows: Rows, *, ended: bool) -> list[dict[str, float]]:
     """Return the metrics of the completed levels, as means over the trials."""
-    places = rows[:, [INDEX["trial"], INDEX["level"]]]
-    starts = [0, *(np.flatnonzero((np.diff(places, axis=0) != 0).any(axis=1)) + 1).tolist()]
+    position = rows[:, [INDEX["trial"], INDEX["level"]]]
+    starts = [0, *(np.flatnonzero((np.diff(position, axis=0) != 0).any(axis=1)) + 1).tolist()]
     ends = [*starts[1:], len(rows)] if ended and len(rows) else starts[1:]
     measured = sorted(
         (

@@ -34,7 +34,7 @@ def first() -> ResponseReturnValue:
 def form(name: str) -> ResponseReturnValue:
     """Show the form with the defaults, the presets in the URL, or the settings of a run."""
     benchmark = benchmarks.by_name(name)
-    return _show(benchmark, _initial_values(benchmark), answers={}, errors={})
+    return _show(benchmark, _initial_values(benchmark), posted={}, errors={})
 
 
 @page.post("/<name>")
@@ -42,16 +42,16 @@ def form(name: str) -> ResponseReturnValue:
 def create(name: str) -> ResponseReturnValue:
     """Submit a run, or show the form again with the errors."""
     benchmark = benchmarks.by_name(name)
-    answers = request.form.to_dict()
-    values = form_fields.read(benchmark.schema(), answers)
+    posted = request.form.to_dict()
+    values = form_fields.read(benchmark.schema(), posted)
     program: StoredProgram | None = None
     errors: dict[str, str] = {}
     status = 422
     try:
-        if answers.get("controller") == UPLOAD:
-            program, errors = _program(benchmark, answers)
-        wanted = _submission(benchmark, values, answers, program)
-        valid = submission.validate(wanted, services().settings)
+        if posted.get("controller") == UPLOAD:
+            program, errors = _program(benchmark, posted)
+        sent = _submission(benchmark, values, posted, program)
+        valid = submission.validate(sent, services().settings)
         with services().database.writing() as session:
             run_id = submission.submit(session, valid, services().settings)
     except ConfigurationInvalid as refusal:
@@ -61,18 +61,18 @@ def create(name: str) -> ResponseReturnValue:
     except QuotaExceeded as refusal:
         status, errors = 429, {"": str(refusal)}
     if errors:
-        kept = program if answers.get("source") != "editor" else None
-        return _show(benchmark, values, answers=answers, errors=errors, kept=kept), status
+        kept = program if posted.get("source") != "editor" else None
+        return _show(benchmark, values, posted=posted, errors=errors, kept=kept), status
     services().wake_worker()  # only after the commit: the worker must find the row
     return redirect(url_for("run.show", run_id=run_id), code=303)
 
 
 def _program(
-    benchmark: Benchmark, answers: dict[str, str]
+    benchmark: Benchmark, posted: dict[str, str]
 ) -> tuple[StoredProgram | None, dict[str, str]]:
     """Return the program of a form, or the error to show beside those of the other fields."""
     try:
-        return submitted_program.save(benchmark, answers), {}
+        return submitted_program.save(benchmark, posted), {}
     except UploadRejected as refusal:
         return None, {"program": str(refusal)}
 
@@ -80,29 +80,29 @@ def _program(
 def _submission(
     benchmark: Benchmark,
     values: dict[str, object],
-    answers: dict[str, str],
+    posted: dict[str, str],
     program: StoredProgram | None,
 ) -> Submission:
     """Return the submission in a posted form."""
-    ranked = answers.get("kind") == RunKind.RANKED
+    ranked = posted.get("kind") == RunKind.RANKED
     if ranked:  # a ranked run has the benchmark's own scenario: its fields do not matter
         values = form_fields.solution(benchmark.schema(), values)
-    trials = _whole(answers, "trials", "The number of trials")
+    trials = _whole(posted, "trials", "The number of trials")
     return Submission(
         viewer=authentication.become_guest(),
         benchmark=benchmark.name,
         config=values,
         kind=RunKind.RANKED if ranked else RunKind.PRACTICE,
-        controller=answers.get("controller", ""),
+        controller=posted.get("controller", ""),
         program=program,
-        seed=None if ranked else _whole(answers, "seed", "A seed"),
+        seed=None if ranked else _whole(posted, "seed", "A seed"),
         trials=1 if trials is None else trials,
-        title=answers.get("title", ""),
+        title=posted.get("title", ""),
     )
 
 
-def _whole(answers: dict[str, str], name: str, what: str) -> int | None:
-    text = answers.get(name, "").strip()
+def _whole(posted: dict[str, str], name: str, what: str) -> int | None:
+    text = posted.get(name, "").strip()
     if not text:
         return None
     if not text.isdecimal():
@@ -135,7 +135,7 @@ def _show(
     benchmark: Benchmark,
     values: dict[str, object],
     *,
-    answers: dict[str, str],
+    posted: dict[str, str],
     errors: dict[str, str],
     kept: StoredProgram | None = None,
 ) -> str:
@@ -154,11 +154,12 @@ def _show(
         "submit/form.html",
         benchmark=benchmark,
         text_max=TEXT_MAX_BYTES,
+        title_max=submission.TITLE_MAX,
         benchmarks=benchmarks.labels(),
         groups=form_fields.groups(schema, values, errors, order=benchmark.groups),
         presets=schema.get("x-presets", {}),
         defaults={name: entry["default"] for name, entry in schema["properties"].items()},
-        answers=answers or {"controller": _initial_controller(benchmark)},
+        posted=posted or {"controller": _initial_controller(benchmark)},
         errors=errors,
         kept=kept and {"program": kept, "token": submitted_program.token(benchmark, kept)},
         archives=archives.SUFFIXES,

@@ -21,7 +21,7 @@ VALID_S = store.UNUSED_KEPT_S / 2  # of the hidden field
 FIELD = "kept_program"
 
 
-def save(benchmark: Benchmark, answers: dict[str, str]) -> StoredProgram:
+def save(benchmark: Benchmark, posted: dict[str, str]) -> StoredProgram:
     """Store the program of a form and return it.
 
     Raises
@@ -30,12 +30,12 @@ def save(benchmark: Benchmark, answers: dict[str, str]) -> StoredProgram:
         The program is missing or invalid, or the user may not upload programs.
     """
     submission.require_permission(g.viewer, uploads=True)
-    if answers.get("source") == "editor":
-        return _save_text(benchmark, answers)
+    if posted.get("source") == "editor":
+        return _save_text(benchmark, posted)
     file = request.files.get("program")
     if file is not None and file.filename:
         return _save(benchmark, cast(BinaryIO, file.stream), file.filename)
-    kept = _kept(benchmark, answers.get(FIELD, ""))
+    kept = _kept(benchmark, posted.get(FIELD, ""))
     if kept is None:
         raise UploadRejected("Choose a file, or write the program in the editor.")
     return kept
@@ -47,12 +47,12 @@ def token(benchmark: Benchmark, program: StoredProgram) -> str:
     return str(_signer().dumps([*fields, benchmark.role, g.viewer.user_id]))
 
 
-def _save_text(benchmark: Benchmark, answers: dict[str, str]) -> StoredProgram:
-    starter = editor_starters(benchmark.role).get(answers.get("language", DEFAULT_LANGUAGE))
+def _save_text(benchmark: Benchmark, posted: dict[str, str]) -> StoredProgram:
+    starter = editor_starters(benchmark.role).get(posted.get("language", DEFAULT_LANGUAGE))
     if starter is None:
         raise UploadRejected("Choose a language from the list.")
     # Browsers convert line endings to CR LF.
-    text = answers.get("program_text", "").replace("\r\n", "\n").encode()
+    text = posted.get("program_text", "").replace("\r\n", "\n").encode()
     return _save(benchmark, io.BytesIO(text), starter.upload_name)
 
 

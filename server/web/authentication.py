@@ -43,10 +43,10 @@ def sign_in(user_id: int) -> int:
 
 def cookie_of(user_id: int) -> dict[str, object]:
     """Return the content of the session cookie, valid until the password changes."""
-    held = services()
-    with held.database.reading() as database:
+    current = services()
+    with current.database.reading() as database:
         user = database.get_one(User, user_id)
-    return {_USER: user_id, _KEY: accounts.session_key(held.settings, user)}
+    return {_USER: user_id, _KEY: accounts.session_key(current.settings, user)}
 
 
 def sign_out() -> None:
@@ -80,9 +80,9 @@ def _viewer() -> Viewer:
         return viewer
     user_id, guest = session.get(_USER), session.get(_GUEST)
     if user_id is not None:
-        held, key = services(), str(session.get(_KEY, ""))
-        with held.database.reading() as database:
-            viewer = accounts.viewer_of_session(database, user_id, key, held.settings)
+        current, key = services(), str(session.get(_KEY, ""))
+        with current.database.reading() as database:
+            viewer = accounts.viewer_of_session(database, user_id, key, current.settings)
         if viewer is not None:
             return viewer
     return Viewer() if guest is None else _guest(guest)
@@ -92,9 +92,9 @@ def _adopt_runs(user_id: int) -> int:
     cookie = session.get(_GUEST)
     if cookie is None:
         return 0
-    held = services()
-    with held.database.writing() as database:
-        return accounts.adopt_runs(database, user_id, accounts.guest_hash(held.settings, cookie))
+    current = services()
+    with current.database.writing() as database:
+        return accounts.adopt_runs(database, user_id, accounts.guest_hash(current.settings, cookie))
 
 
 def _guest(cookie: str) -> Viewer:
