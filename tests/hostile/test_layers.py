@@ -2,7 +2,6 @@
 
 import os
 import socket
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,7 +10,6 @@ import pytest
 from seamark.sandbox.isolation.bwrap_command import NAMESPACES
 from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.isolation.process_tree import Layers
-from seamark.sandbox.outcome import Outcome
 
 pytestmark = pytest.mark.host
 
@@ -35,8 +33,6 @@ HELD_BY_FILTER = (
 # Namespace -> what sees that it is missing. The filter holds all of the network's and of System
 # V's calls too: they are tried without it.
 HELD_BY_NAMESPACE = {"pid": "sees_processes", "uts": "sees_name"}
-
-Attack = Callable[[Path, Layers], Outcome]
 
 
 @pytest.fixture

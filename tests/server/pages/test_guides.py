@@ -11,16 +11,11 @@ from seamark.server.pages import guides
 from seamark.sim.registry import TRACKERS, benchmark
 from seamark.sim.settings.tracker import TrackerSettings
 from seamark.sim.trackers.options import CRITERIA, METHODS, WARPS
-from tests.server.pages.conftest import Browser, Site
+from tests.server.pages.conftest import Site
 
 DOCS = Path(server.__file__).resolve().parents[1] / "docs"
 NAMES = sorted(path.name for path in DOCS.glob("*.md"))
 LINK = re.compile(r'(?:href|src)="([^"]+)"')
-
-
-def _status(browser: Browser, address: str) -> int:
-    with browser.get(address) as answer:
-        return answer.status_code
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -10,7 +10,6 @@ import pytest
 from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.languages import LANGUAGES, editor_starters, language_of, starters
 from seamark.sandbox.languages.language import Language
-from seamark.sandbox.probing.probes import probe
 from seamark.sandbox.probing.self_test import why_not
 from seamark.server.programs import store
 from seamark.worker.evaluation.local import evaluate_locally
@@ -80,14 +79,6 @@ FILES = {
     "starter.formulas": "0.5 * error_x\n0.5 * error_y\n0.5 * error_z\n0.0\n",
     "p.formulas": "".join(AXIS.format(f"error_{axis}") for axis in "xyz") + "0.0\n",
 }
-
-
-@pytest.fixture(scope="module")
-def isolation() -> IsolationLevel:
-    report = probe()
-    if report.level < IsolationLevel.MEDIUM:
-        pytest.skip(report.sentence())
-    return report.level
 
 
 @pytest.fixture
