@@ -32,7 +32,7 @@ _MODEL = """
 def rows() -> list[Row]:
     """Measure and return the rows."""
     plant = Plant(vehicles.load("girona500"), Current(0.2))
-    plant.place(np.zeros(6))
+    plant.reset(np.zeros(6))
     command = np.full(len(plant.thrust()), 0.2)
     ours = cpu_us(lambda: plant.advance(0, command, _STEPS)) / _STEPS
     baselines = {"PyBullet stepSimulation, free body over a plane": _bullet_step_us()} | {

@@ -15,7 +15,7 @@ from performance.validation.markdown import table
 from seamark.sim.numerics.arrays import Array
 from seamark.sim.physics.current import Current, Pattern
 from seamark.sim.physics.plant import Plant
-from seamark.sim.physics.thrusters import commands_for, packed
+from seamark.sim.physics.thrusters import commands_for, pack_curve
 from seamark.sim.vehicles import Quantity, Vehicle, load
 
 TITLE = "Cases with a closed form"
@@ -88,7 +88,7 @@ def commands_along(vehicle: Vehicle, axis: int) -> Array | None:
         return None
     force = PUSH_SHARE * min(vehicle.curve.limits.value) * share / np.abs(share).max()
     commands = np.empty(force.size)
-    commands_for(force, packed(vehicle.curve), commands)
+    commands_for(force, pack_curve(vehicle.curve), commands)
     return commands
 
 
@@ -99,7 +99,7 @@ def terminal_speeds(vehicle: Vehicle) -> Iterator[Case]:
         commands = commands_along(vehicle, axis)
         if commands is None:
             continue
-        plant.place(np.zeros(6))
+        plant.reset(np.zeros(6))
         plant.advance(0, commands, round(TERMINAL_S / plant.step_s))
         push = float((vehicle.allocation() @ plant.thrust())[axis])
         drag = (float(vehicle.linear_drag()[axis]), float(vehicle.quadratic_drag()[axis]))
@@ -131,7 +131,7 @@ def righting_periods(vehicle: Vehicle) -> Iterator[Case]:
         stiffness = vehicle.weight.scalar * lever * float(mobility[axis, axis])
         expected = 2.0 * np.pi / float(np.sqrt(stiffness))
         plant, angles = Plant(changed, STILL, step_s=0.005), []
-        plant.place(0.01 * np.eye(6)[axis])
+        plant.reset(0.01 * np.eye(6)[axis])
         idle = np.zeros(len(vehicle.thrusters))
         for step in range(round(2.5 * expected / plant.step_s)):
             angles.append(float(plant.pose()[axis]))

@@ -52,7 +52,7 @@ def with_linear_drag(vehicle: Vehicle) -> Vehicle:
 def end_position(vehicle: Vehicle, current: Current, step_s: float) -> Array:
     """Return where the manoeuvre ends, (3,) [m]."""
     plant = Plant(vehicle, current, step_s=step_s)
-    plant.place(START)
+    plant.reset(START)
     plant.advance(0, commands(len(vehicle.thrusters)), round(DURATION_S / step_s))
     return plant.pose()[:3]
 

@@ -39,7 +39,7 @@ def plant_end(name: str, legs: list[Leg], water: Water) -> Array:
     """Return pose, velocity and thrusts of our plant after the manoeuvre, (12 + n,)."""
     pattern = Pattern(azimuth_rad=water.azimuth, law="force" if water.force else "relative")
     plant = Plant(load(name), Current(water.level, pattern=pattern))
-    plant.place(START)
+    plant.reset(START)
     step = 0
     for leg in legs:
         steps = round(leg.seconds / plant.step_s)

@@ -113,9 +113,9 @@ def reference(vehicle: Vehicle, start: Array, legs: Sequence[Leg], water: Water)
     for leg in legs:
         target = np.array([thrust_of(vehicle, float(value)) for value in leg.command])
         rate = _rate_of(vehicle, target, water)
-        span = (start_s, start_s + leg.seconds)
-        answer = solve_ivp(rate, span, state, method="DOP853", rtol=1e-11, atol=1e-12)
-        state, start_s = np.asarray(answer.y[:, -1]), span[1]
+        steps_and_gate = (start_s, start_s + leg.seconds)
+        answer = solve_ivp(rate, steps_and_gate, state, method="DOP853", rtol=1e-11, atol=1e-12)
+        state, start_s = np.asarray(answer.y[:, -1]), steps_and_gate[1]
     return state
 
 

@@ -66,7 +66,7 @@ def moved_level(
     with closing(EXPERIMENT.world(config, seed=SEED, trial=0, level=0)) as world:
         pose = world.start.copy()
         pose[:2] += start_m
-        world.plant.place(pose)
+        world.plant.reset(pose)
         shift = np.array(corners_px, dtype=np.float64)
         world.tracking = TrackerInLoop(world.camera, config, shift)
         ClosedLoop(world, BuiltIn(controller, config), trial=0, level=0).run(rows.append)

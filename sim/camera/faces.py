@@ -226,10 +226,10 @@ def _draw_row(
 ) -> None:
     """Blend a row of a face into the light, (rows, width) as the ground and the gain.
 
-    `shape` is the row's map, the edges and their distances, and the place in the skin; `extent` the
-    row, its first column and the end in the strip, and where the strip starts; `ray` focal length,
-    principal column [px] and the row's slope in the camera frame; `channel` skin, law, attenuation
-    and veil.
+    `shape` is the row's map, the edges, their distances and the layout in the texture; `extent` the
+    row, its first and last column in the strip, and where the strip starts; `ray` focal length,
+    principal column [px] and slope of the row in the camera frame; `channel` texture, law,
+    attenuation and veil.
     """
     line, lines, bases, layout = shape
     r, first, end, start = extent
@@ -264,10 +264,10 @@ def _draw_face(
     ground: Plane,
     gain: Plane,
 ) -> None:
-    """Blend one face into rows of a strip (rows, width); `ground` is what was there before all.
+    """Blend one face into rows of a strip (rows, width); `ground` is the radiance without any face.
 
-    `shape` is its map, edges and place in the skin, `extent` row and column of the first pixel and
-    the window's columns, `lens` intrinsics and law, `channel` skin, attenuation and veil.
+    `shape` is its map, edges and layout in the texture; `extent` row and column of the first pixel
+    and the window's columns; `lens` intrinsics and law; `channel` texture, attenuation and veil.
     """
     pixel_map, edges, layout = shape
     top, start, x0, x1 = extent

@@ -57,7 +57,7 @@ def seabed_light(
         The seabed's packed texels.
     ground : (3, 3)
         Pixel (u, v, 1) -> a/z, b/z, 1/z [texel, 1/m].
-    place : tuple
+    extent : tuple
         Row and column of the strip's first pixel, and its width [px].
     shift : tuple
         Texels that a and b are counted from.

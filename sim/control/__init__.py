@@ -1,1 +1,1 @@
-"""From the target's place in the image to thruster commands."""
+"""From the target's position in the image to thruster commands."""

@@ -1,6 +1,6 @@
-"""From a wanted wrench to thrusts: the pseudo-inverse of the vehicle's thruster matrix.
+"""Thrust allocation: the pseudo-inverse of the vehicle's thruster matrix.
 
-Computed once, at set-up, without BLAS: its last bits would depend on the processor.
+Computed once, without BLAS, whose last bits depend on the processor.
 """
 
 import numpy as np
@@ -10,15 +10,15 @@ from seamark.sim.numerics.linear_algebra import inverse
 from seamark.sim.vehicles import Vehicle
 
 SURGE, SWAY, HEAVE, ROLL, PITCH, YAW = range(6)
-_WANTED_FIRST = (SURGE, SWAY, HEAVE, YAW, PITCH, ROLL)
-_INDEPENDENT = 1e-6  # [1, m] what has to be left of a row beside the rows before it
+_PRIORITY = (SURGE, SWAY, HEAVE, YAW, PITCH, ROLL)
+_INDEPENDENT = 1e-6  # [1, m] least norm of a row orthogonal to the rows before it
 
 
 def allocator(vehicle: Vehicle) -> NDArray[np.float64]:
-    """Return what each thruster has to give for a unit wrench, (n, 6) [N per N or N m].
+    """Return the thrust of each thruster for a unit wrench, (n, 6) [N per N or N m].
 
-    Axes that the thrusters cannot move by themselves get zeros; they are looked for in the order
-    surge, sway, heave, yaw, pitch, roll.
+    Axes that the thrusters cannot control independently get zeros; independent axes are chosen in
+    the order surge, sway, heave, yaw, pitch, roll.
     """
     matrix = vehicle.allocation()
     axes = _controllable(matrix)
@@ -34,10 +34,10 @@ def allocator(vehicle: Vehicle) -> NDArray[np.float64]:
 
 
 def _controllable(matrix: NDArray[np.float64]) -> list[int]:
-    """Return the axes whose rows are independent of each other (Gram-Schmidt)."""
+    """Return the axes with linearly independent rows (Gram-Schmidt)."""
     axes: list[int] = []
     basis: list[list[float]] = []
-    for axis in _WANTED_FIRST:
+    for axis in _PRIORITY:
         rest = list(map(float, matrix[axis]))
         for known in basis:
             share = _dot(rest, known) / _dot(known, known)

@@ -42,11 +42,11 @@ COMMAND = ("surge", "sway", "heave", "yaw_rate")
 def layout(vehicle: str) -> dict[str, Any]:
     """Return how observations and commands of a vehicle are packed, as plain JSON values."""
     thrusters = len(load(vehicle).thrusters)
-    packed = [
+    pack_curve = [
         [name, thrusters if count == PER_THRUSTER else count]
         for name, count, _unit, _meaning in FIELDS
     ]
-    return {"observation": packed, "command": list(COMMAND), "booleans": list(BOOLEANS)}
+    return {"observation": pack_curve, "command": list(COMMAND), "booleans": list(BOOLEANS)}
 
 
 def _starts() -> dict[str, int]:

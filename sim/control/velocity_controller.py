@@ -1,15 +1,15 @@
-"""From a velocity reference to thruster commands.
+"""Velocity control: from a velocity reference to thruster commands.
 
-`model`: feedback by the DVL on top of the vehicle's own drag at the reference, with an observer of
-the disturbance as the integral part; scaled by each axis's mass, so one tuning fits every vehicle.
-`paper`: effort in proportion to the velocity error, as in the published experiment.
+`model`: feedback of the DVL and feed-forward of the drag at the reference, with a disturbance
+observer as the integral part; scaled by the mass of each axis, so one tuning fits every vehicle.
+`paper`: effort proportional to the velocity error, as in the published experiment.
 
 With either law heading and depth can be held: the yaw rate and heave references then move a set
-point, and a PID brings the vehicle there.
+point, which a PID controller tracks.
 
-The observer predicts the velocity from the thrust that is under way, so the thruster's lag and the
-DVL's slow rate cost no phase; what the prediction misses is the disturbance (the current). It is an
-integral that cannot wind up: it knows which thrust was cut. `sim/control/velocity_law.py` computes.
+The observer predicts the velocity from the applied thrust, so the thruster lag and the low rate of
+the DVL cost no phase; the prediction error is due to the disturbance (the current). It is an
+integral without windup, since it knows the saturated thrust. The arithmetic is in velocity_law.py.
 """
 
 from typing import NamedTuple, Protocol
@@ -20,20 +20,20 @@ from seamark.sim.control import velocity_law as law
 from seamark.sim.control.allocation import HEAVE, PITCH, ROLL, SURGE, SWAY, YAW, allocator
 from seamark.sim.numerics.arrays import Array
 from seamark.sim.numerics.libm import exp
-from seamark.sim.physics.thrusters import packed
+from seamark.sim.physics.thrusters import pack_curve
 from seamark.sim.vehicles import Vehicle
 
 # E: chosen so that both presets settle without overshoot with a thruster lag of 0.2 s.
 DEPTH_HOLD = (0.8, 0.9, 0.05)  # [1/s, 1, 1/s] natural frequency, damping, integral rate
 HEADING_HOLD = (2.0, 0.9, 0.3)
-TILT_HOLD = (4.0, 0.9, 0.3)  # quick, and weak where the hull is small: as ArduSub's stabilise mode
-VELOCITY_OBSERVER_1_S = 5.0  # how fast the estimated velocity follows the DVL, whatever is learnt
-LARGEST_LEAD_M = 0.5  # [m] how far the depth's set point may run ahead of the vehicle
+TILT_HOLD = (4.0, 0.9, 0.3)  # fast, and weak for a small hull: like the stabilize mode of ArduSub
+VELOCITY_OBSERVER_1_S = 5.0  # bandwidth of the velocity estimate
+LARGEST_LEAD_M = 0.5  # [m] largest distance of the depth set point from the vehicle
 LARGEST_LEAD_RAD = 0.5
 
 
 class Settings(Protocol):
-    """What of a configuration the velocity controller reads."""
+    """The part of a configuration that the velocity controller reads."""
 
     velocity_law: str
     reference_limit_m_s: float
@@ -48,72 +48,74 @@ class Settings(Protocol):
 
 
 class Sensed(NamedTuple):
-    """What the velocity controller knows at a tick."""
+    """The measurements of the velocity controller at one control step."""
 
     velocity: tuple[float, float, float]  # [m/s] DVL, body frame
     depth: float  # [m]
     yaw: float  # [rad]
     yaw_rate: float  # [rad/s]
-    fresh: bool  # whether the DVL has just measured, with success
+    fresh: bool  # whether the DVL has a new valid reading
     tilt: tuple[float, float] = (0.0, 0.0)  # roll, pitch [rad]
     tilt_rates: tuple[float, float] = (0.0, 0.0)  # p, q [rad/s]
 
 
 class VelocityController:
-    """Reference and measurements in, thruster commands out; one instance per level.
+    """From reference and measurements to thruster commands; one instance per level.
 
-    `measured` is (1,) `velocity_law.MEASURED`: what is known at the present tick.
+    `measured` is (1,) `velocity_law.MEASURED`: the measurements of the present step.
     """
 
     def __init__(self, vehicle: Vehicle, settings: Settings) -> None:
         self._axes, self._holds = _axes(vehicle, settings), _holds(vehicle)
-        self._choice = _choice(vehicle, settings)
+        self._settings_record = _settings_record(vehicle, settings)
         directions = np.array([t.direction for t in vehicle.thrusters], dtype=np.float64)
         allocation = np.ascontiguousarray(allocator(vehicle), dtype=np.float64)
-        efforts, curve = directions * _paper_gains(settings), packed(vehicle.curve)
+        efforts, curve = directions * _paper_gains(settings), pack_curve(vehicle.curve)
         self._vehicle = (allocation, directions, efforts, curve)
         self._thrust, self._command = np.zeros((2, len(vehicle.thrusters)))
         self._out = (self._thrust, self._command)
         self.measured = np.zeros(1, law.MEASURED)
-        self._values = self.measured.view(np.float64)  # the same memory: a record is slow to fill
+        self._values = self.measured.view(
+            np.float64
+        )  # the same memory; faster to fill than a record
 
     def reset(self) -> None:
-        """Hold the measured depth and heading, and no tilt."""
+        """Hold the measured depth and heading, and zero tilt."""
         measured = self.measured[0]
         self._holds["target"] = (measured["depth"], measured["yaw"], 0.0, 0.0)
         self._holds["force"] = 0.0
 
     def sense(self, sensed: Sensed) -> None:
-        """Take measurements over; who writes to `measured` by itself need not."""
+        """Set the measurements; not needed by callers that write to `measured`."""
         velocity, depth, yaw, yaw_rate, fresh, tilt, tilt_rates = sensed
         self._values[:] = (*velocity, depth, yaw, yaw_rate, fresh, *tilt, *tilt_rates)
 
     def step(self, reference: tuple[float, float, float, float], dt: float) -> Array:
         """Return the commands, (n,) in [-1, 1]; the array is reused at the next call."""
-        surge, sway, heave, turn = reference
+        surge, sway, heave, yaw_rate = reference
         law.step(
-            (float(surge), float(sway), float(heave), float(turn)),
-            *(self.measured, dt, self._choice, self._axes, self._holds),
+            (float(surge), float(sway), float(heave), float(yaw_rate)),
+            *(self.measured, dt, self._settings_record, self._axes, self._holds),
             *(self._vehicle, self._out),
         )
         return self._command
 
 
 def _axes(vehicle: Vehicle, settings: Settings) -> law.Records:
-    """Return what is known of surge, sway and heave, (3,) records `velocity_law.AXIS`."""
+    """Return the states of surge, sway and heave, (3,) records `velocity_law.AXIS`."""
     axes = np.zeros(3, law.AXIS)
     inertia = vehicle.mass_rigid() + vehicle.mass_added()
     slow = exp(-settings.velocity_observer_1_s / settings.dvl_rate_hz)
-    quick = exp(-VELOCITY_OBSERVER_1_S / settings.dvl_rate_hz)
+    fast = exp(-VELOCITY_OBSERVER_1_S / settings.dvl_rate_hz)
     for axis in (SURGE, SWAY, HEAVE):
         mass = float(inertia[axis, axis])
         axes[axis]["mass"] = mass
         axes[axis]["gain"] = mass * settings.velocity_bandwidth_1_s
-        axes[axis]["correct_force"] = mass * (1.0 - slow) * (1.0 - quick) * settings.dvl_rate_hz
+        axes[axis]["correct_force"] = mass * (1.0 - slow) * (1.0 - fast) * settings.dvl_rate_hz
     axes["linear"] = vehicle.linear_drag()[:3]
     axes["quadratic"] = vehicle.quadratic_drag()[:3]
     axes["lag"] = vehicle.lag.scalar
-    axes["correct_velocity"] = 1.0 - slow * quick
+    axes["correct_velocity"] = 1.0 - slow * fast
     return axes
 
 
@@ -134,14 +136,14 @@ def _holds(vehicle: Vehicle) -> law.Records:
     return holds
 
 
-def _choice(vehicle: Vehicle, settings: Settings) -> law.Records:
+def _settings_record(vehicle: Vehicle, settings: Settings) -> law.Records:
     """Return the settings and limits, (1,) record `velocity_law.CHOICE`."""
     forward, reverse = vehicle.curve.limits.value
-    choice = (
+    setting = (
         *(settings.velocity_law == "paper", settings.depth_hold, settings.heading_hold),
         *(settings.tilt_hold, settings.reference_limit_m_s, forward, reverse),
     )
-    return np.array([choice], law.CHOICE)
+    return np.array([setting], law.SETTINGS)
 
 
 def _paper_gains(settings: Settings) -> Array:

@@ -1,4 +1,4 @@
-"""The tracker in the loop: it gets the part of the image it asks for, and its result is kept."""
+"""The tracker in the loop: it gets the part of the image that it needs; its result is kept."""
 
 import time
 

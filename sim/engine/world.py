@@ -157,7 +157,7 @@ def build_world(
         contact=contact,
         fault=_fault(config),
     )
-    plant.place(start)
+    plant.reset(start)
     return World(
         config=config,
         start=start,

@@ -1,8 +1,8 @@
 """Random streams of one level: one independent generator per component.
 
-A stream's seed depends on the trial's seed, the trial, the level and the component's fixed place
-in the list, on nothing else (`OF_THE_TRIAL`: not on the level): a new sensor never changes the
-waves, and the order in which streams are used does not matter.
+The seed of a stream depends only on the trial's seed, the trial, the level and the index of the
+component (those in `PER_TRIAL` not on the level): a new sensor never changes the gusts, and the
+order in which streams are used does not matter.
 """
 
 from dataclasses import dataclass, fields
@@ -12,7 +12,7 @@ import numpy as np
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Streams:
-    """The generators of one level. New names go to the end: the place is part of the seed."""
+    """The generators of one level. New names go to the end: the index is part of the seed."""
 
     gust: np.random.Generator
     dvl: np.random.Generator
@@ -26,7 +26,7 @@ class Streams:
     bottom: np.random.Generator
 
 
-OF_THE_TRIAL = frozenset({"bottom"})  # the same in all levels: the bottom stays what it is
+PER_TRIAL = frozenset({"bottom"})  # the same in all levels of a trial
 
 
 def streams(seed: int, trial: int, level: int) -> Streams:
@@ -42,16 +42,18 @@ def streams(seed: int, trial: int, level: int) -> Streams:
     Raises
     ------
     ValueError
-        When one of the numbers is negative.
+        One of the numbers is negative.
     """
     if min(seed, trial, level) < 0:
         raise ValueError(f"seed, trial and level must not be negative: {seed}, {trial}, {level}")
     return Streams(
         **{
             field.name: np.random.Generator(
-                np.random.PCG64(np.random.SeedSequence(entropy=seed, spawn_key=(trial, place, i)))
+                np.random.PCG64(
+                    np.random.SeedSequence(entropy=seed, spawn_key=(trial, seeded_level, i))
+                )
             )
             for i, field in enumerate(fields(Streams))
-            for place in (0 if field.name in OF_THE_TRIAL else level,)
+            for seeded_level in (0 if field.name in PER_TRIAL else level,)
         }
     )

@@ -1,1 +1,1 @@
-"""The vehicle in the water: equations of motion, forces, current, bottom, contacts."""
+"""The vehicle in the water: equations of motion, forces, current, terrain, contacts."""

@@ -1,7 +1,7 @@
-"""Numbers of the physics that belong to no vehicle and are no setting: each with its source.
+"""Physical constants that are neither vehicle parameters nor settings, each with its source.
 
-The modules of the simulator take their constants from here, and the documentation shows this same
-table. It needs no compiled code.
+The simulator takes its constants from here, and the documentation shows the same table. This module
+needs no compiled code.
 """
 
 from collections.abc import Mapping
@@ -32,10 +32,18 @@ FORCE_PER_SPEED_SQUARED = _number(
     "uwsimbenchmarks 988deda, BenchmarkROSInterfaces.cpp: half the density times CdA 0.82 m²",
 )
 GUST_GRID_S = _number(
-    "grid that gusts are drawn on, straight in between", 0.05, "s", "E", "far below a gust's time"
+    "grid of gusts, linearly interpolated",
+    0.05,
+    "s",
+    "E",
+    "far below the correlation time of a gust",
 )
-LEAST_HEIGHT_M = _number(
-    "height below which a sheared current stays the same", 0.1, "m", "E", "the law has no end there"
+MIN_HEIGHT_M = _number(
+    "height below which a sheared current is constant",
+    0.1,
+    "m",
+    "E",
+    "the law is singular at the bottom",
 )
 
 DVL_RANGE_M = Quantity(
@@ -46,10 +54,12 @@ DVL_BEAM_RAD = _number(
     _STONEFISH,
 )  # fmt: skip
 DVL_MOST_TILT_RAD = _number(
-    "roll or pitch beyond which the DVL loses the bottom", 0.5, "rad", "E",
-    "one of four beams looks past the bottom long before",
+    "roll or pitch beyond which the DVL loses bottom lock", 0.5, "rad", "E",
+    "one of four beams misses the bottom long before",
 )  # fmt: skip
-DVL_LEAST_BEAMS = _number("echoes that a DVL needs", 3.0, "1", "D", "three velocities")
+DVL_LEAST_BEAMS = _number(
+    "fewest echoes for bottom lock", 3.0, "1", "D", "three velocity components"
+)
 DEPTH_PERIOD_S = _number("time between two depths or altitudes", 0.2, "s", "S", _COLA2)
 AHRS_PERIOD_S = _number("time between two attitudes", 0.05, "s", "S", _COLA2)
 AHRS_RATE_SIGMA = _number("noise of the angular rates", 1.7e-5, "rad/s", "S", _STONEFISH)
@@ -62,12 +72,12 @@ TARGET_SIZE_M = Quantity(
     tag="S",
     source="benchmark_software_launcher ea65b39, visualStationKeeping.cpp",
 )
-TARGET_HEIGHT_M = _number("height of the box", 0.13, "m", "E", "as wide as high")
-TARGET_MASS_KG = _number("mass of the box where it is loose", 15.0, "kg", "S", "UWSim cirs.xml")
+TARGET_HEIGHT_M = _number("height of the box", 0.13, "m", "E", "as high as wide")
+TARGET_MASS_KG = _number("mass of a movable box", 15.0, "kg", "S", "UWSim cirs.xml")
 FRICTION = _number("friction of hull, box and bottom", 0.5, "1", "E", "chosen")
 GATE_M = _number(
-    "nearest approach without a thought of contact, from the hull's sphere", 0.5, "m", "E",
-    "farther than anything moves within a step",
+    "clearance of the hull's sphere below which contacts are computed", 0.5, "m", "E",
+    "farther than anything moves in one step",
 )  # fmt: skip
 
 MOUND_LENGTHS_M = Quantity(
@@ -78,13 +88,17 @@ MOUND_LENGTHS_M = Quantity(
     source="longer than the vehicle",
 )
 MOUND_RISE_M = _number(
-    "from the flat patch to mounds of full size", 2.0, "m", "E", "no steeper than the waves"
+    "distance from the flat patch to mounds of full height",
+    2.0,
+    "m",
+    "E",
+    "no steeper than the waves",
 )
-MOUND_REACH_M = _number("how far the mounds reach", 20.0, "m", "E", "the pool is 24 m long")
+MOUND_REACH_M = _number("radius of the mounds", 20.0, "m", "E", "the pool is 24 m long")
 
 GROUPS: Mapping[str, tuple[Quantity, ...]] = {
     "Water and time": (STANDARD_GRAVITY, WATER_DENSITY, STEP_S),
-    "Current": (FORCE_PER_SPEED_SQUARED, GUST_GRID_S, LEAST_HEIGHT_M),
+    "Current": (FORCE_PER_SPEED_SQUARED, GUST_GRID_S, MIN_HEIGHT_M),
     "Sensors": (
         DVL_RANGE_M,
         DVL_BEAM_RAD,

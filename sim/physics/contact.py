@@ -1,10 +1,10 @@
-"""Contacts with the bottom and with the target: PyBullet as an oracle of impulses behind a gate.
+"""Contacts with the bottom and with the target, computed by PyBullet.
 
-The plant moves itself; Bullet only says which impulse contacts give within a step, and is neither
-imported nor called while nothing can touch. Bullet knows a scalar mass alone: it gets the rigid
-mass plus the smallest translational added mass. Less than the true mass in each direction is
-stable (an impulse never overshoots), more is not; the rest converges over the next steps. Only the
-impulses at the contact points are taken over, so momentum passes exactly from body to body.
+The plant integrates its own motion; Bullet only computes the contact impulse of a step, and is
+neither imported nor called while contact is impossible (above the gate). Bullet has only a scalar
+mass: it gets the rigid mass plus the smallest translational added mass. Less than the true mass in
+a direction is stable (an impulse never overshoots), more is not; the remainder converges over the
+next steps. Only the impulses at the contact points are used, so momentum is conserved.
 
 The target has no drag; its weight is that in water.
 """
@@ -28,16 +28,16 @@ from seamark.sim.vehicles import STANDARD_GRAVITY, Vehicle
 from seamark.sim.vehicles.urdf import urdf_of
 
 GATE_M = constants.GATE_M.scalar
-AWAKE_SPEED = 1e-3  # [m/s, rad/s] a target slower than this lies still
-CLEARANCE_M = 0.1  # a hull that ends this far above everything does not touch within a step
+AWAKE_SPEED = 1e-3  # [m/s, rad/s] a slower target is at rest
+CLEARANCE_M = 0.1  # a hull this far above everything cannot touch it within a step
 SOLVER_ITERATIONS = 50  # Bullet's default
-CELL_M = 0.25  # of the mounds as triangles: at most a few mm off the waves that they are made of
-_FAR_M = 1000.0  # how far the bottom reaches beyond the mounds
+CELL_M = 0.25  # of the mesh of the mounds: within a few mm of the waves
+_FAR_M = 1000.0  # extent of the bottom beyond the mounds
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TargetBox:
-    """A box on the bottom; the default is the experiment's black box, which can be pushed."""
+    """A box on the bottom; by default the experiment's black box, which can be pushed."""
 
     centre: tuple[float, float, float]  # [m] NED
     yaw: float = 0.0  # [rad]
@@ -51,9 +51,9 @@ class TargetBox:
 
 
 class Contact:
-    """The bottom, maybe a box on it, and the vehicle's hull. Close it after use.
+    """The bottom, optionally a box on it, and the vehicle's hull. Close it after use.
 
-    A fixed box stands like the bottom: what hits it feels it, and it stays where pictures show it.
+    A fixed box behaves like the bottom: it does not move, so it stays where images show it.
     """
 
     def __init__(self, vehicle: Vehicle, bottom: Bottom, *, box: TargetBox | None = None) -> None:
@@ -62,7 +62,7 @@ class Contact:
             top = min(top, box.centre[2] - 0.5 * box.size[2])
         self.gate_depth = top - GATE_M - vehicle.hull_radius()
         self.awake = False
-        self.felt = 0.0  # [N s] sum of what all steps gave the hull; the plant resets it
+        self.impulse_n_s = 0.0  # on the hull, summed over steps; the plant resets it
         self._top = top
         self._centres = np.array([piece.centre.value for piece in vehicle.hull])
         self._halves = 0.5 * np.array([piece.size.value for piece in vehicle.hull])
@@ -72,12 +72,12 @@ class Contact:
         self._world: _World | None = None
 
     def impulse(self, before: Array, after: Array, step_s: float) -> Array:
-        """Return what contacts give within one step.
+        """Return the contact impulse of one step.
 
         Parameters
         ----------
         before, after : (13 + n,)
-            The plant's state at the start of the step, and at its end if nothing touches.
+            The plant's state at the start of the step, and at its end without contact.
 
         Returns
         -------
@@ -90,10 +90,12 @@ class Contact:
                 return np.zeros(6)
         if self._world is None:
             self._world = _World(self._vehicle, self._bottom, self._box)
-        push = self._world.step(before, after, step_s)
-        self.felt += math.sqrt(push[0] * push[0] + push[1] * push[1] + push[2] * push[2])
+        impulse = self._world.step(before, after, step_s)
+        self.impulse_n_s += math.sqrt(
+            impulse[0] * impulse[0] + impulse[1] * impulse[1] + impulse[2] * impulse[2]
+        )
         self.awake = self._world.box_speed() > AWAKE_SPEED
-        return push
+        return impulse
 
     def box_pose(self) -> tuple[Array, Array]:
         """Return position (3,) [m] and quaternion w x y z (4,) of the box now.
@@ -101,7 +103,7 @@ class Contact:
         Raises
         ------
         LookupError
-            When there is no box.
+            There is no box.
         """
         if self._box is None:
             raise LookupError("there is no box")
@@ -111,14 +113,14 @@ class Contact:
         return self._world.box_pose()
 
     def close(self) -> None:
-        """Disconnect from Bullet, if it was ever needed."""
+        """Disconnect from Bullet if it was used."""
         if self._world is not None:
             self._world.close()
             self._world = None
 
 
 class _World:
-    """One PyBullet world of its own: bottom, hull, box."""
+    """A PyBullet world: bottom, hull, box."""
 
     def __init__(self, vehicle: Vehicle, bottom: Bottom, box: TargetBox | None) -> None:
         bullet = _import_bullet()
@@ -132,7 +134,7 @@ class _World:
             numSolverIterations=SOLVER_ITERATIONS,
             physicsClientId=self._client,
         )
-        # No gravity: weight and buoyancy of the vehicle are the plant's business.
+        # No gravity: the plant has the weight and the buoyancy of the vehicle.
         bullet.setGravity(0, 0, 0, physicsClientId=self._client)
         if bottom.relief is None:
             plane = bullet.createCollisionShape(
@@ -150,9 +152,9 @@ class _World:
             self._box_weight = (box.mass - displaced) * STANDARD_GRAVITY
 
     def _add_mounds(self, bottom: Bottom) -> None:
-        """Add the mounds as a height field, and boxes around it where the bottom is flat again."""
+        """Add the mounds as a height field, and boxes around it for the flat bottom."""
         bullet, (north, east) = self._bullet, bottom.centre
-        # Bullet counts heights upwards: half a turn about north makes depth of them.
+        # Bullet's heights point up: half a turn about north turns them into depths.
         heights = -bottom.grid(CELL_M)[:, ::-1]
         field = bullet.createCollisionShape(
             bullet.GEOM_HEIGHTFIELD,
@@ -162,7 +164,7 @@ class _World:
             numHeightfieldColumns=len(heights),
             physicsClientId=self._client,
         )
-        middle = -0.5 * float(heights.min() + heights.max())  # where Bullet puts its origin
+        middle = -0.5 * float(heights.min() + heights.max())  # origin of Bullet's height field
         self._add(field, 0.0, (north, east, middle), (1.0, 0.0, 0.0, 0.0))
         half, off = 0.5 * _FAR_M, REACH_M + 0.5 * _FAR_M
         for x, y, size in ((1, 0, (half, _FAR_M)), (0, 1, (REACH_M, half))):
@@ -170,8 +172,8 @@ class _World:
                 bullet.GEOM_BOX, halfExtents=[*size, half], physicsClientId=self._client
             )
             for side in (-off, off):
-                place = (north + x * side, east + y * side, bottom.depth_m + half)
-                self._add(shape, 0.0, place)
+                position = (north + x * side, east + y * side, bottom.depth_m + half)
+                self._add(shape, 0.0, position)
 
     def _add(
         self,
@@ -188,12 +190,12 @@ class _World:
         return body
 
     def _prepare(self, body: int) -> None:
-        """Give a body what all bodies have: friction, no bounce, no damping of its own."""
+        """Set the properties of all bodies: friction, no restitution, no damping."""
         bullet = self._bullet
         bullet.changeDynamics(
             body,
             -1,
-            linearDamping=0.0,  # 0.04 unless told otherwise
+            linearDamping=0.0,  # Bullet's default is 0.04
             angularDamping=0.0,
             lateralFriction=constants.FRICTION.scalar,
             restitution=0.0,
@@ -203,7 +205,7 @@ class _World:
 
     def _add_hull(self, vehicle: Vehicle) -> int:
         bullet = self._bullet
-        # A file in memory: Bullet reads files alone, and the vehicle's numbers stand once.
+        # A file in memory, since Bullet only reads files.
         with open(os.memfd_create("urdf"), "w", encoding="utf-8") as file:
             file.write(urdf_of(vehicle))
             file.flush()
@@ -233,10 +235,10 @@ class _World:
         return self._add(shape, 0.0 if box.fixed else box.mass, box.centre, turn)
 
     def step(self, before: Array, after: Array, step_s: float) -> Array:
-        """Return the impulse of all contacts on the hull, as `Contact.impulse`.
+        """Return the impulse of all contacts on the hull, like `Contact.impulse`.
 
-        The hull stands where the step began and has the velocity it would have at its end: that is
-        what Bullet makes of forces before it solves contacts.
+        The hull has the pose of the start of the step and the velocity of its end: so has Bullet
+        after it applied forces and before it solves contacts.
         """
         bullet, client = self._bullet, self._client
         world_motion(before, after, self._gravity_centre, self._motion)
@@ -247,29 +249,29 @@ class _World:
         )
         bullet.resetBaseVelocity(self._hull, motion[3:6], motion[6:], physicsClientId=client)
         if self._box_moves:
-            force, place = [0.0, 0.0, self._box_weight], self.box_pose()[0].tolist()
+            force, position = [0.0, 0.0, self._box_weight], self.box_pose()[0].tolist()
             bullet.applyExternalForce(
-                self._box, -1, force, place, bullet.WORLD_FRAME, physicsClientId=client
+                self._box, -1, force, position, bullet.WORLD_FRAME, physicsClientId=client
             )
         bullet.setTimeStep(step_s, physicsClientId=client)
         bullet.stepSimulation(physicsClientId=client)
         points = bullet.getContactPoints(bodyA=self._hull, physicsClientId=client)
-        push = np.zeros(6)
+        total = np.zeros(6)
         for point in points:
             normal, along, across = point[7], point[11], point[13]
             force = [
                 step_s * (point[9] * n + point[10] * a + point[12] * c)
                 for n, a, c in zip(normal, along, across, strict=True)
             ]
-            add_push(before, np.array(point[5]), np.array(force), push)
-        return push
+            add_impulse_at(before, np.array(point[5]), np.array(force), total)
+        return total
 
     def box_pose(self) -> tuple[Array, Array]:
         """Return position (3,) and quaternion w x y z (4,) of the box."""
-        place, (x, y, z, w) = self._bullet.getBasePositionAndOrientation(
+        position, (x, y, z, w) = self._bullet.getBasePositionAndOrientation(
             self._box, physicsClientId=self._client
         )
-        return np.array(place), np.array([w, x, y, z])
+        return np.array(position), np.array([w, x, y, z])
 
     def box_speed(self) -> float:
         """Return the largest component of the box's velocity [m/s, rad/s]; zero for a fixed one."""
@@ -299,9 +301,9 @@ def lowest_point(state: Array, centres: Array, halves: Array) -> float:
 
 @njit(cache=True, error_model="numpy")
 def world_motion(before: Array, after: Array, point: Array, out: Array) -> None:
-    """Write how a point of the body moves, in the world: place, velocity, rates to `out`, (9,).
+    """Write position, velocity and rates of a point of the body, world frame, to `out`, (9,).
 
-    Place and axes are those of `before`, velocities those of `after`.
+    Position and axes are those of `before`, velocities those of `after`.
     """
     rotation = np.empty((3, 3))
     write_rotation(before[3], before[4], before[5], before[6], rotation)
@@ -316,12 +318,12 @@ def world_motion(before: Array, after: Array, point: Array, out: Array) -> None:
 
 
 @njit(cache=True, error_model="numpy")
-def add_push(state: Array, place: Array, impulse: Array, out: Array) -> None:
-    """Add an impulse (3,) at a place (3,), both in the world, to `out` (6,), in the body."""
+def add_impulse_at(state: Array, position: Array, impulse: Array, out: Array) -> None:
+    """Add an impulse (3,) at a point (3,), world frame, to `out`, (6,) body frame."""
     rotation = np.empty((3, 3))
     write_rotation(state[3], state[4], state[5], state[6], rotation)
-    x, y, z = place[0] - state[0], place[1] - state[1], place[2] - state[2]
-    turning = (
+    x, y, z = position[0] - state[0], position[1] - state[1], position[2] - state[2]
+    torque = (
         y * impulse[2] - z * impulse[1],
         z * impulse[0] - x * impulse[2],
         x * impulse[1] - y * impulse[0],
@@ -329,26 +331,26 @@ def add_push(state: Array, place: Array, impulse: Array, out: Array) -> None:
     for i in range(3):
         for j in range(3):
             out[i] += rotation[j, i] * impulse[j]
-            out[3 + i] += rotation[j, i] * turning[j]
+            out[3 + i] += rotation[j, i] * torque[j]
 
 
 def _import_bullet() -> ModuleType:
-    """Import PyBullet without the line that it prints, to output or errors by version."""
+    """Import PyBullet without the line that it prints to stdout or stderr."""
     library = ctypes.CDLL(None)
     streams = (1, 2)
-    kept = [os.dup(stream) for stream in streams]
-    nowhere = os.open(os.devnull, os.O_WRONLY)
+    saved = [os.dup(stream) for stream in streams]
+    devnull = os.open(os.devnull, os.O_WRONLY)
     try:
         library.fflush(None)
         for stream in streams:
-            os.dup2(nowhere, stream)
-        import pybullet  # noqa: PLC0415  # 65 ms and 30 MB that a free run does not pay
+            os.dup2(devnull, stream)
+        import pybullet  # noqa: PLC0415  # 65 ms and 30 MB that a run without contact saves
 
-        library.fflush(None)  # the line is in the C library's buffer until then
+        library.fflush(None)  # the line is in the buffer of the C library until then
     finally:
-        for stream, old in zip(streams, kept, strict=True):
+        for stream, old in zip(streams, saved, strict=True):
             os.dup2(old, stream)
             os.close(old)
-        os.close(nowhere)
+        os.close(devnull)
     module: ModuleType = pybullet
     return module

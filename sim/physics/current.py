@@ -1,21 +1,21 @@
-"""The water's current: a mean level, two slow sinusoids and a seeded gust.
+"""The current: a mean speed, two slow sinusoids and a seeded gust.
 
-World frame NED. `azimuth_rad` is where the water comes from, clockwise from north: zero meets the
-bow of a vehicle that heads north, pi/2 its starboard side. Two laws:
+World frame NED. `azimuth_rad` is the direction that the water comes from, clockwise from north:
+zero is ahead of a vehicle that heads north, pi/2 to starboard of it. Two laws:
 
 relative
     The water moves with v = -V (cos a, sin a, 0), V = level + 0.005 sin(2 pi t / 4) + gust,
-    a = azimuth + 0.7 sin(2 pi t / 30); the vehicle feels its velocity relative to it.
+    a = azimuth + 0.7 sin(2 pi t / 30); forces follow the velocity relative to it.
 force
-    What the published experiment's simulator does: the water rests, and a force in the body frame
-    pushes: 410 k V² on sway, 410 k (V sin(a - azimuth))² on surge. It never changes sign, and the
-    azimuth itself plays no part.
+    The model of the published experiment's simulator: the water rests, and a force acts in the body
+    frame: 410 k V² on sway, 410 k (V sin(a - azimuth))² on surge. It never changes sign and does
+    not depend on the azimuth.
 
-Over the bottom the water may be slower (`Shear`): V (h/h0)^n with the height h of the vehicle. A
-level then gives the speed at h0. All of the pattern scales with it, gusts too.
+Near the bottom the water may be slower (`Shear`): V (h/h0)^n at the height h of the vehicle. The
+level then gives the speed at h0. The whole pattern scales with it, including gusts.
 
-A level of zero is still water: no gust, whose size is a share of the level, and no sinusoid either
-(the published law would leave 5 mm/s, or 0.001 N), so that the first level shows the chain alone.
+A level of zero is still water: no gust, which is proportional to the level, and no sinusoid (the
+published law would leave 5 mm/s, or 0.001 N), so the first level shows the control loop alone.
 """
 
 from dataclasses import dataclass
@@ -28,16 +28,16 @@ from seamark.sim.numerics.arrays import Array
 from seamark.sim.numerics.libm import PI, exp, log, sin, sincos
 from seamark.sim.physics import constants
 
-GUST_GRID_S = constants.GUST_GRID_S.scalar  # whatever the integration step
+GUST_GRID_S = constants.GUST_GRID_S.scalar  # independent of the integration step
 
-LEAST_HEIGHT_M = constants.LEAST_HEIGHT_M.scalar
+MIN_HEIGHT_M = constants.MIN_HEIGHT_M.scalar
 
 _RELATIVE, _FORCE = 0, 1
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Pattern:
-    """How the current varies around its level; the defaults are the published experiment's."""
+    """Variation of the current around its level; the defaults are the published experiment's."""
 
     azimuth_rad: float = 0.0
     azimuth_swing_rad: float = 0.7  # S: uwsimbenchmarks trackingBenchmarkDynamics.xml
@@ -50,7 +50,7 @@ class Pattern:
     force_share: float = 0.134  # k: 18 px at 0.4 m/s, the one number published; D
 
     def __post_init__(self) -> None:
-        """Refuse values without a meaning."""
+        """Refuse impossible values."""
         for name in ("azimuth_period_s", "speed_period_s", "gust_time_s"):
             if not getattr(self, name) > 0.0:
                 raise ValueError(f"{name} must be positive, not {getattr(self, name)}")
@@ -61,7 +61,7 @@ class Pattern:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Shear:
-    """A power law over the bottom: at the height h the speed is (h/h0)^n of the level's.
+    """A power law: at the height h above the bottom the speed is (h/h0)^n times the level.
 
     S: DNV-RP-C205 (2010) 4.1.4, tidal current; n = 1/7 is typical.
     """
@@ -71,11 +71,11 @@ class Shear:
     height_m: float  # [m] h0
 
     def __post_init__(self) -> None:
-        """Refuse values without a meaning."""
+        """Refuse impossible values."""
         if not 0.0 <= self.exponent <= 1.0:
             raise ValueError(f"the exponent must be from 0 to 1, not {self.exponent}")
-        if not self.height_m > LEAST_HEIGHT_M:
-            raise ValueError(f"height_m must be above {LEAST_HEIGHT_M} m, not {self.height_m}")
+        if not self.height_m > MIN_HEIGHT_M:
+            raise ValueError(f"height_m must be above {MIN_HEIGHT_M} m, not {self.height_m}")
 
 
 class Water(NamedTuple):
@@ -114,18 +114,18 @@ class Current:
         level : float [m/s]
             Mean speed, not negative.
         shear : Shear, optional
-            Only with the relative law; without it the water is as fast at every depth.
+            Only for the relative law; without it the speed is the same at every depth.
         rng : Generator, optional
-            The stream of the gust; without it there is no gust.
+            Random stream of the gust; without it there is no gust.
         duration_s : float
-            How long the gust has to last. A longer one begins with the same values. Without a gust
-            the current lasts for ever.
+            Length of the gust; a longer one begins with the same values. Without a gust the length
+            is unlimited.
         """
         if not level >= 0.0:
             raise ValueError(f"a current's level must not be negative, not {level}")
         law = pattern or Pattern()
         if shear is not None and law.law == "force":
-            raise ValueError("under the force law the water rests: there is nothing to shear")
+            raise ValueError("shear needs the relative law: under the force law the water rests")
         over = shear or Shear(exponent=0.0, bottom_m=0.0, height_m=1.0)
         sigma = law.gust_share * level
         self.duration_s = float("inf") if rng is None else duration_s
@@ -144,15 +144,10 @@ class Current:
             height=float(over.height_m),
         )
 
-    @property
-    def is_relative(self) -> bool:
-        """Whether the water itself moves."""
-        return self.water.law == _RELATIVE
-
     def velocity(self, t_s: float, depth_m: float = 0.0) -> Array:
         """Return the water's velocity at a time and a depth, (3,) NED [m/s].
 
-        Zero under the force law. Without shear the depth makes no difference.
+        It is zero under the force law and independent of the depth without shear.
         """
         x, y, *_rest = flow(t_s, self.water, segment_at(t_s, self.water))
         water = self.water
@@ -175,23 +170,23 @@ def _gust(rng: np.random.Generator, sigma: float, time_s: float, duration_s: flo
 
 @njit(cache=True, error_model="numpy")
 def segment_at(t: float, water: Water) -> int:
-    """Return the interval of the gust's grid that holds time t [s]; the last one after the end."""
+    """Return the interval of the gust's grid at time t [s]; the last one after its end."""
     return min(max(int(t / GUST_GRID_S), 0), water.gust.size - 2)
 
 
 @njit(cache=True, error_model="numpy")
 def profile(depth: float, exponent: float, bottom: float, reference: float) -> tuple[float, float]:
-    """Return the share of the level's speed at a depth [m], and how it changes with depth [1/m].
+    """Return the share of the level's speed at a depth [m], and its derivative [1/m].
 
-    The last three are `Water`'s shear, bottom and height, by themselves: a tuple that holds an
-    array costs a count of references per call. Nearer to the bottom than LEAST_HEIGHT_M the share
-    stays what it is there.
+    The last three arguments are shear, bottom and height of `Water`, since passing a tuple with an
+    array costs a reference count per call. Below MIN_HEIGHT_M above the bottom the share is
+    constant.
     """
     if exponent == 0.0:
         return 1.0, 0.0
     height = bottom - depth
-    share = exp(exponent * log(max(height, LEAST_HEIGHT_M) / reference))
-    slope = -exponent * share / height if height > LEAST_HEIGHT_M else 0.0
+    share = exp(exponent * log(max(height, MIN_HEIGHT_M) / reference))
+    slope = -exponent * share / height if height > MIN_HEIGHT_M else 0.0
     return share, slope
 
 
@@ -199,7 +194,7 @@ def profile(depth: float, exponent: float, bottom: float, reference: float) -> t
 def flow(t: float, water: Water, segment: int) -> tuple[float, float, float, float, float, float]:
     """Return velocity x, y [m/s], acceleration x, y [m/s²] (NED), body force surge, sway [N].
 
-    `segment` is chosen once per integration step, so that all its stages see one smooth gust.
+    `segment` is chosen once per integration step, so that the gust is smooth over all its stages.
     """
     left = water.gust[segment]
     slope = (water.gust[segment + 1] - left) / GUST_GRID_S

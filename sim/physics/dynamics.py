@@ -2,10 +2,10 @@
 
     (M_RB + M_A) v_r' + C(v_r) v_r + D(v_r) v_r + g = thrust,   position' = R (v_r + R^T current)
 
-All in the velocity v_r relative to the water, which holds because Newton's laws are the same in a
-frame that moves with the water; where the water accelerates, that frame's inertia force and the
-pressure gradient are gravity with another direction, and restoring forces take it so. Motion is
-never left to a contact engine: an explicit added-mass force diverges within 0.1 s.
+Everything is written in the velocity v_r relative to the water, since Newton's laws hold in a
+frame that moves with the water. If the water accelerates, the inertia force of that frame and the
+pressure gradient act like gravity in another direction, which enters the restoring forces. A
+contact engine cannot integrate this motion: an explicit added-mass force diverges within 0.1 s.
 """
 
 import math
@@ -30,7 +30,7 @@ RIGID = 13  # position 3, quaternion 4, velocity 6; thrusts follow
 
 
 class Body(NamedTuple):
-    """A vehicle as the compiled code reads it."""
+    """The parameters of a vehicle as the compiled code reads them."""
 
     mass: Array
     inverse_mass: Array
@@ -43,8 +43,8 @@ class Body(NamedTuple):
     lag_rate: float
 
 
-def body_of(vehicle: Vehicle) -> Body:
-    """Return the vehicle's matrices; everything that is constant over a run is computed here."""
+def body_parameters(vehicle: Vehicle) -> Body:
+    """Return the parameters of a vehicle; all that is constant over a run is computed here."""
     mass = vehicle.mass_rigid() + vehicle.mass_added()
     weight, buoyancy = vehicle.weight.scalar, vehicle.buoyancy.scalar
     centres = zip(vehicle.centre_of_gravity.value, vehicle.centre_of_buoyancy.value, strict=True)
@@ -73,7 +73,7 @@ def _into_body(rotation: Array, x: float, y: float) -> tuple[float, float, float
 
 @njit(cache=True, error_model="numpy", inline="always")
 def _write_thrust(allocation: Array, x: Array, wrench: Array) -> None:
-    """Write what the thrusters of state `x` do together to `wrench`, (6,)."""
+    """Write the wrench (6,) of all thrusters in the state `x`."""
     for i in range(6):
         push = 0.0
         for j in range(allocation.shape[1]):
@@ -82,13 +82,13 @@ def _write_thrust(allocation: Array, x: Array, wrench: Array) -> None:
 
 
 @njit(cache=True, error_model="numpy", inline="always")
-def _add_carried(
+def _add_shear_inertia(
     shear_x: float, shear_y: float, x: Array, added: Array, rotation: Array, wrench: Array
 ) -> None:
-    """Add what the added mass feels when the hull sinks into slower water, to `wrench`, (6,).
+    """Add the added-mass force of moving vertically through sheared flow to `wrench`, (6,).
 
-    The water around the hull follows the velocity relative to it, which changes with depth; the
-    hull itself and its buoyancy feel only the water's own acceleration. S: Auton, Hunt and
+    The added mass responds to the relative velocity, which changes with depth; the hull and its
+    buoyancy respond only to the acceleration of the water. S: Auton, Hunt and
     Prud'homme 1988 (J. Fluid Mech. 197), sphere in a weak shear; its lift along z is left out.
     `shear` is the change of the water's velocity with depth [1/s].
     """
@@ -100,7 +100,7 @@ def _add_carried(
 
 @njit(cache=True, error_model="numpy", inline="always")
 def _write_kinematics(x: Array, rotation: Array, out: Array) -> None:
-    """Write the rates of position and quaternion to the first seven places of `out`."""
+    """Write the rates of position and quaternion to the first seven entries of `out`."""
     p, q, r = x[10], x[11], x[12]
     for i in range(3):
         out[i] = rotation[i, 0] * x[7] + rotation[i, 1] * x[8] + rotation[i, 2] * x[9]
@@ -117,20 +117,20 @@ def _derivative(
     water: tuple[float, float, float, float, float, float],
     body: Body,
     depth: tuple[float, float],
-    room: tuple[Array, Array, Array, Array],
+    buffers: tuple[Array, Array, Array, Array],
     out: Array,
 ) -> None:
     """Write the state's rate of change (13 + n,) to `out`; `water` is what `flow` returns.
 
-    `depth` is what `profile` returns: there is no branch here for water without shear, since one
-    around arrays doubles the time of a step; its share of 1 and slope of 0 change no bit.
+    `depth` is what `profile` returns. There is no branch for water without shear, since it would
+    double the time of a step; a share of 1 and a slope of 0 change no bit.
     """
-    rotation, relative, momentum, wrench = room
+    rotation, relative, momentum, wrench = buffers
     stream_x, stream_y, rise_x, rise_y, surge, sway = water
     write_rotation(x[3], x[4], x[5], x[6], rotation)
     _write_thrust(body.allocation, x, wrench)
     share, slope = depth
-    _add_carried(slope * stream_x, slope * stream_y, x, body.added, rotation, wrench)
+    _add_shear_inertia(slope * stream_x, slope * stream_y, x, body.added, rotation, wrench)
     stream_x, stream_y = share * stream_x, share * stream_y
     rise_x, rise_y = share * rise_x, share * rise_y
     c0, c1, c2 = _into_body(rotation, stream_x, stream_y)
@@ -151,7 +151,7 @@ def _derivative(
         for j in range(6):
             rate += body.inverse_mass[i, j] * wrench[j]
         out[7 + i] = rate
-    # The water's own acceleration, seen from the turning body.
+    # Acceleration of the water in the rotating body frame.
     out[7] += a0 - (q * c2 - r * c1)
     out[8] += a1 - (r * c0 - p * c2)
     out[9] += a2 - (p * c1 - q * c0)
@@ -163,14 +163,14 @@ def _derivative(
 def integrate(
     state: Array,
     target: Array,
-    tick: int,
+    step: int,
     steps: int,
-    step: float,
+    step_s: float,
     plain_body: tuple[Any, ...],
     plain_water: tuple[Any, ...],
     gate: float,
 ) -> int:
-    """Advance `state` in place by up to `steps` RK4 steps and return how many were made.
+    """Advance `state` in place by up to `steps` RK4 steps and return the number of steps made.
 
     It stops before a step that would begin deeper than `gate` [m]. `plain_body` and `plain_water`
     are `Body` and `Water` as plain tuples.
@@ -181,57 +181,58 @@ def integrate(
     size = state.size
     k1, k2, k3, k4 = np.empty(size), np.empty(size), np.empty(size), np.empty(size)
     y = np.empty(size)
-    room = (np.empty((3, 3)), np.empty(6), np.empty(6), np.empty(6))
-    for made in range(steps):
+    buffers = (np.empty((3, 3)), np.empty(6), np.empty(6), np.empty(6))
+    for done in range(steps):
         if state[2] > gate:
-            return made
-        t = (tick + made) * step
-        middle = t + 0.5 * step
+            return done
+        t = (step + done) * step_s
+        middle = t + 0.5 * step_s
         segment = segment_at(middle, water)
         halfway = flow(middle, water, segment)
         depth = profile(state[2], *shear)
-        _derivative(state, target, flow(t, water, segment), body, depth, room, k1)
+        _derivative(state, target, flow(t, water, segment), body, depth, buffers, k1)
         for i in range(size):
-            y[i] = state[i] + 0.5 * step * k1[i]
+            y[i] = state[i] + 0.5 * step_s * k1[i]
         depth = profile(y[2], *shear)
-        _derivative(y, target, halfway, body, depth, room, k2)
+        _derivative(y, target, halfway, body, depth, buffers, k2)
         for i in range(size):
-            y[i] = state[i] + 0.5 * step * k2[i]
+            y[i] = state[i] + 0.5 * step_s * k2[i]
         depth = profile(y[2], *shear)
-        _derivative(y, target, halfway, body, depth, room, k3)
+        _derivative(y, target, halfway, body, depth, buffers, k3)
         for i in range(size):
-            y[i] = state[i] + step * k3[i]
+            y[i] = state[i] + step_s * k3[i]
         depth = profile(y[2], *shear)
-        _derivative(y, target, flow(t + step, water, segment), body, depth, room, k4)
+        _derivative(y, target, flow(t + step_s, water, segment), body, depth, buffers, k4)
         for i in range(size):
-            state[i] += step / 6.0 * (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i])
+            state[i] += step_s / 6.0 * (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i])
         _normalise(state)
     return steps
 
 
 @njit(cache=True, error_model="numpy")
-def drive(
+def advance_held(
     state: Array,
     command: Array,
     curve: Array,
     target: Array,
-    broken: tuple[int, float],
-    span: tuple[int, int, float, float],
+    fault: tuple[int, float],
+    steps_and_gate: tuple[int, int, float, float],
     plain_body: tuple[Any, ...],
     plain_water: tuple[Any, ...],
 ) -> int:
-    """Advance `state` with commands held; `span` is the tick, steps, step and gate of `integrate`.
+    """Advance `state` with constant commands.
 
-    Writes the steady thrusts to `target`; a `broken` thruster, by its number, gives another one;
-    -1 is none. Returns how many steps were made, -1 if a command is not a number.
+    Writes the steady thrusts to `target`; `fault` is the number of a faulty thruster, -1 for none,
+    and its thrust [N]; `steps_and_gate` are the arguments step, steps, step_s and gate of
+    `integrate`. Returns the number of steps made, -1 if a command is not a number.
     """
     if not steady_thrust(command, curve, target):
         return -1
-    thruster, thrust = broken
+    thruster, thrust = fault
     if thruster >= 0:
         target[thruster] = thrust
-    tick, steps, step, gate = span
-    return integrate(state, target, tick, steps, step, plain_body, plain_water, gate)
+    step, steps, step_s, gate = steps_and_gate
+    return integrate(state, target, step, steps, step_s, plain_body, plain_water, gate)
 
 
 @njit(cache=True, error_model="numpy")

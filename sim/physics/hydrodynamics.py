@@ -1,8 +1,8 @@
-"""Forces of water and weight on a rigid body, as compiled functions that write into arrays.
+"""Hydrodynamic and hydrostatic forces on a rigid body, as compiled functions on arrays.
 
 Body frame: x forward, y starboard, z down (Fossen 2021, ch. 2). SI units, angles in rad. Wrenches
 are (6,) [N, N m] about the body's origin. Nothing here uses BLAS, libm or fused operations. The
-functions are inlined by Numba itself: as calls they count references and cost twice the time.
+functions are inlined by Numba: calls would count references and take twice as long.
 """
 
 from numba import njit
@@ -12,7 +12,7 @@ from seamark.sim.numerics.arrays import Array
 
 @njit(cache=True, error_model="numpy", inline="always")
 def write_rotation(w: float, x: float, y: float, z: float, out: Array) -> None:
-    """Write the rotation from body to world of a unit quaternion to `out`, (3, 3)."""
+    """Write the rotation matrix (3, 3), body to world, of a unit quaternion to `out`."""
     out[0, 0] = 1.0 - 2.0 * (y * y + z * z)
     out[0, 1] = 2.0 * (x * y - w * z)
     out[0, 2] = 2.0 * (x * z + w * y)
@@ -29,7 +29,7 @@ def add_coriolis(mass: Array, velocity: Array, momentum: Array, wrench: Array) -
     """Subtract C(v) v of a body with mass matrix (6, 6) from the wrench (6,).
 
     With the momentum (p, h) = M v this is (ω x p, ω x h + v x p), which does no work.
-    `momentum`, (6,), is room for the intermediate result.
+    `momentum`, (6,), is a buffer for the intermediate result.
     """
     for i in range(6):
         value = 0.0
@@ -50,9 +50,9 @@ def add_coriolis(mass: Array, velocity: Array, momentum: Array, wrench: Array) -
 
 @njit(cache=True, error_model="numpy", inline="always")
 def add_drag(linear: Array, quadratic: Array, velocity: Array, wrench: Array) -> None:
-    """Add the drag of a velocity relative to the water, all (6,), without coupling of the axes.
+    """Add the drag at a velocity relative to the water, all (6,), without coupling of the axes.
 
-    It only takes energy out: drag @ velocity <= 0.
+    It only dissipates energy: drag @ velocity <= 0.
     """
     for i in range(6):
         wrench[i] -= (linear[i] + quadratic[i] * abs(velocity[i])) * velocity[i]
@@ -67,12 +67,12 @@ def add_restoring(
     Parameters
     ----------
     net_weight : float [N]
-        Weight less buoyancy.
+        Weight minus buoyancy.
     moment : (3,) [N m]
-        Weight times centre of gravity less buoyancy times centre of buoyancy.
+        Weight times centre of gravity minus buoyancy times centre of buoyancy.
     down : three floats
-        Apparent downward direction in the body frame, of length one in steady water. Water that
-        accelerates tilts it: pressure and inertia together act like another gravity.
+        Apparent downward direction in the body frame; a unit vector in steady flow. Accelerating
+        water tilts it, since pressure gradient and inertia together act like gravity.
     """
     x, y, z = down
     wrench[0] += net_weight * x

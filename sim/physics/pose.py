@@ -1,4 +1,4 @@
-"""Between the plant's state and a pose of six numbers: (x, y, z, roll, pitch, yaw) [m, rad]."""
+"""Conversion between the plant's state and a pose (x, y, z, roll, pitch, yaw) [m, rad]."""
 
 import math
 

@@ -1,10 +1,10 @@
-"""The bottom's shape, flat or with mounds around the target, and what a DVL's beams meet on it.
+"""Terrain: a flat bottom or mounds around the target, and the range of a DVL's beams to it.
 
 The mounds are a sum of a few waves with random direction, length and phase, between 0 and
-`height_m` above the flat bottom. They begin `flat_m` away from the target, rise to full size over
-RISE_M and end REACH_M away. All of it is a smooth function of the place, in IEEE arithmetic: what
-an altimeter reads moves the vehicle, so its bits must not depend on the processor, as those of a
-contact engine's ray casts do.
+`height_m` above the flat bottom. They begin `flat_m` away from the target, rise to full height over
+RISE_M and end REACH_M away. They are a smooth function of the position in IEEE arithmetic: the
+altimeter acts on the vehicle's motion, so its bits must not depend on the processor, unlike those
+of a contact engine's ray casts.
 """
 
 import math
@@ -23,10 +23,10 @@ WAVES = 5
 WAVELENGTHS_M = constants.MOUND_LENGTHS_M.value
 RISE_M = constants.MOUND_RISE_M.scalar
 REACH_M = constants.MOUND_REACH_M.scalar
-BEAM_M = constants.DVL_RANGE_M.value[1]
+BEAM_RANGE_M = constants.DVL_RANGE_M.value[1]
 _BEAM_RAD = constants.DVL_BEAM_RAD.scalar
-_CLOSE_M = 1e-7  # a ray this near to the bottom has met it
-_MOST_STEPS = 200
+_TOLERANCE_M = 1e-7  # a ray this close to the bottom has hit it
+_MAX_STEPS = 200
 
 
 class Mounds(NamedTuple):
@@ -39,13 +39,13 @@ class Mounds(NamedTuple):
     east: float
     steepest: float
     waves: Array
-    beam_side: float  # a beam's unit vector: along the body's x and y axes each, and along z
+    beam_side: float  # unit vector of a beam: component along the body's x and y axes, and along z
     beam_down: float
-    flattest: float  # cosine of the flattest angle with an echo
+    flattest: float  # cosine of the largest angle of incidence with an echo
 
 
 class Sounding(NamedTuple):
-    """What four beams say: height of the body's origin above where they hit [m], and how many."""
+    """Result of four beams: height of the body's origin above the hits [m], number of echoes."""
 
     altitude: float
     echoes: int
@@ -66,12 +66,12 @@ def draw_relief(rng: np.random.Generator, *, height_m: float, flat_m: float) -> 
     Parameters
     ----------
     height_m : float
-        What no mound rises above; the highest come near to it.
+        Upper limit of the mounds; the highest come close to it.
     flat_m : float
         Radius of the flat patch around the target.
     """
     if not (height_m >= 0.0 and 0.0 <= flat_m <= REACH_M - 2.0 * RISE_M):
-        raise ValueError(f"there are no mounds of {height_m} m beyond {flat_m} m")
+        raise ValueError(f"mounds of {height_m} m beyond {flat_m} m are not possible")
     waves = np.empty((WAVES, 4))
     shortest, longest = WAVELENGTHS_M
     for i, (heading, length, phase) in enumerate(rng.random((WAVES, 3)).tolist()):
@@ -103,29 +103,30 @@ class Bottom:
                 east=self.centre[1],
                 steepest=relief.height_m * steepest,
                 waves=relief.waves,
-                beam_side=sin(_BEAM_RAD) * sin(0.25 * PI),  # E: all beams between the axes
+                beam_side=sin(_BEAM_RAD)
+                * sin(0.25 * PI),  # E: all beams at 45 degrees between the axes
                 beam_down=cos(_BEAM_RAD),
-                # That of a beam on a flat bottom at the largest tilt that the DVL bears.
+                # That of a beam on a flat bottom at the largest tilt with bottom lock.
                 flattest=cos(_BEAM_RAD + constants.DVL_MOST_TILT_RAD.scalar),
             )
 
     @property
     def top_m(self) -> float:
-        """Return a depth [m] above which there is nothing of the bottom."""
+        """Return the least depth [m] of the bottom anywhere."""
         return self.depth_m - (self.relief.height_m if self.relief is not None else 0.0)
 
     def depth_at(self, north: float, east: float) -> float:
-        """Return the depth of the bottom at a place [m]."""
+        """Return the depth of the bottom at a position [m]."""
         if self._mounds is None:
             return self.depth_m
-        height, _north, _east = mound(north, east, self._mounds)
+        height, _north, _east = height_and_slope(north, east, self._mounds)
         return self.depth_m - float(height)
 
     def sound(self, pose: Array | Sequence[float]) -> Sounding:
-        """Return what the DVL's four beams say at a pose, (6,) [m, rad].
+        """Return the result of the DVL's four beams at a pose, (6,) [m, rad].
 
-        On a flat bottom that is the height above it. The beams start at the body's origin; the
-        target is too small to matter.
+        On a flat bottom it is the height above it. The beams start at the body's origin; the target
+        is too small to matter.
         """
         if self._mounds is None:
             return Sounding(self.depth_m - float(pose[2]), 4)
@@ -139,12 +140,14 @@ class Bottom:
         if self._mounds is None:
             return np.full((count, count), self.depth_m)
         depths = np.empty((count, count))
-        write_grid(along + self._mounds.north, along + self._mounds.east, self._mounds, depths)
+        write_depth_grid(
+            along + self._mounds.north, along + self._mounds.east, self._mounds, depths
+        )
         return depths
 
 
 @njit(cache=True, error_model="numpy")
-def _eased(x: float) -> tuple[float, float]:
+def _smoothstep(x: float) -> tuple[float, float]:
     """Return a smooth step from 0 to 1 over 0 <= x <= 1, and its slope."""
     if x <= 0.0:
         return 0.0, 0.0
@@ -154,12 +157,12 @@ def _eased(x: float) -> tuple[float, float]:
 
 
 @njit(cache=True, error_model="numpy")
-def mound(north: float, east: float, mounds: Mounds) -> tuple[float, float, float]:
-    """Return the height over the flat bottom at a place [m], and its slopes north and east."""
+def height_and_slope(north: float, east: float, mounds: Mounds) -> tuple[float, float, float]:
+    """Return the height over the flat bottom at a position [m], and its slopes north and east."""
     x, y = north - mounds.north, east - mounds.east
     away = math.sqrt(x * x + y * y)
-    inner, inner_slope = _eased((away - mounds.flat) / RISE_M)
-    outer, outer_slope = _eased((REACH_M - away) / RISE_M)
+    inner, inner_slope = _smoothstep((away - mounds.flat) / RISE_M)
+    outer, outer_slope = _smoothstep((REACH_M - away) / RISE_M)
     share = inner * outer
     if share == 0.0:
         return 0.0, 0.0, 0.0
@@ -180,43 +183,43 @@ def mound(north: float, east: float, mounds: Mounds) -> tuple[float, float, floa
 
 
 @njit(cache=True, error_model="numpy")
-def write_grid(north: Array, east: Array, mounds: Mounds, out: Array) -> None:
-    """Write the bottom's depth at (k,) times (l,) places [m] to `out`, (k, l)."""
+def write_depth_grid(north: Array, east: Array, mounds: Mounds, out: Array) -> None:
+    """Write the bottom's depth at (k,) times (l,) positions [m] to `out`, (k, l)."""
     for i in range(north.size):
         for j in range(east.size):
-            out[i, j] = mounds.depth - mound(north[i], east[j], mounds)[0]
+            out[i, j] = mounds.depth - height_and_slope(north[i], east[j], mounds)[0]
 
 
 @njit(cache=True, error_model="numpy")
-def cast(
-    start: tuple[float, float, float], way: tuple[float, float, float], mounds: Mounds
+def cast_ray(
+    start: tuple[float, float, float], direction: tuple[float, float, float], mounds: Mounds
 ) -> tuple[float, float]:
-    """Return how far along a ray, given by a unit vector, it meets the bottom [m], and how.
+    """Return where a ray hits the bottom: range [m] and cosine of the angle of incidence.
 
-    The second number is the cosine of the angle to the bottom's normal. A ray that meets nothing
-    within BEAM_M gives inf and 0. Each step is as long as the steepest slope lets it be safely.
+    `direction` is a unit vector. A ray that hits nothing within BEAM_RANGE_M gives inf and 0. Each
+    step is as long as the steepest slope allows without passing the bottom.
     """
     x, y, z = start
-    a, b, c = way
+    a, b, c = direction
     closing = c + mounds.steepest * math.sqrt(a * a + b * b)
     if closing <= 0.0:
         return math.inf, 0.0
     far = 0.0
-    for _ in range(_MOST_STEPS):
-        height, slope_x, slope_y = mound(x + far * a, y + far * b, mounds)
+    for _ in range(_MAX_STEPS):
+        height, slope_x, slope_y = height_and_slope(x + far * a, y + far * b, mounds)
         gap = mounds.depth - height - (z + far * c)
-        if gap < _CLOSE_M:
+        if gap < _TOLERANCE_M:
             facing = c + slope_x * a + slope_y * b
             return far, facing / math.sqrt(1.0 + slope_x * slope_x + slope_y * slope_y)
         far += gap / closing
-        if far > BEAM_M:
+        if far > BEAM_RANGE_M:
             break
     return math.inf, 0.0
 
 
 @njit(cache=True, error_model="numpy")
 def sounding(pose: Array, mounds: Mounds) -> tuple[float, int]:
-    """Return mean height over the places that four beams hit [m], and how many give an echo."""
+    """Return the mean height over the hits of the four beams [m], and the number of echoes."""
     sr, cr = sincos(pose[3])
     sp, cp = sincos(pose[4])
     sy, cy = sincos(pose[5])
@@ -228,8 +231,8 @@ def sounding(pose: Array, mounds: Mounds) -> tuple[float, int]:
             across = cr * b - sr * mounds.beam_down  # roll, then pitch, then yaw
             down = sr * b + cr * mounds.beam_down
             along, sinking = cp * a + sp * down, cp * down - sp * a
-            way = (cy * along - sy * across, sy * along + cy * across, sinking)
-            far, facing = cast(start, way, mounds)
+            direction = (cy * along - sy * across, sy * along + cy * across, sinking)
+            far, facing = cast_ray(start, direction, mounds)
             if facing >= mounds.flattest:
                 total += far * sinking
                 echoes += 1

@@ -11,18 +11,18 @@ from numba import njit
 from seamark.sim.numerics.arrays import Array
 from seamark.sim.vehicles import ThrustCurve
 
-# Places in the array that a curve is packed into.
+# Indices in the array of a packed curve.
 _KIND, _DEAD_BAND, _MOST_FORWARD, _MOST_REVERSE, _FORWARD, _REVERSE = 0, 1, 2, 3, 4, 10
 _TERMS = 6
 _QUADRATIC, _POLYNOMIAL = 0.0, 1.0
-# Halving until Newton's method is sure to converge (105 N / 2**14 is 6 mN), then Newton: its error
-# is squared with each step. Fixed counts keep the bits fixed.
-_HALVINGS = 14
+# Bisection until Newton's method is sure to converge (105 N / 2**14 is 6 mN), then Newton with
+# quadratic convergence. Fixed counts give the same bits everywhere.
+_BISECTIONS = 14
 _NEWTON_STEPS = 3
 
 
-def packed(curve: ThrustCurve) -> Array:
-    """Return the curve as the (16,) array that the functions below read."""
+def pack_curve(curve: ThrustCurve) -> Array:
+    """Return a curve as the (16,) array that the functions below read."""
     array = np.zeros(16)
     array[_KIND] = _QUADRATIC if curve.kind == "quadratic" else _POLYNOMIAL
     array[_DEAD_BAND] = curve.dead_band.scalar
@@ -49,10 +49,10 @@ def _slope(curve: Array, first: int, force: float) -> float:
 
 
 @njit(cache=True, error_model="numpy")
-def _inverted(curve: Array, first: int, most: float, effort: float) -> float:
+def _invert(curve: Array, first: int, most: float, effort: float) -> float:
     """Return the thrust in [0, most] at which the polynomial gives `effort`."""
     low, high = 0.0, most
-    for _ in range(_HALVINGS):
+    for _ in range(_BISECTIONS):
         middle = 0.5 * (low + high)
         if _polynomial(curve, first, middle) < effort:
             low = middle
@@ -67,7 +67,7 @@ def _inverted(curve: Array, first: int, most: float, effort: float) -> float:
 
 
 @njit(cache=True, error_model="numpy")
-def force_of(command: float, curve: Array) -> float:
+def thrust_from_command(command: float, curve: Array) -> float:
     """Return the steady thrust [N] of one command; commands beyond ±1 count as ±1."""
     effort = min(abs(command), 1.0)
     if effort <= curve[_DEAD_BAND]:
@@ -79,12 +79,12 @@ def force_of(command: float, curve: Array) -> float:
     if curve[_KIND] == _QUADRATIC:
         force = min(curve[first] * effort * effort, most)
     else:
-        force = _inverted(curve, first, most, effort)
+        force = _invert(curve, first, most, effort)
     return force if command > 0.0 else -force
 
 
 @njit(cache=True, error_model="numpy")
-def command_of(force: float, curve: Array) -> float:
+def command_from_thrust(force: float, curve: Array) -> float:
     """Return the command in [-1, 1] whose steady thrust is nearest to `force` [N]."""
     if force == 0.0:
         return 0.0
@@ -104,17 +104,17 @@ def command_of(force: float, curve: Array) -> float:
 def steady_thrust(command: Array, curve: Array, out: Array) -> bool:
     """Write the steady thrust of each command, (n,) in [-1, 1], to `out`, (n,) [N].
 
-    Returns False, and stops, at a command that is not a number.
+    Stops and returns False at a command that is not a number.
     """
     for i in range(command.size):
         if math.isnan(command[i]):
             return False
-        out[i] = force_of(command[i], curve)
+        out[i] = thrust_from_command(command[i], curve)
     return True
 
 
 @njit(cache=True, error_model="numpy")
 def commands_for(force: Array, curve: Array, out: Array) -> None:
-    """Write the command for each wanted thrust, (n,) [N], to `out`, (n,) in [-1, 1]."""
+    """Write the command for each desired thrust, (n,) [N], to `out`, (n,) in [-1, 1]."""
     for i in range(force.size):
-        out[i] = command_of(force[i], curve)
+        out[i] = command_from_thrust(force[i], curve)

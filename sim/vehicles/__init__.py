@@ -1,8 +1,8 @@
-"""Vehicles as data: every number with its unit, its source and how far it can be trusted.
+"""Vehicles as data: every number with its unit, its source and how reliable it is.
 
 Adding a vehicle is one file here that defines `VEHICLE`, and one line in the registry. Body frame:
-x forward, y starboard, z down (Fossen 2021); the origin is the point that the thruster arms are
-given about. This package needs no compiled code: forms and documentation read it as well.
+x forward, y starboard, z down (Fossen 2021); the origin is the point that the lever arms of the
+thrusters refer to. This package needs no compiled code: forms and documentation read it as well.
 """
 
 from collections.abc import Iterator, Mapping
@@ -27,7 +27,7 @@ STANDARD_GRAVITY = 9.80665  # [m/s²] BIPM
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Quantity:
-    """A number, or a few that belong together, and where it is from."""
+    """One or several numbers that belong together, and their source."""
 
     meaning: str
     value: tuple[float, ...]
@@ -62,8 +62,8 @@ class ThrustCurve:
     polynomial
         Command is c0 + c1 f + c2 f² + ... of the thrust f [N]; the curve is its inverse.
 
-    Commands within the dead band give nothing; thrust stays within `limits` (greatest forward,
-    greatest reverse, both positive).
+    Commands within the dead band give no thrust; thrust is limited to `limits` (forward, reverse,
+    both positive).
     """
 
     kind: Literal["quadratic", "polynomial"]
@@ -84,11 +84,11 @@ class HullBox:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Vehicle:
-    """All that the physics needs to know of a vehicle.
+    """The parameters of a vehicle.
 
-    `added_mass`, `drag_linear` and `drag_quadratic` are groups that follow each other to six
-    numbers: x, y, z, roll, pitch, yaw. They are positive; Fossen's derivatives are their negatives.
-    `defaults` are configuration values that come with the choice of this vehicle.
+    `added_mass`, `drag_linear` and `drag_quadratic` are groups that together have six numbers:
+    x, y, z, roll, pitch, yaw. They are positive; Fossen's derivatives are their negatives.
+    `defaults` are configuration values that are set when this vehicle is chosen.
     """
 
     name: str
@@ -111,7 +111,7 @@ class Vehicle:
     defaults: Mapping[str, object] = field(default_factory=dict)
 
     def quantities(self) -> Iterator[tuple[str, Quantity]]:
-        """Yield every number of the vehicle with a readable place, for tables and manifests."""
+        """Yield every number of the vehicle with a readable name, for tables and manifests."""
         for key in ("mass", "inertia", "added_mass", "drag_linear", "drag_quadratic"):
             entry = getattr(self, key)
             yield from ((key, q) for q in (entry if isinstance(entry, tuple) else (entry,)))
@@ -169,7 +169,7 @@ class Vehicle:
         return _joined(self.drag_quadratic)
 
     def allocation(self) -> Array:
-        """Return what a unit thrust of each thruster does, (6, n) wrench about the origin."""
+        """Return the thruster matrix, (6, n): the wrench of each unit thrust about the origin."""
         matrix = np.zeros((6, len(self.thrusters)))
         for i, thruster in enumerate(self.thrusters):
             (x, y, z), (a, b, c) = thruster.position.value, thruster.direction
@@ -177,7 +177,7 @@ class Vehicle:
         return matrix
 
     def hull_radius(self) -> float:
-        """Return the radius [m] of the sphere about the origin that holds the whole hull."""
+        """Return the radius [m] of the sphere about the origin that contains the whole hull."""
         corners = [
             sum((abs(c) + 0.5 * s) ** 2 for c, s in zip(p.centre.value, p.size.value, strict=True))
             for p in self.hull

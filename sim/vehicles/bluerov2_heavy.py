@@ -1,14 +1,14 @@
 """BlueROV2 Heavy: small, eight thrusters, actuated on all six axes.
 
-Masses and drag are those identified in a towing tank, as for no other vehicle here; the thruster
-places are those of the simulation model that ArduSub is tested with. The origin is the centre of
-gravity.
+Masses and drag were identified in a towing tank, unlike those of the other vehicles; the thruster
+positions are those of the simulation model that ArduSub is tested with. The origin is the centre
+of gravity.
 """
 
 from seamark.sim.vehicles import HullBox, Quantity, Tag, ThrustCurve, Thruster, Vehicle
 
 _TANK = "von Benzon et al. 2022, J. Mar. Sci. Eng. 10(12) 1898"
-_PLACES = "clydemcqueen/bluerov2_gz bb03343, models/bluerov2_heavy/model.sdf"
+_POSITIONS = "clydemcqueen/bluerov2_gz bb03343, models/bluerov2_heavy/model.sdf"
 _MAKER = "Blue Robotics, T200 at 16 V: 5.25 kgf forward, 4.10 kgf reverse"
 _GRAVITY = 9.82  # [m/s²] as in the source
 _DIAGONAL = 0.7071067811865476
@@ -23,13 +23,13 @@ def _quantity(
 
 def _flat(name: str, x: float, y: float, sideways: float) -> Thruster:
     """A horizontal thruster at 45 degrees; `sideways` is +1 if it pushes to starboard too."""
-    place = _quantity("place of the thruster", (x, y, 0.0), "m", _PLACES)
-    return Thruster(name=name, position=place, direction=(_DIAGONAL, sideways * _DIAGONAL, 0.0))
+    position = _quantity("position of the thruster", (x, y, 0.0), "m", _POSITIONS)
+    return Thruster(name=name, position=position, direction=(_DIAGONAL, sideways * _DIAGONAL, 0.0))
 
 
 def _upright(name: str, x: float, y: float) -> Thruster:
-    place = _quantity("place of the thruster", (x, y, -0.064), "m", _PLACES)
-    return Thruster(name=name, position=place, direction=(0.0, 0.0, 1.0))
+    position = _quantity("position of the thruster", (x, y, -0.064), "m", _POSITIONS)
+    return Thruster(name=name, position=position, direction=(0.0, 0.0, 1.0))
 
 
 VEHICLE = Vehicle(

@@ -1,4 +1,4 @@
-"""Girona 500 with honest dynamics: three torpedo hulls, five thrusters, 143 kg dry.
+"""Girona 500 with realistic dynamics: three torpedo hulls, five thrusters, 143 kg dry.
 
 The masses are those of Stonefish's parts list; drag and thrusters those of the COLA2 controller of
 the real vehicle. The origin is COLA2's base link; the arms of its thruster matrix are used as

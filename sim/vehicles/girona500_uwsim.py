@@ -1,7 +1,7 @@
 """The Girona 500 as UWSim simulates it: the plant of the published experiment, for comparison.
 
-Four times too little drag in sway and heave, thrusters half as strong again as the real ones, and a
-"current" that is a force. Its defaults bring the experiment's laws with it.
+A quarter of the drag in sway and heave, thrusters 50 % stronger than the real ones, and a "current"
+that is a force. Its defaults select the laws of the experiment.
 """
 
 from dataclasses import replace

@@ -1,7 +1,7 @@
 """A vehicle as URDF, written from its numbers: one rigid link with its hull.
 
-URDF has no place for water: what is here is the dry vehicle. Its frames are ours (x forward,
-y starboard, z down), so a viewer that takes z for up shows it upside down.
+URDF has no water, so this is the dry vehicle. Its frames are the simulator's (x forward,
+y starboard, z down), so a viewer with z up shows it upside down.
 """
 
 from xml.etree import ElementTree as Xml

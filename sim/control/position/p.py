@@ -20,7 +20,7 @@ class Controller:
         self.axes = 3 if config["control_heave"] else 2
 
     def reset(self, level: Mapping[str, float | int]) -> None:
-        """Forget nothing: there is no memory."""
+        """Do nothing: there is no state."""
 
     def step(self, observation: Observation) -> Sequence[float]:
         """Return surge, sway, heave [m/s] and yaw rate [rad/s]."""

@@ -1,4 +1,4 @@
-"""PI: proportional and integral, with the integral stopped while the reference is at its limit."""
+"""PI: proportional and integral, with anti-windup at the limit of the reference."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -19,10 +19,10 @@ class Controller:
         self.ki = config["ki"]
         self.limit = config["reference_limit_m_s"]
         self.axes = 3 if config["control_heave"] else 2
-        self.integral = [0.0, 0.0, 0.0]  # [m/s] what the integral adds to the reference
+        self.integral = [0.0, 0.0, 0.0]  # [m/s] contribution to the reference
 
     def reset(self, level: Mapping[str, float | int]) -> None:
-        """Forget the last level's current."""
+        """Reset the integral."""
         self.integral = [0.0, 0.0, 0.0]
 
     def step(self, observation: Observation) -> Sequence[float]:
@@ -33,7 +33,7 @@ class Controller:
             change = self.ki * error * observation.dt if observation.target_visible else 0.0
             wanted = self.kp * error + self.integral[axis] + change
             command[axis] = min(max(wanted, -self.limit), self.limit)
-            # Anti-windup: at the limit the integral may only move back towards the free range.
+            # Anti-windup: at the limit the integral may only move back inside.
             if command[axis] == wanted or (wanted - command[axis]) * change < 0.0:
                 self.integral[axis] += change
         return command

@@ -1,7 +1,7 @@
-// Lets Seamark use ViSP's template trackers in a process of their own, over a pipe.
+// Runs ViSP's template trackers for Seamark in a separate process, over a pipe.
 //
 // ViSP is licensed under the GPL; this program only calls its interface, and Seamark talks to this
-// program alone. Messages, all numbers little-endian as the processor has them:
+// program alone. Messages, all numbers in the processor's (little-endian) order:
 //   start:  'S', 8 int32 (criterion, method, warp, levels, sampling, iterations, width, height),
 //           8 double (corners u, v), 8 double (corners of the template), pixels
 //                                              -> 'K', or 'E' + int32 length + text
@@ -48,11 +48,11 @@ enum { Esm, Inverse, Additional, Compositional };
 const int kLargestSide = 8192;
 
 bool read_all(void *to, size_t bytes) {
-  char *place = static_cast<char *>(to);
+  char *position = static_cast<char *>(to);
   while (bytes > 0) {
-    const ssize_t got = ::read(0, place, bytes);
+    const ssize_t got = ::read(0, position, bytes);
     if (got <= 0) return false;
-    place += got;
+    position += got;
     bytes -= static_cast<size_t>(got);
   }
   return true;
@@ -124,12 +124,12 @@ class Target {
     if (!read_all(settings_, sizeof settings_)) return false;
     for (const int side : {settings_[Width], settings_[Height]})
       if (side < 1 || side > kLargestSide) return false;
-    picture_.resize(settings_[Height], settings_[Width]);
+    image_.resize(settings_[Height], settings_[Width]);
     return read_all(corners_, sizeof corners_) && read_all(template_, sizeof template_) &&
-           read_picture();
+           read_image();
   }
 
-  bool read_picture() { return read_all(picture_.bitmap, picture_.getSize()); }
+  bool read_image() { return read_all(image_.bitmap, image_.getSize()); }
 
   void start() {
     warp_ = make_warp(settings_[Warp]);
@@ -142,13 +142,13 @@ class Target {
     std::vector<vpImagePoint> outline;
     for (const int corner : {0, 1, 2, 0, 2, 3})  // two triangles
       outline.emplace_back(template_[2 * corner + 1], template_[2 * corner]);
-    tracker_->initFromPoints(picture_, outline, false);
+    tracker_->initFromPoints(image_, outline, false);
   }
 
   std::string track() {
     if (!tracker_) throw std::runtime_error("no target yet");
     const double before = cpu_seconds();
-    tracker_->track(picture_);
+    tracker_->track(image_);
     const double spent = cpu_seconds() - before;
     std::string answer = "K";
     const vpColVector p = tracker_->getp();
@@ -174,7 +174,7 @@ class Target {
   int32_t settings_[Settings];
   double corners_[8];
   double template_[8];  // corners of what is compared
-  vpImage<unsigned char> picture_;
+  vpImage<unsigned char> image_;
   std::unique_ptr<vpTemplateTrackerWarp> warp_;
   std::unique_ptr<vpTemplateTracker> tracker_;
 };
@@ -182,13 +182,13 @@ class Target {
 }  // namespace
 
 int main() {
-  ::prctl(PR_SET_PDEATHSIG, SIGKILL);  // also in the middle of a picture that takes for ever
+  ::prctl(PR_SET_PDEATHSIG, SIGKILL);  // also during an image that never ends
   Target target;
   char kind;
   while (read_all(&kind, 1)) {
     if (kind == 'S') {
       if (!target.read()) return 1;
-    } else if (kind != 'T' || !target.read_picture()) {
+    } else if (kind != 'T' || !target.read_image()) {
       return 1;
     }
     try {

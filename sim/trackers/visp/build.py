@@ -13,7 +13,7 @@ _TRIES_S = 120
 def build() -> str:
     """Build the bridge if it is not there yet; return why it cannot be, or nothing.
 
-    It takes its place in one step, so that nobody ever starts half a program.
+    The file is replaced atomically, so that no incomplete program is ever started.
     """
     if bridge_path().exists():
         return ""

@@ -19,16 +19,16 @@ def settled(reference: Reference, *, current: float = 0.0, **settings: object) -
     config = benchmark("currents-v1").read(settings)
     vehicle = load(config.model_dump()["vehicle"])
     plant = Plant(vehicle, Current(current, pattern=Pattern(azimuth_rad=0.3, speed_swing=0.0)))
-    plant.place(START)
+    plant.reset(START)
     controller = VelocityController(vehicle, config)
-    for tick in range(1200):
+    for step in range(1200):
         pose, (u, v, w, p, q, r) = plant.pose(), plant.velocity().tolist()
-        sensed = Sensed((u, v, w), float(pose[2]), float(pose[5]), r, tick % 4 == 0)
+        sensed = Sensed((u, v, w), float(pose[2]), float(pose[5]), r, step % 4 == 0)
         sensed = sensed._replace(tilt=(float(pose[3]), float(pose[4])), tilt_rates=(p, q))
         controller.sense(sensed)
-        if tick == 0:
+        if step == 0:
             controller.reset()
-        plant.advance(tick * 5, controller.step(reference, 0.05), 5)
+        plant.advance(step * 5, controller.step(reference, 0.05), 5)
     return plant
 
 

@@ -5,7 +5,7 @@ from dataclasses import fields
 import numpy as np
 import pytest
 
-from seamark.sim.numerics.random_streams import OF_THE_TRIAL, Streams, streams
+from seamark.sim.numerics.random_streams import PER_TRIAL, Streams, streams
 
 NAMES = [field.name for field in fields(Streams)]
 
@@ -21,13 +21,13 @@ def test_the_same_numbers_give_the_same_streams() -> None:
 def test_every_seed_trial_level_and_name_has_its_own_stream() -> None:
     keys = [(seed, trial, level) for seed in (0, 1) for trial in (0, 1) for level in (0, 1)]
 
-    names = set(NAMES) - OF_THE_TRIAL
+    names = set(NAMES) - PER_TRIAL
     draws = [getattr(streams(*key), name).random() for key in keys for name in names]
 
     assert len(set(draws)) == len(draws)
 
 
-@pytest.mark.parametrize("name", OF_THE_TRIAL)
+@pytest.mark.parametrize("name", PER_TRIAL)
 def test_what_belongs_to_the_trial_is_the_same_in_all_levels(name: str) -> None:
     draws = [getattr(streams(*key), name).random() for key in ((3, 0, 0), (3, 0, 4), (3, 1, 0))]
 

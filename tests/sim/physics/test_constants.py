@@ -8,7 +8,7 @@ import pytest
 
 from seamark.sim.camera.target import Target
 from seamark.sim.physics import constants, contact, current, plant, terrain
-from seamark.sim.sensors import sensors
+from seamark.sim.sensors import dvl
 from seamark.sim.vehicles import STANDARD_GRAVITY, TAGS, Quantity
 
 LISTED = [quantity for group in constants.GROUPS.values() for quantity in group]
@@ -33,8 +33,8 @@ def test_the_simulator_works_with_these_numbers() -> None:
     assert constants.STANDARD_GRAVITY.scalar == STANDARD_GRAVITY
     assert constants.STEP_S.scalar == plant.STEP_S
     assert constants.GUST_GRID_S.scalar == current.GUST_GRID_S
-    assert constants.LEAST_HEIGHT_M.scalar == current.LEAST_HEIGHT_M
-    assert constants.DVL_RANGE_M.value == sensors.DVL_RANGE_M
+    assert constants.MIN_HEIGHT_M.scalar == current.MIN_HEIGHT_M
+    assert constants.DVL_RANGE_M.value == dvl.RANGE_M
     assert constants.MOUND_REACH_M.scalar == terrain.REACH_M
     assert constants.GATE_M.scalar == contact.GATE_M
     box, target = contact.TargetBox(centre=(0.0, 0.0, 0.0)), Target()

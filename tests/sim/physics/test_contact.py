@@ -71,7 +71,7 @@ def bottom(heavy: Vehicle) -> Iterator[Listening]:
 
 def test_a_press_of_fifty_newtons_reads_fifty_newtons(heavy: Vehicle, bottom: Listening) -> None:
     plant = Plant(heavy, Current(0.0), contact=bottom)
-    plant.place(np.array([0.0, 0.0, SEABED_Z - 0.53, 0.0, 0.0, 0.0]))
+    plant.reset(np.array([0.0, 0.0, SEABED_Z - 0.53, 0.0, 0.0, 0.0]))
 
     plant.advance(0, np.zeros(5), 2000)
 
@@ -88,7 +88,7 @@ def test_a_hit_passes_the_momentum_on() -> None:
     floating = TargetBox(centre=(1.5, 0.0, 2.0), size=size, mass=1000.0 * size[0] * size[1] ** 2)
     contact = Contact(vehicle, Bottom(100.0), box=floating)
     plant = Plant(vehicle, Current(0.0), contact=contact)
-    plant.place(np.array([0.0, 0.0, 2.0 - 0.361, 0.0, 0.0, 0.0]))
+    plant.reset(np.array([0.0, 0.0, 2.0 - 0.361, 0.0, 0.0, 0.0]))
     plant.state[7] = 0.4
     before = momentum(plant)
 
@@ -107,7 +107,7 @@ def test_a_pushed_box_comes_to_rest_on_the_bottom() -> None:
     vehicle = load("girona500")
     contact = Contact(vehicle, FLAT, box=BOX)
     plant = Plant(vehicle, Current(0.0), contact=contact)
-    plant.place(np.array([-1.1, 0.0, SEABED_Z - 0.55, 0.0, 0.0, 0.0]))
+    plant.reset(np.array([-1.1, 0.0, SEABED_Z - 0.55, 0.0, 0.0, 0.0]))
     plant.state[7] = 0.5
 
     plant.advance(0, np.array([0.0, 0.0, 0.1, 0.1, 0.0]), 1000)
@@ -124,7 +124,7 @@ def test_a_vehicle_that_lands_on_a_fixed_box_rests_on_it_and_the_box_stays(heavy
     box = replace(BOX, fixed=True)
     contact = Listening(heavy, FLAT, box=box)
     plant = Plant(heavy, Current(0.0), contact=contact)
-    plant.place(np.array([0.049, 0.0, SEABED_Z - 0.13 - 0.53, 0.0, 0.0, 0.0]))
+    plant.reset(np.array([0.049, 0.0, SEABED_Z - 0.13 - 0.53, 0.0, 0.0, 0.0]))
 
     plant.advance(0, np.zeros(5), 1500)
     place, _turn = contact.box_pose()
@@ -140,7 +140,7 @@ def test_a_fixed_box_stops_what_runs_into_it() -> None:
     vehicle = load("girona500")
     contact = Contact(vehicle, FLAT, box=replace(BOX, fixed=True))
     plant = Plant(vehicle, Current(0.0), contact=contact)
-    plant.place(np.array([-1.2, 0.0, SEABED_Z - 0.56, 0.0, 0.0, 0.0]))
+    plant.reset(np.array([-1.2, 0.0, SEABED_Z - 0.56, 0.0, 0.0, 0.0]))
     plant.state[7] = 0.5
 
     plant.advance(0, np.zeros(5), 300)
@@ -156,7 +156,7 @@ def test_contact_runs_repeat_to_the_last_bit(heavy: Vehicle) -> None:
     for _ in range(2):
         contact = Contact(heavy, FLAT, box=BOX)
         plant = Plant(heavy, Current(0.2), contact=contact)
-        plant.place(np.array([0.1, 0.05, SEABED_Z - 0.9, 0.0, 0.0, 0.3]))
+        plant.reset(np.array([0.1, 0.05, SEABED_Z - 0.9, 0.0, 0.0, 0.3]))
         plant.advance(0, np.zeros(5), 600)
         states.append(plant.state.tobytes())
         contact.close()
@@ -206,7 +206,7 @@ def test_a_free_run_with_contacts_is_the_run_without() -> None:
     runs = []
     for contact in (None, Contact(vehicle, FLAT, box=BOX)):
         plant = Plant(vehicle, Current(0.3), contact=contact)
-        plant.place(np.array([0.0, 0.0, 1.5, 0.0, 0.0, 0.0]))
+        plant.reset(np.array([0.0, 0.0, 1.5, 0.0, 0.0, 0.0]))
         plant.advance(0, np.full(5, 0.2), 200)
         runs.append(plant.state.tobytes())
 
@@ -222,7 +222,7 @@ def test_the_lowest_point_is_that_of_the_lowest_corner(
     angles: tuple[float, ...], sizes: tuple[float, ...], centre: tuple[float, ...]
 ) -> None:
     plant = Plant(load("girona500"), Current(0.0))
-    plant.place(np.array([1.0, 2.0, 3.0, angles[0], 0.4 * angles[1], angles[2]]))
+    plant.reset(np.array([1.0, 2.0, 3.0, angles[0], 0.4 * angles[1], angles[2]]))
     rotation = np.empty((3, 3))
     write_rotation(*plant.state[3:7], rotation)
     corners = [
@@ -246,10 +246,10 @@ from seamark.sim.vehicles import load
 vehicle = load("girona500")
 contact = Contact(vehicle, Bottom(4.785), box=TargetBox(centre=(0.0, 0.0, 4.72)))
 plant = Plant(vehicle, Current(0.3), contact=contact)
-plant.place(np.array([0.0, 0.0, 1.5, 0.0, 0.0, 0.0]))
+plant.reset(np.array([0.0, 0.0, 1.5, 0.0, 0.0, 0.0]))
 plant.advance(0, np.zeros(5), 500)
 free = "pybullet" in sys.modules
-plant.place(np.array([0.0, 0.0, 4.25, 0.0, 0.0, 0.0]))
+plant.reset(np.array([0.0, 0.0, 4.25, 0.0, 0.0, 0.0]))
 plant.advance(0, np.zeros(5), 10)
 contact.close()
 print(free, "pybullet" in sys.modules)

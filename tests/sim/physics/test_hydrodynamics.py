@@ -7,11 +7,11 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from seamark.sim.numerics.arrays import Array
+from seamark.sim.numerics.linear_algebra import inverse
 from seamark.sim.physics.hydrodynamics import (
     add_coriolis,
     add_drag,
     add_restoring,
-    inverse,
     write_rotation,
 )
 from seamark.sim.vehicles import load

@@ -23,7 +23,7 @@ NAMES = ["girona500", "girona500-uwsim"]
 
 def end_state(step_s: float, seconds: float, current: Current) -> Array:
     plant = Plant(load("girona500"), current, step_s=step_s)
-    plant.place(START)
+    plant.reset(START)
     plant.advance(0, COMMAND, round(seconds / step_s))
     return plant.state
 
@@ -53,7 +53,7 @@ def test_the_working_step_is_exact_to_a_micrometre() -> None:
 def test_the_plant_agrees_with_an_independent_reference(name: str, law: str) -> None:
     pattern = Pattern(azimuth_rad=0.5, law="force" if law == "force" else "relative")
     plant = Plant(load(name), Current(0.4, pattern=pattern))
-    plant.place(START)
+    plant.reset(START)
 
     plant.advance(0, COMMAND, 2000)
     water = Water(level=0.4, azimuth=0.5, force=law == "force")
@@ -69,7 +69,7 @@ def test_in_a_sheared_current_too_the_plant_agrees_with_the_reference(name: str)
     vehicle = load(name)
     shear = Shear(exponent=0.5, bottom_m=5.0, height_m=2.0)
     plant = Plant(vehicle, Current(0.4, pattern=Pattern(azimuth_rad=0.5), shear=shear))
-    plant.place(START)
+    plant.reset(START)
     command = np.resize(COMMAND, len(vehicle.thrusters))
 
     plant.advance(0, command, 300)
@@ -85,9 +85,9 @@ def test_many_short_calls_give_the_bits_of_one_long_call() -> None:
     states = []
     for chunk in (1, 5, 300):
         plant = Plant(load("girona500"), Current(0.3, rng=streams(4, 0, 0).gust))
-        plant.place(START)
-        for tick in range(0, 300, chunk):
-            plant.advance(tick, COMMAND, chunk)
+        plant.reset(START)
+        for step in range(0, 300, chunk):
+            plant.advance(step, COMMAND, chunk)
         states.append(plant.state.tobytes())
 
     assert len(set(states)) == 1
@@ -106,7 +106,7 @@ from seamark.sim.vehicles import load
 digest = hashlib.sha256()
 source = streams(11, 2, 3)
 plant = Plant(load("girona500"), Current(0.3, rng=source.gust))
-plant.place(np.array([0.0, 0.0, 2.0, 0.15, -0.1, 0.4]))
+plant.reset(np.array([0.0, 0.0, 2.0, 0.15, -0.1, 0.4]))
 dvl = Dvl(source.dvl)
 for tick in range(0, 3000, 5):
     truth = Truth(plant.pose(), plant.velocity(), 2.5)
@@ -164,7 +164,7 @@ def test_another_processor_gives_the_same_bytes(tmp_path: Path) -> None:
 @pytest.mark.slow
 def test_the_machine_code_has_no_fused_operations() -> None:
     plant = Plant(load("girona500"), Current(0.1))
-    plant.place(START)
+    plant.reset(START)
     kernel = type(integrate)(integrate.py_func, targetoptions={"error_model": "numpy"})
 
     kernel(plant.state, plant._target, 0, 1, 0.01, plant._body, plant.current.water, np.inf)

@@ -21,15 +21,15 @@ def errors_px(level: float, ki: float) -> Array:
     plant = Plant(load("girona500-uwsim"), Current(level, pattern=pattern))
     dvl = Dvl(streams(1, 0, 0).dvl)
     total, rows = np.zeros(2), []
-    for tick in range(0, 12_000, 5):
+    for step in range(0, 12_000, 5):
         pose, velocity = plant.pose(), plant.velocity()
-        measured, _valid = sample(dvl, tick, Truth(pose, velocity, 3.0))
+        measured, _valid = sample(dvl, step, Truth(pose, velocity, 3.0))
         error = -pose[:2]  # the heading stays at zero: nothing turns this plant
         total += 0.05 * error
         surge, sway = KP * error + ki * total - measured[:2]
         heave = -measured[2]
         command = np.array([5 * surge, 5 * surge, 5 * heave, 5 * heave, 6 * sway])
-        plant.advance(tick, command, 5)
+        plant.advance(step, command, 5)
         rows.append(-error[::-1] * PIXELS_PER_METRE)
     return np.array(rows)
 

@@ -15,7 +15,14 @@ from seamark.sim.physics import terrain as module
 from seamark.sim.physics.contact import CELL_M, Contact
 from seamark.sim.physics.current import Current
 from seamark.sim.physics.plant import Plant
-from seamark.sim.physics.terrain import REACH_M, Bottom, Relief, cast, draw_relief, mound
+from seamark.sim.physics.terrain import (
+    REACH_M,
+    Bottom,
+    Relief,
+    cast_ray,
+    draw_relief,
+    height_and_slope,
+)
 from seamark.sim.recording.telemetry import INDEX
 from seamark.sim.sensors.altimeter import Altimeter
 from seamark.sim.sensors.dvl import Dvl
@@ -33,7 +40,7 @@ places = st.floats(-25.0, 25.0)
 
 def hit(start: Array, way: Array) -> float:
     unit = way / np.linalg.norm(way)
-    far, _facing = cast(tuple(start.tolist()), tuple(unit.tolist()), MOUNDS)
+    far, _facing = cast_ray(tuple(start.tolist()), tuple(unit.tolist()), MOUNDS)
     return far
 
 
@@ -58,10 +65,10 @@ def test_mounds_are_worth_their_name() -> None:
 @given(north=places, east=places)
 def test_slopes_are_those_of_the_heights_and_within_the_bound(north: float, east: float) -> None:
     step = 1e-6
-    _height, slope_x, slope_y = mound(north, east, MOUNDS)
+    _height, slope_x, slope_y = height_and_slope(north, east, MOUNDS)
 
-    ahead, behind = (mound(north + d, east, MOUNDS)[0] for d in (step, -step))
-    right, left = (mound(north, east + d, MOUNDS)[0] for d in (step, -step))
+    ahead, behind = (height_and_slope(north + d, east, MOUNDS)[0] for d in (step, -step))
+    right, left = (height_and_slope(north, east + d, MOUNDS)[0] for d in (step, -step))
 
     assert slope_x == pytest.approx((ahead - behind) / (2 * step), abs=1e-5)
     assert slope_y == pytest.approx((right - left) / (2 * step), abs=1e-5)
@@ -149,7 +156,7 @@ def test_a_vehicle_rests_on_the_mounds_and_on_the_flat_beyond(north: float, east
     contact = Contact(vehicle, HILLY)
     plant = Plant(vehicle, Current(0.0), contact=contact)
     above = HILLY.depth_at(north, east) - 0.5 * 0.2539
-    plant.place(np.array([north, east, above - 0.3, 0.0, 0.0, 0.0]))
+    plant.reset(np.array([north, east, above - 0.3, 0.0, 0.0, 0.0]))
 
     plant.advance(0, np.zeros(8), 1500)
     x, y, z, *_angles = plant.pose()
@@ -182,7 +189,7 @@ def test_the_mounds_are_the_same_in_all_levels_and_others_in_another_trial() -> 
 
 
 def test_the_machine_code_of_a_beam_has_no_fused_operations() -> None:
-    kernel = numba.njit(error_model="numpy")(module.cast.py_func)
+    kernel = numba.njit(error_model="numpy")(module.cast_ray.py_func)
     kernel((0.0, 0.0, 1.0), (0.0, 0.0, 1.0), MOUNDS)
     (assembly,) = kernel.inspect_asm().values()
 
@@ -192,7 +199,7 @@ def test_the_machine_code_of_a_beam_has_no_fused_operations() -> None:
 
 @pytest.mark.parametrize(("height", "flat"), [(-0.1, 2.0), (0.5, -1.0), (0.5, 17.0)])
 def test_mounds_that_cannot_be_are_refused(height: float, flat: float) -> None:
-    with pytest.raises(ValueError, match="no mounds"):
+    with pytest.raises(ValueError, match="are not possible"):
         draw_relief(streams(1, 0, 0).bottom, height_m=height, flat_m=flat)
 
 

@@ -21,7 +21,7 @@ def currents() -> Benchmark:
 
 
 def thrusts(fault: ThrusterFault, wanted: list[float]) -> list[float]:
-    return [fault.given(at * 5, value) for at, value in enumerate(wanted)]
+    return [fault.apply(at * 5, value) for at, value in enumerate(wanted)]
 
 
 def test_a_weak_thruster_gives_its_share_from_its_time_on() -> None:
