@@ -1,4 +1,4 @@
-"""Every setting of a service, in one place, read once from the environment."""
+"""All settings of a service, read once from the environment."""
 
 import os
 import secrets
@@ -24,7 +24,7 @@ class SettingsInvalid(Exception):
 
 
 class Settings(BaseModel):
-    """What an operator can choose. Each field is the variable `SEAMARK_<NAME>` or `..._FILE`."""
+    """Settings of an operator. Each field is the variable `SEAMARK_<NAME>` or `..._FILE`."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
@@ -100,16 +100,16 @@ class Settings(BaseModel):
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
-        """Refuse combinations that cannot work."""
+        """Reject combinations that cannot work."""
         if self.lease_s <= 2 * self.heartbeat_s:
             raise ValueError("lease_s must be more than twice heartbeat_s, or live runs are lost")
         return self
 
     def model_post_init(self, context: object, /) -> None:
-        """Make the folder and the secret that every process of the service shares."""
+        """Create the folder and the secret that all processes of the service share."""
         self.data.mkdir(parents=True, exist_ok=True, mode=0o700)
         if not self.secret_key:
-            object.__setattr__(self, "secret_key", _kept_secret(self.data / "secret"))
+            object.__setattr__(self, "secret_key", _stored_secret(self.data / "secret"))
 
     @classmethod
     def load(cls, environ: Mapping[str, str] | None = None) -> Self:
@@ -170,8 +170,8 @@ def _sentences(wrong: ValidationError) -> list[str]:
     ]
 
 
-def _kept_secret(path: Path) -> str:
-    """Return the secret in `path`, made at the first call; safe when processes race."""
+def _stored_secret(path: Path) -> str:
+    """Return the secret in `path`, generated at the first call; safe against races."""
     if not path.exists():
         draft = path.with_name(f"secret.{secrets.token_hex(8)}")
         with open(os.open(draft, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "w") as file:

@@ -15,7 +15,7 @@ from seamark.server.settings import Settings
 
 ALIVE_S = 35.0  # a worker counts as dead after this time without a heartbeat
 LISTED_S = 86_400.0  # dead workers stay listed for a day
-RUNNING = "running"  # of a side process; any other text says what is wrong
+RUNNING = "running"  # state of a side process; any other text says what is wrong
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -39,7 +39,7 @@ class WorkerStatus:
 
 
 def register(session: Session, worker: Worker) -> None:
-    """List a worker that starts; replaces what is left of one with the same name."""
+    """List a worker that starts; replaces an earlier entry of the same name."""
     worker.started_at = worker.seen_at = time.time()
     worker.processes = {}
     session.merge(worker)

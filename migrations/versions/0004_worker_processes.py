@@ -10,7 +10,7 @@ depends_on = None
 
 
 def upgrade() -> None:
-    """Add the column; a worker that is listed already is taken to have none."""
+    """Add the column; empty for workers that are already listed."""
     op.add_column(
         "workers", sa.Column("processes", sa.JSON(), nullable=False, server_default="{}")
     )

@@ -17,12 +17,11 @@ from prometheus_client.core import GaugeMetricFamily
 from prometheus_client.metrics_core import Metric
 from prometheus_client.registry import Collector
 from redis.exceptions import RedisError
-from sqlalchemy import func, select, text
+from sqlalchemy import text
 from sqlalchemy.exc import SQLAlchemyError
 
 from seamark.server import workers
-from seamark.server.database.tables import Run
-from seamark.server.runs.states import RunState
+from seamark.server.runs import views
 from seamark.server.web.services import Services, services
 from seamark.server.workers import WorkerStatus
 
@@ -58,17 +57,10 @@ class _Queue(Collector):
         """Read the gauges."""
         runs = GaugeMetricFamily("seamark_runs", "Runs by state", labels=("state",))
         with self._held.database.reading() as database:
-            counts = dict.fromkeys((state.value for state in RunState), 0)
-            for state, number in database.execute(
-                select(Run.state, func.count()).group_by(Run.state)
-            ):
-                counts[state] = number
-            oldest = database.scalar(
-                select(func.min(Run.queued_at)).where(Run.state == RunState.QUEUED)
-            )
+            counts, oldest = views.counts(database), views.oldest_queued_at(database)
             listed = workers.listed(database)
         for state, count in counts.items():
-            runs.add_metric((state,), count)
+            runs.add_metric((state.value,), count)
         waited = 0.0 if oldest is None else max(time.time() - oldest, 0.0)
         yield runs
         yield GaugeMetricFamily(

@@ -1,4 +1,4 @@
-"""Refusals of the services below as problem documents: each type of refusal is mapped once."""
+"""Maps each type of refusal (of a submission, upload, quota or check) to a problem document."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from seamark.sim.settings.configuration import ConfigurationInvalid
 
 @contextmanager
 def as_problems() -> Iterator[None]:
-    """Raise the problem that tells the client what a refusal in this block says."""
+    """Raise a refusal that occurs in this block as a problem."""
     try:
         yield
     except ConfigurationInvalid as refusal:

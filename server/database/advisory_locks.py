@@ -1,4 +1,4 @@
-"""Advisory locks: one transaction at a time in each critical section. Every number stands here."""
+"""Advisory locks: one transaction at a time in each critical section. All their numbers."""
 
 from enum import IntEnum, unique
 

@@ -16,7 +16,7 @@ import structlog
 from redis import Redis
 from redis.exceptions import RedisError
 
-KEEP = 2000  # entries kept of a stream
+ENTRIES_MAX = 2000  # of a stream; older ones are dropped
 EXPIRE_S = 3600  # after the end
 BACKLOG = 500  # events that may wait for one slow client; the oldest are dropped
 HEARTBEAT_S = 10.0  # proxies close idle connections; only a write detects a lost client
@@ -53,7 +53,7 @@ def key(run_id: int) -> str:
 def append(redis: "Redis", run_id: int, kind: str, data: dict[str, Any]) -> None:
     """Add an event; the stream expires an hour after "end". Raises RedisError."""
     fields: Any = {"kind": kind, "data": json.dumps(data, allow_nan=False)}
-    redis.xadd(key(run_id), fields, maxlen=KEEP, approximate=True)
+    redis.xadd(key(run_id), fields, maxlen=ENTRIES_MAX, approximate=True)
     if kind == END:
         redis.expire(key(run_id), EXPIRE_S)
 

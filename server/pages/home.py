@@ -2,10 +2,8 @@
 
 from flask import Blueprint, g, render_template
 from flask.typing import ResponseReturnValue
-from sqlalchemy import func, select
 
 from seamark.server import workers
-from seamark.server.database.tables import Run
 from seamark.server.pages import benchmarks
 from seamark.server.runs import leaderboard, views
 from seamark.server.runs.states import LIVE, RunState
@@ -27,18 +25,15 @@ def show() -> ResponseReturnValue:
             (registry.benchmark(name), leaderboard.page(session, name, limit=BEST))
             for name in registry.BENCHMARKS
         ]
-        ended = func.count().filter(Run.state == RunState.SUCCEEDED)
-        live = func.count().filter(Run.state.in_(LIVE))
-        simulated = func.coalesce(func.sum(Run.t_simulated), 0.0)
-        done, waiting, simulated_s = session.execute(select(ended, live, simulated)).one()
+        counts, simulated_s = views.counts(session), views.simulated_s(session)
         alive = workers.alive_count(session)
     return render_template(
         "home/index.html",
         benchmark=benchmarks.first(),
         public=public.runs,
         boards=boards,
-        done=done,
-        live=waiting,
+        done=counts[RunState.SUCCEEDED],
+        live=sum(counts[state] for state in LIVE),
         simulated_h=simulated_s / 3600,
         workers=alive,
     )

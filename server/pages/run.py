@@ -117,7 +117,7 @@ def rerun(run_id: int) -> ResponseReturnValue:
 
 
 def _run_for(run_id: int, action: Action = Action.VIEW) -> RunView:
-    """Return the run; a private run of somebody else gives 404, like a run that does not exist."""
+    """Return the run; a private run of another user gives 404, as if it did not exist."""
     with services().database.reading() as session:
         run = views.show(session, run_id, services().settings)
     if run is None or not can(g.viewer, Action.VIEW, run):

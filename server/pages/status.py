@@ -1,15 +1,11 @@
 """The state of the service: workers, what their hosts can enforce, the queue."""
 
-from collections import Counter
-
 from flask import Blueprint, render_template
 from flask.typing import ResponseReturnValue
-from sqlalchemy import func, select
 
 from seamark.sandbox.languages import DEFAULT_LANGUAGE, LANGUAGES
 from seamark.server import workers
-from seamark.server.database.tables import Run
-from seamark.server.runs.states import RunState
+from seamark.server.runs import views
 from seamark.server.web.services import services
 
 page = Blueprint("status", __name__)
@@ -21,15 +17,13 @@ def show() -> ResponseReturnValue:
     app_services = services()
     with app_services.database.reading() as session:
         listed = workers.listed(session)
-        by_state = select(Run.state, func.count()).group_by(Run.state)
-        counts = Counter(dict(session.execute(by_state).all()))
-        oldest = session.scalar(select(func.min(Run.queued_at)).where(Run.state == "queued"))
+        counts, oldest = views.counts(session), views.oldest_queued_at(session)
         refusal = workers.upload_refusal(session, DEFAULT_LANGUAGE, app_services.settings)
     return render_template(
         "status/show.html",
         workers=listed,
         labels={name: language.label for name, language in LANGUAGES.items()},
-        counts={state.value: counts[state.value] for state in RunState},
+        counts={state.value: number for state, number in counts.items()},
         oldest=oldest,
         refusal=refusal,
         needed=app_services.settings.sandbox_min_level,

@@ -1,6 +1,6 @@
 """The baselines: ordinary ranked runs of built-in controllers and trackers.
 
-They belong to users that nobody can be. A user is on the leaderboard once, with the best run, so
+They belong to reserved users. A user is on the leaderboard once, with the best run, so
 each baseline has a user of its own.
 """
 

@@ -77,7 +77,7 @@ DESCRIPTIONS: dict[FailureReason, Description] = {
 }
 # The owner did nothing wrong: these runs do not count against the quota.
 UNCHARGED = (FailureReason.BENCHMARK_ERROR, FailureReason.PLATFORM_ERROR)
-# What programs raise that look for something outside of their sandbox.
+# What a program raises when it accesses something outside of its sandbox.
 _ACCESS_ERRORS = ("PermissionError", "FileNotFoundError", "ConnectionError", "gaierror")
 _NO_ACCESS = (
     "A program runs in a sandbox: it has no network and sees no files except its own in /tmp. "

@@ -25,7 +25,7 @@ class QuotaExceeded(Exception):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Quota:
-    """What an owner has used and may use; cancelled runs and failures of ours do not count."""
+    """What an owner has used and may use; without cancelled runs and platform failures."""
 
     live: int
     live_max: int

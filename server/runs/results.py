@@ -30,7 +30,7 @@ class Report:
 
 
 class ResultInvalid(Exception):
-    """A successful run without a finite score: a bug of ours, never stored or ranked."""
+    """A successful run without a finite score: a bug, never stored or ranked."""
 
 
 def finish(session: Session, claim: Claim, report: Report) -> bool:

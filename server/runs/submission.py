@@ -1,4 +1,4 @@
-"""Submitting a run: the one place with its rules, for the form, the API, checks and baselines.
+"""Submitting a run: all its rules, for the form, the API, checks and baselines.
 
 1. `validate` checks everything that needs no database and parses the configuration once.
 2. `submit` checks the workers and the quota and inserts the row, in one transaction.
@@ -39,7 +39,7 @@ class SubmissionRejected(Exception):
 
 
 class SignInNeeded(SubmissionRejected):
-    """Nobody could find the run again: the viewer has neither an account nor a guest's cookie."""
+    """The viewer has neither an account nor a guest's cookie, so could not find the run again."""
 
 
 class AccountNeeded(SubmissionRejected):
@@ -146,7 +146,7 @@ def rerun(session: Session, run_id: int, viewer: Viewer, settings: Settings) -> 
 
 
 def find_benchmark(name: str) -> Benchmark:
-    """Return a benchmark; raises SubmissionRejected if there is none of this name."""
+    """Return a benchmark; raises SubmissionRejected if it does not exist."""
     if name not in registry.BENCHMARKS:
         raise SubmissionRejected(f"There is no benchmark {name}.", field="benchmark")
     return registry.benchmark(name)

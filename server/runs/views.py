@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from sqlalchemy import Select, select
+from sqlalchemy import Select, func, select
 from sqlalchemy.orm import Session, defer
 
 from seamark.server.accounts.permissions import Viewer
@@ -101,6 +101,22 @@ def page(
     found = session.execute(query.order_by(Run.id.desc()).limit(limit + 1)).all()
     views = [_view(*row) for row in found[:limit]]
     return RunPage(views, views[-1].id if len(found) > limit else None)
+
+
+def counts(session: Session) -> dict[RunState, int]:
+    """Return how many runs there are in each state."""
+    by_state = dict(session.execute(select(Run.state, func.count()).group_by(Run.state)).all())
+    return {state: by_state.get(state, 0) for state in RunState}
+
+
+def oldest_queued_at(session: Session) -> float | None:
+    """Return since when the oldest queued run waits; None if the queue is empty."""
+    return session.scalar(select(func.min(Run.queued_at)).where(Run.state == RunState.QUEUED))
+
+
+def simulated_s(session: Session) -> float:
+    """Return the simulated time of all runs."""
+    return session.scalar(select(func.sum(Run.t_simulated))) or 0.0
 
 
 def _select() -> Select[Run, Result | None, User | None]:
