@@ -33,16 +33,16 @@ LIMITS = Limits(
 )
 
 # For programs that end by themselves: a busy host must not make sleepers of them.
-PATIENT = replace(LIMITS, start_wall_s=20.0, step_wall_s=10.0)
+LONG_WAITS = replace(LIMITS, start_wall_s=20.0, step_wall_s=10.0)
 # For programs that do nothing until they are stopped: the less they wait, the sooner it is over.
-IMPATIENT = replace(LIMITS, start_wall_s=2.0)
+SHORT_WAITS = replace(LIMITS, start_wall_s=2.0)
 
 Run = Callable[..., Outcome]
 
 
 @pytest.fixture(scope="session")
 def run(isolation: IsolationLevel) -> Run:
-    """Return a function that runs one program of the corpus and tells how it ended."""
+    """Return a function that runs one program of the corpus and returns its outcome."""
 
     def run_one(
         name: str,
@@ -58,7 +58,7 @@ def run(isolation: IsolationLevel) -> Run:
 
 @pytest.fixture(scope="session")
 def run_file(isolation: IsolationLevel) -> Run:
-    """Return a function that runs one program anywhere and tells how it ended."""
+    """Return a function that runs a program by its path and returns its outcome."""
 
     def run_one(path: Path, *, layers: Layers | None = None, **config: object) -> Outcome:
         return stepped(path, Box(limits=LIMITS, isolation=isolation, layers=layers), **config)
@@ -67,10 +67,10 @@ def run_file(isolation: IsolationLevel) -> Run:
 
 
 def limits_for(expected: Mapping[str, Any]) -> Limits:
-    """Return the limits under which a program of a table is run."""
+    """Return the limits for a program of a table."""
     if expected["verdict"] != Verdict.TIME_LIMIT:
-        return PATIENT
-    return IMPATIENT if expected.get("waits") else LIMITS
+        return LONG_WAITS
+    return SHORT_WAITS if expected.get("waits") else LIMITS
 
 
 def stepped(path: Path, started: Box, **config: object) -> Outcome:
@@ -78,8 +78,8 @@ def stepped(path: Path, started: Box, **config: object) -> Outcome:
         try:
             box.load(path.read_bytes(), path.name, {"kp": 0.5} | config, LAYOUT)
             box.reset({"index": 0})
-            for tick in range(STEPS):
-                box.step([tick / 20, 0.1, 0.2, 0.3, 5.0, 1.0])
+            for step in range(STEPS):
+                box.step([step / 20, 0.1, 0.2, 0.3, 5.0, 1.0])
             return box.finish()
         except ProgramEnded as end:
             return end.outcome

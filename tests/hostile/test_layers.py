@@ -1,4 +1,4 @@
-"""With one layer switched off the suite notices: each holds something that no other one does."""
+"""The tests notice when one layer is switched off: each stops something that no other does."""
 
 import os
 import socket
@@ -17,8 +17,8 @@ LAYERS = Path(__file__).with_name("layers")
 PROGRAMS = Path(__file__).with_name("programs")
 as_root = pytest.mark.skipif(os.geteuid() != 0, reason="needs root")
 
-# Held by the filter alone.
-HELD_BY_FILTER = (
+# Stopped by the filter only.
+STOPPED_BY_FILTER = (
     "network_unix",
     "network_udp",
     "network_vsock",
@@ -30,9 +30,9 @@ HELD_BY_FILTER = (
     "regression_judge0_cve_2024_28189",
     "regression_judge0_cve_2024_29021",
 )
-# Namespace -> what sees that it is missing. The filter holds all of the network's and of System
-# V's calls too: they are tried without it.
-HELD_BY_NAMESPACE = {"pid": "sees_processes", "uts": "sees_name"}
+# Namespace -> the program that notices when it is missing. The filter also stops all network and
+# System V calls: they are tried without it.
+STOPPED_BY_NAMESPACE = {"pid": "sees_processes", "uts": "sees_name"}
 
 
 @pytest.fixture
@@ -51,23 +51,23 @@ def without(name: str) -> tuple[str, ...]:
 
 
 @pytest.mark.parametrize("program", sorted(LAYERS.glob("*.py")), ids=lambda path: path.stem)
-def test_with_all_layers_nothing_is_got(program, run_file, isolation) -> None:
+def test_with_all_layers_no_attack_succeeds(program, run_file, isolation) -> None:
     if program.stem == "memory_together" and isolation is not IsolationLevel.STRONG:
-        pytest.skip("nobody counts for the whole box without control groups")
+        pytest.skip("without control groups nothing counts for the whole box")
 
     outcome = run_file(program, port=9)
 
     assert b"GOT" not in outcome.output
 
 
-@pytest.mark.parametrize("name", HELD_BY_FILTER)
+@pytest.mark.parametrize("name", STOPPED_BY_FILTER)
 def test_the_suite_notices_when_the_filter_is_off(name, run_file, all_layers) -> None:
     outcome = run_file(PROGRAMS / f"{name}.py", layers=replace(all_layers, seccomp=False))
 
     assert b"GOT" in outcome.output
 
 
-@pytest.mark.parametrize(("namespace", "name"), HELD_BY_NAMESPACE.items())
+@pytest.mark.parametrize(("namespace", "name"), STOPPED_BY_NAMESPACE.items())
 def test_the_suite_notices_when_a_namespace_is_off(namespace, name, run_file, all_layers) -> None:
     layers = replace(all_layers, namespaces=without(namespace))
 

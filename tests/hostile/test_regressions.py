@@ -1,4 +1,4 @@
-"""How other sandboxes were broken, one test for each, named after what happened there."""
+"""How other sandboxes were broken: a test for each, named after the vulnerability."""
 
 import os
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Texts that are no Python: written here and not as files, since tools would stumble over them."""
+"""Sources that are not valid Python: written here, since tools would fail on files of them."""
 
 import re
 

@@ -65,7 +65,7 @@ def test_every_tracker_has_an_expectation_and_every_expectation_a_tracker() -> N
 def test_a_hostile_tracker_ends_as_the_table_says(name, isolation) -> None:
     expected = TABLE[name]
 
-    # Without control groups nobody counts for the box: see test_languages.py.
+    # Without control groups nothing counts for the whole box: see test_languages.py.
     named = expected.get("medium") if isolation is IsolationLevel.MEDIUM else None
 
     outcome, answers = shown(name, isolation)
@@ -79,7 +79,7 @@ def test_a_hostile_tracker_ends_as_the_table_says(name, isolation) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", MEDIUM)
-def test_it_gets_nothing_at_level_medium_either(name, isolation) -> None:
+def test_it_achieves_nothing_with_medium_isolation_either(name, isolation) -> None:
     outcome, _ = shown(name, IsolationLevel.MEDIUM)
 
     assert b"GOT" not in outcome.output

@@ -61,7 +61,7 @@ def test_a_program_sees_the_same_descriptors_however_many_files_the_worker_has_o
 
 
 @pytest.mark.parametrize("make", [list, np.array])
-def test_what_comes_in_the_same_buffer_again_is_sent_with_its_present_values(box, make) -> None:
+def test_the_same_buffer_is_sent_with_its_current_values(box, make) -> None:
     box.load(program(step="return [*observation.error, observation.thrust[4]]"), "a.py", {}, LAYOUT)
     values = make(VALUES)
     box.step(values)
@@ -138,7 +138,7 @@ def test_scipy_is_there(isolation) -> None:
         assert printed(box, source) == "2.0\n"
 
 
-def test_two_boxes_hash_alike_so_that_sets_have_one_order(isolation) -> None:
+def test_two_boxes_have_the_same_hash_seed_so_that_sets_have_one_order(isolation) -> None:
     source = program(step="print(hash('seamark'), {'a', 'b', 'c', 'd'})")
 
     texts = []
@@ -157,7 +157,7 @@ def test_a_program_stays_on_its_core(isolation) -> None:
         assert printed(box, source) == f"{{{core}}}\n"
 
 
-def test_the_file_is_called_as_it_was_uploaded_without_its_folders(box) -> None:
+def test_the_file_has_its_uploaded_name_without_folders(box) -> None:
     end = end_of(box, program(step="print(1)\n        raise ValueError('deep')"))
 
     assert end.outcome.sentence == "ValueError: deep (line 8 of mine.py)"
@@ -175,7 +175,7 @@ def test_a_path_in_the_name_of_the_file_is_dropped(box) -> None:
     assert "line 1 of mine.py" in end.value.outcome.sentence
 
 
-def test_a_chain_of_exceptions_is_shown_with_the_frames_of_the_program_alone(box) -> None:
+def test_a_chain_of_exceptions_is_shown_with_the_programs_frames_only(box) -> None:
     source = b"import json\n" + program(
         step="try:\n            json.loads('{')\n        except ValueError as e:\n"
         "            raise RuntimeError('no plan') from e"
@@ -197,7 +197,7 @@ def test_a_wrong_answer_is_explained_with_its_line(box) -> None:
     assert "line 6 of mine.py" in outcome.sentence
 
 
-def test_output_is_taken_piece_by_piece_and_kept_as_a_whole(box) -> None:
+def test_output_is_read_piece_by_piece_and_kept_as_a_whole(box) -> None:
     box.load(program(step="print(observation.t)"), "a.py", {}, LAYOUT)
     pieces = []
     for t in (1.0, 2.0):
@@ -209,7 +209,7 @@ def test_output_is_taken_piece_by_piece_and_kept_as_a_whole(box) -> None:
     assert box.finish().output == b"1.0\n2.0\n"
 
 
-def test_more_than_a_pipe_holds_is_printed_in_one_step_without_a_stand_still(isolation) -> None:
+def test_more_than_a_pipe_holds_is_printed_in_one_step_without_a_deadlock(isolation) -> None:
     with Box(limits=Limits(output_kib=4), isolation=isolation) as box:
         box.load(program(step="print('x' * 1_000_000)"), "a.py", {}, LAYOUT)
         box.step(VALUES)
@@ -219,7 +219,7 @@ def test_more_than_a_pipe_holds_is_printed_in_one_step_without_a_stand_still(iso
     assert outcome.output_dropped == 1_000_001 - 4096
 
 
-def test_a_box_that_ended_says_the_same_again(box) -> None:
+def test_a_box_that_ended_reports_the_same_outcome_again(box) -> None:
     first = end_of(box, program(step="raise ValueError"))
 
     for call in (lambda: box.step(VALUES), lambda: box.reset({}), box.finish):
@@ -249,7 +249,7 @@ def test_a_box_without_room_for_the_interpreter_is_our_failure(isolation) -> Non
         box.load(program(), "a.py", {}, LAYOUT)
 
 
-def test_a_level_without_isolation_starts_nothing() -> None:
+def test_without_isolation_no_box_starts() -> None:
     with pytest.raises(SandboxBroken, match="cannot isolate"):
         Box(limits=Limits(), isolation=IsolationLevel.NONE)
 

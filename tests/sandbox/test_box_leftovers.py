@@ -74,7 +74,7 @@ def test_a_box_dies_with_its_worker(isolation) -> None:
         os.close(descriptor)
 
 
-def test_what_a_worker_killed_at_the_start_of_a_box_leaves_goes_with_the_next_box(
+def test_what_a_worker_killed_at_the_start_of_a_box_leaves_is_removed_by_the_next_box(
     isolation,
 ) -> None:
     if isolation is not IsolationLevel.STRONG:

@@ -1,4 +1,4 @@
-"""Programs in C and C++: what the compiler says, what a program is given, what it prints."""
+"""Programs in C and C++: compiler messages, inputs and output."""
 
 import pytest
 
@@ -60,7 +60,7 @@ def printed(
 
 
 @pytest.mark.parametrize("language", ["c", "c++"])
-def test_half_the_error_comes_out(language, isolation) -> None:
+def test_the_self_test_answers_half_the_error(language, isolation) -> None:
     assert why_not(language, isolation) == ""
     assert LANGUAGES[language].compiler is not None
 
@@ -91,7 +91,7 @@ def test_a_program_sees_fields_by_name_and_numbers_exactly(expression, expected,
     assert outcome.output.decode() == expected + "\n"
 
 
-def test_a_program_hears_of_its_level(isolation) -> None:
+def test_a_program_is_told_its_level(isolation) -> None:
     before = """
 static seamark_level seen;
 void seamark_reset(const seamark_level *level) { seen = *level; }
@@ -101,7 +101,7 @@ void seamark_reset(const seamark_level *level) { seen = *level; }
     assert printed(isolation, before=before, step=step).output == b"2 5 120 0.05 240\n"
 
 
-def test_lines_are_seen_as_they_are_printed_also_those_of_streams(isolation) -> None:
+def test_lines_are_seen_as_soon_as_they_are_printed_even_by_iostreams(isolation) -> None:
     source = PROGRAM % (
         "#include <iostream>",
         'std::cout << "a\\n"; puts("b"); std::cerr << "c\\n";',
@@ -148,7 +148,7 @@ def test_the_same_source_gives_the_same_program(isolation) -> None:
     assert len(programs) == 1
 
 
-def test_what_is_no_program_is_the_users_error(isolation) -> None:
+def test_bytes_that_are_not_a_program_are_the_users_error(isolation) -> None:
     with Box("c", limits=Limits(), isolation=isolation) as box, pytest.raises(ProgramEnded) as end:
         box.load(b"no program", "mine.c", {}, LAYOUT)
 
@@ -156,7 +156,7 @@ def test_what_is_no_program_is_the_users_error(isolation) -> None:
     assert "cannot be started" in end.value.outcome.sentence
 
 
-def test_no_program_beyond_the_limit_is_started(isolation) -> None:
+def test_no_program_larger_than_the_limit_is_started(isolation) -> None:
     limits = Limits(binary_mib=1)
     with Box("c", limits=limits, isolation=isolation) as box, pytest.raises(ProgramEnded) as end:
         box.load(b"x" * (1 << 21), "mine.c", {}, LAYOUT)

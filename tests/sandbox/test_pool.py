@@ -1,4 +1,4 @@
-"""Boxes that wait: used once, replaced when old or dead, and none left at the end."""
+"""Pre-started boxes: used once, replaced when old or dead, and none left at the end."""
 
 import os
 import select
@@ -52,7 +52,7 @@ def test_a_box_in_stock_answers_like_a_new_one_and_is_used_once(isolation) -> No
             assert pid_of(warm) != pid_of(new)
 
 
-def test_refilling_keeps_what_is_there_and_adds_what_is_missing(isolation) -> None:
+def test_refilling_keeps_idle_boxes_and_adds_the_missing_ones(isolation) -> None:
     with pool(isolation, stock=2) as boxes:
         boxes.refill()
         boxes.take("python", LIMITS).close()
@@ -82,7 +82,7 @@ def test_a_box_that_died_while_it_waited_is_replaced_by_a_new_one(isolation) -> 
             assert answer(other) == (1.0, 2.0, 3.0, 4.0)
 
 
-def test_a_box_in_stock_gets_the_times_of_its_run(isolation) -> None:
+def test_a_box_in_stock_gets_the_time_limits_of_its_run(isolation) -> None:
     limits = replace(LIMITS, cpu_s=30.0, step_cpu_s=0.3)
     with pool(isolation) as boxes:
         boxes.refill()
@@ -95,7 +95,7 @@ def test_a_box_in_stock_gets_the_times_of_its_run(isolation) -> None:
 
 
 @pytest.mark.parametrize("other", [{"memory_mib": 256}, {"processes": 8}, {"cpu_s": 61.0}])
-def test_what_the_kernel_holds_cannot_be_changed_so_that_a_new_box_is_made(
+def test_limits_enforced_by_the_kernel_cannot_change_so_a_new_box_is_started(
     isolation, other
 ) -> None:
     with pool(isolation) as boxes:
@@ -104,7 +104,7 @@ def test_what_the_kernel_holds_cannot_be_changed_so_that_a_new_box_is_made(
         assert idle(boxes) == 1
 
 
-def test_a_box_takes_no_limits_that_do_not_fit_it(isolation) -> None:
+def test_a_box_refuses_limits_that_do_not_fit_it(isolation) -> None:
     with (
         Box(limits=LIMITS, isolation=isolation) as box,
         pytest.raises(ValueError, match="do not fit"),
@@ -112,7 +112,7 @@ def test_a_box_takes_no_limits_that_do_not_fit_it(isolation) -> None:
         box.assign(replace(LIMITS, memory_mib=1024), "python")
 
 
-def test_a_box_takes_no_language_that_starts_otherwise(isolation) -> None:
+def test_a_box_refuses_a_language_with_another_runtime(isolation) -> None:
     with (
         Box(limits=LIMITS, isolation=isolation) as box,
         pytest.raises(ValueError, match="does not run"),
@@ -129,7 +129,7 @@ def test_compiled_languages_share_a_stock(isolation) -> None:
 
 
 def in_a_fork(lease: BoxLease, boxes: Pool, kill: bool = False) -> bytes:
-    """Let a fork use what it is lent; return what it tells, empty if it was killed."""
+    """Let a fork use its leased boxes; return its report, empty if it was killed."""
     reading, writing = os.pipe()
     pid = os.fork()
     if pid == 0:
@@ -182,7 +182,7 @@ def test_the_box_of_a_fork_that_was_killed_ends_with_the_lease(isolation) -> Non
     assert len(os.listdir("/proc/self/fd")) == before
 
 
-def test_a_box_moves_to_the_cores_of_who_takes_it(isolation) -> None:
+def test_a_box_moves_to_the_cores_of_the_process_that_takes_it(isolation) -> None:
     cores = os.sched_getaffinity(0)
     first, last = min(cores), max(cores)
     with Pool({"python": 1}, limits=LIMITS, isolation=isolation, core=first) as boxes:

@@ -18,7 +18,7 @@ def pipe() -> Iterator[tuple[int, int]]:
 
 
 @pytest.mark.parametrize("cut", range(1, len(TOLD)))
-def test_half_of_it_is_waited_for(pipe: tuple[int, int], cut: int) -> None:
+def test_an_incomplete_line_is_waited_for(pipe: tuple[int, int], cut: int) -> None:
     reading, writing = pipe
     information = BwrapStatus(reading)
 
@@ -33,7 +33,7 @@ def test_half_of_it_is_waited_for(pipe: tuple[int, int], cut: int) -> None:
     assert (early, late) == (None, 4711)
 
 
-def test_a_start_that_broke_off_tells_nothing() -> None:
+def test_a_failed_start_reports_no_pid() -> None:
     reading, writing = os.pipe()
     os.write(writing, TOLD[:20])
     os.close(writing)
@@ -44,7 +44,7 @@ def test_a_start_that_broke_off_tells_nothing() -> None:
     information.close()
 
 
-def test_the_end_of_the_program_is_known_when_it_was_told(pipe: tuple[int, int]) -> None:
+def test_the_exit_code_is_known_once_it_is_reported(pipe: tuple[int, int]) -> None:
     reading, writing = pipe
     information = BwrapStatus(reading)
 

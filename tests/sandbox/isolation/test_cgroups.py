@@ -1,4 +1,4 @@
-"""Control groups of version 2, as an ordinary Debian 12 has them, in a tree of files.
+"""Control groups of version 2, as in an ordinary Debian 12, simulated by files.
 
 The host of these tests may have version 1: what the kernel does is stood in for, by the files that
 it makes with a group (cgroup-v2.rst) and takes away with it. The same code runs on a real kernel of
@@ -38,7 +38,7 @@ LIMITS = Limits(memory_mib=256, processes=20)
 
 
 class Version2(Kernel):
-    """Makes and removes a group with its files."""
+    """Creates and removes a group with its files."""
 
     @staticmethod
     def create(folder: Path) -> None:
@@ -54,7 +54,7 @@ class Version2(Kernel):
 
 
 class Busy(Version2):
-    """A group in which a process stays."""
+    """A group in which a process survives."""
 
     @staticmethod
     def remove(folder: Path) -> None:
@@ -84,14 +84,14 @@ def proc(tmp_path: Path, top: Path, own: str, *, root: str = "/") -> Path:
     return laid(tmp_path / "proc", {"mountinfo": mount, "cgroup": f"0::{own}\n"})
 
 
-def test_a_host_with_version_2_alone_gets_all_groups_in_one_folder(tmp_path, top) -> None:
+def test_a_host_with_version_2_only_has_all_groups_in_one_folder(tmp_path, top) -> None:
     found = cgroups.parent_groups(proc(tmp_path, top, "/"))
 
     assert found == CgroupPaths(top, top, top, top)
     assert found.folders() == [top]
 
 
-def test_controllers_that_are_there_but_off_are_switched_on(top) -> None:
+def test_available_controllers_are_enabled(top) -> None:
     (top / "cgroup.subtree_control").write_text("")
 
     assert cgroups._unified({"unified": (top, "/")}, {"unified": "/"}) == top
@@ -99,7 +99,7 @@ def test_controllers_that_are_there_but_off_are_switched_on(top) -> None:
     assert (top / "cgroup.subtree_control").read_text() == "+memory +pids"
 
 
-def test_in_a_delegated_service_the_processes_move_into_a_leaf_first(top) -> None:
+def test_in_a_delegated_service_the_processes_are_moved_to_a_leaf_first(top) -> None:
     own = laid(top / "system.slice/seamark.service", TOP | {"cgroup.subtree_control": ""})
     laid(own, {"cgroup.type": "domain\n", "cgroup.procs": "41\n"})
     (top / "cgroup.controllers").write_text("")  # the top is not ours to change
@@ -110,7 +110,7 @@ def test_in_a_delegated_service_the_processes_move_into_a_leaf_first(top) -> Non
     assert (own / "cgroup.subtree_control").read_text() == "+memory +pids"
 
 
-def test_a_group_that_systemd_left_to_us_comes_before_the_top(top) -> None:
+def test_a_group_delegated_by_systemd_comes_before_the_root(top) -> None:
     own = laid(top / "system.slice/seamark.service", TOP | {"cgroup.type": "domain\n"})
     where = {"unified": (top, "/")}, {"unified": "/system.slice/seamark.service/seamark-service"}
     unmarked = cgroups._unified(*where)
@@ -122,7 +122,7 @@ def test_a_group_that_systemd_left_to_us_comes_before_the_top(top) -> None:
     assert (unmarked, cgroups._unified(*where)) == (top, own)
 
 
-def test_a_process_that_ended_meanwhile_stops_no_move(top, monkeypatch) -> None:
+def test_a_process_that_ended_meanwhile_does_not_stop_the_move(top, monkeypatch) -> None:
     own = laid(top / "scope", {"cgroup.type": "domain\n", "cgroup.procs": "41\n42\n"})
     write = Path.write_text
 
@@ -138,7 +138,7 @@ def test_a_process_that_ended_meanwhile_stops_no_move(top, monkeypatch) -> None:
     assert (own / cgroups.LEAF / "cgroup.procs").read_text() == "42"
 
 
-def test_a_host_without_the_controllers_says_so(tmp_path, top) -> None:
+def test_a_host_without_the_controllers_is_refused_with_the_reason(tmp_path, top) -> None:
     (top / "cgroup.controllers").write_text("hugetlb\n")
     (top / "cgroup.subtree_control").write_text("hugetlb\n")
 
@@ -171,7 +171,7 @@ def test_version_1_with_a_version_2_that_can_only_kill_uses_both(tmp_path, top) 
     )
 
 
-def test_the_limits_stand_in_the_files_of_version_2(group, top) -> None:
+def test_the_limits_are_written_to_the_files_of_version_2(group, top) -> None:
     folder = top / group.name
 
     assert (folder / "memory.max").read_text() == str(256 << 20)
@@ -190,7 +190,7 @@ def test_the_counters_are_read_from_the_files_of_version_2(group) -> None:
     group.remove()
 
 
-def test_an_end_for_memory_that_a_group_above_did_not_have_is_not_the_boxs(group, top) -> None:
+def test_a_kill_for_the_memory_of_a_parent_group_is_not_the_boxs(group, top) -> None:
     blamed = group.out_of_memory(), group.host_out_of_memory()
     # As Linux 7.2 counts for a box of 128 MiB in a group of 96.
     events = "low 0\nhigh 0\nmax 0\noom 0\noom_kill 2\noom_group_kill 1\n"
@@ -201,7 +201,7 @@ def test_an_end_for_memory_that_a_group_above_did_not_have_is_not_the_boxs(group
     group.remove()
 
 
-def test_a_kernel_that_keeps_no_peak_says_0_and_no_event_is_none(group, top) -> None:
+def test_without_files_for_peak_and_events_both_are_0(group, top) -> None:
     (top / group.name / "memory.peak").unlink()
     (top / group.name / "memory.events").write_text("oom 0\noom_kill 0\n")
     (top / group.name / "pids.events").unlink()
@@ -213,7 +213,7 @@ def test_a_kernel_that_keeps_no_peak_says_0_and_no_event_is_none(group, top) -> 
     group.remove()
 
 
-def test_all_processes_are_killed_by_one_word_and_the_group_goes(group, top) -> None:
+def test_all_processes_are_killed_by_one_write_and_the_group_is_removed(group, top) -> None:
     group.kill()
 
     assert (top / group.name / "cgroup.kill").read_text() == "1"
@@ -223,7 +223,7 @@ def test_all_processes_are_killed_by_one_word_and_the_group_goes(group, top) -> 
     assert len(os.listdir("/proc/self/fd")) == before - 1
 
 
-def test_a_group_that_cannot_be_removed_is_said_to_have_survivors(top, monkeypatch) -> None:
+def test_a_group_that_cannot_be_removed_is_reported_to_have_survivors(top, monkeypatch) -> None:
     monkeypatch.setattr(cgroups, "REMOVE_WITHIN_S", 0.01)
     group = ControlGroup(LIMITS, parents=CgroupPaths(top, top, top, top), kernel=Busy)
 

@@ -1,4 +1,4 @@
-"""The filter, call by call: by an interpreter of BPF here, and by the kernel in a box elsewhere."""
+"""The filter, call by call, in a BPF interpreter; the hostile programs test it in the kernel."""
 
 import errno
 import struct
@@ -49,7 +49,7 @@ def test_any_other_call_that_has_a_name_is_refused(name) -> None:
 
 
 @pytest.mark.parametrize("name", NOT_THERE)
-def test_a_call_whose_arguments_cannot_be_seen_seems_to_be_missing(name) -> None:
+def test_a_call_whose_arguments_the_filter_cannot_read_appears_to_be_missing(name) -> None:
     assert decide(NUMBERS[name]) == ERRNO | errno.ENOSYS
 
 
@@ -79,7 +79,7 @@ def test_high_bits_of_an_argument_change_nothing_cve_2019_10063(high) -> None:
 
 
 @given(flags=st.integers(0, 2**32 - 1))
-def test_clone_makes_no_namespace(flags) -> None:
+def test_clone_creates_no_namespace(flags) -> None:
     namespaces = flags & system_calls.CLONE_NEW_NAMESPACES
 
     assert decide(NUMBERS["clone"], flags) == (REFUSE if namespaces else ALLOW)

@@ -1,4 +1,4 @@
-"""How a box sits on the host: mistakes of other sandboxes, named, and hosts of all kinds."""
+"""A box on its host: known mistakes of other sandboxes, and different hosts."""
 
 import json
 import os
@@ -65,7 +65,7 @@ as_root = pytest.mark.skipif(os.geteuid() != 0, reason="needs root")
 
 
 def report(*before: str, path: str) -> dict[str, str]:
-    """Run some programs in another process and return what it says."""
+    """Run some programs in another process and return its report."""
     script = textwrap.dedent(REPORT).replace("SOURCES", repr(json.dumps(SOURCES)))
     command = [*before, sys.executable, "-c", script]
     session = {name: os.environ[name] for name in SESSION if name in os.environ}
@@ -142,7 +142,7 @@ def test_a_box_has_no_proc_no_etc_no_programs_and_sized_writable_folders() -> No
 
 @as_root
 @pytest.mark.slow
-def test_a_plain_user_gets_level_medium_and_the_same_verdicts(tmp_path) -> None:
+def test_a_plain_user_gets_medium_isolation_and_the_same_verdicts(tmp_path) -> None:
     if any(folder.stat().st_mode & 0o005 != 0o005 for folder in CHECKOUT.parents):
         pytest.skip("other users may not enter the checkout")
     become = ("setpriv", "--reuid", "54321", "--regid", "54321", "--clear-groups")
@@ -154,7 +154,7 @@ def test_a_plain_user_gets_level_medium_and_the_same_verdicts(tmp_path) -> None:
 
 
 @pytest.mark.slow
-def test_in_a_scope_that_systemd_delegates_everybody_gets_level_strong() -> None:
+def test_in_a_scope_delegated_by_systemd_every_user_gets_strong_isolation() -> None:
     manager = "--system" if os.geteuid() == 0 else "--user"
     scope = ("systemd-run", manager, "--scope", "--quiet", "--collect", "-p", "Delegate=yes")
     if (
@@ -172,7 +172,7 @@ def test_in_a_scope_that_systemd_delegates_everybody_gets_level_strong() -> None
 
 @as_root
 @pytest.mark.slow
-def test_checkout_and_packages_may_lie_where_other_users_may_not_enter(tmp_path, shelf) -> None:
+def test_checkout_and_packages_may_be_where_other_users_have_no_access(tmp_path, copies) -> None:
     home = tmp_path / "home"
     home.mkdir(mode=0o700)
     shutil.copytree(CHECKOUT / "sandbox", home / "checkout" / "sandbox")
@@ -187,14 +187,14 @@ def test_checkout_and_packages_may_lie_where_other_users_may_not_enter(tmp_path,
     answer = report(path=f"{home / 'checkout'}:{home / 'packages'}")
 
     assert answer["package"].startswith(str(home))
-    assert any(shelf.glob("numpy-*"))
+    assert any(copies.glob("numpy-*"))
     assert answer["level"] == "STRONG", answer
     assert verdicts_of(answer) == EXPECTED
 
 
 @pytest.fixture
-def shelf() -> Iterator[Path]:
-    """Give the folder of the copies; what the test adds goes."""
+def copies() -> Iterator[Path]:
+    """Yield the folder of the copies; remove what the test adds."""
     before = set(COPIES.glob("*"))
     yield COPIES
     for path in set(COPIES.glob("*")) - before:
@@ -209,7 +209,7 @@ def _linked(source: Path, target: Path) -> None:
     shutil.copytree(source, target, copy_function=os.link)
 
 
-def test_a_host_without_bubblewrap_gets_no_level_and_a_remedy(monkeypatch) -> None:
+def test_a_host_without_bubblewrap_has_no_isolation_and_gets_a_remedy(monkeypatch) -> None:
     monkeypatch.setenv("PATH", "/nonexistent")
 
     found = probe()
@@ -236,11 +236,11 @@ def test_the_status_line_names_what_is_missing() -> None:
         ("a.exe", None),
     ],
 )
-def test_the_language_is_known_by_the_suffix(filename, name) -> None:
+def test_the_suffix_determines_the_language(filename, name) -> None:
     assert language_of(filename) == name
 
 
-def test_every_finding_that_is_bad_has_a_reason_and_a_remedy(monkeypatch) -> None:
+def test_every_failed_finding_has_a_reason_and_a_remedy(monkeypatch) -> None:
     monkeypatch.setenv("PATH", "/nonexistent")
 
     bad = [finding for finding in probe().findings if not finding.ok]

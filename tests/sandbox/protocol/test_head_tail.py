@@ -1,4 +1,4 @@
-"""Head and tail of what is printed, in bounded memory."""
+"""Head and tail of the output, in bounded memory."""
 
 from hypothesis import given
 from hypothesis import strategies as st
@@ -16,19 +16,19 @@ def printed(parts: list[bytes]) -> HeadTail:
 
 
 @given(parts=st.lists(st.binary(max_size=40)))
-def test_the_parts_in_which_it_comes_do_not_matter(parts) -> None:
+def test_the_result_does_not_depend_on_how_the_output_is_split(parts) -> None:
     assert printed(parts).text() == printed([b"".join(parts)]).text()
 
 
 @given(text=st.binary(max_size=KEEP))
-def test_what_fits_is_kept_whole(text) -> None:
+def test_output_within_the_limit_is_kept_whole(text) -> None:
     kept = printed([text])
 
     assert (kept.text(), kept.dropped) == (text, 0)
 
 
 @given(text=st.binary(min_size=KEEP + 1, max_size=500))
-def test_of_more_the_head_the_tail_and_a_count_are_kept(text) -> None:
+def test_of_longer_output_head_tail_and_a_count_are_kept(text) -> None:
     kept = printed([text])
 
     assert kept.text().startswith(text[: KEEP // 2])
@@ -38,7 +38,7 @@ def test_of_more_the_head_the_tail_and_a_count_are_kept(text) -> None:
 
 
 @given(size=st.integers(0, 10_000), pieces=st.integers(1, 50))
-def test_a_flood_is_held_in_bounded_memory(size, pieces) -> None:
+def test_a_flood_of_output_uses_bounded_memory(size, pieces) -> None:
     kept = printed([b"x" * size] * pieces)
 
     assert len(kept.text()) <= KEEP + 60

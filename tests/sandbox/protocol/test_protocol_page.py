@@ -1,4 +1,4 @@
-"""docs/protocol.md and seamark.h say what the code does.
+"""docs/protocol.md and seamark.h agree with the code.
 
 `python -m tests.sandbox.protocol.test_protocol_page` rewrites the page's table.
 """

@@ -122,7 +122,7 @@ def digest(image: NDArray[np.uint8]) -> float:
     return float((image.ravel() * weights).sum() % 9973)
 
 
-def test_a_tracker_sees_the_images_of_the_start_and_of_the_update_before(started) -> None:
+def test_a_tracker_sees_the_images_of_the_start_and_of_the_previous_update(started) -> None:
     box = started()
     shapes = [(240, 320), (480, 640, 3), (1, 1), (3, 5)]
     images = [picture(shape, seed) for seed, shape in enumerate(shapes, 1)]
@@ -138,7 +138,7 @@ def test_a_tracker_sees_the_images_of_the_start_and_of_the_update_before(started
     assert box.finish().output == b"30.5 40\n"
 
 
-def test_corners_begin_where_the_target_was_last(started) -> None:
+def test_corners_start_at_the_targets_last_position(started) -> None:
     box = started(moves=1)
 
     answers = [box.update(picture()) for _ in range(3)]
@@ -147,12 +147,12 @@ def test_corners_begin_where_the_target_was_last(started) -> None:
     assert {answer[1:] for answer in answers} == {tuple(map(tuple, CORNERS[1:].tolist()))}
 
 
-def test_a_lost_target_is_no_corners(started) -> None:
+def test_a_lost_target_has_no_corners(started) -> None:
     assert started(loses=1).update(picture()) is None
 
 
 @pytest.mark.parametrize("count", [0, 3, 64])
-def test_a_detector_tells_what_it_found(count, started) -> None:
+def test_a_detector_returns_what_it_found(count, started) -> None:
     found = started("detector", count=count).detect(picture())
 
     assert [one.label for one in found] == ["aa"] * count
@@ -171,7 +171,7 @@ def test_a_detector_tells_what_it_found(count, started) -> None:
         ({"writes": 1}, Verdict.USER_ERROR, "SIGSEGV"),
     ],
 )
-def test_a_wrong_tracker_ends_with_its_cause(config, verdict, says, started) -> None:
+def test_a_faulty_tracker_ends_with_the_reason(config, verdict, says, started) -> None:
     with pytest.raises(ProgramEnded, match=says) as end:
         started(**config).update(picture())
 
@@ -188,12 +188,12 @@ def test_a_wrong_tracker_ends_with_its_cause(config, verdict, says, started) -> 
         ({"count": 1, "confidence": 1.5}, "confidence"),
     ],
 )
-def test_a_wrong_detector_ends_with_its_cause(config, says, started) -> None:
+def test_a_faulty_detector_ends_with_the_reason(config, says, started) -> None:
     with pytest.raises(ProgramEnded, match=says):
         started("detector", **config).detect(picture())
 
 
-def test_an_attack_on_the_memory_of_the_images_gets_nothing(started) -> None:
+def test_an_attack_on_the_images_memory_achieves_nothing(started) -> None:
     image = picture()
     box = started(protects=1, opens=1)
 

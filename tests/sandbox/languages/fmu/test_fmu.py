@@ -1,4 +1,4 @@
-"""What an FMU is told when it does not fit: all names on both sides, before anything is loaded."""
+"""What is reported when an FMU does not fit: the names on both sides, before it is loaded."""
 
 import io
 import json
@@ -88,12 +88,12 @@ def wiring(data: bytes, config: dict[str, object] | None = None) -> Wiring:
         ),
     ],
 )
-def test_what_does_not_fit_is_said_with_its_name(data, says) -> None:
+def test_what_does_not_fit_is_named(data, says) -> None:
     with pytest.raises(Unusable, match=says):
         wiring(data)
 
 
-def test_an_archive_without_a_description_is_told_so() -> None:
+def test_an_archive_without_a_description_is_refused() -> None:
     whole = io.BytesIO()
     with zipfile.ZipFile(whole, "w") as archive:
         archive.writestr("folder/modelDescription.xml", b"")
@@ -178,7 +178,7 @@ def test_sources_of_fmi_3_are_compiled_as_their_build_description_says() -> None
         ("", '<SourceFileSet compilerOptions="-ffast-math"/>', "C -ffast-math"),
     ],
 )
-def test_what_a_build_asks_for_that_is_not_done_is_refused_by_its_name(files, more, says) -> None:
+def test_unsupported_parts_of_a_build_description_are_refused_by_name(files, more, says) -> None:
     with pytest.raises(Unusable, match=says):
         build(BUILT.format(files=files, more=more))
 
@@ -189,6 +189,6 @@ def test_a_build_for_another_machine_is_refused() -> None:
 
 
 @given(st.binary(max_size=400))
-def test_no_bytes_read_as_an_fmu_raise_anything_else(data) -> None:
+def test_arbitrary_bytes_read_as_an_fmu_raise_nothing_else(data) -> None:
     with pytest.raises(Unusable):
         read(data)

@@ -1,4 +1,4 @@
-"""Executables that cannot be started here: refused with a sentence, and harmless in the box."""
+"""Executables that cannot be started here: refused with a reason, and harmless in the box."""
 
 import struct
 
@@ -68,7 +68,7 @@ def test_what_is_refused_would_end_as_the_users_error(program, _, executables) -
 
 
 @pytest.mark.host
-def test_a_compiled_program_is_no_text_and_runs(executables) -> None:
+def test_a_compiled_program_is_accepted_and_runs(executables) -> None:
     program = compiled("c", C.self_test.upload(), "half.c", isolation=executables)
 
     assert refusal(program) == ""

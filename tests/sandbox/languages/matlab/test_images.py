@@ -55,14 +55,14 @@ def image_of(shape: tuple[int, ...]) -> np.ndarray:
 
 
 def told(image: np.ndarray) -> str:
-    """Return what TRACKER prints of an image: in the order of Octave's memory."""
+    """Return what TRACKER prints of an image, in Octave's memory order."""
     weights = (np.arange(image.size) % 251 + 1).reshape(image.shape, order="F")
     size = " ".join(map(str, image.shape))
     return f"uint8 [{size}] {(image.astype(np.int64) * weights).sum()}"
 
 
 @pytest.mark.parametrize("shape", [(240, 320), (33, 57, 3), (1, 2)])
-def test_a_tracker_sees_each_image_and_says_where_the_target_is(shape, octave) -> None:
+def test_a_tracker_sees_each_image_and_returns_corners(shape, octave) -> None:
     first, second, last = image_of(shape), image_of(shape) // 2, image_of(shape)
     last[0, 0] = 255
     with Box("matlab", limits=Limits(), isolation=octave) as box:
@@ -79,7 +79,7 @@ def test_a_tracker_sees_each_image_and_says_where_the_target_is(shape, octave) -
     assert output == [told(second), told(last), told(first)]
 
 
-def test_a_detector_returns_what_it_found_with_labels(octave) -> None:
+def test_a_detector_returns_detections_with_labels(octave) -> None:
     expected = Detection("box", ((1.0, 2.0), (3.0, 2.0), (3.0, 4.0), (1.0, 4.0)), 0.5)
     with Box("matlab", limits=Limits(), isolation=octave) as box:
         box.load((DETECTOR % "[one, one]").encode(), "d.m", {}, {"role": "detector"})
@@ -88,7 +88,7 @@ def test_a_detector_returns_what_it_found_with_labels(octave) -> None:
 
 
 def ended(source: str, octave: IsolationLevel, role: str) -> Outcome:
-    """Return how a tracker or detector ends that is shown two images."""
+    """Return how a tracker or detector ends after two images."""
     with Box("matlab", limits=Limits(), isolation=octave) as box:
         try:
             box.load(source.encode(), "mine.m", {}, {"role": role})
@@ -113,14 +113,14 @@ def ended(source: str, octave: IsolationLevel, role: str) -> Outcome:
         ("setfield(one, 'corners', [1 2])", r"size \[1 2\]"),
     ],
 )
-def test_what_is_no_detection_is_explained(returned, says, octave) -> None:
+def test_an_invalid_detection_is_explained(returned, says, octave) -> None:
     outcome = ended(DETECTOR % returned, octave, "detector")
 
     assert outcome.verdict is Verdict.PROTOCOL_ERROR
     assert says.replace("\\", "") in outcome.sentence
 
 
-def test_a_tracker_without_its_functions_is_told_which(octave) -> None:
+def test_a_tracker_without_its_functions_is_told_which_are_missing(octave) -> None:
     outcome = ended("function state = tracker_start(state, image, corners)\nend", octave, "tracker")
 
     assert outcome.verdict is Verdict.USER_ERROR

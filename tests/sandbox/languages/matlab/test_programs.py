@@ -1,4 +1,4 @@
-"""MATLAB programs: what they are given comes out the same, in one file or in several."""
+"""MATLAB programs: their inputs arrive unchanged, in one file or in several."""
 
 import json
 import struct
@@ -41,7 +41,7 @@ end
 """
 
 
-def test_every_library_that_is_reached_over_etc_is_in_the_box(tmp_path: Path) -> None:
+def test_every_library_that_is_linked_through_etc_is_in_the_box(tmp_path: Path) -> None:
     (tmp_path / "libplain.so.1").touch()
     (tmp_path / "libbeside.so.1").symlink_to(tmp_path / "libplain.so.1")
     (tmp_path / "libgone.so.1").symlink_to("/etc/alternatives/of-nothing")
@@ -74,7 +74,7 @@ def test_a_number_as_text_is_the_same_number(number) -> None:
 
 
 @given(st.text())
-def test_a_text_cannot_leave_its_quotes(text) -> None:
+def test_a_text_cannot_break_out_of_its_quotes(text) -> None:
     value = octave_value(json.loads(json.dumps(text, ensure_ascii=False)))
 
     assert set(value) <= set('"\\01234567')

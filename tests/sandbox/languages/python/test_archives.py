@@ -1,4 +1,4 @@
-"""An archive as a program: unpacked inside of the box, with its modules and data beside it."""
+"""An archive as a program: unpacked inside the box, with its modules and data beside it."""
 
 from collections.abc import Iterator
 
@@ -67,14 +67,14 @@ def test_an_error_is_shown_with_the_files_of_the_archive(box: Box) -> None:
     assert "/tmp" not in outcome.traceback
 
 
-def test_a_wrong_syntax_in_a_module_is_shown_with_its_line(box: Box) -> None:
+def test_a_syntax_error_in_a_module_is_shown_with_its_line(box: Box) -> None:
     outcome = end_of(box, packed(law__pid_py="def answer(:\n")).outcome
 
     assert 'File "law/pid.py", line 1' in outcome.traceback
     assert outcome.verdict in (Verdict.USER_ERROR, Verdict.COMPILE_ERROR)
 
 
-def test_an_archive_that_is_none_ends_in_words(box: Box) -> None:
+def test_an_invalid_archive_ends_with_an_explanation(box: Box) -> None:
     outcome = end_of(box, b"PK\x03\x04" + bytes(100)).outcome
 
     assert outcome.verdict is Verdict.COMPILE_ERROR
