@@ -1,4 +1,5 @@
 import time
+from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 from hypothesis import HealthCheck, example, given
@@ -83,6 +84,17 @@ def test_the_pages_by_cursor_are_the_whole_leaderboard(both: Backend) -> None:
     assert [rank.shared_rank for rank in whole] == [1, 2, 2, 2, 5]
     assert own is not None
     assert (own.rank, own.shared_rank) == (4, 2)
+
+
+def test_publications_at_the_same_time_leave_the_best_run_of_the_user(both: Backend) -> None:
+    scores = [float(score) for score in range(50, 58)]
+    run_ids = [_ranked(both, "ann", score) for score in scores]
+
+    with ThreadPoolExecutor(4) as pool:
+        published = list(pool.map(lambda run_id: _publish(both, run_id), run_ids))
+
+    assert published == [True] * len(run_ids)
+    assert _board(both) == [("ann", max(scores))]
 
 
 _acts = st.lists(

@@ -189,3 +189,19 @@ def test_a_missing_language_is_refused_with_the_reason_of_the_worker(both: Backe
         "octave is not installed."
     )
     assert told["c++"] == "No worker of this service can run programs in C++."
+
+
+def test_a_run_in_a_language_of_an_earlier_version_is_readable_but_cannot_be_submitted(
+    both: Backend,
+) -> None:
+    _worker(both, "strong", "python")
+    run_id = both.queue_program("ann")
+    with both.database.writing() as session:
+        session.get_one(Run, run_id).language = "cobol"
+
+    assert "programs in cobol" in (both.show(run_id).why_waiting or "")
+    with (
+        pytest.raises(SubmissionRejected, match="not in cobol"),
+        both.database.writing() as session,
+    ):
+        submission.rerun(session, run_id, both.viewers["ann"], both.settings)
