@@ -1,1 +1,1 @@
-"""Runs a program nobody trusts. Standard library only."""
+"""Runs programs that are not trusted. Uses only the standard library."""

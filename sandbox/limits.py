@@ -39,7 +39,7 @@ class Limits:
     open_files: int = 64  # descriptors of one process
     source_kib: int = 8192  # [KiB] text of the program, or all files of its archive unpacked
     archive_files: int = 256  # files and folders of an archive
-    binary_mib: int = 8  # [MiB] what a compiler made of it
+    binary_mib: int = 8  # [MiB] the compiled program
 
     @property
     def start_limit(self) -> AnswerLimit:

@@ -100,7 +100,7 @@ class Pool:
         return BoxLease(self, key, leased)
 
     def take_over(self, language: str, leased: list[IdleBox]) -> None:
-        """In a fork, on the fork's cores: hold these boxes alone, and never start another."""
+        """In a fork, on the fork's cores: hold only these boxes, and never start others."""
         for one in (one for idle in self._idle.values() for one in idle):
             one.box.detach()
         self._stock, self._idle, self._core = {}, {language: leased}, None
@@ -121,7 +121,7 @@ class Pool:
 
     def __exit__(
         self,
-        kind: type[BaseException] | None,
+        error_type: type[BaseException] | None,
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:

@@ -78,10 +78,10 @@ def _mounts(proc: Path) -> dict[str, tuple[Path, str]]:
     for line in (proc / "mountinfo").read_text().splitlines():
         left, _, right = line.partition(" - ")
         root, point = left.split()[3:5]
-        kind, _, options = right.split(" ", 2)
-        if kind == "cgroup2":
+        filesystem, _, options = right.split(" ", 2)
+        if filesystem == "cgroup2":
             mounts["unified"] = (Path(point), root)
-        elif kind == "cgroup":
+        elif filesystem == "cgroup":
             mounts |= dict.fromkeys(options.split(","), (Path(point), root))
     return mounts
 

@@ -4,7 +4,7 @@ from enum import IntEnum
 
 
 class IsolationLevel(IntEnum):
-    """What stands between a program and the host."""
+    """How strongly a program is isolated."""
 
     NONE = 0  # nothing: uploads are refused
     MEDIUM = 2  # namespaces, seccomp, limits per process

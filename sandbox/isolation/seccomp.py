@@ -1,7 +1,7 @@
-"""The system call filter: an allow-list as a classic BPF program, made with `struct` alone.
+"""The system call filter: an allow-list as a classic BPF program, assembled with `struct`.
 
-What is not allowed fails with EPERM, so that an honest program gets an error it can read. A
-foreign calling convention (i386, x32) ends the process: there the numbers mean other calls.
+Calls that are not allowed fail with EPERM, so that an honest program gets a readable error. A
+foreign calling convention (i386, x32) ends the process: its numbers mean other calls.
 Arguments are compared as 32-bit halves, since the kernel uses 32 bits of them (CVE-2019-10063
 was a comparison of 64).
 """
@@ -44,7 +44,7 @@ def supported() -> bool:
 
 
 def build() -> bytes:
-    """Return the filter as an array of `struct sock_filter`, as `bwrap --seccomp` wants it."""
+    """Return the filter as an array of `struct sock_filter`, as `bwrap --seccomp` reads it."""
     program = [
         *_foreign_conventions(),
         *_by_argument("clone", 0, ANY_BIT, (CLONE_NEW_NAMESPACES,), match=REFUSE, other=ALLOW),

@@ -1,12 +1,12 @@
 """Which system calls a program may make: data for the filter.
 
-Numbers: Linux, x86_64 (arch/x86/entry/syscalls/syscall_64.tbl); they never change. What is not
-listed here does not get through. Left out on purpose, with the reason: `socket`, `connect` and
-the message calls (AF_VSOCK and netlink are not held by a network namespace; descriptors cannot be
-passed), `ptrace`, `process_vm_*`, `pidfd_*`, `memfd_create` (memory outside RLIMIT_AS), `keyctl`,
-`io_uring_*`, `bpf`, `userfaultfd`, `perf_event_open`, `unshare`, `setns`, the mount calls,
-`symlink` and `mknod` (what the trusted side could be led along), file locks and System V objects
-(a channel between boxes), `sched_set*`, `inotify_*`, `splice`, `vmsplice`, `prlimit64` on others.
+Numbers: Linux, x86_64 (arch/x86/entry/syscalls/syscall_64.tbl); they never change. Calls that are
+not listed are refused. Left out on purpose: `socket`, `connect` and the message calls (a network
+namespace does not stop AF_VSOCK and netlink; descriptors could be passed), `ptrace`,
+`process_vm_*`, `pidfd_*`, `memfd_create` (memory outside RLIMIT_AS), `keyctl`, `io_uring_*`, `bpf`,
+`userfaultfd`, `perf_event_open`, `unshare`, `setns`, the mount calls, `symlink` and `mknod` (they
+could redirect file accesses of the host), file locks and System V objects (a channel between
+boxes), `sched_set*`, `inotify_*`, `splice`, `vmsplice`, `prlimit64` on other processes.
 """
 
 NUMBERS = {

@@ -1,4 +1,4 @@
-"""An executable that speaks the protocol itself (docs/protocol.md): any language that makes one."""
+"""An executable that speaks the protocol itself (docs/protocol.md): from any language."""
 
 import struct
 from pathlib import Path

@@ -137,8 +137,8 @@ def octave_value(value: object) -> str:
         return '"' + "".join(f"\\{byte:03o}" for byte in value.encode("utf-8")) + '"'
     if isinstance(value, list):
         plain = all(isinstance(item, (int, float)) for item in value)
-        words = ", ".join(octave_value(item) for item in value)
-        return f"[{words}]" if plain else f"{{{words}}}"
+        items = ", ".join(octave_value(item) for item in value)
+        return f"[{items}]" if plain else f"{{{items}}}"
     if isinstance(value, dict):
         # In braces: a cell as a value of struct() would make an array of structures.
         named = [(key, octave_value(item)) for key, item in value.items() if NAME.fullmatch(key)]
@@ -158,8 +158,8 @@ def _relay_answer(connection: Connection) -> None:
         connection.send(b"k")
     elif letter == FAILED:
         verdict, sentence, text = (int(number) for number in numbers[:3])
-        words = _read(sentence).decode("utf-8", "replace")
-        connection.give_up(bytes([verdict]), words, _read(text).decode("utf-8", "replace"))
+        reason = _read(sentence).decode("utf-8", "replace")
+        connection.give_up(bytes([verdict]), reason, _read(text).decode("utf-8", "replace"))
     elif letter in (TRACK, DETECTIONS):
         count = min(int(numbers[0]), MAX_ANSWER_FLOATS)
         more = struct.unpack(f"<{count}d", _read(NUMBER.size * count))

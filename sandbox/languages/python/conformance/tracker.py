@@ -45,10 +45,10 @@ class Tracker:
         self.left, self.top = x[column], y[row]
         return self.corners
 
-    def grids(self, image, left, top, places):
-        """Return the pixels of the grid at places side by side: (rows, columns, pixels)."""
+    def grids(self, image, left, top, positions):
+        """Return the pixels of the grid at adjacent positions: (rows, columns, pixels)."""
         size = (self.rows * self.pitch, self.columns * self.pitch)
-        near = image[top : top + size[0] + places - 1, left : left + size[1] + places - 1]
+        near = image[top : top + size[0] + positions - 1, left : left + size[1] + positions - 1]
         views = sliding_window_view(near, size)[..., :: self.pitch, :: self.pitch]
         pixels = views.reshape(*views.shape[:2], -1).astype(np.int64)
         return pixels.shape[2] * pixels - pixels.sum(axis=2, keepdims=True)
