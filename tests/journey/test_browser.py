@@ -42,7 +42,7 @@ def test_an_uploaded_controller_goes_from_sign_up_to_the_leaderboard(visitor: Vi
     with page.expect_download() as download:
         page.get_by_role("link", name="telemetry.csv").click()
     page.get_by_role("button", name="Publish").click()
-    expect(page.get_by_text("The run is public now")).to_be_visible()
+    expect(page.get_by_text("The run is now public")).to_be_visible()
     visitor.open("/leaderboards/currents-v1")
 
     row = page.get_by_role("row", name=re.compile("journey"))
