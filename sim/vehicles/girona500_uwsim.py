@@ -84,5 +84,13 @@ VEHICLE = replace(
         "current_gust": 0.0,
         "velocity_law": "paper",  # u = 5 (v_ref - v) in surge and heave, 6 (...) in sway
         "reference_limit_m_s": 5.0,
+        # The scene of the published experiment.
+        "water_law": "uwsim",
+        "water_type": "grey",
+        "water_attenuation_1_m": 0.1,  # S: UWSim's default fog
+        "range_from": "start",
+        "level_out_tilt": False,
+        "heading_hold": False,
+        "depth_hold": False,
     },
 )

@@ -39,23 +39,6 @@ GROUPS = (
     "Sensors",
     "Faults",
 )
-# What the published experiment sets beside the defaults of its vehicle.
-PAPER_SCENE = {
-    "water_law": "uwsim",
-    "water_type": "grey",
-    "water_attenuation_1_m": 0.1,  # S: UWSim's default fog
-    "range_from": "start",
-    "level_out_tilt": False,
-    "heading_hold": False,
-    "depth_hold": False,
-}
-
-
-def _presets() -> dict[str, dict[str, object]]:
-    """Return vehicle -> values of other settings that come with its choice."""
-    own = {name: dict(load(name).defaults) for name in VEHICLES}
-    own["girona500-uwsim"] |= PAPER_SCENE
-    return {name: values for name, values in own.items() if values}
 
 
 def station_keeping_benchmark(
@@ -99,6 +82,8 @@ def station_keeping_benchmark(
         baselines=baselines,
         configuration=configuration,
         groups=GROUPS,
-        presets={"vehicle": _presets()},
+        presets={
+            "vehicle": {name: load(name).defaults for name in VEHICLES if load(name).defaults}
+        },
         quick_settings=quick_settings,
     )
