@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from seamark.sim.metrics.metric import mean_over_trials, over_run
+from seamark.sim.metrics.metric import over_run
 from seamark.sim.metrics.station_keeping import (
     METRICS,
     SETTLING,
@@ -193,15 +193,3 @@ def test_a_level_that_does_not_settle_leaves_the_run_without_a_settling_time() -
 
     assert over_run(overall(), [settled, settled])["settling_s"] == 0.0
     assert over_run(overall(), [settled, unsettled])["settling_s"] is None
-
-
-def test_the_mean_over_trials_includes_nested_metrics_and_keeps_texts() -> None:
-    trials = [
-        {"level": 1, "held": True, "a": 1.0, "measures": {"b": 2.0, "c": None}, "at": "x"},
-        {"level": 1, "held": False, "a": 2.0, "measures": {"b": 4.0, "c": 1.0}, "at": "x"},
-    ]
-
-    merged = mean_over_trials(trials)
-
-    inner = {"b": 3.0, "c": None}
-    assert merged == {"level": 1, "held": False, "a": 1.5, "measures": inner, "at": "x"}
