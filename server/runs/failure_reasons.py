@@ -4,17 +4,19 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any
 
+from seamark.sandbox.outcome import Verdict
+
 
 class FailureReason(StrEnum):
-    """Why a run failed. The first seven are values of seamark.sandbox.outcome.Verdict."""
+    """Why a run failed: because of its program, as the sandbox says, or of something else."""
 
-    USER_ERROR = "user_error"
-    COMPILE_ERROR = "compile_error"
-    PROTOCOL_ERROR = "protocol_error"
-    TIME_LIMIT = "time_limit"
-    MEMORY_LIMIT = "memory_limit"
-    OUTPUT_LIMIT = "output_limit"
-    PROCESS_LIMIT = "process_limit"
+    USER_ERROR = Verdict.USER_ERROR.value
+    COMPILE_ERROR = Verdict.COMPILE_ERROR.value
+    PROTOCOL_ERROR = Verdict.PROTOCOL_ERROR.value
+    TIME_LIMIT = Verdict.TIME_LIMIT.value
+    MEMORY_LIMIT = Verdict.MEMORY_LIMIT.value
+    OUTPUT_LIMIT = Verdict.OUTPUT_LIMIT.value
+    PROCESS_LIMIT = Verdict.PROCESS_LIMIT.value
     BENCHMARK_ERROR = "benchmark_error"
     PLATFORM_ERROR = "platform_error"
 
