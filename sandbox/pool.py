@@ -105,10 +105,6 @@ class Pool:
             one.box.detach()
         self._stock, self._idle, self._core = {}, {language: leased}, None
 
-    def idle_count(self) -> int:
-        """Return how many boxes are in stock."""
-        return sum(map(len, self._idle.values()))
-
     def close(self) -> None:
         """Close all boxes in stock."""
         for idle in self._idle.values():
