@@ -77,11 +77,15 @@ class ParallelTrials:
             self._start_more()
             process = self._processes[trial]
             while (message := process.next_message()) is not None:
-                if isinstance(message, TrialReport):
-                    return message.outcome()
-                if isinstance(message, BoxFailed):
-                    raise SandboxBroken(message.reason)
-                deliver(message, listener)
+                match message:
+                    case TrialReport():
+                        return message.outcome()
+                    case BoxFailed(reason):
+                        raise SandboxBroken(reason)
+                    case Crashed(text):
+                        raise TrialBroken(text)
+                    case _:
+                        deliver(message, listener)
             self._receive(trial)
 
     def _start_more(self) -> None:
@@ -147,20 +151,21 @@ class TrialProcess:
         self._pidfd = os.pidfd_open(self._pid)
 
     def receive(self) -> None:
-        """Buffer the messages that came; raises TrialBroken if the process died before its end."""
+        """Buffer the messages that came, and Crashed if the process died before its end."""
         for message in self._reader.read(0.0):
-            match message:
-                case Crashed(text):
-                    raise TrialBroken(text)
-                case TrialReport():
-                    self.ended = True
-                    self.failed = message.outcome().result is None
-                case BoxFailed():
-                    self.ended = self.failed = True
-            self._buffer.append(message)
-            self.buffered_bytes += messages.size(message)
+            self._put(message)
         if self._reader.closed and not self.ended:
-            raise TrialBroken(f"the process of trial {self.trial} died: {self._exit_reason()}")
+            self._put(Crashed(f"the process of trial {self.trial} died: {self._exit_reason()}"))
+
+    def _put(self, message: Message) -> None:
+        match message:
+            case TrialReport():
+                self.ended = True
+                self.failed = message.outcome().result is None
+            case BoxFailed() | Crashed():
+                self.ended = self.failed = True
+        self._buffer.append(message)
+        self.buffered_bytes += messages.size(message)
 
     def _exit_reason(self) -> str:
         """Return how the process ended, which has closed its connection; `close` reaps it."""
