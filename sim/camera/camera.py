@@ -54,9 +54,9 @@ class Camera:
         self._lens = (optics.intrinsics(), np.array(optics.mount_m))
         self._faces = target.faces()
         self._corners = target.top_corners()
-        self._centre = target.top_centre()[None]
-        self._origin = target.origin()[None]
-        self._points = np.concatenate([self._corners, self._centre, self._origin])
+        self._points = np.concatenate(
+            [self._corners, target.top_centre()[None], target.origin()[None]]
+        )
         self._images = np.empty((len(self._points), 2))
         self._scene = tuple(self._build_scene())
         self._grain = tuple(
@@ -111,20 +111,6 @@ class Camera:
         """
         return self._project(pose, self._corners)
 
-    def centroid(self, pose: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return the image point (2,) [px] of the top face's centre."""
-        centre: NDArray[np.float64] = self._project(pose, self._centre)[0]
-        return centre
-
-    def origin(self, pose: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return the image point (2,) [px] of the box's centre: UWSim's convention for the truth.
-
-        Seen obliquely it is not the centre of the visible face; for a perfect tracker this parallax
-        is a bias of a few pixels.
-        """
-        origin: NDArray[np.float64] = self._project(pose, self._origin)[0]
-        return origin
-
     def position(self, pose: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the position of the camera, (3,) [m] NED."""
         return np.array(self.truth(pose)[-3:])
@@ -136,7 +122,9 @@ class Camera:
     def truth(self, pose: NDArray[np.float64]) -> list[float]:
         """Return corners (8), centroid (2), origin (2) [px] and the camera's position (3) [m].
 
-        The results of the methods above in one call.
+        The centroid is that of the top face, the origin that of the box: UWSim's convention. Seen
+        obliquely the origin is not at the centre of the visible face; for a perfect tracker this
+        parallax is a bias of a few pixels.
         """
         self._pose[:] = pose[:6]
         camera_pose(self._pose, self._lens[1], self._rotation, self._position)

@@ -17,7 +17,6 @@ LAWS = {"beer": "Beer-Lambert attenuation", "uwsim": "UWSim fog"}
 # [1/m] Beam attenuation c at 600, 550 and 450 nm.
 # S: IB to 5C measured by Williamson & Hollins 2022; I, 7C and 9C by Solonenko & Mobley 2015, whose
 # other rows disagree with the measured ones and are not used.
-JERLOV_SOURCES = ("Williamson & Hollins 2022", "Solonenko & Mobley 2015")
 JERLOV: dict[str, Channels] = {
     "I": (0.229, 0.064, 0.022),
     "IB": (0.345, 0.188, 0.176),

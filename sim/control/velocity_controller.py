@@ -12,7 +12,7 @@ the DVL cost no phase; the prediction error is due to the disturbance (the curre
 integral without windup, since it knows the saturated thrust. The arithmetic is in velocity_law.py.
 """
 
-from typing import NamedTuple, Protocol
+from typing import Protocol
 
 import numpy as np
 
@@ -47,18 +47,6 @@ class Settings(Protocol):
     tilt_hold: bool
 
 
-class Sensed(NamedTuple):
-    """The measurements of the velocity controller at one control step."""
-
-    velocity: tuple[float, float, float]  # [m/s] DVL, body frame
-    depth: float  # [m]
-    yaw: float  # [rad]
-    yaw_rate: float  # [rad/s]
-    fresh: bool  # whether the DVL has a new valid reading
-    tilt: tuple[float, float] = (0.0, 0.0)  # roll, pitch [rad]
-    tilt_rates: tuple[float, float] = (0.0, 0.0)  # p, q [rad/s]
-
-
 class VelocityController:
     """From reference and measurements to thruster commands; one instance per level.
 
@@ -75,20 +63,12 @@ class VelocityController:
         self._thrust, self._command = np.zeros((2, len(vehicle.thrusters)))
         self._out = (self._thrust, self._command)
         self.measured = np.zeros(1, law.MEASURED)
-        self._values = self.measured.view(
-            np.float64
-        )  # the same memory; faster to fill than a record
 
     def reset(self) -> None:
         """Hold the measured depth and heading, and zero tilt."""
         measured = self.measured[0]
         self._holds["target"] = (measured["depth"], measured["yaw"], 0.0, 0.0)
         self._holds["force"] = 0.0
-
-    def sense(self, sensed: Sensed) -> None:
-        """Set the measurements; not needed by callers that write to `measured`."""
-        velocity, depth, yaw, yaw_rate, fresh, tilt, tilt_rates = sensed
-        self._values[:] = (*velocity, depth, yaw, yaw_rate, fresh, *tilt, *tilt_rates)
 
     def step(self, reference: tuple[float, float, float, float], dt: float) -> Array:
         """Return the commands, (n,) in [-1, 1]; the array is reused at the next call."""

@@ -115,13 +115,6 @@ class Bottom:
         """Return the least depth [m] of the bottom anywhere."""
         return self.depth_m - (self.relief.height_m if self.relief is not None else 0.0)
 
-    def depth_at(self, north: float, east: float) -> float:
-        """Return the depth of the bottom at a position [m]."""
-        if self._mounds is None:
-            return self.depth_m
-        height, _north, _east = height_and_slope(north, east, self._mounds)
-        return self.depth_m - float(height)
-
     def sound(self, pose: Array | Sequence[float]) -> Sounding:
         """Return the result of the DVL's four beams at a pose, (6,) [m, rad].
 

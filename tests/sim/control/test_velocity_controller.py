@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from seamark.sim.control.allocation import HEAVE, PITCH, ROLL, SURGE, SWAY, YAW, allocator
-from seamark.sim.control.velocity_controller import Sensed, VelocityController
+from seamark.sim.control.velocity_controller import VelocityController
 from seamark.sim.physics.current import Current, Pattern
 from seamark.sim.physics.plant import Plant
 from seamark.sim.registry import VEHICLES, benchmark
@@ -23,9 +23,11 @@ def settled(reference: Reference, *, current: float = 0.0, **settings: object) -
     controller = VelocityController(vehicle, config)
     for step in range(1200):
         pose, (u, v, w, p, q, r) = plant.pose(), plant.velocity().tolist()
-        sensed = Sensed((u, v, w), float(pose[2]), float(pose[5]), r, step % 4 == 0)
-        sensed = sensed._replace(tilt=(float(pose[3]), float(pose[4])), tilt_rates=(p, q))
-        controller.sense(sensed)
+        tilt = (float(pose[3]), float(pose[4]))
+        controller.measured[0] = (
+            *((u, v, w), float(pose[2]), float(pose[5]), r),
+            *(float(step % 4 == 0), tilt, (p, q)),
+        )
         if step == 0:
             controller.reset()
         plant.advance(step * 5, controller.step(reference, 0.05), 5)
@@ -98,23 +100,21 @@ def test_a_heave_reference_moves_the_held_depth() -> None:
 def test_the_papers_law_gives_effort_in_proportion_to_the_error() -> None:
     config = benchmark("currents-v1").read({"vehicle": "girona500-uwsim"})
     controller = VelocityController(load("girona500-uwsim"), config)
-    sensed = Sensed((0.01, 0.02, 0.03), 1.0, 0.0, 0.0, True)
+    controller.measured["velocity"], controller.measured["depth"] = (0.01, 0.02, 0.03), 1.0
 
-    controller.sense(sensed)
     command = controller.step((0.05, 0.0, 0.0, 0.0), 0.05)
 
     assert command.tolist() == pytest.approx([0.2, 0.2, -0.15, -0.15, -0.12])
 
 
-def test_commands_stay_within_their_range_and_references_are_cut() -> None:
+def test_commands_and_references_are_limited() -> None:
     config = benchmark("currents-v1").read({"reference_limit_m_s": 0.1})
     vehicle = load("girona500")
-    still = Sensed((0.0, 0.0, 0.0), 1.0, 0.0, 0.0, True)
 
     commands = []
     for reference in ((9.0, -9.0, 0.0, 0.0), (0.1, -0.1, 0.0, 0.0)):
         controller = VelocityController(vehicle, config)
-        controller.sense(still)
+        controller.measured["depth"] = 1.0
         commands.append(controller.step(reference, 0.05))
 
     wild, cut = commands

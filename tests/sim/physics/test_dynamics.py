@@ -14,9 +14,9 @@ from seamark.sim.numerics.arrays import Array
 from seamark.sim.numerics.random_streams import streams
 from seamark.sim.physics.current import Current, Pattern
 from seamark.sim.physics.plant import Plant
+from seamark.sim.registry import VEHICLES
 from seamark.sim.vehicles import Quantity, Vehicle, load
 
-NAMES = ["girona500", "girona500-uwsim", "bluerov2-heavy"]
 STILL = Current(0.0)
 STEADY = Pattern(azimuth_swing_rad=0.0, speed_swing=0.0)
 UPRIGHT = np.zeros(6)
@@ -92,7 +92,7 @@ def test_full_speeds_are_those_of_the_real_vehicle() -> None:
     assert sideways == pytest.approx(0.385, abs=0.01)
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", VEHICLES)
 def test_righting_period_is_that_of_the_linear_pendulum(name: str) -> None:
     vehicle = free(neutral(load(name)))
     mass = vehicle.mass_rigid() + vehicle.mass_added()
@@ -128,7 +128,7 @@ def test_the_real_vehicle_rises_with_its_ten_newtons() -> None:
     assert plant.velocity()[2] == pytest.approx(-speed, rel=0.005)
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", VEHICLES)
 def test_force_first_meets_mass_and_added_mass(name: str) -> None:
     vehicle = balanced(load(name))
     effective = np.diag(vehicle.mass_rigid() + vehicle.mass_added())
@@ -144,7 +144,7 @@ def test_force_first_meets_mass_and_added_mass(name: str) -> None:
 
 
 @given(start=arrays(np.float64, 6, elements=st.floats(-1.0, 1.0)))
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", VEHICLES)
 def test_without_thrust_motion_only_dies_down(name: str, start: Array) -> None:
     plant = Plant(balanced(load(name)), STILL)
     plant.state[7:13] = start
@@ -165,7 +165,7 @@ def test_without_drag_energy_and_momentum_stay(start: Array) -> None:
     assert energy(plant) == pytest.approx(before, rel=1e-6, abs=1e-12)
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", VEHICLES)
 def test_a_drifting_vehicle_takes_the_speed_of_the_water(name: str) -> None:
     current = Current(0.3, pattern=replace(STEADY, azimuth_rad=2.0))
     plant = Plant(neutral(load(name)), current)

@@ -14,17 +14,17 @@ from seamark.sim.physics.hydrodynamics import (
     add_restoring,
     write_rotation,
 )
+from seamark.sim.registry import VEHICLES
 from seamark.sim.vehicles import load
 
 velocities = arrays(np.float64, 6, elements=st.floats(-5.0, 5.0))
 directions = arrays(np.float64, 4, elements=st.floats(-1.0, 1.0)).filter(
     lambda q: float(np.linalg.norm(q)) > 0.1
 )
-NAMES = ["girona500", "girona500-uwsim", "bluerov2-heavy"]
 
 
 @given(velocity=velocities)
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", VEHICLES)
 def test_drag_only_takes_energy(name: str, velocity: Array) -> None:
     vehicle, wrench = load(name), np.zeros(6)
 
@@ -34,7 +34,7 @@ def test_drag_only_takes_energy(name: str, velocity: Array) -> None:
 
 
 @given(velocity=velocities)
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", VEHICLES)
 def test_coriolis_forces_do_no_work(name: str, velocity: Array) -> None:
     vehicle, wrench = load(name), np.zeros(6)
     mass = vehicle.mass_rigid() + vehicle.mass_added()
@@ -63,7 +63,7 @@ def test_an_upright_vehicle_feels_its_net_weight_and_no_moment() -> None:
     assert wrench.tolist() == [0.0, 0.0, -10.0, 0.0, 0.0, 0.0]
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", VEHICLES)
 def test_mass_matrices_are_symmetric_positive_and_inverted_exactly(name: str) -> None:
     vehicle = load(name)
     mass = vehicle.mass_rigid() + vehicle.mass_added()

@@ -12,12 +12,11 @@ from seamark.sim.physics.thrusters import (
     steady_thrust,
     thrust_from_command,
 )
+from seamark.sim.registry import VEHICLES
 from seamark.sim.vehicles import load
 
-NAMES = ["girona500", "girona500-uwsim", "bluerov2-heavy"]
 
-
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", VEHICLES)
 def test_thrust_never_falls_when_the_command_rises(name: str) -> None:
     curve = pack_curve(load(name).curve)
 
@@ -26,7 +25,7 @@ def test_thrust_never_falls_when_the_command_rises(name: str) -> None:
     assert np.all(np.diff(forces) >= 0.0)
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", VEHICLES)
 def test_thrust_stays_within_its_limits_and_reaches_them(name: str) -> None:
     vehicle = load(name)
     curve = pack_curve(vehicle.curve)

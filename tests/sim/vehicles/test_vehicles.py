@@ -7,13 +7,12 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
+from seamark.sim.registry import VEHICLES
 from seamark.sim.vehicles import TAGS, load
 from seamark.sim.vehicles.urdf import urdf_of
 
-NAMES = ["girona500", "girona500-uwsim", "bluerov2-heavy"]
 
-
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", VEHICLES)
 def test_every_number_says_where_it_is_from(name: str) -> None:
     vehicle = load(name)
     quantities = list(vehicle.quantities())
@@ -28,7 +27,7 @@ def test_every_number_says_where_it_is_from(name: str) -> None:
         assert np.isfinite(quantity.value).all(), key
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", VEHICLES)
 def test_thrusters_can_drive_surge_sway_heave_and_yaw(name: str) -> None:
     matrix = load(name).allocation()
 
@@ -86,7 +85,7 @@ def test_reading_a_vehicle_loads_no_compiled_code() -> None:
     assert done.stdout.split() == ["False", "False"]
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", VEHICLES)
 def test_a_urdf_holds_the_vehicles_own_numbers(name: str) -> None:
     vehicle = load(name)
 
