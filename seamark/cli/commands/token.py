@@ -66,7 +66,10 @@ def new(
             raise UsageRefused(
                 f"There is no account {name}. Create it with `seamark user add {name}`."
             )
-        text = accounts.new_token(session, owner.id, label, scopes, days=days)
+        try:
+            text = accounts.new_token(session, owner.id, label, scopes, days=days)
+        except accounts.AccountRejected as reason:
+            raise UsageRefused(str(reason)) from None
     if as_json:
         print_json({"user": owner.name, "scopes": list(scopes), "days": days, "token": text})
         return

@@ -144,6 +144,18 @@ def test_accounts_are_imported_from_a_file_and_each_refusal_has_its_reason(tmp_p
     assert rows["not a name"]["refused"].startswith("A name consists of")
 
 
+def test_a_token_beyond_the_limit_of_an_account_is_refused(tmp_path: Path) -> None:
+    data = ("--data", str(tmp_path))
+    seamark("user", "add", "ann", "--password", "correct horse", *data)
+    for _ in range(accounts.TOKENS_MAX):
+        seamark("token", "new", "ann", *data)
+
+    refused = seamark("token", "new", "ann", *data)
+
+    assert refused.exit_code == 2
+    assert "already have 50 tokens" in refused.output
+
+
 def test_the_scopes_of_tokens_are_those_of_the_server() -> None:
     assert set(OFFERED) == set(SCOPES)
 
