@@ -23,8 +23,8 @@ def test_a_public_service_requires_strong_isolation_unless_configured_otherwise(
     tmp_path: Path,
 ) -> None:
     assert _load(tmp_path, SEAMARK_PUBLIC="true").sandbox_min_level == "strong"
-    told = _load(tmp_path, SEAMARK_PUBLIC="1", SEAMARK_SANDBOX_MIN_LEVEL="medium")
-    assert told.sandbox_min_level == "medium"
+    configured = _load(tmp_path, SEAMARK_PUBLIC="1", SEAMARK_SANDBOX_MIN_LEVEL="medium")
+    assert configured.sandbox_min_level == "medium"
 
 
 def test_the_isolation_level_weak_of_earlier_versions_means_medium(tmp_path: Path) -> None:

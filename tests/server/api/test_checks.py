@@ -50,7 +50,7 @@ def test_without_a_worker_a_check_is_queued_and_can_be_polled(site: Site) -> Non
 
 
 @pytest.mark.parametrize(
-    ("wishes", "status", "kind"),
+    ("changes", "status", "kind"),
     [
         ({"role": "guest"}, 403, "account-needed"),
         ({"role": "reader"}, 403, "scope-missing"),
@@ -61,9 +61,9 @@ def test_without_a_worker_a_check_is_queued_and_can_be_polled(site: Site) -> Non
     ],
 )
 def test_an_invalid_check_is_refused_as_a_problem(
-    site: Site, wishes: dict[str, object], status: int, kind: str
+    site: Site, changes: dict[str, object], status: int, kind: str
 ) -> None:
-    answer = sent(site, **({"program": PROGRAM} | wishes))  # type: ignore[arg-type]
+    answer = sent(site, **({"program": PROGRAM} | changes))  # type: ignore[arg-type]
 
     assert (answer.status_code, answer.get_json()["type"]) == (status, f"/problems/{kind}")
 

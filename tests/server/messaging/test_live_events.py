@@ -60,12 +60,12 @@ def test_an_invalid_last_event_id_means_from_the_start(
 def test_many_clients_get_each_event_of_their_run_once_and_in_order(
     redis: Redis, fanout: Fanout
 ) -> None:
-    heard: dict[str, list[str]] = {}
+    received: dict[str, list[str]] = {}
     streams = {"one": fanout.subscribe(1), "too": fanout.subscribe(1), "two": fanout.subscribe(2)}
     _say(redis, 1, "early")
 
     def listen(name: str) -> None:
-        heard[name] = _texts(list(streams[name]))
+        received[name] = _texts(list(streams[name]))
 
     threads = [threading.Thread(target=listen, args=(name,)) for name in streams]
     for thread in threads:
@@ -79,7 +79,7 @@ def test_many_clients_get_each_event_of_their_run_once_and_in_order(
         thread.join(timeout=20)
 
     ones = ["early", *(f"1.{number}" for number in range(50))]
-    assert heard == {"one": ones, "too": ones, "two": [f"2.{number}" for number in range(50)]}
+    assert received == {"one": ones, "too": ones, "two": [f"2.{number}" for number in range(50)]}
     assert fanout.open_streams == 0
 
 

@@ -120,19 +120,19 @@ def test_an_uploaded_file_is_queued(site: Site) -> None:
 
 
 def test_a_program_from_the_editor_is_queued(site: Site) -> None:
-    wishes = {"controller": "upload", "source": "editor", "program_text": PROGRAM}
+    fields = {"controller": "upload", "source": "editor", "program_text": PROGRAM}
 
-    assert site.show(_new_run(site.browser("ann"), **wishes)).program_name == "controller.py"
+    assert site.show(_new_run(site.browser("ann"), **fields)).program_name == "controller.py"
 
 
 @pytest.mark.parametrize(("language", "name"), [("c", "controller.c"), ("c++", "controller.cpp")])
 def test_the_editor_takes_other_languages_and_the_page_has_their_templates(
     site: Site, language: str, name: str
 ) -> None:
-    wishes = {"controller": "upload", "source": "editor", "program_text": "int x;"}
+    fields = {"controller": "upload", "source": "editor", "program_text": "int x;"}
     browser = site.browser("ann")
 
-    run = site.show(_new_run(browser, language=language, **wishes))
+    run = site.show(_new_run(browser, language=language, **fields))
 
     assert (run.program_name, run.language) == (name, language)
     assert (
@@ -142,9 +142,9 @@ def test_the_editor_takes_other_languages_and_the_page_has_their_templates(
 
 
 def test_an_unknown_language_is_refused(site: Site) -> None:
-    wishes = {"controller": "upload", "source": "editor", "program_text": "x", "language": "ada"}
+    fields = {"controller": "upload", "source": "editor", "program_text": "x", "language": "ada"}
 
-    answer = site.browser("ann").post(FORM, wishes)
+    answer = site.browser("ann").post(FORM, fields)
 
     assert answer.status_code == 422
     assert "Choose a language" in answer.text

@@ -105,13 +105,13 @@ def test_a_long_log_is_its_head_and_tail_and_the_size_of_the_gap(
 
 def test_a_log_is_followed_without_duplicates_and_gaps(tmp_path: Path) -> None:
     files = RunFiles(tmp_path, 7, 1)
-    heard, at = "", 0
+    text, at = "", 0
     for word in ("one ", "two ", "three"):
         files.append_log(word.encode())
         part = files.log(at)
-        heard, at = heard + part.text, part.next
+        text, at = text + part.text, part.next
 
-    assert heard == "one two three" == files.log_text()
+    assert text == "one two three" == files.log_text()
 
 
 def test_documents_are_written_atomically(tmp_path: Path) -> None:

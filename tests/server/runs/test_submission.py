@@ -41,8 +41,8 @@ def test_a_wrong_configuration_is_refused_by_field(both: Backend) -> None:
 
 
 def test_a_ranked_run_gets_the_scenario_of_the_benchmark(both: Backend) -> None:
-    wishes = {"levels": [0.0], "kp": 0.9}
-    run_id = both.queue("ann", config=wishes, kind=RunKind.RANKED)
+    changes = {"levels": [0.0], "kp": 0.9}
+    run_id = both.queue("ann", config=changes, kind=RunKind.RANKED)
 
     view = both.show(run_id)
     assert len(view.config["levels"]) > 1
@@ -50,7 +50,7 @@ def test_a_ranked_run_gets_the_scenario_of_the_benchmark(both: Backend) -> None:
 
 
 @pytest.mark.parametrize(
-    "wishes",
+    "changes",
     [
         {"kind": RunKind.RANKED},
         {"benchmark": "none-v1"},
@@ -62,9 +62,9 @@ def test_a_ranked_run_gets_the_scenario_of_the_benchmark(both: Backend) -> None:
         {"seed": 2**31},
     ],
 )
-def test_a_submission_that_breaks_a_rule_is_refused(both: Backend, wishes: dict[str, Any]) -> None:
+def test_a_submission_that_breaks_a_rule_is_refused(both: Backend, changes: dict[str, Any]) -> None:
     with pytest.raises(SubmissionRejected):
-        both.queue("guest", **wishes)
+        both.queue("guest", **changes)
 
 
 def test_a_guest_can_run_a_built_in_controller_but_not_an_upload(both: Backend) -> None:
@@ -181,14 +181,16 @@ def test_a_missing_language_is_refused_with_the_reason_of_the_worker(both: Backe
         worker.findings = [found]
 
     with both.database.reading() as session:
-        told = {name: workers.upload_refusal(session, name, both.settings) for name in LANGUAGES}
+        refusals = {
+            name: workers.upload_refusal(session, name, both.settings) for name in LANGUAGES
+        }
 
-    assert told["python"] is None
-    assert told["matlab"] == (
+    assert refusals["python"] is None
+    assert refusals["matlab"] == (
         "No worker of this service can run programs in MATLAB (by GNU Octave): "
         "octave is not installed."
     )
-    assert told["c++"] == "No worker of this service can run programs in C++."
+    assert refusals["c++"] == "No worker of this service can run programs in C++."
 
 
 def test_a_run_in_a_language_of_an_earlier_version_is_readable_but_cannot_be_submitted(

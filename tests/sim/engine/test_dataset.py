@@ -67,8 +67,8 @@ def _picture(files: dict[str, bytes], name: str) -> NDArray[np.uint8]:
 
 
 def _corners(line: dict[str, str]) -> NDArray[np.float64]:
-    told = [float(line[f"corner_{axis}{k}"]) for k in range(4) for axis in "uv"]
-    return np.array(told).reshape(4, 2)
+    corners = [float(line[f"corner_{axis}{k}"]) for k in range(4) for axis in "uv"]
+    return np.array(corners).reshape(4, 2)
 
 
 def test_every_picture_is_the_one_that_the_tracker_had(
@@ -95,8 +95,8 @@ def test_the_true_corners_are_those_of_the_camera(
     replay = Replay(name, config, lambda _trial: SEED)
 
     for line, row in zip(table, rows[::11], strict=True):
-        told = [float(line[f"corner_{axis}{at}"]) for at in range(4) for axis in "uv"]
-        assert told == replay.frame(row).corners().ravel().tolist()
+        corners = [float(line[f"corner_{axis}{at}"]) for at in range(4) for axis in "uv"]
+        assert corners == replay.frame(row).corners().ravel().tolist()
         assert float(line["x"]) == row[INDEX["x"]]
 
 
@@ -171,8 +171,8 @@ def test_the_corners_of_a_start_have_the_configured_error() -> None:
 
     (start,) = _table(files, "starts.csv")[:1]
     off = _corners(start) - _corners(_table(files)[0])
-    told = rows[0, INDEX["corner_0"] : INDEX["corner_7"] + 1].reshape(4, 2)
-    assert np.array_equal(_corners(start), told)
+    recorded_corners = rows[0, INDEX["corner_0"] : INDEX["corner_7"] + 1].reshape(4, 2)
+    assert np.array_equal(_corners(start), recorded_corners)
     assert 0.1 < np.abs(off).max() < 6.0
 
 
@@ -182,10 +182,10 @@ def test_camera_json_has_all_that_a_camera_is_made_of() -> None:
     config = entry.read({**entry.quick_settings, **disturbed, "target": "plain"})
     rows = _rows(name, config)
     files = _made((name, config, rows), Selection(every=25))
-    told = json.loads(files["camera.json"])
+    stored = json.loads(files["camera.json"])
     camera = registry.benchmark(name).load().camera(config, seed=SEED, trial=0, level=1)
 
-    level, target, optics = told["levels"][1], told["target"], told["optics"]
+    level, target, optics = stored["levels"][1], stored["target"], stored["optics"]
     assert level["value"] == 0.25
     corners = target.pop("top_corners_m")
     made = Camera(
