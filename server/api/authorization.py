@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from flask import Response, g, request
+from flask import g
 
 from seamark.server.accounts.permissions import (
     ADMIN,
@@ -26,13 +26,6 @@ def viewer() -> Viewer:
     """Return who sent the request."""
     current: Viewer = g.viewer
     return current
-
-
-def conditional(response: Response) -> Response:
-    """Answer 304 without a body if the client already has this representation."""
-    response.headers["Vary"] = "Authorization, Cookie"
-    response.make_conditional(request)
-    return response
 
 
 def require_scope(scope: str) -> None:

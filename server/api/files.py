@@ -16,6 +16,7 @@ from seamark.server.programs import store
 from seamark.server.runs.files import RunFiles
 from seamark.server.runs.states import RunKind
 from seamark.server.runs.views import RunView
+from seamark.server.web import caching
 from seamark.server.web.problems import Problem
 from seamark.server.web.services import services
 from seamark.sim import registry
@@ -160,7 +161,7 @@ def program(path: RunPath) -> Response:
     answer = Response(source, content_type="text/plain; charset=utf-8")
     _as_attachment(answer, view, view.program_name or "program")
     answer.set_etag(view.program_sha256)
-    return authorization.conditional(answer)
+    return caching.conditional(answer)
 
 
 @api.get("/runs/<int:run_id>/camera.jpg", responses=_content("image/jpeg"))
@@ -174,7 +175,7 @@ def camera(path: RunPath, query: CameraQuery) -> Response:
         raise Problem("not-found", "There is no telemetry of that trial yet.")
     answer = Response(image, content_type="image/jpeg")
     answer.add_etag()
-    return authorization.conditional(answer)
+    return caching.conditional(answer)
 
 
 def _as_attachment(answer: Response, view: RunView, name: str) -> None:

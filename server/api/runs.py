@@ -25,7 +25,7 @@ from seamark.server.runs import submission, views
 from seamark.server.runs.states import RunKind, RunState
 from seamark.server.runs.submission import UPLOAD, Submission
 from seamark.server.runs.views import RunFilter, RunView
-from seamark.server.web import authentication, rate_limits
+from seamark.server.web import authentication, caching, rate_limits
 from seamark.server.web.problems import Problem
 from seamark.server.web.services import services
 from seamark.sim.benchmarks.benchmark import Benchmark
@@ -127,7 +127,7 @@ def show(path: RunPath) -> Response:
     answer.set_etag(hashlib.sha256(f"{view.id}-{view.version}".encode()).hexdigest()[:24])
     if not view.state.final:
         answer.headers["Retry-After"] = str(_retry_s(view))
-    return authorization.conditional(answer)
+    return caching.conditional(answer)
 
 
 def _retry_s(view: RunView) -> int:
