@@ -77,7 +77,7 @@ def test_noise_grows_with_light_as_read_and_shot_noise_do(tilted: Array) -> None
     assert np.sqrt(variance.min()) > 0.8
 
 
-def test_noise_of_frames_and_of_rows_is_not_alike(tilted: Array) -> None:
+def test_noise_differs_between_frames_and_between_rows(tilted: Array) -> None:
     mean = average(CAMERA, tilted)
     first, second = (CAMERA.grey(tilted, k) - mean for k in (0, 1))
 
@@ -139,14 +139,14 @@ def test_seabed_repeats_after_a_tile_without_a_seam(tilted: Array) -> None:
     assert (first != second).mean() < 0.01
 
 
-def test_a_vehicle_adrift_still_sees_textured_ground(tilted: Array) -> None:
+def test_far_from_the_target_the_seabed_is_still_textured(tilted: Array) -> None:
     lost = tilted + np.array([-5000.0, 7000.0, 0, 0, 0, 1.0])
 
     assert average(CAMERA, lost, 16).std() > 5.0
 
 
 @pytest.mark.parametrize("pose", [[0, 0, 4.9, 0, 0, 0], [0, 0, 20, 0, 0, 0], [0, 0, 2, 2, 0, 0]])
-def test_a_camera_in_the_ground_or_on_its_side_still_gives_an_image(pose: list[float]) -> None:
+def test_a_camera_below_the_seabed_or_on_its_side_still_gives_an_image(pose: list[float]) -> None:
     image = CAMERA.grey(np.array(pose, dtype=float), 0)
 
     assert image.shape == (240, 320)
@@ -161,7 +161,7 @@ print(hashlib.sha256(camera.colour(pose, 77).tobytes()).hexdigest())
 """
 
 
-def test_two_processes_draw_the_same_bytes() -> None:
+def test_two_processes_render_the_same_bytes() -> None:
     first, second = (
         subprocess.run(
             [sys.executable, "-c", PROGRAM], capture_output=True, text=True, check=True

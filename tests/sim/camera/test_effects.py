@@ -89,7 +89,7 @@ def test_every_effect_changes_images_and_none_does_when_off(name: str) -> None:
     assert not np.array_equal(images[0], images[2])
 
 
-def test_the_longer_way_without_an_effect_gives_the_same_light() -> None:
+def test_rendering_with_effects_that_are_off_gives_the_same_image() -> None:
     """Effects with next to no strength: the other code path, the same scene."""
     plain = Camera(VISIBILITY, Water(), Target(), noise_seed=4).grey(START, 0)
     longer = Camera(
@@ -99,7 +99,7 @@ def test_the_longer_way_without_an_effect_gives_the_same_light() -> None:
     assert np.array_equal(plain, longer)  # at rest there is no blur
 
 
-def test_motion_blurs_edges_over_the_way_of_the_exposure() -> None:
+def test_motion_blurs_edges_over_the_distance_moved_during_the_exposure() -> None:
     """An edge across the motion becomes a ramp of speed x time x focal length / depth."""
     speed, exposure, depth = 0.8, 0.05, 1.27
     motion = np.concatenate([START, [0.0, speed, 0.0, 0.0, 0.0, 0.0]])
@@ -118,7 +118,7 @@ def test_motion_blurs_edges_over_the_way_of_the_exposure() -> None:
     assert blurry[rim].mean() == pytest.approx(sharp[rim].mean(), abs=0.5)
 
 
-def test_a_blurred_point_is_a_gaussian_of_the_sigma_asked_for() -> None:
+def test_a_blurred_point_is_a_gaussian_with_the_given_sigma() -> None:
     point = np.zeros((41, 41), np.float32)
     point[20, 20] = 1.0
 
@@ -142,7 +142,7 @@ def test_snow_is_as_dense_as_stated(density: float, seed: int) -> None:
     assert flakes == pytest.approx(density * volume, abs=interpolate_nodes)
 
 
-def test_snow_drifts_from_frame_to_frame_and_stays_itself() -> None:
+def test_snow_drifts_from_frame_to_frame_without_changing() -> None:
     effects = Effects(snow_per_m3=300.0, frame_s=0.01)
     camera = Camera(VISIBILITY, Water.grey(0.0), Target(), noise_seed=4, effects=effects)
     still = light(Effects(), START, water=Water.grey(0.0))
@@ -163,7 +163,7 @@ def test_light_scales_all_but_the_noise() -> None:
     assert dim == pytest.approx(0.5 * bright, abs=1.5)
 
 
-def test_the_lamp_is_brightest_below_itself_and_glows_in_turbid_water() -> None:
+def test_the_lamp_is_brightest_below_itself_and_backscatters_in_turbid_water() -> None:
     dark = {"light_level": 0.01, "lamp": 8.0, "lamp_cone_rad": 0.4}
     clear = light(Effects(**dark), START, water=Water.grey(0.05))
     turbid = light(Effects(**dark), START, water=Water.grey(3.0))
@@ -179,7 +179,7 @@ def test_contrast_falls_with_turbidity() -> None:
     assert all(a > b + 0.5 for a, b in pairwise(contrasts))
 
 
-def test_a_fish_hides_the_target_for_a_while_and_leaves_again() -> None:
+def test_a_fish_hides_the_target_for_a_while() -> None:
     effects = Effects(fish_per_min=10.0, fish_length_m=0.5)
     camera = Camera(VISIBILITY, Water(), Target(), noise_seed=4, effects=effects)
     clear = light(Effects(), START)
@@ -191,7 +191,7 @@ def test_a_fish_hides_the_target_for_a_while_and_leaves_again() -> None:
 
 
 @pytest.mark.parametrize("name", TARGETS)
-def test_every_target_lies_where_its_corners_say(name: str) -> None:
+def test_every_target_is_rendered_at_its_true_corners(name: str) -> None:
     shape = TARGETS[name]
     target = Target(
         length_m=shape.length_m,

@@ -18,7 +18,7 @@ _TILE = np.random.default_rng(1).integers(0, 2**32, TILE * STRIDE, np.uint32).vi
     shift=st.tuples(st.integers(-9000, 9000), st.integers(-9000, 9000)),
 )
 @settings(max_examples=60, deadline=None)
-def test_the_seabed_in_lanes_is_the_formula_in_single_precision(
+def test_the_vectorised_seabed_is_the_formula_in_single_precision(
     maps: list[float], row: int, start: int, shift: tuple[int, int]
 ) -> None:
     ground = np.array(maps).reshape(3, 3)

@@ -92,7 +92,7 @@ def test_origin_is_off_the_visible_face_by_the_parallax_of_half_the_height() -> 
     assert 4 < expected < 6  # the paper's trackers are off by about 5 px
 
 
-def test_a_target_behind_the_camera_has_no_place_in_the_image() -> None:
+def test_a_target_behind_the_camera_has_no_image_points() -> None:
     camera = Camera(VISIBILITY, Water(), Target(), noise_seed=0)
 
     assert np.isnan(camera.corners(np.array([0, 0, 5.5, 0, 0, 0.0]))).all()

@@ -26,13 +26,13 @@ def test_p_acts_on_x_and_y_alone() -> None:
     assert p.Controller(CONFIG).step(seeing((0.2, -0.4, 0.6))) == [0.1, -0.2, 0.0, 0.0]
 
 
-def test_p_acts_on_z_if_asked() -> None:
+def test_p_acts_on_z_if_heave_is_controlled() -> None:
     controller = p.Controller(CONFIG | {"control_heave": True})
 
     assert controller.step(seeing((0.2, -0.4, 0.6))) == [0.1, -0.2, 0.3, 0.0]
 
 
-def test_the_integral_grows_with_error_times_time_and_a_level_forgets_it() -> None:
+def test_the_integral_grows_with_error_times_time_and_is_reset_at_a_level() -> None:
     controller = pi.Controller(CONFIG)
     for _ in range(20):
         answer = controller.step(seeing((0.2, 0.0, 0.0)))
@@ -50,7 +50,7 @@ def test_the_integral_does_not_wind_up_at_the_limit() -> None:
     assert controller.step(seeing((-0.1, 0.0, 0.0)))[0] == pytest.approx(-0.05, abs=1e-3)
 
 
-def test_the_integral_rests_while_the_target_is_lost() -> None:
+def test_the_integral_is_constant_while_the_target_is_lost() -> None:
     controller = pi.Controller(CONFIG)
     for _ in range(100):
         controller.step(seeing((0.2, 0.0, 0.0), visible=False))

@@ -35,7 +35,7 @@ def settled(reference: Reference, *, current: float = 0.0, **settings: object) -
 
 
 @pytest.mark.parametrize("name", VEHICLES)
-def test_allocated_thrusts_make_the_wanted_wrench_and_no_other(name: str) -> None:
+def test_allocated_thrusts_give_the_desired_wrench(name: str) -> None:
     vehicle = load(name)
 
     made = vehicle.allocation() @ allocator(vehicle)
@@ -97,7 +97,7 @@ def test_a_heave_reference_moves_the_held_depth() -> None:
     assert pose[2] == pytest.approx(START[2] + 60 * 0.01, abs=0.03)
 
 
-def test_the_papers_law_gives_effort_in_proportion_to_the_error() -> None:
+def test_the_effort_of_the_papers_law_is_proportional_to_the_error() -> None:
     config = benchmark("currents-v1").read({"vehicle": "girona500-uwsim"})
     controller = VelocityController(load("girona500-uwsim"), config)
     controller.measured["velocity"], controller.measured["depth"] = (0.01, 0.02, 0.03), 1.0

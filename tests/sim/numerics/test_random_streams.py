@@ -44,7 +44,7 @@ def test_using_one_stream_does_not_move_another() -> None:
     assert np.array_equal(used.gust.standard_normal(8), untouched)
 
 
-def test_the_place_of_the_published_streams_never_changes() -> None:
+def test_the_index_of_the_published_streams_never_changes() -> None:
     """A new component goes to the end, or every published result would change."""
     assert NAMES[:5] == ["gust", "dvl", "depth", "ahrs", "camera"]
     first = streams(2026, 0, 0)

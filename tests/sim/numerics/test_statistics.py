@@ -12,7 +12,7 @@ from seamark.sim.numerics.statistics import bootstrap_interval, mean, percentile
 scores = st.lists(st.floats(0.0, 100.0), min_size=2, max_size=12)
 
 
-def test_statistics_of_nothing_are_no_numbers() -> None:
+def test_statistics_of_no_values_are_nan() -> None:
     assert all(math.isnan(f([])) for f in (mean, root_mean_square))
     assert math.isnan(percentile([], 0.5))
 
@@ -23,7 +23,7 @@ def test_percentiles_are_those_of_numpy(values: list[float], share: float) -> No
 
 
 @given(values=scores)
-def test_the_interval_holds_the_mean_and_lies_within_the_values(values: list[float]) -> None:
+def test_the_interval_contains_the_mean_and_lies_within_the_values(values: list[float]) -> None:
     interval = bootstrap_interval(values)
 
     assert interval is not None
@@ -42,11 +42,11 @@ def test_the_interval_of_given_scores_never_changes() -> None:
     assert bootstrap_interval([70.0, 80.0, 75.0, 90.0, 60.0]) == (66.0, 84.0)
 
 
-def test_the_interval_of_one_trial_is_not_claimed() -> None:
+def test_one_trial_has_no_interval() -> None:
     assert bootstrap_interval([80.0]) is None
 
 
-def test_the_interval_covers_the_true_mean_about_as_often_as_it_says() -> None:
+def test_the_interval_covers_the_true_mean_at_about_its_confidence() -> None:
     generator = np.random.default_rng(3)
     hits = 0
     for _ in range(100):

@@ -21,7 +21,7 @@ def test_every_constant_of_the_module_is_in_a_group() -> None:
 
 
 @pytest.mark.parametrize("quantity", LISTED, ids=lambda quantity: quantity.meaning)
-def test_every_constant_says_where_it_is_from(quantity: Quantity) -> None:
+def test_every_constant_has_a_source(quantity: Quantity) -> None:
     assert quantity.meaning
     assert quantity.unit
     assert quantity.source
@@ -29,7 +29,7 @@ def test_every_constant_says_where_it_is_from(quantity: Quantity) -> None:
     assert np.isfinite(quantity.value).all()
 
 
-def test_the_simulator_works_with_these_numbers() -> None:
+def test_the_simulator_uses_these_constants() -> None:
     assert constants.STANDARD_GRAVITY.scalar == STANDARD_GRAVITY
     assert constants.STEP_S.scalar == plant.STEP_S
     assert constants.GUST_GRID_S.scalar == current.GUST_GRID_S

@@ -69,7 +69,9 @@ def bottom(heavy: Vehicle) -> Iterator[Listening]:
     contact.close()
 
 
-def test_a_press_of_fifty_newtons_reads_fifty_newtons(heavy: Vehicle, bottom: Listening) -> None:
+def test_a_steady_force_of_fifty_newtons_reads_fifty_newtons(
+    heavy: Vehicle, bottom: Listening
+) -> None:
     plant = Plant(heavy, Current(0.0), contact=bottom)
     plant.reset(np.array([0.0, 0.0, SEABED_Z - 0.53, 0.0, 0.0, 0.0]))
 
@@ -82,7 +84,7 @@ def test_a_press_of_fifty_newtons_reads_fifty_newtons(heavy: Vehicle, bottom: Li
     assert plant.pose()[2] == pytest.approx(SEABED_Z - 0.514, abs=0.01)
 
 
-def test_a_hit_passes_the_momentum_on() -> None:
+def test_a_collision_conserves_momentum() -> None:
     vehicle = frictionless(load("girona500"))
     size = (0.42, 0.13, 0.13)
     floating = TargetBox(centre=(1.5, 0.0, 2.0), size=size, mass=1000.0 * size[0] * size[1] ** 2)
@@ -136,7 +138,7 @@ def test_a_vehicle_that_lands_on_a_fixed_box_rests_on_it_and_the_box_stays(heavy
     assert not contact.awake
 
 
-def test_a_fixed_box_stops_what_runs_into_it() -> None:
+def test_a_fixed_box_stops_a_vehicle_that_hits_it() -> None:
     vehicle = load("girona500")
     contact = Contact(vehicle, FLAT, box=replace(BOX, fixed=True))
     plant = Plant(vehicle, Current(0.0), contact=contact)
@@ -201,7 +203,7 @@ def test_a_run_that_ends_on_the_target_is_the_same_in_two_processes() -> None:
     assert int(answer.split()[1]) > 20
 
 
-def test_a_free_run_with_contacts_is_the_run_without() -> None:
+def test_a_run_without_contact_is_the_same_with_contacts_enabled() -> None:
     vehicle = load("girona500")
     runs = []
     for contact in (None, Contact(vehicle, FLAT, box=BOX)):

@@ -14,7 +14,7 @@ def speeds(current: Current, times: Array) -> Array:
     return np.array([np.hypot(*current.velocity(t)[:2]) for t in times])
 
 
-def test_bow_on_water_flows_south_and_beam_water_west() -> None:
+def test_current_from_ahead_flows_south_and_from_starboard_west() -> None:
     bow = Current(0.4, pattern=STEADY).velocity(3.0)
     beam = Current(
         0.4, pattern=Pattern(azimuth_rad=np.pi / 2, azimuth_swing_rad=0.0, speed_swing=0.0)
@@ -66,7 +66,7 @@ def test_the_force_law_is_the_published_one() -> None:
     assert surge_later == pytest.approx(surge)
 
 
-def test_the_gust_has_its_spread_and_its_correlation_time() -> None:
+def test_the_gust_has_its_standard_deviation_and_correlation_time() -> None:
     water = Current(1.0, rng=streams(3, 0, 0).gust, duration_s=20_000.0).water
     gust, lag = water.gust, round(10.0 / GUST_GRID_S)
 
@@ -77,7 +77,7 @@ def test_the_gust_has_its_spread_and_its_correlation_time() -> None:
     assert correlation == pytest.approx(np.exp(-1.0), abs=0.08)
 
 
-def test_the_gust_begins_with_its_steady_spread() -> None:
+def test_the_gust_starts_in_its_stationary_distribution() -> None:
     starts = [Current(1.0, rng=streams(seed, 0, 0).gust).water.gust[0] for seed in range(400)]
 
     assert np.std(starts) == pytest.approx(0.05, rel=0.12)
@@ -98,7 +98,7 @@ def test_the_gust_does_not_jump() -> None:
     assert np.abs(changes).max() < 1e-3
 
 
-def test_after_its_end_the_gust_is_not_asked_for_more() -> None:
+def test_after_its_end_the_last_segment_of_the_gust_is_used() -> None:
     current = Current(0.4, pattern=STEADY, rng=streams(3, 0, 0).gust, duration_s=10.0)
 
     assert speeds(current, np.array([10.0]))[0] == pytest.approx(0.4, abs=0.15)
@@ -107,7 +107,7 @@ def test_after_its_end_the_gust_is_not_asked_for_more() -> None:
 @pytest.mark.parametrize(
     "wrong", [{"azimuth_period_s": 0.0}, {"gust_share": -0.1}, {"gust_time_s": float("nan")}]
 )
-def test_patterns_without_a_meaning_are_refused(wrong: dict[str, float]) -> None:
+def test_impossible_patterns_are_refused(wrong: dict[str, float]) -> None:
     with pytest.raises(ValueError, match=next(iter(wrong))):
         Pattern(**wrong)  # type: ignore[arg-type]
 

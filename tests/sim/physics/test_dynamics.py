@@ -129,7 +129,7 @@ def test_the_real_vehicle_rises_with_its_ten_newtons() -> None:
 
 
 @pytest.mark.parametrize("name", VEHICLES)
-def test_force_first_meets_mass_and_added_mass(name: str) -> None:
+def test_the_first_acceleration_is_force_over_mass_plus_added_mass(name: str) -> None:
     vehicle = balanced(load(name))
     effective = np.diag(vehicle.mass_rigid() + vehicle.mass_added())
     count = len(vehicle.thrusters)
@@ -145,7 +145,7 @@ def test_force_first_meets_mass_and_added_mass(name: str) -> None:
 
 @given(start=arrays(np.float64, 6, elements=st.floats(-1.0, 1.0)))
 @pytest.mark.parametrize("name", VEHICLES)
-def test_without_thrust_motion_only_dies_down(name: str, start: Array) -> None:
+def test_without_thrust_motion_only_decays(name: str, start: Array) -> None:
     plant = Plant(balanced(load(name)), STILL)
     plant.state[7:13] = start
 
@@ -155,7 +155,7 @@ def test_without_thrust_motion_only_dies_down(name: str, start: Array) -> None:
 
 
 @given(start=arrays(np.float64, 6, elements=st.floats(-0.5, 0.5)))
-def test_without_drag_energy_and_momentum_stay(start: Array) -> None:
+def test_without_drag_energy_and_momentum_are_conserved(start: Array) -> None:
     plant = Plant(free(balanced(load("girona500"))), STILL)
     plant.state[7:13] = start
     before = energy(plant)
@@ -166,7 +166,7 @@ def test_without_drag_energy_and_momentum_stay(start: Array) -> None:
 
 
 @pytest.mark.parametrize("name", VEHICLES)
-def test_a_drifting_vehicle_takes_the_speed_of_the_water(name: str) -> None:
+def test_a_drifting_vehicle_reaches_the_speed_of_the_water(name: str) -> None:
     current = Current(0.3, pattern=replace(STEADY, azimuth_rad=2.0))
     plant = Plant(neutral(load(name)), current)
 
@@ -180,7 +180,7 @@ def test_a_drifting_vehicle_takes_the_speed_of_the_water(name: str) -> None:
     assert [forward, starboard] == pytest.approx(plant.current_world()[:2], abs=0.004)
 
 
-def test_a_neutral_vehicle_goes_with_water_that_speeds_up() -> None:
+def test_a_neutral_vehicle_follows_accelerating_water() -> None:
     """In the water's frame nothing happens, whatever the water does: no drag, no spin."""
     vehicle = balanced(load("girona500"))
     plant = Plant(vehicle, Current(0.4, rng=streams(1, 0, 0).gust))
@@ -193,7 +193,7 @@ def test_a_neutral_vehicle_goes_with_water_that_speeds_up() -> None:
     assert plant.velocity()[3:] == pytest.approx(np.zeros(3), abs=1e-6)
 
 
-def test_physics_does_not_know_which_way_is_north() -> None:
+def test_physics_is_invariant_under_rotation_about_the_vertical() -> None:
     paths = []
     for yaw in (0.0, 1.2):
         current = Current(0.3, pattern=Pattern(azimuth_rad=yaw))
@@ -205,7 +205,7 @@ def test_physics_does_not_know_which_way_is_north() -> None:
     assert paths[0] == pytest.approx(paths[1], abs=1e-12)
 
 
-def test_the_body_force_holds_against_drag() -> None:
+def test_the_body_force_balances_drag() -> None:
     vehicle = balanced(load("girona500-uwsim"))
     pattern = Pattern(law="force", azimuth_swing_rad=0.0, speed_swing=0.0)
     plant = Plant(vehicle, Current(0.4, pattern=pattern))
@@ -217,7 +217,7 @@ def test_the_body_force_holds_against_drag() -> None:
     assert plant.current_world() == pytest.approx([0.0, 0.4, 0.0])
 
 
-def test_thrust_follows_with_its_time_constant() -> None:
+def test_thrust_follows_the_command_with_its_time_constant() -> None:
     plant = Plant(load("girona500-uwsim"), STILL)
 
     coasting(plant, 0.2, np.array([1.0, 0.0, 0.0, 0.0, -0.5]))
@@ -235,7 +235,7 @@ def test_thrust_follows_with_its_time_constant() -> None:
         st.floats(-3.1, 3.1),
     )
 )
-def test_a_placed_vehicle_has_that_pose(pose: tuple[float, ...]) -> None:
+def test_a_reset_vehicle_has_the_given_pose(pose: tuple[float, ...]) -> None:
     plant = Plant(load("girona500"), STILL)
 
     plant.reset(np.array(pose))
@@ -243,7 +243,7 @@ def test_a_placed_vehicle_has_that_pose(pose: tuple[float, ...]) -> None:
     assert plant.pose() == pytest.approx(np.array(pose), abs=1e-12)
 
 
-def test_placing_forgets_everything() -> None:
+def test_a_reset_clears_all_state() -> None:
     plant = Plant(load("girona500"), STILL)
     fresh = plant.state.copy()
 
@@ -267,7 +267,7 @@ def test_a_command_for_another_vehicle_is_refused() -> None:
         plant.advance(0, np.zeros(8), 1)
 
 
-def test_a_read_only_command_is_as_good_as_another() -> None:
+def test_a_read_only_command_is_accepted() -> None:
     states = []
     for writeable in (True, False):
         plant, command = Plant(load("girona500"), STILL), np.full(5, 0.3)
@@ -278,7 +278,7 @@ def test_a_read_only_command_is_as_good_as_another() -> None:
     assert states[0] == states[1]
 
 
-def test_a_plant_does_not_outlive_its_gust() -> None:
+def test_a_plant_refuses_to_run_beyond_its_gust() -> None:
     plant = Plant(load("girona500"), Current(0.2, rng=streams(1, 0, 0).gust, duration_s=2.0))
 
     plant.advance(0, np.zeros(5), 200)

@@ -25,7 +25,7 @@ directions = arrays(np.float64, 4, elements=st.floats(-1.0, 1.0)).filter(
 
 @given(velocity=velocities)
 @pytest.mark.parametrize("name", VEHICLES)
-def test_drag_only_takes_energy(name: str, velocity: Array) -> None:
+def test_drag_only_dissipates_energy(name: str, velocity: Array) -> None:
     vehicle, wrench = load(name), np.zeros(6)
 
     add_drag(vehicle.linear_drag(), vehicle.quadratic_drag(), velocity, wrench)
@@ -55,7 +55,7 @@ def test_rotations_keep_lengths_and_handedness(quaternion: Array) -> None:
     assert np.linalg.det(rotation) == pytest.approx(1.0)
 
 
-def test_an_upright_vehicle_feels_its_net_weight_and_no_moment() -> None:
+def test_an_upright_vehicle_has_its_net_weight_and_no_moment() -> None:
     wrench = np.zeros(6)
 
     add_restoring(-10.0, np.array([0.0, 0.0, 300.0]), (0.0, 0.0, 1.0), wrench)

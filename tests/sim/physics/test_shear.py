@@ -72,7 +72,7 @@ def test_the_profile_is_the_power_law_and_slower_the_deeper(depth: float, expone
         assert slope == pytest.approx((around[1] - around[0]) / (2.0 * step), rel=1e-3)
 
 
-def test_next_to_and_below_the_bottom_the_profile_stays_what_it_is() -> None:
+def test_near_and_below_the_bottom_the_profile_is_constant() -> None:
     law = (SHEAR.exponent, SHEAR.bottom_m, SHEAR.height_m)
 
     shares = [profile(depth, *law) for depth in (BOTTOM - 0.05, BOTTOM, BOTTOM + 3.0)]

@@ -203,7 +203,7 @@ def test_the_machine_code_of_a_beam_has_no_fused_operations() -> None:
 
 
 @pytest.mark.parametrize(("height", "flat"), [(-0.1, 2.0), (0.5, -1.0), (0.5, 17.0)])
-def test_mounds_that_cannot_be_are_refused(height: float, flat: float) -> None:
+def test_impossible_mounds_are_refused(height: float, flat: float) -> None:
     with pytest.raises(ValueError, match="are not possible"):
         draw_relief(streams(1, 0, 0).bottom, height_m=height, flat_m=flat)
 

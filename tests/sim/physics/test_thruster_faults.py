@@ -24,13 +24,13 @@ def thrusts(fault: ThrusterFault, wanted: list[float]) -> list[float]:
     return [fault.apply(at * 5, value) for at, value in enumerate(wanted)]
 
 
-def test_a_weak_thruster_gives_its_share_from_its_time_on() -> None:
+def test_a_weak_thruster_gives_its_share_from_the_start_of_the_fault() -> None:
     fault = ThrusterFault(thruster=1, efficiency=0.5, delay_steps=0, from_step=10)
 
     assert thrusts(fault, [1.0, 2.0, 3.0, 4.0]) == [1.0, 2.0, 1.5, 2.0]
 
 
-def test_a_slow_thruster_gives_the_same_later() -> None:
+def test_a_delayed_thruster_gives_the_same_thrust_later() -> None:
     fault = ThrusterFault(thruster=1, efficiency=1.0, delay_steps=10, from_step=5)
 
     assert thrusts(fault, [1.0, 2.0, 3.0, 4.0, 5.0]) == [1.0, 1.0, 1.0, 2.0, 3.0]

@@ -20,7 +20,7 @@ LARGEST_STEP = 0.04  # of half the target's longer side, 68 px: 3 px for each pa
 def first() -> tuple[NDArray[np.uint8], Array]:
     """A smooth image of the target in the middle, and the corners.
 
-    Smooth, so that the error of drawing it anew between its pixels is small beside the tracker's.
+    Smooth, so that its resampling error is small compared with the tracker's.
     """
     camera = Camera(VISIBILITY, Water(), Target(), noise_seed=2)
     pose = start_pose(VISIBILITY, Target(), 0.8)
