@@ -99,7 +99,6 @@ class Run(Base):
     failures: Mapped[int] = mapped_column(default=0)  # attempts that failed because of the platform
     worker: Mapped[str | None] = mapped_column(String(255))
     lease_until: Mapped[float | None]
-    cancel_requested: Mapped[bool] = mapped_column(default=False)  # of earlier versions, unused
     progress: Mapped[float] = mapped_column(default=0.0)
     t_simulated: Mapped[float] = mapped_column(default=0.0)
     isolation: Mapped[str | None] = mapped_column(String(10))
