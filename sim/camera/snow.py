@@ -80,19 +80,19 @@ def add_snow(
     """
     rotation, centre = extrinsics
     low, high = _reach(size, rotation, centre, scene)
-    position, pose_after = np.empty(3), np.empty(3)
+    position, drift = np.empty(3), np.empty(3)
     for axis in range(3):
-        pose_after[axis] = DRIFT_M_S[axis] * time_s
-        low[axis] = np.floor((low[axis] - pose_after[axis]) / CUBE_M)
-        high[axis] = np.floor((high[axis] - pose_after[axis]) / CUBE_M)
+        drift[axis] = DRIFT_M_S[axis] * time_s
+        low[axis] = np.floor((low[axis] - drift[axis]) / CUBE_M)
+        high[axis] = np.floor((high[axis] - drift[axis]) / CUBE_M)
     for k in range(int(low[2]), int(high[2]) + 1):
         for j in range(int(low[1]), int(high[1]) + 1):
             for i in range(int(low[0]), int(high[0]) + 1):
                 for m in range(flake_count(i, j, k, effects.snow, effects.seed)):
                     own = effects.seed + 7919 * k + 16 * m
-                    position[0] = (i + hash01(i, j, own + 1)) * CUBE_M + pose_after[0]
-                    position[1] = (j + hash01(i, j, own + 2)) * CUBE_M + pose_after[1]
-                    position[2] = (k + hash01(i, j, own + 3)) * CUBE_M + pose_after[2]
+                    position[0] = (i + hash01(i, j, own + 1)) * CUBE_M + drift[0]
+                    position[1] = (j + hash01(i, j, own + 2)) * CUBE_M + drift[1]
+                    position[2] = (k + hash01(i, j, own + 3)) * CUBE_M + drift[2]
                     if position[2] < scene.seabed_m:
                         shape = hash01(i, j, own + 4)
                         wide = SMALLEST_M + (LARGEST_M - SMALLEST_M) * shape * shape

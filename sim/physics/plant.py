@@ -81,8 +81,8 @@ class Plant:
 
         Parameters
         ----------
-        tick : int
-            Steps since the level began; the time is `tick * step_s`.
+        step : int
+            Steps since the level began; the time is `step * step_s`.
         command : (n,) in [-1, 1]
             Constant over all steps.
 

@@ -49,15 +49,15 @@ def test_a_program_sees_the_same_descriptors_however_many_files_the_worker_has_o
     )
     source += b"    except OSError:\n        return False\n\n\n"
     source += program(step="print([number for number in range(256) if is_open(number)])")
-    told = []
+    outputs = []
     with contextlib.ExitStack() as held:
         for _ in range(2):
             with Box(limits=Limits(), isolation=isolation) as box:
-                told.append(printed(box, source))
+                outputs.append(printed(box, source))
             for number in [os.dup(0) for _ in range(40)]:
                 held.callback(os.close, number)
 
-    assert told[0] == told[1] == "[0, 1, 2, 3]\n"
+    assert outputs[0] == outputs[1] == "[0, 1, 2, 3]\n"
 
 
 @pytest.mark.parametrize("make", [list, np.array])

@@ -6,7 +6,7 @@ import pytest
 
 from seamark.sandbox.isolation.bwrap_status import BwrapStatus
 
-TOLD = b'{ "child-pid": 4711, "net-namespace": 4026532 }\n'
+REPORT = b'{ "child-pid": 4711, "net-namespace": 4026532 }\n'
 
 
 @pytest.fixture
@@ -17,14 +17,14 @@ def pipe() -> Iterator[tuple[int, int]]:
     os.close(writing)
 
 
-@pytest.mark.parametrize("cut", range(1, len(TOLD)))
+@pytest.mark.parametrize("cut", range(1, len(REPORT)))
 def test_an_incomplete_line_is_waited_for(pipe: tuple[int, int], cut: int) -> None:
     reading, writing = pipe
     information = BwrapStatus(reading)
 
-    os.write(writing, TOLD[:cut])
+    os.write(writing, REPORT[:cut])
     early = information.init_pid()
-    rest = threading.Thread(target=os.write, args=(writing, TOLD[cut:]))
+    rest = threading.Thread(target=os.write, args=(writing, REPORT[cut:]))
     rest.start()
     late = information.init_pid(10.0)
     rest.join()
@@ -35,7 +35,7 @@ def test_an_incomplete_line_is_waited_for(pipe: tuple[int, int], cut: int) -> No
 
 def test_a_failed_start_reports_no_pid() -> None:
     reading, writing = os.pipe()
-    os.write(writing, TOLD[:20])
+    os.write(writing, REPORT[:20])
     os.close(writing)
     information = BwrapStatus(reading)
 
@@ -48,7 +48,7 @@ def test_the_exit_code_is_known_once_it_is_reported(pipe: tuple[int, int]) -> No
     reading, writing = pipe
     information = BwrapStatus(reading)
 
-    os.write(writing, TOLD)
+    os.write(writing, REPORT)
     early = information.exit_code()
     os.write(writing, b'{ "exit-code": 137 }\n')
     pid, late = information.init_pid(), information.exit_code()

@@ -12,6 +12,8 @@ from seamark.sandbox.languages.inside.wire import MAX_MESSAGE_BYTES, VERSION
 from seamark.sandbox.protocol import messages
 from seamark.sim.control import observation
 from seamark.sim.control.observation import PER_THRUSTER
+from seamark.sim.registry import VEHICLES
+from seamark.sim.vehicles import load
 
 PAGE = Path(__file__).parents[3] / "docs" / "protocol.md"
 HEADER = Path(c_family.__file__).with_name("seamark.h")
@@ -83,6 +85,12 @@ def test_the_header_has_the_fields_of_the_observation_in_their_order() -> None:
         (name, MOST_THRUSTERS if count == PER_THRUSTER else count, name in observation.BOOLEANS)
         for name, count, _unit, _meaning in observation.FIELDS
     ]
+
+
+def test_every_vehicle_fits_the_array_of_the_header() -> None:
+    too_many = {name for name in VEHICLES if len(load(name).thrusters) > MOST_THRUSTERS}
+
+    assert too_many == set(), "raise the size in seamark.h, runner.c and embedded_coder.py"
 
 
 def test_the_runner_knows_every_field_of_the_observation() -> None:

@@ -108,11 +108,11 @@ source = streams(11, 2, 3)
 plant = Plant(load("girona500"), Current(0.3, rng=source.gust))
 plant.reset(np.array([0.0, 0.0, 2.0, 0.15, -0.1, 0.4]))
 dvl = Dvl(source.dvl)
-for tick in range(0, 3000, 5):
+for step in range(0, 3000, 5):
     truth = Truth(plant.pose(), plant.velocity(), 2.5)
-    values, valid = sample(dvl, tick, truth)
+    values, valid = sample(dvl, step, truth)
     command = np.array([-values[0], -values[0], 0.1, 0.12, -3.0 * values[1]])
-    plant.advance(tick, command, 5)
+    plant.advance(step, command, 5)
     digest.update(plant.state.tobytes() + np.array(values).tobytes())
 print(digest.hexdigest())
 """

@@ -54,7 +54,7 @@ def image_of(shape: tuple[int, ...]) -> np.ndarray:
     return np.random.default_rng(7).integers(0, 250, shape, np.uint8)
 
 
-def told(image: np.ndarray) -> str:
+def printed_for(image: np.ndarray) -> str:
     """Return what TRACKER prints of an image, in Octave's memory order."""
     weights = (np.arange(image.size) % 251 + 1).reshape(image.shape, order="F")
     size = " ".join(map(str, image.shape))
@@ -76,7 +76,7 @@ def test_a_tracker_sees_each_image_and_returns_corners(shape, octave) -> None:
     assert np.array_equal(np.array(seen), CORNERS + 0.5 * float(first[0, 1].flat[0]))
     assert np.array_equal(np.array(again), CORNERS + 1.0 + 0.5 * float(second[0, 1].flat[0]))
     assert lost is None
-    assert output == [told(second), told(last), told(first)]
+    assert output == [printed_for(second), printed_for(last), printed_for(first)]
 
 
 def test_a_detector_returns_detections_with_labels(octave) -> None:
