@@ -53,7 +53,7 @@ def stream(path: RunPath) -> Response:
     else:
         raise Problem("streams-full", headers={"Retry-After": str(FULL_RETRY_S)})
     shows_log = can(authorization.viewer(), Action.VIEW_LOG, run)
-    return _response(event for event in events if shows_log or event.kind != live_events.LOG)
+    return _response(event for event in events if shows_log or event.type != live_events.LOG)
 
 
 def _response(events: Iterator[Event]) -> Response:
@@ -66,12 +66,12 @@ def _response(events: Iterator[Event]) -> Response:
 def _texts(events: Iterator[Event]) -> Iterator[str]:
     yield f"retry: {RECONNECT_MS}\n\n"
     for event in events:
-        yield event.sse() if event.id or event.kind == live_events.HEARTBEAT else _without_id(event)
+        yield event.sse() if event.id or event.type == live_events.HEARTBEAT else _without_id(event)
 
 
 def _without_id(event: Event) -> str:
     """Return an event after which a client cannot resume."""
-    return f"event: {event.kind}\ndata: {json.dumps(event.data)}\n\n"
+    return f"event: {event.type}\ndata: {json.dumps(event.data)}\n\n"
 
 
 def _state(view: RunView) -> Event:
@@ -90,7 +90,7 @@ def _live(app_services: Services, view: RunView, last_id: str | None) -> Iterato
         return  # the browser reconnects after RECONNECT_MS
     for event in events:
         yield event
-        if event.kind == live_events.HEARTBEAT:
+        if event.type == live_events.HEARTBEAT:
             now = _show(app_services, view.id)
             yield _state(now or view)
             if now is None or now.state.final:  # its worker died, so that no "end" was published
@@ -109,14 +109,14 @@ def _replayed(app_services: Services, view: RunView, last_id: str | None) -> Ite
     if last_id is None and not _is_complete(events):
         yield from _from_files(app_services, view)
     else:
-        yield from (event for event in events if event.kind != live_events.END)
+        yield from (event for event in events if event.type != live_events.END)
     yield _state(view)
     yield Event("", live_events.END, {})
 
 
 def _is_complete(events: list[Event]) -> bool:
     """Return whether the stream still has its start: its first row is at the start of a trial."""
-    rows = [event for event in events if event.kind == live_events.TELEMETRY]
+    rows = [event for event in events if event.type == live_events.TELEMETRY]
     if not rows or not rows[0].data.get("rows"):
         return False
     columns = list(rows[0].data["columns"])

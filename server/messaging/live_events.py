@@ -23,6 +23,7 @@ HEARTBEAT_S = 10.0  # proxies close idle connections; only a write detects a los
 _BLOCK_MS = 200  # the reader follows a new run after this time at the latest
 _RETRY_S = 1.0
 STATE, TELEMETRY, LOG, END, HEARTBEAT = "state", "telemetry", "log", "end", "heartbeat"
+_TYPE_FIELD = "kind"  # as in streams of earlier versions, which outlive a restart
 _log = structlog.get_logger()
 
 
@@ -35,14 +36,14 @@ class Event:
     """One event of a run; a heartbeat has no id and no data."""
 
     id: str
-    kind: str
+    type: str  # one of the five above
     data: dict[str, Any]
 
     def sse(self) -> str:
         """Return the event in the format of text/event-stream."""
-        if self.kind == HEARTBEAT:
+        if self.type == HEARTBEAT:
             return ": heartbeat\n\n"
-        return f"id: {self.id}\nevent: {self.kind}\ndata: {json.dumps(self.data)}\n\n"
+        return f"id: {self.id}\nevent: {self.type}\ndata: {json.dumps(self.data)}\n\n"
 
 
 def key(run_id: int) -> str:
@@ -50,11 +51,11 @@ def key(run_id: int) -> str:
     return f"run:{run_id}"
 
 
-def append(redis: "Redis", run_id: int, kind: str, data: dict[str, Any]) -> None:
+def append(redis: "Redis", run_id: int, event_type: str, data: dict[str, Any]) -> None:
     """Add an event; the stream expires an hour after "end". Raises RedisError."""
-    fields: Any = {"kind": kind, "data": json.dumps(data, allow_nan=False)}
+    fields: Any = {_TYPE_FIELD: event_type, "data": json.dumps(data, allow_nan=False)}
     redis.xadd(key(run_id), fields, maxlen=ENTRIES_MAX, approximate=True)
-    if kind == END:
+    if event_type == END:
         redis.expire(key(run_id), EXPIRE_S)
 
 
@@ -125,15 +126,15 @@ class Fanout:
             for event in history(self._redis, run_id, last_id):
                 last_id = event.id
                 yield event
-                if event.kind == END:
+                if event.type == END:
                     return
             while not self._closed:
                 event = _next(inbox)
-                if event.kind != HEARTBEAT and not _is_later(event.id, last_id):
+                if event.type != HEARTBEAT and not _is_later(event.id, last_id):
                     continue
                 last_id = event.id or last_id
                 yield event
-                if event.kind == END:
+                if event.type == END:
                     return
         finally:
             self._remove_client(run_id, inbox)
@@ -190,7 +191,8 @@ class Fanout:
 
 
 def _event(entry_id: bytes, fields: dict[bytes, bytes]) -> Event:
-    return Event(entry_id.decode(), fields[b"kind"].decode(), json.loads(fields[b"data"]))
+    event_type = fields[_TYPE_FIELD.encode()].decode()
+    return Event(entry_id.decode(), event_type, json.loads(fields[b"data"]))
 
 
 def _next(inbox: "queue.Queue[Event]") -> Event:

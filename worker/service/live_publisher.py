@@ -69,14 +69,14 @@ class LivePublisher:
         """Publish that no more events follow."""
         self._publish(live_events.END, {})
 
-    def _publish(self, kind: str, data: dict[str, Any]) -> None:
+    def _publish(self, event_type: str, data: dict[str, Any]) -> None:
         try:
-            live_events.append(self._redis, self._run_id, kind, data)
+            live_events.append(self._redis, self._run_id, event_type, data)
             self._failing = False
         except RedisError as error:
             if not self._failing:
                 structlog.get_logger().warning(
-                    "live_event_lost", run=self._run_id, kind=kind, error=str(error)
+                    "live_event_lost", run=self._run_id, type=event_type, error=str(error)
                 )
             self._failing = True
 

@@ -200,7 +200,7 @@ def test_events_resume_after_the_last_event_id(site: Site) -> None:
 
     resumed = site.call("owner", "GET", path, headers={"Last-Event-ID": second})
 
-    assert [kind for _, kind in everything] == ["state"] * 4 + ["end"]
+    assert [event_type for _, event_type in everything] == ["state"] * 4 + ["end"]
     assert events_of(resumed.text)[1:] == everything[3:]
     assert site.services.fanout.open_streams == 0
 
@@ -210,9 +210,9 @@ def test_the_events_of_an_ended_run_are_replayed_from_its_files(site: Site) -> N
 
     answer = site.call("owner", "GET", f"{RUNS}/{run_id}/events")
 
-    kinds = [kind for _, kind in events_of(answer.text)]
+    types = [event_type for _, event_type in events_of(answer.text)]
     assert answer.content_type.startswith("text/event-stream")
-    assert kinds == ["telemetry", "log", "state", "end"]
+    assert types == ["telemetry", "log", "state", "end"]
 
 
 def test_a_stream_beyond_the_limit_is_refused(site: Site) -> None:

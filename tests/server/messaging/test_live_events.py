@@ -27,7 +27,7 @@ def _say(redis: Redis, run_id: int, *texts: str) -> None:
 
 
 def _texts(events: list[Event]) -> list[str]:
-    return [event.data["text"] for event in events if event.kind == LOG]
+    return [event.data["text"] for event in events if event.type == LOG]
 
 
 def test_a_late_client_gets_all_events_from_the_start(redis: Redis, fanout: Fanout) -> None:

@@ -7,7 +7,7 @@ from tests.cast import Backend
 
 
 def _events(redis: Redis, run_id: int) -> list[tuple[str, object]]:
-    return [(event.kind, event.data.get("state")) for event in live_events.history(redis, run_id)]
+    return [(event.type, event.data.get("state")) for event in live_events.history(redis, run_id)]
 
 
 def test_the_streams_of_a_queued_run_end_when_it_is_cancelled(

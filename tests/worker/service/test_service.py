@@ -250,12 +250,12 @@ def test_live_events_show_the_state_the_telemetry_the_log_and_the_end(running: S
     seen = list(events)
     fanout.close()
 
-    kinds = [event.kind for event in seen if event.kind != live_events.HEARTBEAT]
-    assert kinds[0] == live_events.STATE
-    assert kinds[-1] == live_events.END
-    assert {live_events.TELEMETRY, live_events.LOG} <= set(kinds)
+    types = [event.type for event in seen if event.type != live_events.HEARTBEAT]
+    assert types[0] == live_events.STATE
+    assert types[-1] == live_events.END
+    assert {live_events.TELEMETRY, live_events.LOG} <= set(types)
     rows = [
-        row for event in seen if event.kind == live_events.TELEMETRY for row in event.data["rows"]
+        row for event in seen if event.type == live_events.TELEMETRY for row in event.data["rows"]
     ]
     assert len(rows) == 2 * 4 * PUBLISHED_HZ  # two levels of 4 s
 
