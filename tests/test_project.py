@@ -72,6 +72,21 @@ def test_the_folders_of_the_tests_are_those_of_the_code(package: str) -> None:
     assert [folder for folder in folders if not (ROOT / folder).is_dir()] == []
 
 
+def test_contributing_draws_the_layers_of_the_import_contracts() -> None:
+    settings = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))
+    contracts = settings["tool"]["importlinter"]["contracts"]
+    drawn = {
+        f"{contract['containers'][0].rpartition('.')[2]:<8} "
+        + " > ".join(", ".join(layer.split(" | ")) for layer in contract["layers"])
+        for contract in contracts
+        if contract["type"] == "layers"
+    }
+    lines = (ROOT / "CONTRIBUTING.md").read_text("utf-8").splitlines()
+
+    assert len(drawn) == 5
+    assert drawn <= set(lines)
+
+
 def test_no_two_modules_import_each_other() -> None:
     graph = grimp.build_graph("seamark", "performance", cache_dir=None)
     assert "seamark.sim.physics.plant" in graph.modules
