@@ -71,7 +71,9 @@ class Settings(BaseModel):
     lease_s: float = Field(
         30.0, gt=0, description="Time after which a silent worker loses its runs"
     )
-    heartbeat_s: float = Field(5.0, gt=0, description="Interval at which a worker renews its leases")
+    heartbeat_s: float = Field(
+        5.0, gt=0, description="Interval at which a worker renews its leases"
+    )
     sweep_s: float = Field(
         10.0, gt=0, description="Interval at which runs of dead workers are recovered"
     )
