@@ -32,7 +32,8 @@ def _listed_by_git(patterns: tuple[str, ...]) -> list[Path]:
 
 
 def _found_in_folders(patterns: tuple[str, ...]) -> list[Path]:
-    found = (path for pattern in patterns for path in ROOT.rglob(pattern))
+    named = (path for pattern in patterns for path in ROOT.rglob(pattern))
+    found = (path for path in named if path.is_file())
     return [path for path in found if not FOREIGN & set(path.relative_to(ROOT).parts)]
 
 
