@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from seamark.cli.options import data_option, settings_of
+from seamark.cli.options import data_option, database_of, settings_of
 
 
 @click.group()
@@ -54,10 +54,9 @@ def rebuild_leaderboard(data: Path | None) -> None:
     from sqlalchemy.exc import SQLAlchemyError
 
     from seamark.failures import PlatformFailed
-    from seamark.server.database.engine import Database
     from seamark.server.runs import leaderboard
 
-    database = Database(settings_of(data).database_url)
+    database = database_of(settings_of(data))
     try:
         with database.writing() as session:
             count = leaderboard.rebuild(session)
