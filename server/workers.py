@@ -45,13 +45,8 @@ def register(session: Session, worker: Worker) -> None:
     session.merge(worker)
 
 
-def heartbeat(session: Session, name: str) -> None:
-    """Record that a worker is alive."""
-    session.execute(update(Worker).where(Worker.name == name).values(seen_at=time.time()))
-
-
-def report_processes(session: Session, name: str, processes: Mapping[str, str]) -> None:
-    """Record how the side processes of a worker are doing.
+def heartbeat(session: Session, name: str, processes: Mapping[str, str]) -> None:
+    """Record that a worker is alive, and how its side processes are doing.
 
     Parameters
     ----------
@@ -59,7 +54,7 @@ def report_processes(session: Session, name: str, processes: Mapping[str, str]) 
         Side process -> `RUNNING`, or for instance "restarting since 12:00:05".
     """
     change = update(Worker).where(Worker.name == name)
-    session.execute(change.values(processes=dict(processes)))
+    session.execute(change.values(seen_at=time.time(), processes=dict(processes)))
 
 
 def unregister(session: Session, name: str) -> None:

@@ -23,6 +23,7 @@ RESERVED_PREFIX = "seamark"  # the owners of the baselines
 PASSWORD_MIN, PASSWORD_MAX = 10, 200
 TOKEN_PREFIX = "smk_"  # noqa: S105 - lets secret scanners recognise our tokens
 TOKEN_DAYS, TOKEN_DAYS_MAX = 90, 3650
+PAGE_TOKEN_DAYS_MAX = 365  # whoever needs a longer one asks for it by the API
 TOKENS_MAX = 50  # per account
 TOKEN_NAME_MAX = 80  # [character]
 _NAME = re.compile(rf"[A-Za-z][A-Za-z0-9._-]{{1,{NAME_MAX - 1}}}")

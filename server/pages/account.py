@@ -96,7 +96,7 @@ def create_token() -> ResponseReturnValue:
                 g.viewer.user_id,
                 request.form.get("name", ""),
                 scopes,
-                days=max(1, min(days, accounts.TOKEN_DAYS_MAX)),
+                days=max(1, min(days, accounts.PAGE_TOKEN_DAYS_MAX)),
             )
     except accounts.AccountRejected as reason:
         return _tokens(error=str(reason)), 422
@@ -170,7 +170,7 @@ def _tokens(*, new: str = "", error: str = "", password_error: str = "") -> str:
         password_max=accounts.PASSWORD_MAX,
         scopes=_grantable(),
         days=accounts.TOKEN_DAYS,
-        days_max=accounts.TOKEN_DAYS_MAX,
+        days_max=accounts.PAGE_TOKEN_DAYS_MAX,
     )
 
 

@@ -38,7 +38,7 @@ def test_a_heartbeat_brings_a_worker_back(both: Backend) -> None:
     _silence(both, "a", workers.ALIVE_S + 1)
 
     with both.database.writing() as session:
-        workers.heartbeat(session, "a")
+        workers.heartbeat(session, "a", {})
 
     with both.database.reading() as session:
         assert workers.alive_count(session) == 1
@@ -62,7 +62,7 @@ def test_the_side_processes_of_a_worker_are_reported(both: Backend) -> None:
 
     with both.database.writing() as session:
         states = {"maintenance": workers.RUNNING, "checks": "restarting since 12:00:05"}
-        workers.report_processes(session, "a", states)
+        workers.heartbeat(session, "a", states)
 
     with both.database.reading() as session:
         (status,) = workers.listed(session)
@@ -73,7 +73,7 @@ def test_the_side_processes_of_a_worker_are_reported(both: Backend) -> None:
 def test_a_worker_that_starts_again_reports_its_side_processes_anew(both: Backend) -> None:
     _register(both, "a")
     with both.database.writing() as session:
-        workers.report_processes(session, "a", {"checks": "restarting since 12:00:05"})
+        workers.heartbeat(session, "a", {"checks": "restarting since 12:00:05"})
 
     _register(both, "a")
 

@@ -69,8 +69,7 @@ class Host:
     def heartbeat(self, processes: dict[str, str]) -> None:
         """Report that this worker is alive, with the state of each side process."""
         with self._writing() as session:
-            workers.heartbeat(session, self.name)
-            workers.report_processes(session, self.name, processes)
+            workers.heartbeat(session, self.name, processes)
 
     def unregister(self) -> None:
         """Remove this worker from the database."""

@@ -14,7 +14,7 @@ def broken_checks(site: Site) -> Site:
         row = Worker(name="w1@host", slots=2, level="strong", languages=["python"], findings=[])
         workers.register(session, row)
         states = {"maintenance": workers.RUNNING, "checks": "restarting since 12:00:05"}
-        workers.report_processes(session, "w1@host", states)
+        workers.heartbeat(session, "w1@host", states)
     return site
 
 

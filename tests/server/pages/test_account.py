@@ -3,7 +3,9 @@
 import re
 
 import pytest
+from sqlalchemy import select
 
+from seamark.server.database.tables import Token
 from tests.server.pages.conftest import Site
 
 WORDS = "correct horse battery"
@@ -91,6 +93,15 @@ def test_a_token_of_another_cannot_be_revoked(site: Site) -> None:
     token_id = re.findall(r"/tokens/(\d+)/revoke", made)[0]
 
     assert site.browser("ben").post(f"/tokens/{token_id}/revoke").status_code == 404
+
+
+def test_a_token_of_the_account_page_expires_within_a_year(site: Site) -> None:
+    site.browser("ann").post("/tokens", {"name": "laptop", "scopes": ["read"], "days": "3650"})
+
+    with site.database.reading() as session:
+        token = session.scalars(select(Token)).one()
+    assert token.expires_at is not None
+    assert (token.expires_at - token.created_at) / 86_400 == pytest.approx(365)
 
 
 def test_only_an_admin_can_create_a_token_with_admin_scope(site: Site) -> None:
