@@ -14,7 +14,9 @@ if TYPE_CHECKING:
 
 BENCHMARKS = {
     "currents-v1": "seamark.sim.benchmarks.currents_v1.definition:BENCHMARK",
+    "currents-v2": "seamark.sim.benchmarks.currents_v2.definition:BENCHMARK",
     "visibility-v1": "seamark.sim.benchmarks.visibility_v1.definition:BENCHMARK",
+    "visibility-v2": "seamark.sim.benchmarks.visibility_v2.definition:BENCHMARK",
 }
 VEHICLES = {
     "girona500": "seamark.sim.vehicles.girona500:VEHICLE",

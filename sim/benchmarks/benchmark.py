@@ -59,6 +59,26 @@ class Table:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class RankedProtocol:
+    """The trials of a ranked run: first the reference trials, then the fresh ones.
+
+    Reference trials use the public seed `reference_seed`,
+    so every entry meets the same water and a practice run can repeat them. Fresh trials decide the
+    score; their seeds follow from the server's secret and the submission, so nobody can know them.
+    """
+
+    reference_trials: int
+    fresh_trials: int
+    block: int = 1  # consecutive trials that are averaged before the interval is computed
+    reference_seed: int = 2026
+
+    @property
+    def trials(self) -> int:
+        """Number of all trials."""
+        return self.reference_trials + self.fresh_trials
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Benchmark:
     """A benchmark version. Its numbers never change after release; a change is a new version."""
 
@@ -90,6 +110,8 @@ class Benchmark:
         default_factory=dict
     )  # settings of the shortest run
     ranked_trials: int = 10
+    # None: ranked runs have hidden seeds, the same for everybody (the first benchmark versions)
+    protocol: RankedProtocol | None = None
     curve: Curve | None = None
 
     def load(self) -> "Experiment":

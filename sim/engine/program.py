@@ -49,7 +49,7 @@ class BuiltIn:
 
     def __init__(self, name: str, config: Configuration) -> None:
         controller = resolve_name(registry.CONTROLLERS[name])
-        self._controller: Controller = controller(config.model_dump())
+        self._controller: Controller = controller(config.for_program())
 
     def reset(self, level: Mapping[str, float | int]) -> None:
         """Reset the controller."""

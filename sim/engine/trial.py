@@ -75,7 +75,7 @@ def run_trial(
     entry = registry.benchmark(benchmark)
     if not isinstance(config, entry.configuration):
         raise TypeError(f"{benchmark} cannot run a {type(config).__name__}")
-    experiment = entry.load()
+    config, experiment = config.for_trial(trial), entry.load()
     digest = Digest()
     kept: list[Rows] = []
 

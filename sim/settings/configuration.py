@@ -93,6 +93,14 @@ class Configuration(BaseModel, ABC):
         """Return what the score is, if not the benchmark's own headline; else None."""
         return None
 
+    def for_trial(self, trial: int) -> "Configuration":
+        """Return the configuration of one trial; the same in all trials unless overridden."""
+        return self
+
+    def for_program(self) -> dict[str, Any]:
+        """Return the settings that a program is given; all unless overridden."""
+        return self.model_dump()
+
     def custom_score(self) -> str:
         """Return the user's own expression over metrics; empty without one."""
         return str(getattr(self, "score", ""))

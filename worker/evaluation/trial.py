@@ -68,9 +68,10 @@ class TrialRunner:
 
     def _attempt(self, trial: int, listener: Listener) -> TrialOutcome:
         if self._job.program is None:
-            built_in = self._experiment.built_in(self._job.controller, self.config)
+            config = self.config.for_trial(trial)
+            built_in = self._experiment.built_in(self._job.controller, config)
             return TrialOutcome(result=self._simulate(trial, built_in, listener.rows))
-        box = self._loaded_box(listener)
+        box = self._loaded_box(trial, listener)
 
         def on_rows(rows: Rows) -> None:
             listener.rows(rows)
@@ -88,12 +89,13 @@ class TrialRunner:
                 listener.log(note.encode())
             box.close()
 
-    def _loaded_box(self, listener: Listener) -> BoxLike:
+    def _loaded_box(self, trial: int, listener: Listener) -> BoxLike:
         """Return a box with the program in it."""
         box = self._make_box(self._job.language, self._limits)
         try:
-            config, layout = self.config.model_dump(), self._experiment.layout(self.config)
-            box.load(self._compiled, self._job.filename, config, layout)
+            config = self.config.for_trial(trial)
+            layout = self._experiment.layout(config)
+            box.load(self._compiled, self._job.filename, config.for_program(), layout)
         except ProgramEnded:
             _forward_output(box, listener)
             box.close()

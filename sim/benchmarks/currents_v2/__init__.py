@@ -1,0 +1,1 @@
+"""currents-v2: position controllers in water that nobody has seen before."""

@@ -1,0 +1,1 @@
+"""visibility-v2: trackers in turbid water, and in fast motion."""
