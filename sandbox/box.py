@@ -23,7 +23,7 @@ from seamark.sandbox.languages.language import CONTROLLER, Language
 from seamark.sandbox.limits import Limits
 from seamark.sandbox.outcome import Failure, Outcome, SandboxBroken, Verdict
 from seamark.sandbox.protocol import answers, messages
-from seamark.sandbox.protocol.answers import Command, Corners, Detection
+from seamark.sandbox.protocol.answers import Command, Corners, Detection, Loss
 from seamark.sandbox.protocol.messages import MessageInvalid
 from seamark.sandbox.protocol.session import ProtocolSession
 from seamark.sandbox.runtime import Runtime
@@ -203,8 +203,8 @@ class Box:
         self._session.ask(messages.START, self._images.put_first(image) + packed)
         self._session.answer(messages.READY, self.limits.start_limit, "start(image, corners)")
 
-    def update(self, image: object) -> Corners | None:
-        """Show a tracker the next image; return the target's corners, None if it is lost.
+    def update(self, image: object) -> Corners | Loss:
+        """Show a tracker the next image; return the target's corners, or why there are none.
 
         Parameters
         ----------
@@ -213,7 +213,7 @@ class Box:
 
         Returns
         -------
-        (4, 2) [px] or None
+        (4, 2) [px] or Loss
             Nested tuples; finite, with a magnitude of at most 1e6.
         """
         self._session.ask(messages.UPDATE, self._images.put_next(image))

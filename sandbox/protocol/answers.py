@@ -1,7 +1,12 @@
-"""Decoding of a program's answers: finite, bounded and of the right size, or refused."""
+"""Decoding of a program's answers: finite, bounded and of the right size, or refused.
+
+Only a tracker may answer with numbers that are out of range: they mean that it diverged and has
+lost its target, like no corners at all.
+"""
 
 import struct
 from collections.abc import Sequence
+from enum import Enum
 from itertools import chain
 from math import isfinite
 from typing import Any, NamedTuple
@@ -21,6 +26,13 @@ from seamark.sandbox.protocol.messages import MessageInvalid
 Command = tuple[float, float, float, float]
 Point = tuple[float, float]
 Corners = tuple[Point, Point, Point, Point]
+
+
+class Loss(Enum):
+    """Why there are no corners."""
+
+    REPORTED = "the tracker reports that it lost the target"
+    OUT_OF_RANGE = "a coordinate is not finite or beyond MAX_VALUE"
 
 
 class Detection(NamedTuple):
@@ -47,14 +59,15 @@ def command(data: bytes | memoryview) -> Command:
     return surge, sway, heave, yaw_rate
 
 
-def track(data: bytes | memoryview) -> Corners | None:
-    """Return the target's corners [px]; None if the tracker has lost it."""
+def track(data: bytes | memoryview) -> Corners | Loss:
+    """Return the target's corners [px], or why there are none."""
     body = data[HEADER.size :]
     if not body:
-        return None
+        return Loss.REPORTED
     if len(body) != CORNERS.size:
         raise MessageInvalid(f"The tracker answered with {len(body)} bytes, not 8 numbers or none.")
-    return _corners(CORNERS.unpack(body))
+    numbers = CORNERS.unpack(body)
+    return _points(numbers) if _in_range(numbers) else Loss.OUT_OF_RANGE
 
 
 def detections(data: bytes | memoryview) -> list[Detection]:
@@ -92,8 +105,17 @@ def _detection(label: bytes, numbers: Sequence[float], length: int) -> Detection
 
 
 def _corners(numbers: Sequence[float]) -> Corners:
-    if not all(-MAX_VALUE <= number <= MAX_VALUE for number in numbers):
+    if not _in_range(numbers):
         raise MessageInvalid("The program answered with a corner that is out of range.")
+    return _points(numbers)
+
+
+def _in_range(numbers: Sequence[float]) -> bool:
+    """Return whether all numbers are finite and not beyond the limit; nan is not."""
+    return all(-MAX_VALUE <= number <= MAX_VALUE for number in numbers)
+
+
+def _points(numbers: Sequence[float]) -> Corners:
     x0, y0, x1, y1, x2, y2, x3, y3 = numbers
     return (x0, y0), (x1, y1), (x2, y2), (x3, y3)
 

@@ -8,10 +8,11 @@ from numpy.typing import NDArray
 
 from seamark.sandbox.compilation import compiled
 from seamark.sandbox.isolation.level import IsolationLevel
+from seamark.sandbox.languages.inside.wire import MAX_VALUE
 from seamark.sandbox.limits import Limits
 from seamark.sandbox.outcome import Outcome
 from seamark.sandbox.pool import Pool
-from seamark.sandbox.protocol.answers import Corners
+from seamark.sandbox.protocol.answers import Corners, Loss
 from seamark.server.runs import trial_limits
 from seamark.sim.engine.program import Command
 from seamark.sim.trackers import Track, Window
@@ -34,7 +35,7 @@ class BoxLike(Protocol):
     def reset(self, level: Mapping[str, object]) -> None: ...  # noqa: D102
     def step(self, values: Any) -> Command: ...  # noqa: D102
     def start(self, image: Any, corners: Any) -> None: ...  # noqa: D102
-    def update(self, image: Any) -> Corners | None: ...  # noqa: D102
+    def update(self, image: Any) -> Corners | Loss: ...  # noqa: D102
     def finish(self) -> Outcome: ...  # noqa: D102
     def take_output(self) -> bytes: ...  # noqa: D102
     def close(self) -> None: ...  # noqa: D102
@@ -66,17 +67,17 @@ class ControllerAdapter:
 class TrackerAdapter:
     """A `seamark.sim.trackers.Tracker` over a box; it is shown whole images.
 
-    Corners that are not a convex quadrilateral, clockwise as at the start, cannot be the target's:
-    they count as lost, like None. A tracker that diverges in turbid water gives such an answer now
-    and then, which is no reason to end its run. What is not an answer at all (another shape, a
-    number that is not finite) ends it: raises ProgramEnded.
+    Corners that are not finite, absurdly far away, or not a convex quadrilateral, clockwise as at
+    the start, cannot be the target's: they count as lost, like None. A tracker that diverges in
+    turbid water gives such an answer now and then, which is no reason to end its run. What are no
+    corners at all (another shape or type) ends it: raises ProgramEnded.
     """
 
     def __init__(self, box: BoxLike) -> None:
         self._box = box
         self._last = np.zeros((4, 2))
         self._window: Window = (0, 0, 0, 0)
-        self._answers = self._not_convex = 0
+        self._answers = self._out_of_range = self._not_convex = 0
 
     def start(self, image: NDArray[np.uint8], corners: NDArray[np.float64]) -> None:
         """Show the target; raises ProgramEnded."""
@@ -92,7 +93,8 @@ class TrackerAdapter:
         """Return where the program sees the target; raises ProgramEnded."""
         answer = self._box.update(image)
         self._answers += 1
-        if answer is None:
+        if isinstance(answer, Loss):
+            self._out_of_range += answer is Loss.OUT_OF_RANGE
             return self._lost()
         corners = np.array(answer, dtype=np.float64)
         if not is_convex(corners):
@@ -105,12 +107,18 @@ class TrackerAdapter:
         return Track(self._last, ok=False, residual=1.0, iterations=0)
 
     def note(self) -> str:
-        """Return how many answers were not a convex quadrilateral, if any."""
-        if not self._not_convex:
-            return ""
-        return (
-            f"[{self._not_convex} of {self._answers} answers of update() were not a convex "
-            "quadrilateral, clockwise like the corners of start(): they count as lost.]\n"
+        """Return how many answers could not be the target's corners and why, if any."""
+        kinds = (
+            (self._out_of_range, f"were not finite or beyond {MAX_VALUE:g} px"),
+            (
+                self._not_convex,
+                "were not a convex quadrilateral, clockwise like the corners of start()",
+            ),
+        )
+        return "".join(
+            f"[{count} of {self._answers} answers of update() {what}: they count as lost.]\n"
+            for count, what in kinds
+            if count
         )
 
 

@@ -231,15 +231,11 @@ static void end_with_code(const char *function, int code) {
     give_up('u', sentence);
 }
 
-static void check_corners(const char *function, const double *corners) {
-    char sentence[MAX_SENTENCE];
-    for (int i = 0; i < 8; i++) {
-        if (fabs(corners[i]) <= 1e6) continue; /* NaN compares false */
-        snprintf(sentence, sizeof sentence,
-                 "The corners of %s have %g as %s of corner %d; they must be four points in px.",
-                 function, corners[i], i % 2 ? "y" : "x", i / 2 + 1);
-        give_up('p', sentence);
-    }
+/* Return the index of the first coordinate that is out of range, 8 if none is. */
+static int first_out_of_range(const double *corners) {
+    int i = 0;
+    while (i < 8 && fabs(corners[i]) <= 1e6) i++; /* NaN compares false */
+    return i;
 }
 
 static void track_from(void) {
@@ -256,17 +252,22 @@ static void track(void) {
     memcpy(corners, target, sizeof corners);
     int code = seamark_tracker_update(&image, corners);
     if (code < 0) end_with_code("seamark_tracker_update", code);
-    if (code) {
-        check_corners("seamark_tracker_update", corners);
-        memcpy(target, corners, sizeof target);
-    }
-    send_message('t', target, code ? sizeof target : 0);
+    /* The simulator counts wild corners as a loss; the next search starts at the last good ones. */
+    if (code && first_out_of_range(corners) == 8) memcpy(target, corners, sizeof target);
+    send_message('t', corners, code ? sizeof corners : 0);
 }
 
 /* Write one detection to an answer; return its number of bytes. */
 static size_t packed(unsigned char *to, const seamark_detection *one) {
     uint16_t length = (uint16_t)strnlen(one->label, SEAMARK_LABEL_BYTES);
-    check_corners("seamark_detect", one->corners);
+    int wrong = first_out_of_range(one->corners);
+    if (wrong < 8) {
+        char sentence[MAX_SENTENCE];
+        snprintf(sentence, sizeof sentence,
+                 "The corners of seamark_detect have %g as %s of corner %d; they must be four "
+                 "points in px.", one->corners[wrong], wrong % 2 ? "y" : "x", wrong / 2 + 1);
+        give_up('p', sentence);
+    }
     if (!(one->confidence >= 0.0 && one->confidence <= 1.0))
         give_up('p', "A confidence of seamark_detect is not a number from 0 to 1.");
     if (!length || length == SEAMARK_LABEL_BYTES)

@@ -78,7 +78,8 @@ int seamark_step(const seamark_observation *observation, seamark_command *comman
 int seamark_tracker_start(const seamark_image *image, const double corners[8]);
 
 /* Write the corners of the target to `corners` and return 1; return 0 if the target is lost. Negative
- * values end the run. On entry, `corners` holds the last known corners. */
+ * values end the run. On entry, `corners` holds the last known corners. Corners that are not finite or
+ * beyond 1e6 count as a loss. */
 int seamark_tracker_update(const seamark_image *image, double corners[8]);
 
 /* Return the number of detections written to `found`; negative values end the run. */

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from seamark.sandbox.limits import Limits
 from seamark.sandbox.outcome import Outcome, ProgramEnded, Verdict
-from seamark.sandbox.protocol.answers import Corners
+from seamark.sandbox.protocol.answers import Corners, Loss
 from seamark.sim.engine.program import Command
 
 SLOW = Outcome(verdict=Verdict.TIME_LIMIT, sentence="too slow", suspect_host=True)
@@ -46,8 +46,8 @@ class FakeBox:
 
     def start(self, image: Any, corners: Any) -> None: ...
 
-    def update(self, image: Any) -> Corners | None:
-        return None
+    def update(self, image: Any) -> Corners | Loss:
+        return Loss.REPORTED
 
     def finish(self) -> Outcome:
         return Outcome(verdict=Verdict.OK, sentence="fine")

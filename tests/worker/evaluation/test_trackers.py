@@ -8,6 +8,7 @@ import pytest
 from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.languages import editor_starters
 from seamark.sandbox.limits import Limits
+from seamark.sandbox.protocol.answers import Loss
 from seamark.sim.recording.telemetry import INDEX, Rows
 from seamark.worker.evaluation.evaluation import Evaluation
 from seamark.worker.evaluation.job import Job
@@ -88,9 +89,7 @@ def test_the_template_tracker_follows_its_target(
     ("answer", "failure", "explanation"),
     [
         ("return self.corners[:3]", "protocol_error", "(3, 2)"),
-        ("return self.corners * float('nan')", "protocol_error", "nan"),
         ("return 'here'", "protocol_error", "str"),
-        ("return self.corners + 1e9", "protocol_error", "1000000"),
         ("raise ValueError('no idea')", "user_error", "no idea"),
         ("while True: pass", "time_limit", "update(image)"),
     ],
@@ -121,6 +120,18 @@ def test_corners_that_are_no_convex_quadrilateral_count_as_lost_and_the_log_says
 
 
 @pytest.mark.host
+@pytest.mark.parametrize("answer", ["self.corners * float('nan')", "self.corners + 1e9"])
+def test_corners_out_of_range_count_as_lost_and_the_log_says_so(
+    isolation: IsolationLevel, answer: str
+) -> None:
+    outcome, received = evaluated(PROGRAM.format(answer=f"return {answer}"), isolation)
+
+    assert outcome.failure is None
+    assert received.rows[:, INDEX["tracker_ok"]].tolist() == ([1.0] + [0.0] * 39) * 2
+    assert b"[78 of 78 answers of update() were not finite or beyond 1e+06 px" in received.text
+
+
+@pytest.mark.host
 def test_a_tracker_sees_no_truth_but_the_corners_of_its_start(isolation: IsolationLevel) -> None:
     snoop = "print(sorted(vars(self)), sorted(k for k in self.config if 'seed' in k)); return None"
     source = PROGRAM.format(answer=snoop).replace("        pass", "        self.config = config")
@@ -144,7 +155,7 @@ class Answering(FakeBox):
 
 
 def test_an_answer_is_adopted_and_none_is_a_loss_at_the_last_position() -> None:
-    tracker = TrackerAdapter(Answering(None, SQUARE + 1.0))
+    tracker = TrackerAdapter(Answering(Loss.REPORTED, SQUARE + 1.0))
     tracker.start(np.zeros((60, 80), np.uint8), SQUARE)
 
     first, second = (tracker.update(np.zeros((60, 80), np.uint8)) for _ in range(2))
@@ -154,6 +165,20 @@ def test_an_answer_is_adopted_and_none_is_a_loss_at_the_last_position() -> None:
     assert np.array_equal(second.corners, SQUARE + 1.0)
     assert tracker.window() == (0, 0, 80, 60)
     assert tracker.note() == ""
+
+
+def test_every_kind_of_answer_that_cannot_be_the_target_is_counted() -> None:
+    tracker = TrackerAdapter(Answering(Loss.OUT_OF_RANGE, SQUARE[::-1], Loss.REPORTED, SQUARE))
+    tracker.start(np.zeros((60, 80), np.uint8), SQUARE)
+
+    tracks = [tracker.update(np.zeros((60, 80), np.uint8)) for _ in range(8)]
+
+    assert [track.ok for track in tracks] == [False, False, True, False] * 2
+    assert tracker.note().splitlines() == [
+        "[2 of 8 answers of update() were not finite or beyond 1e+06 px: they count as lost.]",
+        "[2 of 8 answers of update() were not a convex quadrilateral, clockwise like the corners "
+        "of start(): they count as lost.]",
+    ]
 
 
 def test_a_tracker_in_a_box_gives_the_same_bytes_one_after_the_other(tmp_path: Path) -> None:

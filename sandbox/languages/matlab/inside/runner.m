@@ -125,17 +125,18 @@ function pixels = seamark_image(from, data)
     end
 end
 
-% The eight numbers of corners, none if the target is lost.
+% The eight numbers of corners, none if the target is lost. Wild ones count as a loss outside the box.
 function numbers = seamark_track(to, corners)
     numbers = zeros(0, 1);
     if ! (isnumeric(corners) && isempty(corners))
-        numbers = seamark_corners(to, corners, "tracker_update");
+        numbers = seamark_corners(to, corners, Inf, "tracker_update");
     end
 end
 
-function numbers = seamark_corners(to, corners, by)
+% The eight numbers of corners whose magnitude is not above a limit; Inf allows NaN too.
+function numbers = seamark_corners(to, corners, limit, by)
     good = isnumeric(corners) && isreal(corners) && isequal(size(corners), [4, 2]);
-    if ! (good && all(abs(corners(:)) <= 1e6))
+    if ! (good && (isinf(limit) || all(abs(corners(:)) <= limit)))
         if good
             returned_text = mat2str(double(corners), 4);
         else
@@ -166,7 +167,7 @@ function numbers = seamark_detections(to, found)
         if ! (ischar(label) && isrow(label) && numel(label) <= 64)
             seamark_fail(to, "p", "detector_detect returned a label that is not a text of 1 to 64 bytes.", "");
         end
-        corners = seamark_corners(to, one.corners, "detector_detect");
+        corners = seamark_corners(to, one.corners, 1e6, "detector_detect");
         numbers = [numbers; corners; double(sure); numel(label); double(label(:))];
     end
 end

@@ -45,7 +45,10 @@ def start_corners(body: bytes) -> NDArray[np.float64]:
 
 
 def as_track(answer: Any) -> bytes:
-    """Return what `update` returned as the body of an answer; AnswerInvalid with a sentence."""
+    """Return what `update` returned as the body of an answer; AnswerInvalid with a sentence.
+
+    Corners that are out of range are no mistake: the simulator counts them as a loss.
+    """
     return b"" if answer is None else CORNERS.pack(*as_corners(answer, "update returned"))
 
 
@@ -62,9 +65,6 @@ def as_corners(answer: Any, what: str) -> list[float]:
     if points.dtype.kind not in "fiu":
         raise AnswerInvalid(f"{what} an array of {points.dtype}, not of numbers")
     numbers: list[float] = points.astype(np.float64).reshape(8).tolist()
-    for number in numbers:
-        if not abs(number) <= MAX_VALUE:  # also catches NaN
-            raise AnswerInvalid(f"{what} a corner with the coordinate {number}")
     return numbers
 
 
@@ -96,4 +96,7 @@ def as_detection(one: Any) -> bytes:
     if not isinstance(confidence, (float, int, np.floating)) or not 0.0 <= confidence <= 1.0:
         raise AnswerInvalid("detect returned a confidence that is no number from 0 to 1")
     numbers = as_corners(corners, "detect returned")
+    for number in numbers:
+        if not abs(number) <= MAX_VALUE:  # also catches NaN
+            raise AnswerInvalid(f"detect returned a corner with the coordinate {number}")
     return DETECTION.pack(*numbers, float(confidence), len(words)) + words

@@ -8,7 +8,7 @@ from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.limits import Limits
 from seamark.sandbox.outcome import Outcome, ProgramEnded, Verdict
 from seamark.sandbox.probing.self_test import why_not
-from seamark.sandbox.protocol.answers import Detection
+from seamark.sandbox.protocol.answers import Detection, Loss
 
 pytestmark = pytest.mark.host
 
@@ -75,8 +75,23 @@ def test_a_tracker_sees_each_image_and_returns_corners(shape, octave) -> None:
 
     assert np.array_equal(np.array(seen), CORNERS + 0.5 * float(first[0, 1].flat[0]))
     assert np.array_equal(np.array(again), CORNERS + 1.0 + 0.5 * float(second[0, 1].flat[0]))
-    assert lost is None
+    assert lost is Loss.REPORTED
     assert output == [printed_for(second), printed_for(last), printed_for(first)]
+
+
+@pytest.mark.parametrize("number", ["NaN", "Inf", "-1e7"])
+def test_corners_out_of_range_are_a_loss(number, octave) -> None:
+    source = TRACKER.replace(b"corners = [];", f"corners(2, 1) = {number};".encode())
+    last = image_of((33, 57))
+    last[0, 0] = 255
+    with Box("matlab", limits=Limits(), isolation=octave) as box:
+        box.load(source, "mine.m", {"gain": 0.5}, {"role": "tracker"})
+        box.start(image_of((33, 57)), CORNERS)
+        wild, good = box.update(last), box.update(image_of((33, 57)))
+        box.finish()
+
+    assert wild is Loss.OUT_OF_RANGE
+    assert not isinstance(good, Loss)
 
 
 def test_a_detector_returns_detections_with_labels(octave) -> None:
