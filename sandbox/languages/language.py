@@ -34,7 +34,7 @@ class Language:
     calls: Calls
     self_test: Sample  # the expected answers are in sandbox/probing/self_test.py
     starters: tuple[Sample, ...]  # programs to start from
-    conformance: tuple[Sample, ...]  # the built-in PI; the tracker of starter/tracker.c
+    conformance: tuple[Sample, ...]  # the law of the built-in PI; the tracker of starter/tracker.c
     compiler: Callable[[], Runtime] | None = None
     archive_mains: tuple[str, ...] = ()  # an archive with one of these is of this language
     is_archive: bool = False  # its files are zip archives

@@ -58,6 +58,13 @@ def _starts() -> dict[str, int]:
 
 
 STARTS = _starts()  # name -> index of its first number
+# name -> index of a single number, or where a vector is; the one of the thrusters goes to the end
+_WHERE: dict[str, int | slice] = {
+    name: slice(STARTS[name], None if count == PER_THRUSTER else STARTS[name] + count)
+    if count
+    else STARTS[name]
+    for name, count, _unit, _meaning in FIELDS
+}
 
 
 def empty(thrusters: int) -> NDArray[np.float64]:
@@ -68,38 +75,36 @@ def empty(thrusters: int) -> NDArray[np.float64]:
 class Observation(Mapping[str, Any]):
     """One observation by name: `observation.error` and `observation["error"]` are the same.
 
-    Numbers are floats, vectors are tuples of floats, the fields in BOOLEANS are bool. `thrust` has
-    one number per thruster of the vehicle.
+    Numbers are floats, vectors are read-only arrays of float64, the fields in BOOLEANS are bool.
+    `thrust` has one number per thruster of the vehicle. It has its own copy of the numbers, so it
+    may be kept.
     """
 
-    __slots__ = ("_values",)
+    __slots__ = ("_numbers",)
 
     def __init__(self, values: NDArray[np.float64]) -> None:
-        numbers = values.tolist()
-        fields: dict[str, Any] = {}
-        for name, count, _unit, _meaning in FIELDS:
-            start = STARTS[name]
-            end = len(numbers) if count == PER_THRUSTER else start + count
-            fields[name] = tuple(numbers[start:end]) if count else numbers[start]
-        for name in BOOLEANS:
-            fields[name] = fields[name] != 0.0
-        self._values = fields
+        self._numbers = values.copy()
+        self._numbers.flags.writeable = False
 
-    def __getitem__(self, name: str) -> Any:  # float, bool or tuple, by the layout
+    def __getitem__(self, name: str) -> Any:  # float, bool or array, by the layout
         """Return a field by its name."""
-        return self._values[name]
+        field = _WHERE[name]
+        if isinstance(field, slice):
+            return self._numbers[field]
+        value = self._numbers.item(field)
+        return value != 0.0 if name in BOOLEANS else value
 
     def __getattr__(self, name: str) -> Any:
         """Return a field by its name."""
         try:
-            return self._values[name]
+            return self[name]
         except KeyError:
             raise AttributeError(f"an observation has no {name}") from None
 
     def __iter__(self) -> Iterator[str]:
         """Iterate over the names in the order of the layout."""
-        return iter(self._values)
+        return iter(_WHERE)
 
     def __len__(self) -> int:
         """Return the number of fields."""
-        return len(self._values)
+        return len(_WHERE)

@@ -55,7 +55,7 @@ C = Language(
         sample(HERE / "starter/tracker.c", HEADER, role=TRACKER),
     ),
     conformance=(
-        sample(HERE / "conformance/pi.c"),
+        sample(HERE / "starter/controller.c"),
         Sample(files={path.name: path for path in sorted(CODER.iterdir())}, archive="pi.zip"),
         sample(HERE / "starter/tracker.c", role=TRACKER),
     ),
@@ -77,7 +77,7 @@ CPP = Language(
         sample(HERE / "starter/tracker.cpp", HEADER, role=TRACKER),
     ),
     conformance=(
-        sample(HERE / "conformance/pi.cpp"),
+        sample(HERE / "starter/controller.cpp"),
         sample(HERE / "starter/tracker.cpp", role=TRACKER),
     ),
     roles=ALL_ROLES,

@@ -30,7 +30,7 @@ MATLAB = Language(
         sample(HERE / "starter/tracker.m", role=TRACKER),
     ),
     conformance=(
-        sample(HERE / "conformance/pi.m"),
+        sample(HERE / "starter/controller.m"),
         sample(HERE / "starter/tracker.m", role=TRACKER),
     ),
     roles=ALL_ROLES,

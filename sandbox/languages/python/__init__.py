@@ -28,7 +28,7 @@ PYTHON = Language(
         sample(HERE / "starter/tracker.py", role=TRACKER),
     ),
     conformance=(
-        sample(HERE / "conformance/pi.py"),
+        sample(HERE / "starter/controller.py"),
         sample(HERE / "conformance/tracker.py", role=TRACKER),
     ),
     archive_mains=("main.py",),

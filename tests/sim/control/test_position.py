@@ -83,11 +83,30 @@ def test_an_observation_is_a_mapping_and_has_attributes() -> None:
     observation = Observation(values)
 
     assert list(observation) == [name for name, *_ in FIELDS]
-    assert observation["error"] == observation.error == (2.0, 3.0, 4.0)
+    assert observation["error"].tolist() == observation.error.tolist() == [2.0, 3.0, 4.0]
     assert (observation.t, len(observation.thrust)) == (0.0, 5)
     assert all(isinstance(observation[name], bool) for name in BOOLEANS)
     with pytest.raises(AttributeError, match="no current"):
         _ = observation.current
+
+
+def test_vectors_of_an_observation_are_arrays_that_cannot_be_changed() -> None:
+    observation = Observation(empty(5))
+    vectors = [name for name, count, *_ in FIELDS if count]
+
+    for name in vectors:
+        assert observation[name].dtype == np.float64
+        with pytest.raises(ValueError, match="read-only"):
+            observation[name][0] = 1.0
+
+
+def test_an_observation_that_was_kept_does_not_change_with_the_next_one() -> None:
+    values = empty(5)
+    kept = Observation(values)
+
+    values[:] = 1.0
+
+    assert (kept.t, kept.error.tolist()) == (0.0, [0.0, 0.0, 0.0])
 
 
 @pytest.mark.parametrize("vehicle", VEHICLES)

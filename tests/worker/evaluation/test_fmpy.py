@@ -35,7 +35,7 @@ LAYOUT = {
 PARAMETERS = {
     "fmi2": {"limit": 0.3, "heave_too": True, "kp": 0.7, "ki": 0.3},
     "fmi3": CONFIG,
-    "template": {"kp": 0.7, "ki": 0.3},
+    "template": CONFIG,
 }
 INPUTS = {
     "fmi2": ("error[1]", "error[2]", "error_z"),

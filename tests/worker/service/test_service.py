@@ -57,10 +57,8 @@ EARLIER_TASKS = (
     "seamark.worker.service.tasks.work",
     "seamark.worker.service.tasks.sweep",
 )
-PI = LANGUAGES["python"].conformance[0].files["pi.py"]
-
-
-PI_C = LANGUAGES["c"].conformance[0].files["pi.c"]
+PI = LANGUAGES["python"].conformance[0].files["controller.py"]
+PI_C = LANGUAGES["c"].conformance[0].files["controller.c"]
 
 
 def _here(controller: str) -> str:

@@ -1,4 +1,4 @@
-// A PI position controller as a starting point.
+// A PI position controller as a starting point: the law of the built-in PI.
 #include "seamark.h"
 
 #include <algorithm>
@@ -6,18 +6,22 @@
 
 namespace {
 
-constexpr double limit = 0.6;  // m/s
-
 struct Controller {
     // the configuration of the run, without the seed of the trial
     double kp = seamark_config_number("kp", 0.5);
     double ki = seamark_config_number("ki", 0.02);
-    std::array<double, 3> integral{};
+    double limit = seamark_config_number("reference_limit_m_s", 1.0);
+    std::size_t axes = seamark_config_number("control_heave", 0.0) != 0.0 ? 3 : 2;
+    std::array<double, 3> integral{};  // m/s
 
-    double speed(int axis, const seamark_observation& observation) {
+    double speed(std::size_t axis, const seamark_observation& observation) {
         const double error = observation.error[axis];  // m: forward, starboard, down
-        integral[axis] += error * observation.dt;
-        return std::clamp(kp * error + ki * integral[axis], -limit, limit);
+        const double change = observation.target_visible ? ki * error * observation.dt : 0.0;
+        const double wanted = kp * error + integral[axis] + change;
+        const double given = std::clamp(wanted, -limit, limit);
+        // anti-windup: at the limit the integral may only move back inside
+        if (given == wanted || (wanted - given) * change < 0.0) integral[axis] += change;
+        return given;
     }
 };
 
@@ -31,11 +35,10 @@ Controller& controller() {
 // called at the start of each level, when the vehicle is moved back
 void seamark_reset(const seamark_level*) { controller().integral = {}; }
 
-// called 20 times per simulated second
+// called 20 times per simulated second; the command is 0 before each step
 int seamark_step(const seamark_observation* observation, seamark_command* command) {
-    if (!observation->target_visible) return 0;  // the command is 0 before each step
-    command->surge = controller().speed(0, *observation);  // m/s
-    command->sway = controller().speed(1, *observation);
-    command->heave = controller().speed(2, *observation);
+    double* const answer[] = {&command->surge, &command->sway, &command->heave};  // m/s
+    for (std::size_t axis = 0; axis < controller().axes; ++axis)
+        *answer[axis] = controller().speed(axis, *observation);
     return 0;
 }

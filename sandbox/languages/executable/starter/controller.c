@@ -1,4 +1,5 @@
-/* A PI position controller that implements the protocol, as a starting point in any language.
+/* A PI position controller that implements the protocol, as a starting point in any language:
+ * the law of the built-in PI.
  *
  * Compile it for 64-bit Linux and upload the executable:
  *   gcc -O2 -static controller.c -o controller.elf
@@ -23,14 +24,24 @@ static struct {
 } fields[MAX_FIELDS];
 static int fields_count;
 
-static double kp = 0.5, ki = 0.02, integral[3];
-static const double LIMIT = 0.6; /* m/s */
+static double kp, ki, limit, integral[3]; /* the integral in m/s */
+static int axes;
 
 /* Return the index of the first number of a field, -1 if there is no such field. */
 static int index_of(const char *name) {
     for (int i = 0; i < fields_count; i++)
         if (!strcmp(fields[i].name, name)) return fields[i].index;
     return -1;
+}
+
+/* Return a number of the configuration; true is 1. */
+static double config_number(const char *text, const char *key, double otherwise) {
+    char quoted[80];
+    snprintf(quoted, sizeof quoted, "\"%s\": ", key);
+    const char *found = strstr(text, quoted);
+    if (!found) return otherwise;
+    found += strlen(quoted);
+    return *found == 't' ? 1.0 : strtod(found, NULL); /* "false" is read as 0 */
 }
 
 /* The file of the third argument: a line "NAME COUNT" for each field in the order of an
@@ -47,10 +58,10 @@ static void begin(const char *path) {
         index += count ? count : 1;
     }
     if (file) fclose(file);
-    const char *found = strstr(text, "\"kp\": ");
-    if (found) kp = strtod(found + 6, NULL);
-    found = strstr(text, "\"ki\": ");
-    if (found) ki = strtod(found + 6, NULL);
+    kp = config_number(text, "kp", 0.5);
+    ki = config_number(text, "ki", 0.02);
+    limit = config_number(text, "reference_limit_m_s", 1.0);
+    axes = config_number(text, "control_heave", 0.0) != 0.0 ? 3 : 2;
 }
 
 static void answer(char type, const void *body, size_t size) {
@@ -62,14 +73,15 @@ static void answer(char type, const void *body, size_t size) {
 static void step(void) {
     double values[(MAX_BYTES - HEADER) / 8], command[4] = {0.0, 0.0, 0.0, 0.0};
     memcpy(values, message + HEADER, sizeof values);
-    if (values[index_of("target_visible")] != 0.0) {
-        for (int axis = 0; axis < 3; axis++) { /* m: forward, starboard, down */
-            double error = values[index_of("error") + axis];
-            integral[axis] += error * values[index_of("dt")];
-            command[axis] = kp * error + ki * integral[axis];
-            if (command[axis] > LIMIT) command[axis] = LIMIT;
-            if (command[axis] < -LIMIT) command[axis] = -LIMIT;
-        }
+    int visible = values[index_of("target_visible")] != 0.0;
+    for (int axis = 0; axis < axes; axis++) {
+        double error = values[index_of("error") + axis]; /* m: forward, starboard, down */
+        double change = visible ? ki * error * values[index_of("dt")] : 0.0;
+        double wanted = kp * error + integral[axis] + change;
+        double given = wanted < -limit ? -limit : wanted > limit ? limit : wanted;
+        /* anti-windup: at the limit the integral may only move back inside */
+        if (given == wanted || (wanted - given) * change < 0.0) integral[axis] += change;
+        command[axis] = given;
     }
     answer('c', command, sizeof command); /* surge, sway, heave m/s and yaw rate rad/s */
 }
