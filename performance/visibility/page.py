@@ -9,7 +9,7 @@ from performance.validation.markdown import table
 from performance.validation.plots import figure
 from performance.visibility.cases import GROUPS, ON_TARGETS, SHORTEST_S, STEP
 from seamark.sim.metrics.tracking import FAILED_PERCENT
-from seamark.sim.numerics.statistics import bootstrap_interval, mean
+from seamark.sim.numerics.statistics import mean, mean_interval
 from seamark.sim.settings.targets import TARGETS
 from seamark.sim.trackers.options import CRITERIA, WARPS
 
@@ -31,7 +31,7 @@ Written by `python -m performance.visibility`, which computes all numbers; give 
 to measure only these. The benchmark is visibility-v1 as in a ranked run (vehicle moving on a
 prescribed path, 320x240, optical depth 0 to 7 in steps of 0.25, 5 s each) on ten seeds. τ50 is the
 optical depth of the first level with fewer than half of the images within 5 px, with a 95 %
-bootstrap interval over the seeds. The other columns are over all levels: p@5 and p@1 are the
+interval over the seeds (Student's t). The other columns are over all levels: p@5 and p@1 are the
 shares of images within 5 px and 1 px, the error is the mean corner error of the images within
 5 px, and "undetected" is the share of images in which the tracker is more than 10 px off but
 reports the target as found.
@@ -108,7 +108,7 @@ def _tau(one: Measured | None) -> str:
     if one is None:
         return "–"
     scores = one["scores"]
-    low, high = bootstrap_interval(scores) or (scores[0], scores[0])
+    low, high = mean_interval(scores) or (scores[0], scores[0])
     return f"{mean(scores):.2f} ({low:.2f} to {high:.2f})"
 
 
@@ -161,7 +161,7 @@ def _freedom_summary(plane: Mapping[str, Measured]) -> Iterable[str]:
         scores = [plane[label]["scores"] for label in labels]
         means = [mean(each) for each in scores]
         differences = [a - b for a, b in zip(scores[0], scores[-1], strict=True)]
-        low, high = bootstrap_interval(differences) or (differences[0], differences[0])
+        low, high = mean_interval(differences) or (differences[0], differences[0])
         word = (
             "at every step" if all(a >= b for a, b in pairwise(means)) else "but not at every step"
         )

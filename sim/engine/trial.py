@@ -13,7 +13,7 @@ from seamark.sim.engine.experiment import TrialScore
 from seamark.sim.metrics import uwsim_metrics
 from seamark.sim.metrics.metric import mean_over_trials, over_run
 from seamark.sim.metrics.score_expression import ExpressionInvalid, score_of
-from seamark.sim.numerics.statistics import bootstrap_interval, mean
+from seamark.sim.numerics.statistics import mean, mean_interval
 from seamark.sim.recording.telemetry import Digest, OnRows, Rows
 from seamark.sim.settings.configuration import Configuration
 
@@ -110,11 +110,11 @@ def summarise(
     """Return metrics.json: the score with its interval, every trial, the means over the trials.
 
     `overall` and `measures` are over all levels, `levels` holds each level.
-    `score_low` and `score_high` are the 95 % bootstrap interval of the mean; None for one trial.
+    `score_low` and `score_high` are the 95 % interval of the mean (`mean_interval`), or None.
     `rankable` is false if a trial has no finite score or lost its target for a whole level.
     """
     scores = [result.score for result in results]
-    interval = bootstrap_interval(scores) if all(map(math.isfinite, scores)) else None
+    interval = mean_interval(scores) if all(map(math.isfinite, scores)) else None
     rankable = bool(results) and all(result.trial_score.rankable for result in results)
     held = [result.trial_score.level_held for result in results]
     return {

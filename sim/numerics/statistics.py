@@ -2,12 +2,11 @@
 
 import math
 from collections.abc import Sequence
+from itertools import pairwise
 
-import numpy as np
+from seamark.sim.numerics.student_t import quantile
 
-RESAMPLES = 4000
 CONFIDENCE = 0.95
-BOOTSTRAP_SEED = 20_100_801  # fixed: the same scores always give the same interval
 
 
 def mean(values: Sequence[float]) -> float:
@@ -31,13 +30,118 @@ def percentile(values: Sequence[float], share: float) -> float:
     return ordered[low] + (position - low) * (ordered[high] - ordered[low])
 
 
-def bootstrap_interval(values: Sequence[float]) -> tuple[float, float] | None:
-    """Return the 95 % percentile bootstrap interval of the mean; None for fewer than two."""
+def block_means(values: Sequence[float], block: int) -> list[float]:
+    """Return the means of consecutive blocks of values; none if the last block is incomplete."""
+    if len(values) % block:
+        return []
+    return [mean(values[at : at + block]) for at in range(0, len(values), block)]
+
+
+def standard_error(values: Sequence[float]) -> float:
+    """Return the standard error of the mean of independent values; nan for fewer than two."""
     if len(values) < 2:
+        return math.nan
+    centre = mean(values)
+    deviations = [value - centre for value in values]
+    return root_mean_square(deviations) / math.sqrt(len(values) - 1)
+
+
+def mean_interval(values: Sequence[float], *, block: int = 1) -> tuple[float, float] | None:
+    """Return the 95 % interval of the mean: Student's t over the means of consecutive blocks.
+
+    Its coverage is nominal where the percentile bootstrap of ten trials covers only 90 %
+    (`python -m performance.coverage`).
+
+    Parameters
+    ----------
+    values
+        One value of each trial, in the order of the trials.
+    block
+        Number of consecutive trials that are not exchangeable with each other, such as trials that
+        alternate between two vehicles: their mean is one observation.
+
+    Returns
+    -------
+    (float, float) or None
+        None for fewer than two blocks, and if the last block is incomplete.
+    """
+    means = block_means(values, block)
+    if len(means) < 2:
         return None
-    generator = np.random.Generator(np.random.PCG64(BOOTSTRAP_SEED))
-    picks = generator.integers(len(values), size=(RESAMPLES, len(values)))
-    ordered = sorted(values)  # the order in which trials end does not matter
-    means = [math.fsum(ordered[i] for i in row) / len(values) for row in picks.tolist()]
-    margin = 0.5 * (1.0 - CONFIDENCE)
-    return percentile(means, margin), percentile(means, 1.0 - margin)
+    return _around(mean(means), standard_error(means), len(means) - 1)
+
+
+def difference_interval(
+    first: Sequence[float], second: Sequence[float], *, block: int = 1
+) -> tuple[float, float] | None:
+    """Return the 95 % interval of the difference of two means, first minus second.
+
+    Welch's t interval with the degrees of freedom of Satterthwaite: for independent samples, whose
+    variances may differ. `block` and None are as in `mean_interval`.
+    """
+    means = [block_means(values, block) for values in (first, second)]
+    if min(map(len, means)) < 2:
+        return None
+    errors = [standard_error(each) for each in means]
+    degrees = welch_degrees(errors, [len(each) - 1 for each in means])
+    return _around(mean(means[0]) - mean(means[1]), math.hypot(*errors), degrees)
+
+
+def paired_interval(
+    first: Sequence[float], second: Sequence[float], *, block: int = 1
+) -> tuple[float, float] | None:
+    """Return the 95 % interval of the mean difference of two runs on the same trials.
+
+    What the trials have in common cancels out, so it is much narrower than `difference_interval`.
+    """
+    differences = [a - b for a, b in zip(first, second, strict=True)]
+    return mean_interval(differences, block=block)
+
+
+def welch_degrees(errors: Sequence[float], degrees: Sequence[float]) -> float:
+    """Return the degrees of freedom of a difference of means (Welch 1947; Satterthwaite 1946).
+
+    Parameters
+    ----------
+    errors
+        Standard errors of the means.
+    degrees
+        Their degrees of freedom.
+    """
+    largest = max(errors)
+    if largest == 0.0:
+        return min(degrees)
+    scaled = [error / largest for error in errors]  # so that no variance underflows
+    variances = [error * error for error in scaled]
+    parts = [v * v / d for v, d in zip(variances, degrees, strict=True)]
+    total = math.fsum(variances)
+    return total * total / math.fsum(parts)
+
+
+def area(values: Sequence[float], quality: Sequence[float]) -> float:
+    """Return the area under the quality over the values of the levels, by the trapezoidal rule.
+
+    If the quality falls from 1 to 0, this is the Spearman-Karber estimate of the mean value at
+    which it is lost, above the lowest level (Finney 1978, Statistical Method in Biological Assay).
+    It is linear in the quality, so that the mean over trials of the area is the area under the
+    mean, and no single unlucky level decides.
+
+    Parameters
+    ----------
+    values
+        Distinct values of the levels, in any order.
+    quality
+        Of each level, from 0 to 1.
+
+    Returns
+    -------
+    float
+        In the unit of `values`, from 0 to their range.
+    """
+    points = sorted(zip(values, quality, strict=True))
+    return math.fsum(0.5 * (p + q) * (y - x) for (x, p), (y, q) in pairwise(points))
+
+
+def _around(centre: float, error: float, degrees: float) -> tuple[float, float]:
+    margin = quantile(0.5 * (1.0 - CONFIDENCE), degrees) * error
+    return centre - margin, centre + margin
