@@ -1,10 +1,14 @@
 """The seed of each trial of a run: for simulating it, and for re-rendering its camera images."""
 
+import hashlib
+import json
+from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Protocol
+from typing import Any, Protocol
 
 from seamark.server.settings import Settings
-from seamark.sim.engine.seeds import hidden_seed
+from seamark.sim import registry
+from seamark.sim.engine.seeds import fresh_seed, hidden_seed
 
 
 class Seeded(Protocol):
@@ -13,24 +17,64 @@ class Seeded(Protocol):
     @property
     def benchmark(self) -> str: ...  # noqa: D102 - the attribute of tables.Run
     @property
+    def config(self) -> Mapping[str, Any]: ...  # noqa: D102
+    @property
+    def controller(self) -> str: ...  # noqa: D102
+    @property
+    def language(self) -> str | None: ...  # noqa: D102
+    @property
+    def program_sha256(self) -> str | None: ...  # noqa: D102
+    @property
     def seed(self) -> int | None: ...  # noqa: D102
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class TrialSeeds:
-    """Trial -> seed: a practice run uses its own seed in all trials, a ranked run hidden ones."""
+    """Trial -> seed.
+
+    A practice run uses its own seed in all trials. A ranked run has the public seed of the
+    benchmark's protocol in the reference trials, then fresh ones; without a protocol hidden ones.
+    """
 
     benchmark: str
     seed: int | None  # None: ranked
+    submission: str  # digest of what was submitted
     secret: bytes = field(repr=False)
 
     def __call__(self, trial: int) -> int:
         """Return the seed of a trial."""
         if self.seed is not None:
             return self.seed
-        return hidden_seed(self.secret, self.benchmark, trial)
+        protocol = registry.benchmark(self.benchmark).protocol
+        if protocol is None:
+            return hidden_seed(self.secret, self.benchmark, trial)
+        if trial < protocol.reference_trials:
+            return protocol.reference_seed
+        return fresh_seed(self.secret, self.benchmark, self.submission, trial)
 
 
 def trial_seeds(run: Seeded, settings: Settings) -> TrialSeeds:
     """Return the seeds of a run's trials."""
-    return TrialSeeds(run.benchmark, run.seed, settings.secret_key.encode())
+    return TrialSeeds(
+        benchmark=run.benchmark,
+        seed=run.seed,
+        submission=submission_digest(run),
+        secret=settings.secret_key.encode(),
+    )
+
+
+def submission_digest(run: Seeded) -> str:
+    """Return the SHA-256 over what is evaluated, without the file's name, title and notes.
+
+    The same submission always has the same digest; any change to the program or to its
+    configuration gives another one.
+    """
+    submitted = {
+        "benchmark": run.benchmark,
+        "configuration": dict(run.config),
+        "controller": run.controller,
+        "language": run.language,
+        "program": run.program_sha256,
+    }
+    text = json.dumps(submitted, sort_keys=True, separators=(",", ":"), allow_nan=False)
+    return hashlib.sha256(text.encode()).hexdigest()

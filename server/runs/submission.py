@@ -195,6 +195,12 @@ def _check_built_in(benchmark: Benchmark, controller: str) -> None:
     raise SubmissionRejected(unknown + choice if controller else choice, field="controller")
 
 
+def _ranked_trials(benchmark: Benchmark, settings: Settings) -> int:
+    """Return the number of trials of a ranked run."""
+    protocol = benchmark.protocol
+    return settings.ranked_trials if protocol is None else protocol.trials
+
+
 def _row(valid: ValidSubmission, settings: Settings) -> Run:
     submission, viewer, program = (
         valid.submission,
@@ -211,7 +217,7 @@ def _row(valid: ValidSubmission, settings: Settings) -> Run:
         kind=submission.kind,
         config=valid.config.model_dump(mode="json"),
         seed=None if ranked else drawn,
-        trials=settings.ranked_trials if ranked else submission.trials,
+        trials=_ranked_trials(valid.benchmark, settings) if ranked else submission.trials,
         controller=submission.controller,
         program_sha256=program.sha256 if program else None,
         program_name=program.name if program else None,

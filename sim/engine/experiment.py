@@ -20,6 +20,7 @@ class TrialScore:
     score: float  # more is better; in the unit of the benchmark's headline
     level_held: float | None  # value of the last level up to which all were held; None: none
     rankable: bool
+    reason: str = ""  # why it does not rank: a sentence for the user
     overall: Mapping[str, float | None] = field(default_factory=dict)  # metrics over all levels
 
 

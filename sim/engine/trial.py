@@ -1,7 +1,7 @@
-"""A trial is one seed through all levels; a run is one or more trials and their summary."""
+"""A trial is one seed through all levels; a run is one or more trials."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from contextlib import closing
 from dataclasses import dataclass
 from typing import Any
@@ -11,9 +11,7 @@ import numpy as np
 from seamark.sim import registry
 from seamark.sim.engine.experiment import TrialScore
 from seamark.sim.metrics import uwsim_metrics
-from seamark.sim.metrics.metric import mean_over_trials, over_run
-from seamark.sim.metrics.score_expression import ExpressionInvalid, score_of
-from seamark.sim.numerics.statistics import mean, mean_interval
+from seamark.sim.metrics.metric import over_run
 from seamark.sim.recording.telemetry import Digest, OnRows, Rows
 from seamark.sim.settings.configuration import Configuration
 
@@ -31,12 +29,12 @@ class TrialResult:
     @property
     def overall(self) -> dict[str, Any]:
         """Return the metrics over all levels."""
-        return _plain(self.trial_score.overall)
+        return plain(self.trial_score.overall)
 
     @property
     def measures(self) -> dict[str, Any]:
         """Return the original benchmark module's metrics over all levels."""
-        return _plain(over_run(uwsim_metrics.METRICS, [level["measures"] for level in self.levels]))
+        return plain(over_run(uwsim_metrics.METRICS, [level["measures"] for level in self.levels]))
 
     @property
     def score(self) -> float:
@@ -104,94 +102,13 @@ def run_trial(
     )
 
 
-def summarise(
-    benchmark: str, config: Configuration, results: Sequence[TrialResult]
-) -> dict[str, Any]:
-    """Return metrics.json: the score with its interval, every trial, the means over the trials.
-
-    `overall` and `measures` are over all levels, `levels` holds each level.
-    `score_low` and `score_high` are the 95 % interval of the mean (`mean_interval`), or None.
-    `rankable` is false if a trial has no finite score or lost its target for a whole level.
-    """
-    scores = [result.score for result in results]
-    interval = mean_interval(scores) if all(map(math.isfinite, scores)) else None
-    rankable = bool(results) and all(result.trial_score.rankable for result in results)
-    held = [result.trial_score.level_held for result in results]
-    return {
-        "benchmark": benchmark,
-        "score": mean(scores) if scores and all(map(math.isfinite, scores)) else None,
-        "score_low": interval[0] if interval else None,
-        "score_high": interval[1] if interval else None,
-        "rankable": rankable,
-        "level_held": _lowest(held),
-        "overall": _mean_overall([result.overall for result in results]),
-        "own_score": custom_score(
-            config.custom_score(), [_expression_values(result) for result in results]
-        ),
-        "measures": _mean_overall([result.measures for result in results]),
-        "trials": [_entry(result) for result in results],
-        "levels": [
-            mean_over_trials([_plain(level) for level in same])
-            for same in zip(*(result.levels for result in results), strict=True)
-        ],
-    }
-
-
-def _mean_overall(trials: Sequence[Mapping[str, float | None]]) -> dict[str, float | None]:
-    """Return the mean of each metric over the trials that have it; None if none has."""
-    result: dict[str, float | None] = {}
-    for name in trials[0] if trials else ():
-        known = [value for trial in trials if (value := trial[name]) is not None]
-        result[name] = mean(known) if known else None
-    return result
-
-
-def _expression_values(result: TrialResult) -> dict[str, Any]:
-    """Return the values of a trial that an expression may use."""
-    return {"score": result.score} | result.overall | result.measures
-
-
-def custom_score(
-    expression: str, trials: Sequence[Mapping[str, float | None]]
-) -> dict[str, Any] | None:
-    """Return the value of the user's expression, mean over the trials; None without one.
-
-    `value` is None if it has none; `why` then has the reason.
-    """
-    if not expression:
-        return None
-    try:
-        values = [score_of(expression, trial) for trial in trials]
-    except ExpressionInvalid as error:
-        return {"expression": expression, "value": None, "why": str(error)}
-    return {"expression": expression, "value": mean(values), "why": ""}
-
-
-def _lowest(held: Sequence[float | None]) -> float | None:
-    known = [speed for speed in held if speed is not None]
-    return min(known) if known and len(known) == len(held) else None
-
-
-def _plain(level: Mapping[str, Any]) -> dict[str, Any]:
+def plain(level: Mapping[str, Any]) -> dict[str, Any]:
     """Return metrics for JSON: None for nan and infinity."""
     return {
-        name: _plain(value)
+        name: plain(value)
         if isinstance(value, Mapping)
         else None
         if isinstance(value, float) and not math.isfinite(value)
         else value
         for name, value in level.items()
-    }
-
-
-def _entry(result: TrialResult) -> dict[str, Any]:
-    return {
-        "trial": result.trial,
-        "score": result.score if math.isfinite(result.score) else None,
-        "level_held": result.trial_score.level_held,
-        "overall": result.overall,
-        "rankable": result.trial_score.rankable,
-        "digest": result.digest,
-        "measures": result.measures,
-        "levels": [_plain(level) for level in result.levels],
     }

@@ -3,7 +3,7 @@
 import hashlib
 import importlib.metadata
 import platform
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import cache
 from pathlib import Path
 from typing import Any, Protocol
@@ -39,6 +39,7 @@ def manifest(
     config: Configuration,
     *,
     seed: int | None,
+    seeds: Sequence[int] | None = None,
     trials: int,
     controller: str,
     program_sha256: str | None = None,
@@ -50,19 +51,26 @@ def manifest(
     Parameters
     ----------
     seed : int or None
-        None for the hidden seeds of a ranked run.
+        Of all trials; None for a ranked run.
+    seeds : sequence of int or None
+        Of each trial of a ranked run, where they concern this submission alone. None if they are
+        hidden, because other runs have the same ones, or if there is only one.
     controller : str
         Name of a built-in controller, or "upload" together with the program's SHA-256.
     digest : str
         Of the telemetry of all trials in order.
     more
         Further entries, unchanged.
+
+    An uploaded program may use BLAS, NumPy's vectorised functions or the C library's mathematics,
+    which choose their code by the processor: `same_bits_on_every_cpu` is false for all uploads.
     """
     return {
         "format": FORMAT,
         "benchmark": benchmark,
         "configuration": config.model_dump(mode="json"),
         "seed": seed,
+        "seeds": None if seeds is None else list(seeds),
         "trials": trials,
         "controller": controller,
         "program_sha256": program_sha256,
@@ -70,7 +78,7 @@ def manifest(
         "code_sha256": code_sha256(),
         "versions": versions(),
         "cpu": cpu_class(),
-        "same_bits_on_every_cpu": config.exact(),
+        "same_bits_on_every_cpu": program_sha256 is None and config.exact(),
     } | more
 
 

@@ -29,7 +29,8 @@ light = not {{"numba", "cv2", "pybullet"}} & set(sys.modules)
 page = markdown(metric_groups())
 registry.load_all()
 
-from seamark.sim.engine.trial import run_trial, summarise
+from seamark.sim.engine.summary import summarise
+from seamark.sim.engine.trial import run_trial
 entry = benchmark("{benchmark}")
 config = entry.read({{**entry.quick_settings, **json.loads({settings!r})}})
 widths = []

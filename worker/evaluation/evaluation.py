@@ -12,7 +12,9 @@ from numpy.typing import NDArray
 from seamark.sandbox.outcome import Outcome, ProgramEnded, Verdict
 from seamark.sandbox.pool import Pool
 from seamark.server.runs.failure_reasons import FailureReason
-from seamark.sim.engine.trial import TrialResult, summarise
+from seamark.sim import registry
+from seamark.sim.engine.summary import summarise
+from seamark.sim.engine.trial import TrialResult
 from seamark.sim.recording.manifest import manifest
 from seamark.sim.recording.telemetry import Digest
 from seamark.worker.evaluation.cores import Cores
@@ -81,7 +83,8 @@ class Evaluation:
                 yield self._runner.run(trial, self._listener)
 
     def _scored(self, results: Sequence[TrialResult]) -> RunOutcome:
-        metrics = summarise(self._job.benchmark, self._runner.config, results)
+        job = self._job
+        metrics = summarise(job.benchmark, self._runner.config, results, ranked=job.ranked)
         if not _is_json(metrics):
             return self._outcome(failure=FailureReason.BENCHMARK_ERROR, sentence=NO_SCORE)
         if metrics["score"] is None:
@@ -102,14 +105,16 @@ class Evaluation:
         )
 
     def _manifest(self, digest: str) -> dict[str, Any]:
-        """Return the manifest; the seed of a ranked run stays hidden."""
-        source = self._runner.source
+        """Return the manifest; seeds that concern other runs too stay hidden."""
+        job, source = self._job, self._runner.source
+        disclosed = job.ranked and registry.benchmark(job.benchmark).protocol is not None
         return manifest(
-            self._job.benchmark,
+            job.benchmark,
             self._runner.config,
-            seed=self._job.shown_seed,
-            trials=len(self._job.seeds),
-            controller=self._job.controller,
+            seed=None if job.ranked else job.seeds[0],
+            seeds=job.seeds if disclosed else None,
+            trials=len(job.seeds),
+            controller=job.controller,
             program_sha256=hashlib.sha256(source).hexdigest() if source else None,
             digest=digest,
         )

@@ -15,7 +15,7 @@ class Job:
     benchmark: str
     config: dict[str, Any]
     seeds: tuple[int, ...]
-    shown_seed: int | None  # None: the seeds are hidden
+    ranked: bool = False  # False: one seed in all trials, chosen by the user
     controller: str
     program: Path | None = None  # file of the source; None: the built-in `controller`
     filename: str = ""  # as the user named it

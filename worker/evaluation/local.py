@@ -132,7 +132,6 @@ def job_of(
         benchmark=benchmark,
         config=dict(config),
         seeds=seeds,
-        shown_seed=seeds[0],
         controller=controller if isinstance(controller, str) else "upload",
     )
     if isinstance(controller, str):

@@ -96,7 +96,6 @@ class CheckLoop:
             benchmark=claim.benchmark,
             config=claim.config,
             seeds=(queue.SEED,),
-            shown_seed=queue.SEED,
             controller="upload",
             program=store.path(self._settings.data, claim.program_sha256),
             filename=claim.program_name,

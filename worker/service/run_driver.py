@@ -19,7 +19,7 @@ from seamark.server.runs.files import RunFiles
 from seamark.server.runs.queue import Claim, LeaseStatus
 from seamark.server.runs.results import Report
 from seamark.server.runs.seeds import trial_seeds
-from seamark.server.runs.states import RunState
+from seamark.server.runs.states import RunKind, RunState
 from seamark.server.settings import Settings
 from seamark.sim import registry
 from seamark.sim.settings.configuration import ConfigurationInvalid
@@ -156,7 +156,7 @@ class RunDriver:
             benchmark=claim.benchmark,
             config=claim.config,
             seeds=tuple(map(trial_seeds(claim, settings), range(claim.trials))),
-            shown_seed=claim.seed,
+            ranked=claim.kind is RunKind.RANKED,
             controller=claim.controller,
             program=None if program is None else store.path(settings.data, program),
             filename=claim.program_name or "",

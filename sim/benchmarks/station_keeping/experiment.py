@@ -29,6 +29,8 @@ from seamark.sim.recording.telemetry import Rows
 from seamark.sim.settings.station_keeping import StationKeepingSettings
 from seamark.sim.vehicles import load
 
+LOST = "The target was lost throughout a level."
+
 
 class StationKeeping:
     """A `seamark.sim.engine.experiment.Experiment` that compares position controllers.
@@ -101,6 +103,7 @@ class StationKeeping:
             score=score,
             level_held=_held(levels),
             rankable=math.isfinite(score) and not all_lost,
+            reason=LOST if all_lost else "",
             overall=over_run(overall(self._metrics), levels),
         )
 

@@ -37,6 +37,7 @@ TILT_SHARE = 0.6  # amplitude of roll and pitch relative to that of the heading;
 LN_2 = 0.6931471805599453  # a stop is a factor of two
 MAX_READ_NOISE_GREY = 64.0  # the maximum of `Water`
 CONTROLLER = "pi"  # in closed loop, the same for all trackers
+FAILED_AT_ONCE = "The tracker failed at the first level, in the clearest water."
 
 
 class Visibility:
@@ -107,6 +108,7 @@ class Visibility:
             score=score,
             level_held=held_value(values, [level["held"] for level in levels]),
             rankable=math.isfinite(score) and score > values[0],
+            reason=FAILED_AT_ONCE if score <= values[0] else "",
             overall=over_run(METRICS, levels),
         )
 

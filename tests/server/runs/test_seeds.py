@@ -2,28 +2,96 @@ from types import SimpleNamespace
 
 import pytest
 
-from seamark.server.runs.seeds import trial_seeds
+from seamark.server.runs.seeds import submission_digest, trial_seeds
 from seamark.server.settings import Settings
+from seamark.sim import registry
 from seamark.sim.engine.seeds import hidden_seed
 
-
-def test_all_trials_of_a_practice_run_use_its_seed(settings: Settings) -> None:
-    seeds = trial_seeds(SimpleNamespace(benchmark="currents-v1", seed=7), settings)
-
-    assert [seeds(trial) for trial in range(3)] == [7, 7, 7]
+PROTOCOL = registry.benchmark("currents-v2").protocol
+assert PROTOCOL is not None
+FRESH = range(PROTOCOL.reference_trials, PROTOCOL.trials)
 
 
-def test_each_trial_of_a_ranked_run_has_a_hidden_seed_of_its_own(settings: Settings) -> None:
-    seeds = trial_seeds(SimpleNamespace(benchmark="currents-v1", seed=None), settings)
+def _run(**changes: object) -> SimpleNamespace:
+    values: dict[str, object] = {
+        "benchmark": "currents-v2",
+        "config": {"kp": 0.5},
+        "controller": "upload",
+        "language": "python",
+        "program_sha256": "ab" * 32,
+        "seed": None,
+    }
+    return SimpleNamespace(**(values | changes))
 
-    drawn = [seeds(trial) for trial in range(3)]
+
+@pytest.mark.parametrize("benchmark", ["currents-v1", "currents-v2"])
+def test_all_trials_of_a_practice_run_use_its_seed(settings: Settings, benchmark: str) -> None:
+    seeds = trial_seeds(_run(benchmark=benchmark, seed=7), settings)
+
+    assert [seeds(trial) for trial in (0, 1, 20)] == [7, 7, 7]
+
+
+def test_ranked_trials_of_the_first_versions_have_the_hidden_seeds_of_everybody(
+    settings: Settings,
+) -> None:
+    one = trial_seeds(_run(benchmark="currents-v1"), settings)
+    other = trial_seeds(_run(benchmark="currents-v1", program_sha256="cd" * 32), settings)
+
+    drawn = [one(trial) for trial in range(3)]
     secret = settings.secret_key.encode()
     assert drawn == [hidden_seed(secret, "currents-v1", trial) for trial in range(3)]
+    assert drawn == [other(trial) for trial in range(3)]
     assert len(set(drawn)) == 3
+
+
+def test_reference_trials_have_the_public_seed_and_fresh_trials_one_each(
+    settings: Settings,
+) -> None:
+    seeds = trial_seeds(_run(), settings)
+
+    assert PROTOCOL is not None
+    reference = {seeds(trial) for trial in range(PROTOCOL.reference_trials)}
+    fresh = {seeds(trial) for trial in FRESH}
+    assert reference == {PROTOCOL.reference_seed}
+    assert len(fresh - reference) == PROTOCOL.fresh_trials
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"program_sha256": "ab" * 31 + "ac"},
+        {"config": {"kp": 0.51}},
+        {"language": "octave"},
+        {"controller": "pi", "program_sha256": None, "language": None},
+        {"benchmark": "visibility-v2"},
+    ],
+)
+def test_any_change_of_a_submission_changes_all_of_its_fresh_seeds(
+    settings: Settings, change: dict[str, object]
+) -> None:
+    one, other = trial_seeds(_run(), settings), trial_seeds(_run(**change), settings)
+
+    assert not {one(trial) for trial in FRESH} & {other(trial) for trial in FRESH}
+
+
+def test_the_same_submission_has_the_same_digest_whatever_it_is_called(
+    settings: Settings,
+) -> None:
+    named = _run(config={"a": 1.0, "b": 2}, title="mine", program_name="mine.py", id=7)
+    renamed = _run(config={"b": 2, "a": 1.0}, title="yours", program_name="yours.py", id=8)
+
+    assert submission_digest(named) == submission_digest(renamed)
+    assert trial_seeds(named, settings) == trial_seeds(renamed, settings)
+
+
+def test_another_secret_gives_other_fresh_seeds(settings: Settings) -> None:
+    changed = settings.model_copy(update={"secret_key": "another secret"})
+
+    one, other = trial_seeds(_run(), settings), trial_seeds(_run(), changed)
+
+    assert not {one(trial) for trial in FRESH} & {other(trial) for trial in FRESH}
 
 
 @pytest.mark.parametrize("seed", [None, 7])
 def test_the_secret_is_not_in_the_repr_of_the_seeds(settings: Settings, seed: int | None) -> None:
-    seeds = trial_seeds(SimpleNamespace(benchmark="currents-v1", seed=seed), settings)
-
-    assert settings.secret_key not in repr(seeds)
+    assert settings.secret_key not in repr(trial_seeds(_run(seed=seed), settings))

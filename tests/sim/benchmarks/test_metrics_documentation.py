@@ -9,7 +9,8 @@ import pytest
 
 from seamark import sim
 from seamark.sim.benchmarks.metrics_documentation import markdown, metric_groups
-from seamark.sim.engine.trial import run_trial, summarise
+from seamark.sim.engine.summary import summarise
+from seamark.sim.engine.trial import run_trial
 from seamark.sim.metrics import station_keeping
 from seamark.sim.metrics.metric import MetricGroup, over_run
 from seamark.sim.metrics.windows import LevelFacts
@@ -76,8 +77,10 @@ def test_every_name_in_metrics_json_is_documented(name: str) -> None:
     solution = entry.load().built_in(next(iter(entry.built_in)), config)
     result = run_trial(name, config, solution, seed=0, trial=0, on_rows=lambda _rows: None)
 
-    names = names_in(summarise(name, config, [result])) - {"benchmark", "current_speed", "repeat"}
+    summary = summarise(name, config, [result] * entry.ranked_trials * 4, ranked=True)
+    names = names_in(summary) - {"benchmark", "current_speed", "repeat"}
 
+    assert ("gap" in names) == (entry.protocol is not None)
     assert len(names) > 20
     assert [name for name in names if f"`{name.removeprefix('whole_')}`" not in PAGE] == []
 

@@ -5,19 +5,15 @@ import math
 import subprocess
 import sys
 from collections.abc import Mapping
-from dataclasses import replace
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
 from seamark.sim.benchmarks.benchmark import Benchmark
-from seamark.sim.benchmarks.currents_v1.definition import CurrentsConfiguration
-from seamark.sim.benchmarks.station_keeping.experiment import EXPERIMENT
 from seamark.sim.control.observation import BOOLEANS, FIELDS, STARTS, empty
 from seamark.sim.engine.program import BuiltIn, Command
-from seamark.sim.engine.trial import custom_score, run_trial, summarise
-from seamark.sim.metrics import uwsim_metrics
+from seamark.sim.engine.trial import run_trial
 from seamark.sim.recording import telemetry
 from seamark.sim.recording.telemetry import INDEX, NAMES, Rows
 from seamark.sim.settings.configuration import Configuration
@@ -246,75 +242,5 @@ def test_an_unknown_benchmark_is_a_key_error(short: Configuration) -> None:
         run_trial("x-v1", short, BuiltIn("p", short), seed=0, trial=0, on_rows=_ignore)
 
 
-def test_the_summary_is_json_with_trials_levels_and_an_interval(
-    run_short: RunOf, short: Configuration
-) -> None:
-    result, _rows = run_short({})
-    results = [result, replace(result, trial=1)]
-
-    summary = summarise("currents-v1", short, results)
-
-    assert json.loads(json.dumps(summary, allow_nan=False)) == summary
-    assert summary["score"] == pytest.approx(result.score)
-    assert summary["score_low"] == pytest.approx(result.score)
-    assert (summary["rankable"], summary["level_held"]) == (True, 0.3)
-    assert [level["speed"] for level in summary["levels"]] == [0.1, 0.3]
-    assert [trial["trial"] for trial in summary["trials"]] == [0, 1]
-
-
-def test_one_trial_has_no_interval(run_short: RunOf, short: Configuration) -> None:
-    result, _rows = run_short({})
-
-    summary = summarise("currents-v1", short, [result])
-
-    assert (summary["score_low"], summary["score_high"]) == (None, None)
-
-
-@pytest.mark.parametrize("spoil", [{"points": math.nan}, {"whole_lost_percent": 100.0}])
-def test_a_trial_without_a_finite_score_or_without_its_target_never_ranks(
-    run_short: RunOf, short: CurrentsConfiguration, spoil: dict[str, float]
-) -> None:
-    result, _rows = run_short({})
-    levels = (result.levels[0], {**result.levels[1], **spoil})
-    spoiled = replace(result, levels=levels, trial_score=EXPERIMENT.trial_score(short, levels))
-
-    summary = summarise("currents-v1", short, [result, spoiled])
-
-    assert summary["rankable"] is False
-    json.dumps(summary, allow_nan=False)
-
-
 def _ignore(_rows: Rows) -> None:
     pass
-
-
-def test_the_custom_score_is_the_mean_of_the_trials(run_short: RunOf, currents: Benchmark) -> None:
-    config = currents.read({**SHORT, "score": "time + 100 * collision - rmse_m"})
-    result, _rows = run_short({})
-
-    own = summarise("currents-v1", config, [result, result])["own_score"]
-
-    assert own["expression"] == "time + 100 * collision - rmse_m"
-    assert own["value"] == pytest.approx(12.0 + 100.0 - result.overall["rmse_m"])
-    assert own["why"] == ""
-
-
-def test_a_custom_score_without_a_value_says_why() -> None:
-    own = custom_score("2 * settling_s", [{"settling_s": 1.0}, {"settling_s": None}])
-
-    assert own is not None
-    assert own["value"] is None
-    assert "settling_s has no value" in own["why"]
-
-
-def test_the_summary_has_the_original_metrics_of_every_level_and_of_the_run(
-    run_short: RunOf, short: Configuration
-) -> None:
-    result, rows = run_short({})
-
-    summary = summarise("currents-v1", short, [result])
-
-    assert tuple(summary["measures"]) == uwsim_metrics.NAMES
-    assert tuple(summary["levels"][0]["measures"]) == uwsim_metrics.NAMES
-    assert summary["measures"]["distance"] == pytest.approx(uwsim_metrics.distance(rows))
-    assert summary["overall"]["max_m"] == max(level["max_m"] for level in summary["levels"])

@@ -40,3 +40,20 @@ def test_a_tracker_that_depends_on_the_processor_is_named_in_the_manifest() -> N
     ]
 
     assert [entry["same_bits_on_every_cpu"] for entry in made] == [True, False]
+
+
+def test_an_uploaded_program_may_depend_on_the_processor() -> None:
+    config = benchmark("currents-v1").read({})
+
+    made = manifest(
+        "currents-v1",
+        config,
+        seed=5,
+        trials=1,
+        controller="upload",
+        program_sha256="ab" * 32,
+        digest="00",
+    )
+
+    assert config.exact()
+    assert made["same_bits_on_every_cpu"] is False

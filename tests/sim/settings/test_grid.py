@@ -11,7 +11,8 @@ from hypothesis import strategies as st
 from seamark.sim.benchmarks.currents_v1.definition import CurrentsConfiguration
 from seamark.sim.benchmarks.station_keeping.experiment import StationKeeping
 from seamark.sim.engine.program import BuiltIn
-from seamark.sim.engine.trial import run_trial, summarise
+from seamark.sim.engine.summary import summarise
+from seamark.sim.engine.trial import run_trial
 from seamark.sim.recording.telemetry import INDEX, Rows
 from seamark.sim.registry import benchmark
 from seamark.sim.settings import grid

@@ -17,7 +17,6 @@ def job(tmp_path: Path) -> Job:
         benchmark="currents-v1",
         config=dict(SHORT),
         seeds=(5, 5),
-        shown_seed=5,
         controller="upload",
         program=program,
     )

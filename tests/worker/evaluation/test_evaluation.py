@@ -57,9 +57,24 @@ def test_numbers_that_are_not_finite_end_the_trial_at_once(job: Job) -> None:
 
 
 def test_hidden_seeds_are_not_in_the_manifest(job: Job) -> None:
-    outcome, _ = _evaluate(replace(job, seeds=(987654321, 987654322), shown_seed=None), *_two())
+    outcome, _ = _evaluate(replace(job, seeds=(987654321, 987654322), ranked=True), *_two())
 
     assert "98765432" not in str(outcome)
+
+
+def test_the_manifest_of_a_ranked_run_discloses_the_seeds_that_concern_it_alone(job: Job) -> None:
+    ranked = replace(job, benchmark="currents-v2", seeds=(987654321, 987654322), ranked=True)
+
+    outcome, _ = _evaluate(ranked, *_two())
+
+    assert outcome.manifest["seed"] is None
+    assert outcome.manifest["seeds"] == [987654321, 987654322]
+
+
+def test_the_manifest_of_a_practice_run_has_its_one_seed(job: Job) -> None:
+    outcome, _ = _evaluate(job, *_two())
+
+    assert (outcome.manifest["seed"], outcome.manifest["seeds"]) == (5, None)
 
 
 def _two() -> tuple[FakeBox, FakeBox]:

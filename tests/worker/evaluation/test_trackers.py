@@ -188,7 +188,6 @@ def test_a_tracker_in_a_box_gives_the_same_bytes_one_after_the_other(tmp_path: P
         benchmark=NAME,
         config=dict(SHORT),
         seeds=(3,),
-        shown_seed=3,
         controller="upload",
         program=program,
     )
