@@ -9,7 +9,7 @@ Estimated by the posterior on a grid, with the priors and the definition of the 
 (Schuett, Harmeling, Macke & Wichmann 2016, https://doi.org/10.1016/j.visres.2016.02.002).
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,9 +19,7 @@ from seamark.sim.numerics.statistics import CONFIDENCE
 
 LARGEST_LAPSE_RATE = 0.5
 LAPSE_PRIOR = 10.0  # Beta(1, 10), as in psignifit
-WIDTH_TO_SLOPE = (
-    5.888877957572  # 2 ln 19: S falls from 95 % to 5 % over one width
-)
+WIDTH_TO_SLOPE = 5.888877957572  # 2 ln 19: S falls from 95 % to 5 % over one width
 POINTS = (101, 31, 26)  # of the grid: midpoint, width, lapse rate
 NEGLIGIBLE = 1e-4  # share of the highest marginal density below which the second grid ends
 DECIMALS = 9  # rounding removes the last bits of NumPy's exp and log, which differ by processor
@@ -97,16 +95,18 @@ def _log_likelihood(
 
 def _zoomed(axes: tuple[Array, Array, Array], density: Array) -> tuple[Array, Array, Array]:
     """Return a finer grid over the part of the axes where the density is not negligible."""
-    spaces: tuple[Callable[[float, float, int], Array], ...]
-    spaces = (np.linspace, np.geomspace, np.linspace)
-    finer = []
-    for number, (axis, space) in enumerate(zip(axes, spaces, strict=True)):
-        others = tuple(each for each in range(3) if each != number)
-        marginal = np.max(density, axis=others)
+    ends = []
+    for number, axis in enumerate(axes):
+        marginal = np.max(density, axis=tuple({0, 1, 2} - {number}))
         inside = np.flatnonzero(marginal > NEGLIGIBLE)
         low, high = max(inside[0] - 1, 0), min(inside[-1] + 1, len(axis) - 1)
-        finer.append(space(float(axis[low]), float(axis[high]), len(axis)))
-    return finer[0], finer[1], finer[2]
+        ends.append((float(axis[low]), float(axis[high])))
+    midpoint, width, lapse = ends
+    return (
+        np.linspace(*midpoint, POINTS[0]),
+        np.geomspace(*width, POINTS[1]),
+        np.linspace(*lapse, POINTS[2]),
+    )
 
 
 def _fit(axes: tuple[Array, Array, Array], density: Array) -> PsychometricFit:
