@@ -5,7 +5,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from seamark.sim.camera import raycast, raycast_effects
+from seamark.sim.camera import pictures, raycast, raycast_effects
 from seamark.sim.camera.caustics import WAVES, draw_waves, wave_amplitude
 from seamark.sim.camera.effects import EffectParameters, Effects
 from seamark.sim.camera.geometry import camera_pose, project
@@ -19,6 +19,7 @@ from seamark.sim.numerics.libm import cos, sin
 
 Window = raycast.Window
 GREEN = 1
+SAND = "sand"
 SEABED_SEED = 7  # the same seabed in all runs, so that it is not part of a trial's luck
 
 
@@ -46,7 +47,9 @@ class Camera:
         *,
         noise_seed: int,
         effects: Effects | None = None,
+        ground: str = SAND,
     ) -> None:
+        self.ground = ground  # SAND, or one of `pictures.PICTURES`
         self.optics, self.water, self.target = optics, water, target
         self.effects = effects or Effects()
         self._noise_seed = noise_seed & 0x7FFFFFFFFFFFFFFF  # int64, so one compilation
@@ -144,7 +147,7 @@ class Camera:
     def _build_scene(self) -> Scene:
         """Return the part of the scene that all channels share."""
         target = self.target
-        layout = box_texture(target.size_m, GREEN, lettered=target.lettered).layout
+        layout = box_texture(target, GREEN).layout
         return Scene(
             intrinsics=self._lens[0],
             mount=self._lens[1],
@@ -183,8 +186,10 @@ class Camera:
         """Return the part of the scene that belongs to one colour channel."""
         water, target = self.water, self.target
         return Channel(
-            seabed=seabed(SEABED_SEED, number),
-            box_texture=box_texture(target.size_m, number, lettered=target.lettered).texels,
+            seabed=seabed(SEABED_SEED, number)
+            if self.ground == SAND
+            else pictures.seabed(self.ground),
+            box_texture=box_texture(target, number).texels,
             attenuation=float(water.attenuation[number]),
             veil=255.0 * water.veil[number],
             number=number,

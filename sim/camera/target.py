@@ -1,4 +1,4 @@
-"""The target: a black box with letters on a flat seabed, in world NED coordinates."""
+"""The target: a box with letters or a picture on a flat seabed, in world NED coordinates."""
 
 from dataclasses import dataclass
 from functools import lru_cache
@@ -6,8 +6,9 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from seamark.sim.camera import lettering
+from seamark.sim.camera import lettering, pictures
 from seamark.sim.camera.optics import Optics
+from seamark.sim.camera.pictures import Cutout
 from seamark.sim.camera.seabed import packed, quantise
 from seamark.sim.numerics.libm import cos, sin
 
@@ -35,6 +36,7 @@ class Target:
     seabed_m: float = 5.0  # [m] depth of the seabed, E: the CIRS pool
     heading_rad: float = 0.0
     lettered: bool = True  # otherwise one dark tone
+    picture: Cutout | None = None  # covers all faces, instead of letters or the dark tone
 
     def __post_init__(self) -> None:
         """Refuse a box without volume."""
@@ -92,21 +94,25 @@ class BoxTexture:
 
 
 @lru_cache(maxsize=12)
-def box_texture(
-    size_m: tuple[float, float, float], channel: int, *, lettered: bool = True
-) -> BoxTexture:
-    """Return the textures of a box (length, width, height); its sides are darker."""
-    length_m, width_m, height_m = size_m
+def box_texture(target: Target, channel: int) -> BoxTexture:
+    """Return the textures of a target's faces; its sides are darker."""
+    length_m, width_m, height_m = target.size_m
     sizes = [(length_m, width_m)] + [(length_m, height_m)] * 2 + [(width_m, height_m)] * 2
     parts, layout, offset = [], [], 0
-    for (length, width), shade in zip(sizes, SHADES, strict=True):
-        texels = quantise(
-            lettering.face(length, width, TEXEL_M, channel, lettered=lettered) * shade
-        )
+    for number, ((length, width), shade) in enumerate(zip(sizes, SHADES, strict=True)):
+        texels = quantise(_face(target, number, length, width, channel) * shade)
         parts.append(packed(texels, wrap=False))
         layout.append((offset, texels.shape[1], texels.shape[0]))
         offset += texels.size
     return BoxTexture(np.concatenate(parts), np.array(layout, dtype=np.int32))
+
+
+def _face(target: Target, number: int, length_m: float, width_m: float, channel: int) -> Vector:
+    """Return the albedo (rows, columns) of a face, before its shade."""
+    if target.picture is None:
+        return lettering.face(length_m, width_m, TEXEL_M, channel, lettered=target.lettered)
+    columns, rows = round(length_m / TEXEL_M), round(width_m / TEXEL_M)
+    return pictures.face(target.picture, columns, rows, number=number)
 
 
 def start_pose(optics: Optics, target: Target, height: float) -> Vector:
