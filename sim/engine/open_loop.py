@@ -1,18 +1,42 @@
 """The open loop of one level: a prescribed path, so the tracker cannot influence its images."""
 
+from collections.abc import Sequence
+from typing import Protocol
+
 import numpy as np
 from numpy.typing import NDArray
 
 from seamark.sim.camera.camera import Camera
-from seamark.sim.engine.prescribed_path import PrescribedPath
 from seamark.sim.engine.tracker_in_loop import TrackerInLoop
 from seamark.sim.engine.tracking_error import write_tracking_error
 from seamark.sim.recording.telemetry import INDEX, STEP_US, OnRows, Recorder
-from seamark.sim.settings.experiment import ExperimentSettings
 
 _TIME = slice(INDEX["trial"], INDEX["t"] + 1)
 _MOTION = slice(INDEX["x"], INDEX["r"] + 1)
 Row = NDArray[np.float64]
+
+
+class Path(Protocol):
+    """Where the vehicle is at any time."""
+
+    def pose_and_velocity(self, t: float) -> tuple[Sequence[float], Sequence[float]]:
+        """Return the pose (6) [m, rad], world frame, and the velocity (6), body frame."""
+
+
+class Timing(Protocol):
+    """The settings of time that a level needs."""
+
+    @property
+    def control_period_s(self) -> float:
+        """Time from one image to the next."""
+
+    @property
+    def level_duration_s(self) -> float:
+        """Time from the start of a level to that of the next."""
+
+    @property
+    def control_steps_per_level(self) -> int:
+        """Number of images of a level."""
 
 
 class OpenLoop:
@@ -20,25 +44,29 @@ class OpenLoop:
 
     def __init__(
         self,
-        config: ExperimentSettings,
-        path: PrescribedPath,
+        config: Timing,
+        path: Path,
         camera: Camera,
         tracking: TrackerInLoop,
         *,
         station: NDArray[np.float64],
         trial: int,
         level: int,
+        start_every: int = 0,
     ) -> None:
         """Set up a level.
 
         Parameters
         ----------
+        start_every
+            Images from one start of the tracker to the next; 0: it starts with the first one only.
         station : (6,) [m, rad]
             Pose from which the camera looks at the target's centre.
         """
         self._path, self._tracking = path, tracking
         self._trial, self._level = trial, level
         self._steps, self._dt = config.control_steps_per_level, config.control_period_s
+        self._start_every = start_every or self._steps
         self._first_frame = level * self._steps
         self._start_s = level * config.level_duration_s
         self._station = camera.position(station)
@@ -57,7 +85,7 @@ class OpenLoop:
         tracking = self._tracking
         pose, velocity = self._path.pose_and_velocity(step * self._dt)
         motion = np.array([*pose, *velocity])
-        track = tracking.update if step else tracking.start
+        track = tracking.update if step % self._start_every else tracking.start
         track(motion, self._first_frame + step)
         row[:] = 0.0
         row[_TIME] = self._trial, self._level, self._start_s + step * self._dt

@@ -71,7 +71,7 @@ class Replay:
             return built
 
         def start_error(trial: int, level: int) -> Row:
-            return draw_start_error(settings, streams(seed_of(trial), trial, level))
+            return draw_start_error(settings.start_error_px, streams(seed_of(trial), trial, level))
 
         self.camera = camera
         self._first_camera, self._start_error = first_camera, start_error

@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seamark.sim.camera.camera import Camera
-from seamark.sim.engine.tracking_error import BOX_CENTRE, TOP_CENTRE, View
+from seamark.sim.engine.tracking_error import TOP_CENTRE, View
 from seamark.sim.numerics.random_streams import Streams
-from seamark.sim.settings.experiment import ExperimentSettings
+from seamark.sim.settings.tracker import TrackerSettings
 from seamark.sim.trackers import Tracker, make
 
 Pose = NDArray[np.float64]  # (6,); (12,) with the velocities, for motion blur
@@ -20,11 +20,12 @@ class TrackerInLoop:
     def __init__(
         self,
         camera: Camera,
-        config: ExperimentSettings,
+        settings: TrackerSettings,
         start_error: NDArray[np.float64],
         *,
         tracker: Tracker | None = None,
         reference: Camera | None = None,
+        target: int = TOP_CENTRE,
     ) -> None:
         """Set up the given tracker, or else the configured one.
 
@@ -34,22 +35,23 @@ class TrackerInLoop:
             Added to the corners that the tracker starts from.
         reference
             Takes the first image, from which the tracker learns the target, instead of `camera`.
+        target
+            The point that counts as the target's true position, as in `View`.
         """
         self._camera = camera
         self._reference = reference or camera
         self._start_error = start_error
         self._pose: Pose = np.zeros(6)
-        self._tracker = tracker or self._configured(config)
+        self._tracker = tracker or self._configured(settings)
         self._corners = np.zeros((4, 2))
         self.corners = self._corners.reshape(8)  # [px] last valid ones; a view of the same memory
         self.ok = False  # whether the tracker reports the target in the present image
-        target = BOX_CENTRE if config.target_truth == "uwsim" else TOP_CENTRE
         self.view: View = (*camera.view(), target)
         self.step_us = 0.0  # wall time of the tracker's last update; never part of a result
 
-    def _configured(self, config: ExperimentSettings) -> Tracker:
-        options = config.tracker_options()
-        return make(config.tracker, truth=lambda: self._camera.corners(self._pose), **options)
+    def _configured(self, settings: TrackerSettings) -> Tracker:
+        options = settings.tracker_options()
+        return make(settings.tracker, truth=lambda: self._camera.corners(self._pose), **options)
 
     def start(self, pose: Pose, frame: int) -> None:
         """Start the tracker with the first image and the target's corners in it."""
@@ -71,10 +73,10 @@ class TrackerInLoop:
             self._corners[:] = track.corners
 
 
-def draw_start_error(config: ExperimentSettings, random: Streams) -> NDArray[np.float64]:
+def draw_start_error(sigma_px: float, random: Streams) -> NDArray[np.float64]:
     """Return the error (4, 2) [px] of the corners that the tracker of a level starts from.
 
     These are the first numbers of their stream, which must be fresh.
     """
-    error: NDArray[np.float64] = config.start_error_px * random.start.standard_normal((4, 2))
+    error: NDArray[np.float64] = sigma_px * random.start.standard_normal((4, 2))
     return error

@@ -14,6 +14,7 @@ from seamark.sim.control.station_keeper import Geometry, StationKeeper
 from seamark.sim.control.velocity_controller import VelocityController
 from seamark.sim.engine.perception import SensorNoises, SensorRecords
 from seamark.sim.engine.tracker_in_loop import TrackerInLoop, draw_start_error
+from seamark.sim.engine.tracking_error import BOX_CENTRE, TOP_CENTRE
 from seamark.sim.numerics.libm import PI
 from seamark.sim.numerics.random_streams import Streams
 from seamark.sim.physics import constants
@@ -191,8 +192,9 @@ def build_tracking(
     reference: Camera | None = None,
 ) -> TrackerInLoop:
     """Return the given or else the configured tracker in the loop, with its start error."""
-    error = draw_start_error(config, random)
-    return TrackerInLoop(camera, config, error, tracker=tracker, reference=reference)
+    error = draw_start_error(config.start_error_px, random)
+    target = BOX_CENTRE if config.target_truth == "uwsim" else TOP_CENTRE
+    return TrackerInLoop(camera, config, error, tracker=tracker, reference=reference, target=target)
 
 
 def _relief(config: ExperimentSettings, random: Streams) -> Relief | None:
