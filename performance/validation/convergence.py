@@ -102,6 +102,10 @@ def draw(curves: list[Curve], out: Path) -> None:
         axes.legend(fontsize=8, loc="center left", bbox_to_anchor=(1.0, 0.5))
 
 
+def _millimetres(error_m: float) -> str:
+    return f"{1e3 * error_m:.2e}" if error_m > FLOOR_M else f"< {1e3 * FLOOR_M:.0e}"
+
+
 def section(names: list[str], figures: Path) -> str:
     """Write the plot and return the section's text."""
     curves = [entry for name in names for entry in curves_of(name)]
@@ -111,7 +115,7 @@ def section(names: list[str], figures: Path) -> str:
     working = STEPS_S.index(next(h for h in STEPS_S if h < STEP_S))
     above = max(entry.errors_m[working - 1] for entry in curves)
     rows = [
-        (entry.label, *(f"{1e3 * e:.2e}" for e in entry.errors_m), f"{entry.order:.2f}")
+        (entry.label, *(_millimetres(e) for e in entry.errors_m), f"{entry.order:.2f}")
         for entry in curves
     ]
     header = ("vehicle, water", *(f"{1e3 * h:g} ms" for h in STEPS_S), "order")

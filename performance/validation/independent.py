@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from performance.validation.convergence import START, commands
-from performance.validation.markdown import table
+from performance.validation.markdown import below, table
 from performance.validation.reference import Leg, Water, reference
 from seamark.sim.numerics.arrays import Array
 from seamark.sim.physics.current import Current, Pattern
@@ -71,15 +71,16 @@ def section(names: list[str], _figures: Path) -> str:
     worst = max(entry.position_mm for entry in found)
     rows = [
         (
-            *(d.name, d.law, f"{d.travelled_m:.1f}", f"{d.position_mm:.1e}"),
-            *(f"{d.angle_rad:.1e}", f"{d.speed_mm_s:.1e}"),
+            *(d.name, d.law, f"{d.travelled_m:.1f}", below(d.position_mm)),
+            *(below(d.angle_rad), below(d.speed_mm_s)),
         )
         for d in found
     ]
     header = ("vehicle", "current law", "moved m", "position mm", "angle rad", "speed mm/s")
     return "\n\n".join(
         [
-            f"After {LEG_S * len(LEG_SCALES):g} s the positions differ by at most {worst:.1e} mm.",
+            f"After {LEG_S * len(LEG_SCALES):g} s all positions differ by {below(worst)} mm. The "
+            "differences are rounding errors, so only their powers of ten are given.",
             f"Method: {len(LEG_SCALES)} legs of {LEG_S:g} s in open loop with different commands "
             f"on all thrusters, from a tilted start, in a current of {LEVEL:g} m/s with both "
             "sinusoids and no gusts. The reference (`performance/validation/reference.py`) shares "
@@ -88,7 +89,7 @@ def section(names: list[str], _figures: Path) -> str:
             "C(v) from the blocks of the mass matrix, thrust curves inverted by Brent's method, "
             "SciPy's DOP853 with a relative tolerance of 1e-11. "
             f"The plant's step is {1e3 * STEP_S:g} ms. A wrong parameter in a vehicle's file would "
-            "be wrong in both; the last section lists their sources.",
+            "be wrong in both; the last part lists their sources.",
             table(header, rows),
         ]
     )

@@ -1,5 +1,6 @@
 """Tables as Markdown."""
 
+import math
 from collections.abc import Iterable, Sequence
 
 
@@ -17,3 +18,11 @@ def signed(value: float, digits: int = 1) -> str:
     """Return the formatted number, never as -0.0."""
     text = f"{value:.{digits}f}"
     return text[1:] if float(text) == 0.0 and text.startswith("-") else text
+
+
+def below(value: float) -> str:
+    """Return the next power of ten above a positive rounding error, such as "< 1e-05".
+
+    Its digits depend on the processor, its size does not.
+    """
+    return f"< {10.0 ** (math.floor(math.log10(value)) + 1):.0e}" if value > 0.0 else "0"

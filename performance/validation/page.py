@@ -1,47 +1,73 @@
-"""The page with all its sections."""
+"""The page with its two parts and all their sections."""
 
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from multiprocessing import get_context
 from pathlib import Path
 from types import ModuleType
+from typing import NamedTuple
 
 from performance.validation import (
     analytic,
     convergence,
     determinism,
+    drag_tests,
     facts,
     girona,
     independent,
+    summary,
+    thrust_tests,
     vehicles,
+    water_tests,
 )
 from seamark.sim.recording.manifest import code_sha256, versions
 
-SECTIONS: tuple[ModuleType, ...] = (
-    facts,
-    girona,
-    analytic,
-    convergence,
-    independent,
-    determinism,
-    vehicles,
+
+class Part(NamedTuple):
+    """A part of the page: its heading, what it shows, and its sections."""
+
+    title: str
+    text: str
+    sections: tuple[ModuleType, ...]
+
+
+PARTS = (
+    Part(
+        "Validation",
+        "Measurements of real vehicles and real water that others published, beside the "
+        "simulator's prediction for the same set-up. Errors are ours relative to the measurement.",
+        (summary, thrust_tests, drag_tests, water_tests),
+    ),
+    Part(
+        "Verification",
+        "Does the code solve its equations, and does it do what the original simulator did? "
+        "Closed forms, an independent implementation, convergence, determinism, and the published "
+        "experiment, which was a simulation too. Agreement here says nothing about real water.",
+        (analytic, convergence, independent, determinism, facts, girona),
+    ),
+    Part(
+        "Parameters",
+        "Every number of every vehicle with its source.",
+        (vehicles,),
+    ),
 )
+SECTIONS = tuple(section for part in PARTS for section in part.sections)
 SHOWN_VERSIONS = ("python", "numpy", "numba", "opencv-contrib-python-headless")
 
 
 def titles() -> list[str]:
-    """Return the headings of the page."""
+    """Return the headings of the sections."""
     return [section.TITLE for section in SECTIONS]
 
 
 def introduction() -> str:
-    """Return the text above the sections."""
+    """Return the text above the parts."""
     used = ", ".join(f"{name} {versions()[name]}" for name in SHOWN_VERSIONS)
     return "\n\n".join(
         [
-            "# Validation",
+            "# Validation and verification",
             "This page is written by `./run validation`, which computes every number of ours. "
-            "The published numbers are those of Pérez, Sales, Marín and Sanz, *Online "
-            "Tool for Benchmarking of Simulated Intervention Autonomous Underwater Vehicles*.",
+            "*Validation* asks whether the simulator agrees with the world, *verification* whether "
+            "the code does what its equations say.",
             f"Computed with simulator sources `{code_sha256()[:16]}` (SHA-256 over `sim/`, as in "
             f"the manifest of a run), {used}.",
         ]
@@ -49,10 +75,19 @@ def introduction() -> str:
 
 
 def section_text(title: str, names: list[str], figures: Path) -> str:
-    """Compute one section, write its plots and return its text."""
+    """Compute one section, write its plots and return its text, headings below the section's."""
     (section,) = (section for section in SECTIONS if title == section.TITLE)
     text: str = section.section(names, figures)
-    return text
+    return text.replace("\n### ", "\n#### ")
+
+
+def page(texts: dict[str, str]) -> str:
+    """Return the page with these texts of its sections, by title."""
+    blocks = [introduction()]
+    for part in PARTS:
+        blocks.append(f"## {part.title}\n\n{part.text}")
+        blocks += [f"### {one.TITLE}\n\n{texts[one.TITLE]}" for one in part.sections]
+    return "\n\n".join(blocks) + "\n"
 
 
 def write(out: Path) -> None:
@@ -70,6 +105,5 @@ def write(out: Path) -> None:
         for done in as_completed(pending):
             texts[pending[done]] = done.result()
             print(f"{len(texts)}/{len(pending)} {pending[done]}", flush=True)
-    parts = [introduction(), *(f"## {title}\n\n{texts[title]}" for title in titles())]
     out.parent.mkdir(parents=True, exist_ok=True)
-    out.write_text("\n\n".join(parts) + "\n", encoding="utf-8")
+    out.write_text(page(texts), encoding="utf-8")

@@ -1,14 +1,27 @@
 """The validation: its closed forms, its independent parts, and the page in the repository."""
 
 from pathlib import Path
+from types import ModuleType
 
 import numpy as np
 import pytest
 
-from performance.validation import analytic, convergence, independent, offset, page, vehicles
+from performance.validation import (
+    analytic,
+    convergence,
+    drag_tests,
+    independent,
+    offset,
+    page,
+    published,
+    summary,
+    thrust_tests,
+    vehicles,
+    water_tests,
+)
 from performance.validation.determinism import differing_columns
 from performance.validation.facts import late_rms
-from performance.validation.markdown import signed, table
+from performance.validation.markdown import below, signed, table
 from performance.validation.reference import thrust_of
 from seamark.sim.camera.optics import CURRENTS
 from seamark.sim.camera.target import Target
@@ -23,18 +36,75 @@ NAMES = vehicles.names()
 
 @pytest.mark.parametrize("title", page.titles())
 def test_the_page_has_every_section(title: str) -> None:
-    assert f"\n## {title}\n" in PAGE
+    assert f"\n### {title}\n" in PAGE
+
+
+def test_the_page_says_which_part_is_validation_and_which_verification() -> None:
+    headings = [line for line in PAGE.splitlines() if line.startswith("## ")]
+
+    assert headings == ["## Validation", "## Verification", "## Parameters"]
 
 
 @pytest.mark.parametrize("name", NAMES)
 def test_the_page_has_every_number_of_every_vehicle(name: str) -> None:
-    assert vehicles.vehicle_text(load(name)) in PAGE
+    assert vehicles.vehicle_text(load(name)).replace("### ", "#### ") in PAGE
 
 
 def test_the_page_has_all_six_facts() -> None:
-    headings = [line for line in PAGE.splitlines() if line.startswith("### ") and line[4].isdigit()]
+    headings = [line for line in PAGE.splitlines() if line.startswith("#### ")]
 
-    assert [heading[4] for heading in headings] == list("123456")
+    assert [heading[5] for heading in headings if heading[5].isdigit()] == list("123456")
+
+
+def test_every_source_of_a_measurement_is_on_the_page() -> None:
+    assert [one.name for one in published.SOURCES if one.text() not in PAGE] == []
+
+
+@pytest.mark.parametrize("module", [thrust_tests, drag_tests])
+def test_the_page_has_the_present_comparison_with_measurements(module: ModuleType) -> None:
+    missing = [
+        one.what for one in module.comparisons() if f"| {' | '.join(one.cells())} |" not in PAGE
+    ]
+
+    assert missing == []
+
+
+def test_every_measurement_not_found_is_named() -> None:
+    assert [entry for entry in summary.MISSING if entry not in PAGE] == []
+
+
+def test_the_error_is_relative_to_the_measurement() -> None:
+    one = published.Comparison("drag", 150.0, 100.0, "N", published.LI)
+
+    assert one.error_percent == pytest.approx(50.0)
+    assert one.cells()[4] == "+50"
+
+
+def test_with_the_published_pull_the_vehicle_pulls_as_published() -> None:
+    weaker = drag_tests.with_measured_pull(load(thrust_tests.VEHICLE))
+
+    pull = thrust_tests.bollard_pull(weaker, 0)
+
+    assert pull == pytest.approx(9.0 * published.KGF_N, rel=1e-6)
+
+
+def test_the_top_speed_balances_drag_and_thrust() -> None:
+    vehicle = load(thrust_tests.VEHICLE)
+
+    speed = drag_tests.top_speed(vehicle)
+
+    pull = thrust_tests.bollard_pull(vehicle, 0)
+    assert drag_tests.drag(vehicle, 0, speed) == pytest.approx(pull, rel=0.02)
+
+
+def test_full_commands_ahead_use_the_horizontal_thrusters_alone() -> None:
+    commands = thrust_tests.full_commands(load(thrust_tests.VEHICLE), 0)
+
+    assert commands.tolist() == [1.0, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0]
+
+
+def test_the_gusts_have_the_share_of_their_parameter() -> None:
+    assert water_tests.turbulence_percent() == pytest.approx(5.0, abs=0.5)
 
 
 def test_every_plot_of_the_page_is_there_and_small() -> None:
@@ -134,6 +204,15 @@ def test_late_rms_counts_the_end_of_its_own_level_alone() -> None:
 
     assert late_rms(rows, 0, "x") == pytest.approx(3.0 * np.sqrt(500 / 600), rel=2e-3)
     assert late_rms(rows, 1, "x") == 0.0
+
+
+def test_a_rounding_error_is_given_as_the_power_of_ten_above_it() -> None:
+    assert [below(3.0e-5), below(9.9e-6), below(1.1e-5), below(0.0)] == [
+        "< 1e-04",
+        "< 1e-05",
+        "< 1e-04",
+        "0",
+    ]
 
 
 def test_cells_with_bars_do_not_break_a_table() -> None:
