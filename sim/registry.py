@@ -27,6 +27,12 @@ CONTROLLERS = {
     "pi": "seamark.sim.control.position.pi:Controller",
     "p": "seamark.sim.control.position.p:Controller",
 }
+# Marks on the leaderboard, from the bottom to what thrust alone allows. Nobody can submit them.
+REFERENCE_CONTROLLERS = {
+    "nothing": "seamark.sim.control.position.nothing:Controller",
+    "blind": "seamark.sim.control.position.blind:Controller",
+    "oracle": "seamark.sim.control.position.oracle:Controller",
+}
 TRACKERS = {
     "esm": "seamark.sim.trackers.template:TRACKER",
     "klt": "seamark.sim.trackers.klt:TRACKER",
@@ -51,9 +57,14 @@ def benchmark(name: str) -> "Benchmark":
     return loaded
 
 
+def controller_path(name: str) -> str:
+    """Return the path of a position controller; KeyError if there is none of that name."""
+    return (CONTROLLERS | REFERENCE_CONTROLLERS)[name]
+
+
 def load_all() -> None:
     """Load every entry and its code, so that a broken one stops the start and not a user's run."""
-    for path in (*VEHICLES.values(), *CONTROLLERS.values()):
+    for path in (*VEHICLES.values(), *CONTROLLERS.values(), *REFERENCE_CONTROLLERS.values()):
         resolve_name(path)
     for path in (*BENCHMARKS.values(), *TRACKERS.values()):
         resolve_name(path).load()

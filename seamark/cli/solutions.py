@@ -31,7 +31,7 @@ def choose(controller: str | None, benchmark: str) -> tuple[str, Path | None]:
     known = benchmark if benchmark in registry.BENCHMARKS else next(iter(registry.BENCHMARKS))
     entry = registry.benchmark(known)
     built_in = list(entry.built_in)
-    if controller is None or controller in built_in:
+    if controller is None or controller in {*built_in, *entry.reference_built_in}:
         return controller or built_in[0], None
     path = Path(controller)
     if path.is_file():

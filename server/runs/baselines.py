@@ -43,6 +43,7 @@ def ensure(session: Session, settings: Settings) -> list[int]:
                 kind=RunKind.RANKED,
                 controller=baseline.built_in,
                 title=baseline.title,
+                baseline=True,
             )
             valid = submission.validate(baseline_run, settings)
             submitted.append(submission.submit(session, valid, settings))

@@ -61,6 +61,7 @@ class Submission:
     title: str = ""
     notes: str = ""
     rerun_of: int | None = None
+    baseline: bool = False  # submitted by the service; may use the benchmark's reference solutions
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,7 +97,7 @@ def validate(submission: Submission, settings: Settings) -> ValidSubmission:
             f"Choose either a built-in {benchmark.role} or your own program.", field="controller"
         )
     if submission.program is None:
-        _check_built_in(benchmark, submission.controller)
+        _check_built_in(benchmark, submission.controller, baseline=submission.baseline)
     else:
         _check_language(benchmark, submission.program.language)
     return ValidSubmission(submission, benchmark, config)
@@ -187,9 +188,17 @@ def _check_practice(submission: Submission, settings: Settings) -> None:
         raise SubmissionRejected(f"A seed is a whole number from 0 to {SEED_MAX}.", field="seed")
 
 
-def _check_built_in(benchmark: Benchmark, controller: str) -> None:
+def _check_built_in(benchmark: Benchmark, controller: str, *, baseline: bool) -> None:
     if controller in benchmark.built_in:
         return
+    if controller in benchmark.reference_built_in:
+        if baseline:
+            return
+        raise SubmissionRejected(
+            f"{benchmark.reference_built_in[controller]} is a reference entry: the service runs it "
+            "itself, as a mark on the leaderboard.",
+            field="controller",
+        )
     choice = f"Choose a {benchmark.role}: {', '.join(benchmark.built_in)}, or your own program."
     unknown = f"{benchmark.name} has no built-in {benchmark.role} {controller}. "
     raise SubmissionRejected(unknown + choice if controller else choice, field="controller")

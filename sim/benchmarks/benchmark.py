@@ -88,6 +88,8 @@ class Benchmark:
     participants: str  # in the plural, such as "trackers"
     role: str  # of uploaded programs: "controller" or "tracker"
     built_in: Mapping[str, str]  # name -> label of the built-in solutions
+    # name -> label of built-in solutions that only baselines may use: marks such as an oracle
+    reference_built_in: Mapping[str, str] = field(default_factory=dict)
     experiment: str  # path, module:attribute, of a seamark.sim.engine.experiment.Experiment
     headline: Metric
     score_bar_max: float  # right end of the score bars of the leaderboard
@@ -177,7 +179,7 @@ class Benchmark:
         """Return the label of the built-in solution of a run."""
         if self.solution_label is not None:
             return self.solution_label(config)
-        return self.built_in.get(controller, controller)
+        return {**self.built_in, **self.reference_built_in}.get(controller, controller)
 
     def level_held_unit_of(self, config: Configuration) -> str:
         """Return the unit of the highest level held."""

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from seamark.sim.control.observation import empty
 from seamark.sim.engine.perception import perceive
-from seamark.sim.engine.program import Command, Program
+from seamark.sim.engine.program import BuiltIn, Command, Program
 from seamark.sim.engine.world import World
 from seamark.sim.recording.telemetry import INDEX, STEP_US, OnRows, Recorder
 
@@ -35,6 +35,7 @@ class ClosedLoop:
     def __init__(self, world: World, program: Program, *, trial: int, level: int) -> None:
         config = world.config
         self._world, self._program = world, program
+        self._oracle = program.oracle if isinstance(program, BuiltIn) else None
         self._trial, self._level = trial, level
         self._steps, self._dt = config.control_steps_per_level, config.control_period_s
         self._physics_steps = config.physics_steps_per_control_step
@@ -86,7 +87,7 @@ class ClosedLoop:
             self._reset()
         row[_REFERENCE] = reference = self._program_step()
         row[STEP_US] = self._step_us
-        commands = world.velocity_controller.step(reference, self._dt)
+        commands = self._commands(reference)
         if not all(map(math.isfinite, commands.tolist())):
             raise _invalid(t, "the thrusters' command")
         world.plant.advance(step * self._physics_steps, commands, self._physics_steps)
@@ -110,6 +111,8 @@ class ClosedLoop:
     def _reset(self) -> None:
         config = self._world.config
         self._world.velocity_controller.reset()
+        if self._oracle is not None:
+            self._oracle.attach(self._world.plant, self._world.start)
         self._program.reset(
             {
                 "index": self._level,
@@ -119,6 +122,12 @@ class ClosedLoop:
                 "t": self._start_s,
             }
         )
+
+    def _commands(self, reference: Command) -> NDArray[np.float64]:
+        """Return the thrusters' commands, (n,) in [-1, 1]."""
+        if self._oracle is not None:
+            return self._oracle.commands()
+        return self._world.velocity_controller.step(reference, self._dt)
 
     def _program_step(self) -> Command:
         before = time.perf_counter_ns()

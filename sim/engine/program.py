@@ -2,13 +2,15 @@
 
 from collections.abc import Mapping, Sequence
 from pkgutil import resolve_name
-from typing import Any, ClassVar, Protocol
+from typing import Any, ClassVar, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
 
 from seamark.sim import registry
 from seamark.sim.control.observation import Observation
+from seamark.sim.numerics.arrays import Array
+from seamark.sim.physics.plant import Plant
 from seamark.sim.settings.configuration import Configuration
 
 Command = tuple[float, float, float, float]
@@ -44,12 +46,30 @@ class Controller(Protocol):
         """Return surge, sway, heave [m/s] and yaw rate [rad/s]."""
 
 
+@runtime_checkable
+class Oracle(Protocol):
+    """A reference controller that sees the truth and commands the thrusters itself."""
+
+    def attach(self, plant: Plant, station: Array) -> None:
+        """Take the plant of a level and the pose, (6,) [m, rad], to hold; before `reset`."""
+
+    def commands(self) -> Array:
+        """Return the thrusters' commands, (n,) in [-1, 1], after `step`."""
+
+
 class BuiltIn:
-    """A `Program` that runs a built-in controller in this process."""
+    """A `Program` that runs a built-in controller in this process.
+
+    `oracle` is the controller itself if it is one that sees the truth, else None. A program in a
+    box has no such attribute, whatever its methods are called.
+    """
 
     def __init__(self, name: str, config: Configuration) -> None:
-        controller = resolve_name(registry.CONTROLLERS[name])
+        controller = resolve_name(registry.controller_path(name))
         self._controller: Controller = controller(config.for_program())
+        reference = name in registry.REFERENCE_CONTROLLERS
+        sees = reference and isinstance(self._controller, Oracle)
+        self.oracle: Oracle | None = self._controller if sees else None
 
     def reset(self, level: Mapping[str, float | int]) -> None:
         """Reset the controller."""

@@ -160,6 +160,29 @@ def _derivative(
 
 
 @njit(cache=True, error_model="numpy")
+def write_acceleration(
+    t: float,
+    state: Array,
+    plain_body: tuple[Any, ...],
+    plain_water: tuple[Any, ...],
+    out: Array,
+) -> None:
+    """Write the acceleration over ground at time t [s] to `out`, (6,) body frame [m/s², rad/s²].
+
+    It is that of the thrusts in `state`; `plain_body` and `plain_water` as for `integrate`.
+    """
+    body, water = Body(*plain_body), Water(*plain_water)
+    rate = np.empty(state.size)
+    target = state[RIGID:]  # the thrusts do not change
+    depth = profile(state[2], water.shear, water.bottom, water.height)
+    buffers = (np.empty((3, 3)), np.empty(6), np.empty(6), np.empty(6))
+    moving = flow(t, water, segment_at(t, water))
+    _derivative(state, target, moving, body, depth, buffers, rate)
+    for i in range(6):
+        out[i] = rate[7 + i]
+
+
+@njit(cache=True, error_model="numpy")
 def integrate(
     state: Array,
     target: Array,

@@ -17,6 +17,7 @@ from seamark.sim.physics.dynamics import (
     add_impulse,
     advance_held,
     body_parameters,
+    write_acceleration,
     write_current,
 )
 from seamark.sim.physics.pose import read_pose, write_pose
@@ -157,6 +158,17 @@ class Plant:
     def thrust(self) -> Array:
         """Return the present thrust of each thruster, (n,) [N]."""
         return self.state[13:].copy()
+
+    def acceleration(self) -> Array:
+        """Return the acceleration over ground in the body frame, (6,) [m/s², rad/s²]."""
+        out = np.empty(6)
+        time_s = self._step * self.step_s
+        write_acceleration(time_s, self.state, self._plain_body, self._plain_water, out)
+        return out
+
+    def inverse_mass(self) -> Array:
+        """Return the inverse of the mass matrix with added mass, (6, 6)."""
+        return self._body.inverse_mass
 
     def contact_force(self) -> float:
         """Return the contact force [N] on the hull: mean magnitude over the last `advance`."""

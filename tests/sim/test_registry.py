@@ -71,9 +71,9 @@ def test_a_vehicle_has_the_name_of_its_entry_and_a_title(name: str) -> None:
     assert vehicle.summary
 
 
-@pytest.mark.parametrize("name", registry.CONTROLLERS)
+@pytest.mark.parametrize("name", [*registry.CONTROLLERS, *registry.REFERENCE_CONTROLLERS])
 def test_a_controller_has_a_label_and_the_public_interface(name: str) -> None:
-    controller: type[Controller] = resolve_name(registry.CONTROLLERS[name])
+    controller: type[Controller] = resolve_name(registry.controller_path(name))
 
     assert controller.label
     assert callable(controller.reset)

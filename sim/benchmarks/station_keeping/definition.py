@@ -8,7 +8,7 @@ from seamark.sim.metrics.metric import LevelMetric, Metric, MetricGroup
 from seamark.sim.metrics.station_keeping import GROUP, HEAD, KEY_METRICS, METRICS, WHOLE
 from seamark.sim.metrics.windows import Window
 from seamark.sim.recording.telemetry import thrust_names
-from seamark.sim.registry import CONTROLLERS, VEHICLES
+from seamark.sim.registry import CONTROLLERS, REFERENCE_CONTROLLERS, VEHICLES
 from seamark.sim.settings.station_keeping import StationKeepingSettings
 from seamark.sim.vehicles import load, most_thrusters
 
@@ -66,7 +66,8 @@ def station_keeping_benchmark(
         summary=summary,
         participants="position controllers",
         role="controller",
-        built_in={name: resolve_name(path).label for name, path in CONTROLLERS.items()},
+        built_in=_labels(CONTROLLERS),
+        reference_built_in=_labels(REFERENCE_CONTROLLERS),
         experiment=experiment,
         headline=Metric("score", "Score", "of 100", "higher"),
         score_bar_max=100.0,
@@ -87,3 +88,8 @@ def station_keeping_benchmark(
         },
         quick_settings=quick_settings,
     )
+
+
+def _labels(controllers: Mapping[str, str]) -> dict[str, str]:
+    """Return name -> label of controllers in the registry."""
+    return {name: resolve_name(path).label for name, path in controllers.items()}

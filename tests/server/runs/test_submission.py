@@ -160,6 +160,13 @@ def test_baselines_are_queued_once_claimed_last_and_published(both: Backend) -> 
     assert both.show(late).state is RunState.SUCCEEDED
 
 
+@pytest.mark.parametrize("kind", RunKind)
+@pytest.mark.parametrize("name", registry.REFERENCE_CONTROLLERS)
+def test_nobody_can_submit_a_reference_entry(both: Backend, name: str, kind: RunKind) -> None:
+    with pytest.raises(SubmissionRejected, match="is a reference entry: the service runs it"):
+        both.queue("ann", controller=name, kind=kind)
+
+
 def test_only_one_baseline_runs_at_a_time(both: Backend) -> None:
     with both.database.writing() as session:
         baselines.ensure(session, both.settings)

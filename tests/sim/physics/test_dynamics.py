@@ -321,3 +321,14 @@ def test_after_warming_up_nothing_is_left_to_compile() -> None:
     )
 
     assert done.stdout.split() == ["True", "1"]
+
+
+def test_the_acceleration_is_the_rate_of_change_of_the_velocity() -> None:
+    plant = Plant(load("girona500"), Current(0.4), step_s=1e-4)
+    plant.reset(np.array([0.0, 0.0, 2.0, 0.05, -0.03, 0.4]))
+    plant.advance(0, np.full(5, 0.4), 500)
+
+    said, before = plant.acceleration(), plant.velocity()
+    plant.advance(500, np.full(5, 0.4), 1)
+
+    assert said == pytest.approx((plant.velocity() - before) / 1e-4, rel=1e-3, abs=1e-5)
