@@ -32,7 +32,7 @@ class Settings(BaseModel):
     database_url: str = Field("", description="sqlite:/// or postgresql:// URL of the database")
     broker_url: str = Field("", description="redis:// or unix:// URL of Redis or Valkey")
     secret_key: str = Field(
-        "", repr=False, description="Signs cookies and derives the hidden seeds"
+        "", repr=False, description="Signs cookies and derives the seeds of ranked runs"
     )
     public: bool = Field(False, description="The service is public")
     sandbox_min_level: LevelName = Field("medium", description="Lowest isolation level for uploads")
@@ -56,7 +56,10 @@ class Settings(BaseModel):
         1, ge=0, le=64, description="Started boxes per language and slot that wait for programs"
     )
     ranked_trials: int = Field(
-        10, ge=1, le=100, description="Trials (hidden seeds) of a ranked run"
+        10,
+        ge=1,
+        le=100,
+        description="Trials of a ranked run of a first benchmark version; later ones fix it",
     )
     practice_trials_max: int = Field(
         10, ge=1, le=100, description="Maximum trials of a practice run"
@@ -66,6 +69,9 @@ class Settings(BaseModel):
     )
     quota_live: int = Field(5, ge=1, description="Runs a user may have queued or running")
     quota_day: int = Field(200, ge=1, description="Runs a user may complete in 24 h")
+    ranked_day: int = Field(
+        5, ge=1, description="Ranked runs a user may submit in 24 h, in each benchmark"
+    )
     guest_quota_day: int = Field(50, ge=0, description="Runs a guest may complete in 24 h")
     running_max: int = Field(4, ge=1, description="Runs of one user that may run in parallel")
     lease_s: float = Field(

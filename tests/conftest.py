@@ -77,6 +77,7 @@ def settings(tmp_path: Path, database_url: str, redis_url: str) -> Settings:
             "broker_url": redis_url,
             "secret_key": "only-for-tests",
             "workers": 1,
+            "ranked_day": 1000,
         }
     )
 

@@ -79,7 +79,8 @@ class Run(Base):
     benchmark: Mapped[str] = mapped_column(String(80))
     kind: Mapped[str] = mapped_column(String(10))
     config: Mapped[dict[str, Any]] = mapped_column(_Json)
-    seed: Mapped[int | None] = mapped_column(BigInteger)  # NULL: ranked, on hidden seeds
+    seed: Mapped[int | None] = mapped_column(BigInteger)  # NULL: ranked
+    submission: Mapped[str | None] = mapped_column(String(64))  # digest, of fresh trials
     trials: Mapped[int]
     controller: Mapped[str] = mapped_column(String(80))
     program_sha256: Mapped[str | None] = mapped_column(String(64))
@@ -130,6 +131,13 @@ class Run(Base):
         Index("ix_runs_public_id", "public", "id"),
         Index("ix_runs_program_sha256", "program_sha256"),  # for finding unused programs
         Index("ix_runs_benchmark_state_id", "benchmark", "state", "id"),
+        Index("ix_runs_user_benchmark_kind_queued", "user_id", "benchmark", "kind", "queued_at"),
+        Index(
+            "ix_runs_submission",
+            "submission",
+            sqlite_where=text("submission IS NOT NULL"),
+            postgresql_where=text("submission IS NOT NULL"),
+        ),
     )
 
 
@@ -157,6 +165,7 @@ class Result(Base):
     score_high: Mapped[float | None]
     level_held: Mapped[float | None]
     rankable: Mapped[bool] = mapped_column(default=False)  # by the rules of the benchmark
+    not_ranked: Mapped[str | None] = mapped_column(Text)  # a sentence: why it is not rankable
     metrics: Mapped[dict[str, Any] | None] = mapped_column(_Json)
     manifest: Mapped[dict[str, Any] | None] = mapped_column(_Json)
     created_at: Mapped[float]
@@ -180,6 +189,7 @@ class Best(Base):
     score_low: Mapped[float]
     score_high: Mapped[float]
     level_held: Mapped[float | None]
+    submissions: Mapped[int] = mapped_column(default=1, server_default="1")  # ranked, that ended
     reached_at: Mapped[float]
 
     __table_args__ = (

@@ -64,3 +64,5 @@ class PublicRun(RunSpec):
     public: bool
     published_at: float | None
     metrics: dict[str, Any] | None = None
+    submission: str | None = None  # digest that the seeds of the fresh trials follow from
+    not_ranked: str | None = None  # why it cannot be on the leaderboard, although it has a score

@@ -7,11 +7,12 @@ import math
 from dataclasses import dataclass
 from typing import Any, Self
 
-from sqlalchemy import ColumnElement, Select, and_, delete, func, or_, select
+from sqlalchemy import ColumnElement, Select, and_, delete, func, or_, select, update
 from sqlalchemy.orm import Session
 
 from seamark.server.database.advisory_locks import AdvisoryLock, acquire
 from seamark.server.database.tables import Best, Result, Run, User
+from seamark.server.runs.quota import ranked_ended
 from seamark.server.runs.states import RunKind, RunState
 
 
@@ -60,6 +61,7 @@ class Rank:
     low: float
     high: float
     level_held: float | None
+    submissions: int  # ranked, of this user in this benchmark
     reached_at: float
 
     @property
@@ -120,6 +122,18 @@ def refresh(session: Session, benchmark: str, user_id: int) -> None:
     if found is not None:
         session.add(_best(*found))
     session.flush()
+    _count(session, Best.benchmark == benchmark, Best.user_id == user_id)
+
+
+def recount(session: Session, run_id: int) -> None:
+    """Update the number of submissions in the row of a run's user, in the transaction that ends it.
+
+    The run itself need not be public: the best of many tries is a lucky one, shown or not.
+    """
+    run = session.get_one(Run, run_id)
+    if run.kind == RunKind.RANKED and run.user_id is not None:
+        acquire(session, AdvisoryLock.LEADERBOARD)
+        _count(session, Best.benchmark == run.benchmark, Best.user_id == run.user_id)
 
 
 def rebuild(session: Session) -> int:
@@ -135,7 +149,18 @@ def rebuild(session: Session) -> int:
             seen.add((run.benchmark, run.user_id))
             session.add(_best(run, result))
     session.flush()
+    _count(session)
     return len(seen)
+
+
+def _count(session: Session, *rows: ColumnElement[bool]) -> None:
+    """Store in rows of `best` how many ranked runs of their user and benchmark have ended."""
+    ended = (
+        select(func.count())
+        .select_from(Run)
+        .where(Run.user_id == Best.user_id, Run.benchmark == Best.benchmark, ranked_ended())
+    )
+    session.execute(update(Best).where(*rows).values(submissions=ended.scalar_subquery()))
 
 
 def _candidates() -> Select[Run, Result]:
@@ -218,5 +243,6 @@ def _rank(best: Best, run: Run, user: User, *, rank: int, shared_rank: int, tied
         low=best.score_low,
         high=best.score_high,
         level_held=best.level_held,
+        submissions=best.submissions,
         reached_at=best.reached_at,
     )

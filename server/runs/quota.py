@@ -1,15 +1,20 @@
-"""How many runs an owner may have at a time and per day, and how many of them are used up."""
+"""How many runs an owner may have at a time and per day, and how many of them are used up.
 
+Ranked runs have a further limit in each benchmark: each of them is another draw of fresh water, and
+the best of many draws is a lucky one.
+"""
+
+import math
 import time
 from dataclasses import dataclass
 
-from sqlalchemy import func, select
+from sqlalchemy import ColumnElement, Select, and_, func, or_, select
 from sqlalchemy.orm import Session
 
 from seamark.server.accounts.permissions import Viewer
 from seamark.server.database.tables import Run, User
-from seamark.server.runs.failure_reasons import UNCHARGED
-from seamark.server.runs.states import LIVE, RunState
+from seamark.server.runs.failure_reasons import UNCHARGED, FailureReason
+from seamark.server.runs.states import LIVE, RunKind, RunState
 from seamark.server.settings import Settings
 
 _DAY_S = 86_400.0
@@ -48,7 +53,7 @@ def used_by(session: Session, viewer: Viewer, settings: Settings) -> Quota:
 
 def enforce(session: Session, viewer: Viewer, settings: Settings) -> None:
     """Raise QuotaExceeded if the viewer may not submit another run now; baselines always may."""
-    if viewer.user_id is not None and session.get_one(User, viewer.user_id).is_baseline:
+    if _is_baseline(session, viewer):
         return
     used = used_by(session, viewer, settings)
     if used.live >= used.live_max:
@@ -63,3 +68,52 @@ def enforce(session: Session, viewer: Viewer, settings: Settings) -> None:
             "Cancelled runs and failures of the service do not count.",
             retry_after_s=3600,
         )
+
+
+def ranked_ended() -> ColumnElement[bool]:
+    """Return the condition on `Run`: a ranked run of which its user has seen something.
+
+    It ended, not by a failure of the platform, or was cancelled after it had started.
+    """
+    failed = and_(Run.state == RunState.FAILED, Run.cause != FailureReason.PLATFORM_ERROR)
+    cancelled = and_(Run.state == RunState.CANCELLED, Run.started_at.is_not(None))
+    return and_(Run.kind == RunKind.RANKED, or_(Run.state == RunState.SUCCEEDED, failed, cancelled))
+
+
+def enforce_ranked(session: Session, viewer: Viewer, benchmark: str, settings: Settings) -> None:
+    """Raise QuotaExceeded if a user may not submit another ranked run of a benchmark now.
+
+    Baselines always may.
+    """
+    if _is_baseline(session, viewer):
+        return
+    times = session.scalars(_ranked_since(viewer, benchmark, time.time() - _DAY_S)).all()
+    if len(times) >= settings.ranked_day:
+        wait_s = times[-settings.ranked_day] + _DAY_S - time.time()
+        raise QuotaExceeded(
+            f"You have submitted {len(times)} ranked runs of {benchmark} in the last 24 hours, "
+            f"which is the limit. The next one is possible in {_duration(wait_s)}; until then try "
+            "your ideas in practice runs, which do not count. Neither do failures of the service "
+            "nor runs that were cancelled before they started.",
+            retry_after_s=max(1, math.ceil(wait_s)),
+        )
+
+
+def _ranked_since(viewer: Viewer, benchmark: str, begin: float) -> Select[float]:
+    """Select when the ranked runs that count were submitted, oldest first."""
+    live = and_(Run.kind == RunKind.RANKED, Run.state.in_(LIVE))
+    return (
+        select(Run.queued_at)
+        .where(Run.user_id == viewer.user_id, Run.benchmark == benchmark)
+        .where(Run.queued_at > begin, or_(live, ranked_ended()))
+        .order_by(Run.queued_at)
+    )
+
+
+def _is_baseline(session: Session, viewer: Viewer) -> bool:
+    return viewer.user_id is not None and session.get_one(User, viewer.user_id).is_baseline
+
+
+def _duration(seconds: float) -> str:
+    minutes = max(1, math.ceil(seconds / 60.0))
+    return f"{minutes} min" if minutes < 60 else f"{minutes / 60.0:.1f} h"

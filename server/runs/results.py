@@ -5,13 +5,14 @@ import time
 from dataclasses import dataclass, field
 from typing import Any
 
-from sqlalchemy import select, update
+from sqlalchemy import and_, or_, select, update
 from sqlalchemy.orm import Session
 
 from seamark.server.database.tables import Result, Run, User
 from seamark.server.runs import leaderboard
 from seamark.server.runs.queue import Claim
-from seamark.server.runs.states import LIVE, RunState, move
+from seamark.server.runs.quota import ranked_ended
+from seamark.server.runs.states import LIVE, RunKind, RunState, move
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -53,6 +54,7 @@ def finish(session: Session, claim: Claim, report: Report) -> bool:
     if not moved:
         return False
     metrics = report.metrics or {}
+    refusal = _refusal(session, claim, report)
     session.add(
         Result(
             run_id=claim.run_id,
@@ -62,13 +64,15 @@ def finish(session: Session, claim: Claim, report: Report) -> bool:
             score_low=metrics.get("score_low"),
             score_high=metrics.get("score_high"),
             level_held=metrics.get("level_held"),
-            rankable=bool(metrics.get("rankable", score is not None)),
+            rankable=bool(metrics.get("rankable", score is not None)) and refusal is None,
+            not_ranked=refusal,
             metrics=report.metrics,
             manifest=report.manifest,
             created_at=time.time(),
         )
     )
     session.flush()
+    leaderboard.recount(session, claim.run_id)
     _publish_baseline(session, claim, report)
     return True
 
@@ -121,7 +125,10 @@ def _close_cancelled(session: Session, claim: Claim, report: Report) -> bool:
             isolation=report.isolation,
         )
     )
-    return session.scalar(closed.returning(Run.id)) is not None
+    if session.scalar(closed.returning(Run.id)) is None:
+        return False
+    leaderboard.recount(session, claim.run_id)
+    return True
 
 
 def _score(report: Report) -> float | None:
@@ -131,6 +138,33 @@ def _score(report: Report) -> float | None:
     if not isinstance(score, int | float) or not math.isfinite(score):
         raise ResultInvalid(f"a succeeded run must have a finite score, not {score!r}")
     return float(score)
+
+
+def _refusal(session: Session, claim: Claim, report: Report) -> str | None:
+    """Return why a run does not rank; None if the rules of benchmark and service allow it."""
+    run = session.get_one(Run, claim.run_id)
+    if run.kind != RunKind.RANKED or report.state is not RunState.SUCCEEDED:
+        return None
+    by_benchmark: str | None = (report.metrics or {}).get("not_ranked")
+    if by_benchmark is not None or run.submission is None or run.program_sha256 is None:
+        return by_benchmark
+    # Its seeds are known since the first of these runs. A program that now behaves in another way
+    # has been told something about them, by the time or by the name of its file.
+    own = and_(Run.state == RunState.RUNNING, Run.user_id == run.user_id)
+    first = session.execute(
+        select(Run.id, Result.digest)
+        .outerjoin(Result, Result.run_id == Run.id)
+        .where(Run.submission == run.submission, Run.id != run.id, or_(ranked_ended(), own))
+        .order_by(Run.started_at, Run.id)
+        .limit(1)
+    ).one_or_none()
+    if first is None or first.digest == report.digest:
+        return None
+    return (
+        f"Run {first.id} was of the same program and configuration and did not have this result. "
+        "The first run of a submission counts, because its fresh trials are known from then on. "
+        "Change the program to enter again, with other fresh trials."
+    )
 
 
 def _rank(session: Session, run_id: int) -> None:

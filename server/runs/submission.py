@@ -19,6 +19,7 @@ from seamark.server.database.advisory_locks import AdvisoryLock, acquire
 from seamark.server.database.tables import Run
 from seamark.server.programs.store import StoredProgram
 from seamark.server.runs import quota
+from seamark.server.runs.seeds import submission_digest
 from seamark.server.runs.states import RunKind, RunState
 from seamark.server.settings import Settings
 from seamark.sim import registry
@@ -117,7 +118,11 @@ def submit(session: Session, valid: ValidSubmission, settings: Settings) -> int:
     # Two submissions at once must not both see the last free run of a quota.
     acquire(session, AdvisoryLock.SUBMISSION)
     quota.enforce(session, submission.viewer, settings)
+    if submission.kind is RunKind.RANKED:
+        quota.enforce_ranked(session, submission.viewer, submission.benchmark, settings)
     run = _row(valid, settings)
+    if submission.kind is RunKind.RANKED and valid.benchmark.protocol is not None:
+        run.submission = submission_digest(run)
     session.add(run)
     session.flush()
     return run.id

@@ -64,6 +64,21 @@ def test_a_database_of_the_previous_schema_keeps_runs_leaderboard_and_workers(
     assert (worker.name, worker.alive, worker.processes) == ("old", True, {})
 
 
+def test_the_ranked_submissions_of_a_database_of_the_previous_schema_are_counted(
+    both: Backend,
+) -> None:
+    both.succeeded("ann", kind="ranked")
+    both.failed({}, "ann")
+    both.cancel(both.queue("ann", kind="ranked"))
+    both.published("ann", kind="ranked")
+    with both.database.engine.begin() as connection:
+        command.downgrade(config(connection), "0004")
+
+    upgrade(both.settings)
+
+    assert [rank.submissions for rank in _leaderboard(both)] == [2]
+
+
 def _leaderboard(both: Backend) -> list[Rank]:
     with both.database.reading() as session:
         return leaderboard.page(session, "currents-v1")

@@ -152,3 +152,44 @@ def test_a_score_that_is_nan_cannot_be_stored(both: Backend) -> None:
                 reached_at=0.0,
             )
         )
+
+
+def _submissions(both: Backend) -> dict[str, int]:
+    with both.database.reading() as session:
+        return {rank.user: rank.submissions for rank in leaderboard.page(session, NAME)}
+
+
+def test_a_row_has_the_number_of_ranked_submissions_public_or_not(both: Backend) -> None:
+    for score in (40.0, 60.0, 50.0):
+        run_id = _ranked(both, "ann", score)
+    _publish(both, run_id)
+    _publish(both, _ranked(both, "ben", 45.0))
+    both.succeeded("ann")
+    both.cancel(both.queue("ann", kind="ranked"))
+
+    assert _submissions(both) == {"ann": 3, "ben": 1}
+
+
+def test_later_submissions_count_when_they_end(both: Backend) -> None:
+    _publish(both, _ranked(both, "ann", 60.0))
+    failed = both.running("ann", kind="ranked")
+    assert _submissions(both) == {"ann": 1}
+
+    both.finish(failed, state=RunState.FAILED, cause="user_error", metrics=None)
+    assert _submissions(both) == {"ann": 2}
+
+    cancelled = both.running("ann", kind="ranked")
+    both.cancel(cancelled.run_id)
+    both.finish(cancelled, state=RunState.CANCELLED)
+    assert _submissions(both) == {"ann": 3}
+
+
+def test_a_rebuilt_leaderboard_has_the_same_numbers_of_submissions(both: Backend) -> None:
+    for who, score in (("ann", 40.0), ("ann", 60.0), ("ben", 50.0)):
+        _publish(both, _ranked(both, who, score))
+    before = _submissions(both)
+
+    with both.database.writing() as session:
+        leaderboard.rebuild(session)
+
+    assert _submissions(both) == before == {"ann": 2, "ben": 1}

@@ -1,0 +1,94 @@
+"""Why a run does not rank, and that the first result of a submission counts."""
+
+from typing import Any
+
+import pytest
+
+from seamark.server.programs.store import StoredProgram
+from seamark.server.runs.states import RunState
+from tests.cast import PROGRAM, Backend
+
+V2 = "currents-v2"
+DIGESTS = ("1" * 64, "2" * 64)
+
+
+def _ended(both: Backend, who: str, digest: str, program: StoredProgram, **changes: Any) -> int:
+    """A ranked run of a program on fresh water that ended."""
+    claim = both.running(who, benchmark=V2, kind="ranked", controller="upload", program=program)
+    assert both.finish(claim, digest=digest, **changes)
+    return claim.run_id
+
+
+def test_the_reason_of_the_benchmark_is_kept(both: Backend) -> None:
+    metrics = {"score": 1.0, "rankable": False, "not_ranked": "Trial 9: It drove away."}
+    claim = both.running("ann", kind="ranked")
+    both.finish(claim, metrics=metrics)
+
+    view = both.show(claim.run_id)
+
+    assert (view.rankable, view.not_ranked) == (False, "Trial 9: It drove away.")
+
+
+def test_a_submission_has_a_digest_where_it_decides_the_seeds(both: Backend) -> None:
+    runs = [
+        both.queue("ann", benchmark=benchmark, kind=kind)
+        for benchmark, kind in ((V2, "ranked"), (V2, "practice"), ("currents-v1", "ranked"))
+    ]
+
+    digests = [both.show(run_id).submission for run_id in runs]
+
+    assert [len(digest or "") for digest in digests] == [64, 0, 0]
+
+
+def test_the_same_submission_with_the_same_result_ranks_again(both: Backend) -> None:
+    program = both.store_program()
+    runs = [_ended(both, "ann", DIGESTS[0], program) for _ in range(2)]
+
+    assert [both.show(run_id).rankable for run_id in runs] == [True, True]
+
+
+@pytest.mark.parametrize("who", ["ann", "ben"])
+def test_another_result_of_the_same_submission_does_not_rank(both: Backend, who: str) -> None:
+    program = both.store_program()
+    first = _ended(both, "ann", DIGESTS[0], program)
+    second = _ended(both, who, DIGESTS[1], program)
+
+    assert both.show(first).rankable is True
+    view = both.show(second)
+    assert view.rankable is False
+    assert f"Run {first} was of the same program" in (view.not_ranked or "")
+
+
+def test_a_submission_whose_first_run_failed_does_not_rank(both: Backend) -> None:
+    program = both.store_program()
+    failed: dict[str, Any] = {"state": RunState.FAILED, "cause": "user_error", "metrics": None}
+    _ended(both, "ann", DIGESTS[0], program, **failed)
+    second = _ended(both, "ann", DIGESTS[1], program)
+
+    assert both.show(second).rankable is False
+
+
+def test_a_submission_that_was_cancelled_while_it_ran_does_not_rank(both: Backend) -> None:
+    program = both.store_program()
+    claim = both.running("ann", benchmark=V2, kind="ranked", controller="upload", program=program)
+    both.cancel(claim.run_id)
+    second = _ended(both, "ann", DIGESTS[1], program)
+
+    assert both.show(second).rankable is False
+
+
+def test_failures_of_the_platform_do_not_spoil_a_submission(both: Backend) -> None:
+    program = both.store_program()
+    broken: dict[str, Any] = {"state": RunState.FAILED, "cause": "platform_error", "metrics": None}
+    _ended(both, "ann", DIGESTS[0], program, **broken)
+    second = _ended(both, "ann", DIGESTS[1], program)
+
+    assert both.show(second).rankable is True
+
+
+def test_another_program_has_a_first_result_of_its_own(both: Backend) -> None:
+    _ended(both, "ann", DIGESTS[0], both.store_program())
+    changed = both.store_program(PROGRAM + b"# changed\n")
+    second = _ended(both, "ann", DIGESTS[1], changed)
+
+    assert both.show(second).rankable is True
