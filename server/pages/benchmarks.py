@@ -1,14 +1,15 @@
-"""The pages of the benchmarks, with all their parameters."""
+"""The pages of the benchmarks: what each measures and how, then all its parameters."""
 
 from flask import Blueprint, abort, redirect, render_template, url_for
 from flask.typing import ResponseReturnValue
 
-from seamark.server.pages import form_fields
+from seamark.server.pages import form_fields, guides
 from seamark.sim import registry, vehicles
 from seamark.sim.benchmarks.benchmark import Benchmark
 from seamark.sim.physics import constants
 
 page = Blueprint("benchmark", __name__, url_prefix="/benchmarks")
+_GUIDE = "benchmarks.md"  # a section for each benchmark
 
 
 @page.get("/")
@@ -19,13 +20,16 @@ def index() -> ResponseReturnValue:
 
 @page.get("/<name>")
 def show(name: str) -> ResponseReturnValue:
-    """Show every parameter of a benchmark, with its unit, tag and source."""
+    """Show what a benchmark measures, and its parameters with unit, tag and source."""
     benchmark = by_name(name)
     config = benchmark.read({})
+    explanation, contents = guides.section(_GUIDE, name)
     return render_template(
         "benchmark/show.html",
         benchmark=benchmark,
         benchmarks=labels(),
+        explanation=explanation,
+        contents=contents,
         levels=len(config.level_values()),
         duration_s=config.trial_duration_s(),
         groups=form_fields.groups(benchmark.schema(), {}, {}, order=benchmark.groups),

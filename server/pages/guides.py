@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
+from urllib.parse import urljoin
 
 from markdown_it import MarkdownIt
 from markdown_it.common.utils import escapeHtml
@@ -14,7 +15,10 @@ from markdown_it.token import Token
 FOLDER = Path(__file__).resolve().parents[2] / "docs"
 # Suffix -> content type of files that a page may show or link to.
 ATTACHED = {".png": "image/png", ".txt": "text/plain; charset=utf-8"}
+ADDRESS = "/docs/guides/"  # of the pages and of what they link to
 _TITLE = re.compile(r"\A# (.+)\n")
+_LINK = re.compile(r'(href|src)="([^"]+)"')
+_SECTION_HEADING = re.compile(r'<h2 id="([^"]+)">([^<]+)</h2>')
 
 
 @lru_cache(maxsize=1)
@@ -43,6 +47,22 @@ def html(name: str) -> str:
     """
     text = _TITLE.sub("", (FOLDER / name).read_text(encoding="utf-8"), count=1)
     return str(_markdown().render(text))
+
+
+@lru_cache(maxsize=32)
+def section(name: str, title: str) -> tuple[str, Mapping[str, str]]:
+    """Return a section of a page in `titles` as HTML, and anchor -> title of its subsections.
+
+    Subsections become headings of the second level, and links work from any address. Without such
+    a section both are empty.
+    """
+    text = (FOLDER / name).read_text(encoding="utf-8")
+    _, _, after = f"\n{text}".partition(f"\n## {title}\n")
+    inside = re.split(r"^## ", after, maxsplit=1, flags=re.MULTILINE)[0]
+    shown = str(_markdown().render(re.sub(r"^##(#+ )", r"#\1", inside, flags=re.MULTILINE)))
+    page = ADDRESS + name
+    linked = _LINK.sub(lambda found: f'{found[1]}="{urljoin(page, found[2])}"', shown)
+    return linked, dict(_SECTION_HEADING.findall(shown))
 
 
 def _title(path: Path) -> str:
@@ -80,11 +100,14 @@ def _code(renderer: RendererHTML, tokens: Sequence[Token], index: int, *rest: An
     return renderer.fence(tokens, index, *rest).replace("<pre>", '<pre tabindex="0">', 1)
 
 
-def _heading(renderer: RendererHTML, tokens: Sequence[Token], index: int, *rest: Any) -> str:
-    """Give a heading the anchor that common Markdown viewers generate."""
-    words = re.sub(r"[^\w\- ]", "", tokens[index + 1].content.lower())
-    tokens[index].attrSet("id", words.replace(" ", "-"))
-    return renderer.renderToken(tokens, index, *rest)
+def _heading(
+    renderer: RendererHTML, tokens: Sequence[Token], index: int, options: Any, env: Any
+) -> str:
+    """Give a heading the anchor that common Markdown viewers generate, numbered if repeated."""
+    words = re.sub(r"[^\w\- ]", "", tokens[index + 1].content.lower()).replace(" ", "-")
+    times = env[words] = env.get(words, -1) + 1
+    tokens[index].attrSet("id", f"{words}-{times}" if times else words)
+    return renderer.renderToken(tokens, index, options, env)
 
 
 def _image(renderer: RendererHTML, tokens: Sequence[Token], index: int, *rest: Any) -> str:

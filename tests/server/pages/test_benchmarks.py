@@ -1,0 +1,83 @@
+"""The page of a benchmark: the text that explains it as a paper would, then its parameters."""
+
+import re
+from html import unescape
+from urllib.parse import urljoin
+
+import pytest
+
+from seamark.server.pages import guides
+from seamark.sim import registry
+from tests.server.pages.conftest import Site
+
+LINK = re.compile(r'(?:href|src)="([^"]+)"')
+SECTIONS = [
+    "Question",
+    "Protocol",
+    "Score",
+    "Statistics",
+    "Reference entries",
+    "Check list",
+    "Known limits",
+    "History",
+]
+
+
+def text_of(site: Site, name: str) -> str:
+    return unescape(site.browser().get(f"/benchmarks/{name}").text)
+
+
+@pytest.mark.parametrize("name", registry.BENCHMARKS)
+def test_a_benchmark_is_explained_by_all_sections_of_a_paper(site: Site, name: str) -> None:
+    headings = re.findall(r"<h2[^>]*>([^<]+)</h2>", text_of(site, name))
+
+    assert headings[: len(SECTIONS)] == SECTIONS
+
+
+@pytest.mark.parametrize("name", registry.BENCHMARKS)
+def test_every_link_and_figure_of_the_explanation_is_there(site: Site, name: str) -> None:
+    address = f"/benchmarks/{name}"
+    page = site.browser().get(address).text
+    inside = page.partition('<article class="prose">')[2].partition("</article>")[0]
+    assert inside
+
+    links = {urljoin(address, unescape(one)) for one in LINK.findall(inside) if "://" not in one}
+
+    missing = [one for one in links if site.browser().get(one).status_code not in (200, 302)]
+    assert missing == []
+
+
+@pytest.mark.parametrize("name", registry.BENCHMARKS)
+def test_no_two_headings_of_a_page_share_an_anchor(site: Site, name: str) -> None:
+    for page in (f"/benchmarks/{name}", "/docs/guides/benchmarks.md"):
+        anchors = re.findall(r' id="([^"]+)"', site.browser().get(page).text)
+
+        assert len(anchors) == len(set(anchors)), page
+
+
+@pytest.mark.parametrize("name", registry.BENCHMARKS)
+def test_the_contents_lead_to_the_headings(site: Site, name: str) -> None:
+    page = text_of(site, name)
+    contents = page.partition('aria-label="Contents"')[2].partition("</nav>")[0]
+
+    targets = re.findall(r'href="#([^"]+)"', contents)
+
+    assert len(targets) > len(SECTIONS)
+    assert [one for one in targets if f'id="{one}"' not in page] == []
+
+
+@pytest.mark.parametrize("place", ["/leaderboards/{}", "/submit/{}"])
+def test_leaderboard_and_form_lead_to_the_explanation(site: Site, place: str) -> None:
+    page = site.browser("ann").get(place.format("currents-v1")).text
+
+    assert 'href="/benchmarks/currents-v1"' in page
+
+
+def test_repeated_headings_get_numbered_anchors() -> None:
+    html = guides._markdown().render("## Score\n\n## Score\n")
+
+    assert re.findall(r'id="([^"]+)"', html) == ["score", "score-1"]
+
+
+def test_a_benchmark_without_a_text_has_an_empty_explanation() -> None:
+    assert guides.section("benchmarks.md", "not-there") == ("", {})
