@@ -54,9 +54,9 @@ class InverseDynamics:
         count = len(vehicle.thrusters)
         forward, reverse = vehicle.curve.limits.value
         self._limits = (-reverse, forward)
-        self._gains = np.ones(count)
+        self._gains = plant.thruster_gains.copy()
         if plant.fault is not None:
-            self._gains[plant.fault.thruster] = plant.fault.efficiency
+            self._gains[plant.fault.thruster] *= plant.fault.efficiency
         self._command = np.zeros(count)
 
     def commands(self) -> Array:

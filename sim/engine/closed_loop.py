@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seamark.sim.control.observation import empty
+from seamark.sim.engine.delay import CommandDelay, ImageDelay
 from seamark.sim.engine.perception import perceive
 from seamark.sim.engine.program import BuiltIn, Command, Program
 from seamark.sim.engine.world import World
@@ -32,15 +33,27 @@ def _invalid(t: float, what: str) -> StateInvalid:
 class ClosedLoop:
     """Runs one level, one control step after the other."""
 
-    def __init__(self, world: World, program: Program, *, trial: int, level: int) -> None:
+    def __init__(
+        self,
+        world: World,
+        program: Program,
+        *,
+        trial: int,
+        level: int,
+        position: int | None = None,
+    ) -> None:
+        """Set up a level; `position` is its place in the trial's time, `level` unless given."""
         config = world.config
         self._world, self._program = world, program
         self._oracle = program.oracle if isinstance(program, BuiltIn) else None
         self._trial, self._level = trial, level
         self._steps, self._dt = config.control_steps_per_level, config.control_period_s
         self._physics_steps = config.physics_steps_per_control_step
-        self._first_frame = level * self._steps
-        self._start_s = level * config.level_duration_s
+        self._position = level if position is None else position
+        self._first_frame = self._position * self._steps
+        self._start_s = self._position * config.level_duration_s
+        self._seen = ImageDelay(world.tracking.corners, world.conditions.camera_delay_steps)
+        self._delayed = CommandDelay(world.conditions.command_delay_steps)
         self._motion_blur = world.camera.effects.exposure_s > 0.0
         self._thrusters = len(world.plant.vehicle.thrusters)
         self._pose = np.zeros(6)
@@ -56,7 +69,10 @@ class ClosedLoop:
         physics_step_s = world.config.physics_step_s
         return (
             (self._trial, self._level, physics_step_s, self._dt, below_camera),
-            (tracking.view, world.camera.position(world.start), tracking.corners),
+            (
+                *(tracking.view, world.camera.position(world.station)),
+                *(tracking.corners, self._seen.corners),
+            ),
             (plant.state, self._pose, plant.water),
             world.sensors.records(),
             world.sensors.noises(),
@@ -98,13 +114,15 @@ class ClosedLoop:
             pose = np.concatenate([pose, self._world.plant.velocity()])
         track = tracking.update if step else tracking.start
         track(pose, self._first_frame + step)
+        self._seen.step(tracking.ok)
 
     def _perceive(self, step: int, t: float, row: Row) -> None:
         """Sample the sensors and update the position error; fill the row and the observation."""
         world = self._world
         altitude, echoes = world.bottom.sound(self._pose)
         contact_n = world.plant.contact_force()
-        now = (step * self._physics_steps, t, world.tracking.ok, altitude, echoes, contact_n)
+        seen = (world.tracking.ok, self._seen.ok)
+        now = (step * self._physics_steps, t, *seen, altitude, echoes, contact_n)
         outputs = (row, self._observation, world.velocity_controller.measured)
         perceive(now, *self._constant_arguments, outputs)
 
@@ -112,10 +130,10 @@ class ClosedLoop:
         config = self._world.config
         self._world.velocity_controller.reset()
         if self._oracle is not None:
-            self._oracle.attach(self._world.plant, self._world.start)
+            self._oracle.attach(self._world.plant, self._world.station)
         self._program.reset(
             {
-                "index": self._level,
+                "index": self._position,
                 "count": len(config.level_values()),
                 "duration_s": config.level_duration_s,
                 "dt": self._dt,
@@ -127,7 +145,7 @@ class ClosedLoop:
         """Return the thrusters' commands, (n,) in [-1, 1]."""
         if self._oracle is not None:
             return self._oracle.commands()
-        return self._world.velocity_controller.step(reference, self._dt)
+        return self._world.velocity_controller.step(self._delayed.step(reference), self._dt)
 
     def _program_step(self) -> Command:
         before = time.perf_counter_ns()

@@ -24,6 +24,14 @@ class TrialScore:
     overall: Mapping[str, float | None] = field(default_factory=dict)  # metrics over all levels
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TrialPlan:
+    """What is known of a trial before it runs."""
+
+    order: tuple[int, ...]  # the levels in the order in which they run
+    conditions: Mapping[str, Any] = field(default_factory=dict)  # what was drawn, as JSON values
+
+
 class Level(Protocol):
     """One level, ready to run."""
 
@@ -45,6 +53,9 @@ class Experiment(Protocol):
 
     def layout(self, config: Any) -> dict[str, Any]:
         """Return the role of a program and the layout of its messages."""
+
+    def plan(self, config: Any, *, seed: int, trial: int) -> TrialPlan:
+        """Return the order of a trial's levels, and the conditions that were drawn for it."""
 
     def level(self, config: Any, solution: Any, *, seed: int, trial: int, level: int) -> Level:
         """Return a level, which depends on these values only."""

@@ -43,7 +43,8 @@ class StepInputs(NamedTuple):
 
     step: int  # physics steps since the level began
     t: float  # [s] since the trial began
-    ok: bool  # whether the tracker has the target
+    ok: bool  # whether the tracker has the target now
+    seen: bool  # whether it had it in the image that the station keeper gets now
     altitude: float  # [m] of the body's origin above the bottom
     echoes: int  # of the DVL's beams
     contact_n: float  # [N]
@@ -63,7 +64,7 @@ class LevelConstants(NamedTuple):
 def perceive(
     plain_inputs: tuple[Any, ...],
     plain_constants: tuple[Any, ...],
-    tracked: tuple[View, Array, Array],
+    tracked: tuple[View, Array, Array, Array],
     plant: tuple[Array, Array, tuple[Any, ...]],
     sensors: SensorRecords,
     noises: SensorNoises,
@@ -77,7 +78,8 @@ def perceive(
     plain_inputs, plain_constants
         `StepInputs` and `LevelConstants`.
     tracked
-        `tracking_error.View`; the station (3,) [m]; the tracker's corners (8,) [px].
+        `tracking_error.View`; the station (3,) [m]; the tracker's corners (8,) [px] in this image,
+        and in the image that the station keeper gets now.
     plant
         Its state (13 + n,), pose (6,), the water as a plain tuple.
     sensors, noises
@@ -89,7 +91,7 @@ def perceive(
         observation; the measurements of the velocity controller, (1,) record.
     """
     inputs, constants = StepInputs(*plain_inputs), LevelConstants(*plain_constants)
-    view, station, corners = tracked
+    view, station, corners, seen_corners = tracked
     state, pose, water = plant
     row, observation, measured = outputs
     velocity, sounding = state[7:13], (inputs.altitude, inputs.echoes)
@@ -101,7 +103,7 @@ def perceive(
 
     height = altitude.values[0] - constants.below_camera
     tilt = (attitude.values[0], attitude.values[1])
-    update_position_error(keepers[0], corners, inputs.ok, height, tilt, constants.dt)
+    update_position_error(keepers[0], seen_corners, inputs.seen, height, tilt, constants.dt)
 
     write_tracking_error(pose, corners, inputs.ok, view, station, row)
     time_s = inputs.step * constants.physics_step_s

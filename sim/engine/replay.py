@@ -54,8 +54,7 @@ class Replay:
     ) -> None:
         experiment = registry.benchmark(benchmark).load()
         settings: Any = config
-        self._level_s, self._dt = settings.level_duration_s, settings.control_period_s
-        self._steps = settings.control_steps_per_level
+        self._dt = settings.control_period_s
 
         @lru_cache(maxsize=_CACHED_CAMERAS)
         def camera(trial: int, level: int) -> Camera:
@@ -79,9 +78,9 @@ class Replay:
     def frame(self, row: Row) -> CameraFrame:
         """Return what the camera saw at a row of the telemetry."""
         trial, level = trial_and_level(row)
-        step = round((float(row[INDEX["t"]]) - level * self._level_s) / self._dt)
+        number = round(float(row[INDEX["t"]]) / self._dt)  # whatever the order of the levels
         motion = np.ascontiguousarray(row[_MOTION])
-        return CameraFrame(self.camera(trial, level), motion, level * self._steps + step)
+        return CameraFrame(self.camera(trial, level), motion, number)
 
     def start(self, row: Row) -> tuple[CameraFrame, Row]:
         """Return what the tracker started from, given the first row of a level.

@@ -129,7 +129,8 @@ def _lowest(held: Sequence[float | None]) -> float | None:
 
 
 def _entry(result: TrialResult) -> dict[str, Any]:
-    return {
+    drawn = {"conditions": dict(result.conditions)} if result.conditions else {}
+    return drawn | {
         "trial": result.trial,
         "score": result.score if math.isfinite(result.score) else None,
         "level_held": result.trial_score.level_held,

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Mapping
 from contextlib import closing
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -25,6 +25,7 @@ class TrialResult:
     trial_score: TrialScore
     digest: str  # SHA-256 of this trial's telemetry
     rows: int
+    conditions: Mapping[str, Any] = field(default_factory=dict)  # that were drawn for the trial
 
     @property
     def overall(self) -> dict[str, Any]:
@@ -82,23 +83,26 @@ def run_trial(
         kept.append(rows)
         on_rows(rows)
 
-    levels: list[dict[str, Any]] = []
+    plan = experiment.plan(config, seed=seed, trial=trial)
+    levels: dict[int, dict[str, Any]] = {}
     rows = 0
-    for level in range(len(config.level_values())):
+    for level in plan.order:
         running = experiment.level(config, solution, seed=seed, trial=trial, level=level)
         with closing(running):
             running.run(deliver)
         whole = np.concatenate(kept)
         original = uwsim_metrics.level_metrics(whole)
-        levels.append(experiment.metrics(config, level, whole) | {"measures": original})
+        levels[level] = experiment.metrics(config, level, whole) | {"measures": original}
         rows += len(whole)
         kept.clear()
+    listed = tuple(levels[level] for level in sorted(levels))
     return TrialResult(
         trial=trial,
-        levels=tuple(levels),
-        trial_score=experiment.trial_score(config, levels),
+        levels=listed,
+        trial_score=experiment.trial_score(config, listed),
         digest=digest.hexdigest(),
         rows=rows,
+        conditions=plan.conditions,
     )
 
 

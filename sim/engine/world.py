@@ -15,7 +15,8 @@ from seamark.sim.control.velocity_controller import VelocityController
 from seamark.sim.engine.perception import SensorNoises, SensorRecords
 from seamark.sim.engine.tracker_in_loop import TrackerInLoop, draw_start_error
 from seamark.sim.engine.tracking_error import BOX_CENTRE, TOP_CENTRE
-from seamark.sim.numerics.libm import PI
+from seamark.sim.engine.trial_conditions import NOMINAL, TrialConditions
+from seamark.sim.numerics.libm import PI, sincos
 from seamark.sim.numerics.random_streams import Streams
 from seamark.sim.physics import constants
 from seamark.sim.physics.contact import Contact, TargetBox
@@ -31,6 +32,7 @@ from seamark.sim.settings.experiment import ExperimentSettings
 from seamark.sim.settings.targets import TARGETS
 from seamark.sim.trackers import Tracker
 from seamark.sim.vehicles import Vehicle, load
+from seamark.sim.vehicles.variation import varied
 
 
 @dataclass(slots=True, kw_only=True)
@@ -58,6 +60,7 @@ class Conditions:
     current: Current
     water: Water
     reference: Water | None = None  # of the image from which the tracker learns the target
+    trial: TrialConditions = NOMINAL
 
 
 @dataclass(slots=True, kw_only=True)
@@ -65,7 +68,9 @@ class World:
     """Everything that moves or measures during one level."""
 
     config: ExperimentSettings
+    station: NDArray[np.float64]  # (6,) pose [m, rad] that the camera should keep
     start: NDArray[np.float64]  # (6,) pose [m, rad]
+    conditions: TrialConditions
     target: Target
     camera: Camera
     plant: Plant
@@ -146,8 +151,10 @@ def build_world(
     if conditions.reference is not None:
         reference = build_camera(config, conditions.reference, noise_seed=noise_seed)
     optics, target = camera.optics, camera.target
-    start = start_pose(optics, target, config.altitude_m)
-    vehicle = load(config.vehicle)
+    station, trial = start_pose(optics, target, config.altitude_m), conditions.trial
+    start = _start(optics, station, trial)
+    nominal = load(config.vehicle)  # all that the velocity controller knows
+    vehicle = varied(nominal, trial.vehicle)
     centre = (target.north_m, target.east_m)
     bottom = Bottom(target.seabed_m, _relief(config, random), centre=centre)
     contact = _contact(vehicle, bottom, target) if config.contact else None
@@ -157,15 +164,18 @@ def build_world(
         step_s=config.physics_step_s,
         contact=contact,
         fault=_fault(config),
+        thruster_gains=trial.thruster_gains,
     )
     plant.reset(start)
     return World(
         config=config,
+        station=station,
         start=start,
+        conditions=trial,
         target=target,
         camera=camera,
         plant=plant,
-        sensors=_sensors(config, random),
+        sensors=_sensors(config, trial, random),
         tracking=build_tracking(config, camera, random, tracker=tracker, reference=reference),
         keeper=StationKeeper(
             Geometry(
@@ -177,7 +187,7 @@ def build_world(
             range_from=config.range_from,
             level_out_tilt=config.level_out_tilt,
         ),
-        velocity_controller=VelocityController(vehicle, config),
+        velocity_controller=VelocityController(nominal, config),
         bottom=bottom,
         contact=contact,
     )
@@ -195,6 +205,21 @@ def build_tracking(
     error = draw_start_error(config.start_error_px, random)
     target = BOX_CENTRE if config.target_truth == "uwsim" else TOP_CENTRE
     return TrackerInLoop(camera, config, error, tracker=tracker, reference=reference, target=target)
+
+
+def _start(
+    optics: Optics, station: NDArray[np.float64], trial: TrialConditions
+) -> NDArray[np.float64]:
+    """Return the pose (6,) at the start of a level; the camera is off its station by the offset."""
+    heading = station[5] + trial.start_heading_rad
+    x, y, _z = optics.mount_m
+    before, after = sincos(station[5]), sincos(heading)
+    turn_s, turn_c = before[0] - after[0], before[1] - after[1]
+    start = station.copy()
+    start[0] += trial.start_offset_m[0] + (turn_c * x - turn_s * y)
+    start[1] += trial.start_offset_m[1] + (turn_s * x + turn_c * y)
+    start[5] = heading
+    return start
 
 
 def _relief(config: ExperimentSettings, random: Streams) -> Relief | None:
@@ -215,26 +240,33 @@ def configured_water(config: ExperimentSettings) -> Water:
     return replace(water, read_sigma_grey=config.camera_noise_grey)
 
 
-def _sensors(config: ExperimentSettings, random: Streams) -> Sensors:
+def _sensors(config: ExperimentSettings, trial: TrialConditions, random: Streams) -> Sensors:
     slow, fast = (
         max(1, round(period.scalar / config.physics_step_s))
         for period in (constants.DEPTH_PERIOD_S, constants.AHRS_PERIOD_S)
     )
     steps = config.control_steps_per_level * config.physics_steps_per_control_step
     few, many = steps // slow + 1, steps // fast + 1
+    u, v, w = (config.dvl_bias_m_s + bias for bias in trial.dvl_bias_m_s)
     return Sensors(
         dvl=Dvl(
             random.dvl,
             readings=steps // config.dvl_period_steps + 1,
             period_steps=config.dvl_period_steps,
             sigma=config.dvl_sigma_m_s,
-            bias=config.dvl_bias_m_s,
+            bias=(u, v, w),
             scale_error=config.dvl_scale_error,
             dropout=config.dvl_dropout,
             least_altitude_m=config.dvl_least_altitude_m,
         ),
         depth=DepthGauge(random.depth, readings=few, period_steps=slow, sigma=config.depth_sigma_m),
-        ahrs=Ahrs(random.ahrs, readings=many, period_steps=fast, sigma=config.ahrs_sigma_rad),
+        ahrs=Ahrs(
+            random.ahrs,
+            readings=many,
+            period_steps=fast,
+            sigma=config.ahrs_sigma_rad,
+            bias=trial.ahrs_bias_rad,
+        ),
         altimeter=Altimeter(random.altimeter, readings=few, period_steps=slow),
     )
 

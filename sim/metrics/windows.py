@@ -23,6 +23,7 @@ class LevelFacts:
     settle_s: float
     limits_n: tuple[float, float]  # maximum thrust forward, reverse
     heading: float = 0.0  # [rad] reference
+    thrusters: int = 0  # of the vehicle
 
 
 class Window:

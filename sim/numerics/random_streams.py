@@ -24,9 +24,20 @@ class Streams:
     tracker: np.random.Generator
     start: np.random.Generator
     bottom: np.random.Generator
+    trial_current: np.random.Generator
+    trial_start: np.random.Generator
+    trial_sensors: np.random.Generator
+    trial_delays: np.random.Generator
+    trial_vehicle: np.random.Generator
+    trial_order: np.random.Generator
 
 
-PER_TRIAL = frozenset({"bottom"})  # the same in all levels of a trial
+PER_TRIAL = frozenset(  # the same in all levels of a trial
+    {
+        *("bottom", "trial_current", "trial_start", "trial_sensors"),
+        *("trial_delays", "trial_vehicle", "trial_order"),
+    }
+)
 
 
 def streams(seed: int, trial: int, level: int) -> Streams:

@@ -38,6 +38,13 @@ GUST_GRID_S = _number(
     "E",
     "far below the correlation time of a gust",
 )
+CURRENT_CHANGE_S = _number(
+    "time over which a lasting change of the current builds up",
+    2.0,
+    "s",
+    "E",
+    "short for a controller, long for the physics step",
+)
 MIN_HEIGHT_M = _number(
     "height below which a sheared current is constant",
     0.1,
@@ -98,7 +105,7 @@ MOUND_REACH_M = _number("radius of the mounds", 20.0, "m", "E", "the pool is 24 
 
 GROUPS: Mapping[str, tuple[Quantity, ...]] = {
     "Water and time": (STANDARD_GRAVITY, WATER_DENSITY, STEP_S),
-    "Current": (FORCE_PER_SPEED_SQUARED, GUST_GRID_S, MIN_HEIGHT_M),
+    "Current": (FORCE_PER_SPEED_SQUARED, GUST_GRID_S, CURRENT_CHANGE_S, MIN_HEIGHT_M),
     "Sensors": (
         DVL_RANGE_M,
         DVL_BEAM_RAD,

@@ -5,7 +5,8 @@ zero is ahead of a vehicle that heads north, pi/2 to starboard of it. Two laws:
 
 relative
     The water moves with v = -V (cos a, sin a, 0), V = level + 0.005 sin(2 pi t / 4) + gust,
-    a = azimuth + 0.7 sin(2 pi t / 30); forces follow the velocity relative to it.
+    a = azimuth + 0.7 sin(2 pi t / 30); forces follow the velocity relative to it. Both sinusoids
+    may have a phase, and the current may change for good at given times (`Change`).
 force
     The model of the published experiment's simulator: the water rests, and a force acts in the body
     frame: 410 k V² on sway, 410 k (V sin(a - azimuth))² on surge. It never changes sign and does
@@ -30,9 +31,20 @@ from seamark.sim.physics import constants
 
 GUST_GRID_S = constants.GUST_GRID_S.scalar  # independent of the integration step
 
+CHANGE_S = constants.CURRENT_CHANGE_S.scalar
+
 MIN_HEIGHT_M = constants.MIN_HEIGHT_M.scalar
 
 _RELATIVE, _FORCE = 0, 1
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Change:
+    """A lasting change of the current, linear over `CHANGE_S` from `at_s` on."""
+
+    at_s: float  # [s] since the level began
+    turn_rad: float  # of the direction that the water comes from
+    speed_share: float  # added speed as a share of the level
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -48,6 +60,9 @@ class Pattern:
     gust_time_s: float = 10.0  # correlation time; E
     law: Literal["relative", "force"] = "relative"
     force_share: float = 0.134  # k: 18 px at 0.4 m/s, the one number published; D
+    azimuth_phase_rad: float = 0.0
+    speed_phase_rad: float = 0.0
+    changes: tuple[Change, ...] = ()
 
     def __post_init__(self) -> None:
         """Refuse impossible values."""
@@ -89,7 +104,10 @@ class Water(NamedTuple):
     speed_swing: float
     speed_rate: float
     force: float
-    gust: Array
+    azimuth_phase: float
+    speed_phase: float
+    gust: Array  # (k,) [m/s] on the grid: added to the level, with its lasting changes
+    turn: Array  # (k,) [rad] on the grid: lasting changes of the azimuth
     shear: float = 0.0
     bottom: float = 0.0
     height: float = 1.0
@@ -118,8 +136,8 @@ class Current:
         rng : Generator, optional
             Random stream of the gust; without it there is no gust.
         duration_s : float
-            Length of the gust; a longer one begins with the same values. Without a gust the length
-            is unlimited.
+            Length of the gust; a longer one begins with the same values. Without gust and changes
+            the length is unlimited.
         """
         if not level >= 0.0:
             raise ValueError(f"a current's level must not be negative, not {level}")
@@ -127,8 +145,14 @@ class Current:
         if shear is not None and law.law == "force":
             raise ValueError("shear needs the relative law: under the force law the water rests")
         over = shear or Shear(exponent=0.0, bottom_m=0.0, height_m=1.0)
-        sigma = law.gust_share * level
-        self.duration_s = float("inf") if rng is None else duration_s
+        drawn = rng is not None or bool(law.changes)
+        self.duration_s = duration_s if drawn else float("inf")
+        gust, turn = np.zeros((2, _grid_points(duration_s) if drawn else 2))
+        if rng is not None:
+            gust = _gust(rng, law.gust_share * level, law.gust_time_s, duration_s)
+        for change in law.changes:
+            ramp = _ramp(change.at_s, duration_s)
+            gust, turn = gust + change.speed_share * level * ramp, turn + change.turn_rad * ramp
         self.water = Water(
             law=_RELATIVE if law.law == "relative" else _FORCE,
             level=float(level),
@@ -138,7 +162,10 @@ class Current:
             speed_swing=float(law.speed_swing) if level > 0.0 else 0.0,
             speed_rate=2.0 * PI / law.speed_period_s,
             force=constants.FORCE_PER_SPEED_SQUARED.scalar * law.force_share,
-            gust=np.zeros(2) if rng is None else _gust(rng, sigma, law.gust_time_s, duration_s),
+            azimuth_phase=float(law.azimuth_phase_rad),
+            speed_phase=float(law.speed_phase_rad),
+            gust=gust,
+            turn=turn,
             shear=float(over.exponent),
             bottom=float(over.bottom_m),
             height=float(over.height_m),
@@ -155,9 +182,20 @@ class Current:
         return np.array([share * x, share * y, 0.0])
 
 
+def _grid_points(duration_s: float) -> int:
+    return int(duration_s / GUST_GRID_S) + 3
+
+
+def _ramp(at_s: float, duration_s: float) -> Array:
+    """Return the share of a change that has taken place, (k,) on the grid, from 0 to 1."""
+    times = GUST_GRID_S * np.arange(_grid_points(duration_s))
+    share: Array = np.clip((times - at_s) / CHANGE_S, 0.0, 1.0)
+    return share
+
+
 def _gust(rng: np.random.Generator, sigma: float, time_s: float, duration_s: float) -> Array:
     """Return an Ornstein-Uhlenbeck process on the grid, (k,) [m/s], by its exact transition."""
-    count = int(duration_s / GUST_GRID_S) + 3
+    count = _grid_points(duration_s)
     normals = rng.standard_normal(count)
     keep = exp(-GUST_GRID_S / time_s)
     renew = sigma * float(np.sqrt(1.0 - keep * keep))
@@ -194,16 +232,18 @@ def profile(depth: float, exponent: float, bottom: float, reference: float) -> t
 def flow(t: float, water: Water, segment: int) -> tuple[float, float, float, float, float, float]:
     """Return velocity x, y [m/s], acceleration x, y [m/s²] (NED), body force surge, sway [N].
 
-    `segment` is chosen once per integration step, so that the gust is smooth over all its stages.
+    `segment` is chosen once per integration step, so that the flow is smooth over all its stages.
     """
-    left = water.gust[segment]
+    since = t - segment * GUST_GRID_S
+    left, turned = water.gust[segment], water.turn[segment]
     slope = (water.gust[segment + 1] - left) / GUST_GRID_S
-    s, c = sincos(water.speed_rate * t)
-    speed = water.level + water.speed_swing * s + left + slope * (t - segment * GUST_GRID_S)
+    turning = (water.turn[segment + 1] - turned) / GUST_GRID_S
+    s, c = sincos(water.speed_rate * t + water.speed_phase)
+    speed = water.level + water.speed_swing * s + left + slope * since
     speed_rate = water.speed_swing * water.speed_rate * c + slope
-    s, c = sincos(water.azimuth_rate * t)
-    swing = water.azimuth_swing * s
-    swing_rate = water.azimuth_swing * water.azimuth_rate * c
+    s, c = sincos(water.azimuth_rate * t + water.azimuth_phase)
+    swing = water.azimuth_swing * s + (turned + turning * since)
+    swing_rate = water.azimuth_swing * water.azimuth_rate * c + turning
     if water.law == _FORCE:
         lateral = speed * sin(swing)
         return 0.0, 0.0, 0.0, 0.0, water.force * lateral * lateral, water.force * speed * speed

@@ -237,7 +237,7 @@ def advance_held(
     state: Array,
     command: Array,
     curve: Array,
-    target: Array,
+    thrust: tuple[Array, Array],
     fault: tuple[int, float],
     steps_and_gate: tuple[int, int, float, float],
     plain_body: tuple[Any, ...],
@@ -245,15 +245,19 @@ def advance_held(
 ) -> int:
     """Advance `state` with constant commands.
 
-    Writes the steady thrusts to `target`; `fault` is the number of a faulty thruster, -1 for none,
-    and its thrust [N]; `steps_and_gate` are the arguments step, steps, step_s and gate of
-    `integrate`. Returns the number of steps made, -1 if a command is not a number.
+    `thrust` is the gain of each thruster, (n,), and the steady thrusts (n,) [N] to write; `fault`
+    is the number of a faulty thruster, -1 for none, and its thrust [N]; `steps_and_gate` are the
+    arguments step, steps, step_s and gate of `integrate`. Returns the number of steps made, -1 if a
+    command is not a number.
     """
+    gains, target = thrust
     if not steady_thrust(command, curve, target):
         return -1
-    thruster, thrust = fault
+    thruster, faulty = fault
     if thruster >= 0:
-        target[thruster] = thrust
+        target[thruster] = faulty
+    for i in range(target.size):
+        target[i] *= gains[i]
     step, steps, step_s, gate = steps_and_gate
     return integrate(state, target, step, steps, step_s, plain_body, plain_water, gate)
 

@@ -49,7 +49,9 @@ class Plant:
         step_s: float = STEP_S,
         contact: Contact | None = None,
         fault: ThrusterFault | None = None,
+        thruster_gains: tuple[float, ...] | None = None,
     ) -> None:
+        """Set up a plant; `thruster_gains` are the real thrusts over the nominal ones, else 1."""
         self.vehicle = vehicle
         self.current = current
         self.step_s = step_s
@@ -59,6 +61,9 @@ class Plant:
         # Plain tuples: passing named ones to Numba takes several times as long.
         self._plain_body, self._plain_water = tuple(self._body), tuple(current.water)
         self._curve = pack_curve(vehicle.curve)
+        self.thruster_gains = np.ones(len(vehicle.thrusters))
+        if thruster_gains is not None:
+            self.thruster_gains[:] = thruster_gains
         self._target = np.zeros(len(vehicle.thrusters))  # [N] steady thrust of the command
         self._fault_thrust = (-1, 0.0)
         # An own copy: Numba would compile everything again for a read-only or strided array.
@@ -119,7 +124,7 @@ class Plant:
                 gate = -math.inf if self.contact.awake else self.contact.gate_depth
         done: int = advance_held(
             self.state,
-            *(self._command, self._curve, self._target, self._fault_thrust),
+            *(self._command, self._curve, (self.thruster_gains, self._target), self._fault_thrust),
             (step, steps, self.step_s, gate),
             *(self._plain_body, self._plain_water),
         )

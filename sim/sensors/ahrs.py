@@ -6,7 +6,7 @@ from numba import njit
 from seamark.sim.numerics.arrays import Array
 from seamark.sim.numerics.libm import PI
 from seamark.sim.physics import constants
-from seamark.sim.sensors.sensor import DEFAULT_READINGS, Record, Sensor, due
+from seamark.sim.sensors.sensor import DEFAULT_READINGS, Record, Sensor, Vector3, due
 
 
 class Ahrs(Sensor):
@@ -19,14 +19,22 @@ class Ahrs(Sensor):
         readings: int = DEFAULT_READINGS,
         period_steps: int = 5,
         sigma: float = 1e-4,
+        bias: Vector3 = (0.0, 0.0, 0.0),
         rate_sigma: float = constants.AHRS_RATE_SIGMA.scalar,
     ) -> None:
         """Set up an AHRS.
 
         sigma [rad] and 20 Hz S: COLA2 sim_auv_nav_sensors.yaml; rate_sigma [rad/s] S: Stonefish.
+        bias (3,) [rad] is added to roll, pitch and yaw.
         """
         noise = rng.standard_normal((readings, 6))
-        super().__init__(noise, period_steps=period_steps, sigma=sigma, rate_sigma=rate_sigma)
+        super().__init__(
+            noise,
+            period_steps=period_steps,
+            sigma=sigma,
+            rate_sigma=rate_sigma,
+            bias=np.array([*bias, 0.0, 0.0, 0.0]),
+        )
 
 
 @njit(cache=True, error_model="numpy")
@@ -42,10 +50,10 @@ def sample_attitude(sensor: Record, noise: Array, step: int, pose: Array, veloci
     """Measure attitude and rates if a reading is due; `noise` is (k, 6), normal."""
     if not due(sensor, noise, step):
         return
-    drawn, values = noise[sensor.readings - 1], sensor.values
+    drawn, values, bias = noise[sensor.readings - 1], sensor.values, sensor.bias
     sensor.valid, sensor.measured_at = True, step
-    values[0] = wrap_angle(pose[3] + sensor.sigma * drawn[0])
-    values[1] = pose[4] + sensor.sigma * drawn[1]
-    values[2] = wrap_angle(pose[5] + sensor.sigma * drawn[2])
+    values[0] = wrap_angle(pose[3] + sensor.sigma * drawn[0] + bias[0])
+    values[1] = pose[4] + sensor.sigma * drawn[1] + bias[1]
+    values[2] = wrap_angle(pose[5] + sensor.sigma * drawn[2] + bias[2])
     for i in range(3, 6):
         values[i] = velocity[i] + sensor.rate_sigma * drawn[i]

@@ -5,7 +5,7 @@ from numba import njit
 
 from seamark.sim.numerics.arrays import Array
 from seamark.sim.physics import constants
-from seamark.sim.sensors.sensor import DEFAULT_READINGS, Record, Sensor, Sounding, due
+from seamark.sim.sensors.sensor import DEFAULT_READINGS, Record, Sensor, Sounding, Vector3, due
 
 RANGE_M = constants.DVL_RANGE_M.value  # least, greatest altitude
 _GREATEST_M = RANGE_M[1]
@@ -26,7 +26,7 @@ class Dvl(Sensor):
         readings: int = DEFAULT_READINGS,
         period_steps: int = 20,
         sigma: float = 0.0015,
-        bias: float = 0.0,
+        bias: Vector3 = (0.0, 0.0, 0.0),
         scale_error: float = 0.0,
         dropout: float = 0.0,
         least_altitude_m: float = RANGE_M[0],
@@ -41,8 +41,8 @@ class Dvl(Sensor):
             20 is 5 Hz at 100 steps a second. S: UWSim, COLA2.
         sigma : float [m/s]
             Standard deviation per axis. S: UWSim, COLA2, Stonefish.
-        bias : float [m/s]
-            Added to each axis.
+        bias : (3,) [m/s]
+            Added to the axes.
         scale_error : float
             Relative error of all axes.
         dropout : float
@@ -55,7 +55,7 @@ class Dvl(Sensor):
             np.array(noise),
             period_steps=period_steps,
             sigma=sigma,
-            bias=bias,
+            bias=np.array([*bias, 0.0, 0.0, 0.0]),
             scale=1.0 + scale_error,
             dropout=dropout,
             least_altitude=least_altitude_m,
@@ -86,5 +86,5 @@ def sample_dvl(
     if sensor.valid:
         sensor.measured_at = step
         for i in range(3):
-            true = velocity[i] * sensor.scale + sensor.bias
+            true = velocity[i] * sensor.scale + sensor.bias[i]
             sensor.values[i] = true + sensor.sigma * drawn[i]

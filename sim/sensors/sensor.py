@@ -17,6 +17,7 @@ from seamark.sim.numerics.arrays import Array
 
 DEFAULT_READINGS = 4096  # for which noise is drawn by default
 Sounding = tuple[float, int]  # altitude [m] of the body's origin over the bottom, echoes of beams
+Vector3 = tuple[float, float, float]
 Record = Any  # a record of SENSOR; Numba reads its fields as attributes
 
 SENSOR = np.dtype(
@@ -28,8 +29,8 @@ SENSOR = np.dtype(
         ("values", "f8", 6),  # of the last valid reading
         ("sigma", "f8"),  # standard deviation, in the unit of the values
         ("rate_sigma", "f8"),  # [rad/s] of an AHRS
+        ("bias", "f8", 6),  # in the unit of the values
         ("scale", "f8"),  # of a DVL: scale factor,
-        ("bias", "f8"),  # [m/s] bias of each axis,
         ("dropout", "f8"),  # probability that a reading is missing,
         ("least_altitude", "f8"),  # [m] lowest altitude with bottom lock
         ("valid", "?"),  # whether the last reading succeeded
@@ -53,7 +54,7 @@ def due(sensor: Record, noise: Array, step: int) -> bool:
 class Sensor:
     """One sensor: its record, (1,) `SENSOR`, and its noise, (readings, k)."""
 
-    def __init__(self, noise: Array, *, period_steps: int, **settings: float) -> None:
+    def __init__(self, noise: Array, *, period_steps: int, **settings: float | Array) -> None:
         if period_steps < 1:
             raise ValueError(f"a sensor's period must be at least one step, not {period_steps}")
         self.noise = noise

@@ -93,7 +93,7 @@ class Configuration(BaseModel, ABC):
         """Return what the score is, if not the benchmark's own headline; else None."""
         return None
 
-    def for_trial(self, trial: int) -> "Configuration":
+    def for_trial(self, trial: int) -> Self:
         """Return the configuration of one trial; the same in all trials unless overridden."""
         return self
 

@@ -132,8 +132,12 @@ class ExperimentSettings(ControlLoopSettings, SceneSettings, FaultSettings):
             )
         return errors | self._fault_errors() | self._image_errors() | super().cross_field_errors()
 
+    def vehicles(self) -> tuple[str, ...]:
+        """Return the vehicles that take turns from trial to trial: one, unless overridden."""
+        return (self.vehicle,)
+
     def _fault_errors(self) -> dict[str, str]:
-        count = len(load(self.vehicle).thrusters)
+        count = min(len(load(name).thrusters) for name in self.vehicles())
         errors: dict[str, str] = {}
         if self.fault_thruster >= count:
             errors["fault_thruster"] = (
@@ -186,8 +190,9 @@ class ExperimentSettings(ControlLoopSettings, SceneSettings, FaultSettings):
 
     def unused_columns(self) -> frozenset[str]:
         """Return the thrust columns that the vehicle does not use, and the contact force if off."""
-        known = self.vehicle in VEHICLES  # a stored run may name one that no longer exists
-        count = len(load(self.vehicle).thrusters) if known else COMMON_THRUSTERS
+        # A stored run may name one that no longer exists.
+        known = [name for name in self.vehicles() if name in VEHICLES]
+        count = max((len(load(name).thrusters) for name in known), default=COMMON_THRUSTERS)
         idle = set(thrust_names(max(most_thrusters(), COMMON_THRUSTERS))[count:])
         return frozenset(idle if self.contact else idle | {"contact_n"})
 

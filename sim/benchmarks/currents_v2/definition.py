@@ -2,24 +2,41 @@
 
 from dataclasses import replace
 
-from seamark.sim.benchmarks.benchmark import Baseline, RankedProtocol
+from seamark.sim.benchmarks.benchmark import Baseline, RankedProtocol, Table
+from seamark.sim.benchmarks.currents_v2.settings import CurrentsConfiguration
 from seamark.sim.benchmarks.station_keeping.definition import station_keeping_benchmark
-from seamark.sim.settings.station_keeping import StationKeepingSettings
-
-
-class CurrentsConfiguration(StationKeepingSettings):
-    """Settings of currents-v2. Seed, trials and controller are not part of it."""
-
+from seamark.sim.metrics import tool_point
+from seamark.sim.metrics.metric import Metric
+from seamark.sim.metrics.station_keeping import HELD, KEY_METRICS, METRICS, WHOLE
+from seamark.sim.settings.trial_spreads import GROUP
 
 _BENCHMARK = station_keeping_benchmark(
     name="currents-v2",
     title="Position controllers in unknown currents",
-    summary="Keep station above a box on the bottom in currents that nobody has seen before.",
+    summary=(
+        "Hold a tool over a point on the bottom in currents of 0.1 to 1 m/s that nobody has seen "
+        "before, with two vehicles that are not quite as their data sheets say."
+    ),
     configuration=CurrentsConfiguration,
     baselines={
         "p": Baseline("P, default settings", "p"),
         "pi": Baseline("PI, default settings", "pi"),
     },
     quick_settings={"levels": [0.1], "level_duration_s": 2.0, "settle_s": 1.0},
+    experiment="seamark.sim.benchmarks.currents_v2.experiment:EXPERIMENT",
 )
-BENCHMARK = replace(_BENCHMARK, protocol=RankedProtocol(reference_trials=8, fresh_trials=24))
+BENCHMARK = replace(
+    _BENCHMARK,
+    headline=Metric("score", "Current held", "m/s", "higher"),
+    score_bar_max=0.8,
+    groups=(*_BENCHMARK.groups, GROUP),
+    presets={},
+    tables=(
+        Table("Tool point, whole levels", (*tool_point.METRICS, HELD)),
+        Table("After the settle window of {settle_s:g} s", KEY_METRICS),
+        Table("Whole levels", METRICS, prefix=WHOLE),
+    ),
+    key_metrics=(tool_point.QUALITY,),
+    metric_groups=(tool_point.GROUP, *_BENCHMARK.metric_groups),
+    protocol=RankedProtocol(reference_trials=8, fresh_trials=24, block=2),
+)

@@ -2,14 +2,15 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, Generic, TypeVar
 
 from seamark.sim.camera.camera import Camera
 from seamark.sim.camera.target import start_pose
 from seamark.sim.control.observation import layout
 from seamark.sim.engine.closed_loop import ClosedLoop
-from seamark.sim.engine.experiment import TrialScore
+from seamark.sim.engine.experiment import TrialPlan, TrialScore
 from seamark.sim.engine.program import BuiltIn, Program
+from seamark.sim.engine.trial_conditions import NOMINAL, TrialConditions
 from seamark.sim.engine.world import (
     Conditions,
     World,
@@ -30,9 +31,10 @@ from seamark.sim.settings.station_keeping import StationKeepingSettings
 from seamark.sim.vehicles import load
 
 LOST = "The target was lost throughout a level."
+Settings = TypeVar("Settings", bound=StationKeepingSettings)
 
 
-class StationKeeping:
+class StationKeeping(Generic[Settings]):
     """A `seamark.sim.engine.experiment.Experiment` that compares position controllers.
 
     `further` are metrics that it computes beside those of every station-keeping benchmark.
@@ -41,17 +43,25 @@ class StationKeeping:
     def __init__(self, further: tuple[LevelMetric[Window], ...] = ()) -> None:
         self._metrics = (*METRICS, *further)
 
-    def built_in(self, name: str, config: StationKeepingSettings) -> Program:
+    def built_in(self, name: str, config: Settings) -> Program:
         """Return a built-in controller."""
         return BuiltIn(name, config)
 
-    def layout(self, config: StationKeepingSettings) -> dict[str, Any]:
+    def layout(self, config: Settings) -> dict[str, Any]:
         """Return the order of observation and command."""
         return {"role": "controller"} | layout(config.vehicle)
 
+    def drawn(self, config: Settings, *, seed: int, trial: int) -> TrialConditions:
+        """Return the conditions of a trial: nominal, unless overridden."""
+        return NOMINAL
+
+    def plan(self, config: Settings, *, seed: int, trial: int) -> TrialPlan:
+        """Return that the levels run as listed."""
+        return TrialPlan(order=tuple(range(len(config.level_values()))))
+
     def level(
         self,
-        config: StationKeepingSettings,
+        config: Settings,
         solution: Program,
         *,
         seed: int,
@@ -60,39 +70,37 @@ class StationKeeping:
     ) -> ClosedLoop:
         """Return a level with the vehicle at its start."""
         world = self.world(config, seed=seed, trial=trial, level=level)
-        return ClosedLoop(world, solution, trial=trial, level=level)
+        order = self.plan(config, seed=seed, trial=trial).order
+        return ClosedLoop(world, solution, trial=trial, level=level, position=order.index(level))
 
-    def world(self, config: StationKeepingSettings, *, seed: int, trial: int, level: int) -> World:
+    def world(self, config: Settings, *, seed: int, trial: int, level: int) -> World:
         """Return the world of a level."""
-        config, random = config.at(level), streams(seed, trial, level)
+        config = config.for_trial(trial).at(level)
+        drawn, random = self.drawn(config, seed=seed, trial=trial), streams(seed, trial, level)
         conditions = Conditions(
-            current=_current(config, level, random), water=configured_water(config)
+            current=_current(config, level, drawn, random),
+            water=configured_water(config),
+            trial=drawn,
         )
         return build_world(config, conditions, random)
 
-    def camera(
-        self, config: StationKeepingSettings, *, seed: int, trial: int, level: int
-    ) -> Camera:
+    def camera(self, config: Settings, *, seed: int, trial: int, level: int) -> Camera:
         """Return the camera of a level."""
         config = config.at(level)
         noise_seed = draw_noise_seed(streams(seed, trial, level))
         return build_camera(config, configured_water(config), noise_seed=noise_seed)
 
-    def first_camera(
-        self, config: StationKeepingSettings, *, seed: int, trial: int, level: int
-    ) -> Camera:
+    def first_camera(self, config: Settings, *, seed: int, trial: int, level: int) -> Camera:
         """Return the camera of the level: all its images show the same water."""
         return self.camera(config, seed=seed, trial=trial, level=level)
 
-    def metrics(self, config: StationKeepingSettings, level: int, rows: Rows) -> dict[str, Any]:
+    def metrics(self, config: Settings, level: int, rows: Rows) -> dict[str, Any]:
         """Return the metrics of a level, and its coordinates if there is a grid."""
         grid = config.grid_point(level)
-        metrics = level_metrics(rows, _facts(config, level), self._metrics)
+        metrics = level_metrics(rows, level_facts(config, level), self._metrics)
         return metrics | ({"grid": grid} if grid else {})
 
-    def trial_score(
-        self, config: StationKeepingSettings, levels: Sequence[Mapping[str, Any]]
-    ) -> TrialScore:
+    def trial_score(self, config: Settings, levels: Sequence[Mapping[str, Any]]) -> TrialScore:
         """Return the mean of the levels' points, 0 to 100.
 
         A trial can rank if that is finite and the target was not lost throughout any level.
@@ -118,18 +126,23 @@ def _held(levels: Sequence[Mapping[str, Any]]) -> float | None:
     return held
 
 
-def _facts(config: StationKeepingSettings, level: int) -> LevelFacts:
-    forward, reverse = load(config.vehicle).curve.limits.value
+def level_facts(config: StationKeepingSettings, level: int) -> LevelFacts:
+    """Return what the metrics of a level need beside its telemetry."""
+    vehicle = load(config.vehicle)
+    forward, reverse = vehicle.curve.limits.value
     return LevelFacts(
         level=level,
         speed=config.level_values()[level],
         dt=config.control_period_s,
         settle_s=config.settle_s,
         limits_n=(forward, reverse),
+        thrusters=len(vehicle.thrusters),
     )
 
 
-def _current(config: StationKeepingSettings, level: int, random: Streams) -> Current:
+def _current(
+    config: StationKeepingSettings, level: int, drawn: TrialConditions, random: Streams
+) -> Current:
     pattern = Pattern(
         azimuth_rad=config.current_azimuth_rad,
         azimuth_swing_rad=config.current_swing_rad,
@@ -143,7 +156,7 @@ def _current(config: StationKeepingSettings, level: int, random: Streams) -> Cur
     )
     return Current(
         config.level_values()[level],
-        pattern=pattern,
+        pattern=drawn.current.of(pattern),
         shear=_shear(config),
         rng=random.gust,
         duration_s=config.level_duration_s,
@@ -160,4 +173,4 @@ def _shear(config: StationKeepingSettings) -> Shear | None:
     return Shear(exponent=config.current_shear, bottom_m=bottom, height_m=bottom - start)
 
 
-EXPERIMENT = StationKeeping()
+EXPERIMENT: StationKeeping[StationKeepingSettings] = StationKeeping()

@@ -13,7 +13,7 @@ from seamark.sim.camera.camera import Camera
 from seamark.sim.camera.target import start_pose
 from seamark.sim.camera.water import Water
 from seamark.sim.engine.closed_loop import ClosedLoop
-from seamark.sim.engine.experiment import Level, TrialScore
+from seamark.sim.engine.experiment import Level, TrialPlan, TrialScore
 from seamark.sim.engine.open_loop import OpenLoop
 from seamark.sim.engine.prescribed_path import PrescribedPath
 from seamark.sim.engine.program import BuiltIn
@@ -49,6 +49,10 @@ class Visibility:
     def layout(self, config: VisibilityConfiguration) -> dict[str, Any]:
         """Return the role of programs."""
         return {"role": "tracker"}
+
+    def plan(self, config: VisibilityConfiguration, *, seed: int, trial: int) -> TrialPlan:
+        """Return that the levels run as listed."""
+        return TrialPlan(order=tuple(range(len(config.level_values()))))
 
     def level(
         self,

@@ -91,11 +91,11 @@ def test_nothing_is_valid_before_the_first_valid_reading() -> None:
 
 
 def test_bias_and_scale_act_on_each_axis() -> None:
-    device = Dvl(streams(1, 0, 0).dvl, sigma=0.0, bias=0.01, scale_error=0.1)
+    device = Dvl(streams(1, 0, 0).dvl, sigma=0.0, bias=(0.01, 0.02, -0.03), scale_error=0.1)
 
     values, _valid = sample(device, 0, TRUTH)
 
-    assert values == pytest.approx(TRUTH.velocity[:3] * 1.1 + 0.01)
+    assert values == pytest.approx(TRUTH.velocity[:3] * 1.1 + [0.01, 0.02, -0.03])
 
 
 def test_drop_outs_are_as_frequent_as_configured_and_do_not_change_the_noise() -> None:

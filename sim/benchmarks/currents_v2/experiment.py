@@ -1,0 +1,97 @@
+"""currents-v2: station keeping under conditions that are drawn for each trial."""
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from seamark.sim.benchmarks.currents_v2.settings import CurrentsConfiguration
+from seamark.sim.benchmarks.station_keeping.experiment import StationKeeping, level_facts
+from seamark.sim.camera.target import start_pose
+from seamark.sim.engine.experiment import TrialPlan, TrialScore
+from seamark.sim.engine.tool_error import tool_errors
+from seamark.sim.engine.trial_conditions import TrialConditions, draw_conditions
+from seamark.sim.engine.world import target_and_optics
+from seamark.sim.metrics import tool_point
+from seamark.sim.metrics.metric import compute_all, over_run
+from seamark.sim.metrics.station_keeping import overall
+from seamark.sim.metrics.tool_point import ToolWindow
+from seamark.sim.numerics.random_streams import streams
+from seamark.sim.numerics.statistics import area, mean
+from seamark.sim.recording.telemetry import Rows
+from seamark.sim.vehicles import load
+
+HELD_QUALITY = 0.5  # from which a level counts as held
+WEAK_LEVELS = 2  # number of weakest currents that a controller must hold to rank
+RANKED_SHARE = 0.5  # of the time, within the largest watch circle, in the mean of these levels
+NOT_HELD = (
+    "It was not within 0.5 m of the station half of the time in the two weakest currents of every "
+    "trial."
+)
+
+
+class UnknownCurrents(StationKeeping[CurrentsConfiguration]):
+    """Station keeping in which every trial draws its conditions."""
+
+    def drawn(self, config: CurrentsConfiguration, *, seed: int, trial: int) -> TrialConditions:
+        """Return the conditions of a trial."""
+        config = config.for_trial(trial)
+        return draw_conditions(
+            config,
+            streams(seed, trial, 0),
+            thrusters=len(load(config.vehicle).thrusters),
+            levels=len(config.level_values()),
+        )
+
+    def plan(self, config: CurrentsConfiguration, *, seed: int, trial: int) -> TrialPlan:
+        """Return the order of a trial's levels and all that was drawn for it."""
+        drawn = self.drawn(config, seed=seed, trial=trial)
+        vehicle = {"vehicle_name": config.for_trial(trial).vehicle}
+        return TrialPlan(order=drawn.order, conditions=vehicle | drawn.as_dict())
+
+    def metrics(self, config: CurrentsConfiguration, level: int, rows: Rows) -> dict[str, Any]:
+        """Return the metrics of a level: those of station keeping, and those of the tool point."""
+        target, optics = target_and_optics(config)
+        station = start_pose(optics, target, config.at(level).altitude_m)
+        errors = tool_errors(rows, station, optics.mount_m)
+        window = ToolWindow(rows, level_facts(config, level), errors)
+        tool = compute_all(tool_point.METRICS, window)
+        metrics = super().metrics(config, level, rows) | tool
+        return metrics | {"held": (tool["quality"] or 0.0) >= HELD_QUALITY}
+
+    def trial_score(
+        self, config: CurrentsConfiguration, levels: Sequence[Mapping[str, Any]]
+    ) -> TrialScore:
+        """Return the current held [m/s]: the area under the quality over the current.
+
+        Below the weakest current the quality counts as there.
+        """
+        base = super().trial_score(config, levels)
+        means = quality_by_speed(levels)
+        weakest = min(means)
+        near = _stays(levels) >= RANKED_SHARE
+        score = area((0.0, *means), (means[weakest], *means.values()))
+        return TrialScore(
+            score=score,
+            level_held=base.level_held,
+            rankable=math.isfinite(score) and near,
+            reason="" if near else NOT_HELD,
+            overall=over_run((*overall(), *tool_point.METRICS), levels),
+        )
+
+
+def quality_by_speed(levels: Sequence[Mapping[str, Any]]) -> dict[float, float]:
+    """Return speed [m/s] -> mean quality of its levels; a grid has several of one speed."""
+    speeds = sorted({float(level["speed"]) for level in levels})
+    return {
+        speed: mean([float(level["quality"]) for level in levels if level["speed"] == speed])
+        for speed in speeds
+    }
+
+
+def _stays(levels: Sequence[Mapping[str, Any]]) -> float:
+    """Return the share of the time near the station in the weakest currents, 0 to 1."""
+    weakest = sorted(levels, key=lambda level: float(level["speed"]))[:WEAK_LEVELS]
+    return mean([0.01 * float(level["whole_in_0_5_m_percent"]) for level in weakest])
+
+
+EXPERIMENT = UnknownCurrents()

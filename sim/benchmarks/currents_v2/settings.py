@@ -1,0 +1,69 @@
+"""Settings of currents-v2: those of station keeping, and what is drawn per trial.
+
+Tags of the defaults: S sourced, D derived from sourced, E our estimate.
+"""
+
+from typing import Any, Self
+
+from seamark.sim.metrics import tool_point
+from seamark.sim.metrics.station_keeping import overall
+from seamark.sim.settings.custom_score import custom_score_setting
+from seamark.sim.settings.experiment import experiment_setting
+from seamark.sim.settings.setting import group_of, override
+from seamark.sim.settings.station_keeping import StationKeepingSettings
+from seamark.sim.settings.trial_spreads import GROUP, TrialSpreadSettings
+from seamark.sim.vehicles import load
+
+BOTH = "both"
+ALTERNATING = ("girona500", "bluerov2-heavy")  # in even, in odd trials
+HIDDEN_GROUPS = frozenset({"Current", "Grid", "Faults", GROUP})
+HIDDEN = frozenset({"levels", "score"})
+
+INHERITED = StationKeepingSettings.model_fields
+
+
+class CurrentsConfiguration(StationKeepingSettings, TrialSpreadSettings):
+    """Settings of currents-v2. Seed, trials and controller are not part of it."""
+
+    vehicle: str = experiment_setting(
+        BOTH,
+        title="Vehicle",
+        help="Both: Girona 500 in even trials, BlueROV2 Heavy in odd ones, each with its own "
+        "defaults.",
+        choices={BOTH: "Girona 500 and BlueROV2 Heavy in turn"}
+        | {name: load(name).title for name in ALTERNATING},
+    )
+    levels: tuple[float, ...] = override(
+        INHERITED["levels"],
+        (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.8, 1.0),
+        tag="D",
+        source="beyond the static limit of both vehicles; see docs/benchmarks.md",
+    )
+    level_duration_s: float = override(
+        INHERITED["level_duration_s"],
+        60.0,
+        tag="E",
+        source="two periods of the direction; the transient weighs a sixth",
+    )
+    settle_s: float = override(INHERITED["settle_s"], 15.0)
+    score: str = custom_score_setting((*overall(), *tool_point.METRICS), group="Experiment")
+
+    def vehicles(self) -> tuple[str, ...]:
+        """Return the vehicles that take turns from trial to trial."""
+        return ALTERNATING if self.vehicle == BOTH else (self.vehicle,)
+
+    def for_trial(self, trial: int) -> Self:
+        """Return the configuration of one trial, with its vehicle and that vehicle's defaults."""
+        if self.vehicle != BOTH:
+            return self
+        name = ALTERNATING[trial % len(ALTERNATING)]
+        return self.model_copy(update={"vehicle": name, **load(name).defaults})
+
+    def for_program(self) -> dict[str, Any]:
+        """Return the settings that a program is given: nothing that tells the current."""
+        fields = type(self).model_fields
+        return {
+            name: value
+            for name, value in self.model_dump().items()
+            if name not in HIDDEN and group_of(fields[name]) not in HIDDEN_GROUPS
+        }

@@ -1,0 +1,106 @@
+"""Metrics of a tool that the vehicle carries: how well it is held over a point, and at what cost.
+
+The tool point is `TOOL_AHEAD_M` ahead of the camera and moves with the body, so that an error of
+heading displaces it as well. In the formulas s is its true distance [m] from where it should be.
+"""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from seamark.sim.metrics.metric import RMS, LevelMetric, MetricGroup
+from seamark.sim.metrics.windows import LevelFacts, Window, lost
+from seamark.sim.numerics.statistics import mean, percentile, root_mean_square
+from seamark.sim.recording.telemetry import Rows
+
+TOOL_AHEAD_M = 1.0  # [m] E: reach of a manipulator
+# E: from what a gripper on a soft object tolerates down to a valve's; each about 1.6 times the next
+CIRCLES_M = (0.5, 0.32, 0.2, 0.125, 0.08, 0.05, 0.032, 0.02)
+POWER_WEIGHT = 0.1  # quality that full thrust costs; E: small, it breaks ties
+REACHED_M = 0.1  # [m]
+
+
+class ToolWindow(Window):
+    """The rows of a level, and the distance of the tool point from where it should be, (N,) [m]."""
+
+    def __init__(self, rows: Rows, facts: LevelFacts, error_m: list[float]) -> None:
+        super().__init__(rows, facts)
+        self.error_m = error_m
+
+
+def in_circles(errors: Sequence[float], lost_rows: Sequence[bool]) -> float:
+    """Return the share of the time, 0 to 1, within each of the watch circles, averaged."""
+    seen = [error for error, gone in zip(errors, lost_rows, strict=True) if not gone]
+    hits = sum(1 for error in seen for radius in CIRCLES_M if error <= radius)
+    return hits / (len(errors) * len(CIRCLES_M)) if errors else math.nan
+
+
+def _power_share(window: ToolWindow) -> float:
+    forward, reverse = window.facts.limits_n
+    thrust = window.thrust[:, : window.facts.thrusters]
+    share = np.where(thrust > 0.0, thrust / forward, -thrust / reverse)
+    return mean((share * np.sqrt(share)).ravel().tolist())
+
+
+def _quality(window: ToolWindow) -> float:
+    held = in_circles(window.error_m, lost(window.rows).tolist())
+    return held * (1.0 - POWER_WEIGHT * _power_share(window))
+
+
+def _transient(window: ToolWindow) -> float:
+    errors = window.error_m
+    reached = next((at for at, error in enumerate(errors) if error <= REACHED_M), len(errors))
+    return reached * window.dt
+
+
+QUALITY: LevelMetric[ToolWindow] = LevelMetric(
+    name="quality",
+    label="Quality",
+    unit="",
+    better="higher",
+    meaning="share of the time in the watch circles, less a little for the power",
+    formula="mean over the radii "
+    + ", ".join(f"{radius:g}" for radius in CIRCLES_M)
+    + " m of the share of the control steps with s within the radius and the target not lost, "
+    f"times (1 - {POWER_WEIGHT:g} power_share)",
+    compute=_quality,
+)
+METRICS: tuple[LevelMetric[ToolWindow], ...] = (
+    QUALITY,
+    LevelMetric(
+        name="tool_rmse_m",
+        label="RMSE of the tool point",
+        unit="m",
+        better="lower",
+        formula="sqrt(sum s^2 / N)",
+        over=RMS,
+        compute=lambda window: root_mean_square(window.error_m),
+    ),
+    LevelMetric(
+        name="tool_p95_m",
+        label="95th percentile of the tool's error",
+        unit="m",
+        better="lower",
+        formula="95th percentile of s over the control steps, interpolated",
+        compute=lambda window: percentile(window.error_m, 0.95),
+    ),
+    LevelMetric(
+        name="transient_s",
+        label=f"Time until the tool is within {REACHED_M:g} m",
+        unit="s",
+        better="lower",
+        formula=f"first time with s <= {REACHED_M:g} m; the whole level if there is none",
+        compute=_transient,
+    ),
+    LevelMetric(
+        name="power_share",
+        label="Power",
+        unit="",
+        better="lower",
+        meaning="relative to all thrusters at full thrust",
+        formula="mean over control steps and thrusters of (abs(thrust) / its limit)^1.5",
+        compute=_power_share,
+    ),
+)
+GROUP = MetricGroup("Tool point, whole levels", METRICS)
