@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from typing import Any
 
 from flask_openapi3.blueprint import APIBlueprint
 from flask_openapi3.models.tag import Tag
 
 from seamark.server.api.schemas import BenchmarkPath, BenchmarkResponse, BenchmarksResponse
+from seamark.server.runs import submission
 from seamark.server.web.problems import Problem
+from seamark.server.web.services import services
 from seamark.sim import registry
 
 api = APIBlueprint(
@@ -45,7 +48,8 @@ def show(path: BenchmarkPath) -> dict[str, Any]:
         ],
         "role": found.role,
         "controllers": dict(found.built_in),
-        "ranked_trials": found.ranked_trials,
+        "ranked_trials": submission.ranked_trials(found, services().settings),
+        "protocol": None if found.protocol is None else asdict(found.protocol),
         "schema": found.schema(),
     }
 

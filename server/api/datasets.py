@@ -13,6 +13,7 @@ from flask_openapi3.models.tag import Tag
 from seamark.server.api import authorization
 from seamark.server.api.schemas import DatasetQuery, RunPath
 from seamark.server.runs.files import RunFiles
+from seamark.server.runs.seeds import seeds_hidden, trial_seeds
 from seamark.server.web.problems import Problem
 from seamark.server.web.services import services
 from seamark.sim import registry
@@ -37,17 +38,17 @@ _CONTENT: Any = {200: {"content": {"application/zip": {"schema": {"type": "strin
 def dataset(path: RunPath, query: DatasetQuery) -> Response:
     """Download images with poses, true corners, intrinsics and water properties.
 
-    Not available for ranked runs, whose seeds are hidden. `seamark dataset` renders larger data
-    sets, also without a run.
+    Not available for ranked runs of the first benchmark versions, whose seeds are hidden.
+    `seamark dataset` renders larger data sets, also without a run.
     """
     from seamark.sim.engine.dataset import Selection, archive  # noqa: PLC0415 (it loads OpenCV)
 
     view = authorization.run_for(path.run_id)
-    if view.seed is None:
+    if seeds_hidden(view):
         raise Problem(
             "conflict",
-            "The images of a ranked run would reveal its hidden seeds. Start a practice run with "
-            "the same configuration instead.",
+            f"The images of a ranked run would reveal the hidden seeds of {view.benchmark}, which "
+            "other runs have too. Start a practice run with the same configuration instead.",
         )
     rows = RunFiles(services().settings.data, view.id).rows_of_trial(query.trial)
     end = float("inf") if query.until is None else query.until
@@ -68,7 +69,8 @@ def dataset(path: RunPath, query: DatasetQuery) -> Response:
             headers={"Retry-After": str(_BUSY_RETRY_S)},
         )
     config = registry.benchmark(view.benchmark).restore(view.config)
-    pieces = archive(view.benchmark, config, rows, seed=view.seed, selection=selection)
+    seed = trial_seeds(view, services().settings)(query.trial)
+    pieces = archive(view.benchmark, config, rows, seed=seed, selection=selection)
     response = Response(_exclusively(pieces), content_type="application/zip")
     name = f"seamark-run-{view.id}-dataset.zip"
     response.headers.set("Content-Disposition", "attachment", filename=name)

@@ -14,7 +14,7 @@ from seamark.server.api import authorization
 from seamark.server.api.schemas import CameraQuery, LogQuery, RunPath, TelemetryQuery
 from seamark.server.programs import store
 from seamark.server.runs.files import RunFiles
-from seamark.server.runs.states import RunKind
+from seamark.server.runs.seeds import seeds_hidden
 from seamark.server.runs.views import RunView
 from seamark.server.web import caching
 from seamark.server.web.problems import Problem
@@ -24,7 +24,7 @@ from seamark.sim.recording import telemetry
 from seamark.sim.settings import grid
 
 CHUNK_ROWS = 500
-HIDDEN = "hidden"
+HIDDEN, DISCLOSED = "hidden", "of each trial in manifest.json"
 _SEED_KEYS = frozenset({"seed", "seeds", "hidden_seed", "trial_seed", "trial_seeds"})
 
 api = APIBlueprint(
@@ -68,7 +68,7 @@ def _csv(files: RunFiles, comments: list[str], start: int, stop: int) -> Iterato
 def _comments(view: RunView, rows: int) -> list[str]:
     benchmark = registry.benchmark(view.benchmark)
     solution = view.program_name or benchmark.solution_label_of(view.controller, view.config)
-    seed = HIDDEN if view.seed is None else view.seed
+    seed = view.seed if view.seed is not None else HIDDEN if seeds_hidden(view) else DISCLOSED
     return [
         f"Seamark run {view.id}: {view.benchmark}, {benchmark.role} {solution}",
         f"kind {view.kind}, seed {seed}, trials {view.trials}",
@@ -107,7 +107,11 @@ def metrics(path: RunPath) -> Response:
 
 @api.get("/runs/<int:run_id>/manifest.json", responses=_content("application/json", "object"))
 def manifest(path: RunPath) -> Response:
-    """Return the manifest: versions, configuration, seed and digest; 404 until there is one."""
+    """Return the manifest: versions, configuration, seed and digest; 404 until there is one.
+
+    `seeds` has the seed of each trial of a ranked run of a benchmark with fresh trials. Those of
+    the first benchmark versions stay hidden, because all of their ranked runs have the same ones.
+    """
     view = authorization.run_for(path.run_id)
     found = view.manifest or files_of(view).manifest()
     if found is None:
@@ -116,8 +120,8 @@ def manifest(path: RunPath) -> Response:
 
 
 def _without_hidden_seeds(value: Any, view: RunView) -> Any:
-    """Return the document without the hidden seeds of a ranked run."""
-    return _without_seeds(value) if view.kind == RunKind.RANKED else value
+    """Return the document, without its seeds if they are hidden."""
+    return _without_seeds(value) if seeds_hidden(view) else value
 
 
 def _without_seeds(value: Any) -> Any:

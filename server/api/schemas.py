@@ -64,7 +64,9 @@ class RunRequest(BaseModel):
         None, ge=0, le=SEED_MAX, description="Practice runs only; random if omitted"
     )
     trials: int = Field(1, ge=1, le=100, description="Practice runs only; fixed for ranked runs")
-    kind: Literal["practice", "ranked"] = Field("practice", description="ranked: hidden seeds")
+    kind: Literal["practice", "ranked"] = Field(
+        "practice", description="ranked: the benchmark's scenario and seeds"
+    )
     title: Text = Field("", max_length=TITLE_MAX)
     notes: Text = Field("", max_length=NOTES_MAX)
 

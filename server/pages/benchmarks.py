@@ -4,6 +4,8 @@ from flask import Blueprint, abort, redirect, render_template, url_for
 from flask.typing import ResponseReturnValue
 
 from seamark.server.pages import form_fields, guides
+from seamark.server.runs import submission
+from seamark.server.web.services import services
 from seamark.sim import registry, vehicles
 from seamark.sim.benchmarks.benchmark import Benchmark
 from seamark.sim.physics import constants
@@ -27,6 +29,7 @@ def show(name: str) -> ResponseReturnValue:
     return render_template(
         "benchmark/show.html",
         benchmark=benchmark,
+        ranked_trials=submission.ranked_trials(benchmark, services().settings),
         benchmarks=labels(),
         explanation=explanation,
         contents=contents,

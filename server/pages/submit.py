@@ -150,6 +150,8 @@ def _show(
             if benchmark.role in language.roles
         }
         used = None if g.viewer.owner is None else quota.used_by(session, g.viewer, settings)
+        ranked = can(g.viewer, Action.SUBMIT_RANKED)
+        ranked_day = quota.ranked_times(session, g.viewer, benchmark.name) if ranked else []
     return render_template(
         "submit/form.html",
         benchmark=benchmark,
@@ -170,7 +172,9 @@ def _show(
         default_language=DEFAULT_LANGUAGE,
         examples={name: starter.text() for name, starter in starters.items() if not refusals[name]},
         uploads=can(g.viewer, Action.UPLOAD),
-        ranked=can(g.viewer, Action.SUBMIT_RANKED),
+        ranked=ranked,
+        ranked_day=len(ranked_day),
+        ranked_trials=submission.ranked_trials(benchmark, settings),
         upload_refusal=None if None in refusals.values() else next(iter(refusals.values())),
         quota=used,
         settings=settings,

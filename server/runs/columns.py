@@ -33,7 +33,7 @@ class RunSpec(RowValues):
     benchmark: str
     kind: RunKind
     config: dict[str, Any]
-    seed: int | None  # None: ranked, on hidden seeds
+    seed: int | None  # None: ranked
     trials: int
     controller: str
     program_name: str | None

@@ -8,7 +8,7 @@ import math
 import time
 from dataclasses import dataclass
 
-from sqlalchemy import ColumnElement, Select, and_, func, or_, select
+from sqlalchemy import ColumnElement, and_, func, or_, select
 from sqlalchemy.orm import Session
 
 from seamark.server.accounts.permissions import Viewer
@@ -80,6 +80,18 @@ def ranked_ended() -> ColumnElement[bool]:
     return and_(Run.kind == RunKind.RANKED, or_(Run.state == RunState.SUCCEEDED, failed, cancelled))
 
 
+def ranked_times(session: Session, viewer: Viewer, benchmark: str) -> list[float]:
+    """Return when a user submitted the ranked runs of the last day that count, oldest first."""
+    live = and_(Run.kind == RunKind.RANKED, Run.state.in_(LIVE))
+    query = (
+        select(Run.queued_at)
+        .where(Run.user_id == viewer.user_id, Run.benchmark == benchmark)
+        .where(Run.queued_at > time.time() - _DAY_S, or_(live, ranked_ended()))
+        .order_by(Run.queued_at)
+    )
+    return list(session.scalars(query))
+
+
 def enforce_ranked(session: Session, viewer: Viewer, benchmark: str, settings: Settings) -> None:
     """Raise QuotaExceeded if a user may not submit another ranked run of a benchmark now.
 
@@ -87,7 +99,7 @@ def enforce_ranked(session: Session, viewer: Viewer, benchmark: str, settings: S
     """
     if _is_baseline(session, viewer):
         return
-    times = session.scalars(_ranked_since(viewer, benchmark, time.time() - _DAY_S)).all()
+    times = ranked_times(session, viewer, benchmark)
     if len(times) >= settings.ranked_day:
         wait_s = times[-settings.ranked_day] + _DAY_S - time.time()
         raise QuotaExceeded(
@@ -97,17 +109,6 @@ def enforce_ranked(session: Session, viewer: Viewer, benchmark: str, settings: S
             "nor runs that were cancelled before they started.",
             retry_after_s=max(1, math.ceil(wait_s)),
         )
-
-
-def _ranked_since(viewer: Viewer, benchmark: str, begin: float) -> Select[float]:
-    """Select when the ranked runs that count were submitted, oldest first."""
-    live = and_(Run.kind == RunKind.RANKED, Run.state.in_(LIVE))
-    return (
-        select(Run.queued_at)
-        .where(Run.user_id == viewer.user_id, Run.benchmark == benchmark)
-        .where(Run.queued_at > begin, or_(live, ranked_ended()))
-        .order_by(Run.queued_at)
-    )
 
 
 def _is_baseline(session: Session, viewer: Viewer) -> bool:

@@ -63,6 +63,11 @@ def trial_seeds(run: Seeded, settings: Settings) -> TrialSeeds:
     )
 
 
+def seeds_hidden(run: Seeded) -> bool:
+    """Return whether the seeds must not be shown, because other runs have the same ones."""
+    return run.seed is None and registry.benchmark(run.benchmark).protocol is None
+
+
 def submission_digest(run: Seeded) -> str:
     """Return the SHA-256 over what is evaluated, without the file's name, title and notes.
 

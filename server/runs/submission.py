@@ -158,6 +158,12 @@ def find_benchmark(name: str) -> Benchmark:
     return registry.benchmark(name)
 
 
+def ranked_trials(benchmark: Benchmark, settings: Settings) -> int:
+    """Return the number of trials of a ranked run."""
+    protocol = benchmark.protocol
+    return settings.ranked_trials if protocol is None else protocol.trials
+
+
 def require_permission(
     viewer: Viewer, *, kind: RunKind = RunKind.PRACTICE, uploads: bool = False
 ) -> None:
@@ -209,12 +215,6 @@ def _check_built_in(benchmark: Benchmark, controller: str, *, baseline: bool) ->
     raise SubmissionRejected(unknown + choice if controller else choice, field="controller")
 
 
-def _ranked_trials(benchmark: Benchmark, settings: Settings) -> int:
-    """Return the number of trials of a ranked run."""
-    protocol = benchmark.protocol
-    return settings.ranked_trials if protocol is None else protocol.trials
-
-
 def _row(valid: ValidSubmission, settings: Settings) -> Run:
     submission, viewer, program = (
         valid.submission,
@@ -231,7 +231,7 @@ def _row(valid: ValidSubmission, settings: Settings) -> Run:
         kind=submission.kind,
         config=valid.config.model_dump(mode="json"),
         seed=None if ranked else drawn,
-        trials=_ranked_trials(valid.benchmark, settings) if ranked else submission.trials,
+        trials=ranked_trials(valid.benchmark, settings) if ranked else submission.trials,
         controller=submission.controller,
         program_sha256=program.sha256 if program else None,
         program_name=program.name if program else None,

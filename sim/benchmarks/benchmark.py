@@ -111,8 +111,7 @@ class Benchmark:
     quick_settings: Mapping[str, object] = field(
         default_factory=dict
     )  # settings of the shortest run
-    ranked_trials: int = 10
-    # None: ranked runs have hidden seeds, the same for everybody (the first benchmark versions)
+    # None: the first versions, whose ranked runs all have the same hidden seeds
     protocol: RankedProtocol | None = None
     curve: Curve | None = None
 

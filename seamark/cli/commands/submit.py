@@ -16,7 +16,7 @@ from seamark.failures import PlatformFailed, UsageRefused
 @click.command()
 @click.argument("benchmark")
 @run_options
-@click.option("--ranked", is_flag=True, help="Run on the hidden seeds, for the leaderboard.")
+@click.option("--ranked", is_flag=True, help="Run on the benchmark's scenario and seeds, to rank.")
 @click.option("--title", default="", help="Title in the list of runs.")
 @click.option("--wait", is_flag=True, help="Wait until the run has ended.")
 @server_options

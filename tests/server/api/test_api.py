@@ -189,6 +189,39 @@ def test_the_hidden_seeds_of_a_ranked_run_are_never_shown(site: Site) -> None:
     assert "seed hidden" in shown[2]
 
 
+def test_the_seeds_of_a_ranked_run_on_fresh_water_are_disclosed(site: Site) -> None:
+    run_id = site.succeeded(kind="ranked", benchmark="currents-v2")
+
+    manifest, csv = (
+        site.call("owner", "GET", f"{RUNS}/{run_id}/{name}")
+        for name in ("manifest.json", "telemetry.csv")
+    )
+
+    assert manifest.get_json() == {"seed": 7, "trials": [{"seed": 9}]}
+    assert "seed of each trial in manifest.json" in csv.text
+
+
+def test_a_run_that_does_not_rank_says_why(site: Site) -> None:
+    claim = site.running(kind="ranked")
+    metrics = {"score": 1.0, "rankable": False, "not_ranked": "Trial 1: It drove away."}
+    site.finish(claim, metrics=metrics)
+
+    run = site.call("owner", "GET", f"{RUNS}/{claim.run_id}").get_json()
+
+    assert run["not_ranked"] == "Trial 1: It drove away."
+
+
+def test_a_benchmark_with_fresh_trials_says_how_many_there_are(site: Site) -> None:
+    first, second = (
+        site.call("owner", "GET", f"/api/v1/benchmarks/currents-{version}").get_json()
+        for version in ("v1", "v2")
+    )
+
+    assert (first["protocol"], first["ranked_trials"]) == (None, site.settings.ranked_trials)
+    protocol = second["protocol"]
+    assert second["ranked_trials"] == protocol["reference_trials"] + protocol["fresh_trials"]
+
+
 def test_events_resume_after_the_last_event_id(site: Site) -> None:
     run_id = site.queue()
     for progress in (0.1, 0.2, 0.3):
@@ -343,7 +376,19 @@ def test_a_data_set_has_no_more_images_than_the_web_server_renders(site: Site) -
     assert "2040 images" in problem_of(answer, 422, "invalid-request")["detail"]
 
 
-def test_a_ranked_run_has_no_data_set(site: Site) -> None:
+def test_a_ranked_run_on_fresh_water_has_a_data_set_with_the_seed_of_the_trial(site: Site) -> None:
+    run_id = site.succeeded(kind="ranked", benchmark="currents-v2")
+    site.record(run_id, rows=40)
+
+    answer = site.call("owner", "GET", f"{RUNS}/{run_id}/dataset.zip")
+
+    with zipfile.ZipFile(io.BytesIO(answer.data)) as archive:
+        (name,) = (name for name in archive.namelist() if name.endswith("manifest.json"))
+        manifest = json.loads(archive.read(name))
+    assert manifest["seed"] == 2026
+
+
+def test_a_ranked_run_of_a_first_version_has_no_data_set(site: Site) -> None:
     run_id = site.succeeded(kind="ranked")
     site.record(run_id, rows=40)
 
