@@ -26,6 +26,10 @@ VEHICLES = {
 CONTROLLERS = {
     "pi": "seamark.sim.control.position.pi:Controller",
     "p": "seamark.sim.control.position.p:Controller",
+    "pid": "seamark.sim.control.position.pid:Controller",
+    "pi-ff": "seamark.sim.control.position.pi_ff:Controller",
+    "smc": "seamark.sim.control.position.smc:Controller",
+    "lqr": "seamark.sim.control.position.lqr:Controller",
 }
 # Marks on the leaderboard, from the bottom to what thrust alone allows. Nobody can submit them.
 REFERENCE_CONTROLLERS = {

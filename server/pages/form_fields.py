@@ -6,6 +6,8 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 Schema = Mapping[str, Any]
+SOLUTION = "controller"  # the field of the solution, which is beside the settings
+SOLUTION_TITLE = "Solution"
 _LABEL_MAX = 22  # [character] that fit into one column of the form
 
 
@@ -122,7 +124,10 @@ def preset_of(schema: Schema, values: Mapping[str, object]) -> Mapping[str, obje
 
 
 def is_applicable(entry: Schema, values: Mapping[str, object]) -> bool:
-    """Return whether a setting has any effect with these values of other settings."""
+    """Return whether a setting has any effect with these values of other settings.
+
+    `values` may have the name of the solution under SOLUTION.
+    """
     return all(
         str(values.get(other)) in allowed for other, allowed in entry.get("x-applies", {}).items()
     )
@@ -130,8 +135,9 @@ def is_applicable(entry: Schema, values: Mapping[str, object]) -> bool:
 
 def _condition(schema: Schema, applies: Mapping[str, Sequence[str]]) -> str:
     """Return when a setting has an effect, such as "Tracker esm or visp"."""
+    titles = {name: entry["title"] for name, entry in schema["properties"].items()}
     return "; ".join(
-        f"{schema['properties'][other]['title']} {' or '.join(values)}"
+        f"{titles.get(other, SOLUTION_TITLE)} {' or '.join(values)}"
         for other, values in applies.items()
     )
 

@@ -77,12 +77,15 @@ def trials(metrics: Mapping[str, Any]) -> list[Mapping[str, Any]]:
     return found if len(found) > 1 else []
 
 
-def settings(schema: Mapping[str, Any], config: Mapping[str, Any]) -> dict[str, list[SettingValue]]:
-    """Return group -> settings of a run that have an effect."""
+def settings(
+    schema: Mapping[str, Any], config: Mapping[str, Any], controller: str
+) -> dict[str, list[SettingValue]]:
+    """Return group -> settings of a run that have an effect with its solution."""
+    chosen = {**config, form_fields.SOLUTION: controller}
     preset = form_fields.preset_of(schema, config)
     groups: dict[str, list[SettingValue]] = {}
     for name, entry in schema["properties"].items():
-        if name not in config or not form_fields.is_applicable(entry, config):
+        if name not in config or not form_fields.is_applicable(entry, chosen):
             continue
         text = form_fields.text_of(config[name])
         labels = {"true": "yes", "false": "no"} if entry["type"] == "boolean" else {}

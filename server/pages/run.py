@@ -48,7 +48,7 @@ def show(run_id: int) -> ResponseReturnValue:
         level_held_unit=benchmark.level_held_unit_of(config),
         trials=metric_tables.trials(run.metrics or {}),
         curve=level_chart.curve(benchmark, config, run, files),
-        settings=metric_tables.settings(benchmark.schema(), run.config),
+        settings=metric_tables.settings(benchmark.schema(), run.config, run.controller),
         page_data={
             "id": run.id,
             "live": not run.state.final,

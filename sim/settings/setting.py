@@ -57,6 +57,7 @@ def setting(  # noqa: PLR0913  # one keyword per schema keyword
     names
         Names that an expression may use; the setting is then the text of one, which may be empty.
     applies : mapping of another setting -> its values with which this one has an effect
+        "controller" stands for the solution of the run, which is no setting.
     """
     extras: dict[str, Any] = {"x-group": group, "x-role": role, "x-advanced": advanced}
     if unit:

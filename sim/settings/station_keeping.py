@@ -9,9 +9,12 @@ from seamark.sim.settings.current import CurrentSettings
 from seamark.sim.settings.custom_score import custom_score_setting
 from seamark.sim.settings.experiment import ExperimentSettings, experiment_setting
 from seamark.sim.settings.grid import SPEED, GridSettings
+from seamark.sim.settings.position_controllers import PositionControllerSettings
 
 
-class StationKeepingSettings(ExperimentSettings, GridSettings, CurrentSettings):
+class StationKeepingSettings(
+    PositionControllerSettings, ExperimentSettings, GridSettings, CurrentSettings
+):
     """A vehicle in closed loop above the target, in a current that grows from level to level."""
 
     levels: tuple[float, ...] = experiment_setting(

@@ -80,3 +80,17 @@ def test_every_option_of_a_tracker_says_with_which_trackers_it_applies() -> None
     for name in registry.TRACKERS:
         for option in option_names(name):
             assert name in SCHEMA["properties"][option]["x-applies"]["tracker"]
+
+
+def test_a_setting_of_a_position_controller_is_shown_with_the_controllers_that_use_it() -> None:
+    schema = registry.benchmark("currents-v1").schema()
+    fields = {
+        field.name: field
+        for group in form_fields.groups(schema, {}, {})
+        for field in (*group.basic, *group.advanced)
+    }
+
+    assert fields["pid_kd"].condition == "Solution pid"
+    assert fields["kp"].condition == "Solution p or pi or upload"
+    assert form_fields.is_applicable(schema["properties"]["pid_kd"], {"controller": "pid"})
+    assert not form_fields.is_applicable(schema["properties"]["pid_kd"], {"controller": "pi"})

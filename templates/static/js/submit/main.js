@@ -108,7 +108,7 @@ form.addEventListener("input", (event) => {
 });
 form.addEventListener("change", (event) => {
   if (event.target.name in presets) applyPresets();
-  else if (event.target.dataset.default !== undefined) showApplicable();
+  else if (event.target.dataset.default !== undefined || event.target.name === "controller") showApplicable();
   if (event.target.name === "kind") lockScenario();
 });
 form.addEventListener("submit", () => {

@@ -1,0 +1,178 @@
+"""Settings of the built-in position controllers, each shown with those that use it.
+
+Tags of the defaults: S sourced, D derived from sourced, E our estimate.
+"""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from seamark.sim.settings.configuration import Configuration
+from seamark.sim.settings.setting import setting
+
+UPLOAD = "upload"  # a program of the user's gets the whole configuration
+PI_SETTINGS = {  # of sim/settings/control_loop.py
+    "kp": ("p", "pi", UPLOAD),
+    "ki": ("pi", UPLOAD),
+    "control_heave": ("p", "pi", UPLOAD),
+}
+
+
+def position_setting(default: object, *controllers: str, **keywords: Any) -> Any:  # as `setting`
+    """Return a setting of these controllers."""
+    applies: dict[str, Sequence[str]] = {"controller": controllers}
+    return setting(
+        default, group="Position controller", role="solution", applies=applies, **keywords
+    )
+
+
+class PositionControllerSettings(Configuration):
+    """Gains and options of the controllers that only station keeping offers."""
+
+    @classmethod
+    def applies(cls, name: str) -> Mapping[str, Sequence[str]]:
+        """Return also which controllers use the gains of P and PI."""
+        users = PI_SETTINGS.get(name)
+        return {**super().applies(name), **({"controller": users} if users else {})}
+
+    heading_gain_1_s: float = position_setting(
+        0.5,
+        *("pid", "pi-ff", "smc", "lqr", UPLOAD),
+        title="Heading gain",
+        help="Yaw rate per radian of heading error.",
+        unit="1/s",
+        low=0,
+        high=2,
+        tag="E",
+        source="well below the heading hold's 2 rad/s",
+    )
+    pid_kp: float = position_setting(
+        1.0,
+        "pid",
+        title="Proportional gain of PID",
+        help="Velocity reference per metre of error.",
+        unit="1/s",
+        low=0,
+        high=5,
+        tag="E",
+        source="scan on seeds that no benchmark uses",
+    )
+    pid_ki: float = position_setting(
+        0.3,
+        "pid",
+        title="Integral gain of PID",
+        help="Change of the velocity reference per second and metre of error.",
+        unit="1/s²",
+        low=0,
+        high=5,
+        tag="E",
+        source="scan on seeds that no benchmark uses",
+    )
+    pid_kd: float = position_setting(
+        0.5,
+        "pid",
+        title="Derivative gain of PID",
+        help="Velocity reference against each m/s that the DVL measures.",
+        low=0,
+        high=5,
+        tag="E",
+        source="scan on seeds that no benchmark uses",
+    )
+    pi_ff_kp: float = position_setting(
+        0.8,
+        "pi-ff",
+        title="Proportional gain beside feed-forward",
+        help="Velocity reference per metre of error.",
+        unit="1/s",
+        low=0,
+        high=5,
+        tag="E",
+        source="scan on seeds that no benchmark uses",
+    )
+    pi_ff_ki: float = position_setting(
+        0.1,
+        "pi-ff",
+        title="Integral gain beside feed-forward",
+        help="Change of the velocity reference per second and metre of error.",
+        unit="1/s²",
+        low=0,
+        high=5,
+        tag="E",
+        source="scan on seeds that no benchmark uses",
+    )
+    pi_ff_observer_1_s: float = position_setting(
+        1.0,
+        "pi-ff",
+        title="Bandwidth of the disturbance observer",
+        help="How fast the estimate of the water's force follows.",
+        unit="1/s",
+        low=0,
+        high=10,
+        tag="E",
+        source="scan on seeds that no benchmark uses",
+    )
+    smc_surface_1_s: float = position_setting(
+        0.8,
+        "smc",
+        title="Sliding surface λ",
+        help="How fast the error decays on the sliding surface.",
+        unit="1/s",
+        above=0,
+        high=5,
+        tag="E",
+        source="scan on seeds that no benchmark uses",
+    )
+    smc_water_m_s2: float = position_setting(
+        0.1,
+        "smc",
+        title="Change of the water",
+        help="Greatest acceleration of the water that super-twisting has to follow.",
+        unit="m/s²",
+        low=0,
+        high=5,
+        tag="E",
+        source="scan on seeds that no benchmark uses",
+    )
+    smc_boundary_m_s: float = position_setting(
+        0.05,
+        "smc",
+        title="Boundary layer φ",
+        help="Distance from the surface within which a ramp replaces the switching.",
+        unit="m/s",
+        above=0,
+        high=1,
+        tag="E",
+        source="scan on seeds that no benchmark uses",
+    )
+    lqr_bandwidth_1_s: float = position_setting(
+        1.0,
+        "lqr",
+        title="Bandwidth of the regulator",
+        help="Natural frequency of the regulated error: the fourth root of the ratio of weights.",
+        unit="1/s",
+        above=0,
+        high=5,
+        tag="E",
+        source="scan on seeds that no benchmark uses",
+    )
+    lqr_water_m_s2: float = position_setting(
+        0.1,
+        "lqr",
+        title="Change of the water",
+        help="Noise density with which the Kalman filter lets the water accelerate.",
+        unit="m/s²/√Hz",
+        above=0,
+        high=5,
+        tag="E",
+        source="scan on seeds that no benchmark uses",
+    )
+    lqr_delay_s: float = position_setting(
+        0.0,
+        "lqr",
+        title="Delay of the images",
+        help="Age of an image that the Kalman filter assumes.",
+        unit="s",
+        low=0,
+        high=0.5,
+        tag="E",
+        source="scan on seeds that no benchmark uses",
+    )
