@@ -8,9 +8,11 @@ from sqlalchemy.orm import Session
 
 from seamark.server.accounts.permissions import Action, can
 from seamark.server.pages import benchmarks, level_chart, metric_tables
+from seamark.server.pages.ranked_parts import ranked_parts
 from seamark.server.runs import cancellation, results, submission, views
 from seamark.server.runs.files import RunFiles
 from seamark.server.runs.quota import QuotaExceeded
+from seamark.server.runs.states import RunKind
 from seamark.server.runs.submission import SubmissionRejected
 from seamark.server.runs.views import RunView
 from seamark.server.web import authentication
@@ -47,6 +49,8 @@ def show(run_id: int) -> ResponseReturnValue:
         headline=benchmark.headline_of(config),
         level_held_unit=benchmark.level_held_unit_of(config),
         trials=metric_tables.trials(run.metrics or {}),
+        parts=ranked_parts(run.metrics or {}),
+        protocol=benchmark.protocol if run.kind is RunKind.RANKED else None,
         curve=level_chart.curve(benchmark, config, run, files),
         settings=metric_tables.settings(benchmark.schema(), run.config, run.controller),
         page_data={

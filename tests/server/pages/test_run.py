@@ -146,3 +146,56 @@ def test_page_and_api_publish_the_same_when_a_run_is_cancelled(site: Site, redis
         ]
     assert published[0] == published[1]
     assert len(published[0]) == 2
+
+
+def _two_parts(gap: dict[str, float | None]) -> dict[str, Any]:
+    """Metrics of a ranked run on reference and fresh water."""
+    return {
+        "score": 0.5,
+        "score_low": 0.45,
+        "score_high": 0.55,
+        "reference": {"score": 0.92, "score_low": 0.9, "score_high": 0.94},
+        "gap": gap,
+        "trials": [
+            {"trial": 0, "score": 0.92, "level_held": 0.1, "part": "reference", "levels": []},
+            {"trial": 1, "score": 0.5, "level_held": 0.1, "part": "fresh", "levels": []},
+        ],
+        "levels": [{"level": 0, "speed": 0.1}],
+    }
+
+
+@pytest.mark.parametrize(
+    ("gap", "sentence"),
+    [
+        ({"value": 0.42, "low": 0.3, "high": 0.54}, "lies above 0"),
+        ({"value": 0.42, "low": -0.1, "high": 0.94}, "contains 0"),
+        ({"value": -0.42, "low": -0.5, "high": -0.34}, "lies below 0"),
+    ],
+)
+def test_a_run_on_fresh_water_shows_its_parts_and_what_the_gap_says(
+    site: Site, gap: dict[str, float | None], sentence: str
+) -> None:
+    claim = site.running("ann", kind="ranked", benchmark="currents-v2")
+    assert site.finish(claim, metrics=_two_parts(gap))
+
+    page = _page(site, claim.run_id)
+
+    assert "0.92" in page
+    assert "0.90 to 0.94" in page
+    assert f"{gap['low']:.2f} to".replace("-", "−") in page
+    assert sentence in page
+    assert [part in page for part in (">reference</span>", ">fresh</span>")] == [True, True]
+
+
+def test_a_run_without_two_parts_does_not_mention_them(site: Site) -> None:
+    page = _page(site, site.succeeded("ann", kind="ranked"))
+
+    assert "Generalisation gap" not in page
+
+
+def test_a_run_that_does_not_rank_shows_why(site: Site) -> None:
+    claim = site.running("ann", kind="ranked")
+    metrics = {"score": 1.0, "rankable": False, "not_ranked": "Trial 9: It drove <away>."}
+    assert site.finish(claim, metrics=metrics)
+
+    assert "not ranked. Trial 9: It drove &lt;away&gt;." in _page(site, claim.run_id)
