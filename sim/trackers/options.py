@@ -84,3 +84,13 @@ SEARCH_PX = number_option(
     help="Maximum distance from the last position at which the target is searched.",
     unit="px",
 )
+LARGEST_JUMP = 1.0 / 3.0  # E: of the target's longer side
+MAX_JUMP = number_option(
+    "max_jump",
+    LARGEST_JUMP,
+    low=0.1,
+    high=10,
+    title="Largest jump",
+    help="A corner that moved farther from one image to the next is a loss, in multiples of the "
+    "target's longer side.",
+)

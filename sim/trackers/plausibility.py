@@ -6,15 +6,22 @@ The template tracker has these rules in its compiled code (sim/trackers/template
 import numpy as np
 
 from seamark.sim.trackers.interface import Corners
-from seamark.sim.trackers.template.frame_step import MAX_AREA_RATIO, MAX_JUMP
+from seamark.sim.trackers.options import LARGEST_JUMP
+from seamark.sim.trackers.template.frame_step import MAX_AREA_RATIO
 from seamark.sim.trackers.template.warps import is_convex, signed_area
 
 
 class PlausibilityGate:
     """Accepts or rejects corners by comparing them with the last accepted ones."""
 
-    def __init__(self, corners: Corners) -> None:
+    def __init__(self, corners: Corners, *, max_jump: float = LARGEST_JUMP) -> None:
         """Start from true corners (4, 2) [px].
+
+        Parameters
+        ----------
+        max_jump : float
+            Largest plausible motion of a corner from one image to the next, in multiples of the
+            longer side at the start.
 
         Raises
         ------
@@ -29,7 +36,7 @@ class PlausibilityGate:
         self.last = corners
         self._area = float(signed_area(corners))
         sides = np.sqrt(((corners - np.roll(corners, 1, axis=0)) ** 2).sum(axis=1))
-        self._jump = MAX_JUMP * float(sides.max())
+        self._jump = max_jump * float(sides.max())
 
     def accept(self, corners: Corners) -> bool:
         """Return whether these corners are plausible; if so, they become the last ones."""

@@ -6,7 +6,7 @@ from seamark.sim.trackers.declaration import (
     TrackerDeclaration,
     number_option,
 )
-from seamark.sim.trackers.options import PREDICT_MOTION, WARP
+from seamark.sim.trackers.options import MAX_JUMP, PREDICT_MOTION, WARP
 
 
 def _unsupported(values: OptionValues) -> Errors:
@@ -32,6 +32,7 @@ TRACKER = TrackerDeclaration(
             help="ECC: maximum for each image.",
         ),
         PREDICT_MOTION,
+        MAX_JUMP,
     ),
     exact=False,
     unsupported=_unsupported,

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seamark.sim.trackers.interface import Corners, Track, Window
+from seamark.sim.trackers.options import LARGEST_JUMP
 from seamark.sim.trackers.plausibility import PlausibilityGate
 
 LOWEST_CORRELATION = 0.5  # E: as for the template tracker
@@ -53,14 +54,16 @@ class EccTracker:
         warp: str = "homography",
         ecc_iterations: int = 20,
         predict_motion: bool = True,
+        max_jump: float = LARGEST_JUMP,
     ) -> None:
+        self._max_jump = max_jump
         self._motion, self._predict = _MOTIONS[warp], predict_motion
         self._until = (cv2.TERM_CRITERIA_EPS | cv2.TERM_CRITERIA_COUNT, ecc_iterations, STOP)
         self._shape = (0, 0)
 
     def start(self, image: Image, corners: Corners) -> None:
         """Extract the box around the corners (4, 2) from a whole image (H, W)."""
-        self._gate = PlausibilityGate(corners)
+        self._gate = PlausibilityGate(corners, max_jump=self._max_jump)
         self._shape = image.shape
         height, width = image.shape
         low = np.floor(corners.min(axis=0)) - SURROUNDINGS_PX

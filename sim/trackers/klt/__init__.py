@@ -7,7 +7,7 @@ from seamark.sim.trackers.declaration import (
     TrackerDeclaration,
     number_option,
 )
-from seamark.sim.trackers.options import WARP
+from seamark.sim.trackers.options import MAX_JUMP, WARP
 
 
 def _unsupported(values: OptionValues) -> Errors:
@@ -41,6 +41,7 @@ TRACKER = TrackerDeclaration(
             choices={"first": "The first image", "previous": "The previous image"},
             advanced=True,
         ),
+        MAX_JUMP,
     ),
     exact=False,
     unsupported=_unsupported,

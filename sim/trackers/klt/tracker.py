@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seamark.sim.trackers.interface import Corners, Track, Window
+from seamark.sim.trackers.options import LARGEST_JUMP
 from seamark.sim.trackers.plausibility import PlausibilityGate
 
 MIN_POINTS = 8  # E: among fewer, four outliers can outvote the rest
@@ -30,14 +31,20 @@ class KltTracker:
     """Lucas-Kanade flow of good features, then RANSAC; from the first or the previous image."""
 
     def __init__(
-        self, *, warp: str = "homography", klt_points: int = 80, klt_from: str = "first"
+        self,
+        *,
+        warp: str = "homography",
+        klt_points: int = 80,
+        klt_from: str = "first",
+        max_jump: float = LARGEST_JUMP,
     ) -> None:
+        self._max_jump = max_jump
         self._warp, self._max_points, self._from_first = warp, klt_points, klt_from == "first"
         self._shape = (0, 0)
 
     def start(self, image: NDArray[np.uint8], corners: Corners) -> None:
         """Choose the points inside the corners (4, 2) of a whole image (H, W)."""
-        self._gate = PlausibilityGate(corners)
+        self._gate = PlausibilityGate(corners, max_jump=self._max_jump)
         self._shape = image.shape
         self._old = image.copy()
         self._h = np.eye(3)

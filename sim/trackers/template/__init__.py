@@ -1,8 +1,9 @@
 """The template tracker: Gauss-Newton alignment of a textured plane."""
 
-from seamark.sim.trackers.declaration import TrackerDeclaration, number_option
+from seamark.sim.trackers.declaration import Option, TrackerDeclaration, number_option
 from seamark.sim.trackers.options import (
     CRITERION,
+    MAX_JUMP,
     METHOD,
     PREDICT_MOTION,
     PYRAMID_LEVELS,
@@ -59,5 +60,22 @@ TRACKER = TrackerDeclaration(
             help="How far a lost target is searched, growing with each image; 0: no search.",
             unit="px",
         ),
+        Option(
+            name="smoothing",
+            default="patch",
+            title="Smoothing",
+            help="What the 3x3 binomial mask is applied to. Interpolation errs less between smooth "
+            "pixels.",
+            choices={"patch": "The sampled template", "image": "The image before sampling"},
+            advanced=True,
+        ),
+        Option(
+            name="second_search",
+            default=False,
+            title="Second search",
+            help="Whether a doubtful result is searched for again, from coarser pyramid levels on.",
+            advanced=True,
+        ),
+        MAX_JUMP,
     ),
 )

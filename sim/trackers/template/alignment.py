@@ -7,6 +7,8 @@ ESM (Benhimane & Malis 2007); the template's gradient alone gives the inverse, t
 forward method (Baker & Matthews 2004), because for a group the inverse of exp(d) is exp(-d).
 """
 
+from typing import NamedTuple
+
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
@@ -28,7 +30,6 @@ from seamark.sim.trackers.template.level_buffers import (
     TEMPLATE,
     UNIT,
     PyramidLevel,
-    SearchSettings,
 )
 from seamark.sim.trackers.template.mutual_information import (
     FINE_BINS,
@@ -67,20 +68,34 @@ _STOP_FACTOR = 0.2
 SSD, ZNCC, MI = range(3)
 
 
+class Stage(NamedTuple):
+    """Settings of the alignment on one pyramid level."""
+
+    basis: Matrix  # (8, n) of the warp
+    criterion: int  # SSD, ZNCC, MI
+    weight: float  # of the image's own gradient: 0.5 ESM, 0 inverse, 1 forward
+    is_additive: bool  # whether parameters are added instead of warps composed
+    iterations: int  # at most
+    stop_px: float  # stop when no corner moves farther
+    smooth: bool  # whether the patch is smoothed; if not, the image already is
+
+
 @njit(cache=True, nogil=True, error_model="numpy")
 def extract_patch(
-    image: Image, bounds: NDArray[np.float64], h: Matrix, level: PyramidLevel
+    image: Image, bounds: NDArray[np.float64], h: Matrix, level: PyramidLevel, smooth: bool
 ) -> None:
-    """Sample and smooth the image under the homography into the level's patch."""
+    """Sample the image under the homography into the level's patch, and smooth it if asked to."""
     planes = level.planes
+    if not smooth:
+        warp_patch(image, bounds, h, level.frame[UNIT], level.columns, planes[PATCH])
+        return
     warp_patch(image, bounds, h, level.frame[UNIT], level.columns, planes[RAW])
     blur(planes[RAW], int(level.frame[COLUMNS]) + 2, planes[PATCH])
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def zncc(image: Image, bounds: NDArray[np.float64], h: Matrix, level: PyramidLevel) -> float:
-    """Return the ZNCC of the template with the image under the homography."""
-    extract_patch(image, bounds, h, level)
+def zncc(level: PyramidLevel) -> float:
+    """Return the ZNCC of the template with the level's patch."""
     own = (level.frame[MEAN], level.frame[SIGMA])
     planes = level.planes
     count = int(level.frame[COUNT])
@@ -148,8 +163,7 @@ def _update(
     h: Matrix,
     d: NDArray[np.float64],
     frame: NDArray[np.float64],
-    search: SearchSettings,
-    group: int,
+    stage: Stage,
 ) -> None:
     """Replace h by h N E(d) N^-1, scaled to h[2, 2] = 1."""
     scale, column, row = frame[SCALE], frame[COLUMN], frame[ROW]
@@ -159,8 +173,8 @@ def _update(
         t[i, 0] = h[i, 0] * scale
         t[i, 1] = h[i, 1] * scale
         t[i, 2] = h[i, 0] * column + h[i, 1] * row + h[i, 2]
-    if search.is_additive:
-        additive(d, group, t, e)
+    if stage.is_additive:
+        additive(d, stage.basis.shape[1], t, e)
     else:
         exponential(d, e)
     u = np.empty((3, 3))
@@ -198,8 +212,7 @@ def align(
     bounds: NDArray[np.float64],
     h: Matrix,
     level: PyramidLevel,
-    search: SearchSettings,
-    coarse: bool,
+    stage: Stage,
 ) -> tuple[int, bool]:
     """Improve h (template px -> image px) in place; return iterations and whether h is valid."""
     a = np.empty((8, 8))
@@ -208,20 +221,17 @@ def align(
     rim = np.empty((4, 2))
     before = np.empty((4, 2))
     after = np.empty((4, 2))
-    basis = search.coarse_basis if coarse else search.basis
-    criterion = search.coarse_criterion if coarse else search.criterion
-    iterations = search.coarse_iterations if coarse else search.fine_iterations
-    stop_px = search.stop_px * (1.0 if criterion == ZNCC else _STOP_FACTOR)
+    stop_px = stage.stop_px * (1.0 if stage.criterion == ZNCC else _STOP_FACTOR)
     _template_corners(level, rim)
     apply(h, rim, before)
-    for done in range(1, iterations + 1):
-        extract_patch(image, bounds, h, level)
-        _equations(level, search.weight, criterion, a, g)
-        if not _step(a, g, basis, d):
+    for done in range(1, stage.iterations + 1):
+        extract_patch(image, bounds, h, level, stage.smooth)
+        _equations(level, stage.weight, stage.criterion, a, g)
+        if not _step(a, g, stage.basis, d):
             return done, False
         for q in range(8):
             d[q] = min(max(d[q] / level.frame[SCALE], -1.0), 1.0)
-        _update(h, d, level.frame, search, basis.shape[1])
+        _update(h, d, level.frame, stage)
         apply(h, rim, after)
         largest = _largest_step(before, after)
         if largest == np.inf:
@@ -229,7 +239,7 @@ def align(
         before[:] = after
         if largest < stop_px:
             return done, True
-    return iterations, True
+    return stage.iterations, True
 
 
 def set_template(level: PyramidLevel, weight: float, criterion: int) -> None:

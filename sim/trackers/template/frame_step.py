@@ -11,24 +11,20 @@ from numba import njit
 from numpy.typing import NDArray
 
 from seamark.sim.trackers.interface import Window
-from seamark.sim.trackers.template.alignment import align, extract_patch, zncc
 from seamark.sim.trackers.template.level_buffers import (
-    COLUMNS,
     SCALE,
     Numbers,
     PlaneStore,
     PyramidLevels,
     SearchSettings,
-    pyramid_level,
     unpack_search,
 )
 from seamark.sim.trackers.template.patches import Matrix
-from seamark.sim.trackers.template.pyramid import (
-    SummedImage,
-    from_pyramid_level,
-    full_bounds,
-    pyramid,
-    to_pyramid_level,
+from seamark.sim.trackers.template.pyramid import Images, resolutions
+from seamark.sim.trackers.template.pyramid_alignment import (
+    align_pyramid,
+    grid_search,
+    search_again,
 )
 from seamark.sim.trackers.template.warps import apply, inverse, is_convex, multiply, signed_area
 
@@ -36,13 +32,15 @@ LOWEST_CORRELATION = 0.5  # E: chance alignments on noise reach 0.3 to 0.4
 # E: the best of some hundred positions is more often similar by chance than a single one.
 LOWEST_CORRELATION_REACQUIRE = 0.7
 MAX_AREA_RATIO = 4.0  # E: of the area at the start, both ways
-MAX_JUMP = 1.0 / 3.0  # of the template's longer side, from one image to the next
+# E: a result is doubtful, and searched for again, when 1 - ZNCC grew by more than this since the
+# target was last seen: a wrong one in clear water has a ZNCC of at most 0.95.
+DOUBT_FACTOR, DOUBT_OFFSET = 2.0, 0.02
 # The search margin follows the last prediction error: E, four times the error, at least 8 px.
 MIN_SEARCH_PX = 8.0
 PREDICTION_ERROR_FACTOR = 4.0
 REACH_GROWTH = 1.5  # E: of the search margin, for each image without the target
 
-SEARCH, SEARCH_LIMIT, MARGIN, REACQUIRE = range(4)
+SEARCH, SEARCH_LIMIT, MARGIN, REACQUIRE, SEARCH_LEAST = range(5)
 
 
 class TrackerState(NamedTuple):
@@ -52,9 +50,12 @@ class TrackerState(NamedTuple):
     motion: Matrix  # (3, 3) of the last image, in template coordinates
     template_corners: Matrix  # (4, 2) the target's corners in template px
     last: Matrix  # (4, 2) [px] corners where the target was last seen
-    reach: Numbers  # (4,) [px] search margin, its limit, margin of the template, limit after a loss
+    # (5,) [px] search margin, its limit, margin of the template, limit after a loss, least margin
+    reach: Numbers
     lost: Numbers  # (1,) images since the target was last seen
+    similarity: Numbers  # (1,) ZNCC when the target was last seen
     area: float  # [px^2] of the target in the first image
+    max_jump: float  # largest motion of a corner between images, in the template's longer sides
     predict: bool  # whether constant velocity is predicted
 
 
@@ -66,10 +67,12 @@ def unpack_state(numbers: Numbers) -> TrackerState:
         numbers[9:18].reshape(3, 3),
         numbers[18:26].reshape(4, 2),
         numbers[26:34].reshape(4, 2),
-        numbers[34:38],
-        numbers[38:39],
-        numbers[39],
-        numbers[40] != 0.0,
+        numbers[34:39],
+        numbers[39:40],
+        numbers[40:41],
+        numbers[41],
+        numbers[42],
+        numbers[43] != 0.0,
     )
 
 
@@ -123,101 +126,6 @@ def next_window(state: Numbers, width: int, height: int) -> Window:
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _similarity_at(
-    image: NDArray[np.uint8],
-    small: tuple[SummedImage, SummedImage, SummedImage],
-    window: Window,
-    h: Matrix,
-    levels: PyramidLevels,
-    k: int,
-) -> float:
-    """Return the ZNCC of level k with the image under h (of level 0)."""
-    low = np.empty((3, 3))
-    to_pyramid_level(h, k, window, low)
-    if k == 0:
-        return zncc(image, _bounds(window), low, pyramid_level(levels, 0))
-    return zncc(small[k - 1], full_bounds(small[k - 1]), low, pyramid_level(levels, k))
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def _bounds(window: Window) -> NDArray[np.float64]:
-    bounds = np.empty(4)
-    for k in range(4):
-        bounds[k] = window[k]
-    return bounds
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def _align_pyramid(
-    image: NDArray[np.uint8],
-    small: tuple[SummedImage, SummedImage, SummedImage],
-    window: Window,
-    h: Matrix,
-    levels: PyramidLevels,
-    search: SearchSettings,
-) -> tuple[int, bool, float]:
-    """Improve h on all levels; return iterations, validity and the final ZNCC.
-
-    The ZNCC is that of level 1, where the noise is a quarter as strong. Nothing outside the window
-    is read.
-    """
-    low = np.empty((3, 3))
-    done = 0
-    for k in range(search.levels - 1, 0, -1):
-        to_pyramid_level(h, k, window, low)
-        level = pyramid_level(levels, k)
-        more, sane = align(small[k - 1], full_bounds(small[k - 1]), low, level, search, True)
-        done += more
-        if not sane:
-            return done, False, 0.0
-        from_pyramid_level(low, k, window, h)
-    more, sane = align(image, _bounds(window), h, pyramid_level(levels, 0), search, False)
-    if not sane:
-        return done + more, False, 0.0
-    return (
-        done + more,
-        True,
-        _similarity_at(image, small, window, h, levels, min(1, search.levels - 1)),
-    )
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def _grid_search(
-    image: NDArray[np.uint8],
-    small: tuple[SummedImage, SummedImage, SummedImage],
-    window: Window,
-    h: Matrix,
-    levels: PyramidLevels,
-    search: SearchSettings,
-    radius: float,
-) -> None:
-    """Move h to the position with the best ZNCC on a grid around the last one.
-
-    The spacing is a quarter of the template's shorter side, so the alignment converges from the
-    nearest point.
-    """
-    k = min(1, search.levels - 1)
-    pitch = np.sqrt(h[0, 0] * h[0, 0] + h[1, 0] * h[1, 0])  # image px per template px
-    finest = pyramid_level(levels, 0)
-    shorter = min(finest.ys.shape[0], finest.frame[COLUMNS]) * pitch
-    step = min(max(0.25 * shorter, 2.0), 12.0)
-    count = int(radius / step)
-    best = -2.0
-    start = h.copy()
-    there = np.empty((3, 3))
-    for row in range(-count, count + 1):
-        for column in range(-count, count + 1):
-            for j in range(3):
-                there[0, j] = start[0, j] + column * step * start[2, j]
-                there[1, j] = start[1, j] + row * step * start[2, j]
-                there[2, j] = start[2, j]
-            similarity = _similarity_at(image, small, window, there, levels, k)
-            if similarity > best:
-                best = similarity
-                h[:] = there
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
 def _largest_difference(a: Matrix, b: Matrix) -> float:
     """Return the largest absolute difference; inf if one is not finite."""
     most = 0.0
@@ -242,7 +150,9 @@ def _plausible(corners: Matrix, state: TrackerState, jump: float) -> bool:
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _accept(state: TrackerState, h: Matrix, corners: Matrix, expected: Matrix) -> None:
+def _accept(
+    state: TrackerState, h: Matrix, corners: Matrix, expected: Matrix, similar: float
+) -> None:
     """Accept a result; the prediction error sets the next search margin."""
     if state.lost[0] > 0:
         _reset_motion(state)
@@ -253,8 +163,9 @@ def _accept(state: TrackerState, h: Matrix, corners: Matrix, expected: Matrix) -
     state.homography[:] = h
     state.last[:] = corners
     state.lost[0] = 0
+    state.similarity[0] = similar
     margin = PREDICTION_ERROR_FACTOR * _largest_difference(corners, expected)
-    state.reach[SEARCH] = min(max(margin, MIN_SEARCH_PX), state.reach[SEARCH_LIMIT])
+    state.reach[SEARCH] = min(max(margin, state.reach[SEARCH_LEAST]), state.reach[SEARCH_LIMIT])
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -279,6 +190,35 @@ def _mark_lost(state: TrackerState) -> None:
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
+def _second_search(
+    images: Images,
+    known: TrackerState,
+    levels: PyramidLevels,
+    search: SearchSettings,
+    start: Matrix,
+    similar: float,
+    jump: float,
+    h: Matrix,
+) -> tuple[int, float]:
+    """Replace h where a doubtful result has a better one; return iterations and the ZNCC.
+
+    `similar` is the ZNCC of h, or 0 if h is not plausible. The best of several alignments is more
+    often similar by chance than a single one, so its ZNCC must be higher.
+    """
+    enough = 1.0 - (DOUBT_FACTOR * (1.0 - known.similarity[0]) + DOUBT_OFFSET)
+    if similar >= enough:
+        return 0, similar
+    other, corners = np.empty((3, 3)), np.empty((4, 2))
+    done, best = search_again(images, start, levels, search, enough, other)
+    if best > max(similar, LOWEST_CORRELATION_REACQUIRE):
+        apply(other, known.template_corners, corners)
+        if _plausible(corners, known, jump):
+            h[:] = other
+            return done, best
+    return done, similar
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
 def track_frame(  # fewer arguments would have to be packed and unpacked
     image: NDArray[np.uint8],
     window: Window,
@@ -296,34 +236,30 @@ def track_frame(  # fewer arguments would have to be packed and unpacked
     h = np.empty((3, 3))
     expected = np.empty((4, 2))
     corners = np.empty((4, 2))
-    small = pyramid(image, window, search.levels)
+    images = resolutions(image, window, search.levels, search.smooth_image)
     _predict_homography(known, h)
     apply(h, known.template_corners, expected)
-    jump = MAX_JUMP * 2.0 * level_numbers[0, SCALE]
+    jump = known.max_jump * 2.0 * level_numbers[0, SCALE]
     lowest = LOWEST_CORRELATION
     if known.lost[0] > 0 and known.reach[REACQUIRE] > 0.0:
         lowest = LOWEST_CORRELATION_REACQUIRE
         jump += known.reach[SEARCH]
-        _grid_search(image, small, window, h, levels, search, known.reach[SEARCH])
-    iterations, sane, similar = _align_pyramid(image, small, window, h, levels, search)
+        grid_search(images, h, levels, search, known.reach[SEARCH])
+    start = h.copy()
+    iterations, sane, similar = align_pyramid(images, h, levels, search)
     apply(h, known.template_corners, corners)
     found = sane and similar >= lowest and _plausible(corners, known, jump)
+    if search.second_levels > 0:
+        more, again = _second_search(
+            images, known, levels, search, start, similar if found else 0.0, jump, h
+        )
+        iterations += more
+        if again > 0.0:
+            found, similar = True, again
+            apply(h, known.template_corners, corners)
     if found:
-        _accept(known, h, corners, expected)
+        _accept(known, h, corners, expected, similar)
     else:
         _mark_lost(known)
     ahead = _window(known, image.shape[1], image.shape[0])
     return found, similar, iterations, ahead
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def extract_templates(
-    image: NDArray[np.uint8], window: Window, h: Matrix, levels: PyramidLevels, count: int
-) -> None:
-    """Extract the patches of all levels from the image in which the target is known."""
-    small = pyramid(image, window, count)
-    extract_patch(image, _bounds(window), h, pyramid_level(levels, 0))
-    low = np.empty((3, 3))
-    for k in range(1, count):
-        to_pyramid_level(h, k, window, low)
-        extract_patch(small[k - 1], full_bounds(small[k - 1]), low, pyramid_level(levels, k))

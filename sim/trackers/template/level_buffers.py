@@ -51,6 +51,8 @@ class SearchSettings(NamedTuple):
     coarse_iterations: int
     fine_iterations: int
     stop_px: float  # stop when no corner moves farther
+    second_levels: int  # pyramid levels of the second search; 0: there is none
+    smooth_image: bool  # whether the image is smoothed before it is sampled, or the patch after
 
 
 def pack_search(search: SearchSettings) -> Numbers:
@@ -62,7 +64,7 @@ def pack_search(search: SearchSettings) -> Numbers:
 @njit(cache=True, nogil=True, error_model="numpy")
 def unpack_search(numbers: Numbers) -> SearchSettings:
     """Return the settings that `pack_search` packed."""
-    first = 8
+    first = 10
     coarse = int(numbers[first])
     second = first + 1 + 8 * coarse
     fine = int(numbers[second])
@@ -77,6 +79,8 @@ def unpack_search(numbers: Numbers) -> SearchSettings:
         int(numbers[5]),
         int(numbers[6]),
         numbers[7],
+        int(numbers[8]),
+        numbers[9] != 0.0,
     )
 
 

@@ -37,6 +37,8 @@ Image = NDArray[np.uint8] | NDArray[np.uint16]  # coarser levels are sums of pix
 
 NUMBERS, XS, MASK = 0, 1, 2  # rows of a level's columns: 0, 1, 2...; normalised; 1 inside, 0 beyond
 
+SMOOTH_SUM = 16  # of the weights of the 3x3 binomial mask
+
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _gather(image: Image, at: NDArray[np.int32], words: NDArray[np.uint32]) -> None:
@@ -150,6 +152,32 @@ def halve(image: Image, x0: int, y0: int, out: NDArray[np.uint16]) -> None:
                 + np.uint32(upper[k1])
                 + np.uint32(lower[k])
                 + np.uint32(lower[k1])
+            )
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def smooth_window(image: Image, x0: int, y0: int, out: NDArray[np.uint16]) -> None:
+    """Write SMOOTH_SUM times the image from column x0 and row y0 on, smoothed.
+
+    The mask is the 3x3 binomial; the sums are exact. Pixels at the rim of `out` count again for
+    those beyond.
+    """
+    rows, columns = out.shape
+    sums = np.empty(columns + 2, np.uint16)
+    inner = sums[1 : columns + 1]
+    for r in range(rows):
+        above = image[y0 + max(r - 1, 0), x0 : x0 + columns]
+        middle = image[y0 + r, x0 : x0 + columns]
+        below = image[y0 + min(r + 1, rows - 1), x0 : x0 + columns]
+        for c in range(columns):
+            inner[c] = np.uint16(
+                np.uint32(above[c]) + np.uint32(2) * np.uint32(middle[c]) + np.uint32(below[c])
+            )
+        sums[0], sums[columns + 1] = sums[1], sums[columns]
+        left, right, row = sums[:columns], sums[2:], out[r]
+        for c in range(columns):
+            row[c] = np.uint16(
+                np.uint32(left[c]) + np.uint32(2) * np.uint32(inner[c]) + np.uint32(right[c])
             )
 
 

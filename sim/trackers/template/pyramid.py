@@ -5,19 +5,43 @@ level sums the one before. Pixel centres are at whole numbers, so pixel i of a l
 2 i + 1/2 of the level below it; the same holds for the template's pixels.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
 from seamark.sim.trackers.interface import Window
-from seamark.sim.trackers.template.patches import Matrix, halve
+from seamark.sim.trackers.template.patches import Matrix, halve, smooth_window
 
 MAX_LEVELS = 4  # an eighth of the resolution; sums of 64 pixels fit into 16 bits
 SummedImage = NDArray[np.uint16]
 
 
+class Images(NamedTuple):
+    """One image at all resolutions; of the first, only the window is read."""
+
+    whole: NDArray[np.uint8]  # (H, W)
+    smooth: SummedImage  # the window, smoothed and times 16; empty if the patches are smoothed
+    small: tuple[SummedImage, SummedImage, SummedImage]  # levels 1, 2 and 3 of the window
+    window: Window
+
+
 @njit(cache=True, nogil=True, error_model="numpy")
-def pyramid(
+def resolutions(
+    image: NDArray[np.uint8], window: Window, levels: int, smooth_image: bool
+) -> Images:
+    """Return an image on the given number of pyramid levels."""
+    x0, y0, x1, y1 = window
+    size = (y1 - y0, x1 - x0) if smooth_image else (0, 0)
+    smooth = np.empty(size, np.uint16)
+    if smooth_image:
+        smooth_window(image, x0, y0, smooth)
+    return Images(image, smooth, _halved(image, window, levels), window)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _halved(
     image: NDArray[np.uint8], window: Window, levels: int
 ) -> tuple[SummedImage, SummedImage, SummedImage]:
     """Return the levels 1, 2 and 3 of the window; further ones than `levels` are empty."""

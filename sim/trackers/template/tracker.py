@@ -4,22 +4,26 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seamark.sim.trackers.interface import Corners, Track, Window
+from seamark.sim.trackers.options import LARGEST_JUMP
 from seamark.sim.trackers.template import alignment
 from seamark.sim.trackers.template.alignment import set_template
 from seamark.sim.trackers.template.frame_step import (
-    extract_templates,
+    MIN_SEARCH_PX,
     next_window,
     track_frame,
     unpack_state,
 )
 from seamark.sim.trackers.template.level_buffers import (
+    UNIT,
     Numbers,
     SearchSettings,
     allocate_levels,
     pack_search,
     pyramid_level,
 )
+from seamark.sim.trackers.template.patches import SMOOTH_SUM
 from seamark.sim.trackers.template.pyramid import MAX_LEVELS
+from seamark.sim.trackers.template.pyramid_alignment import extract_templates
 from seamark.sim.trackers.template.warps import basis, from_square, is_convex, multiply, signed_area
 
 _SIMPLE_WARPS = ("translation", "rt", "srt")  # warps that the coarse levels use too
@@ -59,6 +63,9 @@ class TemplateTracker:
         predict_motion: bool = True,
         search_px: int = 20,
         reacquire_px: int = 0,
+        smoothing: str = "patch",
+        second_search: bool = False,
+        max_jump: float = LARGEST_JUMP,
     ) -> None:
         self._search = SearchSettings(
             coarse_basis=basis(warp if warp in _SIMPLE_WARPS else "srt"),
@@ -71,9 +78,14 @@ class TemplateTracker:
             coarse_iterations=coarse_iterations,
             fine_iterations=fine_iterations,
             stop_px=float(stop_px),
+            second_levels=MAX_LEVELS if second_search else 0,
+            smooth_image=smoothing == "image",
         )
         self._predict, self._margin, self._pitch = predict_motion, template_margin_px, sampling_px
-        self._reach = (search_px, search_px, max(template_margin_px, 0), reacquire_px)
+        # A second search needs pixels that a good prediction would make superfluous.
+        least_px = search_px if second_search else MIN_SEARCH_PX
+        self._reach = (search_px, search_px, max(template_margin_px, 0), reacquire_px, least_px)
+        self._max_jump = max_jump
         self._shape = (0, 0)
         self._window: Window = (0, 0, 0, 0)
 
@@ -89,12 +101,17 @@ class TemplateTracker:
         self._last = unpack_state(self._state).last
         every = allocate_levels(columns, rows, MAX_LEVELS)
         levels = [pyramid_level(every, k) for k in range(MAX_LEVELS)]
-        count = min(self._search.levels, len([1 for each in levels if len(each.ys) >= MIN_ROWS]))
-        search = self._search._replace(levels=max(count, 1))
+        useful = max(1, len([1 for each in levels if len(each.ys) >= MIN_ROWS]))
+        search = self._search._replace(
+            levels=min(self._search.levels, useful),
+            second_levels=min(self._search.second_levels, useful),
+        )
+        if search.smooth_image:
+            levels[0].frame[UNIT] = 1.0 / SMOOTH_SUM
         self._window = next_window(self._state, image.shape[1], image.shape[0])
-        extract_templates(image, self._window, homography, every, search.levels)
+        extract_templates(image, self._window, homography, every, search)
         set_template(levels[0], search.weight, search.criterion)
-        for level in levels[1 : search.levels]:
+        for level in levels[1 : max(search.levels, search.second_levels)]:
             set_template(level, search.weight, search.coarse_criterion)
         self._known = (pack_search(search), *every)
 
@@ -129,7 +146,9 @@ class TemplateTracker:
             corners,
             self._reach,
             0.0,
+            1.0,
             signed_area(corners),
+            self._max_jump,
         )
         return np.concatenate([np.ravel(part) for part in (*parts, self._predict)])
 

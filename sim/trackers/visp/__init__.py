@@ -13,6 +13,7 @@ from seamark.sim.trackers.declaration import (
 )
 from seamark.sim.trackers.options import (
     CRITERION,
+    MAX_JUMP,
     METHOD,
     PYRAMID_LEVELS,
     SAMPLING_PX,
@@ -66,6 +67,14 @@ TRACKER = TrackerDeclaration(
             advanced=True,
             applies={"warp": ("homography",)},
         ),
+        Option(
+            name="visp_predict",
+            default=False,
+            title="Predict the motion for ViSP",
+            help="ViSP: start where the target would be at constant velocity; else where it was.",
+            advanced=True,
+        ),
+        MAX_JUMP,
     ),
     exact=False,
     unavailable=unavailable_reason,

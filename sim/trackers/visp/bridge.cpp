@@ -5,10 +5,12 @@
 //   start:  'S', 8 int32 (criterion, method, warp, levels, sampling, iterations, width, height),
 //           8 double (corners u, v), 8 double (corners of the template), pixels
 //                                              -> 'K', or 'E' + int32 length + text
-//   next:   'T', pixels                            -> 'K', 8 double corners, int32 iterations,
-//                                                     double CPU seconds of track(); or 'E' ...
+//   next:   'T', 8 double (where the corners are expected; NaN: where they were), pixels
+//                                              -> 'K', 8 double corners, int32 iterations,
+//                                                 double CPU seconds of track(); or 'E' ...
 // The program ends when its input does.
 
+#include <cmath>
 #include <cstdint>
 #include <ctime>
 #include <exception>
@@ -46,6 +48,8 @@ enum { Ssd, Zncc, Mi };
 enum { Esm, Inverse, Additional, Compositional };
 
 const int kLargestSide = 8192;
+const int kFitIterations = 4;   // the warp is nearly linear over the motion of one image
+const double kFitStep = 1e-6;   // of a parameter, for the slope
 
 bool read_all(void *to, size_t bytes) {
   char *position = static_cast<char *>(to);
@@ -129,6 +133,9 @@ class Target {
            read_image();
   }
 
+  // Reads everything of a message with the next image.
+  bool read_next() { return read_all(expected_, sizeof expected_) && read_image(); }
+
   bool read_image() { return read_all(image_.bitmap, image_.getSize()); }
 
   void start() {
@@ -147,21 +154,13 @@ class Target {
 
   std::string track() {
     if (!tracker_) throw std::runtime_error("no target yet");
+    if (std::isfinite(expected_[0])) expect();
     const double before = cpu_seconds();
     tracker_->track(image_);
     const double spent = cpu_seconds() - before;
     std::string answer = "K";
-    const vpColVector p = tracker_->getp();
-    warp_->computeCoeff(p);
-    for (int corner = 0; corner < 4; ++corner) {
-      vpColVector from(2), to(2);
-      from[0] = corners_[2 * corner];
-      from[1] = corners_[2 * corner + 1];
-      warp_->computeDenom(from, p);
-      warp_->warpX(from, to, p);
-      add(answer, &to[0], sizeof(double));
-      add(answer, &to[1], sizeof(double));
-    }
+    const vpColVector corners = warped(tracker_->getp());
+    add(answer, corners.data, 8 * sizeof(double));
     const int32_t iterations = static_cast<int32_t>(tracker_->getNbIteration());
     add(answer, &iterations, sizeof iterations);
     add(answer, &spent, sizeof spent);
@@ -171,9 +170,46 @@ class Target {
   void drop() { tracker_.reset(); }
 
  private:
+  // Starts the search from the warp that moves the corners to where they are expected, if the warp
+  // is able to: by Gauss-Newton, since findWarp() throws in ViSP 3.5.0.
+  void expect() {
+    vpColVector p = tracker_->getp();
+    for (int iteration = 0; iteration < kFitIterations; ++iteration) {
+      vpColVector off = warped(p);
+      for (int k = 0; k < 8; ++k) off[k] = expected_[k] - off[k];
+      vpMatrix slopes(8, p.size());
+      for (unsigned int j = 0; j < p.size(); ++j) {
+        vpColVector moved = p;
+        moved[j] += kFitStep;
+        const vpColVector slope = (warped(moved) - warped(p)) / kFitStep;
+        for (unsigned int k = 0; k < 8; ++k) slopes[k][j] = slope[k];
+      }
+      p += slopes.pseudoInverse() * off;
+    }
+    for (unsigned int k = 0; k < p.size(); ++k)
+      if (!std::isfinite(p[k])) return;
+    tracker_->setp(p);
+  }
+
+  // The corners (u, v of each) under the warp with these parameters.
+  vpColVector warped(const vpColVector &p) {
+    vpColVector all(8), from(2), to(2);
+    warp_->computeCoeff(p);
+    for (int corner = 0; corner < 4; ++corner) {
+      from[0] = corners_[2 * corner];
+      from[1] = corners_[2 * corner + 1];
+      warp_->computeDenom(from, p);
+      warp_->warpX(from, to, p);
+      all[2 * corner] = to[0];
+      all[2 * corner + 1] = to[1];
+    }
+    return all;
+  }
+
   int32_t settings_[Settings];
   double corners_[8];
   double template_[8];  // corners of what is compared
+  double expected_[8];
   vpImage<unsigned char> image_;
   std::unique_ptr<vpTemplateTrackerWarp> warp_;
   std::unique_ptr<vpTemplateTracker> tracker_;
@@ -188,7 +224,7 @@ int main() {
   while (read_all(&kind, 1)) {
     if (kind == 'S') {
       if (!target.read()) return 1;
-    } else if (kind != 'T' || !target.read_image()) {
+    } else if (kind != 'T' || !target.read_next()) {
       return 1;
     }
     try {

@@ -3,15 +3,17 @@
 import struct
 import subprocess
 import weakref
-from typing import IO
+from dataclasses import dataclass
+from typing import IO, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from seamark.sim.trackers.interface import Corners, Track, Window
+from seamark.sim.trackers.options import LARGEST_JUMP
 from seamark.sim.trackers.plausibility import PlausibilityGate
 from seamark.sim.trackers.template.tracker import SMALLEST_TEMPLATE_PX
-from seamark.sim.trackers.template.warps import apply, from_square
+from seamark.sim.trackers.template.warps import apply, from_square, inverse, multiply
 from seamark.sim.trackers.visp.installation import bridge_path, unavailable_reason
 
 _CRITERIA = {"ssd": 0, "zncc": 1, "mi": 2}
@@ -24,7 +26,35 @@ _METHODS = {
 _WARPS = {"translation": 0, "rt": 1, "srt": 2, "affine": 3, "homography": 4}
 _SL3 = 5
 _SQUARE = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+_ANYWHERE = np.full((4, 2), np.nan)  # instead of the corners that are expected
 _ANSWER = struct.Struct("=8did")  # corners u, v; iterations; CPU seconds
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class VispOptions:
+    """The tracker's options, as declared."""
+
+    warp: str = "homography"
+    criterion: str = "ssd"
+    method: str = "inverse_compositional"
+    pyramid_levels: int = 2
+    sampling_px: float = 1.0
+    template_margin_px: int = -3
+    visp_iterations: int = 60
+    visp_sl3: bool = True
+    visp_predict: bool = False
+    max_jump: float = LARGEST_JUMP
+
+    def numbers(self) -> tuple[int, ...]:
+        """Return the settings of a start message (bridge.cpp)."""
+        return (
+            _CRITERIA[self.criterion],
+            _METHODS[self.method],
+            _SL3 if self.warp == "homography" and self.visp_sl3 else _WARPS[self.warp],
+            self.pyramid_levels,
+            round(self.sampling_px),
+            self.visp_iterations,
+        )
 
 
 class VispTracker:
@@ -34,43 +64,24 @@ class VispTracker:
     plane, ViSP's ZNCC and MI lost the target at once, and the error of its SSD was 50 % larger.
     """
 
-    def __init__(
-        self,
-        *,
-        warp: str = "homography",
-        criterion: str = "ssd",
-        method: str = "inverse_compositional",
-        pyramid_levels: int = 2,
-        sampling_px: float = 1.0,
-        template_margin_px: int = -3,
-        visp_iterations: int = 60,
-        visp_sl3: bool = True,
-    ) -> None:
+    def __init__(self, **options: Any) -> None:
         if reason := unavailable_reason():
             raise ValueError(f"ViSP is not available: {reason}.")
-        warp_number = _SL3 if warp == "homography" and visp_sl3 else _WARPS[warp]
-        self._settings = (
-            _CRITERIA[criterion],
-            _METHODS[method],
-            warp_number,
-            pyramid_levels,
-            round(sampling_px),
-            visp_iterations,
-        )
-        self._margin = template_margin_px
+        self._options = VispOptions(**options)
         self._shape = (0, 0)
         self._bridge: _Bridge | None = None
         self.spent_s = 0.0  # CPU time of ViSP alone for the last update
 
     def start(self, image: NDArray[np.uint8], corners: Corners) -> None:
         """Start ViSP with a whole image (H, W) and the target's corners (4, 2) in it."""
-        self._gate = PlausibilityGate(corners)
+        self._gate = PlausibilityGate(corners, max_jump=self._options.max_jump)
         self._shape = image.shape
         if self._bridge is None or self._bridge.ended:
             self._bridge = _Bridge()
-        settings = struct.pack("=8i", *self._settings, image.shape[1], image.shape[0])
+        settings = struct.pack("=8i", *self._options.numbers(), image.shape[1], image.shape[0])
+        self._previous = self._gate.last
         corners = self._gate.last
-        points = corners.tobytes() + _outline(corners, self._margin).tobytes()
+        points = corners.tobytes() + _outline(corners, self._options.template_margin_px).tobytes()
         self._bridge.send(b"S" + settings + points + _pixels(image))
         self._bridge.answer(0)
 
@@ -84,11 +95,14 @@ class VispTracker:
         if bridge is None:
             raise ValueError("the tracker has not been started")
         if image.shape != self._shape:
-            raise ValueError(f"a image of {image.shape} after one of {self._shape}")
-        bridge.send(b"T" + _pixels(image))
+            raise ValueError(f"an image of {image.shape} after one of {self._shape}")
+        last = self._gate.last
+        expected = _continued(self._previous, last) if self._options.visp_predict else _ANYWHERE
+        bridge.send(b"T" + expected.tobytes() + _pixels(image))
+        self._previous = last  # a lost target is predicted to stand still
         answer = bridge.answer(_ANSWER.size)
         if not answer:
-            return Track(self._gate.last.copy(), False, 1.0, 0)
+            return Track(last.copy(), False, 1.0, 0)
         *points, iterations, self.spent_s = _ANSWER.unpack(answer)
         ok = self._gate.accept(np.array(points).reshape(4, 2))
         return Track(self._gate.last.copy(), ok, 0.0 if ok else 1.0, iterations)
@@ -154,6 +168,19 @@ def _end(process: subprocess.Popen[bytes]) -> None:
                 pipe.close()
             except BrokenPipeError:  # unsent data is dropped
                 continue
+
+
+def _continued(before: Corners, last: Corners) -> Corners:
+    """Return the corners (4, 2) one image later, if the last motion between images continues."""
+    old, now, back, motion, ahead = (np.empty((3, 3)) for _ in range(5))
+    corners = np.empty((4, 2))
+    from_square(before, old)
+    from_square(last, now)
+    inverse(old, back)
+    multiply(back, now, motion)
+    multiply(now, motion, ahead)
+    apply(ahead, _SQUARE, corners)
+    return corners
 
 
 def _outline(corners: Corners, margin_px: float) -> Corners:
