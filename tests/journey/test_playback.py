@@ -1,0 +1,194 @@
+"""The playback attack, end to end: a table of what was seen in an earlier ranked run gains nothing.
+
+Everything is real: uploads by the HTTP interface, the queue, a worker's simulator and its boxes.
+"""
+
+import io
+import json
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from flask import Flask
+from redis import Redis
+
+from seamark.sandbox.isolation.level import IsolationLevel
+from seamark.server.accounts import accounts
+from seamark.server.app import create_app
+from seamark.server.runs import queue as run_queue
+from seamark.server.runs.views import RunView
+from seamark.sim import registry
+from seamark.worker.evaluation.worker_slot import WorkerSlot
+from seamark.worker.service.run_driver import RunContext, evaluate
+from seamark.worker.zygote.client import Simulator
+from tests.cast import Backend
+from tests.journey.short_tracking import BENCHMARK, NAME, PATH
+
+pytestmark = [pytest.mark.host, pytest.mark.slow]
+ZYGOTE = f"""
+import sys
+sys.path.insert(0, {str(Path(__file__).parents[2])!r})
+from seamark.sim import registry
+registry.BENCHMARKS[{NAME!r}] = {PATH!r}
+from seamark.worker.zygote.process import main
+main(sys.argv[1:])
+"""
+BLIND = b"""
+class Tracker:
+    def __init__(self, config):
+        pass
+
+    def start(self, image, corners):
+        self.corners = corners.copy()
+
+    def update(self, image):
+        return self.corners
+"""
+PLAYBACK = """
+import numpy as np
+
+SEEN = np.array({seen})  # (sequences, images, 8) [px]
+KNOWN_PX = 20.0  # the target moves by less from the start to the first image
+
+
+class Tracker:
+    def __init__(self, config):
+        pass
+
+    def start(self, image, corners):
+        distance = np.abs(SEEN[:, 0] - np.ravel(corners)).max(axis=1)
+        known = distance.min() < KNOWN_PX
+        here = SEEN[distance.argmin()] if known else np.ravel(corners)[np.newaxis]
+        self.answers = list(here.reshape(-1, 4, 2))
+
+    def update(self, image):
+        return self.answers.pop(0) if len(self.answers) > 1 else self.answers[0]
+"""
+PROTOCOL = BENCHMARK.protocol
+assert PROTOCOL is not None
+REFERENCE = PROTOCOL.reference_trials
+
+
+@dataclass
+class Service(Backend):
+    """The application, and a worker that runs what is queued."""
+
+    app: Flask
+    context: RunContext
+
+    def call(self, who: str, method: str, path: str, **options: Any) -> Any:
+        with self.database.writing() as session:
+            token = accounts.new_token(session, self.user_id(who), "t", ("read", "submit"), days=1)
+        headers = {"Authorization": f"Bearer {token}"}
+        return self.app.test_client().open(
+            f"/api/v1/runs{path}", method=method, headers=headers, **options
+        )
+
+    def ranked(self, who: str, program: bytes | None = None, name: str = "mine.py") -> RunView:
+        """Submit a ranked run of a program, else of the built-in tracker, and evaluate it."""
+        run = {"benchmark": NAME, "kind": "ranked"}
+        if program is None:
+            built_in = {"controller": next(iter(BENCHMARK.built_in))}
+            answer = self.call(who, "POST", "", json=run | built_in)
+        else:
+            form = {"run": json.dumps(run), "program": (io.BytesIO(program), name)}
+            answer = self.call(who, "POST", "", data=form, content_type="multipart/form-data")
+        assert answer.status_code == 202, answer.text
+        with self.database.writing() as session:
+            claim = run_queue.claim(session, "w", languages=("python",), settings=self.settings)
+        assert claim is not None
+        assert evaluate(self.context, claim)
+        view = self.show(claim.run_id)
+        assert view.cause is None, view.detail
+        return view
+
+    def telemetry(self, who: str, run_id: int) -> dict[str, np.ndarray[Any, np.dtype[np.float64]]]:
+        answer = self.call(who, "GET", f"/{run_id}/telemetry.f64")
+        columns = answer.headers["X-Columns"].split(",")
+        return dict(
+            zip(columns, np.frombuffer(answer.data).reshape(-1, len(columns)).T, strict=True)
+        )
+
+
+@pytest.fixture(scope="module")
+def simulator(
+    isolation: IsolationLevel, tmp_path_factory: pytest.TempPathFactory
+) -> Iterator[Simulator]:
+    """A worker's simulator that knows the short benchmark."""
+    cache = tmp_path_factory.mktemp("compiled")
+    started = Simulator(WorkerSlot(isolation, None), cache, program=("-c", ZYGOTE))
+    started.start()
+    yield started
+    started.stop()
+
+
+@pytest.fixture
+def service(
+    backend: Backend,
+    isolation: IsolationLevel,
+    simulator: Simulator,
+    monkeypatch: pytest.MonkeyPatch,
+) -> Iterator[Service]:
+    monkeypatch.setitem(registry.BENCHMARKS, NAME, PATH)
+    app = create_app(backend.settings)
+    context = RunContext(
+        settings=backend.settings,
+        database=backend.database,
+        redis=Redis.from_url(backend.settings.broker_url),
+        simulator=simulator,
+        isolation=isolation,
+        shutting_down=lambda: False,
+    )
+    yield Service(**vars(backend), app=app, context=context)
+    app.extensions["seamark"].close()
+
+
+def _digests(run: RunView) -> list[str]:
+    assert run.metrics is not None
+    return [trial["digest"] for trial in run.metrics["trials"]]
+
+
+def _recorded(service: Service, who: str, run: RunView) -> bytes:
+    """Return a tracker that plays back the corners of a run, as anybody can download them."""
+    seen = service.telemetry(who, run.id)
+    corners = np.stack([seen[f"corner_{index}"] for index in range(8)], axis=1)
+    begins = np.flatnonzero(np.diff(seen["trial"] * 1000 + seen["level"], prepend=-1))
+    table = np.array(np.split(corners, begins[1:])).round(2).tolist()
+    return PLAYBACK.format(seen=table).encode()
+
+
+def test_a_program_that_plays_back_what_it_saw_gains_nothing(service: Service) -> None:
+    honest = service.ranked("ann")
+    service.publish(honest.id)
+    blind = service.ranked("ben", BLIND)
+    playback = service.ranked("eva", _recorded(service, "eva", honest))
+
+    assert honest.metrics is not None
+    assert blind.metrics is not None
+    assert playback.metrics is not None
+    assert honest.score is not None
+    assert blind.score is not None
+    assert playback.metrics["reference"]["score"] >= honest.metrics["reference"]["score"] > 0.9
+    assert playback.score == pytest.approx(blind.score, abs=1e-9)
+    assert playback.score < 0.2 * honest.score
+    gap = playback.metrics["gap"]
+    assert gap["low"] > 0.5
+    assert honest.metrics["gap"]["low"] <= 0.0 <= honest.metrics["gap"]["high"]
+
+
+def test_the_same_submission_has_the_same_result_and_a_changed_byte_other_fresh_water(
+    service: Service,
+) -> None:
+    first = service.ranked("ann", BLIND)
+    again = service.ranked("ben", BLIND, name="renamed.py")
+    changed = service.ranked("ann", BLIND + b"\n")
+
+    assert (again.digest, again.score) == (first.digest, first.score)
+    assert first.manifest is not None
+    assert changed.manifest is not None
+    assert not set(first.manifest["seeds"][REFERENCE:]) & set(changed.manifest["seeds"][REFERENCE:])
+    assert _digests(first)[:REFERENCE] == _digests(changed)[:REFERENCE]
+    assert not set(_digests(first)[REFERENCE:]) & set(_digests(changed)[REFERENCE:])
