@@ -17,8 +17,18 @@ from seamark.server.web.problems import Problem
 from seamark.server.web.services import services
 
 COLUMNS = (
-    *("rank", "tied", "user", "controller", "run", "score", "score_low", "score_high"),
-    *("level_held", "reached_at", "is_baseline", "title"),
+    *(
+        "rank",
+        "rank_low",
+        "rank_high",
+        "user",
+        "controller",
+        "run",
+        "score",
+        "score_low",
+        "score_high",
+    ),
+    *("level_held", "submissions", "reached_at", "is_baseline", "title"),
 )
 PAGE = 50  # rows of a page by default
 
@@ -32,7 +42,7 @@ api = APIBlueprint(
 
 @api.get("/leaderboards/<string:benchmark>", responses={200: RanksResponse})
 def show(path: BenchmarkPath, query: RankQuery) -> Response:
-    """Return the ranks of one benchmark, with intervals and ties, as JSON or CSV."""
+    """Return the ranks of one benchmark, with their ranges and intervals, as JSON or CSV."""
     check(path.benchmark)
     as_csv, after = _wants_csv(query), _cursor(query.after)
     limit = query.limit or (None if as_csv else PAGE)
@@ -70,7 +80,8 @@ def _cursor(text: str | None) -> Cursor | None:
 def _row(rank: Rank) -> dict[str, Any]:
     return {
         "rank": rank.rank,
-        "tied": rank.tied,
+        "rank_low": rank.rank_low,
+        "rank_high": rank.rank_high,
         "user": rank.user,
         "controller": rank.program_name or rank.controller,
         "run": rank.run_id,
@@ -78,6 +89,7 @@ def _row(rank: Rank) -> dict[str, Any]:
         "score_low": rank.low,
         "score_high": rank.high,
         "level_held": rank.level_held,
+        "submissions": rank.submissions,
         "reached_at": rank.reached_at,
         "is_baseline": rank.is_baseline,
         "title": rank.title,

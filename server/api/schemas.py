@@ -233,8 +233,9 @@ class SeriesResponse(ResponseModel):
 class RankResponse(ResponseModel):
     """A row of the leaderboard."""
 
-    rank: int
-    tied: bool
+    rank: int | None = Field(description="null for baselines, which are marks without a rank")
+    rank_low: int | None = Field(description="best rank that is compatible with all scores (95 %)")
+    rank_high: int | None = Field(description="worst rank that is compatible with all scores")
     user: str
     controller: str
     run: int
@@ -242,7 +243,9 @@ class RankResponse(ResponseModel):
     score_low: float
     score_high: float
     level_held: float | None
+    submissions: int = Field(description="ranked runs of this user in this benchmark that ended")
     reached_at: float
+    is_baseline: bool
 
 
 class RanksResponse(ResponseModel):

@@ -13,6 +13,7 @@ from sqlalchemy import (
     String,
     Text,
     UniqueConstraint,
+    false,
     text,
 )
 from sqlalchemy.orm import DeclarativeBase, Mapped, mapped_column
@@ -176,7 +177,10 @@ class Result(Base):
 
 
 class Best(Base):
-    """The best published ranked run of a user in a benchmark: a row of the leaderboard."""
+    """The best published ranked run of a user in a benchmark: a row of the leaderboard.
+
+    Baselines are rows as well, but have no rank.
+    """
 
     __tablename__ = "best"
 
@@ -188,6 +192,9 @@ class Best(Base):
     score: Mapped[float]
     score_low: Mapped[float]
     score_high: Mapped[float]
+    standard_error: Mapped[float | None]  # of the score; NULL: unknown
+    degrees: Mapped[int] = mapped_column(default=0, server_default="0")  # of freedom of the error
+    is_baseline: Mapped[bool] = mapped_column(default=False, server_default=false())
     level_held: Mapped[float | None]
     submissions: Mapped[int] = mapped_column(default=1, server_default="1")  # ranked, that ended
     reached_at: Mapped[float]
@@ -195,8 +202,27 @@ class Best(Base):
     __table_args__ = (
         CheckConstraint(_FINITE.format("score"), name="finite"),
         UniqueConstraint("run_id"),
-        Index("ix_best_rank", "benchmark", text("score DESC"), "reached_at", "user_id"),
+        Index(
+            "ix_best_rank",
+            "benchmark",
+            text("score DESC"),
+            "reached_at",
+            "user_id",
+            "is_baseline",  # so that counting people reads the index alone
+        ),
     )
+
+
+class ScoreCount(Base):
+    """Number of people on a leaderboard in a class of scores (server/runs/score_counts.py)."""
+
+    __tablename__ = "score_counts"
+
+    benchmark: Mapped[str] = mapped_column(String(80), primary_key=True)
+    score_class: Mapped[int] = mapped_column(primary_key=True, autoincrement=False)
+    error_class: Mapped[int] = mapped_column(primary_key=True, autoincrement=False)
+    degrees: Mapped[int] = mapped_column(primary_key=True, autoincrement=False)
+    people: Mapped[int]
 
 
 class Check(Base):

@@ -4,7 +4,7 @@ from flask import Blueprint, abort, g, redirect, render_template, request, url_f
 from flask.typing import ResponseReturnValue
 
 from seamark.server.pages import benchmarks
-from seamark.server.runs import leaderboard
+from seamark.server.runs import leaderboard, score_counts
 from seamark.server.web.services import services
 
 SIZE = 50
@@ -29,7 +29,7 @@ def show(name: str) -> ResponseReturnValue:
             abort(404)
     with services().database.reading() as session:
         ranks = leaderboard.page(session, name, after=after, limit=SIZE + 1)
-        count = leaderboard.size(session, name)
+        count = score_counts.size(session, name)
         mine = None
         if g.viewer.user_id is not None:
             mine = leaderboard.rank_of(session, name, g.viewer.user_id)

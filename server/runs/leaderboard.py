@@ -4,6 +4,7 @@ A user has one row per benchmark: the best published ranked run.
 """
 
 import math
+from collections import Counter
 from dataclasses import dataclass
 from typing import Any, Self
 
@@ -12,8 +13,11 @@ from sqlalchemy.orm import Session
 
 from seamark.server.database.advisory_locks import AdvisoryLock, acquire
 from seamark.server.database.tables import Best, Result, Run, User
+from seamark.server.runs import score_counts
 from seamark.server.runs.quota import ranked_ended
+from seamark.server.runs.ranking import Estimate, Population
 from seamark.server.runs.states import RunKind, RunState
+from seamark.server.runs.trial_scores import error_of_score
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,11 +47,14 @@ _ORDER = (Best.score.desc(), Best.reached_at, Best.user_id)
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Rank:
-    """One row of the leaderboard."""
+    """One row of the leaderboard.
 
-    rank: int
-    shared_rank: int  # rank of the first row of the chain of ties that this row belongs to
-    tied: bool  # its interval overlaps that of the row above: the order of the two may be chance
+    A baseline has no rank: it is a mark on the scale, and moves nobody down.
+    """
+
+    rank: int | None  # by the score; equal scores in order of time
+    rank_low: int | None  # the best and the worst rank that are compatible with all scores,
+    rank_high: int | None  # see server/runs/ranking.py
     user_id: int
     user: str
     is_baseline: bool
@@ -78,51 +85,48 @@ def page(
     Without a limit, all that follow.
     """
     query = _rows(benchmark).order_by(*_ORDER).limit(limit)
-    first, shared_rank, above_low = 1, 1, None
+    number = 0
     if after is not None:
-        query = query.where(~_not_below(after))
-        first = size(session, benchmark, at_or_above=after) + 1
-        shared_rank = _shared_rank(session, benchmark, after)
-        above_low = _low(session, benchmark, after.user_id)
+        # The first condition says less than the second, but databases find it in the index.
+        query = query.where(Best.score <= after.score, ~_not_below(after))
+        number = _people_down_to(session, benchmark, after)
+    people = score_counts.population(session, benchmark)
     ranks: list[Rank] = []
-    for rank, (best, run, user) in enumerate(session.execute(query), start=first):
-        tied = above_low is not None and best.score_high >= above_low
-        shared_rank = shared_rank if tied else rank
-        ranks.append(_rank(best, run, user, rank=rank, shared_rank=shared_rank, tied=tied))
-        above_low = best.score_low
+    for best, run, user in session.execute(query):
+        number += not best.is_baseline
+        ranks.append(_rank(best, run, user, number, people))
     return ranks
 
 
 def rank_of(session: Session, benchmark: str, user_id: int) -> Rank | None:
-    """Return a user's own rank, or None without one."""
+    """Return a user's own row, or None without one."""
     found = session.execute(_rows(benchmark).where(Best.user_id == user_id)).one_or_none()
     if found is None:
         return None
     best, run, user = found
     here = Cursor(best.score, best.reached_at, best.user_id)
-    rank = size(session, benchmark, at_or_above=here)
-    shared_rank = _shared_rank(session, benchmark, here)
-    return _rank(best, run, user, rank=rank, shared_rank=shared_rank, tied=shared_rank < rank)
-
-
-def size(session: Session, benchmark: str, *, at_or_above: Cursor | None = None) -> int:
-    """Return how many rows a benchmark has, all or down to a cursor."""
-    query = select(func.count()).select_from(Best).where(Best.benchmark == benchmark)
-    if at_or_above is not None:
-        query = query.where(_not_below(at_or_above))
-    return session.scalar(query) or 0
+    number = _people_down_to(session, benchmark, here)
+    return _rank(best, run, user, number, score_counts.population(session, benchmark))
 
 
 def refresh(session: Session, benchmark: str, user_id: int) -> None:
     """Update the `best` row of one user, in the transaction that changed a run."""
     acquire(session, AdvisoryLock.LEADERBOARD)
-    session.execute(delete(Best).where(Best.benchmark == benchmark, Best.user_id == user_id))
+    mine = (Best.benchmark == benchmark, Best.user_id == user_id)
+    old = session.scalar(select(Best).where(*mine))
+    if old is not None:
+        session.delete(old)
+        session.flush()
+        _count_person(session, old, -1)
     candidates = _candidates().where(Run.benchmark == benchmark, Run.user_id == user_id)
     found = session.execute(candidates.limit(1)).one_or_none()
     if found is not None:
-        session.add(_best(*found))
+        run, result, is_baseline = found
+        new = _best(run, result, is_baseline=is_baseline)
+        session.add(new)
+        _count_person(session, new, 1)
     session.flush()
-    _count(session, Best.benchmark == benchmark, Best.user_id == user_id)
+    _count_submissions(session, *mine)
 
 
 def recount(session: Session, run_id: int) -> None:
@@ -133,7 +137,7 @@ def recount(session: Session, run_id: int) -> None:
     run = session.get_one(Run, run_id)
     if run.kind == RunKind.RANKED and run.user_id is not None:
         acquire(session, AdvisoryLock.LEADERBOARD)
-        _count(session, Best.benchmark == run.benchmark, Best.user_id == run.user_id)
+        _count_submissions(session, Best.benchmark == run.benchmark, Best.user_id == run.user_id)
 
 
 def rebuild(session: Session) -> int:
@@ -144,16 +148,20 @@ def rebuild(session: Session) -> int:
     acquire(session, AdvisoryLock.LEADERBOARD)
     session.execute(delete(Best))
     seen: set[tuple[str, int | None]] = set()
-    for run, result in session.execute(_candidates()):
+    people: Counter[tuple[str, score_counts.Key]] = Counter()
+    for run, result, is_baseline in session.execute(_candidates()):
         if (run.benchmark, run.user_id) not in seen:
             seen.add((run.benchmark, run.user_id))
-            session.add(_best(run, result))
-    session.flush()
-    _count(session)
+            best = _best(run, result, is_baseline=is_baseline)
+            session.add(best)
+            if not is_baseline:
+                people[best.benchmark, score_counts.key_of(_estimate(best))] += 1
+    score_counts.replace_all(session, people)
+    _count_submissions(session)
     return len(seen)
 
 
-def _count(session: Session, *rows: ColumnElement[bool]) -> None:
+def _count_submissions(session: Session, *rows: ColumnElement[bool]) -> None:
     """Store in rows of `best` how many ranked runs of their user and benchmark have ended."""
     ended = (
         select(func.count())
@@ -163,19 +171,27 @@ def _count(session: Session, *rows: ColumnElement[bool]) -> None:
     session.execute(update(Best).where(*rows).values(submissions=ended.scalar_subquery()))
 
 
-def _candidates() -> Select[Run, Result]:
+def _count_person(session: Session, best: Best, by: int) -> None:
+    if not best.is_baseline:
+        key = score_counts.key_of(_estimate(best))
+        score_counts.change(session, best.benchmark, key, by)
+
+
+def _candidates() -> Select[Run, Result, bool]:
     """Select what may be ranked, the better first; of equal scores the earlier."""
     return (
-        select(Run, Result)
+        select(Run, Result, User.is_baseline)
         .join(Result, Result.run_id == Run.id)
+        .join(User, User.id == Run.user_id)
         .where(Run.state == RunState.SUCCEEDED, Run.kind == RunKind.RANKED, Run.public)
         .where(Run.user_id.is_not(None), Result.rankable)
         .order_by(Result.score.desc(), Run.finished_at, Run.id)
     )
 
 
-def _best(run: Run, result: Result) -> Best:
+def _best(run: Run, result: Result, is_baseline: bool) -> Best:
     score = result.score
+    error, degrees = error_of_score(run.benchmark, result.metrics)
     return Best(
         benchmark=run.benchmark,
         user_id=run.user_id,
@@ -183,6 +199,9 @@ def _best(run: Run, result: Result) -> Best:
         score=score,
         score_low=score if result.score_low is None else result.score_low,
         score_high=score if result.score_high is None else result.score_high,
+        standard_error=error,
+        degrees=degrees,
+        is_baseline=is_baseline,
         level_held=result.level_held,
         reached_at=run.finished_at,
     )
@@ -206,33 +225,24 @@ def _not_below(cursor: Cursor) -> ColumnElement[bool]:
     )
 
 
-def _shared_rank(session: Session, benchmark: str, here: Cursor) -> int:
-    """Return the rank of the first row of the chain of ties that ends at a cursor."""
-    above = func.lag(Best.score_low).over(order_by=_ORDER)
-    apart = or_(above.is_(None), Best.score_high < above)
-    rank = func.row_number().over(order_by=_ORDER)
-    rows = (
-        select(rank.label("rank"), apart.label("apart"))
-        .where(Best.benchmark == benchmark, _not_below(here))
-        .subquery()
-    )
-    return session.scalar(select(func.max(rows.c.rank)).where(rows.c.apart)) or 1
+def _people_down_to(session: Session, benchmark: str, here: Cursor) -> int:
+    not_below = _not_below(here)
+    return score_counts.at_or_above(session, benchmark, here.score, not_below=not_below)
 
 
-def _low(session: Session, benchmark: str, user_id: int) -> float | None:
-    return session.scalar(
-        select(Best.score_low).where(Best.benchmark == benchmark, Best.user_id == user_id)
-    )
+def _estimate(best: Best) -> Estimate:
+    return Estimate(score=best.score, standard_error=best.standard_error, degrees=best.degrees)
 
 
-def _rank(best: Best, run: Run, user: User, *, rank: int, shared_rank: int, tied: bool) -> Rank:
+def _rank(best: Best, run: Run, user: User, number: int, people: Population) -> Rank:
+    low, high = (None, None) if best.is_baseline else people.rank_range(_estimate(best))
     return Rank(
-        rank=rank,
-        shared_rank=shared_rank,
-        tied=tied,
+        rank=None if best.is_baseline else number,
+        rank_low=low,
+        rank_high=high,
         user_id=user.id,
         user=user.name,
-        is_baseline=user.is_baseline,
+        is_baseline=best.is_baseline,
         run_id=best.run_id,
         benchmark=run.benchmark,
         config=run.config,

@@ -3,10 +3,13 @@
 import math
 from collections.abc import Sequence
 from itertools import pairwise
+from typing import TypeVar
 
+from seamark.sim.numerics.arrays import Array
 from seamark.sim.numerics.student_t import quantile
 
 CONFIDENCE = 0.95
+Number = TypeVar("Number", float, Array)
 
 
 def mean(values: Sequence[float]) -> float:
@@ -83,8 +86,10 @@ def difference_interval(
     if min(map(len, means)) < 2:
         return None
     errors = [standard_error(each) for each in means]
-    degrees = welch_degrees(errors, [len(each) - 1 for each in means])
-    return _around(mean(means[0]) - mean(means[1]), math.hypot(*errors), degrees)
+    error = math.hypot(*errors)
+    ratio = errors[0] / error if error else 1.0
+    degrees = welch_degrees(ratio * ratio, *(len(each) - 1.0 for each in means))
+    return _around(mean(means[0]) - mean(means[1]), error, degrees)
 
 
 def paired_interval(
@@ -98,24 +103,18 @@ def paired_interval(
     return mean_interval(differences, block=block)
 
 
-def welch_degrees(errors: Sequence[float], degrees: Sequence[float]) -> float:
+def welch_degrees(share: Number, first: Number, second: Number) -> Number:
     """Return the degrees of freedom of a difference of means (Welch 1947; Satterthwaite 1946).
 
     Parameters
     ----------
-    errors
-        Standard errors of the means.
-    degrees
-        Their degrees of freedom.
+    share
+        Of the first mean in the variance of the difference, from 0 to 1.
+    first, second
+        Degrees of freedom of the two means.
     """
-    largest = max(errors)
-    if largest == 0.0:
-        return min(degrees)
-    scaled = [error / largest for error in errors]  # so that no variance underflows
-    variances = [error * error for error in scaled]
-    parts = [v * v / d for v, d in zip(variances, degrees, strict=True)]
-    total = math.fsum(variances)
-    return total * total / math.fsum(parts)
+    rest = 1.0 - share
+    return 1.0 / (share * share / first + rest * rest / second)
 
 
 def area(values: Sequence[float], quality: Sequence[float]) -> float:

@@ -4,12 +4,13 @@ import pytest
 from alembic import command
 from alembic.autogenerate import compare_metadata
 from alembic.runtime.migration import MigrationContext
-from sqlalchemy import select, text
+from sqlalchemy import select, text, update
+from sqlalchemy.orm import Session
 
 from seamark.server import workers
 from seamark.server.database.engine import Database
 from seamark.server.database.schema import SchemaTooOld, check, config, upgrade
-from seamark.server.database.tables import Base, User
+from seamark.server.database.tables import Base, Run, ScoreCount, User
 from seamark.server.runs import leaderboard
 from seamark.server.runs.leaderboard import Rank
 from tests.cast import Backend
@@ -79,17 +80,55 @@ def test_the_ranked_submissions_of_a_database_of_the_previous_schema_are_counted
     assert [rank.submissions for rank in _leaderboard(both)] == [2]
 
 
+def test_the_migration_counts_people_as_the_service_does(both: Backend) -> None:
+    for who, score in (("ann", 61.3), ("ben", 0.0), ("eva", 0.5)):
+        claim = both.running(who, kind="ranked")
+        spread = 10.0 / 3.7188 * 3**0.5  # of trials with the interval that was stored earlier
+        trials = [{"score": score + part * spread} for part in (-1, 0, 1)]
+        metrics = {"score": score, "score_low": score - 5, "score_high": score + 5}
+        both.finish(claim, metrics=metrics | {"trials": trials})
+        both.publish(claim.run_id)
+    with both.database.writing() as session:
+        session.execute(update(Run).values(trials=3))
+        before = _counts(session)
+    with both.database.engine.begin() as connection:
+        command.downgrade(config(connection), "0005")
+
+    upgrade(both.settings)
+
+    with both.database.reading() as session:
+        assert _counts(session) == before
+    assert len(before) == 3
+
+
+def _counts(session: Session) -> set[tuple[object, ...]]:
+    columns = (ScoreCount.score_class, ScoreCount.error_class, ScoreCount.degrees)
+    return {tuple(row) for row in session.execute(select(*columns, ScoreCount.people))}
+
+
 def _leaderboard(both: Backend) -> list[Rank]:
     with both.database.reading() as session:
         return leaderboard.page(session, "currents-v1")
 
 
-def test_the_query_of_the_leaderboard_uses_its_index(both: Backend) -> None:
-    query = "SELECT * FROM best WHERE benchmark = 'b' ORDER BY score DESC, reached_at, user_id"
+PAGE = "SELECT * FROM best WHERE benchmark = 'b' ORDER BY score DESC, reached_at, user_id LIMIT 50"
+NEXT_PAGE = PAGE.replace("ORDER", "AND score <= 5 AND NOT (score > 5 OR user_id < 3) ORDER")
+PEOPLE = "SELECT count(*) FROM best WHERE benchmark = 'b' AND score >= 4 AND NOT is_baseline"
+
+
+def test_counting_people_reads_the_index_alone(database: Database) -> None:
+    with database.reading() as session:
+        plan = " ".join(map(str, session.execute(text(f"EXPLAIN QUERY PLAN {PEOPLE}"))))
+
+    assert "USING COVERING INDEX ix_best_rank" in plan
+
+
+@pytest.mark.parametrize("query", [PAGE, NEXT_PAGE])
+def test_the_queries_of_the_leaderboard_use_its_index(both: Backend, query: str) -> None:
     explain = "EXPLAIN QUERY PLAN " if both.settings.database_url[0] == "s" else "EXPLAIN "
 
     with both.database.reading() as session:
-        plan = " ".join(str(row) for row in session.execute(text(f"{explain}{query} LIMIT 50")))
+        plan = " ".join(str(row) for row in session.execute(text(explain + query)))
 
     assert "ix_best_rank" in plan
 

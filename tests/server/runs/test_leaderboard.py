@@ -9,9 +9,10 @@ from sqlalchemy import select
 from sqlalchemy.exc import IntegrityError
 from sqlalchemy.orm import Session
 
-from seamark.server.database.tables import Best
-from seamark.server.runs import leaderboard, results
+from seamark.server.database.tables import Best, ScoreCount, User
+from seamark.server.runs import leaderboard, results, score_counts
 from seamark.server.runs.leaderboard import Cursor
+from seamark.server.runs.ranking import Estimate
 from seamark.server.runs.states import RunKind, RunState
 from tests.cast import Backend
 
@@ -80,10 +81,9 @@ def test_the_pages_by_cursor_are_the_whole_leaderboard(both: Backend) -> None:
     assert parts == whole
     assert [rank.rank for rank in whole] == [1, 2, 3, 4, 5]
     assert [rank.user for rank in whole] == ["user2", "user0", "user1", "user4", "user3"]
-    assert [rank.tied for rank in whole] == [False, False, True, True, False]
-    assert [rank.shared_rank for rank in whole] == [1, 2, 2, 2, 5]
-    assert own is not None
-    assert (own.rank, own.shared_rank) == (4, 2)
+    ranges = [(rank.rank_low, rank.rank_high) for rank in whole]
+    assert ranges == [(1, 1), (2, 4), (2, 4), (2, 4), (5, 5)]
+    assert own == whole[3]
 
 
 def test_publications_at_the_same_time_leave_the_best_run_of_the_user(both: Backend) -> None:
@@ -134,7 +134,64 @@ def test_a_rebuild_gives_the_rows_that_were_maintained(
 
 def _rows(session: Session, users: list[int | None]) -> set[tuple[object, ...]]:
     query = select(Best.benchmark, Best.user_id, Best.run_id, Best.score, Best.reached_at)
-    return {tuple(row) for row in session.execute(query.where(Best.user_id.in_(users)))}
+    query = query.add_columns(Best.standard_error, Best.degrees, Best.is_baseline)
+    rows = {tuple(row) for row in session.execute(query.where(Best.user_id.in_(users)))}
+    counts = select(ScoreCount.score_class, ScoreCount.error_class, ScoreCount.people)
+    return rows | {tuple(row) for row in session.execute(counts)}
+
+
+def test_a_baseline_is_a_mark_without_a_rank_and_moves_nobody_down(both: Backend) -> None:
+    _publish(both, _ranked(both, "ann", 60.0))
+    _publish(both, _ranked(both, "ben", 40.0))
+    for name, score in (("oracle", 90.0), ("pi", 50.0)):
+        both.sign_up(name)
+        with both.database.writing() as session:
+            session.get_one(User, both.user_id(name)).is_baseline = True
+        _publish(both, _ranked(both, name, score))
+
+    with both.database.reading() as session:
+        whole = leaderboard.page(session, NAME)
+        rest = leaderboard.page(session, NAME, after=whole[2].cursor)
+        own = leaderboard.rank_of(session, NAME, both.user_id("ben"))
+        mark = leaderboard.rank_of(session, NAME, both.user_id("oracle"))
+
+    assert [rank.user for rank in whole] == ["oracle", "ann", "pi", "ben"]
+    assert [rank.rank for rank in whole] == [None, 1, None, 2]
+    assert [rank.rank_high for rank in whole] == [None, 1, None, 2]
+    assert rest == whole[3:] == [own]
+    assert mark == whole[0]
+
+
+def test_a_board_of_many_people_is_ranked_by_classes_of_scores(both: Backend) -> None:
+    scores = [30.0 + 2.0 * index for index in range(6)]
+    for index, score in enumerate(scores):
+        both.sign_up(f"user{index}")
+        trials = [{"score": score - 0.3}, {"score": score + 0.3}, {"score": score}]
+        metrics = {"score": score, "trials": trials}
+        _publish(both, _ranked(both, f"user{index}", score, metrics=metrics))
+
+    with both.database.reading() as session:
+        single = score_counts.population(session, NAME)
+        classes = score_counts.population(session, NAME, single_rows=5)
+
+    assert (single.size, classes.size) == (6, 6)
+    row = Estimate(score=36.0, standard_error=0.3 / 3**0.5, degrees=2)
+    low, high = single.rank_range(row)
+    assert 1 < low <= 3 <= high < 6
+    assert classes.rank_range(row)[0] <= low
+    assert high <= classes.rank_range(row)[1]
+
+
+def test_ranges_come_from_the_fresh_trials_alone(both: Backend) -> None:
+    trials = [{"score": 99.0, "part": "reference"}, {"score": 10.0, "part": "reference"}]
+    trials += [{"score": score, "part": "fresh"} for score in (50.0, 51.0, 52.0)]
+    _publish(both, _ranked(both, "ann", 51.0, metrics={"score": 51.0, "trials": trials}))
+
+    with both.database.reading() as session:
+        (best,) = session.scalars(select(Best))
+
+    assert best.standard_error == pytest.approx(1.0 / 3**0.5)
+    assert best.degrees == 2
 
 
 def test_a_score_that_is_nan_cannot_be_stored(both: Backend) -> None:

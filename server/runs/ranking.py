@@ -1,0 +1,84 @@
+"""How sure a rank is: the ranks that a row may have, given the uncertainty of all scores.
+
+The true rank of a row is 1 plus the number of rows whose expected score is higher. Every other row
+is compared with it by Welch's t test; those that are significantly better or worse bound its rank.
+The errors of these n - 1 tests together are at most 5 % (Bonferroni), so that the range covers the
+true rank with at least 95 %: a marginal confidence set for a rank (Mogstad, Romano, Shaikh &
+Wilhelm 2024, https://doi.org/10.1093/restud/rdad006). docs/ranking.md explains it for users.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seamark.sim.numerics.arrays import Array
+from seamark.sim.numerics.statistics import CONFIDENCE, welch_degrees
+from seamark.sim.numerics.student_t import quantile
+
+Range = tuple[int, int]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Estimate:
+    """A score and how well it is known."""
+
+    score: float
+    standard_error: float | None  # None: unknown, since there are fewer than two trials
+    degrees: int  # of freedom of the standard error
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Population:
+    """The scores of all people in a benchmark, one by one or counted in narrow classes.
+
+    All arrays have the same length. The scores of a class lie between `low` and `high`; its
+    standard error is an upper bound. So a class makes ranges wider, never too narrow.
+    """
+
+    low: Array
+    high: Array
+    standard_error: Array  # infinite: unknown
+    degrees: Array
+    people: NDArray[np.int64]
+
+    @property
+    def size(self) -> int:
+        """Return the number of people."""
+        return int(np.sum(self.people))
+
+    def rank_range(self, row: Estimate) -> Range:
+        """Return the best and the worst rank that are compatible with the scores.
+
+        `row` belongs to the population. If its error is unknown, it may have any rank.
+        """
+        size = self.size
+        if size < 2 or row.standard_error is None:
+            return 1, max(size, 1)
+        known = np.isfinite(self.standard_error)
+        error = np.hypot(self.standard_error[known], row.standard_error)
+        ratio = np.divide(row.standard_error, error, out=np.ones_like(error), where=error > 0.0)
+        own = np.full_like(error, max(row.degrees, 1))
+        degrees = welch_degrees(ratio * ratio, own, np.maximum(self.degrees[known], 1.0))
+        margin = _critical_values(degrees, size - 1) * error
+        people = self.people[known]
+        better = int(np.sum(people[self.low[known] - row.score > margin]))
+        worse = int(np.sum(people[row.score - self.high[known] > margin]))
+        return 1 + better, size - worse
+
+
+def _critical_values(degrees: Array, comparisons: int) -> Array:
+    """Return t for each number of degrees of freedom, rounded down: as in a printed table."""
+    probability = 0.5 * (1.0 - CONFIDENCE) / _rounded_up(comparisons)
+    whole = degrees.astype(np.int64)
+    table = np.full(int(np.max(whole, initial=0)) + 1, math.nan)
+    for each in np.flatnonzero(np.bincount(whole)):
+        table[each] = quantile(probability, float(each))
+    return table[whole]
+
+
+def _rounded_up(comparisons: int) -> int:
+    """Return a number with five significant bits, so that cached quantiles serve many sizes."""
+    unit = 1 << max(comparisons.bit_length() - 5, 0)
+    return -(-comparisons // unit) * unit
