@@ -38,6 +38,18 @@ class Curve:
 
 
 @dataclass(frozen=True, slots=True)
+class Midpoint:
+    """A midpoint fitted to all trials of a run together (`numerics.psychometric`).
+
+    `point` returns the value of a level, given its metrics, and the share of success there from 0
+    to 1; None for a level that does not count.
+    """
+
+    metric: Metric
+    point: Callable[[Mapping[str, Any]], tuple[float, float] | None]
+
+
+@dataclass(frozen=True, slots=True)
 class Baseline:
     """A built-in entry of the leaderboard: title, built-in solution and its settings."""
 
@@ -99,6 +111,7 @@ class Benchmark:
     key_metrics: tuple[Metric, ...]  # of the tables, for each trial and in short lists
     metric_groups: tuple[MetricGroup, ...]  # all metrics of a level, for the documentation
     overall: tuple[Metric, ...] = ()  # metrics over all levels
+    midpoint: Midpoint | None = None  # its metric is one of `overall`
     baselines: Mapping[str, Baseline] = field(
         default_factory=dict
     )  # keyed by the suffix of the user name

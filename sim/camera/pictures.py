@@ -19,15 +19,9 @@ from seamark.sim.camera.seabed import TILE, hash01, packed, padded, value_noise
 Picture = NDArray[np.uint8]  # (SIDE, SIDE)
 
 SIDE = 512  # [px] of a picture: mirrored along both axes it is a seamless tile
-PHOTOGRAPHS = {
-    "brick": "Photograph: bricks",
-    "camera": "Photograph: man with a camera",
-    "coffee": "Photograph: coffee cup",
-    "grass": "Photograph: grass",
-    "gravel": "Photograph: gravel",
-}
-PAINTED = {"mosaic": "Painted: mosaic", "mottle": "Painted: mottled"}
-PICTURES = {**PAINTED, **PHOTOGRAPHS}
+PHOTOGRAPHS = ("brick", "camera", "coffee", "grass", "gravel")
+PAINTED = ("mosaic", "mottle")
+PICTURES = (*PAINTED, *PHOTOGRAPHS)
 MEAN, SPREAD = 112.0, 46.0  # [grey] mean and standard deviation of the photographs
 _FOLDER = Path(__file__).with_name("textures")
 _MOSAIC_CELLS = ((7, 1.0), (19, 0.8), (53, 0.6))  # cells along a side, weight; E

@@ -182,17 +182,17 @@ def _members(
 def _starts(
     replay: Replay, config: Any, rows: Rows, selected: Rows, *, colour: bool
 ) -> Iterator[tuple[str, bytes]]:
-    """Return what a tracker is given at the start of every level among the images."""
+    """Return what a tracker is given whenever it is started in a level among the images."""
     values = config.level_values()
     lines: list[Line] = []
     for trial, level in _levels(selected):
-        here = (rows[:, INDEX["trial"]] == trial) & (rows[:, INDEX["level"]] == level)
-        row = rows[here][0]
-        frame, corners = replay.start(row)
-        name = f"{level:03d}.png"
-        given = [float(value) for value in corners.ravel()]
-        lines.append([trial, level, float(values[level]), float(row[INDEX["t"]]), name, *given])
-        yield f"starts/{name}", _png(frame, colour=colour)
+        here = rows[(rows[:, INDEX["trial"]] == trial) & (rows[:, INDEX["level"]] == level)]
+        for number, row in enumerate(here[:: config.images_per_start(level) or len(here)]):
+            frame, corners = replay.start(row)
+            name = f"{level:03d}-{number:02d}.png" if number else f"{level:03d}.png"
+            given = [float(value) for value in corners.ravel()]
+            lines.append([trial, level, float(values[level]), float(row[INDEX["t"]]), name, *given])
+            yield f"starts/{name}", _png(frame, colour=colour)
     yield "starts.csv", _csv(STARTS, lines)
 
 

@@ -59,7 +59,7 @@ class OpenLoop:
         Parameters
         ----------
         start_every
-            Images from one start of the tracker to the next; 0: it starts with the first one only.
+            Images from one start of the tracker to the next; 0: the first one starts it for good.
         station : (6,) [m, rad]
             Pose from which the camera looks at the target's centre.
         """

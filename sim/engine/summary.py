@@ -8,6 +8,7 @@ from seamark.sim import registry
 from seamark.sim.engine.trial import TrialResult, plain
 from seamark.sim.metrics.metric import mean_over_trials
 from seamark.sim.metrics.score_expression import ExpressionInvalid, score_of
+from seamark.sim.numerics.psychometric import psychometric_midpoint
 from seamark.sim.numerics.statistics import difference_interval, mean, mean_interval
 from seamark.sim.settings.configuration import Configuration
 
@@ -45,21 +46,23 @@ def summarise(
 def _means(benchmark: str, config: Configuration, results: _Trials, block: int) -> dict[str, Any]:
     """Return the score and all that is a mean over some trials."""
     refusal = _refusal(results)
+    levels = [
+        mean_over_trials([plain(level) for level in same])
+        for same in zip(*(result.levels for result in results), strict=True)
+    ]
+    overall = _mean_overall([result.overall for result in results])
     return {
         "benchmark": benchmark,
         **_score(results, block),
         "rankable": bool(results) and refusal is None,
         "not_ranked": refusal,
         "level_held": _lowest([result.trial_score.level_held for result in results]),
-        "overall": _mean_overall([result.overall for result in results]),
+        "overall": overall | _midpoint(benchmark, levels, len(results)),
         "own_score": custom_score(
             config.custom_score(), [_expression_values(result) for result in results]
         ),
         "measures": _mean_overall([result.measures for result in results]),
-        "levels": [
-            mean_over_trials([plain(level) for level in same])
-            for same in zip(*(result.levels for result in results), strict=True)
-        ],
+        "levels": levels,
     }
 
 
@@ -77,6 +80,21 @@ def _gap(reference: _Trials, fresh: _Trials, block: int) -> dict[str, float | No
         return {"value": None, "low": None, "high": None}
     low, high = difference_interval(known, drawn, block=block) or (None, None)
     return {"value": mean(known) - mean(drawn), "low": low, "high": high}
+
+
+def _midpoint(
+    benchmark: str, levels: Sequence[Mapping[str, Any]], trials: int
+) -> dict[str, float | None]:
+    """Return the fitted midpoint, if the benchmark has one, from the means of the levels."""
+    declared = registry.benchmark(benchmark).midpoint
+    if declared is None:
+        return {}
+    points = [point for level in levels if (point := declared.point(level)) is not None]
+    values, shares = [value for value, _ in points], [share for _, share in points]
+    fit = psychometric_midpoint(
+        values, [trials * share for share in shares], [trials] * len(shares)
+    )
+    return {declared.metric.name: None if fit is None else fit.midpoint}
 
 
 def _finite_scores(results: _Trials) -> list[float]:

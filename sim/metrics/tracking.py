@@ -30,11 +30,11 @@ HELD_PERCENT = 95.0  # p@5 from which a level is held
 
 
 class Images:
-    """The images of a level that count: all but the first."""
+    """The images of a level that count."""
 
     def __init__(self, rows: Rows) -> None:
-        self.error = rows[1:, INDEX["tracker_error"]]  # (n,) [px]
-        self.reported = rows[1:, INDEX["tracker_ok"]] == 1.0  # the tracker reports the target
+        self.error = rows[:, INDEX["tracker_error"]]  # (n,) [px]
+        self.reported = rows[:, INDEX["tracker_ok"]] == 1.0  # the tracker reports the target
 
     def within(self, limit_px: float) -> NDArray[np.bool_]:
         """Return which images succeed, (n,); one with a nan error does not."""
@@ -62,24 +62,23 @@ def _precision(limit_px: float) -> LevelMetric[Images]:
         meaning=f"images within {limit_px:g} px",
         formula=f"100 x images with corners at most {limit_px:g} px from the true ones / all but "
         "the first",
-        compute=lambda images: _percent(images.within(limit_px)),
+        compute=lambda images: percent(images.within(limit_px)),
     )
 
 
-P5 = _precision(FAR_PX)
-METRICS: tuple[LevelMetric[Images], ...] = (
-    P5,
-    _precision(NEAR_PX),
-    LevelMetric(
-        name="corner_px",
-        label="Corner error",
-        unit="px",
-        better="lower",
-        meaning=f"mean of the images within {FAR_PX:g} px",
-        formula=f"mean of the RMS corner error of the images within {FAR_PX:g} px",
-        compute=_corner_error,
-        over=Aggregation(f"mean of all images within {FAR_PX:g} px", _corner_error_over_run),
-    ),
+P5, P1 = _precision(FAR_PX), _precision(NEAR_PX)
+CORNER_PX = LevelMetric(
+    name="corner_px",
+    label="Corner error",
+    unit="px",
+    better="lower",
+    meaning=f"mean of the images within {FAR_PX:g} px",
+    formula=f"mean of the RMS corner error of the images within {FAR_PX:g} px",
+    compute=_corner_error,
+    over=Aggregation(f"mean of all images within {FAR_PX:g} px", _corner_error_over_run),
+)
+COMMON: tuple[LevelMetric[Images], ...] = (P5, P1, CORNER_PX)
+LOSSES: tuple[LevelMetric[Images], ...] = (
     LevelMetric(
         name="admitted_percent",
         label="Lost and reported",
@@ -87,7 +86,7 @@ METRICS: tuple[LevelMetric[Images], ...] = (
         better="lower",
         meaning="images in which the tracker reports that it lost the target",
         formula="100 x images in which the tracker reports a loss / all but the first",
-        compute=lambda images: _percent(~images.reported),
+        compute=lambda images: percent(~images.reported),
     ),
     LevelMetric(
         name="not_admitted_percent",
@@ -96,16 +95,18 @@ METRICS: tuple[LevelMetric[Images], ...] = (
         better="lower",
         meaning=f"images in which it reports the target and is more than {LOST_PX:g} px off",
         formula=f"100 x images more than {LOST_PX:g} px off without a report / all but the first",
-        compute=lambda images: _percent(images.reported & ~(images.error <= LOST_PX)),
+        compute=lambda images: percent(images.reported & ~(images.error <= LOST_PX)),
     ),
 )
+METRICS = (*COMMON, *LOSSES)
 HELD = Metric("held", "Held", "", "higher", meaning=f"p@{FAR_PX:g} of at least {HELD_PERCENT:g} %")
-GROUP = MetricGroup("Trackers", METRICS)
+GROUP = MetricGroup("Trackers", COMMON)
+LOSS_GROUP = MetricGroup("Trackers: losses in visibility-v1", LOSSES)
 
 
 def level_metrics(rows: Rows, metrics: Iterable[LevelMetric[Images]] = METRICS) -> dict[str, Any]:
     """Return the metrics of one level, name -> float; `corner_px` is None without any success."""
-    result: dict[str, Any] = compute_all(metrics, Images(rows))
+    result: dict[str, Any] = compute_all(metrics, Images(rows[1:]))
     result["held"] = result[P5.name] >= HELD_PERCENT
     return result
 
@@ -132,5 +133,6 @@ def held_value(values: Sequence[float], held: Sequence[bool]) -> float | None:
     return last
 
 
-def _percent(flags: NDArray[np.bool_]) -> float:
+def percent(flags: NDArray[np.bool_]) -> float:
+    """Return the share of the images that are flagged [%]; 0 of none."""
     return 100.0 * int(flags.sum()) / len(flags) if len(flags) else 0.0

@@ -101,6 +101,14 @@ class Configuration(BaseModel, ABC):
         """Return the settings that a program is given; all unless overridden."""
         return self.model_dump()
 
+    def level_names(self) -> tuple[str, ...]:
+        """Return a short name for each level; empty if its value and unit say enough."""
+        return ()
+
+    def images_per_start(self, level: int) -> int:
+        """Return after how many images the tracker of a level is started again; 0: never."""
+        return 0
+
     def custom_score(self) -> str:
         """Return the user's own expression over metrics; empty without one."""
         return str(getattr(self, "score", ""))

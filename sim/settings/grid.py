@@ -230,9 +230,12 @@ def describe(point: Mapping[str, float]) -> str:
 
 
 def level_names(config: Configuration) -> tuple[str, ...]:
-    """Return a short name for each level of a grid, such as "0.2 · 1.5"; empty without a grid."""
+    """Return a short name for each level, such as "0.2 · 1.5" in a grid.
+
+    Empty if its value and unit say enough.
+    """
     if not isinstance(config, GridSettings) or not config.has_grid():
-        return ()
+        return config.level_names()
     return tuple(" · ".join(f"{value:g}" for value in point.values()) for point in config.points())
 
 
@@ -247,6 +250,8 @@ def level_comments(config: Configuration) -> list[str]:
     """Return a line for each level for the head of a table: what it sets."""
     if isinstance(config, GridSettings) and config.has_grid():
         described = [describe(point) for point in config.points()]
+    elif names := config.level_names():
+        described = list(names)
     else:
         what = config.level_metric()
         described = [

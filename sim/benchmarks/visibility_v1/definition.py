@@ -12,11 +12,18 @@ from collections.abc import Mapping
 from seamark.sim.benchmarks.benchmark import Baseline, Benchmark, Chart, Curve, Table
 from seamark.sim.benchmarks.visibility_v1.settings import SWEEP_PRESETS, VisibilityConfiguration
 from seamark.sim.metrics.metric import Metric
-from seamark.sim.metrics.tracking import FAILED_PERCENT, GROUP, HELD, METRICS, level_metrics
+from seamark.sim.metrics.tracking import (
+    FAILED_PERCENT,
+    GROUP,
+    HELD,
+    LOSS_GROUP,
+    METRICS,
+    level_metrics,
+)
 from seamark.sim.trackers import option_names
 
 
-def _solution_label(config: Mapping[str, object]) -> str:
+def solution_label(config: Mapping[str, object]) -> str:
     """Return a short name of a built-in tracker with its options, such as "esm zncc srt"."""
     tracker = str(config.get("tracker", ""))
     options = option_names(tracker)
@@ -84,7 +91,7 @@ BENCHMARK = Benchmark(
         measure=level_metrics,
     ),
     key_metrics=METRICS[:1],
-    metric_groups=(GROUP,),
+    metric_groups=(GROUP, LOSS_GROUP),
     overall=METRICS,
     baselines={
         f"{criterion}-{warp}": Baseline(
@@ -94,7 +101,7 @@ BENCHMARK = Benchmark(
         )
         for criterion, warp in RANKED_TRACKERS
     },
-    solution_label=_solution_label,
+    solution_label=solution_label,
     presets={"sweep": SWEEP_PRESETS},
     quick_settings={"sweep_to": 0.25, "level_duration_s": 2.0},
 )

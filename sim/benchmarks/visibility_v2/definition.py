@@ -1,13 +1,100 @@
-"""visibility-v2: which tracker keeps its target in the most turbid water and the fastest motion."""
+"""visibility-v2: which tracker keeps its target in the most turbid water and the fastest motion.
 
-from dataclasses import replace
+Three axes, axis by axis and the most difficult level first. *Turbidity*: the optical depth
+rises from 0 to 7 on one path, the same at all levels. *Motion*: another path in moderately clear
+water is played faster and faster. *Jumps*: the tracker is started, and has one image to find a
+target that was displaced. The score is the area under p@5 over the optical depth: a mean over
+levels and trials, so that no unlucky level decides.
+"""
 
-from seamark.sim.benchmarks.benchmark import RankedProtocol
-from seamark.sim.benchmarks.visibility_v1.definition import BENCHMARK as VERSION_1
+from collections.abc import Mapping
+from typing import Any
 
-BENCHMARK = replace(
-    VERSION_1,
+from seamark.sim.benchmarks.benchmark import (
+    Benchmark,
+    Chart,
+    Midpoint,
+    RankedProtocol,
+    Table,
+)
+from seamark.sim.benchmarks.visibility_v1.definition import solution_label
+from seamark.sim.benchmarks.visibility_v2.settings import (
+    TURBIDITY,
+    VisibilityConfiguration,
+)
+from seamark.sim.metrics.metric import Metric
+from seamark.sim.metrics.tracking import GROUP, HELD, P5
+from seamark.sim.metrics.tracking_losses import LOSS_GROUP, METRICS
+
+SCORE = Metric("turbidity_held", "Turbidity held", "optical depth", "higher")
+MIDPOINT = Metric(
+    "tau_midpoint",
+    "τ midpoint",
+    "optical depth",
+    "higher",
+    "where the psychometric function that is fitted to p@5 falls to half of its plateau",
+)
+MOTION_HELD = Metric(
+    "motion_held_px",
+    "Motion held",
+    "px per image",
+    "higher",
+    "area under p@5 over the image motion, in moderately clear water",
+)
+BASIN = Metric(
+    "basin_px",
+    "Convergence basin",
+    "px",
+    "higher",
+    "area under p@1 over the size of single jumps, in clear water",
+)
+
+
+def _turbidity_point(level: Mapping[str, Any]) -> tuple[float, float] | None:
+    """Return optical depth and p@5 of a level of the turbidity axis."""
+    if level["axis"] != TURBIDITY.name:
+        return None
+    return float(level["value"]), 0.01 * float(level[P5.name])
+
+
+BENCHMARK = Benchmark(
     name="visibility-v2",
     title="Trackers in turbid water and fast motion",
+    summary=(
+        "Track a target that nobody has seen before, in water of rising turbidity, in ever faster "
+        "motion, and after single jumps."
+    ),
+    participants="trackers",
+    role="tracker",
+    built_in={"built-in": "Built-in tracker"},
+    experiment="seamark.sim.benchmarks.visibility_v2.experiment:EXPERIMENT",
+    headline=SCORE,
+    score_bar_max=7.0,
+    level_held_unit="optical depth",
+    charts=(
+        Chart("Corner error", "px", ("tracker_error",)),
+        Chart("The tracker reports the target", "1 = yes", ("tracker_ok",)),
+        Chart("Image position of the target along X", "px", ("target_x", "tracked_x")),
+        Chart("Image position of the target along Y", "px", ("target_y", "tracked_y")),
+        Chart("Distance to the target", "px", ("distance_px",)),
+        Chart("Velocity", "m/s", ("u", "v", "w")),
+        Chart("Attitude", "rad", ("roll", "pitch", "yaw")),
+    ),
+    configuration=VisibilityConfiguration,
+    groups=("Tracker", "Levels", "Motion", "Scene"),
+    tables=(
+        Table("Images of a level in which the tracker had to find the target", (*METRICS, HELD)),
+    ),
+    key_metrics=(P5,),
+    metric_groups=(GROUP, LOSS_GROUP),
+    overall=(MIDPOINT, MOTION_HELD, BASIN, *METRICS),
+    midpoint=Midpoint(MIDPOINT, _turbidity_point),
+    solution_label=solution_label,
+    quick_settings={
+        "turbidity_levels": [0.0, 7.0],
+        "motion_levels": [2.0, 8.0],
+        "jump_levels": [2.0, 8.0],
+        "level_duration_s": 2.0,
+    },
     protocol=RankedProtocol(reference_trials=8, fresh_trials=24),
 )

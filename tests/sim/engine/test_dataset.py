@@ -151,16 +151,18 @@ def test_a_tracker_that_works_on_the_data_set_is_as_good_as_in_the_benchmark(
 
     starts = _table(files, "starts.csv")
     assert starts
-    for start in starts:
+    table = _table(files)
+    ends = [*(float(start["t"]) for start in starts[1:]), float("inf")]
+    for start, end in zip(starts, ends, strict=True):
+        begin = float(start["t"])
         tracker.start(_picture(files, f"starts/{start['file']}"), _corners(start))
         found = []
-        lines = [line for line in _table(files) if line["level"] == start["level"]]
-        for line in lines[1:]:
+        for line in [line for line in table if begin < float(line["t"]) < end]:
             track = tracker.update(_picture(files, f"images/{line['file']}"))
             found.append([track.ok, *track.corners.ravel()])
-        level = rows[rows[:, INDEX["level"]] == float(start["level"])][1:]
+        followed = rows[(rows[:, INDEX["t"]] > begin) & (rows[:, INDEX["t"]] < end)]
         columns = [INDEX["tracker_ok"], *(INDEX[f"corner_{k}"] for k in range(8))]
-        assert np.array_equal(np.array(found, float), level[:, columns])
+        assert np.array_equal(np.array(found, float), followed[:, columns])
 
 
 def test_the_corners_of_a_start_have_the_configured_error() -> None:

@@ -17,7 +17,7 @@ from seamark.sim.settings.setting import schema_extras
 @pytest.mark.parametrize("name", BENCHMARKS)
 def test_a_valid_configuration_is_restored_as_it_was(name: str) -> None:
     entry = benchmark(name)
-    config = entry.read({**entry.quick_settings, "kp": 0.7, "warp": "affine"})
+    config = entry.read({**entry.quick_settings, "level_duration_s": 4.0, "warp": "affine"})
 
     stored = json.loads(json.dumps(config.model_dump(mode="json")))
 
