@@ -61,15 +61,10 @@ class UnknownCurrents(StationKeeping[CurrentsConfiguration]):
     def trial_score(
         self, config: CurrentsConfiguration, levels: Sequence[Mapping[str, Any]]
     ) -> TrialScore:
-        """Return the current held [m/s]: the area under the quality over the current.
-
-        Below the weakest current the quality counts as there.
-        """
+        """Return the current held; a trial ranks if it stays near the station in weak currents."""
         base = super().trial_score(config, levels)
-        means = quality_by_speed(levels)
-        weakest = min(means)
         near = _stays(levels) >= RANKED_SHARE
-        score = area((0.0, *means), (means[weakest], *means.values()))
+        score = current_held(levels)
         return TrialScore(
             score=score,
             level_held=base.level_held,
@@ -79,13 +74,18 @@ class UnknownCurrents(StationKeeping[CurrentsConfiguration]):
         )
 
 
-def quality_by_speed(levels: Sequence[Mapping[str, Any]]) -> dict[float, float]:
-    """Return speed [m/s] -> mean quality of its levels; a grid has several of one speed."""
+def current_held(levels: Sequence[Mapping[str, Any]]) -> float:
+    """Return the area under the quality over the current [m/s].
+
+    Below the weakest current the quality counts as there. In a grid a speed has several levels:
+    their mean counts.
+    """
     speeds = sorted({float(level["speed"]) for level in levels})
-    return {
-        speed: mean([float(level["quality"]) for level in levels if level["speed"] == speed])
+    quality = [
+        mean([float(level["quality"]) for level in levels if level["speed"] == speed])
         for speed in speeds
-    }
+    ]
+    return area((0.0, *speeds), (quality[0], *quality))
 
 
 def _stays(levels: Sequence[Mapping[str, Any]]) -> float:

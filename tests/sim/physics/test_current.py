@@ -5,7 +5,7 @@ import pytest
 
 from seamark.sim.numerics.arrays import Array
 from seamark.sim.numerics.random_streams import streams
-from seamark.sim.physics.current import GUST_GRID_S, Current, Pattern, flow, segment_at
+from seamark.sim.physics.current import GUST_GRID_S, Change, Current, Pattern, flow, segment_at
 
 STEADY = Pattern(azimuth_swing_rad=0.0, speed_swing=0.0)
 
@@ -115,3 +115,55 @@ def test_impossible_patterns_are_refused(wrong: dict[str, float]) -> None:
 def test_a_negative_level_is_refused() -> None:
     with pytest.raises(ValueError, match="not be negative"):
         Current(-0.1)
+
+
+def test_phases_shift_both_sinusoids() -> None:
+    shifted = Current(0.3, pattern=Pattern(azimuth_phase_rad=np.pi / 2, speed_phase_rad=-np.pi / 2))
+
+    for t in (0.0, 7.5, 22.5):
+        speed = 0.3 - 0.005 * np.cos(2 * np.pi * t / 4)
+        angle = 0.7 * np.cos(2 * np.pi * t / 30)
+        expected = [-speed * np.cos(angle), -speed * np.sin(angle), 0.0]
+        assert shifted.velocity(t) == pytest.approx(expected, abs=1e-14)
+
+
+def test_a_change_is_linear_over_its_time_and_lasts() -> None:
+    changes = (
+        Change(at_s=10.0, turn_rad=0.5, speed_share=-0.25),
+        Change(at_s=20.0, turn_rad=-0.2, speed_share=0.5),
+    )
+    pattern = Pattern(azimuth_swing_rad=0.0, speed_swing=0.0, changes=changes)
+    current = Current(0.4, pattern=pattern, duration_s=60.0)
+
+    def direction(t: float) -> float:
+        x, y, _z = current.velocity(t)
+        return float(np.arctan2(-y, -x))
+
+    times = np.array([0.0, 9.9, 11.0, 12.1, 19.9, 21.0, 22.1, 59.9])
+    assert speeds(current, times) == pytest.approx([0.4, 0.4, 0.35, 0.3, 0.3, 0.4, 0.5, 0.5])
+    assert [direction(t) for t in times] == pytest.approx([0, 0, 0.25, 0.5, 0.5, 0.4, 0.3, 0.3])
+
+
+def test_the_acceleration_is_the_slope_of_the_velocity_during_a_change() -> None:
+    changes = (Change(at_s=10.0, turn_rad=0.5, speed_share=-0.25),)
+    pattern = Pattern(azimuth_phase_rad=0.3, speed_phase_rad=1.0, changes=changes)
+    water = Current(0.4, pattern=pattern, rng=streams(1, 0, 0).gust, duration_s=20.0).water
+    t, h = 11.02, 1e-5
+    segment = segment_at(t, water)
+
+    before, after = flow(t - h, water, segment), flow(t + h, water, segment)
+    slope = [(b - a) / (2 * h) for a, b in zip(before[:2], after[:2], strict=True)]
+
+    assert flow(t, water, segment)[2:4] == pytest.approx(slope, abs=1e-9)
+
+
+def test_changes_leave_the_gust_as_it_was() -> None:
+    changes = (Change(at_s=10.0, turn_rad=0.5, speed_share=0.25),)
+    plain = Current(0.4, rng=streams(1, 0, 0).gust, duration_s=20.0).water
+    changed = Current(
+        0.4, pattern=Pattern(changes=changes), rng=streams(1, 0, 0).gust, duration_s=20.0
+    ).water
+
+    before = round(10.0 / GUST_GRID_S)
+    assert np.array_equal(plain.gust[:before], changed.gust[:before])
+    assert changed.gust[-1] - plain.gust[-1] == pytest.approx(0.1)

@@ -332,3 +332,14 @@ def test_the_acceleration_is_the_rate_of_change_of_the_velocity() -> None:
     plant.advance(500, np.full(5, 0.4), 1)
 
     assert said == pytest.approx((plant.velocity() - before) / 1e-4, rel=1e-3, abs=1e-5)
+
+
+def test_the_gain_of_a_thruster_multiplies_its_steady_thrust_alone() -> None:
+    command, gains = np.full(5, 0.6), (1.0, 0.5, 1.1, 1.0, 0.0)
+    nominal = Plant(load("girona500"), STILL)
+    weak = Plant(load("girona500"), STILL, thruster_gains=gains)
+
+    nominal.advance(0, command, 20)
+    weak.advance(0, command, 20)
+
+    assert weak.thrust() == pytest.approx(nominal.thrust() * gains)

@@ -98,6 +98,15 @@ def test_bias_and_scale_act_on_each_axis() -> None:
     assert values == pytest.approx(TRUTH.velocity[:3] * 1.1 + [0.01, 0.02, -0.03])
 
 
+def test_the_bias_of_an_ahrs_acts_on_its_angles_and_keeps_them_in_one_turn() -> None:
+    device = Ahrs(streams(1, 0, 0).ahrs, sigma=0.0, rate_sigma=0.0, bias=(0.01, -0.02, 0.03))
+
+    values, _valid = sample(device, 0, TRUTH)
+
+    expected = [0.02, -0.04, 3.1715 - 2 * np.pi, *TRUTH.velocity[3:]]
+    assert values == pytest.approx(expected)
+
+
 def test_drop_outs_are_as_frequent_as_configured_and_do_not_change_the_noise() -> None:
     clean, broken = Dvl(streams(1, 0, 0).dvl), Dvl(streams(1, 0, 0).dvl, dropout=0.3)
 
