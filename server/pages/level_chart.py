@@ -9,61 +9,91 @@ import numpy as np
 from seamark.server.runs.files import RunFiles
 from seamark.server.runs.views import RunView
 from seamark.sim.benchmarks.benchmark import Benchmark, Curve
+from seamark.sim.metrics.metric import Metric
 from seamark.sim.numerics.statistics import mean
 from seamark.sim.recording.telemetry import INDEX, Rows
 from seamark.sim.settings.configuration import Configuration
 
 
-def curve(
+def curves(
     benchmark: Benchmark, config: Configuration, run: RunView, files: RunFiles
-) -> dict[str, Any] | None:
-    """Return the chart as JSON; None for a benchmark without one.
+) -> list[dict[str, Any]]:
+    """Return the charts as JSON; none for a benchmark without any.
 
-    `x` holds the values of the completed levels in the unit of the score, `lines` the metrics of
-    these levels as means over the trials. `mark` is the score, or the first value so far at which
-    the first line is below the limit.
+    `x` holds the values of the completed levels in increasing order, `lines` the metrics of these
+    levels as means over the trials. `mark` is the score or the area that belongs to the chart; for
+    a score that is neither, the first value so far at which the first line is below the limit.
     """
-    chart = benchmark.curve
-    if chart is None:
-        return None
-    levels: Sequence[Mapping[str, Any]] = (run.metrics or {}).get("levels") or []
-    if not levels:
-        levels = _so_far(chart, files.rows(), ended=run.state.final)
-    headline = benchmark.headline_of(config)
+    if not benchmark.curves:
+        return []
+    done: dict[int, Mapping[str, Any]] = dict(enumerate((run.metrics or {}).get("levels") or []))
+    rows = np.empty((0, 0)) if done else files.rows()
+    return [
+        _curve(chart, config, run, done or _so_far(chart, rows, ended=run.state.final), headline)
+        for chart in benchmark.curves
+        if (headline := chart.area or benchmark.headline_of(config))
+    ]
+
+
+def _curve(
+    chart: Curve,
+    config: Configuration,
+    run: RunView,
+    done: Mapping[int, Mapping[str, Any]],
+    marked: Metric,
+) -> dict[str, Any]:
     values = chart.values(config)
-    x = values[: len(levels)]
-    first = [level[chart.metrics[0].name] for level in levels]
-    failed = next((at for at, value in zip(x, first, strict=True) if value < chart.limit), None)
-    mark = run.score if run.score is not None else failed
+    chosen = range(len(values)) if chart.levels is None else chart.levels(config)
+    points = sorted((values[level], level) for level in chosen if level in done)
+    x, levels = [value for value, _ in points], [done[level] for _, level in points]
+    mark = _mark(chart, run, x, levels)
     labels = [metric.label for metric in chart.metrics]
+    ends = [values[level] for level in chosen]
     return {
-        "title": f"{' and '.join(labels)} over the {headline.unit}",
-        "sentence": _sentence(labels[0], chart.limit, headline.label, mark, final=run.state.final),
+        "title": f"{' and '.join(labels)} over the {marked.unit}",
+        "sentence": _sentence(chart, labels[0], marked, mark, final=run.state.final),
         "unit": chart.metrics[0].unit,
-        "x_label": headline.unit,
-        "range": [values[0], values[-1]],
-        "x": list(x),
+        "x_label": marked.unit,
+        "range": [min(ends), max(ends)],
+        "x": x,
         "lines": [
             {"label": metric.label, "values": [level[metric.name] for level in levels]}
             for metric in chart.metrics
         ],
         "limit": chart.limit,
         "mark": mark,
-        "mark_label": headline.label,
+        "mark_label": marked.label,
     }
 
 
-def _sentence(first: str, limit: float, score: str, mark: float | None, *, final: bool) -> str:
+def _mark(
+    chart: Curve, run: RunView, x: Sequence[float], levels: Sequence[Mapping[str, Any]]
+) -> float | None:
+    """Return where the chart is marked, if that is known yet."""
+    if chart.area is not None:
+        overall: Mapping[str, float | None] = (run.metrics or {}).get("overall") or {}
+        return overall.get(chart.area.name, run.score)
+    if run.score is not None:
+        return run.score
+    first = (level[chart.metrics[0].name] for level in levels)
+    return next((at for at, value in zip(x, first, strict=True) if value < chart.limit), None)
+
+
+def _sentence(chart: Curve, first: str, marked: Metric, mark: float | None, *, final: bool) -> str:
+    if chart.area is not None:
+        value = "" if mark is None else f", is {mark:.2f} {marked.unit}".rstrip()
+        known = value or " is known when the run has finished"
+        return f"{marked.label}, the area under {first}{known}."
     if mark is None:
         state = "did" if final else "has"
         fall = "not fall" if final else "not fallen"
-        return f"{first} {state} {fall} below {limit:g} %, which would be {score}."
+        return f"{first} {state} {fall} below {chart.limit:g} %, which would be {marked.label}."
     sofar = "" if final else " so far"
-    return f"{score}, where {first} falls below {limit:g} %, is {mark:.2f}{sofar}."
+    return f"{marked.label}, where {first} falls below {chart.limit:g} %, is {mark:.2f}{sofar}."
 
 
-def _so_far(chart: Curve, rows: Rows, *, ended: bool) -> list[dict[str, float]]:
-    """Return the metrics of the completed levels, as means over the trials."""
+def _so_far(chart: Curve, rows: Rows, *, ended: bool) -> dict[int, dict[str, float]]:
+    """Return the metrics of the completed levels by their index, as means over the trials."""
     position = rows[:, [INDEX["trial"], INDEX["level"]]]
     starts = [0, *(np.flatnonzero((np.diff(position, axis=0) != 0).any(axis=1)) + 1).tolist()]
     ends = [*starts[1:], len(rows)] if ended and len(rows) else starts[1:]
@@ -75,10 +105,9 @@ def _so_far(chart: Curve, rows: Rows, *, ended: bool) -> list[dict[str, float]]:
         key=lambda item: item[0],
     )
     names = [metric.name for metric in chart.metrics]
-    return [
-        {name: mean([found[name] for found in same]) for name in names}
-        for same in (
-            [found for _, found in members]
-            for _, members in groupby(measured, key=lambda item: item[0])
-        )
-    ]
+    by_level = groupby(measured, key=lambda item: item[0])
+    return {
+        level: {name: mean([found[name] for _, found in members]) for name in names}
+        for level, group in by_level
+        if (members := list(group))
+    }

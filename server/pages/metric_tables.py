@@ -30,7 +30,7 @@ class Table:
 
     title: str
     level: Metric  # label and unit of the level values
-    levels: tuple[float, ...]  # level values
+    levels: tuple[str, ...]  # names or values of the levels
     rows: tuple[Row, ...]
 
     @property
@@ -56,8 +56,10 @@ def tables(
     levels: Sequence[Mapping[str, Any]] = metrics.get("levels") or []
     if not levels:
         return []
-    level = benchmark.restore(config).level_metric()
-    first, *others = (_table(table, levels, level, config) for table in benchmark.tables)
+    restored = benchmark.restore(config)
+    level, names = restored.level_metric(), restored.level_names()
+    found = (_table(table, levels, level, config) for table in benchmark.tables)
+    first, *others = (replace(table, levels=names or table.levels) for table in found)
     return [_with_grid(first, levels, level.label), *others]
 
 
@@ -109,7 +111,8 @@ def _table(
         values = tuple(level.get(name) for level in levels)
         if name in levels[0] and values != level_values:  # those are in the header already
             rows.append(Row(metric.label, metric.unit, metric.meaning, values))
-    return Table(table.title.format(**config), level_metric, level_values, tuple(rows))
+    shown = tuple(map(plain, level_values))
+    return Table(table.title.format(**config), level_metric, shown, tuple(rows))
 
 
 def _with_grid(table: Table, levels: Sequence[Mapping[str, Any]], header: str) -> Table:

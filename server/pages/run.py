@@ -51,7 +51,7 @@ def show(run_id: int) -> ResponseReturnValue:
         trials=metric_tables.trials(run.metrics or {}),
         parts=ranked_parts(run.metrics or {}),
         protocol=benchmark.protocol if run.kind is RunKind.RANKED else None,
-        curve=level_chart.curve(benchmark, config, run, files),
+        curves=level_chart.curves(benchmark, config, run, files),
         settings=metric_tables.settings(benchmark.schema(), run.config, run.controller),
         page_data={
             "id": run.id,

@@ -25,16 +25,21 @@ class Chart:
 
 @dataclass(frozen=True, slots=True)
 class Curve:
-    """A chart over the levels: metrics in one unit, and the limit at which a level fails.
+    """A chart over levels: metrics in one unit, and the limit at which a level fails.
 
-    `values` returns the value of each level of a configuration in the unit of the score; `measure`
-    computes the metrics of a level from its telemetry, so that the chart grows during the run.
+    `values` returns the value of each level of a configuration; `measure` computes the metrics of a
+    level from its telemetry, so that the chart grows during the run.
     """
 
     metrics: tuple[Metric, ...]
     limit: float
     values: Callable[[Any], tuple[float, ...]]
     measure: Callable[["Rows"], Mapping[str, Any]]
+    # the levels that belong to it, such as those of one axis of difficulty; None: all
+    levels: Callable[[Any], tuple[int, ...]] | None = None
+    # the area under the first metric, which the chart marks: the headline or one of `overall`.
+    # None: the headline is where the first metric falls below the limit
+    area: Metric | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -126,7 +131,7 @@ class Benchmark:
     )  # settings of the shortest run
     # None: the first versions, whose ranked runs all have the same hidden seeds
     protocol: RankedProtocol | None = None
-    curve: Curve | None = None
+    curves: tuple[Curve, ...] = ()
 
     def load(self) -> "Experiment":
         """Return the experiment; loads the simulator with Numba and OpenCV."""

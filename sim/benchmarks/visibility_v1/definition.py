@@ -84,11 +84,13 @@ BENCHMARK = Benchmark(
         "Faults",
     ),
     tables=(Table("All images of a level but the first", (OPTICAL_DEPTH, *METRICS, HELD)),),
-    curve=Curve(
-        metrics=METRICS[:2],
-        limit=FAILED_PERCENT,
-        values=VisibilityConfiguration.score_values,
-        measure=level_metrics,
+    curves=(
+        Curve(
+            metrics=METRICS[:2],
+            limit=FAILED_PERCENT,
+            values=VisibilityConfiguration.score_values,
+            measure=level_metrics,
+        ),
     ),
     key_metrics=METRICS[:1],
     metric_groups=(GROUP, LOSS_GROUP),

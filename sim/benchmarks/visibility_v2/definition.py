@@ -7,24 +7,29 @@ target that was displaced. The score is the area under p@5 over the optical dept
 levels and trials, so that no unlucky level decides.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from seamark.sim.benchmarks.benchmark import (
     Benchmark,
     Chart,
+    Curve,
     Midpoint,
     RankedProtocol,
     Table,
 )
 from seamark.sim.benchmarks.visibility_v1.definition import solution_label
 from seamark.sim.benchmarks.visibility_v2.settings import (
+    JUMP,
+    MOTION,
     TURBIDITY,
+    Axis,
     VisibilityConfiguration,
 )
 from seamark.sim.metrics.metric import Metric
-from seamark.sim.metrics.tracking import GROUP, HELD, P5
-from seamark.sim.metrics.tracking_losses import LOSS_GROUP, METRICS
+from seamark.sim.metrics.tracking import FAILED_PERCENT, GROUP, HELD, P1, P5
+from seamark.sim.metrics.tracking_losses import LOSS_GROUP, METRICS, followed_metrics, jump_metrics
+from seamark.sim.recording.telemetry import Rows
 
 SCORE = Metric("turbidity_held", "Turbidity held", "optical depth", "higher")
 MIDPOINT = Metric(
@@ -55,6 +60,27 @@ def _turbidity_point(level: Mapping[str, Any]) -> tuple[float, float] | None:
     if level["axis"] != TURBIDITY.name:
         return None
     return float(level["value"]), 0.01 * float(level[P5.name])
+
+
+def _curve(
+    axis: Axis,
+    area: Metric,
+    metrics: tuple[Metric, ...],
+    measure: Callable[[Rows], Mapping[str, Any]],
+) -> Curve:
+    """Return the chart of one axis."""
+
+    def levels(config: VisibilityConfiguration) -> tuple[int, ...]:
+        return config.levels_of(axis)
+
+    return Curve(
+        metrics=metrics,
+        limit=FAILED_PERCENT,
+        values=VisibilityConfiguration.level_values,
+        measure=measure,
+        levels=levels,
+        area=area,
+    )
 
 
 BENCHMARK = Benchmark(
@@ -88,6 +114,11 @@ BENCHMARK = Benchmark(
     key_metrics=(P5,),
     metric_groups=(GROUP, LOSS_GROUP),
     overall=(MIDPOINT, MOTION_HELD, BASIN, *METRICS),
+    curves=(
+        _curve(TURBIDITY, SCORE, (P5, P1), followed_metrics),
+        _curve(MOTION, MOTION_HELD, (P5, P1), followed_metrics),
+        _curve(JUMP, BASIN, (P1, P5), jump_metrics),
+    ),
     midpoint=Midpoint(MIDPOINT, _turbidity_point),
     solution_label=solution_label,
     quick_settings={

@@ -14,10 +14,14 @@ from tests.server.pages.conftest import Site
 VISIBILITY = {"benchmark": "visibility-v1", "controller": "built-in"}
 
 
-def _curve(site: Site, run_id: int) -> dict[str, Any] | None:
+def _curves(site: Site, run_id: int) -> list[dict[str, Any]]:
     page = site.browser("ann").get(f"/runs/{run_id}").text
-    found = re.search(r'data-part="curve"><script type="application/json">(.*?)</script>', page)
-    return None if found is None else json.loads(found.group(1))
+    pattern = r'data-part="curve-\d"><script type="application/json">(.*?)</script>'
+    return [json.loads(text) for text in re.findall(pattern, page)]
+
+
+def _curve(site: Site, run_id: int) -> dict[str, Any] | None:
+    return next(iter(_curves(site, run_id)), None)
 
 
 def _rows(trial: int, errors_px: list[float]) -> np.ndarray:
@@ -75,6 +79,45 @@ def test_the_chart_of_a_run_that_ended_shows_its_metrics_and_marks_its_score(sit
     assert curve["lines"][0]["values"] == [100.0, 80.0, 10.0]
     assert curve["mark"] == 0.5
     assert "τ50, where p@5 falls below 50 %, is 0.50." in curve["sentence"]
+
+
+SHORT = {"turbidity_levels": [0, 4, 7], "motion_levels": [4, 9], "jump_levels": [2, 8]}
+AXES = (
+    *(("turbidity", 7.0), ("turbidity", 4.0), ("turbidity", 0.0)),
+    *(("motion", 9.0), ("motion", 4.0), ("jump", 8.0), ("jump", 2.0)),
+)
+
+
+def test_every_axis_has_its_chart_in_rising_order_with_the_area_under_it(site: Site) -> None:
+    claim = site.running("ann", benchmark="visibility-v2", controller="built-in", config=SHORT)
+    levels = [
+        {"level": k, "axis": axis, "value": value, "p5_percent": 100 - 10 * value, "p1_percent": k}
+        for k, (axis, value) in enumerate(AXES)
+    ]
+    score = {"score": 4.5, "score_low": None, "score_high": None, "level_held": 4.0}
+    overall = {"motion_held_px": 6.25, "basin_px": 5.5}
+    assert site.finish(claim, metrics=score | {"overall": overall, "levels": levels, "trials": []})
+
+    turbidity, motion, jump = _curves(site, claim.run_id)
+
+    assert [curve["x"] for curve in (turbidity, motion, jump)] == [[0, 4, 7], [4, 9], [2, 8]]
+    assert turbidity["lines"][0]["values"] == [100.0, 60.0, 30.0]
+    assert jump["lines"][0]["values"] == [6.0, 5.0]  # p@1: a jump must converge
+    assert [curve["mark"] for curve in (turbidity, motion, jump)] == [4.5, 6.25, 5.5]
+    assert "area under p@5, is 4.50 optical depth" in turbidity["sentence"]
+
+
+def test_the_charts_of_all_axes_grow_during_the_run(site: Site) -> None:
+    claim = site.running("ann", benchmark="visibility-v2", controller="built-in", config=SHORT)
+    files = RunFiles(site.settings.data, claim.run_id, claim.attempt)
+    files.append_rows(_rows(0, [9.0, 3.0, 0.5, 9.0, 0.5]))
+
+    turbidity, motion, jump = _curves(site, claim.run_id)
+
+    assert turbidity["x"] == [0, 4, 7]
+    assert turbidity["lines"][0]["values"] == [100.0, 100.0, 0.0]
+    assert (motion["x"], jump["x"]) == ([9], [])
+    assert motion["mark"] is None
 
 
 def test_a_benchmark_of_controllers_has_no_level_chart(site: Site) -> None:

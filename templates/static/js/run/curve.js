@@ -42,10 +42,10 @@ function marksPlugin(curve) {
 }
 
 export class Curve {
-  constructor() {
-    this.box = document.querySelector("[data-curve-plot]");
+  constructor(box) {
+    this.box = box;
+    this.data = box.nextElementSibling; // the part of the page with the data
     this.plot = null;
-    if (!this.box) return;
     this.update();
     document.addEventListener("themechange", () => this.update());
     new ResizeObserver(() => this.plot?.setSize({ width: this.width(), height: HEIGHT })).observe(this.box);
@@ -57,8 +57,8 @@ export class Curve {
 
   // Draws the data embedded in the page, which the server updates with the latest levels.
   update() {
-    const text = document.querySelector('[data-part="curve"] script')?.textContent;
-    if (!this.box || !text) return;
+    const text = this.data.querySelector("script")?.textContent;
+    if (!text) return;
     const curve = JSON.parse(text);
     this.plot?.destroy();
     const container = document.createElement("div");
@@ -76,7 +76,7 @@ export class Curve {
     title.append(names, readout);
     container.className = "chart";
     container.setAttribute("role", "img");
-    container.setAttribute("aria-label", document.querySelector('[data-part="curve"] p').textContent);
+    container.setAttribute("aria-label", this.data.querySelector("p").textContent);
     this.box.replaceChildren(title, container);
     const axis = { stroke: colour("--text-2"), grid: { stroke: colour("--chart-grid"), width: 1 }, ticks: { show: false } };
     this.plot = new uPlot({

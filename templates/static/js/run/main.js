@@ -8,7 +8,7 @@ const data = JSON.parse(document.getElementById("run-data").textContent);
 const part = (name) => document.querySelector(`[data-${name}]`);
 const charts = new Charts(data);
 const camera = new Camera(data, (t) => charts.mark(t));
-const curve = new Curve();
+const curves = [...document.querySelectorAll("[data-curve-plot]")].map((box) => new Curve(box));
 let trial = 0;
 let refreshing = 0;
 
@@ -65,18 +65,19 @@ function appendLog(text) {
   part("log-empty").hidden = true;
 }
 
-// Replaces the parts rendered by the server with those of a fresh copy of this page: all or one.
+// Replaces the parts rendered by the server with those of a fresh copy of this page: all, or those
+// whose names begin alike.
 async function refresh(only = null) {
   const sequence = only ? refreshing : ++refreshing;
   const response = await fetch(location.pathname, { credentials: "same-origin" });
   if (!response.ok || sequence !== refreshing) return;
   const fresh = new DOMParser().parseFromString(await response.text(), "text/html");
-  for (const old of document.querySelectorAll(only ? `[data-part="${only}"]` : "[data-part]")) {
+  for (const old of document.querySelectorAll(only ? `[data-part^="${only}"]` : "[data-part]")) {
     const next = fresh.querySelector(`[data-part="${old.dataset.part}"]`);
     if (next) old.replaceChildren(...next.childNodes);
   }
   document.title = fresh.title;
-  curve.update();
+  curves.forEach((curve) => curve.update());
 }
 
 // The chart over levels is updated after each level, at most every two seconds.
@@ -92,7 +93,7 @@ function followLevel(newest) {
   curveScheduled = true;
   setTimeout(() => {
     curveScheduled = false;
-    if (data.live) refresh("curve");
+    if (data.live) refresh("curve-");
   }, CURVE_INTERVAL_MS);
 }
 
