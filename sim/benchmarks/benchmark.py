@@ -117,6 +117,7 @@ class Benchmark:
     metric_groups: tuple[MetricGroup, ...]  # all metrics of a level, for the documentation
     overall: tuple[Metric, ...] = ()  # metrics over all levels
     midpoint: Midpoint | None = None  # its metric is one of `overall`
+    scale: tuple[float, float] | None = None  # scores of doing nothing and of the oracle
     baselines: Mapping[str, Baseline] = field(
         default_factory=dict
     )  # keyed by the suffix of the user name

@@ -27,6 +27,12 @@ SHORT: dict[str, dict[str, object]] = {
         "settle_s": 1.0,
         "tracker": "truth",
     },
+    "currents-v2": {
+        "levels": [0.2, 0.8],
+        "level_duration_s": 4.0,
+        "settle_s": 1.0,
+        "tracker": "truth",
+    },
     "visibility-v1": {
         "mode": "free",
         "sweep_to": 2.0,
@@ -51,7 +57,7 @@ FURTHER: dict[str, tuple[str, dict[str, object]]] = {
 def vehicles_of(name: str) -> list[str]:
     """The vehicles that a benchmark's form offers."""
     choices: list[str] = benchmark(name).schema()["properties"].get("vehicle", {}).get("enum", [])
-    return choices
+    return [choice for choice in choices if choice in VEHICLES]
 
 
 CASES = {

@@ -1,14 +1,30 @@
 """currents-v2: which position controller holds station in the strongest current."""
 
+from collections.abc import Mapping
 from dataclasses import replace
+from typing import Any
 
-from seamark.sim.benchmarks.benchmark import Baseline, RankedProtocol, Table
+from seamark.sim.benchmarks.benchmark import Baseline, Midpoint, RankedProtocol, Table
 from seamark.sim.benchmarks.currents_v2.settings import CurrentsConfiguration
 from seamark.sim.benchmarks.station_keeping.definition import station_keeping_benchmark
 from seamark.sim.metrics import tool_point
 from seamark.sim.metrics.metric import Metric
 from seamark.sim.metrics.station_keeping import HELD, KEY_METRICS, METRICS, WHOLE
 from seamark.sim.settings.trial_spreads import GROUP
+
+MIDPOINT = Metric(
+    "current_midpoint_m_s",
+    "Current held half of the time",
+    "m/s",
+    "higher",
+    meaning="at which the quality is half of that in weak currents: midpoint of a logistic "
+    "function with a lapse rate, fitted to all levels and trials",
+)
+
+
+def _point(level: Mapping[str, Any]) -> tuple[float, float]:
+    return float(level["speed"]), float(level["quality"])
+
 
 _BENCHMARK = station_keeping_benchmark(
     name="currents-v2",
@@ -36,6 +52,8 @@ BENCHMARK = replace(
         Table("After the settle window of {settle_s:g} s", KEY_METRICS),
         Table("Whole levels", METRICS, prefix=WHOLE),
     ),
+    overall=(MIDPOINT, *tool_point.METRICS),
+    midpoint=Midpoint(MIDPOINT, _point),
     key_metrics=(tool_point.QUALITY,),
     metric_groups=(tool_point.GROUP, *_BENCHMARK.metric_groups),
     protocol=RankedProtocol(reference_trials=8, fresh_trials=24, block=2),
