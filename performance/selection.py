@@ -120,8 +120,8 @@ def text(population: Population) -> str:
         [
             f"`{population.name}`, built-in `{SOLUTIONS[population.name]}`: score {score:.3f} "
             f"{unit}, standard error {population.error:.4f} with {protocol.fresh_trials} fresh "
-            f"trials in blocks of {protocol.block}, from {len(population.means)} blocks on seeds from "
-            f"{FIRST_SEED} on.",
+            f"trials in blocks of {protocol.block}. Measured on {len(population.means)} blocks of "
+            f"trials, seeds from {FIRST_SEED} on.",
             table(header, rows),
         ]
     )

@@ -16,7 +16,8 @@ COLUMNS = (
 def summary(run: Mapping[str, Any]) -> str:
     """Return the lines for a run as the API shows it."""
     if run["state"] == "succeeded":
-        return "\n".join(_success(run["result"] or {}, run.get("metrics") or {}))
+        refusal = [f"Not ranked. {run['not_ranked']}"] if run.get("not_ranked") else []
+        return "\n".join(_success(run["result"] or {}, run.get("metrics") or {}) + refusal)
     if run["state"] == "failed":
         return "\n".join(_failure(run["failure"] or {}))
     return "The run was cancelled."
@@ -24,6 +25,7 @@ def summary(run: Mapping[str, Any]) -> str:
 
 def _success(result: Mapping[str, Any], metrics: Mapping[str, Any]) -> list[str]:
     lines = [f"Score {_number(result.get('score'))}{_interval(result)}"]
+    lines += _parts(metrics)
     lines += custom_score(metrics)
     lines += level_table(metrics)
     if result.get("digest"):
@@ -36,6 +38,18 @@ def _interval(result: Mapping[str, Any]) -> str:
     if low is None or high is None or low == high:
         return ""
     return f" (95 % interval {_number(low)} to {_number(high)})"
+
+
+def _parts(metrics: Mapping[str, Any]) -> list[str]:
+    """Return the lines of a ranked run on reference and fresh water."""
+    reference, gap = metrics.get("reference"), metrics.get("gap")
+    if not reference or not gap:
+        return []
+    of_gap = {"score_low": gap["low"], "score_high": gap["high"]}
+    return [
+        f"Reference score {_number(reference['score'])}{_interval(reference)}",
+        f"Generalisation gap {_number(gap['value'])}{_interval(of_gap)}",
+    ]
 
 
 def custom_score(metrics: Mapping[str, Any]) -> list[str]:

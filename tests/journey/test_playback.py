@@ -21,6 +21,7 @@ from seamark.server.app import create_app
 from seamark.server.runs import queue as run_queue
 from seamark.server.runs.views import RunView
 from seamark.sim import registry
+from seamark.worker.evaluation.local import evaluate_locally
 from seamark.worker.evaluation.worker_slot import WorkerSlot
 from seamark.worker.service.run_driver import RunContext, evaluate
 from seamark.worker.zygote.client import Simulator
@@ -177,6 +178,17 @@ def test_a_program_that_plays_back_what_it_saw_gains_nothing(service: Service) -
     gap = playback.metrics["gap"]
     assert gap["low"] > 0.5
     assert honest.metrics["gap"]["low"] <= 0.0 <= honest.metrics["gap"]["high"]
+
+
+def test_anybody_can_repeat_the_reference_trials(service: Service) -> None:
+    ranked = service.ranked("ann")
+
+    here = evaluate_locally(
+        NAME, {}, seed=2026, trials=REFERENCE, controller=next(iter(BENCHMARK.built_in))
+    )
+
+    assert here.metrics is not None
+    assert [trial["digest"] for trial in here.metrics["trials"]] == _digests(ranked)[:REFERENCE]
 
 
 def test_the_same_submission_has_the_same_result_and_a_changed_byte_other_fresh_water(
