@@ -47,7 +47,7 @@ WU = Source(
     "Coefficients as public code quotes them; the quotations disagree whether they belong to the "
     "vehicle with six or with eight thrusters",
 )
-THOMSON = Source(
+TIDE = Source(
     "Thomson et al. 2012, IEEE J. Oceanic Eng. 37(3)",
     "https://www.osti.gov/scitech/biblio/1047397",
 )
@@ -63,7 +63,7 @@ ZANEVELD = Source(
     "4.6 according to the summary of WET Labs "
     "(<http://www.wetlabs.com/appdescs/visibility.htm>), 4.8 as others quote it",
 )
-SOURCES = (T200, BLUEROV2, HEAVY, LI, WU, THOMSON, KIM, A50, ZANEVELD)
+SOURCES = (T200, BLUEROV2, HEAVY, LI, WU, TIDE, KIM, A50, ZANEVELD)
 
 
 class Comparison(NamedTuple):

@@ -103,16 +103,9 @@ def test_full_commands_ahead_use_the_horizontal_thrusters_alone() -> None:
     assert commands.tolist() == [1.0, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0]
 
 
-def test_the_gusts_have_the_share_of_their_parameter() -> None:
-    assert water_tests.turbulence_percent() == pytest.approx(5.0, abs=0.5)
-
-
-def test_every_plot_of_the_page_is_there_and_small() -> None:
-    plots = [part.split(")")[0] for part in PAGE.split("](")[1:]]
-
-    assert len(plots) >= 3
-    for plot in plots:
-        assert 1_000 < (DOCS / plot).stat().st_size < 200_000, plot
+def test_the_dvl_of_the_first_version_has_no_bias_and_that_of_the_second_one_has() -> None:
+    assert water_tests.dvl_bias_mm_s("currents-v1") == 0.0
+    assert water_tests.dvl_bias_mm_s("currents-v2") > 0.0
 
 
 @pytest.mark.parametrize("name", NAMES)
