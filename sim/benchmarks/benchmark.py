@@ -195,9 +195,11 @@ class Benchmark:
 
     def solution_label_of(self, controller: str, config: Mapping[str, object]) -> str:
         """Return the label of the built-in solution of a run."""
+        if controller in self.reference_built_in:
+            return self.reference_built_in[controller]
         if self.solution_label is not None:
             return self.solution_label(config)
-        return {**self.built_in, **self.reference_built_in}.get(controller, controller)
+        return self.built_in.get(controller, controller)
 
     def level_held_unit_of(self, config: Configuration) -> str:
         """Return the unit of the highest level held."""

@@ -11,6 +11,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from seamark.sim.benchmarks.benchmark import (
+    Baseline,
     Benchmark,
     Chart,
     Curve,
@@ -52,6 +53,15 @@ BASIN = Metric(
     "px",
     "higher",
     "area under p@1 over the size of single jumps, in clear water",
+)
+
+
+# Criterion and warp of the template trackers on the leaderboard.
+RANKED_TEMPLATES = (
+    ("ssd", "homography"),
+    ("zncc", "homography"),
+    ("zncc", "srt"),
+    ("mi", "srt"),
 )
 
 
@@ -126,6 +136,28 @@ BENCHMARK = Benchmark(
         "motion_levels": [2.0, 8.0],
         "jump_levels": [2.0, 8.0],
         "level_duration_s": 2.0,
+    },
+    baselines={
+        "nothing": Baseline("Nothing: the corners of the start for ever", "nothing"),
+        "blind": Baseline("Blind after four images: constant velocity", "blind"),
+        "box": Baseline("Box tracker", "built-in", {"tracker": "box"}),
+        "kcf": Baseline("KCF", "built-in", {"tracker": "kcf"}),
+        "klt": Baseline("KLT, homography", "built-in", {"tracker": "klt", "warp": "homography"}),
+        "ecc": Baseline("ECC, homography", "built-in", {"tracker": "ecc", "warp": "homography"}),
+        **{
+            f"{criterion}-{warp}": Baseline(
+                f"Template tracker, {criterion.upper()}, {warp}",
+                "built-in",
+                {"criterion": criterion, "warp": warp},
+            )
+            for criterion, warp in RANKED_TEMPLATES
+        },
+        "oracle": Baseline("Oracle: the true corners", "oracle"),
+    },
+    reference_built_in={
+        "nothing": "Nothing: the corners of the start for ever",
+        "blind": "Blind after four images: constant velocity",
+        "oracle": "Oracle: the true corners",
     },
     protocol=RankedProtocol(reference_trials=8, fresh_trials=24),
 )

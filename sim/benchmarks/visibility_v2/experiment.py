@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from seamark.sim.benchmarks.visibility_v2.jumps import Jumps
+from seamark.sim.benchmarks.visibility_v2.reference import BlindTracker, StillTracker, Truth
 from seamark.sim.benchmarks.visibility_v2.scenario import Scenario, draw_scenario
 from seamark.sim.benchmarks.visibility_v2.settings import (
     JUMP,
@@ -25,7 +26,8 @@ from seamark.sim.metrics.tracking_losses import METRICS, followed_metrics, jump_
 from seamark.sim.numerics.random_streams import streams
 from seamark.sim.numerics.statistics import area
 from seamark.sim.recording.telemetry import Rows
-from seamark.sim.trackers import Tracker
+from seamark.sim.registry import TRUTH
+from seamark.sim.trackers import Tracker, make
 
 CLEAR_WATER = "The tracker does not follow the target in the clearest water (p@5 below 50 %)."
 
@@ -33,8 +35,13 @@ CLEAR_WATER = "The tracker does not follow the target in the clearest water (p@5
 class Visibility:
     """A `seamark.sim.engine.experiment.Experiment` that compares trackers."""
 
-    def built_in(self, name: str, config: VisibilityConfiguration) -> None:
-        """Return None: a level then uses the configured tracker."""
+    def built_in(self, name: str, config: VisibilityConfiguration) -> Tracker | Truth | None:
+        """Return a reference entry, or None: a level then uses the configured tracker."""
+        if name == "nothing":
+            return StillTracker()
+        if name == "blind":
+            return BlindTracker(make(config.tracker, truth=None, **config.tracker_options()))
+        return Truth.ORACLE if name == Truth.ORACLE.value else None
 
     def layout(self, config: VisibilityConfiguration) -> dict[str, Any]:
         """Return the role of programs."""
@@ -50,7 +57,7 @@ class Visibility:
     def level(
         self,
         config: VisibilityConfiguration,
-        solution: Tracker | None,
+        solution: Tracker | Truth | None,
         *,
         seed: int,
         trial: int,
@@ -59,11 +66,12 @@ class Visibility:
         """Return a level at the start of its path, or before its first jump."""
         scenario, listed = draw_scenario(config, seed, trial), config.listed()[level]
         camera = _camera(config, scenario, listed)
+        oracle = isinstance(solution, Truth)
         tracking = TrackerInLoop(
             camera,
-            config,
+            config.model_copy(update={"tracker": TRUTH}) if oracle else config,
             draw_start_error(config.start_error_px, streams(seed, trial, level)),
-            tracker=solution,
+            tracker=None if isinstance(solution, Truth) else solution,
             reference=_clear(config, scenario),
         )
         return OpenLoop(

@@ -32,7 +32,7 @@ from seamark.sim.settings.textures import LETTERS, SEABED_TEXTURES, TARGET_TEXTU
 
 OPTICS = Optics(width=320, height=240, focal_px=257.3)  # S: uwsimbenchmarks 988deda
 SHARE_OF_AMPLITUDE = 0.2  # of the path's amplitudes: their spread
-SHARE_OF_MOTION = 0.4  # of the speed on the turbidity axis: its spread
+SHARE_OF_MOTION = 0.3  # of the speed on the turbidity axis: its spread
 HEAVE_SHARE, TILT_SHARE = 0.2, 0.6  # relative to horizontal amplitude and heading
 VEILS = (0.2, 0.4)  # scattered daylight, share of full scale
 SEEDS = 2**63

@@ -141,14 +141,14 @@ class VisibilityConfiguration(TrackerSettings):
         source="a few degrees, like a vehicle in a current",
     )
     path_motion_px: float = motion_setting(
-        2.5,
+        3.0,
         title="Motion on the turbidity axis",
-        help="Mean path length of the corners from one image to the next, drawn within 40 %.",
+        help="Mean path length of the corners from one image to the next, drawn within 30 %.",
         unit="px",
         low=0.1,
         high=20,
         tag="E",
-        source="0.25 m/s: a vehicle that holds station in a current",
+        source="0.3 m/s: a vehicle that holds station in a current",
     )
     motion_depth: float = motion_setting(
         1.0,
@@ -216,7 +216,7 @@ class VisibilityConfiguration(TrackerSettings):
         advanced=True,
     )
     light_stops: float = scene_setting(
-        1.0,
+        0.5,
         title="Light variation",
         help="A trial has up to this many stops less light: the camera's gain makes up for it and "
         "amplifies the noise.",
@@ -224,7 +224,7 @@ class VisibilityConfiguration(TrackerSettings):
         low=0,
         high=3,
         tag="E",
-        source="bright to overcast",
+        source="what an hour changes on a bright day",
         advanced=True,
     )
 
