@@ -60,6 +60,7 @@ def show(run_id: int) -> ResponseReturnValue:
             "trial_s": benchmark.trial_duration_s(config),
             "level_s": run.config.get("level_duration_s"),
             "levels": config.level_values(),
+            "ordered": config.levels_in_order(),
             "names": level_names(config),
             "level": {"label": config.level_metric().label, "unit": config.level_metric().unit},
             "step_s": run.config.get("control_period_s", IMAGE_PERIOD_S),

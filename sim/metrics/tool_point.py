@@ -9,7 +9,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from seamark.sim.metrics.metric import RMS, LevelMetric, MetricGroup
+from seamark.sim.metrics.metric import RMS, LevelMetric, Metric, MetricGroup
 from seamark.sim.metrics.windows import LevelFacts, Window, lost
 from seamark.sim.numerics.statistics import mean, percentile, root_mean_square
 from seamark.sim.recording.telemetry import Rows
@@ -18,6 +18,7 @@ TOOL_AHEAD_M = 1.0  # [m] E: reach of a manipulator
 # E: from what a gripper on a soft object tolerates down to a valve's; each about 1.6 times the next
 CIRCLES_M = (0.5, 0.32, 0.2, 0.125, 0.08, 0.05, 0.032, 0.02)
 POWER_WEIGHT = 0.1  # quality that full thrust costs; E: small, it breaks ties
+HELD_QUALITY = 0.5  # from which a level counts as held
 REACHED_M = 0.1  # [m]
 
 
@@ -103,4 +104,5 @@ METRICS: tuple[LevelMetric[ToolWindow], ...] = (
         compute=_power_share,
     ),
 )
+HELD = Metric("held", "Held", "", "higher", meaning=f"quality of at least {HELD_QUALITY:g}")
 GROUP = MetricGroup("Tool point, whole levels", METRICS)

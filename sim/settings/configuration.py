@@ -133,6 +133,10 @@ class Configuration(BaseModel, ABC):
     def level_values(self) -> tuple[float, ...]:
         """Return the value of `level_metric` at each level, in order."""
 
+    def levels_in_order(self) -> bool:
+        """Return whether the levels run as listed; True unless overridden."""
+        return True
+
     @abstractmethod
     def trial_duration_s(self) -> float:
         """Return the simulated duration of a trial."""

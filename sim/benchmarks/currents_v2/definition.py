@@ -9,7 +9,7 @@ from seamark.sim.benchmarks.currents_v2.settings import CurrentsConfiguration
 from seamark.sim.benchmarks.station_keeping.definition import station_keeping_benchmark
 from seamark.sim.metrics import tool_point
 from seamark.sim.metrics.metric import Metric
-from seamark.sim.metrics.station_keeping import HELD, KEY_METRICS, METRICS, WHOLE
+from seamark.sim.metrics.station_keeping import KEY_METRICS, METRICS, WHOLE
 from seamark.sim.settings.trial_spreads import GROUP
 
 MIDPOINT = Metric(
@@ -48,7 +48,7 @@ BENCHMARK = replace(
     groups=(*_BENCHMARK.groups, GROUP),
     presets={},
     tables=(
-        Table("Tool point, whole levels", (*tool_point.METRICS, HELD)),
+        Table("Tool point, whole levels", (*tool_point.METRICS, tool_point.HELD)),
         Table("After the settle window of {settle_s:g} s", KEY_METRICS),
         Table("Whole levels", METRICS, prefix=WHOLE),
     ),

@@ -20,7 +20,6 @@ from seamark.sim.numerics.statistics import area, mean
 from seamark.sim.recording.telemetry import Rows
 from seamark.sim.vehicles import load
 
-HELD_QUALITY = 0.5  # from which a level counts as held
 WEAK_LEVELS = 2  # number of weakest currents that a controller must hold to rank
 RANKED_SHARE = 0.5  # of the time, within the largest watch circle, in the mean of these levels
 NOT_HELD = (
@@ -56,7 +55,7 @@ class UnknownCurrents(StationKeeping[CurrentsConfiguration]):
         window = ToolWindow(rows, level_facts(config, level), errors)
         tool = compute_all(tool_point.METRICS, window)
         metrics = super().metrics(config, level, rows) | tool
-        return metrics | {"held": (tool["quality"] or 0.0) >= HELD_QUALITY}
+        return metrics | {"held": (tool["quality"] or 0.0) >= tool_point.HELD_QUALITY}
 
     def trial_score(
         self, config: CurrentsConfiguration, levels: Sequence[Mapping[str, Any]]

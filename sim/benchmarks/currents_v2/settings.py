@@ -52,6 +52,10 @@ class CurrentsConfiguration(StationKeepingSettings, TrialSpreadSettings):
         """Return the vehicles that take turns from trial to trial."""
         return ALTERNATING if self.vehicle == BOTH else (self.vehicle,)
 
+    def levels_in_order(self) -> bool:
+        """Return whether the levels run as listed."""
+        return not self.shuffle_levels
+
     def for_trial(self, trial: int) -> Self:
         """Return the configuration of one trial, with its vehicle and that vehicle's defaults."""
         if self.vehicle != BOTH:

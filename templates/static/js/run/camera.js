@@ -4,9 +4,10 @@
 const LIVE_INTERVAL_MS = 400; // minimum time between two images of a live run
 
 export class Camera {
-  constructor(data, onTime) {
+  constructor(data, onTime, levelAt) {
     this.data = data;
     this.onTime = onTime;
+    this.levelAt = levelAt;
     const box = document.querySelector("[data-camera]");
     this.image = box.querySelector("img");
     this.note = box.querySelector("[data-camera-note]");
@@ -74,9 +75,10 @@ export class Camera {
     this.slider.value = String(t);
     this.slider.setAttribute("aria-valuetext", `${t.toFixed(1)} seconds`);
     const { label, unit } = this.data.level;
-    const level = Math.min(Math.floor(t / this.data.level_s), this.data.levels.length - 1);
-    const levelText = this.data.names.length ? `level ${level}: ${this.data.names[level]}` : `${label.toLowerCase()} ${this.data.levels[level]} ${unit}`;
-    this.clock.textContent = `${t.toFixed(1)} s, ${levelText}`.trimEnd();
+    const level = this.levelAt(Math.floor(t / this.data.level_s + 1e-9));
+    let levelText = "";
+    if (level !== null) levelText = this.data.names.length ? `, level ${level}: ${this.data.names[level]}` : `, ${label.toLowerCase()} ${this.data.levels[level]} ${unit}`;
+    this.clock.textContent = `${t.toFixed(1)} s${levelText}`.trimEnd();
     this.onTime(t);
     this.pending = { trial: this.trial, t };
     if (!this.busy) this.load();

@@ -42,7 +42,7 @@ function levelPlugin(data, owner) {
         // If there are many levels, only every n-th is labelled so that the labels do not overlap.
         const every = Math.ceil(ctx.measureText(`${longest}  `).width / width);
         ctx.setLineDash([4 * devicePixelRatio, 4 * devicePixelRatio]);
-        names.forEach((value, index) => {
+        names.forEach((_name, index) => {
           const x = Math.round(plot.valToPos(index * data.level_s, "x", true));
           if (x < bbox.left || x > bbox.left + bbox.width) return;
           ctx.beginPath();
@@ -50,6 +50,9 @@ function levelPlugin(data, owner) {
           ctx.lineTo(x, bbox.top + bbox.height);
           if (index) ctx.stroke();
           if (index % every) return;
+          const level = owner.levelAt(index);
+          if (level === null) return;
+          const value = names[level];
           ctx.fillText(fits ? `${value} ${data.level.unit}` : `${value}`, x + 5 * devicePixelRatio, bbox.top + 12 * devicePixelRatio);
         });
         ctx.restore();
@@ -95,7 +98,18 @@ export class Charts {
   }
 
   columns() {
-    return [...new Set([...this.chosen].flatMap((chart) => chart.columns))];
+    return [...new Set(["level", ...[...this.chosen].flatMap((chart) => chart.columns)])];
+  }
+
+  // The level that ran at a position of the trial; null if that is not known yet. Benchmarks may
+  // draw the order of the levels, so it is read from the telemetry.
+  levelAt(position) {
+    const { level_s: length, ordered, levels } = this.data;
+    if (ordered) return Math.min(position, levels.length - 1);
+    // The middle of a level, since points between two levels may be averages of both.
+    const from = this.t.findIndex((t) => t >= (position + 0.1) * length);
+    if (from < 0 || this.t[from] >= (position + 1) * length) return null;
+    return this.values.level?.[from] ?? null;
   }
 
   chooseUnit(unit) {

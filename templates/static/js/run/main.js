@@ -7,7 +7,7 @@ import { Curve } from "./curve.js";
 const data = JSON.parse(document.getElementById("run-data").textContent);
 const part = (name) => document.querySelector(`[data-${name}]`);
 const charts = new Charts(data);
-const camera = new Camera(data, (t) => charts.mark(t));
+const camera = new Camera(data, (t) => charts.mark(t), (position) => charts.levelAt(position));
 const curves = [...document.querySelectorAll("[data-curve-plot]")].map((box) => new Curve(box));
 let trial = 0;
 let refreshing = 0;
