@@ -99,6 +99,16 @@ class PositionControllerSettings(Configuration):
         tag="E",
         source="scan on seeds that no benchmark uses",
     )
+    pi_ff_kd: float = position_setting(
+        0.5,
+        "pi-ff",
+        title="Damping beside feed-forward",
+        help="Velocity reference against each m/s that the DVL measures.",
+        low=0,
+        high=5,
+        tag="E",
+        source="scan on seeds that no benchmark uses",
+    )
     pi_ff_observer_1_s: float = position_setting(
         1.0,
         "pi-ff",
@@ -143,12 +153,12 @@ class PositionControllerSettings(Configuration):
         tag="E",
         source="scan on seeds that no benchmark uses",
     )
-    lqr_bandwidth_1_s: float = position_setting(
-        1.0,
+    lqr_bandwidth: float = position_setting(
+        0.65,
         "lqr",
         title="Bandwidth of the regulator",
-        help="Natural frequency of the regulated error: the fourth root of the ratio of weights.",
-        unit="1/s",
+        help="Times the lag of the thrusters plus 0.1 s of latency, so that one value fits all "
+        "vehicles.",
         above=0,
         high=5,
         tag="E",

@@ -1,6 +1,5 @@
 """LQG: a Kalman filter of position, velocity, water and DVL bias, and a quadratic regulator."""
 
-import math
 from collections import deque
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -14,8 +13,8 @@ START_SIGMA = (0.1, 0.01, 0.1, 0.02)  # E: at the start of a level, in the units
 CAMERA_SIGMA_M = 0.003  # E: half a pixel at 2.27 m
 DVL_SIGMA_M_S = 0.003  # E: twice that of the instrument: the vehicle moves between the readings
 FORCE_NOISE = 0.01  # [m/s² per root hertz] E: what the nominal model gets wrong
+LATENCY_S = 0.1  # E: of commands and images together
 BIAS_NOISE = 1e-4  # [m/s per root second] E
-DAMPING = math.sqrt(0.5)
 
 
 class KalmanFilter:
@@ -66,22 +65,22 @@ class KalmanFilter:
 class Controller:
     """Station keeping by state feedback on the estimate, and a P law on the heading.
 
-        force = -M (w² p + sqrt(2) w v + d)
+        force = -M (w² p + 2 w v + d)
 
-    With unit weights this minimises the integral of w^4 p² + a² for the double integrator that is
-    left once d is balanced (Anderson and Moore 1990, Optimal Control, 3.3). The force becomes a
-    velocity reference by the nominal model. Images are compared with the estimate of the moment at
-    which they were taken.
+    This minimises the integral of w^4 p² + 2 w² v² + a² for the double integrator that is left once
+    d is balanced (the algebraic Riccati equation in closed form; Anderson and Moore 1990). The force
+    becomes a velocity reference by the nominal model. Images are compared with the estimate of the
+    moment at which they were taken.
 
-    Config: `lqr_bandwidth_1_s` w, `lqr_water_m_s2`, `lqr_delay_s`, `heading_gain_1_s`.
+    Config: `lqr_bandwidth`, `lqr_water_m_s2`, `lqr_delay_s`, `heading_gain_1_s`.
     """
 
     label = "LQG (Kalman filter)"
 
     def __init__(self, config: Mapping[str, Any]) -> None:
-        self.bandwidth = config["lqr_bandwidth_1_s"]
         self.heading_gain = config["heading_gain_1_s"]
         self.model = VehicleModel(config)
+        self.bandwidth = config["lqr_bandwidth"] / (self.model.lag_s + LATENCY_S)  # [1/s] w
         self.water_noise = config["lqr_water_m_s2"] * max(self.model.sensitivity)
         delay_steps = round(config["lqr_delay_s"] / config["control_period_s"])
         self.past: deque[list[float]] = deque(maxlen=delay_steps + 1)  # positions, oldest first
@@ -99,7 +98,7 @@ class Controller:
         command = [0.0, 0.0, 0.0, -self.heading_gain * observation.attitude.item(2)]
         for axis in AXES:
             position, speed, water, _bias = self.filter.states[axis]
-            wanted = -self.bandwidth * (self.bandwidth * position + 2.0 * DAMPING * speed) - water
+            wanted = -self.bandwidth * (self.bandwidth * position + 2.0 * speed) - water
             command[axis] = self.model.reference(axis, self.model.mass[axis] * wanted)
         return command
 

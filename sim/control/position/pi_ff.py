@@ -8,19 +8,20 @@ from seamark.sim.control.position.vehicle_model import AXES, DisturbanceObserver
 
 
 class Controller:
-    """A PI law on the error, plus the reference at which the thrusters balance the water.
+    """A PI law on the error, damped by the DVL, plus the reference that balances the water.
 
     The feed-forward is `VehicleModel.balance` of the estimated force with the sign changed; the
     integral removes what the nominal model gets wrong (disturbance-observer-based control, Chen
     et al. 2016). The heading of the station is held by a P law.
 
-    Config: `pi_ff_kp` [1/s], `pi_ff_ki` [1/s²], `pi_ff_observer_1_s`, `heading_gain_1_s`.
+    Config: `pi_ff_kp` [1/s], `pi_ff_ki` [1/s²], `pi_ff_kd` [1], `pi_ff_observer_1_s`,
+    `heading_gain_1_s`.
     """
 
     label = "PI with feed-forward"
 
     def __init__(self, config: Mapping[str, Any]) -> None:
-        self.kp, self.ki = config["pi_ff_kp"], config["pi_ff_ki"]
+        self.kp, self.ki, self.kd = config["pi_ff_kp"], config["pi_ff_ki"], config["pi_ff_kd"]
         self.heading_gain = config["heading_gain_1_s"]
         self.limit = config["reference_limit_m_s"]
         self.model = VehicleModel(config)
@@ -37,12 +38,14 @@ class Controller:
         """Return surge, sway, heave [m/s] and yaw rate [rad/s]."""
         self.model.update(observation)
         self.observer.update(observation)
-        errors, seen = observation.error.tolist(), observation.target_visible
+        errors, speeds = observation.error.tolist(), observation.velocity.tolist()
+        seen = observation.target_visible
         command = [0.0, 0.0, 0.0, -self.heading_gain * observation.attitude.item(2)]
         for axis in AXES:
             change = self.ki * errors[axis] * observation.dt if seen else 0.0
             forward = self.model.balance(axis, -self.observer.force[axis])
-            wanted = self.kp * errors[axis] + self.integral[axis] + change + forward
+            feedback = self.kp * errors[axis] - self.kd * speeds[axis]
+            wanted = feedback + self.integral[axis] + change + forward
             command[axis] = min(max(wanted, -self.limit), self.limit)
             # Anti-windup: at the limit the integral may only move back inside.
             if command[axis] == wanted or (wanted - command[axis]) * change < 0.0:

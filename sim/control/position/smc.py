@@ -7,13 +7,12 @@ from typing import Any
 from seamark.sim.control.observation import Observation
 from seamark.sim.control.position.vehicle_model import AXES, VehicleModel
 
-LARGEST_WINDUP_M_S = 1.0  # [m/s] limit of the surface's integral
-
 
 class Controller:
     """Station keeping by a second-order sliding mode, without an estimate of the water.
 
-        s = v - 2 λ e - λ² ∫ e,   a = 2 λ v' term - k1 sqrt|s| sat(s/φ) + z,   z' = -k2 sat(s/φ)
+        s = v - 2 λ e - λ² ∫ e,   z' = -k2 sat(s/φ)
+        force = M (λ² e - 2 λ v - k1 sqrt|s| sat(s/φ) + z)
 
     The surface is that of Slotine and Li (1991, 7.1) with an integral, so that a bias of the DVL
     leaves no error. The law is super-twisting (Levant 1993; gains by Moreno and Osorio 2012:
@@ -50,14 +49,14 @@ class Controller:
         command = [0.0, 0.0, 0.0, -self.heading_gain * observation.attitude.item(2)]
         for axis in AXES:
             error, speed = errors[axis], speeds[axis]
-            if observation.target_visible:
-                self.integral[axis] += error * dt
-            most = LARGEST_WINDUP_M_S / (rate * rate)
-            self.integral[axis] = min(max(self.integral[axis], -most), most)
             sliding = speed - 2.0 * rate * error - rate * rate * self.integral[axis]
             share = min(max(sliding / self.boundary, -1.0), 1.0)
             twisted = -self.k1[axis] * math.sqrt(abs(sliding)) * share + self.twist[axis]
-            self.twist[axis] -= self.k2[axis] * share * dt
-            wanted = twisted - 2.0 * rate * speed + rate * rate * error
-            command[axis] = self.model.reference(axis, self.model.mass[axis] * wanted)
+            force = self.model.mass[axis] * (twisted - 2.0 * rate * speed + rate * rate * error)
+            # Anti-windup: where the thrusters give no more, both integrals may only move back.
+            if abs(force) < self.model.most_force[axis] or force * share > 0.0:
+                self.twist[axis] -= self.k2[axis] * share * dt
+                if observation.target_visible:
+                    self.integral[axis] += error * dt
+            command[axis] = self.model.reference(axis, force)
         return command

@@ -32,6 +32,12 @@ class VehicleModel:
         self._linear = vehicle.linear_drag()[:2].tolist()
         self._quadratic = vehicle.quadratic_drag()[:2].tolist()
         self._allocation = vehicle.allocation()[:2].tolist()
+        self.lag_s = vehicle.lag.scalar  # of the thrusters
+        forward, reverse = vehicle.curve.limits.value
+        self.most_force = [  # [N] of all thrusters together, forward and starboard
+            sum(share * (forward if share > 0.0 else -reverse) for share in row)
+            for row in self._allocation
+        ]
         self._bandwidth = config["velocity_bandwidth_1_s"]
         self._limit = config["reference_limit_m_s"]
         drags = zip(self._linear, self._quadratic, self.mass, strict=True)
