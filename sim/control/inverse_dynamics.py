@@ -10,6 +10,10 @@ Of the desired acceleration a_d and the present one a, thrusts f' follow from
 (acceleration control, Fossen 2021, ch. 16). Where the limits of the thrusters forbid it, weighted
 least squares decide. The present acceleration is that of the plant's own equations, so no effect is
 left out. The lag of a thruster is inverted over one control step.
+
+Where only a point of the vehicle counts, such as a tool, the heading is free: the vehicle turns
+about that point towards the current or away from it, whichever is nearer, since ahead its drag is
+least and its thrust greatest (weather optimal positioning, Fossen and Strand 2001).
 """
 
 import math
@@ -19,7 +23,7 @@ from numba import njit
 
 from seamark.sim.control.bounded_allocation import allocate_within
 from seamark.sim.numerics.arrays import Array
-from seamark.sim.numerics.libm import exp, sincos
+from seamark.sim.numerics.libm import PI, atan2, exp, sincos
 from seamark.sim.physics.dynamics import RIGID
 from seamark.sim.physics.plant import Plant
 from seamark.sim.physics.thrusters import commands_for, pack_curve
@@ -28,13 +32,20 @@ FREQUENCY_1_S = 3.0  # E: natural frequency of the error, below the 5 1/s of the
 DAMPING = 1.0
 # E: importance of an acceleration by axis: a point 1 m ahead moves as much by 1 rad as by 1 m.
 WEIGHTS = np.array([1.0, 1.0, 0.3, 0.1, 0.1, 1.0])
+TURN_1_S = 1.0  # E: natural frequency of the heading while it follows the current
+LARGEST_LEAD_RAD = 0.5  # E: largest heading error that is acted upon
+LARGEST_TURN_RAD = 1.0  # E: with it the target stays in view of the camera
+# [m/s] E: the heading follows the current from the first speed on, and wholly from the second
+TURNING_SPEEDS = (0.15, 0.35)
 REGULARISATION = 1e-9  # [1/(kg² ...)] smallest thrusts among all that are as good; E
 
 
 class InverseDynamics:
     """Thruster commands for one level, from the truth."""
 
-    def __init__(self, plant: Plant, station: Array, dt: float) -> None:
+    def __init__(
+        self, plant: Plant, station: Array, dt: float, point: tuple[float, float] | None
+    ) -> None:
         """Prepare the law.
 
         Parameters
@@ -45,8 +56,14 @@ class InverseDynamics:
             The pose to hold: x, y, z, roll, pitch, yaw.
         dt : float [s]
             Control period, over which a command is constant.
+        point : (2,) [m]
+            Forward and starboard of the body's origin: the point that is held, with the heading
+            free; None to hold the pose.
         """
         self._plant, self._station = plant, np.array(station, dtype=np.float64)
+        self._free = point is not None
+        self._point = point or (0.0, 0.0)
+        self._heading = float(station[5])
         vehicle = plant.vehicle
         self._effect = _effect(plant.inverse_mass(), vehicle.allocation())
         self._curve = pack_curve(vehicle.curve)
@@ -61,16 +78,29 @@ class InverseDynamics:
 
     def commands(self) -> Array:
         """Return the commands for the next step, (n,) in [-1, 1]; reused at the next call."""
-        plant = self._plant
+        plant, pose = self._plant, self._plant.pose()
+        if self._free:
+            self._turn(pose)
         law(
             plant.state,
-            plant.pose(),
-            self._station,
+            pose,
+            (self._station, self._point, self._heading, TURN_1_S if self._free else FREQUENCY_1_S),
             plant.acceleration(),
             (self._effect, self._gains, self._limits, self._kept, self._curve),
             self._command,
         )
         return self._command
+
+    def _turn(self, pose: Array) -> None:
+        """Choose the heading: towards the current or away from it, whichever is nearer."""
+        north, east, _down = self._plant.current_world().tolist()
+        yaw, own = pose.item(5), self._station.item(5)
+        ahead = wrapped(atan2(east, north) - yaw)
+        turn = ahead - PI * math.floor(ahead / PI + 0.5)  # to the nearer of bow and stern
+        slow, fast = TURNING_SPEEDS
+        share = min(max((math.hypot(north, east) - slow) / (fast - slow), 0.0), 1.0)
+        wanted = share * wrapped(yaw + turn - own)
+        self._heading = own + min(max(wanted, -LARGEST_TURN_RAD), LARGEST_TURN_RAD)
 
 
 def _effect(inverse_mass: Array, allocation: Array) -> Array:
@@ -83,30 +113,44 @@ def _effect(inverse_mass: Array, allocation: Array) -> Array:
 
 
 @njit(cache=True, error_model="numpy")
-def desired_acceleration(state: Array, pose: Array, station: Array, out: Array) -> None:
-    """Write the acceleration that brings the vehicle to the station to `out`, (6,) body frame.
+def wrapped(angle: float) -> float:
+    """Return the angle within [-pi, pi)."""
+    return angle - 2.0 * math.pi * math.floor((angle + math.pi) / (2.0 * math.pi))
 
-    Second-order error dynamics on each axis; roll and pitch are small.
+
+@njit(cache=True, error_model="numpy")
+def desired_acceleration(
+    state: Array, pose: Array, goal: tuple[Array, tuple[float, float], float, float], out: Array
+) -> None:
+    """Write the acceleration that brings the vehicle to its goal to `out`, (6,) body frame.
+
+    Second-order error dynamics of the point that is held and on each angle; roll and pitch are
+    small. `goal` is station, point, heading [rad] and natural frequency of the heading [1/s].
     """
-    stiffness, friction = FREQUENCY_1_S * FREQUENCY_1_S, 2.0 * DAMPING * FREQUENCY_1_S
+    station, (ahead, side), heading, turn = goal
     sine, cosine = sincos(pose[5])
-    north, east = station[0] - pose[0], station[1] - pose[1]
-    out[0] = stiffness * (cosine * north + sine * east)
-    out[1] = stiffness * (cosine * east - sine * north)
-    out[2] = stiffness * (station[2] - pose[2])
-    for i in range(3):
-        error = station[3 + i] - pose[3 + i]
-        error -= 2.0 * math.pi * math.floor((error + math.pi) / (2.0 * math.pi))
-        out[3 + i] = stiffness * error
-    for i in range(6):
-        out[i] -= friction * state[7 + i]
+    own_sine, own_cosine = sincos(station[5])
+    north = station[0] + own_cosine * ahead - own_sine * side - pose[0]
+    east = station[1] + own_sine * ahead + own_cosine * side - pose[1]
+    stiffness, friction = FREQUENCY_1_S * FREQUENCY_1_S, 2.0 * DAMPING * FREQUENCY_1_S
+    rate = state[12]
+    out[5] = min(max(wrapped(heading - pose[5]), -LARGEST_LEAD_RAD), LARGEST_LEAD_RAD)
+    out[5] = turn * (turn * out[5] - 2.0 * DAMPING * rate)
+    out[0] = stiffness * (cosine * north + sine * east - ahead)
+    out[1] = stiffness * (cosine * east - sine * north - side)
+    # Of the point, then of the origin: without the acceleration by turning about it.
+    out[0] += -friction * (state[7] - rate * side) + out[5] * side + rate * rate * ahead
+    out[1] += -friction * (state[8] + rate * ahead) - out[5] * ahead + rate * rate * side
+    out[2] = stiffness * (station[2] - pose[2]) - friction * state[9]
+    for i in (3, 4):
+        out[i] = stiffness * wrapped(station[i] - pose[i]) - friction * state[7 + i]
 
 
 @njit(cache=True, error_model="numpy")
 def law(
     state: Array,
     pose: Array,
-    station: Array,
+    goal: tuple[Array, tuple[float, float], float, float],
     present: Array,
     vehicle: tuple[Array, Array, tuple[float, float], float, Array],
     command: Array,
@@ -115,6 +159,8 @@ def law(
 
     Parameters
     ----------
+    goal
+        As `desired_acceleration` takes it.
     present : (6,) body frame [m/s², rad/s²]
         Acceleration with the present thrusts.
     vehicle : tuple
@@ -125,7 +171,7 @@ def law(
     effect, gains, limits, kept, curve = vehicle
     count = command.size
     change = np.empty(6)
-    desired_acceleration(state, pose, station, change)
+    desired_acceleration(state, pose, goal, change)
     hessian, gradient = np.zeros((count, count)), np.zeros(count)
     thrust, lowest, highest = np.empty(count), np.empty(count), np.empty(count)
     for j in range(count):

@@ -130,7 +130,8 @@ class ClosedLoop:
         config = self._world.config
         self._world.velocity_controller.reset()
         if self._oracle is not None:
-            self._oracle.attach(self._world.plant, self._world.station)
+            world = self._world
+            self._oracle.attach(world.plant, world.station, world.tool_m)
         self._program.reset(
             {
                 "index": self._position,

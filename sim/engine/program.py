@@ -50,8 +50,12 @@ class Controller(Protocol):
 class Oracle(Protocol):
     """A reference controller that sees the truth and commands the thrusters itself."""
 
-    def attach(self, plant: Plant, station: Array) -> None:
-        """Take the plant of a level and the pose, (6,) [m, rad], to hold; before `reset`."""
+    def attach(self, plant: Plant, station: Array, point: tuple[float, float] | None) -> None:
+        """Take the plant of a level and the pose, (6,) [m, rad], to hold; before `reset`.
+
+        `point`, (2,) [m] forward and starboard in the body, is the point that counts, if the
+        heading does not.
+        """
 
     def commands(self) -> Array:
         """Return the thrusters' commands, (n,) in [-1, 1], after `step`."""

@@ -61,6 +61,8 @@ class Conditions:
     water: Water
     reference: Water | None = None  # of the image from which the tracker learns the target
     trial: TrialConditions = NOMINAL
+    # [m] forward and starboard of the body's origin: what counts instead of the vehicle's pose
+    tool_m: tuple[float, float] | None = None
 
 
 @dataclass(slots=True, kw_only=True)
@@ -71,6 +73,7 @@ class World:
     station: NDArray[np.float64]  # (6,) pose [m, rad] that the camera should keep
     start: NDArray[np.float64]  # (6,) pose [m, rad]
     conditions: TrialConditions
+    tool_m: tuple[float, float] | None
     target: Target
     camera: Camera
     plant: Plant
@@ -172,6 +175,7 @@ def build_world(
         station=station,
         start=start,
         conditions=trial,
+        tool_m=conditions.tool_m,
         target=target,
         camera=camera,
         plant=plant,

@@ -35,7 +35,7 @@ class PositionControllerSettings(Configuration):
         return {**super().applies(name), **({"controller": users} if users else {})}
 
     heading_gain_1_s: float = position_setting(
-        0.5,
+        1.2,
         *("pid", "pi-ff", "smc", "lqr", UPLOAD),
         title="Heading gain",
         help="Yaw rate per radian of heading error.",
@@ -46,7 +46,7 @@ class PositionControllerSettings(Configuration):
         source="well below the heading hold's 2 rad/s",
     )
     pid_kp: float = position_setting(
-        1.0,
+        2.0,
         "pid",
         title="Proportional gain of PID",
         help="Velocity reference per metre of error.",
@@ -57,7 +57,7 @@ class PositionControllerSettings(Configuration):
         source="scan on seeds that no benchmark uses",
     )
     pid_ki: float = position_setting(
-        0.3,
+        0.8,
         "pid",
         title="Integral gain of PID",
         help="Change of the velocity reference per second and metre of error.",
@@ -68,7 +68,7 @@ class PositionControllerSettings(Configuration):
         source="scan on seeds that no benchmark uses",
     )
     pid_kd: float = position_setting(
-        0.5,
+        1.5,
         "pid",
         title="Derivative gain of PID",
         help="Velocity reference against each m/s that the DVL measures.",
@@ -78,7 +78,7 @@ class PositionControllerSettings(Configuration):
         source="scan on seeds that no benchmark uses",
     )
     pi_ff_kp: float = position_setting(
-        0.8,
+        2.0,
         "pi-ff",
         title="Proportional gain beside feed-forward",
         help="Velocity reference per metre of error.",
@@ -89,7 +89,7 @@ class PositionControllerSettings(Configuration):
         source="scan on seeds that no benchmark uses",
     )
     pi_ff_ki: float = position_setting(
-        0.1,
+        0.5,
         "pi-ff",
         title="Integral gain beside feed-forward",
         help="Change of the velocity reference per second and metre of error.",
@@ -100,7 +100,7 @@ class PositionControllerSettings(Configuration):
         source="scan on seeds that no benchmark uses",
     )
     pi_ff_kd: float = position_setting(
-        0.5,
+        1.5,
         "pi-ff",
         title="Damping beside feed-forward",
         help="Velocity reference against each m/s that the DVL measures.",
@@ -110,7 +110,7 @@ class PositionControllerSettings(Configuration):
         source="scan on seeds that no benchmark uses",
     )
     pi_ff_observer_1_s: float = position_setting(
-        1.0,
+        1.5,
         "pi-ff",
         title="Bandwidth of the disturbance observer",
         help="How fast the estimate of the water's force follows.",
@@ -121,7 +121,7 @@ class PositionControllerSettings(Configuration):
         source="scan on seeds that no benchmark uses",
     )
     smc_surface_1_s: float = position_setting(
-        0.8,
+        2.0,
         "smc",
         title="Sliding surface λ",
         help="How fast the error decays on the sliding surface.",
@@ -143,7 +143,7 @@ class PositionControllerSettings(Configuration):
         source="scan on seeds that no benchmark uses",
     )
     smc_boundary_m_s: float = position_setting(
-        0.05,
+        0.15,
         "smc",
         title="Boundary layer φ",
         help="Distance from the surface within which a ramp replaces the switching.",
@@ -154,7 +154,7 @@ class PositionControllerSettings(Configuration):
         source="scan on seeds that no benchmark uses",
     )
     lqr_bandwidth: float = position_setting(
-        0.65,
+        0.7,
         "lqr",
         title="Bandwidth of the regulator",
         help="Times the lag of the thrusters plus 0.1 s of latency, so that one value fits all "
@@ -165,7 +165,7 @@ class PositionControllerSettings(Configuration):
         source="scan on seeds that no benchmark uses",
     )
     lqr_water_m_s2: float = position_setting(
-        0.1,
+        0.05,
         "lqr",
         title="Change of the water",
         help="Noise density with which the Kalman filter lets the water accelerate.",
@@ -176,7 +176,7 @@ class PositionControllerSettings(Configuration):
         source="scan on seeds that no benchmark uses",
     )
     lqr_delay_s: float = position_setting(
-        0.0,
+        0.05,
         "lqr",
         title="Delay of the images",
         help="Age of an image that the Kalman filter assumes.",

@@ -47,6 +47,12 @@ class UnknownCurrents(StationKeeping[CurrentsConfiguration]):
         vehicle = {"vehicle_name": config.for_trial(trial).vehicle}
         return TrialPlan(order=drawn.order, conditions=vehicle | drawn.as_dict())
 
+    def tool_m(self, config: CurrentsConfiguration) -> tuple[float, float]:
+        """Return where the tool is in the body, forward and starboard [m]."""
+        _target, optics = target_and_optics(config)
+        ahead, side, _down = optics.mount_m
+        return ahead + tool_point.TOOL_AHEAD_M, side
+
     def metrics(self, config: CurrentsConfiguration, level: int, rows: Rows) -> dict[str, Any]:
         """Return the metrics of a level: those of station keeping, and those of the tool point."""
         target, optics = target_and_optics(config)

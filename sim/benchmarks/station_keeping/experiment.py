@@ -73,6 +73,10 @@ class StationKeeping(Generic[Settings]):
         order = self.plan(config, seed=seed, trial=trial).order
         return ClosedLoop(world, solution, trial=trial, level=level, position=order.index(level))
 
+    def tool_m(self, config: Settings) -> tuple[float, float] | None:
+        """Return the point of the body, forward and starboard [m], that counts; None: the pose."""
+        return None
+
     def world(self, config: Settings, *, seed: int, trial: int, level: int) -> World:
         """Return the world of a level."""
         config = config.for_trial(trial).at(level)
@@ -81,6 +85,7 @@ class StationKeeping(Generic[Settings]):
             current=_current(config, level, drawn, random),
             water=configured_water(config),
             trial=drawn,
+            tool_m=self.tool_m(config),
         )
         return build_world(config, conditions, random)
 

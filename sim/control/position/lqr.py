@@ -67,10 +67,10 @@ class Controller:
 
         force = -M (w² p + 2 w v + d)
 
-    This minimises the integral of w^4 p² + 2 w² v² + a² for the double integrator that is left once
-    d is balanced (the algebraic Riccati equation in closed form; Anderson and Moore 1990). The force
-    becomes a velocity reference by the nominal model. Images are compared with the estimate of the
-    moment at which they were taken.
+    This minimises the integral of w^4 p² + 2 w² v² + a² for the double integrator that is left
+    once d is balanced (the algebraic Riccati equation in closed form; Anderson and Moore 1990). The
+    force becomes a velocity reference by the nominal model. Images are compared with the estimate
+    of the moment at which they were taken.
 
     Config: `lqr_bandwidth`, `lqr_water_m_s2`, `lqr_delay_s`, `heading_gain_1_s`.
     """

@@ -21,10 +21,10 @@ class Controller:
         self._dt = config["control_period_s"]
         self._law: Any = None  # an InverseDynamics, which is compiled
 
-    def attach(self, plant: Any, station: Array) -> None:
-        """Take the plant of a level and the pose, (6,) [m, rad], to hold."""
+    def attach(self, plant: Any, station: Array, point: tuple[float, float] | None) -> None:
+        """Take the plant of a level, and the pose or point to hold; see `InverseDynamics`."""
         law = resolve_name("seamark.sim.control.inverse_dynamics:InverseDynamics")
-        self._law = law(plant, station, self._dt)
+        self._law = law(plant, station, self._dt, point)
 
     def reset(self, level: Mapping[str, float | int]) -> None:
         """Do nothing: the law has no state."""
