@@ -13,6 +13,8 @@ from werkzeug.datastructures import FileStorage
 from seamark.server.accounts.permissions import READ, SUBMIT, Action
 from seamark.server.api import authorization, refusals, request_body
 from seamark.server.api.schemas import (
+    ComparisonQuery,
+    ComparisonResponse,
     RunPath,
     RunResponse,
     RunsQuery,
@@ -21,7 +23,7 @@ from seamark.server.api.schemas import (
 )
 from seamark.server.programs import store
 from seamark.server.programs.store import StoredProgram
-from seamark.server.runs import submission, views
+from seamark.server.runs import comparison, submission, views
 from seamark.server.runs.states import RunKind, RunState
 from seamark.server.runs.submission import UPLOAD, Submission
 from seamark.server.runs.views import RunFilter, RunView
@@ -98,6 +100,26 @@ def rerun(path: RunPath) -> Response:
     with refusals.as_problems(), services().database.writing() as database:
         run_id = submission.rerun(database, path.run_id, viewer, settings)
     return _accepted(run_id)
+
+
+@api.get("/runs/<int:run_id>/comparison", responses={200: ComparisonResponse})
+def compare(path: RunPath, query: ComparisonQuery) -> dict[str, Any]:
+    """Compare two ranked runs on their reference trials, which are the same for both."""
+    view = authorization.run_for(path.run_id)
+    authorization.run_for(query.other)
+    with services().database.reading() as database:
+        found = comparison.compare(database, path.run_id, query.other)
+    if found is None:
+        raise Problem("invalid-request", errors={"with": comparison.NOT_COMPARABLE})
+    return {
+        "run": view.id,
+        "other": found.other_id,
+        "trials": found.trials,
+        "difference": found.difference,
+        "low": found.low,
+        "high": found.high,
+        "unit": submission.find_benchmark(view.benchmark).headline.unit,
+    }
 
 
 @api.get("/runs", responses={200: RunsResponse})

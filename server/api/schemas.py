@@ -84,6 +84,12 @@ class RunsQuery(BaseModel):
     limit: int = Field(50, ge=1, le=200)
 
 
+class ComparisonQuery(BaseModel):
+    """The other run of a comparison."""
+
+    other: int = Field(alias="with", ge=1, le=ROW_ID_MAX, description="Id of the other run")
+
+
 class TelemetryQuery(BaseModel):
     """Part of the telemetry."""
 
@@ -246,6 +252,18 @@ class RankResponse(ResponseModel):
     submissions: int = Field(description="ranked runs of this user in this benchmark that ended")
     reached_at: float
     is_baseline: bool
+
+
+class ComparisonResponse(ResponseModel):
+    """How much higher the score of a run is than that of another, on the same reference trials."""
+
+    run: int
+    other: int
+    trials: int
+    difference: float
+    low: float | None = Field(description="of the paired 95 % interval")
+    high: float | None
+    unit: str
 
 
 class RanksResponse(ResponseModel):

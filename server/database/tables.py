@@ -167,6 +167,7 @@ class Result(Base):
     level_held: Mapped[float | None]
     rankable: Mapped[bool] = mapped_column(default=False)  # by the rules of the benchmark
     not_ranked: Mapped[str | None] = mapped_column(Text)  # a sentence: why it is not rankable
+    reference_scores: Mapped[list[float] | None] = mapped_column(_Json)  # of a ranked run's trials
     metrics: Mapped[dict[str, Any] | None] = mapped_column(_Json)
     manifest: Mapped[dict[str, Any] | None] = mapped_column(_Json)
     created_at: Mapped[float]
@@ -209,6 +210,12 @@ class Best(Base):
             "reached_at",
             "user_id",
             "is_baseline",  # so that counting people reads the index alone
+        ),
+        Index(
+            "ix_best_baselines",
+            "benchmark",
+            sqlite_where=text("is_baseline"),
+            postgresql_where=text("is_baseline"),
         ),
     )
 

@@ -10,6 +10,7 @@ from seamark.server.accounts.permissions import Action, can
 from seamark.server.pages import benchmarks, level_chart, metric_tables
 from seamark.server.pages.ranked_parts import ranked_parts
 from seamark.server.runs import cancellation, results, submission, views
+from seamark.server.runs.comparison import Comparison, comparisons
 from seamark.server.runs.files import RunFiles
 from seamark.server.runs.quota import QuotaExceeded
 from seamark.server.runs.states import RunKind
@@ -50,6 +51,7 @@ def show(run_id: int) -> ResponseReturnValue:
         level_held_unit=benchmark.level_held_unit_of(config),
         trials=metric_tables.trials(run.metrics or {}),
         parts=ranked_parts(run.metrics or {}),
+        compared=_compared(run),
         protocol=benchmark.protocol if run.kind is RunKind.RANKED else None,
         curves=level_chart.curves(benchmark, config, run, files),
         settings=metric_tables.settings(benchmark.schema(), run.config, run.controller),
@@ -119,6 +121,15 @@ def rerun(run_id: int) -> ResponseReturnValue:
         return redirect(url_for("run.show", run_id=run_id), code=303)
     services().wake_worker()
     return redirect(url_for("run.show", run_id=new_id), code=303)
+
+
+def _compared(run: RunView) -> list[Comparison]:
+    """Return the comparisons on the reference trials; the previous run is for its owner alone."""
+    if run.kind is not RunKind.RANKED:
+        return []
+    own = run.user_id is not None and run.user_id == g.viewer.user_id
+    with services().database.reading() as session:
+        return comparisons(session, run.id, with_previous=own)
 
 
 def _run_for(run_id: int, action: Action = Action.VIEW) -> RunView:

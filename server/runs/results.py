@@ -13,6 +13,7 @@ from seamark.server.runs import leaderboard
 from seamark.server.runs.queue import Claim
 from seamark.server.runs.quota import ranked_ended
 from seamark.server.runs.states import LIVE, RunKind, RunState, move
+from seamark.server.runs.trial_scores import REFERENCE, trial_scores
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -66,6 +67,7 @@ def finish(session: Session, claim: Claim, report: Report) -> bool:
             level_held=metrics.get("level_held"),
             rankable=bool(metrics.get("rankable", score is not None)) and refusal is None,
             not_ranked=refusal,
+            reference_scores=trial_scores(metrics, REFERENCE) or None,
             metrics=report.metrics,
             manifest=report.manifest,
             created_at=time.time(),

@@ -15,8 +15,9 @@ _STEPS = ((86_400, "day"), (3600, "hour"), (60, "minute"))
 
 def register(app: Flask) -> None:
     """Add the functions below as filters."""
-    of_runs, of_values = (solution, score, score_unit), (number, plain, duration, size, words)
-    for function in (*of_runs, *of_values, utc, iso, ago):
+    of_runs, of_scores = (solution, score_unit), (score, signed)
+    of_values = (number, plain, duration, size, words)
+    for function in (*of_runs, *of_scores, *of_values, utc, iso, ago):
         app.add_template_filter(function)
 
 
@@ -41,6 +42,11 @@ def score_unit(run: RunView) -> str:
 def score(value: float | None) -> str:
     """Return a score with two decimals."""
     return "–" if value is None else f"{value:.2f}".replace("-", "−")
+
+
+def signed(value: float) -> str:
+    """Return a difference of scores with its sign and three decimals."""
+    return f"{value:+.3f}".replace("-", "−")
 
 
 def number(value: object, digits: int = 3) -> str:

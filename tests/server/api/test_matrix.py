@@ -27,6 +27,11 @@ TABLE: dict[tuple[str, str], tuple[str, dict[str, Any], tuple[int, ...]]] = {
     ("POST", "/api/v1/checks"): ("", ORDER, (403, 422, 422, 422, 403, 422)),
     ("GET", "/api/v1/checks/<int:check_id>"): ("", {}, (401, 404, 200, 404, 200, 403)),
     ("GET", "/api/v1/runs/<int:run_id>"): ("private", {}, PRIVATE),
+    ("GET", "/api/v1/runs/<int:run_id>/comparison"): (
+        "private",
+        {"query_string": {"with": 1}},
+        (404, 404, 422, 422, 422, 403),
+    ),
     ("POST", "/api/v1/runs/<int:run_id>/cancel"): ("queued", {}, CHANGE),
     ("POST", "/api/v1/runs/<int:run_id>/publish"): ("private", {}, CHANGE),
     ("POST", "/api/v1/runs/<int:run_id>/withdraw"): ("public", {}, (403, 403, 200, 200, 403, 200)),

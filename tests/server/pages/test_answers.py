@@ -146,3 +146,20 @@ def test_an_admin_can_filter_runs_by_user_and_download_them(site: Site) -> None:
     assert [line.split(",")[1] for line in table.splitlines()] == ["user", "ben", "ann"]
     assert "'=first" in table
     assert ("second" in others, "first" in others) == (True, False)
+
+
+def test_a_ranked_run_is_compared_with_the_previous_one_by_its_owner_alone(site: Site) -> None:
+    for score in (0.4, 0.3):
+        solution = {"benchmark": "currents-v2", "config": {"kp": 1.0 + score}}
+        claim = site.running("ann", kind="ranked", **solution)
+        common = {"part": "reference", "level_held": 0.2, "overall": {}, "levels": []}
+        trials = [common | {"trial": at, "score": score + 0.1 * at} for at in range(4)]
+        assert site.finish(claim, metrics={"score": score, "trials": trials})
+    site.publish(claim.run_id)
+
+    own = site.browser("ann").get(f"/runs/{claim.run_id}").text
+    public = site.browser().get(f"/runs/{claim.run_id}").text
+
+    assert "−0.100" in own
+    assert "On the same reference trials" in own
+    assert "On the same reference trials" not in public
