@@ -12,7 +12,7 @@ from pydantic import create_model
 
 from seamark.sim.registry import TRACKERS, TRUTH
 from seamark.sim.settings.configuration import Configuration
-from seamark.sim.settings.setting import setting
+from seamark.sim.settings.setting import override, setting
 from seamark.sim.trackers import declaration, option_errors, option_names
 from seamark.sim.trackers.declaration import Option
 
@@ -104,3 +104,29 @@ class TrackerSettings(Configuration):
     def cross_field_errors(self) -> dict[str, str]:
         """Return setting -> sentence for combinations that the tracker does not support."""
         return option_errors(self.tracker, self.tracker_options())
+
+
+INHERITED = TrackerSettings.model_fields
+_MEASURED = "docs/trackers.md: convergence basin and yaw error on photographs"
+
+
+class RobustTrackerSettings(TrackerSettings):
+    """The tracker of the second versions of the benchmarks: it finds targets that moved farther.
+
+    The first versions keep the defaults that their results were obtained with.
+    """
+
+    fine_iterations: int = override(INHERITED["fine_iterations"], 10, source=_MEASURED)
+    stop_px: float = override(INHERITED["stop_px"], 0.2, source=_MEASURED)
+    smoothing: str = override(INHERITED["smoothing"], "image")
+    second_search: bool = override(INHERITED["second_search"], True)
+    max_jump: float = override(INHERITED["max_jump"], 1.0, source=_MEASURED)
+    visp_predict: bool = override(INHERITED["visp_predict"], True)
+
+
+# What these settings give the template tracker beside its own defaults.
+ROBUST = {
+    name: RobustTrackerSettings.model_fields[name].default
+    for name in option_names("esm")
+    if RobustTrackerSettings.model_fields[name].default != INHERITED[name].default
+}

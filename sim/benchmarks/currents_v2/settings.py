@@ -11,6 +11,7 @@ from seamark.sim.settings.custom_score import custom_score_setting
 from seamark.sim.settings.experiment import experiment_setting
 from seamark.sim.settings.setting import group_of, override
 from seamark.sim.settings.station_keeping import StationKeepingSettings
+from seamark.sim.settings.tracker import RobustTrackerSettings
 from seamark.sim.settings.trial_spreads import GROUP, TrialSpreadSettings
 from seamark.sim.vehicles import load
 
@@ -22,7 +23,7 @@ HIDDEN = frozenset({"levels", "score"})
 INHERITED = StationKeepingSettings.model_fields
 
 
-class CurrentsConfiguration(StationKeepingSettings, TrialSpreadSettings):
+class CurrentsConfiguration(RobustTrackerSettings, StationKeepingSettings, TrialSpreadSettings):
     """Settings of currents-v2. Seed, trials and controller are not part of it."""
 
     vehicle: str = experiment_setting(

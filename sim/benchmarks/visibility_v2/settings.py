@@ -16,7 +16,7 @@ from seamark.sim.settings.custom_score import custom_score_setting
 from seamark.sim.settings.experiment import multiple
 from seamark.sim.settings.setting import setting
 from seamark.sim.settings.textures import SEABED_TEXTURES, TARGET_TEXTURES
-from seamark.sim.settings.tracker import TrackerSettings
+from seamark.sim.settings.tracker import RobustTrackerSettings
 
 level_setting = partial(setting, group="Levels", role="scenario")
 scene_setting = partial(setting, group="Scene", role="scenario")
@@ -61,7 +61,7 @@ class AxisLevel:
         return self.axis.level.format(self.value)
 
 
-class VisibilityConfiguration(TrackerSettings):
+class VisibilityConfiguration(RobustTrackerSettings):
     """Settings of visibility-v2. Seed, trials and program are not part of it."""
 
     turbidity_levels: tuple[float, ...] = level_setting(
