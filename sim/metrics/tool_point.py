@@ -67,6 +67,23 @@ QUALITY: LevelMetric[ToolWindow] = LevelMetric(
     f"times (1 - {POWER_WEIGHT:g} power_share)",
     compute=_quality,
 )
+TRANSIENT: LevelMetric[ToolWindow] = LevelMetric(
+    name="transient_s",
+    label=f"Time until the tool is within {REACHED_M:g} m",
+    unit="s",
+    better="lower",
+    formula=f"first time with s <= {REACHED_M:g} m; the whole level if there is none",
+    compute=_transient,
+)
+POWER: LevelMetric[ToolWindow] = LevelMetric(
+    name="power_share",
+    label="Power",
+    unit="",
+    better="lower",
+    meaning="relative to all thrusters at full thrust",
+    formula="mean over control steps and thrusters of (abs(thrust) / its limit)^1.5",
+    compute=_power_share,
+)
 METRICS: tuple[LevelMetric[ToolWindow], ...] = (
     QUALITY,
     LevelMetric(
@@ -86,23 +103,8 @@ METRICS: tuple[LevelMetric[ToolWindow], ...] = (
         formula="95th percentile of s over the control steps, interpolated",
         compute=lambda window: percentile(window.error_m, 0.95),
     ),
-    LevelMetric(
-        name="transient_s",
-        label=f"Time until the tool is within {REACHED_M:g} m",
-        unit="s",
-        better="lower",
-        formula=f"first time with s <= {REACHED_M:g} m; the whole level if there is none",
-        compute=_transient,
-    ),
-    LevelMetric(
-        name="power_share",
-        label="Power",
-        unit="",
-        better="lower",
-        meaning="relative to all thrusters at full thrust",
-        formula="mean over control steps and thrusters of (abs(thrust) / its limit)^1.5",
-        compute=_power_share,
-    ),
+    TRANSIENT,
+    POWER,
 )
 HELD = Metric("held", "Held", "", "higher", meaning=f"quality of at least {HELD_QUALITY:g}")
 GROUP = MetricGroup("Tool point, whole levels", METRICS)

@@ -18,28 +18,29 @@ class TrialSpreadSettings(ExperimentSettings):
     """Spreads of the conditions of a trial; 0 switches one off, without changing the others."""
 
     azimuth_spread_rad: float = spread_setting(
-        math.pi,
-        title="Direction of the current",
+        3.14,
+        title="Direction spread",
         help="Drawn evenly within plus or minus this around the direction of the current.",
         unit="rad",
         low=0,
-        high=math.pi,
+        high=3.1416,
         tag="E",
         source="the full circle: nobody knows the current before a mission",
     )
     phase_spread_rad: float = spread_setting(
-        math.pi,
-        title="Phases of the sinusoids",
-        help="Of direction and speed; drawn evenly within plus or minus this.",
+        3.14,
+        title="Phase spread",
+        help="Phases of the sinusoids of direction and speed, drawn evenly within plus or minus "
+        "this.",
         unit="rad",
         low=0,
-        high=math.pi,
+        high=3.1416,
         tag="E",
         source="any phase",
     )
     swing_spread: float = spread_setting(
         0.5,
-        title="Sinusoids",
+        title="Sinusoid spread",
         help="Amplitude of the direction and periods of direction and speed, each drawn evenly "
         "within plus or minus this share of its setting.",
         low=0,
@@ -49,7 +50,7 @@ class TrialSpreadSettings(ExperimentSettings):
     )
     gust_spread: float = spread_setting(
         0.5,
-        title="Gusts",
+        title="Gust spread",
         help="Strength and time constant of the gusts, each drawn evenly within plus or minus this "
         "share of its setting.",
         low=0,
@@ -59,18 +60,18 @@ class TrialSpreadSettings(ExperimentSettings):
     )
     change_turn_rad: float = spread_setting(
         0.8,
-        title="Lasting turns of the current",
+        title="Lasting turns",
         help="Each level has one lasting change of the current, in half of the trials a second; "
         "each turns it by up to this to either side.",
         unit="rad",
         low=0,
-        high=math.pi,
+        high=3.1416,
         tag="E",
         source="comparable with the published amplitude of 0.7 rad",
     )
     change_speed_share: float = spread_setting(
         0.25,
-        title="Lasting changes of speed",
+        title="Lasting speed changes",
         help="The same changes add or take up to this share of the mean speed.",
         low=0,
         high=0.5,
@@ -100,7 +101,7 @@ class TrialSpreadSettings(ExperimentSettings):
     )
     dvl_bias_spread_m_s: float = spread_setting(
         0.01,
-        title="DVL bias",
+        title="DVL bias per trial",
         help="Constant error on each axis, drawn between half of this and this, of either sign.",
         unit="m/s",
         low=0,
@@ -110,7 +111,7 @@ class TrialSpreadSettings(ExperimentSettings):
     )
     ahrs_tilt_bias_rad: float = spread_setting(
         0.005,
-        title="Bias of roll and pitch",
+        title="Roll and pitch bias",
         help="Constant error of each, drawn evenly within plus or minus this.",
         unit="rad",
         low=0,
@@ -120,7 +121,7 @@ class TrialSpreadSettings(ExperimentSettings):
     )
     ahrs_yaw_bias_rad: float = spread_setting(
         0.02,
-        title="Bias of the heading",
+        title="Heading bias",
         help="Constant error, drawn evenly within plus or minus this.",
         unit="rad",
         low=0,
@@ -132,6 +133,7 @@ class TrialSpreadSettings(ExperimentSettings):
         3,
         title="Camera latency",
         help="Control steps between an image and its position error, drawn from 0 to this.",
+        unit="steps",
         low=0,
         high=20,
         tag="E",
@@ -141,6 +143,7 @@ class TrialSpreadSettings(ExperimentSettings):
         2,
         title="Command latency",
         help="Control steps between a command and the velocity controller, drawn from 0 to this.",
+        unit="steps",
         low=0,
         high=20,
         tag="E",
@@ -148,7 +151,7 @@ class TrialSpreadSettings(ExperimentSettings):
     )
     mass_spread: float = spread_setting(
         0.05,
-        title="Mass",
+        title="Mass spread",
         help="Mass and inertia of the body, drawn evenly within plus or minus this share; weight "
         "and buoyancy stay.",
         low=0,
@@ -158,7 +161,7 @@ class TrialSpreadSettings(ExperimentSettings):
     )
     added_mass_spread: float = spread_setting(
         0.3,
-        title="Added mass",
+        title="Added mass spread",
         help="Of each axis, drawn evenly within plus or minus this share.",
         low=0,
         high=0.5,
@@ -167,7 +170,7 @@ class TrialSpreadSettings(ExperimentSettings):
     )
     drag_spread: float = spread_setting(
         0.2,
-        title="Drag",
+        title="Drag spread",
         help="Of each axis, drawn evenly within plus or minus this share.",
         low=0,
         high=0.5,
@@ -176,7 +179,7 @@ class TrialSpreadSettings(ExperimentSettings):
     )
     thrust_spread: float = spread_setting(
         0.1,
-        title="Thrust",
+        title="Thrust spread",
         help="Of each thruster, drawn evenly within plus or minus this share.",
         low=0,
         high=0.5,

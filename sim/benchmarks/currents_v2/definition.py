@@ -22,6 +22,14 @@ MIDPOINT = Metric(
 )
 
 
+# What the score counts beside the distance; not the RMSE, which the strongest currents decide.
+OVERALL = (
+    tool_point.TRANSIENT,
+    next(metric for metric in METRICS if metric.name == "heading_rmse_rad"),
+    tool_point.POWER,
+)
+
+
 def _point(level: Mapping[str, Any]) -> tuple[float, float]:
     return float(level["speed"]), float(level["quality"])
 
@@ -52,7 +60,7 @@ BENCHMARK = replace(
         Table("After the settle window of {settle_s:g} s", KEY_METRICS),
         Table("Whole levels", METRICS, prefix=WHOLE),
     ),
-    overall=(MIDPOINT, *tool_point.METRICS),
+    overall=(MIDPOINT, *OVERALL),
     midpoint=Midpoint(MIDPOINT, _point),
     key_metrics=(tool_point.QUALITY,),
     metric_groups=(tool_point.GROUP, *_BENCHMARK.metric_groups),

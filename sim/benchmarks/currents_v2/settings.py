@@ -37,16 +37,25 @@ class CurrentsConfiguration(RobustTrackerSettings, StationKeepingSettings, Trial
     levels: tuple[float, ...] = override(
         INHERITED["levels"],
         (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.8, 1.0),
+        help="Mean speed of the current at each level, in increasing order; they run in an order "
+        "that is drawn.",
         tag="D",
         source="beyond the static limit of both vehicles; see docs/benchmarks.md",
     )
     level_duration_s: float = override(
         INHERITED["level_duration_s"],
         60.0,
+        help="Simulated time before the vehicle is put back to its start and the current changes.",
         tag="E",
-        source="two periods of the direction; the transient weighs a sixth",
+        source="two periods of the direction of the current",
     )
-    settle_s: float = override(INHERITED["settle_s"], 15.0)
+    settle_s: float = override(
+        INHERITED["settle_s"],
+        15.0,
+        help="Time at the start of each level that the settled metrics ignore; the score counts "
+        "whole levels.",
+        source="a quarter of a level",
+    )
     score: str = custom_score_setting((*overall(), *tool_point.METRICS), group="Experiment")
 
     def vehicles(self) -> tuple[str, ...]:
