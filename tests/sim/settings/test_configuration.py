@@ -132,19 +132,28 @@ def test_defaults_and_presets_are_valid_under_the_schema(currents: Benchmark) ->
 
 
 @given(
-    name=st.sampled_from(sorted(CURRENTS.schema()["properties"])),
+    setting=st.sampled_from(
+        [
+            (name, key)
+            for name in BENCHMARKS
+            for key in sorted(benchmark(name).schema()["properties"])
+        ]
+    ),
     value=st.one_of(
         *(st.floats(0.0, 2.0), st.integers(0, 20), st.booleans(), st.lists(st.floats(0.0, 1.0))),
         *(st.floats(), st.integers(), st.text(max_size=5), st.lists(st.floats())),
     ),
 )
-@example(name="kp", value=1)
-@example(name="levels", value=[0.0, 0.1])
-def test_accepted_values_are_valid_under_the_schema(name: str, value: object) -> None:
-    check = jsonschema_rs.validator_for(CURRENTS.schema())
+@example(setting=("currents-v1", "kp"), value=1)
+@example(setting=("currents-v2", "levels"), value=[0.0, 0.1])
+def test_accepted_values_are_valid_under_the_schema(
+    setting: tuple[str, str], value: object
+) -> None:
+    name, key = setting
+    check = jsonschema_rs.validator_for(benchmark(name).schema())
 
     with contextlib.suppress(ConfigurationInvalid):
-        check.validate(CURRENTS.read({name: value}).model_dump(mode="json"))
+        check.validate(benchmark(name).read({key: value}).model_dump(mode="json"))
 
 
 @pytest.mark.parametrize("name", BENCHMARKS)

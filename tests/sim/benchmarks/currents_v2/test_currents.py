@@ -1,10 +1,14 @@
 """currents-v2: what a program may know, what ranks, and that every image is found again."""
 
+import contextlib
+import json
 from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from seamark.sim.benchmarks.currents_v2.experiment import EXPERIMENT, NOT_HELD, current_held
 from seamark.sim.benchmarks.currents_v2.settings import CurrentsConfiguration
@@ -16,6 +20,8 @@ from seamark.sim.numerics.arrays import Array
 from seamark.sim.recording.telemetry import INDEX, Rows
 from seamark.sim.registry import benchmark
 from seamark.sim.settings.configuration import ConfigurationInvalid
+from seamark.sim.settings.setting import group_of, limits_of
+from seamark.sim.settings.trial_spreads import GROUP
 
 NAME = "currents-v2"
 WEAKEST = {"levels": [0.1, 0.2], "level_duration_s": 40.0, "settle_s": 5.0, "tracker": "truth"}
@@ -208,3 +214,29 @@ def test_a_start_out_of_view_is_refused_with_the_largest_that_is_not() -> None:
 
     assert set(refused.value.errors) == {"start_offset_m"}
     assert "at most 0.17 m" in refused.value.errors["start_offset_m"]
+
+
+SPREADS = [
+    (name, limits_of(field)["minimum"], limits_of(field)["maximum"])
+    for name, field in CurrentsConfiguration.model_fields.items()
+    if group_of(field) == GROUP and field.annotation is not bool
+]
+
+
+@settings(max_examples=30)
+@given(data=st.data(), seed=st.integers(0, 1000))
+def test_every_accepted_spread_gives_a_trial_with_a_finite_score(
+    data: st.DataObject, seed: int
+) -> None:
+    drawn = data.draw(st.lists(st.sampled_from(SPREADS), min_size=1, max_size=6))
+    values = {
+        name: data.draw(st.integers(low, high) if "steps" in name else st.floats(low, high))
+        for name, low, high in drawn
+    }
+    brief = {"levels": [1.0], "level_duration_s": 2.0, "settle_s": 1.0, "tracker": "truth"}
+
+    with contextlib.suppress(ConfigurationInvalid):
+        result, _rows = run(brief | values, Always((0.2, -0.1, 0.0, 0.1)), seed=seed)
+
+        assert np.isfinite(result.score)
+        assert json.dumps(result.conditions, allow_nan=False)
