@@ -10,7 +10,7 @@ DPI = 100
 
 
 @contextmanager
-def figure(out: Path, *, rows: int = 1, height: float = 4.0) -> Iterator[Any]:
+def figure(out: Path, *, rows: int = 1, height: float = 4.0, share_x: bool = True) -> Iterator[Any]:
     """Yield the axes of a new figure (an array if `rows` > 1); write it to `out` at the end.
 
     Matplotlib is a development dependency and imported only here.
@@ -20,7 +20,7 @@ def figure(out: Path, *, rows: int = 1, height: float = 4.0) -> Iterator[Any]:
     matplotlib.use("Agg")
     from matplotlib import pyplot  # noqa: PLC0415
 
-    drawing, axes = pyplot.subplots(rows, 1, sharex=True, figsize=(8.0, height), dpi=DPI)
+    drawing, axes = pyplot.subplots(rows, 1, sharex=share_x, figsize=(8.0, height), dpi=DPI)
     yield axes
     for panel in axes if rows > 1 else [axes]:
         panel.grid(alpha=0.3)

@@ -5,6 +5,7 @@ photographs are files beside this module (textures/LICENSE.md); patterns use onl
 and + - * /, so that every processor gives the same bytes.
 """
 
+import math
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -67,23 +68,33 @@ def seabed(name: str) -> NDArray[np.int32]:
 def face(cutout: Cutout, columns: int, rows: int, *, number: int) -> NDArray[np.float64]:
     """Return the albedo (rows, columns) of one face of a box: two pixels of the picture per texel.
 
-    Smoothed by a binomial filter, since a texel is half a pixel of the camera.
+    Smoothed by a binomial filter, since a texel is half a pixel of the camera, and with the mean
+    and contrast of a whole picture, so that no cut-out is much easier to track than another.
     """
     first = cutout.row + _FACE_OFFSET_PX * number
     down = np.arange(first - 2, first + 2 * rows + 2) % TILE
     across = np.arange(cutout.column - 2, cutout.column + 2 * columns + 2) % TILE
-    whole = tile(cutout.picture)[np.ix_(down, across)].astype(np.float64)
-    halved = 0.25 * (whole[::2, ::2] + whole[1::2, ::2] + whole[::2, 1::2] + whole[1::2, 1::2])
-    smooth = 0.25 * (halved[:-2] + halved[2:]) + 0.5 * halved[1:-1]
-    smooth = 0.25 * (smooth[:, :-2] + smooth[:, 2:]) + 0.5 * smooth[:, 1:-1]
-    albedo: NDArray[np.float64] = smooth / 255.0
-    return albedo
+    whole = tile(cutout.picture)[np.ix_(down, across)].astype(np.int64)
+    fours = whole[::2, ::2] + whole[1::2, ::2] + whole[::2, 1::2] + whole[1::2, 1::2]
+    smooth = fours[:-2] + 2 * fours[1:-1] + fours[2:]
+    smooth = smooth[:, :-2] + 2 * smooth[:, 1:-1] + smooth[:, 2:]
+    # Sums of integers are exact in any order, and so are the same on every processor.
+    mean = int(smooth.sum()) / smooth.size
+    variance = int((smooth * smooth).sum()) / smooth.size - mean * mean
+    return _in_range(smooth, mean, math.sqrt(max(variance, 1.0))) / 255.0
+
+
+def _in_range(
+    pattern: NDArray[np.float64] | NDArray[np.int64], mean: float, spread: float
+) -> NDArray[np.float64]:
+    """Return a pattern, whose mean and standard deviation are given, like the photographs."""
+    grey: NDArray[np.float64] = np.clip(MEAN + SPREAD / spread * (pattern - mean), 8.0, 247.0)
+    return grey
 
 
 def _in_grey(pattern: NDArray[np.float64], mean: float, spread: float) -> Picture:
-    """Return a pattern, whose mean and standard deviation are given, like the photographs."""
-    grey = np.clip(MEAN + SPREAD / spread * (pattern - mean), 8.0, 247.0)
-    return (grey + 0.5).astype(np.uint8)
+    """Return a pattern in whole grey levels, as `_in_range`."""
+    return (_in_range(pattern, mean, spread) + 0.5).astype(np.uint8)
 
 
 def _mosaic() -> Picture:

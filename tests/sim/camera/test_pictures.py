@@ -61,6 +61,15 @@ def test_the_faces_of_a_box_show_different_parts_of_the_picture() -> None:
     assert all(abs(np.corrcoef(a.ravel(), b.ravel())[0, 1]) < 0.2 for a, b in pairwise(faces))
 
 
+@pytest.mark.parametrize("row", [0, 333, 700])
+@pytest.mark.parametrize("name", PICTURES)
+def test_every_cutout_has_the_same_brightness_and_contrast(name, row) -> None:
+    face = 255.0 * pictures.face(Cutout(name, row, 100 + row), 200, 62, number=0)
+
+    assert face.mean() == pytest.approx(pictures.MEAN, abs=6.0)
+    assert face.std() == pytest.approx(pictures.SPREAD, abs=10.0)  # clipped where it is extreme
+
+
 def test_target_and_seabed_show_the_pictures_that_were_chosen() -> None:
     box = np.s_[110:130, 125:195]
 
