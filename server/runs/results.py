@@ -55,7 +55,9 @@ def finish(session: Session, claim: Claim, report: Report) -> bool:
     if not moved:
         return False
     metrics = report.metrics or {}
-    refusal = _refusal(session, claim, report)
+    is_baseline = _is_baseline(session, claim)
+    refusal = None if is_baseline else _refusal(session, claim, report)
+    allowed = is_baseline or bool(metrics.get("rankable", True))
     session.add(
         Result(
             run_id=claim.run_id,
@@ -65,7 +67,7 @@ def finish(session: Session, claim: Claim, report: Report) -> bool:
             score_low=metrics.get("score_low"),
             score_high=metrics.get("score_high"),
             level_held=metrics.get("level_held"),
-            rankable=bool(metrics.get("rankable", score is not None)) and refusal is None,
+            rankable=score is not None and allowed and refusal is None,
             not_ranked=refusal,
             reference_scores=trial_scores(metrics, REFERENCE) or None,
             metrics=report.metrics,
@@ -175,10 +177,13 @@ def _rank(session: Session, run_id: int) -> None:
         leaderboard.refresh(session, run.benchmark, run.user_id)
 
 
+def _is_baseline(session: Session, claim: Claim) -> bool:
+    """Return whether the run is a baseline: a mark, which no rule keeps off the leaderboard."""
+    owner = select(User.is_baseline).join(Run, Run.user_id == User.id)
+    return bool(session.scalar(owner.where(Run.id == claim.run_id)))
+
+
 def _publish_baseline(session: Session, claim: Claim, report: Report) -> None:
     """Baselines are for everybody to compare with: public as soon as they have succeeded."""
-    if report.state is not RunState.SUCCEEDED:
-        return
-    owner = select(User.is_baseline).join(Run, Run.user_id == User.id)
-    if session.scalar(owner.where(Run.id == claim.run_id)):
+    if report.state is RunState.SUCCEEDED and _is_baseline(session, claim):
         publish(session, claim.run_id)

@@ -4,7 +4,9 @@ from typing import Any
 
 import pytest
 
+from seamark.server.database.tables import User
 from seamark.server.programs.store import StoredProgram
+from seamark.server.runs import leaderboard
 from seamark.server.runs.states import RunState
 from tests.cast import PROGRAM, Backend
 
@@ -92,3 +94,18 @@ def test_another_program_has_a_first_result_of_its_own(both: Backend) -> None:
     second = _ended(both, "ann", DIGESTS[1], changed)
 
     assert both.show(second).rankable is True
+
+
+def test_a_baseline_is_on_the_leaderboard_whatever_the_rules_of_the_benchmark(
+    both: Backend,
+) -> None:
+    with both.database.writing() as session:
+        session.get_one(User, both.user_id("ann")).is_baseline = True
+    claim = both.running("ann", kind="ranked")
+    both.finish(claim, metrics={"score": 0.1, "rankable": False, "not_ranked": "It drove away."})
+
+    with both.database.reading() as session:
+        ranks = leaderboard.page(session, "currents-v1")
+
+    assert [rank.run_id for rank in ranks] == [claim.run_id]
+    assert both.show(claim.run_id).not_ranked is None

@@ -1,0 +1,52 @@
+"""The table of the reference entries."""
+
+from pathlib import Path
+
+import pytest
+
+from performance.headroom.page import BEGIN, END, insert, ordered, reference_table, share_of_scale
+
+TITLES = {"nothing": "Nothing", "pi": "PI", "oracle": "Oracle"}
+
+
+def trials(*scores: float) -> list[dict[str, object]]:
+    vehicles = ("girona500", "bluerov2-heavy")
+    return [{"score": score, "vehicle": vehicles[i % 2]} for i, score in enumerate(scores)]
+
+
+ENTRIES = {
+    "oracle": trials(0.6, 0.8, 0.6, 0.8),
+    "nothing": trials(0.0, 0.02, 0.0, 0.02),
+    "pi": trials(0.2, 0.4, 0.21, 0.41),
+}
+
+
+def test_entries_are_ordered_from_the_worst_to_the_best() -> None:
+    assert ordered(ENTRIES) == ["nothing", "pi", "oracle"]
+
+
+def test_the_scale_goes_from_doing_nothing_to_the_oracle() -> None:
+    assert [share_of_scale(score, (0.1, 0.9)) for score in (0.1, 0.5, 0.9)] == pytest.approx(
+        [0.0, 50.0, 100.0]
+    )
+
+
+def test_a_row_has_score_interval_share_of_the_scale_step_and_parts() -> None:
+    rows = reference_table(ENTRIES, TITLES, block=2).splitlines()[2:]
+    cells = [[cell.strip() for cell in row.strip("|").split("|")] for row in rows]
+
+    assert [row[0] for row in cells] == ["Nothing", "PI", "Oracle"]
+    assert [row[2] for row in cells] == ["0.0", "42.8", "100.0"]
+    assert cells[1][1].startswith("0.305 (0.2")
+    assert cells[1][4:] == ["0.205", "0.405", "0.300", "0.310"]
+    low, high = map(float, cells[1][3].split(" to "))
+    assert low < 0.295 < high
+
+
+def test_only_what_is_between_the_marks_of_a_page_changes(tmp_path: Path) -> None:
+    path = tmp_path / "page.md"
+    path.write_text(f"before\n\n{BEGIN}\n\nold\n\n{END}\n\nafter\n")
+
+    insert(path, "new")
+
+    assert path.read_text() == f"before\n\n{BEGIN}\n\nnew\n\n{END}\n\nafter\n"
