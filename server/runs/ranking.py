@@ -9,6 +9,7 @@ Wilhelm 2024, https://doi.org/10.1093/restud/rdad006). docs/ranking.md explains 
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,7 +30,7 @@ class Estimate:
     degrees: int  # of freedom of the standard error
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Population:
     """The scores of all people in a benchmark, one by one or counted in narrow classes.
 
@@ -43,29 +44,45 @@ class Population:
     degrees: Array
     people: NDArray[np.int64]
 
-    @property
+    @cached_property
     def size(self) -> int:
-        """Return the number of people."""
+        """The number of people."""
         return int(np.sum(self.people))
+
+    @cached_property
+    def _spreads(self) -> tuple[Array, Array, NDArray[np.int64]]:
+        """Errors and degrees that occur, and the index of each class in them: they are few."""
+        columns = np.stack([self.standard_error, np.maximum(self.degrees, 1.0)])
+        (error, degrees), index = np.unique(columns, axis=1, return_inverse=True)
+        return error, degrees, index.reshape(-1)
 
     def rank_range(self, row: Estimate) -> Range:
         """Return the best and the worst rank that are compatible with the scores.
 
         `row` belongs to the population. If its error is unknown, it may have any rank.
         """
-        size = self.size
-        if size < 2 or row.standard_error is None:
-            return 1, max(size, 1)
-        known = np.isfinite(self.standard_error)
-        error = np.hypot(self.standard_error[known], row.standard_error)
-        ratio = np.divide(row.standard_error, error, out=np.ones_like(error), where=error > 0.0)
-        own = np.full_like(error, max(row.degrees, 1))
-        degrees = welch_degrees(ratio * ratio, own, np.maximum(self.degrees[known], 1.0))
-        margin = _critical_values(degrees, size - 1) * error
-        people = self.people[known]
-        better = int(np.sum(people[self.low[known] - row.score > margin]))
-        worse = int(np.sum(people[row.score - self.high[known] > margin]))
-        return 1 + better, size - worse
+        if self.size < 2 or row.standard_error is None:
+            return 1, max(self.size, 1)
+        errors, degrees, index = self._spreads
+        own = row.standard_error, max(row.degrees, 1)
+        margin = _margins(own, errors, degrees, self.size - 1)[index]
+        better = int(np.sum(self.people, where=self.low - row.score > margin))
+        worse = int(np.sum(self.people, where=row.score - self.high > margin))
+        return 1 + better, self.size - worse
+
+
+def _margins(own: tuple[float, float], errors: Array, degrees: Array, comparisons: int) -> Array:
+    """Return the difference of scores that is significant, for each error that others have.
+
+    `own` is a row's standard error and its degrees of freedom.
+    """
+    margins = np.full_like(errors, math.inf)
+    known = np.isfinite(errors)
+    error = np.hypot(errors[known], own[0])
+    ratio = np.divide(own[0], error, out=np.ones_like(error), where=error > 0.0)
+    welch = welch_degrees(ratio * ratio, np.full_like(error, own[1]), degrees[known])
+    margins[known] = _critical_values(welch, comparisons) * error
+    return margins
 
 
 def _critical_values(degrees: Array, comparisons: int) -> Array:
