@@ -17,6 +17,7 @@ FOLDER = Path(__file__).resolve().parents[2] / "docs"
 ATTACHED = {".png": "image/png", ".txt": "text/plain; charset=utf-8"}
 ADDRESS = "/docs/guides/"  # of the pages and of what they link to
 _TITLE = re.compile(r"\A# (.+)\n")
+_COMMENT = re.compile(r"<!--.*?-->\n?", re.DOTALL)  # marks between which a command writes
 _LINK = re.compile(r'(href|src)="([^"]+)"')
 _SECTION_HEADING = re.compile(r'<h2 id="([^"]+)">([^<]+)</h2>')
 
@@ -43,10 +44,9 @@ def attachment(name: str) -> tuple[bytes, str]:
 def html(name: str) -> str:
     """Return a page in `titles` as HTML, without its title.
 
-    Raw HTML in a page is shown as text.
+    Raw HTML in a page is shown as text, comments are left out.
     """
-    text = _TITLE.sub("", (FOLDER / name).read_text(encoding="utf-8"), count=1)
-    return str(_markdown().render(text))
+    return str(_markdown().render(_TITLE.sub("", _text(name), count=1)))
 
 
 @lru_cache(maxsize=32)
@@ -56,13 +56,16 @@ def section(name: str, title: str) -> tuple[str, Mapping[str, str]]:
     Subsections become headings of the second level, and links work from any address. Without such
     a section both are empty.
     """
-    text = (FOLDER / name).read_text(encoding="utf-8")
-    _, _, after = f"\n{text}".partition(f"\n## {title}\n")
+    _, _, after = f"\n{_text(name)}".partition(f"\n## {title}\n")
     inside = re.split(r"^## ", after, maxsplit=1, flags=re.MULTILINE)[0]
     shown = str(_markdown().render(re.sub(r"^##(#+ )", r"#\1", inside, flags=re.MULTILINE)))
     page = ADDRESS + name
     linked = _LINK.sub(lambda found: f'{found[1]}="{urljoin(page, found[2])}"', shown)
     return linked, dict(_SECTION_HEADING.findall(shown))
+
+
+def _text(name: str) -> str:
+    return _COMMENT.sub("", (FOLDER / name).read_text(encoding="utf-8"))
 
 
 def _title(path: Path) -> str:

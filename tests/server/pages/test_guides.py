@@ -8,7 +8,7 @@ import pytest
 
 from seamark import server
 from seamark.server.pages import guides
-from seamark.sim.registry import TRACKERS, benchmark
+from seamark.sim.registry import BENCHMARKS, TRACKERS, benchmark
 from seamark.sim.settings.tracker import TrackerSettings
 from seamark.sim.trackers.options import CRITERIA, METHODS, WARPS
 from tests.server.pages.conftest import Site
@@ -43,6 +43,13 @@ def test_a_guide_is_listed_and_its_links_work(site: Site, name: str) -> None:
 @pytest.mark.parametrize("name", ["nothing.md", "../README.md", "figures", "figures/nothing.png"])
 def test_a_path_that_is_no_guide_is_not_found(site: Site, name: str) -> None:
     assert site.browser().get(f"/docs/guides/{name}").status_code == 404
+
+
+def test_no_comment_of_a_page_is_shown() -> None:
+    with_comments = [name for name in NAMES if "<!--" in (DOCS / name).read_text(encoding="utf-8")]
+
+    assert [name for name in with_comments if "&lt;!--" in guides.html(name)] == []
+    assert [n for n in BENCHMARKS if "&lt;!--" in guides.section("benchmarks.md", n)[0]] == []
 
 
 def test_raw_html_in_a_guide_is_escaped() -> None:
