@@ -14,7 +14,7 @@ from seamark.sim.camera.camera import Camera
 # Standard deviations of the coordinates [m, rad], before a jump is scaled to its size: each alone
 # displaces the corners at 1.27 m by about the same; D.
 SPREADS = (0.005, 0.005, 0.03, 0.004, 0.004, 0.023)
-SCALINGS = 6  # the size is then exact to a thousandth of a pixel
+SCALINGS = 20  # the size is then exact to a hundredth of a pixel, mostly to far less
 
 
 class Jumps:
