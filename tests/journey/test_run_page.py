@@ -25,9 +25,11 @@ _PIXELS = """(image) => {
 }"""
 
 
-def _start(visitor: Visitor, config: dict[str, Any], trials: int = 1) -> None:
+def _start(
+    visitor: Visitor, config: dict[str, Any], trials: int = 1, benchmark: str = "currents-v1"
+) -> None:
     """Submit a run through the API and open its page."""
-    run = {"benchmark": "currents-v1", "controller": "p", "trials": trials, "config": config}
+    run = {"benchmark": benchmark, "controller": "p", "trials": trials, "config": config, "seed": 3}
     response = visitor.page.request.post(f"{visitor.url}/api/v1/runs", data=run)
     visitor.open(f"/runs/{response.json()['id']}")
 
@@ -73,6 +75,29 @@ def test_the_slider_and_the_play_button_change_the_camera_image(visitor: Visitor
 
     assert early == again
     assert early != late
+    assert (visitor.errors, visitor.violations()) == ([], [])
+
+
+def test_the_page_names_the_level_that_ran_where_the_order_is_drawn(visitor: Visitor) -> None:
+    page = visitor.page
+    levels = [0.1, 0.2, 0.3]
+    _start(
+        visitor,
+        {"levels": levels, "level_duration_s": 4, "settle_s": 1},
+        benchmark="currents-v2",
+    )
+    visitor.wait_for("succeeded")
+    metrics = page.request.get(f"{visitor.url}/api/v1{page.url.removeprefix(visitor.url)}").json()
+    (trial,) = metrics["metrics"]["trials"]
+    order = trial["conditions"]["order"]
+
+    shown = []
+    for position in range(len(levels)):
+        _seek(page, 4.0 * position + 2.0)
+        shown.append(page.locator("[data-camera-time]").inner_text().split()[-2])
+
+    assert order != sorted(order)
+    assert shown == [f"{levels[level]:g}" for level in order]
     assert (visitor.errors, visitor.violations()) == ([], [])
 
 
