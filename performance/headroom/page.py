@@ -12,13 +12,12 @@ from seamark.sim.benchmarks.benchmark import Benchmark
 from seamark.sim.numerics.statistics import mean, mean_interval, paired_interval
 
 Trials = Sequence[Mapping[str, Any]]  # of one entry, as __main__ stores them
-BEGIN = "<!-- headroom: written by python -m performance.headroom -->"
-END = "<!-- end of headroom -->"
 HEAD = (
     *("entry", "current held [m/s], 95 % interval", "% of the scale", "better than the row above"),
     *("Girona 500", "BlueROV2 Heavy", "first half", "second half"),
 )
 PALETTE = "viridis"
+_TABLE = re.compile(r"\| entry \| current held [^\n]*\n(?:\|[^\n]*\n)+")
 
 
 def scores(trials: Trials, vehicle: str = "") -> list[float]:
@@ -89,10 +88,9 @@ def _step(worse: Sequence[float], better: Sequence[float], block: int) -> str:
 
 
 def insert(path: Path, text: str) -> None:
-    """Replace what stands between the marks of a page."""
+    """Replace the table of a page that has the same first columns."""
     before = path.read_text("utf-8")
-    pattern = re.compile(f"{re.escape(BEGIN)}.*?{re.escape(END)}", re.DOTALL)
-    path.write_text(pattern.sub(lambda _found: f"{BEGIN}\n\n{text}\n\n{END}", before), "utf-8")
+    path.write_text(_TABLE.sub(lambda _found: f"{text}\n", before), "utf-8")
 
 
 def _plot_scores(

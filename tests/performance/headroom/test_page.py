@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from performance.headroom.page import BEGIN, END, insert, ordered, reference_table, share_of_scale
+from performance.headroom.page import insert, ordered, reference_table, share_of_scale
 
 TITLES = {"nothing": "Nothing", "pi": "PI", "oracle": "Oracle"}
 
@@ -43,10 +43,15 @@ def test_a_row_has_score_interval_share_of_the_scale_step_and_parts() -> None:
     assert low < 0.295 < high
 
 
-def test_only_what_is_between_the_marks_of_a_page_changes(tmp_path: Path) -> None:
+def test_only_the_table_of_a_page_changes(tmp_path: Path) -> None:
     path = tmp_path / "page.md"
-    path.write_text(f"before\n\n{BEGIN}\n\nold\n\n{END}\n\nafter\n")
+    other = "| entry | points |\n|---|---|\n| PI | 84.7 |\n"
+    old = "| entry | current held [m/s] |\n|---|---|\n| PI | 1 |\n"
+    path.write_text(f"{other}\nbefore\n\n{old}\nafter\n")
 
-    insert(path, "new")
+    insert(path, reference_table(ENTRIES, TITLES, block=2))
 
-    assert path.read_text() == f"before\n\n{BEGIN}\n\nnew\n\n{END}\n\nafter\n"
+    text = path.read_text()
+    assert text.startswith(f"{other}\nbefore\n\n| entry | current held [m/s], 95 % interval |")
+    assert text.endswith("|\n\nafter\n")
+    assert "| PI | 1 |" not in text
