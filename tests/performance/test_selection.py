@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from performance.selection import Population, gain, passes
+from performance.selection import Population, gain, passes, populations
 from seamark.sim.benchmarks.benchmark import RankedProtocol
 
 
@@ -12,7 +12,7 @@ def population() -> Population:
     """Normal scores: 24 trials in blocks of 2, so a score has a standard error of 1."""
     means = np.random.default_rng(1).normal(50.0, np.sqrt(12.0), 4000)
     protocol = RankedProtocol(reference_trials=2, fresh_trials=24, block=2)
-    return Population(name="b", protocol=protocol, unit="m", means=means)
+    return Population(name="b", solution="s", protocol=protocol, unit="m", means=means)
 
 
 def test_the_error_of_a_score_is_that_of_its_blocks(population: Population) -> None:
@@ -41,3 +41,10 @@ def test_one_submission_passes_as_better_in_a_fortieth_of_the_cases(
 
 def test_the_best_of_many_passes_more_often(population: Population) -> None:
     assert passes(population, 35, repeats=300) > 0.15
+
+
+def test_every_measured_population_belongs_to_a_benchmark_with_fresh_trials() -> None:
+    found = populations()
+
+    assert {entry.name for entry in found} == {"currents-v2", "visibility-v2"}
+    assert all(len(entry.means) >= 2 * entry.blocks for entry in found)
