@@ -12,11 +12,11 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from seamark.sim.benchmarks.benchmark import Benchmark
 
-BENCHMARKS = {
-    "currents-v1": "seamark.sim.benchmarks.currents_v1.definition:BENCHMARK",
+BENCHMARKS = {  # the first is the site's default
     "currents-v2": "seamark.sim.benchmarks.currents_v2.definition:BENCHMARK",
-    "visibility-v1": "seamark.sim.benchmarks.visibility_v1.definition:BENCHMARK",
     "visibility-v2": "seamark.sim.benchmarks.visibility_v2.definition:BENCHMARK",
+    "currents-v1": "seamark.sim.benchmarks.currents_v1.definition:BENCHMARK",
+    "visibility-v1": "seamark.sim.benchmarks.visibility_v1.definition:BENCHMARK",
 }
 VEHICLES = {
     "girona500": "seamark.sim.vehicles.girona500:VEHICLE",
