@@ -31,7 +31,7 @@ def score(benchmark: str, solution: str, trial: int) -> float:
     """Return the score of one trial."""
     entry = registry.benchmark(benchmark)
     tracks = entry.role == "tracker"
-    config = entry.read({"tracker": solution} if tracks else {})
+    config = entry.ranked(entry.read({"tracker": solution} if tracks else {}))
     program = None if tracks else BuiltIn(solution, config.for_trial(trial))
     seed = FIRST_SEED + trial
     result = run_trial(
