@@ -7,9 +7,10 @@ import pytest
 
 from seamark.sim.control.observation import STARTS, empty
 from seamark.sim.engine.program import BuiltIn
-from seamark.sim.engine.trial import run_trial
+from seamark.sim.engine.trial import TrialResult, run_trial
 from seamark.sim.recording.telemetry import INDEX, Rows
 from seamark.sim.registry import CONTROLLERS, benchmark
+from seamark.sim.settings.trial_spreads import GROUP
 
 STRONG = {
     "tracker": "truth",
@@ -20,20 +21,31 @@ STRONG = {
 }
 
 
-def driven(name: str, **settings: Any) -> Rows:
-    entry = benchmark("currents-v1")
+NOTHING_DRAWN = {
+    name: 0
+    for name, entry in benchmark("currents-v2").schema()["properties"].items()
+    if entry["x-group"] == GROUP and entry["type"] != "boolean"
+}
+
+
+def trial(name: str, version: str, **settings: Any) -> tuple[TrialResult, Rows]:
+    entry = benchmark(version)
     config = entry.read(STRONG | settings)
     rows: list[Rows] = []
     program = entry.load().built_in(name, config)
-    run_trial(
-        "currents-v1",
+    result = run_trial(
+        version,
         config,
         program,
         seed=5,
         trial=0,
         on_rows=lambda some: rows.append(some.copy()),
     )
-    return np.concatenate(rows)
+    return result, np.concatenate(rows)
+
+
+def driven(name: str, **settings: Any) -> Rows:
+    return trial(name, "currents-v1", **settings)[1]
 
 
 def test_nothing_commands_nothing_and_drifts_away() -> None:
@@ -83,6 +95,17 @@ def test_the_oracle_knows_how_weak_a_faulty_thruster_is() -> None:
     rows = driven("oracle", fault_thruster=0, fault_efficiency=0.7, levels=[0.3])
 
     assert rows[:, INDEX["distance"]].max() < 0.01
+
+
+@pytest.mark.parametrize("azimuth", [1.3, -1.3])
+def test_the_oracle_turns_about_the_tool_towards_a_current_from_the_side(azimuth: float) -> None:
+    abeam = {"current_azimuth_rad": azimuth, "vehicle": "girona500", "levels": [0.5]}
+
+    result, rows = trial("oracle", "currents-v2", **NOTHING_DRAWN | abeam)
+
+    assert result.levels[0]["tool_rmse_m"] < 0.05
+    assert rows[-1, INDEX["yaw"]] * azimuth > 0.5
+    assert rows[-1, INDEX["distance"]] > 0.3  # the camera moved, the tool did not
 
 
 @pytest.mark.parametrize("name", CONTROLLERS)
