@@ -24,3 +24,11 @@ def test_two_ranked_runs_are_compared_on_their_reference_trials(site: Site) -> N
     assert answer["difference"] == pytest.approx(0.1)
     assert answer["low"] == pytest.approx(answer["high"]) == pytest.approx(0.1)
     assert refused.status_code == 422
+
+
+def test_a_private_run_of_somebody_else_cannot_be_compared_with(site: Site) -> None:
+    own, private = site.succeeded("ann", kind="ranked"), site.succeeded("ben", kind="ranked")
+
+    answer = site.call("owner", "GET", f"{RUNS}/{own}/comparison?with={private}")
+
+    assert answer.status_code == 404
