@@ -1,14 +1,16 @@
 """`python -m performance.visibility_headroom [ENTRY ...]`: how visibility-v2 spreads its entries.
 
-Every entry runs the reference trials, and as many trials in water of other seeds. Prints the table
-of docs/benchmarks.md and how far the order depends on the trials, and redraws the figures
-visibility-v2-headroom.png, visibility-v2-difficulty.png and visibility-v2-textures.png.
+Every named entry (all of them without a name) runs the reference trials, and as many trials in
+water of other seeds; its figures are stored in performance/visibility_headroom.json. From those
+stored it prints the table of docs/benchmarks.md and how far the order depends on the trials, and
+redraws the figures visibility-v2-headroom.png, -difficulty.png and -textures.png.
 It takes about half a minute per entry on an idle core, for KCF and ECC some minutes.
 """
 
+import json
 import sys
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
@@ -26,6 +28,7 @@ from seamark.sim.registry import benchmark
 from seamark.sim.trackers import declaration, make
 
 NAME = "visibility-v2"
+FILE = Path(__file__).with_suffix(".json")
 TRIALS = 8  # as many as there are reference trials: each of the textures once
 OTHER_SEED = 770_001  # trial i has this seed plus i
 AXES = {"turbidity": "optical depth", "motion": "px per image", "jump": "jump [px]"}
@@ -47,9 +50,9 @@ class Measured:
     """What an entry scored."""
 
     title: str
-    reference: dict[str, Any]  # metrics.json of the reference trials
+    reference: dict[str, Any]  # of metrics.json of the reference trials: see `_kept`
     other: dict[str, Any]  # and of those with other seeds
-    scores: tuple[float, ...]  # of all trials, the reference trials first
+    scores: Sequence[float]  # of all trials, the reference trials first
 
 
 def _reference(name: str) -> Callable[[Any], Any]:
@@ -107,10 +110,24 @@ def measure(entry: Entry) -> Measured:
     other = [run(trial, OTHER_SEED + trial) for trial in range(TRIALS)]
     return Measured(
         title=entry.title,
-        reference=summarise(NAME, config, known),
-        other=summarise(NAME, config, other),
-        scores=tuple(result.score for result in (*known, *other)),
+        reference=_kept(summarise(NAME, config, known)),
+        other=_kept(summarise(NAME, config, other)),
+        scores=[result.score for result in (*known, *other)],
     )
+
+
+def _kept(metrics: dict[str, Any]) -> dict[str, Any]:
+    """Return the part of metrics.json that table and figures show."""
+    names = ("axis", "value", "p5_percent", "p1_percent")
+    levels = [{name: level[name] for name in names} for level in metrics["levels"]]
+    kept = {name: metrics[name] for name in ("score", "score_low", "score_high", "overall")}
+    return kept | {"levels": levels}
+
+
+def stored() -> dict[str, Measured]:
+    """Return what was measured, by the short names of the entries."""
+    found = json.loads(FILE.read_text(encoding="utf-8")) if FILE.exists() else {}
+    return {key: Measured(**one) for key, one in found.items()}
 
 
 def report(found: dict[str, Measured]) -> str:
@@ -223,9 +240,14 @@ def draw_textures(out: Path) -> None:
 
 
 def main(names: Sequence[str]) -> None:
-    """Measure, print and draw."""
-    known = entries()
-    found = {key: measure(entry) for key, entry in known.items() if not names or key in names}
+    """Measure, store, print and draw."""
+    for key, entry in entries().items():
+        if not names or key in names:
+            measured = measure(entry)
+            known = stored() | {key: measured}  # read late: another process may have added some
+            plain = {name: asdict(one) for name, one in sorted(known.items())}
+            FILE.write_text(json.dumps(plain, indent=1) + "\n", encoding="utf-8")
+    found = stored()
     sys.stdout.write(f"{report(found)}\n\n{stability(found)}\n")
     draw_headroom(found, FOLDER / "visibility-v2-headroom.png")
     draw_difficulty(found, FOLDER / "visibility-v2-difficulty.png")

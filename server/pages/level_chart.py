@@ -50,10 +50,10 @@ def _curve(
     labels = [metric.label for metric in chart.metrics]
     ends = [values[level] for level in chosen]
     return {
-        "title": f"{' and '.join(labels)} over the {marked.unit}",
+        "title": f"{' and '.join(labels)} over the {_lower_first(chart.x_label) or marked.unit}",
         "sentence": _sentence(chart, labels[0], marked, mark, final=run.state.final),
         "unit": chart.metrics[0].unit,
-        "x_label": marked.unit,
+        "x_label": chart.x_label or marked.unit,
         "range": [min(ends), max(ends)],
         "x": x,
         "lines": [
@@ -64,6 +64,10 @@ def _curve(
         "mark": mark,
         "mark_label": marked.label,
     }
+
+
+def _lower_first(text: str) -> str:
+    return text[:1].lower() + text[1:]
 
 
 def _mark(

@@ -40,6 +40,7 @@ class Curve:
     # the area under the first metric, which the chart marks: the headline or one of `overall`.
     # None: the headline is where the first metric falls below the limit
     area: Metric | None = None
+    x_label: str = ""  # of the values with their unit; empty: the unit of the headline
 
 
 @dataclass(frozen=True, slots=True)

@@ -90,6 +90,7 @@ def _curve(
         measure=measure,
         levels=levels,
         area=area,
+        x_label=f"{axis.label} [{axis.unit}]" if axis.unit else axis.label,
     )
 
 

@@ -45,7 +45,7 @@ class Axis:
 
 TURBIDITY = Axis("turbidity", "Optical depth", "", "τ {:g}")
 MOTION = Axis("motion", "Image motion", "px per image", "{:g} px/image")
-JUMP = Axis("jump", "Jump", "px", "jump {:g} px")
+JUMP = Axis("jump", "Size of the jump", "px", "jump {:g} px")
 
 
 @dataclass(frozen=True, slots=True)
