@@ -70,7 +70,12 @@ def dataset(path: RunPath, query: DatasetQuery) -> Response:
         )
     config = registry.benchmark(view.benchmark).restore(view.config)
     seed = trial_seeds(view, services().settings)(query.trial)
-    pieces = archive(view.benchmark, config, rows, seed=seed, selection=selection)
+    pieces = archive(
+        *(view.benchmark, config, rows),
+        seed=seed,
+        selection=selection,
+        program_sha256=view.program_sha256,
+    )
     response = Response(_exclusively(pieces), content_type="application/zip")
     name = f"seamark-run-{view.id}-dataset.zip"
     response.headers.set("Content-Disposition", "attachment", filename=name)

@@ -26,7 +26,7 @@ class RunState(StrEnum):
 
 
 class RunKind(StrEnum):
-    """What a run is for: practice on a seed of one's own, or a rank on hidden seeds."""
+    """What a run is for: practice on a seed of one's own, or a rank on those of the benchmark."""
 
     PRACTICE = "practice"
     RANKED = "ranked"

@@ -1,4 +1,4 @@
-"""Runs as pages and the API show them: values, not rows, without the hidden seeds."""
+"""Runs as pages and the API show them: values, not rows, and no seed but a chosen one."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -118,7 +118,13 @@ class Selection:
 
 
 def archive(
-    benchmark: str, config: Configuration, rows: Rows, *, seed: int, selection: Selection
+    benchmark: str,
+    config: Configuration,
+    rows: Rows,
+    *,
+    seed: int,
+    selection: Selection,
+    program_sha256: str | None = None,
 ) -> Iterator[bytes]:
     """Return a ZIP archive in pieces, at most one for each file in it.
 
@@ -126,6 +132,8 @@ def archive(
     ----------
     rows
         Telemetry of one trial with this configuration and seed.
+    program_sha256
+        Of the uploaded program that moved the vehicle; None for a built-in solution.
 
     Raises
     ------
@@ -135,7 +143,13 @@ def archive(
     selected = selection.of(rows)
     if not len(selected):
         raise ValueError("there are no images: the run has no rows in the selected time")
-    return _zipped(_members(benchmark, config, rows, selected, seed=seed, selection=selection))
+    members = _members(
+        *(benchmark, config, rows, selected),
+        seed=seed,
+        selection=selection,
+        program_sha256=program_sha256,
+    )
+    return _zipped(members)
 
 
 def _members(
@@ -146,6 +160,7 @@ def _members(
     *,
     seed: int,
     selection: Selection,
+    program_sha256: str | None,
 ) -> Iterator[tuple[str, bytes]]:
     replay = Replay(benchmark, config, lambda _trial: seed)
     colours = "colour" if selection.colour else "grey"
@@ -165,6 +180,7 @@ def _members(
         seed=seed,
         trials=1,
         controller="see the run",
+        program_sha256=program_sha256,
         digest=digest.hexdigest(),
         pictures=asdict(selection)
         | {"end_s": None if selection.end_s > 1e300 else selection.end_s},

@@ -388,6 +388,18 @@ def test_a_ranked_run_on_fresh_water_has_a_data_set_with_the_seed_of_the_trial(s
     assert manifest["seed"] == 2026
 
 
+def test_a_data_set_of_an_upload_does_not_claim_the_same_bits_everywhere(site: Site) -> None:
+    run_id = site.recorded()
+
+    answer = site.call("owner", "GET", f"{RUNS}/{run_id}/dataset.zip?every=100")
+
+    with zipfile.ZipFile(io.BytesIO(answer.data)) as archive:
+        (name,) = (name for name in archive.namelist() if name.endswith("manifest.json"))
+        manifest = json.loads(archive.read(name))
+    assert manifest["program_sha256"] == site.show(run_id).program_sha256
+    assert manifest["same_bits_on_every_cpu"] is False
+
+
 def test_a_ranked_run_of_a_first_version_has_no_data_set(site: Site) -> None:
     run_id = site.succeeded(kind="ranked")
     site.record(run_id, rows=40)

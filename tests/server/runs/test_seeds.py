@@ -6,6 +6,7 @@ from seamark.server.runs.seeds import submission_digest, trial_seeds
 from seamark.server.settings import Settings
 from seamark.sim import registry
 from seamark.sim.engine.seeds import hidden_seed
+from tests.cast import Backend
 
 PROTOCOL = registry.benchmark("currents-v2").protocol
 assert PROTOCOL is not None
@@ -90,6 +91,22 @@ def test_another_secret_gives_other_fresh_seeds(settings: Settings) -> None:
     one, other = trial_seeds(_run(), settings), trial_seeds(_run(), changed)
 
     assert not {one(trial) for trial in FRESH} & {other(trial) for trial in FRESH}
+
+
+@pytest.mark.parametrize("benchmark", ["currents-v1", "currents-v2"])
+def test_the_images_of_a_ranked_run_have_the_seeds_of_its_simulation(
+    both: Backend, benchmark: str
+) -> None:
+    program = both.store_program()
+    claim = both.running(
+        "ann", benchmark=benchmark, kind="ranked", controller="upload", program=program
+    )
+
+    simulated = trial_seeds(claim, both.settings)
+    both.finish(claim)
+
+    shown = trial_seeds(both.show(claim.run_id), both.settings)
+    assert [shown(trial) for trial in range(12)] == [simulated(trial) for trial in range(12)]
 
 
 @pytest.mark.parametrize("seed", [None, 7])
