@@ -106,8 +106,7 @@ class Water(NamedTuple):
     force: float
     azimuth_phase: float
     speed_phase: float
-    gust: Array  # (k,) [m/s] on the grid: added to the level, with its lasting changes
-    turn: Array  # (k,) [rad] on the grid: lasting changes of the azimuth
+    drift: Array  # (2, k) on the grid: gust and lasting changes of speed [m/s], turn [rad]
     shear: float = 0.0
     bottom: float = 0.0
     height: float = 1.0
@@ -147,12 +146,13 @@ class Current:
         over = shear or Shear(exponent=0.0, bottom_m=0.0, height_m=1.0)
         drawn = rng is not None or bool(law.changes)
         self.duration_s = duration_s if drawn else float("inf")
-        gust, turn = np.zeros((2, _grid_points(duration_s) if drawn else 2))
+        drift = np.zeros((2, _grid_points(duration_s) if drawn else 2))
         if rng is not None:
-            gust = _gust(rng, law.gust_share * level, law.gust_time_s, duration_s)
+            drift[0] = _gust(rng, law.gust_share * level, law.gust_time_s, duration_s)
         for change in law.changes:
             ramp = _ramp(change.at_s, duration_s)
-            gust, turn = gust + change.speed_share * level * ramp, turn + change.turn_rad * ramp
+            drift[0] += change.speed_share * level * ramp
+            drift[1] += change.turn_rad * ramp
         self.water = Water(
             law=_RELATIVE if law.law == "relative" else _FORCE,
             level=float(level),
@@ -164,8 +164,7 @@ class Current:
             force=constants.FORCE_PER_SPEED_SQUARED.scalar * law.force_share,
             azimuth_phase=float(law.azimuth_phase_rad),
             speed_phase=float(law.speed_phase_rad),
-            gust=gust,
-            turn=turn,
+            drift=drift,
             shear=float(over.exponent),
             bottom=float(over.bottom_m),
             height=float(over.height_m),
@@ -209,7 +208,7 @@ def _gust(rng: np.random.Generator, sigma: float, time_s: float, duration_s: flo
 @njit(cache=True, error_model="numpy")
 def segment_at(t: float, water: Water) -> int:
     """Return the interval of the gust's grid at time t [s]; the last one after its end."""
-    return min(max(int(t / GUST_GRID_S), 0), water.gust.size - 2)
+    return min(max(int(t / GUST_GRID_S), 0), water.drift.shape[1] - 2)
 
 
 @njit(cache=True, error_model="numpy")
@@ -235,9 +234,10 @@ def flow(t: float, water: Water, segment: int) -> tuple[float, float, float, flo
     `segment` is chosen once per integration step, so that the flow is smooth over all its stages.
     """
     since = t - segment * GUST_GRID_S
-    left, turned = water.gust[segment], water.turn[segment]
-    slope = (water.gust[segment + 1] - left) / GUST_GRID_S
-    turning = (water.turn[segment + 1] - turned) / GUST_GRID_S
+    drift = water.drift
+    left, turned = drift[0, segment], drift[1, segment]
+    slope = (drift[0, segment + 1] - left) / GUST_GRID_S
+    turning = (drift[1, segment + 1] - turned) / GUST_GRID_S
     s, c = sincos(water.speed_rate * t + water.speed_phase)
     speed = water.level + water.speed_swing * s + left + slope * since
     speed_rate = water.speed_swing * water.speed_rate * c + slope

@@ -68,7 +68,7 @@ def test_the_force_law_is_the_published_one() -> None:
 
 def test_the_gust_has_its_standard_deviation_and_correlation_time() -> None:
     water = Current(1.0, rng=streams(3, 0, 0).gust, duration_s=20_000.0).water
-    gust, lag = water.gust, round(10.0 / GUST_GRID_S)
+    gust, lag = water.drift[0], round(10.0 / GUST_GRID_S)
 
     correlation = np.mean(gust[lag:] * gust[:-lag]) / np.var(gust)
 
@@ -165,5 +165,5 @@ def test_changes_leave_the_gust_as_it_was() -> None:
     ).water
 
     before = round(10.0 / GUST_GRID_S)
-    assert np.array_equal(plain.gust[:before], changed.gust[:before])
-    assert changed.gust[-1] - plain.gust[-1] == pytest.approx(0.1)
+    assert np.array_equal(plain.drift[:, :before], changed.drift[:, :before])
+    assert changed.drift[0, -1] - plain.drift[0, -1] == pytest.approx(0.1)
