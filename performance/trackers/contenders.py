@@ -1,6 +1,23 @@
-"""The trackers compared, with settings that are fair to each."""
+"""The trackers compared, with settings that are fair to each.
 
+A cell of the table is a tuple of set-ups of one tracker; the fastest that keeps the target is
+compared.
+"""
+
+from collections.abc import Iterable
 from dataclasses import dataclass, field
+
+from seamark.sim.settings.tracker import ROBUST
+from seamark.sim.trackers import option_errors
+
+VERSION_1: dict[str, object] = {}  # of our tracker in the first versions of the benchmarks
+VERSION_2: dict[str, object] = ROBUST
+PYRAMID_LEVELS = (1, 2)
+_METHODS = {
+    "esm": "ESM",
+    "inverse_compositional": "IC",
+}
+_ITERATIONS = {"ssd": 200, "zncc": 60, "mi": 30}
 
 
 @dataclass(frozen=True, slots=True)
@@ -10,45 +27,84 @@ class Contender:
     label: str
     tracker: str
     options: dict[str, object] = field(default_factory=dict)
+    predicts: bool = True  # whether the search starts where constant velocity leads
+    setup: str = ""  # in what it differs from others of its cell
 
 
-def _visp(
-    label: str, criterion: str, method: str, warp: str, iterations: int, *, sampling_px: int = 2
+Cell = tuple[Contender, ...]
+
+
+def available(contenders: Iterable[Contender]) -> list[Contender]:
+    """Return the contenders that this machine can run."""
+    return [one for one in contenders if not option_errors(one.tracker, one.options)]
+
+
+def visp(
+    criterion: str, method: str, warp: str, *, pyramid_levels: int, predicts: bool = False
 ) -> Contender:
-    # Sampling 2 is what ViSP's examples and UWSim use. In the bridge, its pyramid goes down to full
-    # resolution, its ESM gets the gain that undoes its half steps, and its template leaves out the
-    # target's rim as ours does: without any of these it would perform worse. Its ZNCC and MI lose
-    # this target on a coarser pyramid level, so they have one.
+    """Return one of ViSP's trackers.
+
+    Sampling 2 is what ViSP's examples and UWSim use; its MI with a homography loses the target with
+    it. In the bridge, its pyramid goes down to full resolution, its ESM gets the gain that undoes
+    its half steps, and its template leaves out the target's rim as ours does: without any of these
+    it would perform worse.
+    """
     options: dict[str, object] = {
         "criterion": criterion,
         "method": method,
         "warp": warp,
-        "sampling_px": sampling_px,
-        "visp_iterations": iterations,
-        "pyramid_levels": 2 if criterion == "ssd" else 1,
+        "sampling_px": 1 if (criterion, warp) == ("mi", "homography") else 2,
+        "visp_iterations": _ITERATIONS[criterion],
+        "pyramid_levels": pyramid_levels,
+        "visp_predict": predicts,
     }
-    return Contender(f"ViSP {label}", "visp", options)
+    label = f"ViSP {criterion.upper()} {_METHODS[method]} {warp}"
+    levels = f"{pyramid_levels} pyramid level{'s' * (pyramid_levels > 1)}"
+    return Contender(label, "visp", options, predicts, levels)
 
 
-CONTENDERS = (
-    Contender("ours ZNCC ESM homography", "esm"),
-    Contender("ours SSD ESM homography", "esm", {"criterion": "ssd"}),
-    Contender("ours MI ESM homography", "esm", {"criterion": "mi"}),
-    Contender("ours ZNCC ESM affine", "esm", {"warp": "affine"}),
-    Contender("ours ZNCC ESM srt", "esm", {"warp": "srt"}),
-    _visp("SSD IC homography", "ssd", "inverse_compositional", "homography", 200),
-    _visp("SSD FC homography", "ssd", "forward_compositional", "homography", 200),
-    _visp("SSD ESM homography", "ssd", "esm", "homography", 200),
-    _visp("ZNCC IC homography", "zncc", "inverse_compositional", "homography", 60),
-    _visp("MI IC homography", "mi", "inverse_compositional", "homography", 30, sampling_px=1),
-    _visp("MI IC srt", "mi", "inverse_compositional", "srt", 30),
-    _visp("SSD IC affine", "ssd", "inverse_compositional", "affine", 200),
-    _visp("SSD IC srt", "ssd", "inverse_compositional", "srt", 200),
-    Contender("OpenCV ECC homography", "ecc"),
-    Contender("OpenCV KLT homography", "klt"),
-    Contender("OpenCV KLT srt", "klt", {"warp": "srt"}),
-    Contender("OpenCV box by correlation", "box"),
+def _visp_cells(*kinds: tuple[str, str, str]) -> tuple[Cell, ...]:
+    """Return the cells of ViSP's trackers, each without and with our prediction."""
+    return tuple(
+        tuple(visp(*kind, pyramid_levels=levels, predicts=predicts) for levels in PYRAMID_LEVELS)
+        for kind in kinds
+        for predicts in (False, True)
+    )
+
+
+def _ours(label: str, *, predicts: bool = True, **options: object) -> Cell:
+    chosen = VERSION_2 | options | {"predict_motion": predicts}
+    return (Contender(f"ours {label}", "esm", chosen, predicts),)
+
+
+CELLS: tuple[Cell, ...] = (
+    _ours("ZNCC ESM homography"),
+    _ours("ZNCC ESM homography", predicts=False),
+    (Contender("ours ZNCC ESM homography, first versions", "esm", VERSION_1),),
+    _ours("SSD ESM homography", criterion="ssd"),
+    _ours("MI ESM homography", criterion="mi"),
+    _ours("ZNCC ESM affine", warp="affine"),
+    _ours("ZNCC ESM srt", warp="srt"),
+    *_visp_cells(
+        ("ssd", "inverse_compositional", "homography"),
+        ("ssd", "esm", "homography"),
+        ("zncc", "inverse_compositional", "homography"),
+        ("ssd", "inverse_compositional", "srt"),
+    ),
+    (Contender("OpenCV ECC homography", "ecc"),),
+    (Contender("OpenCV ECC homography", "ecc", {"predict_motion": False}, predicts=False),),
+    (Contender("OpenCV KLT homography", "klt", predicts=False),),
+    (Contender("OpenCV KLT srt", "klt", {"warp": "srt"}, predicts=False),),
+    (Contender("OpenCV box by correlation", "box", predicts=False),),
 )
 # Raced separately: 30 of their images take a second, after which fast trackers took twice as long.
-FILTERS = (Contender("OpenCV CSRT", "csrt"), Contender("OpenCV KCF", "kcf"))
+SLOW_CELLS: tuple[Cell, ...] = (
+    *(
+        (visp("mi", "inverse_compositional", warp, pyramid_levels=1, predicts=predicts),)
+        for warp in ("homography", "srt")
+        for predicts in (False, True)
+    ),
+    (Contender("OpenCV CSRT", "csrt", predicts=False),),
+    (Contender("OpenCV KCF", "kcf", predicts=False),),
+)
 PEERS = ("ViSP", "homography")  # start and end of the labels of the reference: the fastest of these

@@ -1,13 +1,15 @@
 """Runs all contenders over one sequence, in turns of some images, and records time and error."""
 
 import time
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import NDArray
 
-from performance.trackers.contenders import Contender
+from performance.trackers.contenders import Cell, Contender, available
 from performance.trackers.sequences import Sequence, transformed
-from seamark.sim.trackers import Tracker, declaration, option_errors
+from seamark.sim.trackers import Corners, Tracker, declaration
 
 TURN = 30  # images: long enough for each to have its own code and data in the caches
 FAILED_PX = 10.0  # S: Lieberknecht et al., ISMAR 2009: an image with a larger error has failed
@@ -32,24 +34,39 @@ class Result:
         return float(np.percentile(kept, percentile)) if kept else float("nan")
 
 
-def race(contenders: tuple[Contender, ...], sequence: Sequence) -> list[Result]:
+def race(contenders: Iterable[Contender], sequence: Sequence) -> list[Result]:
     """Return the results of the contenders that are available on this machine.
 
     The contenders take turns of some images, so that a busy machine slows all alike.
     """
     results, trackers = [], []
-    for contender in contenders:
-        if not option_errors(contender.tracker, contender.options):
-            tracker = _tracker(contender)
-            tracker.start(sequence.images[0].copy(), sequence.start_corners())
-            results.append(Result(contender))
-            trackers.append(tracker)
+    for contender in available(contenders):
+        running = tracker(contender)
+        running.start(sequence.images[0].copy(), sequence.start_corners())
+        results.append(Result(contender))
+        trackers.append(running)
     for first in range(1, len(sequence.images), TURN):
         end = min(first + TURN, len(sequence.images))
-        for result, tracker in zip(results, trackers, strict=True):
+        for result, running in zip(results, trackers, strict=True):
             if result.lost_at is None:
-                _turn(result, tracker, sequence, range(first, end))
+                _turn(result, running, sequence, range(first, end))
     return results
+
+
+def qualified(cells: Iterable[Cell], sequence: Sequence) -> list[Contender]:
+    """Return of each cell the fastest set-up that keeps the target, or else the last to lose it."""
+    chosen = []
+    for cell in cells:
+        usable = available(cell)
+        if len(usable) > 1:
+            usable = [min(race(usable, sequence), key=_rank).contender]
+        chosen += usable
+    return chosen
+
+
+def _rank(result: Result) -> tuple[int, float]:
+    """Return a key by which survivors come first, the fastest before all."""
+    return (0, result.median_us()) if result.lost_at is None else (1, -result.lost_at)
 
 
 def fastest(rounds: list[list[Result]]) -> list[Result]:
@@ -63,12 +80,30 @@ def fastest(rounds: list[list[Result]]) -> list[Result]:
     return rounds[0]
 
 
-def _tracker(contender: Contender) -> Tracker:
+def tracker(contender: Contender) -> Tracker:
+    """Return a new tracker."""
     return declaration(contender.tracker).load()(**contender.options)
 
 
-def _turn(result: Result, tracker: Tracker, sequence: Sequence, indices: range) -> None:
-    """Pass some images to one tracker; ViSP's time is that of its own process, without the pipe.
+def timed(running: Tracker, image: NDArray[np.uint8]) -> tuple[Corners, float]:
+    """Return a tracker's corners (4, 2) in the next image (H, W), and its CPU time [us].
+
+    ViSP's time is that of its own process, without the pipe.
+    """
+    start = time.process_time_ns()
+    track = running.update(image)
+    cpu_us = (time.process_time_ns() - start) / 1e3
+    own_s = getattr(running, "spent_s", None)
+    return track.corners, cpu_us if own_s is None else 1e6 * own_s
+
+
+def rms_px(corners: Corners, true: Corners) -> float:
+    """Return the root mean square error over the corners (4, 2) [px]."""
+    return float(np.sqrt(((corners - true) ** 2).sum(axis=1).mean()))
+
+
+def _turn(result: Result, running: Tracker, sequence: Sequence, indices: range) -> None:
+    """Pass some images to one tracker.
 
     Each image is written into the same memory, as by a camera. Errors are computed afterwards:
     between the images this would evict the trackers' code from the caches.
@@ -77,14 +112,10 @@ def _turn(result: Result, tracker: Tracker, sequence: Sequence, indices: range) 
     image = np.empty_like(sequence.images[0])
     for k in indices:
         image[:] = sequence.images[k]
-        start = time.process_time_ns()
-        track = tracker.update(image)
-        cpu_us = (time.process_time_ns() - start) / 1e3
-        own_s = getattr(tracker, "spent_s", None)
-        found.append((k, track.corners, cpu_us if own_s is None else 1e6 * own_s))
+        found.append((k, *timed(running, image)))
     for k, corners, cpu_us in found:
         target = transformed(sequence.start_corners(), corners, sequence.corners[0])
-        error = float(np.sqrt(((target - sequence.corners[k]) ** 2).sum(axis=1).mean()))
+        error = rms_px(target, sequence.corners[k])
         result.cpu_us.append(cpu_us)
         result.errors_px.append(error)
         if error > FAILED_PX:

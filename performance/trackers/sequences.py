@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from seamark.sim.camera import CURRENTS, VISIBILITY, Camera, Optics, Target, Water, start_pose
 
-FRAMES = 300
+FRAMES = 100
 RATE_HZ = 20.0
 HEIGHT_M = 1.27  # S: the paper's visibility scene
 BOX = Target(width_m=0.28)  # E: 85x57 px, a size for which the other libraries are known
@@ -93,3 +93,14 @@ SEQUENCES: dict[str, Callable[[], Sequence]] = {
     ),
     "640x480": lambda: _rendered(CURRENTS, Water(), 1.0),
 }
+
+TURN_DEGREES = np.arange(0.0, 61.0, 5.0)
+
+
+def turning_box(optics: Optics, height_m: float, noise_seed: int) -> Sequence:
+    """Return the box of the benchmarks, seen by a vehicle that turns by TURN_DEGREES above it."""
+    camera = Camera(optics, Water(), Target(), noise_seed=noise_seed)
+    poses = np.tile(start_pose(optics, Target(), height_m), (len(TURN_DEGREES), 1))
+    poses[:, 5] += TURN_DEGREES * _DEGREE
+    images = np.stack([camera.grey(pose, k) for k, pose in enumerate(poses)])
+    return Sequence(images, np.stack([camera.corners(pose) for pose in poses]))

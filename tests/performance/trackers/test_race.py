@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from performance.trackers.contenders import CONTENDERS, PEERS, Contender
-from performance.trackers.race import Result, fastest, race
+from performance.trackers.contenders import CELLS, PEERS, SLOW_CELLS, Contender
+from performance.trackers.race import Result, fastest, qualified, race
 from performance.trackers.sequences import Sequence, motion
 from seamark.sim.camera import VISIBILITY, Camera, Target, Water, start_pose
 from seamark.sim.registry import TRACKERS
@@ -21,9 +21,10 @@ def _still(frames: int) -> Sequence:
 
 def test_every_contender_is_registered_and_some_are_the_reference() -> None:
     begin, end = PEERS
-    labels = [contender.label for contender in CONTENDERS]
+    contenders = [contender for cell in CELLS + SLOW_CELLS for contender in cell]
+    labels = [contender.label for contender in contenders]
 
-    assert {contender.tracker for contender in CONTENDERS} <= set(TRACKERS)
+    assert {contender.tracker for contender in contenders} <= set(TRACKERS)
     assert any(label.startswith(begin) and label.endswith(end) for label in labels)
 
 
@@ -56,3 +57,26 @@ def test_the_error_of_a_template_that_extends_beyond_the_target_is_that_of_the_t
     assert np.abs(grown.start_corners() - still.corners[0]).max() == pytest.approx(6.0, abs=0.3)
     assert np.allclose(still.start_corners(), still.corners[0], atol=1e-3)
     assert result.error(95) < 0.5
+
+
+def test_every_tracker_that_can_predict_is_compared_with_and_without() -> None:
+    lines = {(cell[0].label, cell[0].predicts) for cell in CELLS}
+
+    for label in ("ours ZNCC ESM homography", "ViSP SSD ESM homography", "OpenCV ECC homography"):
+        assert {(label, True), (label, False)} <= lines
+
+
+def test_all_set_ups_of_a_cell_are_one_tracker_and_predict_alike() -> None:
+    for cell in CELLS + SLOW_CELLS:
+        assert len({(one.label, one.tracker, one.predicts) for one in cell}) == 1
+
+
+def test_a_set_up_that_keeps_the_target_qualifies_before_one_that_loses_it() -> None:
+    still = _still(8)
+    beside = Contender("ours", "esm", {"max_jump": 0.1, "fine_iterations": 1}, setup="too weak")
+    jumping = replace(still, corners=still.corners.copy(), images=still.images.copy())
+    jumping.images[4:] = np.roll(still.images[4:], 12, axis=2)
+    jumping.corners[4:] += [12.0, 0.0]
+    robust = Contender("ours", "esm", {"second_search": True, "max_jump": 1.0})
+
+    assert qualified([(beside, robust)], jumping) == [robust]

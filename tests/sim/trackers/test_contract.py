@@ -9,8 +9,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from seamark.sim.camera import VISIBILITY, Camera, Target, Water, start_pose
 from seamark.sim.registry import TRACKERS, benchmark
 from seamark.sim.settings.configuration import ConfigurationInvalid
+from seamark.sim.settings.tracker import ROBUST
 from seamark.sim.trackers import declaration, make, option_errors, option_names
 from seamark.sim.trackers.declaration import Option
 from seamark.sim.trackers.options import CRITERIA, METHODS, WARPS
@@ -112,8 +114,9 @@ def test_images_of_nothing_neither_crash_nor_move_the_target_out_of_reason(
         "stripes": np.indices((240, 320))[seed % 2] * 37 % 256,
     }
     corners = np.array([[100.0, 100], [180, 102], [181, 140], [99, 138]])
-    options = {"criterion": "ssd", "method": "inverse_compositional", "visp_iterations": 5}
-    tracker = make(name, **(options if name == "visp" else {}))
+    ic = {"criterion": "ssd", "method": "inverse_compositional"}
+    options = {"visp": ic | {"visp_iterations": 5, "visp_predict": True}, "esm": ROBUST}
+    tracker = make(name, **options.get(name, {}))
     tracker.start(images["noise"].astype(np.uint8), corners)
 
     for _ in range(3):
@@ -121,6 +124,22 @@ def test_images_of_nothing_neither_crash_nor_move_the_target_out_of_reason(
 
         assert np.isfinite(track.corners).all()
         assert np.abs(track.corners - corners).max() < 120
+
+
+@pytest.mark.parametrize("name", ["esm", "ecc", "klt"])
+def test_a_jump_is_a_loss_only_beyond_the_largest_that_is_allowed(name: str) -> None:
+    camera = Camera(VISIBILITY, Water(), Target(width_m=0.28), noise_seed=1)
+    start = start_pose(VISIBILITY, Target(width_m=0.28), 1.27)
+    aside = start + np.array([0.0, 0.045, 0.0, 0.0, 0.0, 0.0])  # 9 px; the longer side has 85
+    tracks = []
+    for max_jump in (0.1, 1.0 / 3.0):
+        tracker = make(name, max_jump=max_jump)
+        tracker.start(camera.grey(start, 0), camera.corners(start))
+        tracks.append(tracker.update(camera.grey(aside, 1)))
+
+    assert [track.ok for track in tracks] == [False, True]
+    assert np.array_equal(tracks[0].corners, camera.corners(start))
+    assert np.abs(tracks[1].corners - camera.corners(aside)).max() < 1.5
 
 
 @pytest.mark.parametrize("criterion", CRITERIA)

@@ -54,6 +54,38 @@ def test_visp_follows_the_target(short: Sequence, options: dict[str, Any], limit
 
 
 @here
+def test_visp_predicts_a_steady_motion_only_where_it_is_asked_to() -> None:
+    camera = Camera(VISIBILITY, Water(), Target(width_m=0.28), noise_seed=3)
+    start = start_pose(VISIBILITY, Target(width_m=0.28), 1.27)
+    speeding_up = np.cumsum(np.minimum(np.arange(14), 8))[:, None]  # to 12 px per image
+    poses = start + speeding_up * [0.0045, 0.0027, 0.0015, 0.0, 0.0, 0.003]
+    errors = []
+    for predicts in (False, True):
+        tracker = make("visp", sampling_px=2, pyramid_levels=1, visp_predict=predicts, **IC)
+        tracker.start(camera.grey(poses[0], 0), camera.corners(poses[0]))
+        for k, pose in enumerate(poses[1:], start=1):
+            corners = tracker.update(camera.grey(pose, k)).corners
+        errors.append(np.abs(corners - camera.corners(poses[-1])).max())
+
+    assert errors[0] > 10.0
+    assert errors[1] < 1.0
+
+
+@here
+@pytest.mark.parametrize("warp", ["translation", "rt", "srt", "affine", "homography"])
+@pytest.mark.parametrize("sl3", [False, True])
+def test_every_warp_of_visp_can_start_from_a_prediction(
+    brief: Sequence, warp: str, sl3: bool
+) -> None:
+    tracker = make("visp", warp=warp, visp_sl3=sl3, sampling_px=2, visp_predict=True, **IC)
+
+    errors, sure = brief.follow(tracker)
+
+    assert sure.all()
+    assert errors.max() < 10.0
+
+
+@here
 def test_with_the_rim_of_a_large_target_in_its_template_the_zncc_of_visp_loses_it() -> None:
     large = Target(width_m=0.28)
     camera = Camera(VISIBILITY, Water(), large, noise_seed=3)

@@ -196,7 +196,8 @@ import hashlib, sys, numpy as np
 from seamark.sim.trackers import make
 seen = np.load(sys.argv[1])
 digest = hashlib.sha256()
-for options in ({}, {"criterion": "mi", "method": "forward_additional", "pyramid_levels": 3}):
+other = {"criterion": "mi", "method": "forward_additional", "pyramid_levels": 3}
+for options in ({}, other, {"smoothing": "image", "second_search": True, "max_jump": 1.0}):
     tracker = make("esm", reacquire_px=60, **options)
     tracker.start(seen["images"][0], seen["corners"])
     for image in seen["images"][1:]:
