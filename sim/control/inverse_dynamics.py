@@ -34,7 +34,7 @@ DAMPING = 1.0
 WEIGHTS = np.array([1.0, 1.0, 0.3, 0.1, 0.1, 1.0])
 TURN_1_S = 1.0  # E: natural frequency of the heading while it follows the current
 LARGEST_LEAD_RAD = 0.5  # E: largest heading error that is acted upon
-LARGEST_TURN_RAD = 1.0  # E: with it the target stays in view of the camera
+LARGEST_TURN_RAD = 1.3  # E: with it the target stays in view of the camera
 # [m/s] E: the heading follows the current from the first speed on, and wholly from the second
 TURNING_SPEEDS = (0.15, 0.35)
 REGULARISATION = 1e-9  # [1/(kg² ...)] smallest thrusts among all that are as good; E
