@@ -208,7 +208,8 @@ def _gust(rng: np.random.Generator, sigma: float, time_s: float, duration_s: flo
 @njit(cache=True, error_model="numpy")
 def segment_at(t: float, water: Water) -> int:
     """Return the interval of the gust's grid at time t [s]; the last one after its end."""
-    return min(max(int(t / GUST_GRID_S), 0), water.drift.shape[1] - 2)
+    last: int = water.drift.shape[1] - 2
+    return min(max(int(t / GUST_GRID_S), 0), last)
 
 
 @njit(cache=True, error_model="numpy")

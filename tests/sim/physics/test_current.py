@@ -78,14 +78,14 @@ def test_the_gust_has_its_standard_deviation_and_correlation_time() -> None:
 
 
 def test_the_gust_starts_in_its_stationary_distribution() -> None:
-    starts = [Current(1.0, rng=streams(seed, 0, 0).gust).water.gust[0] for seed in range(400)]
+    starts = [Current(1.0, rng=streams(seed, 0, 0).gust).water.drift[0][0] for seed in range(400)]
 
     assert np.std(starts) == pytest.approx(0.05, rel=0.12)
 
 
 def test_a_longer_level_begins_with_the_same_gust() -> None:
-    short = Current(0.2, rng=streams(3, 0, 0).gust, duration_s=10.0).water.gust
-    long = Current(0.2, rng=streams(3, 0, 0).gust, duration_s=120.0).water.gust
+    short = Current(0.2, rng=streams(3, 0, 0).gust, duration_s=10.0).water.drift[0]
+    long = Current(0.2, rng=streams(3, 0, 0).gust, duration_s=120.0).water.drift[0]
 
     assert np.array_equal(short, long[: short.size])
 
