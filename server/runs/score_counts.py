@@ -12,7 +12,7 @@ from collections import Counter
 
 import numpy as np
 from numpy.typing import NDArray
-from sqlalchemy import ColumnElement, and_, delete, func, select, update
+from sqlalchemy import ColumnElement, and_, delete, func, insert, select, update
 from sqlalchemy.orm import Session
 
 from seamark.server.database.tables import Best, ScoreCount
@@ -67,16 +67,16 @@ def change(session: Session, benchmark: str, key: Key, by: int) -> None:
     this = _is(benchmark, key)
     changed = update(ScoreCount).where(this).values(people=ScoreCount.people + by)
     if session.scalar(changed.returning(ScoreCount.people)) is None:
-        session.add(_row(benchmark, key, by))
-        session.flush()
+        session.execute(insert(ScoreCount).values(_row(benchmark, key, by)))
     session.execute(delete(ScoreCount).where(this, ScoreCount.people == 0))
 
 
 def replace_all(session: Session, counts: Counter[tuple[str, Key]]) -> None:
     """Store the counts of all benchmarks."""
     session.execute(delete(ScoreCount))
-    session.add_all(_row(benchmark, key, people) for (benchmark, key), people in counts.items())
-    session.flush()
+    rows = [_row(benchmark, key, people) for (benchmark, key), people in counts.items()]
+    if rows:
+        session.execute(insert(ScoreCount), rows)
 
 
 def size(session: Session, benchmark: str) -> int:
@@ -139,11 +139,9 @@ def _of_rows(session: Session, benchmark: str) -> Population:
     )
 
 
-def _row(benchmark: str, key: Key, people: int) -> ScoreCount:
-    number, error, degrees = key
-    return ScoreCount(
-        benchmark=benchmark, score_class=number, error_class=error, degrees=degrees, people=people
-    )
+def _row(benchmark: str, key: Key, people: int) -> dict[str, str | int]:
+    columns = ("score_class", "error_class", "degrees")
+    return {"benchmark": benchmark, **dict(zip(columns, key, strict=True)), "people": people}
 
 
 def _is(benchmark: str, key: Key) -> ColumnElement[bool]:
