@@ -1,4 +1,4 @@
-"""`python -m performance.leaderboard [ROWS [URL]]`: pages of a leaderboard with many rows.
+"""`python -m performance.leaderboard [PEOPLE [URL]]`: pages of a leaderboard of many people.
 
 Fills an empty database (SQLite in a temporary folder, or that of the URL) and measures the wall
 time of a page with its ranges of ranks. The baseline is one query that ranks all rows with a window
@@ -18,7 +18,7 @@ from sqlalchemy import select, text
 from sqlalchemy.orm import Session
 
 from performance.table import Row
-from performance.table import text as as_text
+from performance.table import text as text_of
 from seamark.server.database.engine import Database
 from seamark.server.database.schema import upgrade
 from seamark.server.database.tables import Best
@@ -27,14 +27,14 @@ from seamark.server.runs.leaderboard import Cursor
 from seamark.server.runs.ranking import Estimate, Population
 from seamark.server.settings import Settings
 
-ROWS = 1_000_000
+PEOPLE = 1_000_000
 NAME = "currents-v1"
 REPEATS = 7
 # Scores from 0 to 100 in no order, with standard errors from 0.05 to 0.25.
 FILL = (
     """
     INSERT INTO users (id, name, name_key, is_admin, is_baseline, created_at)
-    WITH RECURSIVE n(i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n WHERE i < :rows)
+    WITH RECURSIVE n(i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n WHERE i < :people)
     SELECT i, 'u' || i, 'u' || i, FALSE, FALSE, 1.0 FROM n
     """,
     """
@@ -66,15 +66,15 @@ WINDOW = """
 """
 
 
-def fill(database: Database, rows: int) -> None:
-    """Put `rows` people on the leaderboard of `NAME`."""
+def fill(database: Database, people: int) -> None:
+    """Put many people on the leaderboard of `NAME`."""
     with database.writing() as session:
         for statement in FILL:
-            session.execute(text(statement), {"rows": rows, "name": NAME})
-        people = session.execute(select(Best.score, Best.standard_error, Best.degrees))
+            session.execute(text(statement), {"people": people, "name": NAME})
+        found = session.execute(select(Best.score, Best.standard_error, Best.degrees))
         keys = (
             score_counts.key_of(Estimate(score=score, standard_error=error, degrees=degrees))
-            for score, error, degrees in people
+            for score, error, degrees in found
         )
         score_counts.replace_all(session, Counter((NAME, key) for key in keys))
     with database.engine.begin() as connection:
@@ -92,13 +92,13 @@ def wall_ms(call: Callable[[], object]) -> float:
     return statistics.median(measured)
 
 
-def measure(session: Session, rows: int) -> list[Row]:
+def measure(session: Session, people: int) -> list[Row]:
     """Return the wall times of pages and of a user's own rank, and the widths of ranges."""
     half = Cursor(50.0, 1.0, 1)
     calls: dict[str, Callable[[], object]] = {
         "first page of 50 rows": lambda: leaderboard.page(session, NAME),
         "page in the middle": lambda: leaderboard.page(session, NAME, after=half),
-        "own rank": lambda: leaderboard.rank_of(session, NAME, rows // 2),
+        "own rank": lambda: leaderboard.rank_of(session, NAME, people // 2),
         "number of people": lambda: score_counts.size(session, NAME),
     }
     window = wall_ms(lambda: session.execute(text(WINDOW), {"name": NAME}).all())
@@ -142,18 +142,18 @@ def _exact(session: Session) -> Population:
     )
 
 
-def main(rows: str = str(ROWS), url: str = "") -> int:
-    """Fill a database, measure and print the table."""
+def rows(people: int = PEOPLE, url: str = "") -> list[Row]:
+    """Fill a database and return the table."""
     with tempfile.TemporaryDirectory() as folder:
         url = url or f"sqlite:///{folder}/leaderboard.db"
         upgrade(Settings.model_validate({"data": Path(folder), "database_url": url}))
         database = Database(url)
-        fill(database, int(rows))
+        fill(database, people)
         with database.reading() as session:
-            print(as_text(measure(session, int(rows))))
+            found = measure(session, people)
         database.close()
-    return 0
+    return found
 
 
 if __name__ == "__main__":
-    sys.exit(main(*sys.argv[1:]))
+    print(text_of(rows(int(sys.argv[1]) if sys.argv[1:] else PEOPLE, *sys.argv[2:])))
