@@ -10,7 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from seamark.sim.metrics.metric import RMS, LevelMetric, Metric, MetricGroup
-from seamark.sim.metrics.windows import LevelFacts, Window, lost
+from seamark.sim.metrics.windows import LevelFacts, Window, lost, percent
 from seamark.sim.numerics.statistics import mean, percentile, root_mean_square
 from seamark.sim.recording.telemetry import Rows
 
@@ -49,6 +49,13 @@ def _quality(window: ToolWindow) -> float:
     return held * (1.0 - POWER_WEIGHT * _power_share(window))
 
 
+def _near_percent(window: ToolWindow) -> float:
+    gone = lost(window.rows).tolist()
+    nearest = map(min, window.error_m, window.distance_m)
+    limit = CIRCLES_M[0]
+    return percent([s <= limit and not out for s, out in zip(nearest, gone, strict=True)])
+
+
 def _transient(window: ToolWindow) -> float:
     errors = window.error_m
     reached = next((at for at, error in enumerate(errors) if error <= REACHED_M), len(errors))
@@ -84,6 +91,16 @@ POWER: LevelMetric[ToolWindow] = LevelMetric(
     formula="mean over control steps and thrusters of (abs(thrust) / its limit)^1.5",
     compute=_power_share,
 )
+NEAR: LevelMetric[ToolWindow] = LevelMetric(
+    name="near_percent",
+    label=f"Time within {CIRCLES_M[0]:g} m",
+    unit="%",
+    better="higher",
+    meaning="of the tool or of the camera, with the target in view",
+    formula=f"100 x control steps with s or d <= {CIRCLES_M[0]:g} m and the target not lost / N, d "
+    "the distance of the camera from its station",
+    compute=_near_percent,
+)
 METRICS: tuple[LevelMetric[ToolWindow], ...] = (
     QUALITY,
     LevelMetric(
@@ -105,6 +122,7 @@ METRICS: tuple[LevelMetric[ToolWindow], ...] = (
     ),
     TRANSIENT,
     POWER,
+    NEAR,
 )
 HELD = Metric("held", "Held", "", "higher", meaning=f"quality of at least {HELD_QUALITY:g}")
 GROUP = MetricGroup("Tool point, whole levels", METRICS)

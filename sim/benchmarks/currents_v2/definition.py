@@ -72,8 +72,8 @@ BENCHMARK = replace(
     midpoint=Midpoint(MIDPOINT, _point),
     key_metrics=(tool_point.QUALITY,),
     metric_groups=(tool_point.GROUP, *_BENCHMARK.metric_groups),
-    # A trial with a Python program in its box takes 1.2 times the CPU time of 600 s of currents-v1
-    # (performance.full_run: 1.45 s), so a ranked run takes about 28 s on two cores; block: both
+    # A trial with a Python program in its box takes 1.45 times the CPU time of 600 s of currents-v1
+    # (performance.full_run: 1.45 s), so a ranked run takes about 35 s on two cores; block: both
     # vehicles.
     protocol=RankedProtocol(reference_trials=8, fresh_trials=24, block=2),
 )

@@ -14,17 +14,19 @@ from seamark.sim.engine.world import target_and_optics
 from seamark.sim.metrics import tool_point
 from seamark.sim.metrics.metric import compute_all, over_run
 from seamark.sim.metrics.station_keeping import overall
-from seamark.sim.metrics.tool_point import ToolWindow
+from seamark.sim.metrics.tool_point import CIRCLES_M, NEAR, ToolWindow
 from seamark.sim.numerics.random_streams import streams
 from seamark.sim.numerics.statistics import area, mean
 from seamark.sim.recording.telemetry import Rows
 from seamark.sim.vehicles import load
 
 WEAK_LEVELS = 2  # number of weakest currents that a controller must hold to rank
-RANKED_SHARE = 0.5  # of the time, within the largest watch circle, in the mean of these levels
+# Time near the point in the mean of these levels. Measured over 24 trials: P at least 95 %, PI and
+# the oracle 100 %; dead reckoning is below in 14 of them, doing nothing in 23.
+RANKED_PERCENT = 80.0
 NOT_HELD = (
-    "It was not within 0.5 m of the station half of the time in the two weakest currents of every "
-    "trial."
+    f"In the {WEAK_LEVELS} weakest currents of a trial, neither tool nor camera was within "
+    f"{CIRCLES_M[0]:g} m of its place for {RANKED_PERCENT:g} % of the time."
 )
 
 
@@ -68,7 +70,7 @@ class UnknownCurrents(StationKeeping[CurrentsConfiguration]):
     ) -> TrialScore:
         """Return the current held; a trial ranks if it stays near the station in weak currents."""
         base = super().trial_score(config, levels)
-        near = _stays(levels) >= RANKED_SHARE
+        near = _near_percent(levels) >= RANKED_PERCENT
         score = current_held(levels)
         return TrialScore(
             score=score,
@@ -93,10 +95,10 @@ def current_held(levels: Sequence[Mapping[str, Any]]) -> float:
     return area((0.0, *speeds), (quality[0], *quality))
 
 
-def _stays(levels: Sequence[Mapping[str, Any]]) -> float:
-    """Return the share of the time near the station in the weakest currents, 0 to 1."""
+def _near_percent(levels: Sequence[Mapping[str, Any]]) -> float:
+    """Return the share of the time near the point in the weakest currents [%]."""
     weakest = sorted(levels, key=lambda level: float(level["speed"]))[:WEAK_LEVELS]
-    return mean([0.01 * float(level["whole_in_0_5_m_percent"]) for level in weakest])
+    return mean([float(level[NEAR.name]) for level in weakest])
 
 
 EXPERIMENT = UnknownCurrents()

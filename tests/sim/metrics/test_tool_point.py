@@ -67,6 +67,16 @@ def test_power_costs_its_weight_and_is_relative_to_the_limit_of_each_direction()
     assert values["quality"] == pytest.approx(1.0 - POWER_WEIGHT * (2.125 / 4))
 
 
+def test_near_is_the_tool_or_the_camera_with_the_target_in_view() -> None:
+    half_turn = [0.0, 0.0, 0.0, 0.0, 0.0, np.pi]
+    rows = rows_at([0.0] * 6, [0.3, 0, 0, 0, 0, 0], half_turn, [0.0] * 6)
+    rows[:, INDEX["distance"]] = 0.6, 0.3, 0.4, 0.6
+    rows[3, INDEX["tracker_ok"]] = 0.0
+
+    assert metrics(rows)["near_percent"] == 75.0
+    assert metrics(rows[3:])["near_percent"] == 0.0
+
+
 def test_the_transient_ends_when_the_point_is_first_reached() -> None:
     values = metrics(rows_at([0.5, 0, 0, 0, 0, 0], [0.3, 0, 0, 0, 0, 0], [0.05, 0, 0, 0, 0, 0]))
 
