@@ -108,9 +108,7 @@ def _plot_scores(
                 own = mean(scores(entries[name], vehicle))
                 axes.plot(own, at, marker, color="#c2410c", markersize=5)
         axes.set_yticks(range(len(names)), [titles[name] for name in names])
-        axes.set_xlabel(
-            "current held [m/s], 95 % interval; triangles: Girona 500 (left), BlueROV2 (right)"
-        )
+        axes.set_xlabel("current held [m/s], 95 % interval; ◁ Girona 500, ▷ BlueROV2 Heavy")
         axes.set_xlim(left=0.0)
 
 
