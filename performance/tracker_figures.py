@@ -14,6 +14,7 @@ from performance.camera_figures import FOLDER, Image
 from performance.trackers.sequences import HEIGHT_M
 from performance.validation.plots import figure
 from seamark.sim.camera import VISIBILITY, Camera, Target, Water, start_pose
+from seamark.sim.settings.tracker import ROBUST
 from seamark.sim.trackers.options import CRITERIA, METHODS, WARPS
 from seamark.sim.trackers.template.tracker import TemplateTracker
 
@@ -29,6 +30,12 @@ PX_M = VISIBILITY.focal_px / HEIGHT_M  # displacement of the target per metre si
 DISTANCES_PX = range(0, 31, 2)
 DIRECTIONS = 12
 NEAR_PX = 1.0
+BASINS: dict[str, dict[str, Any]] = {
+    "1 level": {"pyramid_levels": 1},
+    "2 levels": {"pyramid_levels": 2},
+    "3 levels": {"pyramid_levels": 3},
+    "2 levels and a second search": ROBUST,
+}
 STEPS = range(1, 13)
 FIRST_PX, FIRST_RAD = 3.0, 0.05  # initial error of the iterations
 CLOUD = range(12, 24)  # images in which a cloud of sediment hides the target
@@ -135,16 +142,14 @@ def moved(distance_px: float, *, turn_rad: float = 0.0, **options: Any) -> list[
 
 
 def basin(out: Path) -> None:
-    """Draw how far a target may move between two images, by number of pyramid levels."""
+    """Draw how far a target may move between two images, by levels and with a second search."""
     with figure(out) as axes:
-        for levels in (1, 2, 3):
+        for label, options in BASINS.items():
             shares = []
             for px in DISTANCES_PX:
-                good = [a.ok and a.error_px() < NEAR_PX for a in moved(px, pyramid_levels=levels)]
+                good = [a.ok and a.error_px() < NEAR_PX for a in moved(px, **options)]
                 shares.append(100.0 * sum(good) / len(good))
-            axes.plot(
-                list(DISTANCES_PX), shares, label=f"{levels} level{'s' * (levels > 1)}", marker="."
-            )
+            axes.plot(list(DISTANCES_PX), shares, label=label, marker=".")
         axes.set_xlabel("displacement of the target between two images [px]")
         axes.set_ylabel(f"found within {NEAR_PX:g} px [%]")
         axes.legend()
