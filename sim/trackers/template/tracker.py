@@ -118,8 +118,8 @@ class TemplateTracker:
     def window(self) -> Window:
         """Return the box around the predicted target with the search margin, on even pixels.
 
-        The margin is `search_px` at first and after a loss, when it may grow to `reacquire_px`;
-        it is smaller while predictions are accurate.
+        The margin is `search_px` at first and after a loss, when it may grow to `reacquire_px`.
+        Without a second search it is smaller while predictions are accurate.
         """
         return self._window
 
