@@ -82,7 +82,7 @@ def entries() -> dict[str, Entry]:
         "ecc": ("ECC, homography", {"tracker": "ecc", "warp": "homography"}, built_in),
         "klt": ("KLT, homography", {"tracker": "klt", "warp": "homography"}, built_in),
         "esm": ("Template tracker, ZNCC, homography", {}, built_in),
-        "remembers": ("The same, and it remembers the path", {}, _remembering),
+        "remembers": ("ZNCC, homography, remembers the path", {}, _remembering),
         "srt": ("Template tracker, ZNCC, SRT", {"warp": "srt"}, built_in),
         "mi": ("Template tracker, MI, SRT", {"criterion": "mi", "warp": "srt"}, built_in),
         "oracle": ("Oracle: the true corners", {}, _reference("oracle")),
@@ -213,7 +213,7 @@ def draw_difficulty(found: dict[str, Measured], out: Path) -> None:
                 panel.plot(values, shares, style, marker=".", label=found[key].title)
             panel.set_xlabel(label)
             panel.set_ylabel("p@1 [%]" if axis == "jump" else "p@5 [%]")
-        panels[0].legend(fontsize=7, loc="lower left")
+        panels[1].legend(fontsize=7, loc="center right")
 
 
 def draw_textures(out: Path) -> None:
