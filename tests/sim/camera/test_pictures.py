@@ -67,7 +67,7 @@ def test_every_cutout_has_the_same_brightness_and_contrast(name, row) -> None:
     face = 255.0 * pictures.face(Cutout(name, row, 100 + row), 200, 62, number=0)
 
     assert face.mean() == pytest.approx(pictures.MEAN, abs=6.0)
-    assert face.std() == pytest.approx(pictures.SPREAD, abs=10.0)  # clipped where it is extreme
+    assert face.std() == pytest.approx(pictures.SPREAD, abs=12.0)  # clipped where it is extreme
 
 
 def test_target_and_seabed_show_the_pictures_that_were_chosen() -> None:
