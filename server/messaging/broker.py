@@ -56,6 +56,8 @@ def celery_app(settings: Settings) -> Celery:
         "health_check_interval": 25,
         "socket_timeout": 30,
         "socket_connect_timeout": 5,
+        # By default a call retries for 6 s, while a web thread waits. Workers reconnect anyway.
+        "max_retries": 0,
         "queue_order_strategy": "priority",
         "priority_steps": [0, 3, 6, 9],
     }

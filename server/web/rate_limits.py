@@ -17,6 +17,7 @@ SIGN_INS = "60 per minute; 600 per hour"  # also successful ones: a class may sh
 SUBMISSIONS = "30 per minute"
 CHECKS = "20 per minute; 300 per hour"
 
+_BROKER_TIMEOUT_S = 2.0  # of a count; then each process counts in its own memory
 _RETRY_AFTER = "X-RateLimit-Retry-After"  # the limiter adds it to every response
 
 limiter = Limiter(get_remote_address, headers_enabled=True, in_memory_fallback_enabled=True)
@@ -39,10 +40,16 @@ def failed(response: Response) -> bool:
 
 
 def register(app: Flask, settings: Settings) -> None:
-    """Store the counts in the broker, so that all web processes share them."""
+    """Store the counts in the broker, so that all web processes share them.
+
+    While the broker is away, each process enforces the same limits with counts of its own.
+    """
     url = broker.redis_url(settings)
     app.config["RATELIMIT_STORAGE_URI"] = url.replace("unix://", "redis+unix://", 1)
-    app.config["RATELIMIT_IN_MEMORY_FALLBACK"] = [CREDENTIAL_ATTEMPTS]
+    app.config["RATELIMIT_STORAGE_OPTIONS"] = {
+        "socket_timeout": _BROKER_TIMEOUT_S,
+        "socket_connect_timeout": _BROKER_TIMEOUT_S,
+    }
     app.config["RATELIMIT_HEADER_RETRY_AFTER"] = _RETRY_AFTER
     # Registered before the limiter's own function, so that it runs after it.
     app.after_request(_only_when_refused)

@@ -1,4 +1,7 @@
 import re
+import socket
+import tempfile
+import time
 from collections.abc import Iterator
 
 import pytest
@@ -72,3 +75,49 @@ def test_without_a_proxy_a_forged_address_is_ignored(site: Site) -> None:
     codes = [_sign_in(site.app, f"192.0.2.{i}").status_code for i in range(11)]
 
     assert codes[-1] == 429
+
+
+@pytest.fixture
+def without_broker(settings: Settings, database: Database) -> Iterator[Flask]:
+    app = create_app(settings.model_copy(update={"broker_url": "unix:///nowhere/broker.sock"}))
+    yield app
+    app.extensions["seamark"].close()
+
+
+def test_while_the_broker_is_away_runs_are_accepted_and_pages_are_shown(
+    without_broker: Flask,
+) -> None:
+    client = without_broker.test_client(use_cookies=False)
+
+    posted = [client.post("/api/v1/runs", json=ORDER).status_code for _ in range(2)]
+    shown = [client.get(path).status_code for path in ("/healthz", "/", "/api/v1/runs")]
+
+    assert (posted, shown) == ([202, 202], [200, 200, 200])
+
+
+def test_while_the_broker_is_away_failed_sign_ins_are_still_limited(without_broker: Flask) -> None:
+    codes = [_sign_in(without_broker, "").status_code for _ in range(11)]
+
+    assert codes == [422] * 10 + [429]
+
+
+@pytest.fixture
+def silent_broker() -> Iterator[str]:
+    """Yield the URL of a socket on which nobody ever answers, like a stopped broker's."""
+    with tempfile.TemporaryDirectory(prefix="vk") as folder, socket.socket(socket.AF_UNIX) as end:
+        end.bind(f"{folder}/v.sock")
+        end.listen(64)
+        yield f"unix://{folder}/v.sock"
+
+
+def test_a_broker_that_does_not_answer_delays_a_sign_in_by_seconds_at_most(
+    settings: Settings, database: Database, silent_broker: str
+) -> None:
+    app = create_app(settings.model_copy(update={"broker_url": silent_broker}))
+    begin = time.monotonic()
+
+    answer = _sign_in(app, "")
+
+    assert answer.status_code == 422
+    assert time.monotonic() - begin < 12.0
+    app.extensions["seamark"].close()
