@@ -4,7 +4,6 @@ ann owns, eva shares what she made, ben must see nothing of ann's, root is the a
 a guest has only a cookie, and nobody not even that.
 """
 
-import io
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Self
@@ -12,7 +11,7 @@ from typing import Any, Self
 from seamark.server.accounts import accounts
 from seamark.server.accounts.permissions import Viewer
 from seamark.server.database.engine import Database
-from seamark.server.programs import store
+from seamark.server.programs import preparation, store
 from seamark.server.programs.store import StoredProgram
 from seamark.server.runs import queue as run_queue
 from seamark.server.runs import results, submission, views
@@ -66,8 +65,9 @@ class Backend:
         self, source: bytes = PROGRAM, name: str = "mine.py", role: str = "controller"
     ) -> StoredProgram:
         """Store a program as an upload of it is stored."""
-        limit, data = self.settings.upload_max_bytes, self.settings.data
-        return store.save_upload(io.BytesIO(source), name, limit=limit, data=data, role=role)
+        prepared = preparation.prepare(source, name, role=role)
+        prepared.require_clean()
+        return store.save(prepared, self.settings.data)
 
     def queue(self, who: str = "ann", *, kind: str = "practice", **changes: Any) -> int:
         """Queue a run of the built-in PI controller, or of what `changes` says."""

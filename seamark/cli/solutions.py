@@ -14,7 +14,7 @@ from seamark.sim import registry
 
 if TYPE_CHECKING:
     from seamark.sandbox.isolation.level import IsolationLevel
-    from seamark.server.programs.store import PreparedProgram
+    from seamark.server.programs.preparation import PreparedProgram
 
 
 def choose(controller: str | None, benchmark: str) -> tuple[str, Path | None]:
@@ -61,8 +61,8 @@ def prepare(path: Path, *, benchmark: str) -> PreparedProgram:
         The server would refuse an upload of it.
     """
     from seamark.server.programs.archives import is_archive
-    from seamark.server.programs.store import UploadRejected
-    from seamark.server.programs.store import prepare as prepare_upload
+    from seamark.server.programs.preparation import UploadRejected
+    from seamark.server.programs.preparation import prepare as prepare_upload
 
     if language_of(path.name) is None and not is_archive(path.name):
         raise UsageRefused(f"{path}: files of this type belong to no supported language.")

@@ -17,7 +17,7 @@ from seamark.server.api.schemas import CheckPath, CheckQuery, CheckResponse
 from seamark.server.checks import queue, report
 from seamark.server.checks.queue import CheckState, CheckView
 from seamark.server.programs import store
-from seamark.server.programs.store import PreparedProgram
+from seamark.server.programs.preparation import PreparedProgram
 from seamark.server.runs import submission
 from seamark.server.runs.submission import SubmissionRejected
 from seamark.server.web import rate_limits
@@ -80,7 +80,8 @@ def show(path: CheckPath) -> Response:
 def _read_program(file: FileStorage, benchmark: Benchmark) -> PreparedProgram:
     """Read and lint a program; raises UploadRejected."""
     stream, limit = cast("BinaryIO", file.stream), services().settings.upload_max_bytes
-    return store.read_upload(stream, file.filename or "", limit=limit, role=benchmark.role)
+    reader = services().reader
+    return reader.read_upload(stream, file.filename or "", limit=limit, role=benchmark.role)
 
 
 def _enqueue(benchmark: Benchmark, config: Configuration, prepared: PreparedProgram) -> int:

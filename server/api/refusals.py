@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 from seamark.server.checks.queue import CheckRefused
-from seamark.server.programs.store import UploadRejected, UploadTooLarge
+from seamark.server.programs.preparation import UploadRejected, UploadTooLarge
 from seamark.server.runs.quota import QuotaExceeded
 from seamark.server.runs.submission import AccountNeeded, SignInNeeded, SubmissionRejected
 from seamark.server.web.problems import Problem

@@ -69,13 +69,12 @@ def create() -> Response:
 def _store(file: FileStorage, benchmark: Benchmark) -> StoredProgram:
     """Store the program of a request; raises UploadRejected."""
     settings = services().settings
-    return store.save_upload(
-        cast("BinaryIO", file.stream),
-        file.filename or "",
-        limit=settings.upload_max_bytes,
-        data=settings.data,
-        role=benchmark.role,
+    stream, limit = cast("BinaryIO", file.stream), settings.upload_max_bytes
+    prepared = services().reader.read_upload(
+        stream, file.filename or "", limit=limit, role=benchmark.role
     )
+    prepared.require_clean()
+    return store.save(prepared, settings.data)
 
 
 def _accepted(run_id: int) -> Response:

@@ -8,7 +8,8 @@ from seamark.server import workers
 from seamark.server.accounts.permissions import Action, can
 from seamark.server.pages import benchmarks, form_fields, submitted_program
 from seamark.server.programs import archives
-from seamark.server.programs.store import TEXT_MAX_BYTES, StoredProgram, UploadRejected
+from seamark.server.programs.preparation import TEXT_MAX_BYTES, UploadRejected
+from seamark.server.programs.store import StoredProgram
 from seamark.server.runs import quota, submission, trial_limits, views
 from seamark.server.runs.quota import QuotaExceeded
 from seamark.server.runs.states import RunKind

@@ -12,7 +12,8 @@ from itsdangerous import BadData, URLSafeTimedSerializer
 
 from seamark.sandbox.languages import DEFAULT_LANGUAGE, editor_starters
 from seamark.server.programs import store
-from seamark.server.programs.store import StoredProgram, UploadRejected
+from seamark.server.programs.preparation import UploadRejected
+from seamark.server.programs.store import StoredProgram
 from seamark.server.runs import submission
 from seamark.server.web.services import services
 from seamark.sim.benchmarks.benchmark import Benchmark
@@ -58,13 +59,11 @@ def _save_text(benchmark: Benchmark, posted: dict[str, str]) -> StoredProgram:
 
 def _save(benchmark: Benchmark, stream: BinaryIO, filename: str) -> StoredProgram:
     settings = services().settings
-    return store.save_upload(
-        stream,
-        filename,
-        limit=settings.upload_max_bytes,
-        data=settings.data,
-        role=benchmark.role,
+    prepared = services().reader.read_upload(
+        stream, filename, limit=settings.upload_max_bytes, role=benchmark.role
     )
+    prepared.require_clean()
+    return store.save(prepared, settings.data)
 
 
 def _kept(benchmark: Benchmark, text: str) -> StoredProgram | None:

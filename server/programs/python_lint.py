@@ -7,7 +7,6 @@ from dataclasses import dataclass, field
 
 from seamark.server.programs.diagnostics import Diagnostic
 from seamark.server.programs.interfaces import INTERFACES, Interface
-from seamark.sim.metrics.syntax_trees import module_of
 
 PARSED_MAX = 512 * 1024  # [B] over all files; anything beyond is first parsed in the sandbox
 TEMPLATE = "The documentation has a template to start from."
@@ -45,7 +44,7 @@ def lint(files: Mapping[str, bytes], main: str, role: str) -> list[Diagnostic]:
 
 def _parse(path: str, content: bytes) -> ast.Module | Diagnostic:
     try:
-        return module_of(content.decode("utf-8-sig"), path)
+        return ast.parse(content.decode("utf-8-sig"), filename=path)
     except UnicodeDecodeError as error:
         first_bad = content[: error.start].count(b"\n") + 1
         return Diagnostic(sentence="The source is not UTF-8.", file=path, line=first_bad)
@@ -73,7 +72,7 @@ def _check_interface(tree: ast.Module, file: str, interface: Interface) -> Itera
             yield _class_missing(classes, file, interface.class_name)
         return
     found = _Class(classes[interface.class_name])
-    _collect(found, found.node, classes, depth=0)
+    _collect(found, classes)
     found.open_ended |= _used_elsewhere(tree, found.node)
     yield from _check_methods(found, file, interface)
 
@@ -99,10 +98,26 @@ def _may_define(tree: ast.Module, name: str) -> bool:
     return False
 
 
-def _collect(
-    found: _Class, node: ast.ClassDef, classes: Mapping[str, ast.ClassDef], *, depth: int
-) -> None:
-    """Add the methods of a class and of its bases in the same file, in resolution order."""
+def _collect(found: _Class, classes: Mapping[str, ast.ClassDef]) -> None:
+    """Add the methods of the class and of its bases in the same file, in resolution order.
+
+    Every class is visited once, however many paths lead to it: of methods with one name the first
+    counts, so that a second visit would add nothing.
+    """
+    waiting, visited = [found.node], set[str]()
+    while waiting:
+        node = waiting.pop()
+        if node.name in visited:
+            continue
+        visited.add(node.name)
+        _add_body(found, node)
+        names = [base.id if isinstance(base, ast.Name) else "" for base in node.bases]
+        found.open_ended |= any(name not in classes and name != "object" for name in names)
+        waiting += [classes[name] for name in reversed(names) if name in classes]
+
+
+def _add_body(found: _Class, node: ast.ClassDef) -> None:
+    """Add what the body of one class defines."""
     for part in node.body:
         if isinstance(part, ast.FunctionDef | ast.AsyncFunctionDef):
             found.methods.setdefault(part.name, part)
@@ -111,12 +126,6 @@ def _collect(
             found.names |= {n.id for n in ast.walk(part) if isinstance(n, ast.Name)}
             found.open_ended |= not isinstance(part, ast.Assign | ast.AnnAssign)
     found.open_ended |= bool(node.decorator_list or node.keywords)
-    for base in node.bases:
-        name = base.id if isinstance(base, ast.Name) else ""
-        if name in classes and depth < len(classes):
-            _collect(found, classes[name], classes, depth=depth + 1)
-        elif name != "object":
-            found.open_ended = True
 
 
 def _used_elsewhere(tree: ast.Module, node: ast.ClassDef) -> bool:

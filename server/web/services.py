@@ -9,6 +9,7 @@ from redis import Redis
 from seamark.server.database.engine import Database
 from seamark.server.messaging import broker
 from seamark.server.messaging.live_events import Fanout
+from seamark.server.programs.reader import ProgramReader
 from seamark.server.settings import Settings
 
 
@@ -21,6 +22,7 @@ class Services:
     redis: Redis
     fanout: Fanout
     celery: Celery
+    reader: ProgramReader
 
     @classmethod
     def start(cls, settings: Settings) -> "Services":
@@ -32,6 +34,7 @@ class Services:
             redis=redis,
             fanout=Fanout(redis, streams_max=settings.streams_max),
             celery=broker.celery_app(settings),
+            reader=ProgramReader(),
         )
 
     def wake_worker(self) -> None:
@@ -40,6 +43,7 @@ class Services:
 
     def close(self) -> None:
         """Stop threads and close connections."""
+        self.reader.close()
         self.fanout.close()
         self.redis.close()
         self.celery.close()

@@ -9,12 +9,6 @@ import threading
 _one_at_a_time = threading.Lock()
 
 
-def module_of(text: str, filename: str) -> ast.Module:
-    """Return the tree of a whole file; raises as `ast.parse`."""
-    with _one_at_a_time:
-        return ast.parse(text, filename=filename)
-
-
 def expression_of(text: str) -> ast.Expression:
     """Return the tree of one expression; raises as `ast.parse`."""
     with _one_at_a_time:

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.languages import DEFAULT_LANGUAGE, language_of
 from seamark.server.checks import queue
-from seamark.server.programs.store import PreparedProgram
+from seamark.server.programs.preparation import PreparedProgram
 from seamark.sim import registry
 from seamark.sim.engine.warm_up import warm_up
 from seamark.sim.recording.telemetry import INDEX
@@ -71,7 +71,7 @@ def evaluate_locally(
     ----------
     controller
         Name of a built-in one, or a program, which runs in a box: (source, file name) of a single
-        file, or what `seamark.server.programs.store.prepare` made of any upload.
+        file, or what `seamark.server.programs.preparation.prepare` made of any upload.
     isolation
         Isolation level of the box; see `seamark.sandbox.probing.probes.probe`.
     processes

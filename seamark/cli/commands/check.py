@@ -11,7 +11,7 @@ from seamark.cli.console import exit_with, print_json
 from seamark.cli.options import configuration_options, json_option
 
 if TYPE_CHECKING:
-    from seamark.server.programs.store import PreparedProgram
+    from seamark.server.programs.preparation import PreparedProgram
 
 SHOWN_OUTPUT = 2000  # [characters]
 

@@ -1,19 +1,18 @@
 import os
 import threading
 from concurrent.futures import ThreadPoolExecutor
-from io import BytesIO
 from pathlib import Path
 
 import pytest
 
 from seamark.server.programs import store
-from seamark.server.programs.store import UploadRejected
+from seamark.server.programs.preparation import PreparedProgram
 
 GOOD = b"class Controller(Base):\n    pass\n"
 
 
 def _store(source: bytes, data: Path, name: str = "mine.py") -> store.StoredProgram:
-    return store.save_upload(BytesIO(source), name, limit=1000, data=data)
+    return store.save(PreparedProgram(name, "python", source), data)
 
 
 def test_a_program_is_stored_once_under_its_hash(tmp_path: Path) -> None:
@@ -22,68 +21,6 @@ def test_a_program_is_stored_once_under_its_hash(tmp_path: Path) -> None:
     assert first.sha256 == second.sha256
     assert store.read(tmp_path, first.sha256) == GOOD
     assert len(list((tmp_path / "programs").iterdir())) == 1
-
-
-@pytest.mark.parametrize(
-    ("source", "name", "says"),
-    [
-        (b"", "a.py", "empty"),
-        (b" \n", "a.py", "empty"),
-        (b"x" * 1001, "a.py", "larger"),
-        (GOOD, "a.exe", "not supported"),
-        (GOOD, "", "no name"),
-        (GOOD, "a/..", "no name"),
-        (b"\n\xff" + GOOD, "a.py", "line 2.*UTF-8"),
-        (b"def f(:\n", "a.py", "line 1"),
-        (b"x = 1\n", "a.py", "Controller"),
-        (b"int x;\n\xff", "a.c", "line 2.*UTF-8"),
-        (b"\n", "a.cpp", "empty"),
-        (b"\0" + GOOD, "a.py", "cannot be parsed"),
-        (b"(" * 900 + GOOD, "a.py", "line 1|cannot be parsed"),
-    ],
-)
-def test_an_upload_that_breaks_a_rule_is_refused_with_a_message(
-    tmp_path: Path, source: bytes, name: str, says: str
-) -> None:
-    with pytest.raises(UploadRejected, match=says):
-        _store(source, tmp_path, name)
-    assert not (tmp_path / "programs").exists()
-
-
-@pytest.mark.parametrize(
-    ("name", "language"),
-    [("a.py", "python"), ("a.c", "c"), ("A.C", "c"), ("a.cpp", "c++"), ("a.cc", "c++")],
-)
-def test_the_language_is_that_of_the_suffix(tmp_path: Path, name: str, language: str) -> None:
-    assert _store(GOOD, tmp_path, name).language == language
-
-
-def test_a_program_in_c_is_checked_only_by_its_compiler(tmp_path: Path) -> None:
-    assert _store(b"this is no C", tmp_path, "a.c").size == 12
-
-
-def test_an_upload_is_not_executed_while_it_is_checked(tmp_path: Path) -> None:
-    mark = tmp_path / "executed"
-
-    _store(f"open({str(mark)!r}, 'w')\n".encode() + GOOD, tmp_path)
-
-    assert not mark.exists()
-
-
-@pytest.mark.parametrize(
-    "name", ["../../etc/mine.py", "C:\\x\\mine.py", "mi\x00ne.py", "m\nine.py"]
-)
-def test_a_file_name_loses_its_folders_and_control_characters(tmp_path: Path, name: str) -> None:
-    assert _store(GOOD, tmp_path, name).name == "mine.py"
-
-
-def test_an_upload_too_large_is_not_read_to_its_end(tmp_path: Path) -> None:
-    stream = BytesIO(b"x" * 10_000_000)
-
-    with pytest.raises(UploadRejected):
-        store.save_upload(stream, "a.py", limit=1000, data=tmp_path)
-
-    assert stream.tell() < 200_000
 
 
 @pytest.mark.parametrize("key", ["", "../secret", "A" * 64, "0" * 63])

@@ -11,7 +11,7 @@ from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.languages import LANGUAGES, editor_starters, language_of, starters
 from seamark.sandbox.languages.language import Language
 from seamark.sandbox.probing.self_test import why_not
-from seamark.server.programs import store
+from seamark.server.programs import preparation
 from seamark.worker.evaluation.local import evaluate_locally
 from tests.worker.conftest import SHORT
 
@@ -116,7 +116,7 @@ def test_its_conformance_program_gives_the_trajectory_of_the_built_in_controller
     config = SHORT | {"levels": [0.0, 0.6], "control_heave": True}
     run = {"seed": 3, "trials": 1, "isolation": isolation}
 
-    program = store.prepare(sample.upload(), sample.upload_name)
+    program = preparation.prepare(sample.upload(), sample.upload_name)
     outcome = evaluate_locally("currents-v1", config, controller=program, **run)
     built_in = evaluate_locally("currents-v1", config, controller="p", **run)
 

@@ -3,6 +3,7 @@
 import io
 import subprocess
 import zipfile
+from contextlib import closing
 from functools import cache
 
 import numpy as np
@@ -16,8 +17,9 @@ from seamark.sandbox.languages.language import CONTROLLER, TRACKER
 from seamark.sandbox.languages.sample import Sample
 from seamark.sandbox.limits import Limits
 from seamark.sandbox.probing.self_test import why_not
-from seamark.server.programs import store
-from seamark.server.programs.store import PreparedProgram
+from seamark.server.programs import preparation
+from seamark.server.programs.preparation import PreparedProgram
+from seamark.server.programs.reader import ProgramReader
 from seamark.server.settings import Settings
 from seamark.worker.evaluation.local import Controller, evaluate_locally
 from seamark.worker.ipc.outcomes import RunOutcome
@@ -71,7 +73,7 @@ def upload_of(language: str, sample: Sample, isolation: IsolationLevel) -> Prepa
     if known.sample_compiler != language:
         content = compiled(known.sample_compiler, content, name, isolation=isolation)
         name = f"program{known.suffixes[0]}"
-    return store.prepare(content, name, role=sample.role)
+    return preparation.prepare(content, name, role=sample.role)
 
 
 @pytest.mark.parametrize(("language", "sample"), CONTROLLERS, ids=name_of)
@@ -93,7 +95,7 @@ def test_a_pi_as_an_fmu_gives_the_built_in_trajectory(name, isolation, tmp_path)
     skip_without("pi.fmu", isolation)
     config = STRONG_CURRENT | {"control_heave": True}
 
-    program = store.prepare(host_compiler.fmu(name, tmp_path), "pi.fmu")
+    program = preparation.prepare(host_compiler.fmu(name, tmp_path), "pi.fmu")
     upload = evaluated(program, config, isolation)
 
     assert (upload.failure, upload.sentence) == (None, "")
@@ -105,7 +107,7 @@ def test_a_pi_exported_by_pythonfmu_gives_the_built_in_trajectory(isolation, tmp
     made = FmuBuilder.build_FMU(host_compiler.FMUS / "pythonfmu_pi.py", dest=tmp_path)
     config = STRONG_CURRENT | {"control_heave": True}
 
-    upload = evaluated(store.prepare(made.read_bytes(), "pi.fmu"), config, isolation)
+    upload = evaluated(preparation.prepare(made.read_bytes(), "pi.fmu"), config, isolation)
 
     assert (upload.failure, upload.sentence) == (None, "")
     assert upload.digest == built_in_digest(isolation, True)
@@ -120,11 +122,13 @@ def test_the_largest_uploads_and_an_fmu_of_five_mib_get_into_a_box(isolation, tm
         archive.writestr("resources/table.bin", np.random.default_rng(1).bytes(5 << 20))
     whole.seek(0)
 
-    kept = store.save_upload(whole, "pi.fmu", limit=most, data=tmp_path)
-    program = (store.read(tmp_path, kept.sha256), kept.name)
-    upload = evaluated(program, STRONG_CURRENT | {"control_heave": True}, isolation)
+    with closing(ProgramReader()) as reader:
+        kept = reader.read_upload(whole, "pi.fmu", limit=most, role="controller")
+    upload = evaluated(
+        (kept.content, kept.name), STRONG_CURRENT | {"control_heave": True}, isolation
+    )
 
-    assert kept.size > 5 << 20
+    assert len(kept.content) > 5 << 20
     assert upload.digest == built_in_digest(isolation, True)
 
 

@@ -12,7 +12,7 @@ from seamark.sandbox.languages.executable import ELF_HEADER, refusal
 from seamark.sandbox.limits import Limits
 from seamark.sandbox.outcome import Outcome, ProgramEnded, Verdict
 from seamark.sandbox.probing.self_test import why_not
-from seamark.server.programs import store
+from seamark.server.programs import preparation
 from tests.hostile.conftest import LAYOUT
 
 
@@ -54,8 +54,8 @@ def ended(program: bytes, isolation: IsolationLevel) -> Outcome:
 
 @pytest.mark.parametrize(("program", "says"), CASES)
 def test_what_cannot_run_is_refused_as_an_upload(program, says) -> None:
-    with pytest.raises(store.UploadRejected, match=says):
-        store.prepare(program, "mine.elf")
+    with pytest.raises(preparation.UploadRejected, match=says):
+        preparation.prepare(program, "mine.elf")
 
 
 @pytest.mark.host
@@ -72,7 +72,7 @@ def test_a_compiled_program_is_accepted_and_runs(executables) -> None:
     program = compiled("c", C.self_test.upload(), "half.c", isolation=executables)
 
     assert refusal(program) == ""
-    assert store.prepare(program, "half").language == "executable"
+    assert preparation.prepare(program, "half").language == "executable"
     assert ended(program, executables).verdict is Verdict.OK
 
 

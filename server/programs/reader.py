@@ -1,0 +1,154 @@
+"""Uploads are read in a process of their own: a hostile one costs a web process nothing.
+
+`ast.parse` holds the interpreter for its whole duration, which is quadratic in some sources
+(nested f-strings of 500 KiB took 45 s in Python 3.11), and an archive expands in memory.
+"""
+
+import json
+import signal
+import subprocess
+import sys
+import threading
+from typing import Any, BinaryIO
+
+from seamark.sandbox.languages import LANGUAGES
+from seamark.server.programs import preparation
+from seamark.server.programs.diagnostics import Diagnostic, Stage
+from seamark.server.programs.preparation import PreparedProgram, UploadRejected, UploadTooLarge
+
+PLACES = 2  # uploads of one web process that are read at the same time; the others wait
+WAIT_S = 15.0  # for a place
+WALL_S = 20.0  # the CPU time is limited in `reader_process`; this catches a machine that is busy
+_CHUNK = 64 * 1024
+_COMMAND = (sys.executable, "-I", "-m", "seamark.server.programs.reader_process")
+_TOO_HEAVY = "{}: reading it takes too much time or memory. Split it, or make it simpler."
+_BY_LIMIT = {-signal.SIGKILL, -signal.SIGXCPU}  # the kernel sends SIGKILL at the hard CPU limit
+
+
+class ReaderBusy(Exception):
+    """Too many uploads are being read; try again. Not the fault of this one."""
+
+
+class ReaderBroken(Exception):
+    """The process that reads uploads failed: a fault of the service."""
+
+
+class ProgramReader:
+    """Reads uploads in limited processes, of which one waits ready for the next upload."""
+
+    def __init__(self) -> None:
+        self._places = threading.BoundedSemaphore(PLACES)
+        self._lock = threading.Lock()
+        self._spare: subprocess.Popen[bytes] | None = None
+        self._closed = False
+
+    def read_upload(
+        self, stream: BinaryIO, filename: str, *, limit: int, role: str
+    ) -> PreparedProgram:
+        """Read an upload into normal form.
+
+        Parameters
+        ----------
+        limit : int [B]
+            A larger upload is rejected without reading the rest; source files already at
+            `preparation.TEXT_MAX_BYTES`.
+        role
+            What the benchmark evaluates: a key of `interfaces.INTERFACES`.
+
+        Raises
+        ------
+        UploadRejected
+            It cannot be a program, or reading it costs too much.
+        ReaderBusy, ReaderBroken
+            The service could not read it.
+        """
+        name = preparation.clean_name(filename)
+        language = preparation.language_by_suffix(name)  # before anything is read
+        if language is not None and LANGUAGES[language].is_text:
+            limit = min(limit, preparation.TEXT_MAX_BYTES)
+        source = _read(stream, limit)
+        if not self._places.acquire(timeout=WAIT_S):
+            raise ReaderBusy("Many programs are being uploaded.")
+        try:
+            return self._prepare(source, name, role)
+        finally:
+            self._places.release()
+
+    def close(self) -> None:
+        """End the process that waits."""
+        with self._lock:
+            self._closed = True
+            spare, self._spare = self._spare, None
+        if spare is not None:
+            _end(spare)
+
+    def _prepare(self, source: bytes, name: str, role: str) -> PreparedProgram:
+        request = json.dumps({"filename": name, "role": role}).encode() + b"\n"
+        process = self._take()
+        try:
+            output, errors = process.communicate(request + source, timeout=WALL_S)
+        except subprocess.TimeoutExpired:
+            raise UploadRejected(_TOO_HEAVY.format(name)) from None
+        finally:
+            _end(process)
+            self._start_spare()
+        if process.returncode in _BY_LIMIT or b"MemoryError" in errors[-200:]:
+            raise UploadRejected(_TOO_HEAVY.format(name))
+        if process.returncode < 0:  # the interpreter itself crashed, as on deeply nested source
+            raise UploadRejected(f"{name}: the file cannot be parsed.")
+        if process.returncode > 0:
+            raise ReaderBroken(errors[-2000:].decode(errors="replace"))
+        return _prepared(output)
+
+    def _take(self) -> "subprocess.Popen[bytes]":
+        """Return a process that waits for an upload."""
+        with self._lock:
+            process, self._spare = self._spare, None
+        if process is not None and process.poll() is None:
+            return process
+        return _start()
+
+    def _start_spare(self) -> None:
+        with self._lock:
+            if self._spare is None and not self._closed:
+                self._spare = _start()
+
+
+def _start() -> "subprocess.Popen[bytes]":
+    """Start a process that reads one upload; it ends with this one, whose pipe it reads."""
+    pipe = subprocess.PIPE
+    # No environment: it needs no secret of the service.
+    return subprocess.Popen(_COMMAND, stdin=pipe, stdout=pipe, stderr=pipe, env={})
+
+
+def _end(process: "subprocess.Popen[bytes]") -> None:
+    """Kill the process if it still runs, reap it and close its pipes."""
+    process.kill()
+    process.wait()
+    for stream in (process.stdin, process.stdout, process.stderr):
+        if stream is not None:
+            stream.close()
+
+
+def _prepared(output: bytes) -> PreparedProgram:
+    line, _, content = output.partition(b"\n")
+    answer = json.loads(line)
+    if "refused" in answer:
+        raise UploadRejected(answer["refused"])
+    diagnostics = tuple(_diagnostic(values) for values in answer["diagnostics"])
+    return PreparedProgram(answer["name"], answer["language"], content, diagnostics)
+
+
+def _diagnostic(values: dict[str, Any]) -> Diagnostic:
+    return Diagnostic(**values | {"stage": Stage(values["stage"])})
+
+
+def _read(stream: BinaryIO, limit: int) -> bytes:
+    chunks: list[bytes] = []
+    size = 0
+    while chunk := stream.read(_CHUNK):
+        size += len(chunk)
+        if size > limit:
+            raise UploadTooLarge(f"The file is larger than {limit / 2**20:g} MiB.")
+        chunks.append(chunk)
+    return b"".join(chunks)

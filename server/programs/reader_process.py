@@ -1,0 +1,53 @@
+"""The process that reads one upload: limited in CPU time, memory and descriptors, then gone.
+
+Protocol: a line of JSON with the request and then the upload on standard input; a line of JSON
+with the answer and then the content on standard output. Started by `reader`.
+"""
+
+import json
+import os
+import resource
+import sys
+from typing import Any
+
+from seamark.server.programs.preparation import UploadRejected, prepare
+
+CPU_S = 4  # parsing 512 KiB of ordinary Python takes 0.5 s, an archive of 8 MiB 0.3 s
+MEMORY_MIB = 512  # of address space; the tree of 512 KiB of Python takes up to 250 MiB
+OPEN_FILES = 16
+NICENESS = 10  # pages go first
+
+
+def main() -> None:
+    """Answer one request."""
+    _limit()
+    request = json.loads(sys.stdin.buffer.readline())
+    answer, content = _answer(sys.stdin.buffer.read(), request["filename"], request["role"])
+    sys.stdout.buffer.write(json.dumps(answer).encode() + b"\n" + content)
+
+
+def _answer(source: bytes, filename: str, role: str) -> tuple[dict[str, Any], bytes]:
+    try:
+        prepared = prepare(source, filename, role=role)
+    except UploadRejected as reason:
+        return {"refused": str(reason)}, b""
+    diagnostics = [one.to_json() for one in prepared.diagnostics]
+    names = {"name": prepared.name, "language": prepared.language}
+    return names | {"diagnostics": diagnostics}, prepared.content
+
+
+def _limit() -> None:
+    """Limit this process; what it has used for its start counts."""
+    os.nice(NICENESS)
+    for kind, most in (
+        (resource.RLIMIT_CPU, CPU_S),
+        (resource.RLIMIT_AS, MEMORY_MIB << 20),
+        (resource.RLIMIT_NOFILE, OPEN_FILES),
+        (resource.RLIMIT_FSIZE, 0),
+        (resource.RLIMIT_CORE, 0),
+    ):
+        resource.setrlimit(kind, (most, most))
+
+
+if __name__ == "__main__":
+    main()
