@@ -16,10 +16,9 @@ from seamark import templates
 from seamark.server import api, pages
 from seamark.server.runs import camera_view
 from seamark.server.settings import Settings
-from seamark.server.web import authentication, problems, rate_limits, security_headers
+from seamark.server.web import authentication, body_limits, problems, rate_limits, security_headers
 from seamark.server.web.services import Services, services
 
-FORM_MARGIN_BYTES = 64 * 1024  # of a form, for its fields beside the upload
 SESSION_DAYS = 30
 _SAFE_METHODS = frozenset({"GET", "HEAD", "OPTIONS", "TRACE"})
 _FOLDER = Path(templates.__file__).parent
@@ -42,6 +41,7 @@ def create_app(settings: Settings) -> OpenAPI:
     app.extensions["seamark"] = app_services
     atexit.register(app_services.close)
     authentication.register(app)
+    body_limits.register(app, settings)
     _protect(app)
     rate_limits.register(app, settings)
     security_headers.register(app, public=settings.public)
@@ -55,9 +55,6 @@ def create_app(settings: Settings) -> OpenAPI:
 def _configure(app: OpenAPI, settings: Settings) -> None:
     app.config.update(
         SECRET_KEY=settings.secret_key,
-        MAX_CONTENT_LENGTH=settings.upload_max_bytes + FORM_MARGIN_BYTES,
-        # The editor posts the program as a field; it may be as long as an upload.
-        MAX_FORM_MEMORY_SIZE=settings.upload_max_bytes + FORM_MARGIN_BYTES,
         SESSION_COOKIE_NAME="seamark",
         SESSION_COOKIE_HTTPONLY=True,
         SESSION_COOKIE_SAMESITE="Lax",

@@ -10,11 +10,10 @@ from pydantic import BaseModel, ValidationError
 from werkzeug.datastructures import FileStorage
 
 from seamark.server.api.schemas import RunRequest
+from seamark.server.web.body_limits import JSON_MAX_BYTES
 from seamark.server.web.problems import Problem, from_validation_error
 from seamark.server.web.services import services
 
-JSON_MAX_BYTES = 256 * 1024
-FORM_MARGIN_BYTES = 512 * 1024  # of a form besides the program
 Model = TypeVar("Model", bound=BaseModel)
 
 
@@ -22,7 +21,6 @@ def json_body(model: type[Model]) -> Model:
     """Return the validated JSON body; raises Problem."""
     if not request.is_json:
         raise Problem("unsupported-media-type", "Send the body as application/json.")
-    request.max_content_length = JSON_MAX_BYTES
     return _parse(model, request.get_data(cache=False))
 
 
@@ -33,7 +31,6 @@ def run_request() -> tuple[RunRequest, FileStorage | None]:
     if request.mimetype != "multipart/form-data":
         raise Problem("unsupported-media-type")
     program_max_bytes = services().settings.upload_max_bytes
-    request.max_content_length = program_max_bytes + FORM_MARGIN_BYTES
     text = request.form.get("run")
     if text is None:
         raise Problem(
@@ -49,6 +46,8 @@ def run_request() -> tuple[RunRequest, FileStorage | None]:
 
 def _parse(model: type[Model], data: bytes) -> Model:
     """Return the validated model of a JSON text; raises Problem."""
+    if len(data) > JSON_MAX_BYTES:
+        raise Problem("payload-too-large", f"The JSON is limited to {JSON_MAX_BYTES >> 10} KiB.")
     try:
         # Not pydantic's parser: it rejects NaN as malformed JSON, without naming the field.
         value = json.loads(data)

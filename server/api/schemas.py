@@ -14,6 +14,8 @@ from seamark.server.runs.views import RunView
 from seamark.server.web.url_converters import ROW_ID_MAX
 from seamark.sim.engine.seeds import SEED_MAX
 
+CONFIG_MAX = 200  # settings of a configuration; each unknown one is compared with all known
+
 
 def _clean(text: str) -> str:
     """Reject control and surrogate characters, which cannot be stored or displayed."""
@@ -55,6 +57,7 @@ class RunRequest(BaseModel):
     benchmark: Text = Field(max_length=80, description="Name of a benchmark")
     config: dict[str, Any] = Field(
         default_factory=dict,
+        max_length=CONFIG_MAX,
         description="Key -> value; omitted settings have defaults",
     )
     controller: Text | None = Field(

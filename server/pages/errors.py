@@ -32,7 +32,8 @@ _MESSAGES = {
     409: ("Conflict", "The state of the run has changed.", "Go back and reload the page."),
     413: (
         "The upload is too large",
-        "Programs may be up to {limit} large. Yours is larger{given} and was not stored.",
+        "Programs may be up to {limit} large, other fields a few pages. What you sent{given} was "
+        "not stored.",
         "Leave data and recordings out of the file.",
     ),
     429: (

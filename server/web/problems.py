@@ -10,8 +10,6 @@ from typing import TYPE_CHECKING
 from flask import Response, request
 from werkzeug.exceptions import HTTPException
 
-from seamark.server.web.services import services
-
 if TYPE_CHECKING:
     from pydantic import ValidationError
 
@@ -165,6 +163,7 @@ PROBLEM_TYPES: Mapping[str, ProblemType] = {
     )
 }
 
+_ERRORS_MAX = 20  # fields that one problem document names
 _BY_STATUS = {
     400: "bad-request",
     401: "unauthenticated",
@@ -263,15 +262,15 @@ def _default_detail(status: int) -> str:
     if status == 405:
         return f"{request.path} does not support {request.method}."
     if status == 413:
-        limit = services().settings.upload_max_bytes
-        return f"The request is too large; uploads are limited to {limit} bytes."
+        return f"The body of this request is limited to {request.max_content_length} bytes."
     return PROBLEM_TYPES["unsupported-media-type"].remedy if status == 415 else ""
 
 
 def from_validation_error(error: ValidationError) -> Problem:
     """Return the problem that names each field rejected by pydantic."""
     errors = {}
-    for item in error.errors(include_url=False, include_context=False, include_input=False):
+    found = error.errors(include_url=False, include_context=False, include_input=False)
+    for item in found[:_ERRORS_MAX]:
         field = ".".join(str(part) for part in item["loc"]) or "body"
         errors[field] = item["msg"]
     details = "; ".join(f"{field}: {text}" for field, text in errors.items())
