@@ -2,6 +2,7 @@
 
 import hashlib
 import hmac
+import math
 import re
 import secrets
 import time
@@ -12,7 +13,7 @@ from argon2.exceptions import InvalidHashError, VerificationError
 from sqlalchemy import delete, func, select, update
 from sqlalchemy.orm import Session
 
-from seamark.server.accounts.permissions import SCOPES, Viewer
+from seamark.server.accounts.permissions import SCOPES, Viewer, grantable
 from seamark.server.database.tables import Run, Token, User
 from seamark.server.settings import Settings
 
@@ -155,6 +156,22 @@ def new_token(
     return text
 
 
+def grant_token(
+    session: Session, viewer: Viewer, name: str, scopes: Iterable[str], *, days: float
+) -> str:
+    """Create a token for the viewer as `new_token`, which grants nothing the viewer lacks.
+
+    A token cannot grant scopes that it does not have, nor outlive itself by a new one.
+    """
+    if viewer.user_id is None:
+        raise AccountRejected("Tokens need an account.")
+    if beyond := set(scopes) - set(grantable(viewer)):
+        raise AccountRejected(f"You cannot grant: {', '.join(sorted(beyond))}.")
+    if viewer.token_expires_at is not None:
+        days = min(days, (viewer.token_expires_at - time.time()) / _DAY_S)
+    return new_token(session, viewer.user_id, name, scopes, days=days)
+
+
 def tokens(session: Session, user_id: int) -> list[Token]:
     """Return a user's tokens, newest first."""
     query = select(Token).where(Token.user_id == user_id).order_by(Token.id.desc())
@@ -179,7 +196,8 @@ def viewer_of_token(session: Session, text: str) -> Viewer | None:
     token, user = row
     if token.expires_at is not None and token.expires_at <= time.time():
         return None
-    return _viewer(user, token.scopes)
+    expires_at = math.inf if token.expires_at is None else token.expires_at
+    return _viewer(user, token.scopes, token_expires_at=expires_at)
 
 
 def record_use(session: Session, text: str) -> None:
@@ -191,8 +209,14 @@ def record_use(session: Session, text: str) -> None:
     )
 
 
-def _viewer(user: User, scopes: Iterable[str]) -> Viewer:
-    return Viewer(user_id=user.id, name=user.name, is_admin=user.is_admin, scopes=frozenset(scopes))
+def _viewer(user: User, scopes: Iterable[str], *, token_expires_at: float | None = None) -> Viewer:
+    return Viewer(
+        user_id=user.id,
+        name=user.name,
+        is_admin=user.is_admin,
+        scopes=frozenset(scopes),
+        token_expires_at=token_expires_at,
+    )
 
 
 def _token_hash(text: str) -> str:

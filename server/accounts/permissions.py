@@ -1,20 +1,33 @@
-"""Permissions: the only place that decides who may do what."""
+"""Permissions: the only place that decides who may do what, for pages and the API alike."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from enum import StrEnum
+from enum import IntEnum, StrEnum
 from typing import Protocol
 
 READ, SUBMIT, ADMIN = "read", "submit", "admin"
 SCOPES: tuple[str, ...] = (READ, SUBMIT, ADMIN)
 
 
+class Role(IntEnum):
+    """What someone is to the service; each may do what those before it may."""
+
+    ANONYMOUS = 0
+    GUEST = 1  # known by a cookie
+    USER = 2
+    ADMIN = 3
+
+
 class Action(StrEnum):
     """What a viewer may do; the second group applies to one run."""
 
+    LIST = "list"
     SUBMIT = "submit"
     UPLOAD = "upload"
     SUBMIT_RANKED = "submit_ranked"
-    MANAGE_ACCOUNT = "manage_account"
+    VIEW_ACCOUNT = "view_account"
+    MANAGE_TOKENS = "manage_tokens"
+    CHANGE_PASSWORD = "change_password"  # noqa: S105 - the name of an action
     ADMINISTER = "administer"
 
     VIEW = "view"
@@ -26,6 +39,36 @@ class Action(StrEnum):
     RERUN = "rerun"
 
 
+@dataclass(frozen=True, slots=True)
+class Rule:
+    """What an action requires of everybody; what it requires of a run is in `_may_on_run`."""
+
+    scope: str
+    role: Role  # at least
+    in_browser: bool = False  # no token will do
+
+
+RULES: Mapping[Action, Rule] = {
+    Action.LIST: Rule(READ, Role.ANONYMOUS),
+    Action.SUBMIT: Rule(SUBMIT, Role.GUEST),
+    Action.UPLOAD: Rule(SUBMIT, Role.USER),
+    Action.SUBMIT_RANKED: Rule(SUBMIT, Role.USER),
+    Action.VIEW_ACCOUNT: Rule(READ, Role.USER),
+    Action.MANAGE_TOKENS: Rule(SUBMIT, Role.USER),
+    Action.CHANGE_PASSWORD: Rule(SUBMIT, Role.USER, in_browser=True),
+    Action.ADMINISTER: Rule(ADMIN, Role.ADMIN),
+    Action.VIEW: Rule(READ, Role.ANONYMOUS),
+    Action.VIEW_PROGRAM: Rule(READ, Role.ANONYMOUS),
+    Action.VIEW_LOG: Rule(READ, Role.ANONYMOUS),
+    Action.CANCEL: Rule(SUBMIT, Role.GUEST),
+    Action.PUBLISH: Rule(SUBMIT, Role.USER),  # a guest has no name to publish under
+    Action.WITHDRAW: Rule(SUBMIT, Role.GUEST),
+    Action.RERUN: Rule(SUBMIT, Role.GUEST),
+}
+_READS = {Action.VIEW, Action.VIEW_PROGRAM, Action.VIEW_LOG}
+_ON_RUN = _READS | {Action.CANCEL, Action.PUBLISH, Action.WITHDRAW, Action.RERUN}
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Viewer:
     """Who sent a request: a user, a guest identified by a cookie, or an anonymous visitor."""
@@ -35,6 +78,7 @@ class Viewer:
     is_admin: bool = False
     guest: str | None = None  # hash of the cookie
     scopes: frozenset[str] = frozenset(SCOPES)  # fewer for a token
+    token_expires_at: float | None = None  # [s since 1970]; None without a token
 
     @property
     def owner(self) -> str | None:
@@ -42,6 +86,13 @@ class Viewer:
         if self.user_id is not None:
             return f"user:{self.user_id}"
         return None if self.guest is None else f"guest:{self.guest}"
+
+    @property
+    def role(self) -> Role:
+        """The role, whatever the scopes."""
+        if self.user_id is not None:
+            return Role.ADMIN if self.is_admin else Role.USER
+        return Role.ANONYMOUS if self.guest is None else Role.GUEST
 
 
 class Owned(Protocol):
@@ -55,41 +106,33 @@ class Owned(Protocol):
     def public(self) -> bool: ...  # noqa: D102
 
 
-_NEEDS_USER = {Action.UPLOAD, Action.SUBMIT_RANKED, Action.MANAGE_ACCOUNT}
-_READS = {Action.VIEW, Action.VIEW_PROGRAM, Action.VIEW_LOG}
-
-
-def required_scope(action: Action) -> str:
-    """Return the scope that a token needs for an action."""
-    if action is Action.ADMINISTER:
-        return ADMIN
-    return READ if action in _READS else SUBMIT
-
-
 def can(viewer: Viewer, action: Action, run: Owned | None = None) -> bool:
     """Return whether `viewer` may perform `action`, on `run` if it applies to a run."""
-    if action is Action.ADMINISTER:
-        return viewer.is_admin and ADMIN in viewer.scopes
+    rule = RULES[action]
     if run is not None and run.public and action in _READS:
-        return True
-    if viewer.owner is None or required_scope(action) not in viewer.scopes:
+        return True  # everybody may, so no scope is needed
+    if viewer.role < rule.role or rule.scope not in viewer.scopes:
         return False
-    if action in _NEEDS_USER:
-        return viewer.user_id is not None
-    if action is Action.SUBMIT:
+    if rule.in_browser and viewer.token_expires_at is not None:
+        return False
+    if action not in _ON_RUN:
         return True
     return run is not None and _may_on_run(viewer, action, run)
 
 
+def grantable(viewer: Viewer) -> tuple[str, ...]:
+    """Return the scopes that a new token of the viewer may have: none the viewer lacks."""
+    own = [scope for scope in SCOPES if scope in viewer.scopes]
+    return tuple(scope for scope in own if scope != ADMIN or viewer.is_admin)
+
+
 def _may_on_run(viewer: Viewer, action: Action, run: Owned) -> bool:
     """Decide for a private run, or for an action other than reading."""
-    if action is Action.PUBLISH and viewer.user_id is None:
-        return False  # a guest has no name to publish under
     if owns(viewer, run):
         return True
     if action is Action.RERUN:
         return run.public
-    return viewer.is_admin and ADMIN in viewer.scopes
+    return can(viewer, Action.ADMINISTER)
 
 
 def owns(viewer: Viewer, run: Owned) -> bool:

@@ -18,7 +18,6 @@ from seamark.server.api import (
     runs,
     series,
 )
-from seamark.server.web.problems import Problem
 
 RESOURCES = (
     benchmarks.api,
@@ -36,7 +35,6 @@ RESOURCES = (
 
 def register(app: Flask) -> None:
     """Add the API, its documentation, and the endpoints for operators."""
-    app.register_error_handler(Problem, Problem.response)
     for resource in RESOURCES:
         app.register_blueprint(resource)
     app.register_blueprint(openapi.page)

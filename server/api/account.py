@@ -11,8 +11,8 @@ from flask_openapi3.models.tag import Tag
 from flask_wtf.csrf import generate_csrf
 
 from seamark.server.accounts import accounts
-from seamark.server.accounts.permissions import READ, SUBMIT, Action, can
-from seamark.server.api import authorization, request_body
+from seamark.server.accounts.permissions import Action, grantable
+from seamark.server.api import request_body
 from seamark.server.api.schemas import (
     MeResponse,
     TokenPath,
@@ -22,6 +22,7 @@ from seamark.server.api.schemas import (
 )
 from seamark.server.database.tables import Token
 from seamark.server.runs import quota
+from seamark.server.web import access
 from seamark.server.web.problems import Problem
 from seamark.server.web.services import services
 
@@ -36,7 +37,7 @@ api = APIBlueprint(
 @api.get("/me", responses={200: MeResponse})
 def me() -> Response:
     """Return the authenticated user or guest, the scopes of the token and the quota."""
-    viewer = authorization.viewer()
+    viewer = access.viewer()
     used: dict[str, int] | None = None
     if viewer.owner is not None:
         with services().database.reading() as database:
@@ -60,8 +61,7 @@ def me() -> Response:
 @api.get("/tokens", responses={200: TokensResponse})
 def list_tokens() -> dict[str, Any]:
     """List your tokens, without their texts."""
-    user_id = authorization.require_account()
-    authorization.require_scope(READ)
+    user_id = access.require_account(Action.VIEW_ACCOUNT)
     with services().database.reading() as database:
         return {"tokens": [_shown(token) for token in accounts.tokens(database, user_id)]}
 
@@ -69,15 +69,14 @@ def list_tokens() -> dict[str, Any]:
 @api.post("/tokens", responses={201: TokenResponse})
 def create_token() -> Response:
     """Create a token. Its text is only returned in this response."""
-    user_id = authorization.require_account()
-    _require_account_scope()
+    user_id, viewer = access.require_account(Action.MANAGE_TOKENS), access.viewer()
     body = request_body.json_body(TokenRequest)
-    missing = set(body.scopes) - authorization.viewer().scopes
+    missing = set(body.scopes) - set(grantable(viewer))
     if missing:
-        raise Problem("scope-missing", f"Your own token lacks: {', '.join(sorted(missing))}.")
+        raise Problem("scope-missing", f"You cannot grant: {', '.join(sorted(missing))}.")
     try:
         with services().database.writing() as database:
-            text = accounts.new_token(database, user_id, body.name, body.scopes, days=body.days)
+            text = accounts.grant_token(database, viewer, body.name, body.scopes, days=body.days)
             created = _shown(accounts.tokens(database, user_id)[0])
     except accounts.AccountRejected as reason:
         raise Problem("conflict", str(reason)) from None
@@ -91,17 +90,11 @@ def create_token() -> Response:
 @api.delete("/tokens/<int:token_id>", responses={204: None})
 def delete_token(path: TokenPath) -> Response:
     """Revoke a token; it stops working immediately."""
-    user_id = authorization.require_account()
-    _require_account_scope()
+    user_id = access.require_account(Action.MANAGE_TOKENS)
     with services().database.writing() as database:
         if not accounts.revoke_token(database, user_id, path.token_id):
             raise Problem("not-found", f"You have no token {path.token_id}.")
     return Response(status=204)
-
-
-def _require_account_scope() -> None:
-    if not can(authorization.viewer(), Action.MANAGE_ACCOUNT):
-        raise Problem("scope-missing", f"This call requires the scope {SUBMIT}.")
 
 
 def _shown(token: Token) -> dict[str, Any]:

@@ -10,9 +10,9 @@ from flask_openapi3.models.tag import Tag
 from sqlalchemy.orm import Session
 
 from seamark.server.accounts.permissions import Action
-from seamark.server.api import authorization
 from seamark.server.api.schemas import RunPath, RunResponse, run_answer
 from seamark.server.runs import cancellation, results, views
+from seamark.server.web import access
 from seamark.server.web.problems import Problem
 from seamark.server.web.services import services
 
@@ -27,7 +27,7 @@ api = APIBlueprint(
 @api.post("/runs/<int:run_id>/cancel", responses={200: RunResponse})
 def cancel(path: RunPath) -> dict[str, Any]:
     """Cancel a queued or running run. What it recorded so far is kept."""
-    before = authorization.run_for(path.run_id, Action.CANCEL)
+    before = access.run_for(path.run_id, Action.CANCEL)
     if not cancellation.cancel(services().database, services().redis, path.run_id):
         raise Problem("conflict", f"The run has already ended: it is {before.state.value}.")
     return _answer(path.run_id)
@@ -36,7 +36,7 @@ def cancel(path: RunPath) -> dict[str, Any]:
 @api.post("/runs/<int:run_id>/publish", responses={200: RunResponse})
 def publish(path: RunPath) -> dict[str, Any]:
     """Make a finished run public; a ranked one enters the leaderboard."""
-    before = authorization.run_for(path.run_id, Action.PUBLISH)
+    before = access.run_for(path.run_id, Action.PUBLISH)
     why_not = (
         "The run is already public." if before.public else "Only a finished run can be published."
     )
@@ -47,7 +47,7 @@ def publish(path: RunPath) -> dict[str, Any]:
 @api.post("/runs/<int:run_id>/withdraw", responses={200: RunResponse})
 def withdraw(path: RunPath) -> dict[str, Any]:
     """Make a public run private again and take it off the leaderboard."""
-    authorization.run_for(path.run_id, Action.WITHDRAW)
+    access.run_for(path.run_id, Action.WITHDRAW)
     _change(path.run_id, results.withdraw, "The run is not public.")
     return _answer(path.run_id)
 

@@ -11,8 +11,8 @@ from flask_openapi3.models.tag import Tag
 from werkzeug.datastructures import FileStorage
 
 from seamark.server import workers
-from seamark.server.accounts.permissions import READ, SUBMIT
-from seamark.server.api import authorization, refusals, request_body
+from seamark.server.accounts.permissions import Action
+from seamark.server.api import refusals, request_body
 from seamark.server.api.schemas import CheckPath, CheckQuery, CheckResponse
 from seamark.server.checks import queue, report
 from seamark.server.checks.queue import CheckState, CheckView
@@ -20,7 +20,7 @@ from seamark.server.programs import store
 from seamark.server.programs.preparation import PreparedProgram
 from seamark.server.runs import submission
 from seamark.server.runs.submission import SubmissionRejected
-from seamark.server.web import rate_limits
+from seamark.server.web import access, rate_limits
 from seamark.server.web.problems import Problem
 from seamark.server.web.services import services
 from seamark.sim.benchmarks.benchmark import Benchmark
@@ -51,9 +51,9 @@ def create(query: CheckQuery) -> Response:
     can run one at a time.
     """
     body, file = request_body.run_request()
-    authorization.require_scope(SUBMIT)
+    access.require_scope(Action.UPLOAD)
     with refusals.as_problems():
-        submission.require_permission(authorization.viewer(), uploads=True)
+        submission.require_permission(access.viewer(), uploads=True)
         if file is None:
             raise SubmissionRejected("Send the program to check.", field="program")
         benchmark = submission.find_benchmark(body.benchmark)
@@ -68,8 +68,7 @@ def create(query: CheckQuery) -> Response:
 @api.get("/checks/<int:check_id>", responses={200: CheckResponse})
 def show(path: CheckPath) -> Response:
     """Return one of your checks; the report is complete when `state` is done."""
-    authorization.require_scope(READ)
-    view = _view(path.check_id)
+    view = _view(path.check_id, access.require_account(Action.VIEW_ACCOUNT))
     response = jsonify(_document(view))
     if view.state is not CheckState.DONE:
         response.headers["Retry-After"] = str(RETRY_S)
@@ -86,7 +85,7 @@ def _read_program(file: FileStorage, benchmark: Benchmark) -> PreparedProgram:
 
 def _enqueue(benchmark: Benchmark, config: Configuration, prepared: PreparedProgram) -> int:
     """Queue a check and return its id; raises SubmissionRejected or CheckRefused."""
-    current, user_id = services(), authorization.require_account()
+    current, user_id = services(), access.require_account(Action.UPLOAD)
     with current.database.reading() as session:
         submission.require_language(session, benchmark, prepared.language, current.settings)
     program = store.save(prepared, current.settings.data)
@@ -102,19 +101,19 @@ def _wait_for(check_id: int, seconds: float) -> CheckView:
     with services().database.reading() as session:
         if not workers.alive_count(session):
             seconds = 0.0
-    deadline = time.monotonic() + seconds
+    deadline, user_id = time.monotonic() + seconds, access.require_account(Action.UPLOAD)
     intervals = iter(POLL_S)
     while True:
-        view = _view(check_id)
+        view = _view(check_id, user_id)
         remaining = deadline - time.monotonic()
         if view.state is CheckState.DONE or remaining <= 0:
             return view
         time.sleep(min(next(intervals, POLL_MAX_S), remaining))
 
 
-def _view(check_id: int) -> CheckView:
+def _view(check_id: int, user_id: int) -> CheckView:
     with services().database.reading() as session:
-        view = queue.show(session, check_id, authorization.require_account())
+        view = queue.show(session, check_id, user_id)
     if view is None:
         raise Problem("not-found", _NOT_FOUND.format(check_id))
     return view

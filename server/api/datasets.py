@@ -10,10 +10,10 @@ from flask import Response
 from flask_openapi3.blueprint import APIBlueprint
 from flask_openapi3.models.tag import Tag
 
-from seamark.server.api import authorization
 from seamark.server.api.schemas import DatasetQuery, RunPath
 from seamark.server.runs.files import RunFiles
 from seamark.server.runs.seeds import seeds_hidden, trial_seeds
+from seamark.server.web import access
 from seamark.server.web.problems import Problem
 from seamark.server.web.services import services
 from seamark.sim import registry
@@ -43,7 +43,7 @@ def dataset(path: RunPath, query: DatasetQuery) -> Response:
     """
     from seamark.sim.engine.dataset import Selection, archive  # noqa: PLC0415 (it loads OpenCV)
 
-    view = authorization.run_for(path.run_id)
+    view = access.run_for(path.run_id)
     if seeds_hidden(view):
         raise Problem(
             "conflict",

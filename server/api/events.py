@@ -12,13 +12,13 @@ from flask_openapi3.blueprint import APIBlueprint
 from flask_openapi3.models.tag import Tag
 
 from seamark.server.accounts.permissions import Action, can
-from seamark.server.api import authorization
 from seamark.server.api.schemas import RunPath
 from seamark.server.messaging import live_events
 from seamark.server.messaging.live_events import Event
 from seamark.server.runs import views
 from seamark.server.runs.files import RunFiles
 from seamark.server.runs.views import RunView
+from seamark.server.web import access
 from seamark.server.web.problems import Problem
 from seamark.server.web.services import Services, services
 
@@ -42,7 +42,7 @@ def stream(path: RunPath) -> Response:
 
     Continues after the header Last-Event-ID. A run that has ended is replayed.
     """
-    run, app_services = authorization.run_for(path.run_id), services()
+    run, app_services = access.run_for(path.run_id), services()
     last_id = request.headers.get("Last-Event-ID")
     if request.method == "HEAD":
         return _response(iter(()))
@@ -52,7 +52,7 @@ def stream(path: RunPath) -> Response:
         events = _live(app_services, run, last_id)
     else:
         raise Problem("streams-full", headers={"Retry-After": str(FULL_RETRY_S)})
-    shows_log = can(authorization.viewer(), Action.VIEW_LOG, run)
+    shows_log = can(access.viewer(), Action.VIEW_LOG, run)
     return _response(event for event in events if shows_log or event.type != live_events.LOG)
 
 

@@ -10,13 +10,12 @@ from flask_openapi3.blueprint import APIBlueprint
 from flask_openapi3.models.tag import Tag
 
 from seamark.server.accounts.permissions import Action
-from seamark.server.api import authorization
 from seamark.server.api.schemas import CameraQuery, LogQuery, RunPath, TelemetryQuery
 from seamark.server.programs import store
 from seamark.server.runs.files import RunFiles
 from seamark.server.runs.seeds import seeds_hidden
 from seamark.server.runs.views import RunView
-from seamark.server.web import caching
+from seamark.server.web import access, caching
 from seamark.server.web.problems import Problem
 from seamark.server.web.services import services
 from seamark.sim import registry
@@ -47,7 +46,7 @@ def files_of(view: RunView) -> RunFiles:
 @api.get("/runs/<int:run_id>/telemetry.csv", responses=_content("text/csv"))
 def telemetry_csv(path: RunPath, query: TelemetryQuery) -> Response:
     """Download all rows so far: comment lines with #, the header row, one row per 0.05 s."""
-    view = authorization.run_for(path.run_id)
+    view = access.run_for(path.run_id)
     files = files_of(view)
     stop = files.row_count()
     answer = Response(
@@ -81,7 +80,7 @@ def _comments(view: RunView, rows: int) -> list[str]:
 @api.get("/runs/<int:run_id>/telemetry.f64", responses=_content("application/octet-stream"))
 def telemetry_f64(path: RunPath, query: TelemetryQuery) -> Response:
     """Download all rows so far as little-endian float64; X-Columns names the columns."""
-    view = authorization.run_for(path.run_id)
+    view = access.run_for(path.run_id)
     files = files_of(view)
     stop = files.row_count()
     pieces = (
@@ -98,7 +97,7 @@ def telemetry_f64(path: RunPath, query: TelemetryQuery) -> Response:
 @api.get("/runs/<int:run_id>/metrics.json", responses=_content("application/json", "object"))
 def metrics(path: RunPath) -> Response:
     """Return the metrics; 404 until there are some."""
-    view = authorization.run_for(path.run_id)
+    view = access.run_for(path.run_id)
     found = view.metrics or files_of(view).metrics()
     if found is None:
         raise Problem("not-found", f"Run {view.id} has no metrics yet: it is {view.state.value}.")
@@ -112,7 +111,7 @@ def manifest(path: RunPath) -> Response:
     `seeds` has the seed of each trial of a ranked run of a benchmark with fresh trials. Those of
     the first benchmark versions stay hidden, because all of their ranked runs have the same ones.
     """
-    view = authorization.run_for(path.run_id)
+    view = access.run_for(path.run_id)
     found = view.manifest or files_of(view).manifest()
     if found is None:
         raise Problem("not-found", f"Run {view.id} has no manifest yet: it is {view.state.value}.")
@@ -135,7 +134,7 @@ def _without_seeds(value: Any) -> Any:
 @api.get("/runs/<int:run_id>/config.json", responses=_content("application/json", "object"))
 def config(path: RunPath) -> Response:
     """Download the configuration; `seamark run --config` reads it."""
-    view = authorization.run_for(path.run_id)
+    view = access.run_for(path.run_id)
     answer = jsonify(view.config)
     _as_attachment(answer, view, "config.json")
     return answer
@@ -144,7 +143,7 @@ def config(path: RunPath) -> Response:
 @api.get("/runs/<int:run_id>/log", responses=_content("text/plain"))
 def log(path: RunPath, query: LogQuery) -> Response:
     """Return the output of the program from byte `after` on; X-Next-Offset is the next `after`."""
-    view = authorization.run_for(path.run_id, Action.VIEW_LOG)
+    view = access.run_for(path.run_id, Action.VIEW_LOG)
     part = files_of(view).log(query.after)
     answer = Response(part.text, content_type="text/plain; charset=utf-8")
     answer.headers["X-Next-Offset"] = str(max(part.next, query.after))
@@ -155,7 +154,7 @@ def log(path: RunPath, query: LogQuery) -> Response:
 @api.get("/runs/<int:run_id>/program", responses=_content("text/plain"))
 def program(path: RunPath) -> Response:
     """Download the uploaded program of your own or of a public run."""
-    view = authorization.run_for(path.run_id, Action.VIEW_PROGRAM)
+    view = access.run_for(path.run_id, Action.VIEW_PROGRAM)
     if view.program_sha256 is None:
         raise Problem("not-found", f"Run {view.id} has no uploaded program.")
     try:
@@ -173,7 +172,7 @@ def camera(path: RunPath, query: CameraQuery) -> Response:
     """Render the camera image at a simulated time, with the tracked and the true outline."""
     from seamark.server.runs import camera_view  # noqa: PLC0415 (it loads OpenCV)
 
-    view = authorization.run_for(path.run_id)
+    view = access.run_for(path.run_id)
     image = camera_view.render(services().settings, view, trial=query.trial, t=query.t)
     if image is None:
         raise Problem("not-found", "There is no telemetry of that trial yet.")

@@ -10,8 +10,8 @@ from flask_openapi3.blueprint import APIBlueprint
 from flask_openapi3.models.tag import Tag
 from werkzeug.datastructures import FileStorage
 
-from seamark.server.accounts.permissions import READ, SUBMIT, Action
-from seamark.server.api import authorization, refusals, request_body
+from seamark.server.accounts.permissions import Action
+from seamark.server.api import refusals, request_body
 from seamark.server.api.schemas import (
     ComparisonQuery,
     ComparisonResponse,
@@ -27,7 +27,7 @@ from seamark.server.runs import comparison, submission, views
 from seamark.server.runs.states import RunKind, RunState
 from seamark.server.runs.submission import UPLOAD, Submission
 from seamark.server.runs.views import RunFilter, RunView
-from seamark.server.web import authentication, caching, rate_limits
+from seamark.server.web import access, authentication, caching, rate_limits
 from seamark.server.web.problems import Problem
 from seamark.server.web.services import services
 from seamark.sim.benchmarks.benchmark import Benchmark
@@ -50,7 +50,7 @@ def create() -> Response:
     Guests may try built-in controllers; programs and ranked runs need an account.
     """
     run, file = request_body.run_request()
-    authorization.require_scope(SUBMIT)
+    access.require_scope(Action.SUBMIT)
     viewer, kind = authentication.become_guest(), RunKind(run.kind)
     with refusals.as_problems():
         submission.require_permission(viewer, kind=kind, uploads=file is not None)
@@ -94,8 +94,8 @@ def _accepted(run_id: int) -> Response:
 @api.post("/runs/<int:run_id>/rerun", responses={202: RunResponse})
 def rerun(path: RunPath) -> Response:
     """Submit the same run again; it is a new run with its own number."""
-    authorization.run_for(path.run_id, Action.RERUN)
-    viewer, settings = authorization.viewer(), services().settings
+    access.run_for(path.run_id, Action.RERUN)
+    viewer, settings = access.viewer(), services().settings
     with refusals.as_problems(), services().database.writing() as database:
         run_id = submission.rerun(database, path.run_id, viewer, settings)
     return _accepted(run_id)
@@ -104,8 +104,8 @@ def rerun(path: RunPath) -> Response:
 @api.get("/runs/<int:run_id>/comparison", responses={200: ComparisonResponse})
 def compare(path: RunPath, query: ComparisonQuery) -> dict[str, Any]:
     """Compare two ranked runs on their reference trials, which are the same for both."""
-    view = authorization.run_for(path.run_id)
-    authorization.run_for(query.other)
+    view = access.run_for(path.run_id)
+    access.run_for(query.other)
     with services().database.reading() as database:
         found = comparison.compare(database, path.run_id, query.other)
     if found is None:
@@ -124,9 +124,9 @@ def compare(path: RunPath, query: ComparisonQuery) -> dict[str, Any]:
 @api.get("/runs", responses={200: RunsResponse})
 def list_some(query: RunsQuery) -> dict[str, Any]:
     """List runs, newest first; pages are followed by `after` = `next`."""
-    authorization.require_scope(READ)
-    if query.which == "all" and not authorization.is_operator():
-        raise Problem("forbidden", "Only admins may list the runs of all users.")
+    access.require(Action.LIST)
+    if query.which == "all":
+        access.require(Action.ADMINISTER)
     with services().database.reading() as database:
         run_filter = RunFilter(
             which=query.which,
@@ -135,7 +135,7 @@ def list_some(query: RunsQuery) -> dict[str, Any]:
             kind=query.kind,
         )
         page = views.page(
-            database, authorization.viewer(), run_filter, after=query.after, limit=query.limit
+            database, access.viewer(), run_filter, after=query.after, limit=query.limit
         )
     return {"runs": [run_answer(view, whole=False) for view in page.runs], "next": page.next}
 
@@ -143,7 +143,7 @@ def list_some(query: RunsQuery) -> dict[str, Any]:
 @api.get("/runs/<int:run_id>", responses={200: RunResponse, 304: None})
 def show(path: RunPath) -> Response:
     """Show a run: state, position in the queue, progress, result, links. Has an ETag."""
-    view = authorization.run_for(path.run_id)
+    view = access.run_for(path.run_id)
     answer = jsonify(run_answer(view))
     answer.set_etag(hashlib.sha256(f"{view.id}-{view.version}".encode()).hexdigest()[:24])
     if not view.state.final:

@@ -10,9 +10,9 @@ from flask_openapi3.blueprint import APIBlueprint
 from flask_openapi3.models.tag import Tag
 from numpy.typing import NDArray
 
-from seamark.server.api import authorization
 from seamark.server.api.files import files_of
 from seamark.server.api.schemas import RunPath, SeriesQuery, SeriesResponse
+from seamark.server.web import access
 from seamark.server.web.problems import Problem
 
 if TYPE_CHECKING:
@@ -32,7 +32,7 @@ api = APIBlueprint(
 @api.get("/runs/<int:run_id>/series.json", responses={200: SeriesResponse})
 def series(path: RunPath, query: SeriesQuery) -> dict[str, Any]:
     """Return columns of one trial on one time axis, downsampled with the peaks kept."""
-    view = authorization.run_for(path.run_id)
+    view = access.run_for(path.run_id)
     files = files_of(view)
     index = {name: at for at, name in enumerate(files.columns)}
     names = _names(query.columns, index)

@@ -6,8 +6,8 @@ from flask import Blueprint, abort, flash, g, redirect, render_template, request
 from flask.typing import ResponseReturnValue
 
 from seamark.server.accounts import accounts
-from seamark.server.accounts.permissions import ADMIN, SCOPES, Action, can
-from seamark.server.web import authentication
+from seamark.server.accounts.permissions import Action, grantable
+from seamark.server.web import access, authentication
 from seamark.server.web.rate_limits import (
     CREDENTIAL_ATTEMPTS,
     SIGN_INS,
@@ -76,8 +76,7 @@ def sign_out() -> ResponseReturnValue:
 @page.get("/tokens")
 def tokens() -> ResponseReturnValue:
     """Show the tokens of the account."""
-    if not can(g.viewer, Action.MANAGE_ACCOUNT):
-        return redirect(url_for("account.sign_in", next=request.path))
+    access.require(Action.VIEW_ACCOUNT)
     return _tokens()
 
 
@@ -85,17 +84,15 @@ def tokens() -> ResponseReturnValue:
 @limiter.limit(CREDENTIAL_ATTEMPTS, key_func=client)
 def create_token() -> ResponseReturnValue:
     """Create a token and show its text once."""
-    if not can(g.viewer, Action.MANAGE_ACCOUNT):
-        abort(404)
+    access.require(Action.MANAGE_TOKENS)
     days = request.form.get("days", accounts.TOKEN_DAYS, type=int)
-    scopes = [scope for scope in request.form.getlist("scopes") if scope in _grantable()]
     try:
         with services().database.writing() as session:
-            text = accounts.new_token(
+            text = accounts.grant_token(
                 session,
-                g.viewer.user_id,
+                g.viewer,
                 request.form.get("name", ""),
-                scopes,
+                request.form.getlist("scopes"),
                 days=max(1, min(days, accounts.PAGE_TOKEN_DAYS_MAX)),
             )
     except accounts.AccountRejected as reason:
@@ -107,8 +104,7 @@ def create_token() -> ResponseReturnValue:
 @limiter.limit(CREDENTIAL_ATTEMPTS, key_func=client)
 def change_password() -> ResponseReturnValue:
     """Change the password, which signs out all other browsers."""
-    if not can(g.viewer, Action.MANAGE_ACCOUNT):
-        abort(404)
+    access.require(Action.CHANGE_PASSWORD)
     old, new = request.form.get("old", ""), request.form.get("new", "")
     try:
         with services().database.writing() as session:
@@ -123,10 +119,9 @@ def change_password() -> ResponseReturnValue:
 @page.post("/tokens/<row:token_id>/revoke")
 def revoke_token(token_id: int) -> ResponseReturnValue:
     """Revoke one of the account's tokens."""
-    if not can(g.viewer, Action.MANAGE_ACCOUNT):
-        abort(404)
+    user_id = access.require_account(Action.MANAGE_TOKENS)
     with services().database.writing() as session:
-        revoked = accounts.revoke_token(session, g.viewer.user_id, token_id)
+        revoked = accounts.revoke_token(session, user_id, token_id)
     if not revoked:
         abort(404)
     flash("The token has been revoked.", "good")
@@ -137,10 +132,6 @@ def _flash_adopted(count: int) -> None:
     if count:
         runs = "The run" if count == 1 else f"The {count} runs"
         flash(f"{runs} you started without an account can be found under My runs.", "good")
-
-
-def _grantable() -> list[str]:
-    return [scope for scope in SCOPES if scope != ADMIN or g.viewer.is_admin]
 
 
 def _form(template: str, error: str = "") -> str:
@@ -168,7 +159,7 @@ def _tokens(*, new: str = "", error: str = "", password_error: str = "") -> str:
         password_error=password_error,
         password_min=accounts.PASSWORD_MIN,
         password_max=accounts.PASSWORD_MAX,
-        scopes=_grantable(),
+        scopes=grantable(g.viewer),
         days=accounts.TOKEN_DAYS,
         days_max=accounts.PAGE_TOKEN_DAYS_MAX,
     )

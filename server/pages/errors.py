@@ -1,17 +1,21 @@
 """Error pages; API clients get a problem document instead."""
 
 import structlog
-from flask import Flask, g, render_template, request, url_for
+from flask import Flask, g, redirect, render_template, request, url_for
 from flask.typing import ResponseReturnValue
 from flask_wtf.csrf import CSRFError
+from sqlalchemy.exc import InterfaceError, OperationalError
 from werkzeug.exceptions import HTTPException
 
 from seamark.server.accounts.permissions import Viewer
-from seamark.server.web import problems
+from seamark.server.programs.reader import ReaderBusy
+from seamark.server.web import authentication, problems
+from seamark.server.web.problems import Problem
 from seamark.server.web.services import services
 from seamark.server.web.template_filters import size
 
 _DRAIN_MAX = 32 * 2**20  # [B] of a rejected upload that are read and discarded
+_RETRY_S = 5
 _log = structlog.get_logger()
 
 # status -> title, sentence, remedy
@@ -56,25 +60,50 @@ _MESSAGES = {
 
 def register(app: Flask) -> None:
     """Add handlers that respond to every error with a page or a problem document."""
+    app.register_error_handler(HTTPException, _show_http)
+    app.register_error_handler(CSRFError, _show_csrf)
+    app.register_error_handler(Problem, _show_problem)
+    for part_is_away in (OperationalError, InterfaceError, ReaderBusy):
+        app.register_error_handler(part_is_away, _show_unavailable)
 
-    @app.errorhandler(HTTPException)
-    def show_http(error: HTTPException) -> ResponseReturnValue:
-        if error.code == 413:
-            _drain()
-        if problems.prefers_json():
-            return problems.from_http_exception(error).response()
-        return _page(error)
 
-    @app.errorhandler(CSRFError)
-    def show_csrf(error: CSRFError) -> ResponseReturnValue:
-        if problems.prefers_json():
-            return problems.Problem("csrf").response()
-        return _render(
-            403,
-            "This form has expired",
-            "It was opened before you signed in or out, or it was sent by another site.",
-            "Go back, reload the page and submit the form again. No changes were made.",
-        )
+def _show_http(error: HTTPException) -> ResponseReturnValue:
+    if error.code == 413:
+        _drain()
+    if problems.prefers_json():
+        return problems.from_http_exception(error).response()
+    return _page(error)
+
+
+def _show_problem(problem: Problem) -> ResponseReturnValue:
+    if problems.prefers_json():
+        return problem.response()
+    status = problem.type.status
+    if status == 401 and request.method == "GET" and not authentication.by_token():
+        return redirect(url_for("account.sign_in", next=request.path))
+    if status == 404:  # the same for what is private and for what does not exist
+        return _render(404, *_MESSAGES[404])
+    return _render(status, problem.type.title, problem.detail, problem.type.remedy)
+
+
+def _show_csrf(error: CSRFError) -> ResponseReturnValue:
+    if problems.prefers_json():
+        return Problem("csrf").response()
+    return _render(
+        403,
+        "This form has expired",
+        "It was opened before you signed in or out, or it was sent by another site.",
+        "Go back, reload the page and submit the form again. No changes were made.",
+    )
+
+
+def _show_unavailable(error: Exception) -> ResponseReturnValue:
+    """Respond while the database is away, or too many uploads are being read."""
+    _log.error("unavailable", path=request.path, error=f"{type(error).__name__}: {error}"[:500])
+    headers = {"Retry-After": str(_RETRY_S)}
+    if problems.prefers_json():
+        return Problem("unavailable", headers=headers).response()
+    return *_render(503, *_MESSAGES[503]), headers
 
 
 def _page(error: HTTPException) -> ResponseReturnValue:

@@ -2,21 +2,21 @@
 
 from collections.abc import Callable
 
-from flask import Blueprint, abort, flash, g, redirect, render_template, url_for
+from flask import Blueprint, flash, g, redirect, render_template, url_for
 from flask.typing import ResponseReturnValue
 from sqlalchemy.orm import Session
 
 from seamark.server.accounts.permissions import Action, can
 from seamark.server.pages import benchmarks, level_chart, metric_tables
 from seamark.server.pages.ranked_parts import ranked_parts
-from seamark.server.runs import cancellation, results, submission, views
+from seamark.server.runs import cancellation, results, submission
 from seamark.server.runs.comparison import Comparison, comparisons
 from seamark.server.runs.files import RunFiles
 from seamark.server.runs.quota import QuotaExceeded
 from seamark.server.runs.states import RunKind
 from seamark.server.runs.submission import SubmissionRejected
 from seamark.server.runs.views import RunView
-from seamark.server.web import authentication
+from seamark.server.web import access, authentication
 from seamark.server.web.rate_limits import SUBMISSIONS, client, limiter
 from seamark.server.web.services import services
 from seamark.sim.settings.configuration import ConfigurationInvalid
@@ -30,7 +30,7 @@ page = Blueprint("run", __name__, url_prefix="/runs")
 @page.get("/<row:run_id>")
 def show(run_id: int) -> ResponseReturnValue:
     """Show a run."""
-    run = _run_for(run_id)
+    run = access.run_for(run_id)
     benchmark = benchmarks.by_name(run.benchmark)
     config = benchmark.restore(run.config)
     files = RunFiles(services().settings.data, run_id)
@@ -78,7 +78,7 @@ def show(run_id: int) -> ResponseReturnValue:
 @page.post("/<row:run_id>/cancel")
 def cancel(run_id: int) -> ResponseReturnValue:
     """Cancel a queued or running run; the data so far is kept."""
-    _run_for(run_id, Action.CANCEL)
+    access.run_for(run_id, Action.CANCEL)
     cancelled = cancellation.cancel(services().database, services().redis, run_id)
     done = "The run is cancelled. What it recorded so far is kept."
     return _back(run_id, cancelled, done, "The run had already ended.")
@@ -87,7 +87,7 @@ def cancel(run_id: int) -> ResponseReturnValue:
 @page.post("/<row:run_id>/publish")
 def publish(run_id: int) -> ResponseReturnValue:
     """Make a run public."""
-    _run_for(run_id, Action.PUBLISH)
+    access.run_for(run_id, Action.PUBLISH)
     done = "The run is now public, with its program and its data."
     return _change(run_id, results.publish, done, "Only a finished run can be published.")
 
@@ -95,7 +95,7 @@ def publish(run_id: int) -> ResponseReturnValue:
 @page.post("/<row:run_id>/withdraw")
 def withdraw(run_id: int) -> ResponseReturnValue:
     """Make a run private again."""
-    _run_for(run_id, Action.WITHDRAW)
+    access.run_for(run_id, Action.WITHDRAW)
     done = "The run is private again."
     return _change(run_id, results.withdraw, done, "The run was not public.")
 
@@ -104,9 +104,9 @@ def withdraw(run_id: int) -> ResponseReturnValue:
 @limiter.limit(SUBMISSIONS, key_func=client)
 def rerun(run_id: int) -> ResponseReturnValue:
     """Submit the same run again."""
-    _run_for(run_id, Action.VIEW)
+    access.known_run(run_id)
     viewer = authentication.become_guest()
-    run = _run_for(run_id, Action.RERUN)
+    run = access.run_for(run_id, Action.RERUN)
     try:
         with services().database.writing() as session:
             new_id = submission.rerun(session, run.id, viewer, services().settings)
@@ -130,17 +130,6 @@ def _compared(run: RunView) -> list[Comparison]:
     own = run.user_id is not None and run.user_id == g.viewer.user_id
     with services().database.reading() as session:
         return comparisons(session, run.id, with_previous=own)
-
-
-def _run_for(run_id: int, action: Action = Action.VIEW) -> RunView:
-    """Return the run; a private run of another user gives 404, as if it did not exist."""
-    with services().database.reading() as session:
-        run = views.show(session, run_id, services().settings)
-    if run is None or not can(g.viewer, Action.VIEW, run):
-        abort(404)
-    if not can(g.viewer, action, run):
-        abort(403)
-    return run
 
 
 def _change(

@@ -6,12 +6,12 @@ from typing import Any
 from flask import Blueprint, Response, g, render_template, request
 from flask.typing import ResponseReturnValue
 
-from seamark.server.accounts.permissions import Viewer
+from seamark.server.accounts.permissions import Action, Viewer, can
 from seamark.server.pages import benchmarks
 from seamark.server.runs import quota, views
 from seamark.server.runs.states import RunState
 from seamark.server.runs.views import LIMIT_MAX, RunFilter, RunPage, RunView
-from seamark.server.web import csv_export
+from seamark.server.web import access, csv_export
 from seamark.server.web.services import Services, services
 from seamark.server.web.template_filters import iso, solution
 from seamark.server.web.url_converters import row_id
@@ -27,6 +27,7 @@ page = Blueprint("runs", __name__, url_prefix="/runs")
 @page.get("/")
 def mine() -> ResponseReturnValue:
     """Show the viewer's own runs; an admin may list those of all users."""
+    access.require(Action.LIST)
     run_filter, app_services = _filter(g.viewer), services()
     runs = _page(app_services, g.viewer, run_filter, request.args.get("after", type=row_id), SIZE)
     with app_services.database.reading() as session:
@@ -39,12 +40,14 @@ def mine() -> ResponseReturnValue:
         first="after" not in request.args,
         quota=used,
         labels=benchmarks.labels(),
+        may_list_all=can(g.viewer, Action.ADMINISTER),
     )
 
 
 @page.get("/runs.csv")
 def as_csv() -> ResponseReturnValue:
     """Download the whole filtered list."""
+    access.require(Action.LIST)
     answer = Response(_lines(services(), g.viewer, _filter(g.viewer)))
     answer.headers["Content-Type"] = csv_export.MEDIA_TYPE
     answer.headers["Content-Disposition"] = "attachment; filename=seamark-runs.csv"
@@ -53,7 +56,7 @@ def as_csv() -> ResponseReturnValue:
 
 def _filter(viewer: Viewer) -> RunFilter:
     """Return the filter in the query string; only an admin may list the runs of others."""
-    everybody = viewer.is_admin and request.args.get("of") == "all"
+    everybody = can(viewer, Action.ADMINISTER) and request.args.get("of") == "all"
     state = request.args.get("state", "")
     return RunFilter(
         which="all" if everybody else "mine",

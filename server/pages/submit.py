@@ -14,7 +14,7 @@ from seamark.server.runs import quota, submission, trial_limits, views
 from seamark.server.runs.quota import QuotaExceeded
 from seamark.server.runs.states import RunKind
 from seamark.server.runs.submission import UPLOAD, Submission, SubmissionRejected
-from seamark.server.web import authentication, body_limits
+from seamark.server.web import access, authentication, body_limits
 from seamark.server.web.rate_limits import SUBMISSIONS, client, limiter
 from seamark.server.web.services import services
 from seamark.server.web.url_converters import row_id
@@ -43,6 +43,7 @@ def form(name: str) -> ResponseReturnValue:
 def create(name: str) -> ResponseReturnValue:
     """Submit a run, or show the form again with the errors."""
     benchmark = benchmarks.by_name(name)
+    access.require_scope(Action.SUBMIT)
     posted = body_limits.form_fields()
     values = form_fields.read(benchmark.schema(), posted)
     program: StoredProgram | None = None

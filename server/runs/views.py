@@ -7,7 +7,7 @@ from typing import Any, Literal
 from sqlalchemy import Select, func, select
 from sqlalchemy.orm import Session, defer
 
-from seamark.server.accounts.permissions import Viewer
+from seamark.server.accounts.permissions import Action, Viewer, can
 from seamark.server.database.tables import Result, Run, User
 from seamark.server.runs import wait_estimate
 from seamark.server.runs.columns import PublicRun
@@ -83,7 +83,7 @@ def page(
     query = _select()
     if run_filter.which == "public":
         query = query.where(Run.public)
-    elif run_filter.which == "mine" or not viewer.is_admin:
+    elif run_filter.which == "mine" or not can(viewer, Action.ADMINISTER):
         query = query.where(Run.owner == (viewer.owner or ""))
     if run_filter.user is not None:
         query = query.where(User.name_key == run_filter.user.casefold())

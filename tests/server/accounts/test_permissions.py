@@ -17,6 +17,8 @@ GUESTS = Thing(None, "g", public=False)
 OWNER, OTHER = Viewer(user_id=1), Viewer(user_id=2)
 ADMIN = Viewer(user_id=3, is_admin=True)
 GUEST, OTHER_GUEST, NOBODY = Viewer(guest="g"), Viewer(guest="h"), Viewer()
+READING = {"list", "view_account"}
+OF_USER = READING | {"submit", "upload", "submit_ranked", "manage_tokens"}
 LOOK = {Action.VIEW, Action.VIEW_PROGRAM, Action.VIEW_LOG}
 ON_RUN = LOOK | {Action.CANCEL, Action.PUBLISH, Action.WITHDRAW, Action.RERUN}
 
@@ -52,11 +54,15 @@ def test_a_viewer_may_do_to_a_run_exactly_what_the_table_allows(
 @pytest.mark.parametrize(
     ("viewer", "allowed"),
     [
-        (OWNER, {"submit", "upload", "submit_ranked", "manage_account"}),
-        (ADMIN, {"submit", "upload", "submit_ranked", "manage_account", "administer"}),
-        (GUEST, {"submit"}),
-        (NOBODY, set()),
-        (Viewer(user_id=1, scopes=frozenset({READ})), set()),
+        (OWNER, OF_USER | {"change_password"}),
+        (ADMIN, OF_USER | {"change_password", "administer"}),
+        (GUEST, {"list", "submit"}),
+        (NOBODY, {"list"}),
+        (Viewer(user_id=1, scopes=frozenset({READ})), {"list", "view_account"}),
+        (Viewer(user_id=1, token_expires_at=1.0, scopes=frozenset({SUBMIT})), OF_USER - READING),
+        (Viewer(user_id=1, token_expires_at=1.0), OF_USER),
+        (Viewer(user_id=3, is_admin=True, scopes=frozenset({READ})), READING),
+        (Viewer(user_id=1, scopes=frozenset({"admin"})), set()),
     ],
 )
 def test_a_viewer_may_do_without_a_run_exactly_what_the_table_allows(

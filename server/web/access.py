@@ -1,0 +1,94 @@
+"""Access of the current request: what it may do, and to which run; for pages and the API alike.
+
+A refusal is a `Problem`: a document for programs, a page for people.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from flask import g
+
+from seamark.server.accounts.permissions import READ, RULES, Action, Role, Viewer, can
+from seamark.server.runs import views
+from seamark.server.runs.views import RunView
+from seamark.server.web.problems import Problem
+from seamark.server.web.services import services
+
+_NOT_FOUND = "There is no run {}, or it is private and belongs to someone else."
+
+
+def viewer() -> Viewer:
+    """Return who sent the request."""
+    current: Viewer = g.viewer
+    return current
+
+
+def require_scope(action: Action) -> None:
+    """Refuse a token without the scope that an action needs; cookies have all scopes."""
+    scope = RULES[action].scope
+    if scope not in viewer().scopes:
+        raise Problem("scope-missing", f"This call requires the scope {scope}.")
+
+
+def require(action: Action) -> None:
+    """Refuse a request whose sender may not perform an action that applies to no run."""
+    if can(viewer(), action):
+        return
+    rule = RULES[action]
+    if viewer().role < rule.role:
+        if rule.role is Role.ADMIN:
+            raise Problem("forbidden", "Only admins may do this.")
+        raise Problem("unauthenticated", "This requires an account: sign in or send a token.")
+    require_scope(action)
+    raise Problem("forbidden", "This is only possible in a browser, not with a token.")
+
+
+def require_account(action: Action) -> int:
+    """Return the account's id; refuse who may not perform an action that needs an account."""
+    require(action)
+    user_id = viewer().user_id
+    if user_id is None:
+        raise Problem("unauthenticated")
+    return user_id
+
+
+def run_for(run_id: int, action: Action = Action.VIEW) -> RunView:
+    """Return the run if the viewer may perform `action` on it.
+
+    Raises
+    ------
+    Problem
+        not-found if the viewer may not know of the run; otherwise scope-missing, account-needed
+        or forbidden if the action is not permitted.
+    """
+    run = known_run(run_id)
+    if not can(viewer(), action, run):
+        raise _refusal(action)
+    return run
+
+
+def known_run(run_id: int) -> RunView:
+    """Return the run if the viewer may know of it; it need not be shown.
+
+    A token without the scope "read" may know of its owner's runs: it gets scope-missing for them,
+    not not-found.
+    """
+    with services().database.reading() as database:
+        run = views.show(database, run_id, services().settings)
+    if run is None or not _may_know_of(run):
+        raise Problem("not-found", _NOT_FOUND.format(run_id))
+    return run
+
+
+def _may_know_of(run: RunView) -> bool:
+    return can(replace(viewer(), scopes=viewer().scopes | {READ}), Action.VIEW, run)
+
+
+def _refusal(action: Action) -> Problem:
+    scope = RULES[action].scope
+    if scope not in viewer().scopes:
+        return Problem("scope-missing", f"This call requires the scope {scope}.")
+    if action is Action.PUBLISH and viewer().user_id is None:
+        return Problem("account-needed", "Publishing requires an account: it shows your name.")
+    return Problem("forbidden", f"Only the owner may {action.value} this run.")

@@ -1,0 +1,351 @@
+"""Who may call what: every route, for every role with every set of scopes.
+
+A route without an entry in `ROUTES` fails. What an entry allows is written here independently of
+`seamark.server.accounts.permissions`.
+"""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from itertools import chain, combinations
+from typing import Any
+
+import pytest
+from flask.testing import FlaskClient
+
+from seamark.server.accounts import accounts
+from seamark.server.app import create_app
+from seamark.server.web import authentication
+from tests.cast import Backend
+from tests.server.api.conftest import Site
+
+READ, SUBMIT, ADMIN = "read", "submit", "admin"
+SETS = [
+    frozenset(scopes)
+    for scopes in chain(*(combinations((READ, SUBMIT, ADMIN), count) for count in (1, 2, 3)))
+]
+ALL = frozenset({READ, SUBMIT, ADMIN})
+REFUSED = {401, 403, 404}
+TO_SIGN_IN = "/sign-in?next="
+
+
+@dataclass(frozen=True)
+class Caller:
+    """A role, and the scopes of its token; a browser has a cookie and no token."""
+
+    role: str  # "anonymous", "guest", or a name of the cast: ann owns, ben does not, root is admin
+    scopes: frozenset[str] | None = None
+
+    def __str__(self) -> str:
+        return self.role if self.scopes is None else f"{self.role}-{'+'.join(sorted(self.scopes))}"
+
+    def has(self, scope: str) -> bool:
+        return self.scopes is None or scope in self.scopes
+
+    @property
+    def signed_in(self) -> bool:
+        return self.role in {"ann", "ben", "root"}
+
+    @property
+    def administers(self) -> bool:
+        return self.role == "root" and self.has(ADMIN)
+
+
+CALLERS = [
+    Caller("anonymous"),
+    Caller("guest"),
+    *(Caller("root", scopes) for scopes in (None, *SETS)),
+    # The scope "admin" of somebody who is no admin has no effect: one such token for each.
+    *(Caller("ann", scopes) for scopes in (None, *(s for s in SETS if s == ALL or ADMIN not in s))),
+    *(Caller("ben", scopes) for scopes in (None, ALL)),
+]
+Allows = Callable[[Caller], bool]
+
+
+def everybody(caller: Caller) -> bool:
+    return True
+
+
+def lists(caller: Caller) -> bool:
+    return caller.has(READ)
+
+
+def submits(caller: Caller) -> bool:
+    return caller.has(SUBMIT)
+
+
+def uploads(caller: Caller) -> bool:
+    return caller.signed_in and caller.has(SUBMIT)
+
+
+def reads_account(caller: Caller) -> bool:
+    return caller.signed_in and caller.has(READ)
+
+
+def changes_tokens(caller: Caller) -> bool:
+    return caller.signed_in and caller.has(SUBMIT)
+
+
+def reads_its_own(caller: Caller) -> bool:
+    return caller.role == "ann" and caller.has(READ)
+
+
+def changes_its_own(caller: Caller) -> bool:
+    return caller.role == "ann" and caller.has(SUBMIT)
+
+
+def changes_password(caller: Caller) -> bool:
+    return caller.signed_in and caller.scopes is None
+
+
+def reads_run(caller: Caller) -> bool:
+    return caller.has(READ) and (caller.role == "ann" or caller.administers)
+
+
+def changes_run(caller: Caller) -> bool:
+    return caller.has(SUBMIT) and (caller.role == "ann" or caller.administers)
+
+
+ORDER: dict[str, Any] = {"json": {"benchmark": "currents-v1", "controller": "pi"}}
+TOKEN: dict[str, Any] = {"json": {"name": "t", "scopes": ["submit"]}}
+FORM = {"controller": "pi", "kind": "practice"}
+UPLOAD: dict[str, Any] = {"json": {"benchmark": "currents-v1"}}
+NEW_NAME = {"name": "someone", "password": "a long pass phrase"}
+WRONG = {"old": "not the password", "new": "a long pass phrase"}
+
+
+@dataclass(frozen=True)
+class Entry:
+    """Who may call a route, how it is called, and the status for who may."""
+
+    allows: Allows
+    status: int = 200
+    path: str = ""  # the route itself if it has no variable part
+    options: Any = None
+    run: str = ""  # the state of ann's new run whose number replaces {run}; empty: an old one
+
+
+def _reading(*names: str) -> dict[tuple[str, str], Entry]:
+    root = "/api/v1/runs/"
+    return {
+        ("GET", f"{root}<int:run_id>{name}"): Entry(reads_run, path=f"{root}{{run}}{name}")
+        for name in names
+    }
+
+
+def _changing(
+    root: str, variable: str, status: int, **entries: tuple[Allows, str]
+) -> dict[tuple[str, str], Entry]:
+    return {
+        ("POST", f"{root}{variable}/{name}"): Entry(
+            allows, status, f"{root}{{run}}/{name}", run=run
+        )
+        for name, (allows, run) in entries.items()
+    }
+
+
+ACTIONS = {
+    "cancel": (changes_run, "queued"),
+    "publish": (changes_run, "recorded"),
+    "withdraw": (changes_run, "public"),
+}
+RERUN = {"rerun": (changes_its_own, "recorded")}
+OPEN = Entry(everybody)
+ROUTES: dict[tuple[str, str], Entry] = {
+    ("GET", "/static/<path:filename>"): Entry(everybody, path="/static/logo.svg"),
+    ("GET", "/"): OPEN,
+    ("GET", "/submit/"): Entry(everybody, 302),
+    ("GET", "/submit/<name>"): Entry(everybody, path="/submit/currents-v1"),
+    ("POST", "/submit/<name>"): Entry(submits, 303, "/submit/currents-v1", {"data": FORM}),
+    ("GET", "/benchmarks/"): Entry(everybody, 302),
+    ("GET", "/benchmarks/<name>"): Entry(everybody, path="/benchmarks/currents-v1"),
+    ("GET", "/runs/<row:run_id>"): Entry(reads_run, path="/runs/{run}"),
+    **_changing("/runs/", "<row:run_id>", 303, **ACTIONS, **RERUN),
+    ("GET", "/runs/"): Entry(lists),
+    ("GET", "/runs/runs.csv"): Entry(lists),
+    ("GET", "/leaderboards/"): Entry(everybody, 302),
+    ("GET", "/leaderboards/<name>"): Entry(everybody, path="/leaderboards/currents-v1"),
+    ("GET", "/sign-up"): OPEN,
+    ("POST", "/sign-up"): Entry(everybody, 302, options={"data": NEW_NAME}),
+    ("GET", "/sign-in"): OPEN,
+    ("POST", "/sign-in"): Entry(everybody, 422, options={"data": WRONG}),
+    ("POST", "/sign-out"): Entry(everybody, 302),
+    ("GET", "/tokens"): Entry(reads_account),
+    ("POST", "/tokens"): Entry(changes_tokens, options={"data": {"scopes": "submit"}}),
+    ("POST", "/tokens/<row:token_id>/revoke"): Entry(
+        changes_its_own, 302, "/tokens/{token}/revoke"
+    ),
+    ("POST", "/password"): Entry(changes_password, 422, options={"data": WRONG}),
+    ("GET", "/docs/"): Entry(everybody, 302),
+    ("GET", "/docs/<name>"): Entry(everybody, path="/docs/start"),
+    ("GET", "/docs/guides/<path:name>"): Entry(everybody, path="/docs/guides/benchmarks.md"),
+    ("GET", "/docs/physics/<name>.urdf"): Entry(everybody, path="/docs/physics/girona500.urdf"),
+    ("GET", "/status"): OPEN,
+    ("GET", "/problems"): OPEN,
+    ("GET", "/problems/<slug>"): Entry(everybody, path="/problems/not-found"),
+    ("GET", "/healthz"): OPEN,
+    ("GET", "/readyz"): Entry(everybody, 503),  # there is no worker
+    ("GET", "/metrics"): OPEN,
+    ("GET", "/api/docs"): OPEN,
+    ("GET", "/api/v1/openapi.json"): OPEN,
+    ("GET", "/api/v1/benchmarks"): OPEN,
+    ("GET", "/api/v1/benchmarks/<string:benchmark>"): Entry(
+        everybody, path="/api/v1/benchmarks/currents-v1"
+    ),
+    ("GET", "/api/v1/leaderboards/<string:benchmark>"): Entry(
+        everybody, path="/api/v1/leaderboards/currents-v1"
+    ),
+    ("GET", "/api/v1/me"): OPEN,
+    ("GET", "/api/v1/runs"): Entry(lists),
+    ("POST", "/api/v1/runs"): Entry(submits, 202, options=ORDER),
+    ("POST", "/api/v1/checks"): Entry(uploads, 422, options=UPLOAD),  # there is no worker
+    ("GET", "/api/v1/checks/<int:check_id>"): Entry(reads_its_own, path="/api/v1/checks/{check}"),
+    **_reading("", "/events", "/telemetry.csv", "/telemetry.f64", "/series.json", "/metrics.json"),
+    **_reading("/manifest.json", "/config.json", "/log", "/program", "/camera.jpg", "/dataset.zip"),
+    ("GET", "/api/v1/runs/<int:run_id>/comparison"): Entry(  # 422: it is no ranked run
+        reads_run, 422, "/api/v1/runs/{run}/comparison?with={run}"
+    ),
+    **_changing("/api/v1/runs/", "<int:run_id>", 200, **ACTIONS),
+    **_changing("/api/v1/runs/", "<int:run_id>", 202, **RERUN),
+    ("GET", "/api/v1/tokens"): Entry(reads_account),
+    ("POST", "/api/v1/tokens"): Entry(changes_tokens, 201, options=TOKEN),
+    ("DELETE", "/api/v1/tokens/<int:token_id>"): Entry(
+        changes_its_own, 204, "/api/v1/tokens/{token}"
+    ),
+}
+
+
+@pytest.fixture
+def site(backend: Backend) -> Iterator[Site]:
+    settings = backend.settings.model_copy(update={"quota_live": 1000, "quota_day": 1000})
+    app = create_app(settings)
+    app.config.update(WTF_CSRF_METHODS=[])
+    site = Site(backend.database, settings, backend.viewers, app, headers={})
+    yield site
+    site.services.close()
+
+
+def headers_of(site: Site, caller: Caller) -> dict[str, str]:
+    """Return the headers of the caller's requests: with a token if it has scopes."""
+    if caller.scopes is None:
+        return {}
+    with site.database.writing() as session:
+        user_id = site.user_id(caller.role)
+        text = accounts.new_token(session, user_id, str(caller), caller.scopes)
+    return {"Authorization": f"Bearer {text}"}
+
+
+def browser_of(site: Site, caller: Caller) -> FlaskClient:
+    """Return a client with the caller's cookie if it has one."""
+    client, cookie = site.client(), dict[str, object]()
+    if caller.role == "guest":
+        cookie = {"guest": "a guest"}
+    elif caller.signed_in and caller.scopes is None:
+        with site.app.app_context():
+            cookie = authentication.cookie_of(site.user_id(caller.role))
+    with client.session_transaction() as session:
+        session.update(cookie)
+    return client
+
+
+def path_of(site: Site, route: str, entry: Entry, recorded: int) -> str:
+    """Return the address to call, with what it acts on made anew; reading uses `recorded`."""
+    path = entry.path or route
+    if "{run}" in path:
+        path = path.replace("{run}", str(run_of(site, entry.run) if entry.run else recorded))
+    if "{check}" in path:
+        path = path.replace("{check}", str(site.queue_check("ann")))
+    if "{token}" in path:
+        with site.database.writing() as session:
+            accounts.new_token(session, site.user_id("ann"), "spare", [READ])
+            spare = accounts.tokens(session, site.user_id("ann"))[0].id
+        path = path.replace("{token}", str(spare))
+    return path
+
+
+def run_of(site: Site, state: str) -> int:
+    site.clear_queue()  # the next run that is claimed is the one that is queued here
+    if state == "queued":
+        return site.queue("ann")
+    run_id = site.recorded()
+    return site.publish(run_id) if state == "public" else run_id
+
+
+def test_every_route_has_an_entry(site: Site) -> None:
+    routes = {
+        (method, rule.rule)
+        for rule in site.app.url_map.iter_rules()
+        for method in (rule.methods or set()) - {"HEAD", "OPTIONS"}
+    }
+
+    assert routes == set(ROUTES)
+
+
+@pytest.mark.parametrize("caller", CALLERS, ids=str)
+def test_a_caller_gets_through_exactly_where_the_entries_allow_it(
+    site: Site, caller: Caller
+) -> None:
+    wrong, recorded, headers = [], site.recorded(), headers_of(site, caller)
+    for (method, route), entry in ROUTES.items():
+        client = browser_of(site, caller)  # anew, since some routes sign in or out
+        path = path_of(site, route, entry, recorded)
+        options = entry.options or {}
+        with client.open(path, method=method, headers=headers, **options) as answer:
+            status, location = answer.status_code, answer.headers.get("Location", "")
+        if not _as_expected(entry, caller, status, location):
+            wrong.append((method, path, status))
+
+    assert wrong == []
+
+
+def _as_expected(entry: Entry, caller: Caller, status: int, location: str) -> bool:
+    if entry.allows(caller):
+        return status == entry.status and not location.startswith(TO_SIGN_IN)
+    return status in REFUSED or location.startswith(TO_SIGN_IN)
+
+
+@pytest.mark.parametrize("caller", CALLERS, ids=str)
+def test_only_who_administers_sees_the_private_runs_of_others(site: Site, caller: Caller) -> None:
+    site.succeeded("eva", title="secret plan")
+    client, headers = browser_of(site, caller), headers_of(site, caller)
+    paths = ("/runs/?of=all", "/runs/runs.csv?of=all", "/api/v1/runs?which=all")
+
+    seen = ["secret plan" in client.get(path, headers=headers).text for path in paths]
+
+    assert seen == [caller.administers and caller.has(READ)] * 3
+
+
+@pytest.mark.parametrize("path", ["/tokens", "/api/v1/tokens"])
+def test_a_token_gives_no_scope_and_no_day_that_it_lacks(site: Site, path: str) -> None:
+    root = site.user_id("root")
+    with site.database.writing() as session:
+        text = accounts.new_token(session, root, "one day", [SUBMIT], days=1.0)
+    client, headers = site.client(), {"Authorization": f"Bearer {text}"}
+    kind = "json" if path.startswith("/api/") else "data"
+
+    for scopes in (["admin"], ["submit"]):
+        body: dict[str, Any] = {kind: {"name": "longer", "scopes": scopes, "days": 365}}
+        client.post(path, headers=headers, **body)
+
+    with site.database.reading() as session:
+        made = [token for token in accounts.tokens(session, root) if token.name == "longer"]
+        first = accounts.tokens(session, root)[-1]
+    assert [token.scopes for token in made] == [["submit"]]
+    assert made[0].expires_at is not None
+    assert first.expires_at is not None
+    assert made[0].expires_at <= first.expires_at + 1.0
+
+
+def test_an_expired_token_is_refused_everywhere(site: Site) -> None:
+    with site.database.writing() as session:
+        text = accounts.new_token(session, site.user_id("ann"), "old", [READ, SUBMIT], days=-1.0)
+    headers, recorded = {"Authorization": f"Bearer {text}"}, site.recorded()
+
+    statuses = {
+        site.client()
+        .open(path_of(site, route, entry, recorded), method=method, headers=headers)
+        .status_code
+        for (method, route), entry in ROUTES.items()
+        if not route.startswith("/static/")
+    }
+
+    assert statuses == {401}
