@@ -14,12 +14,12 @@ from werkzeug.middleware.proxy_fix import ProxyFix
 
 from seamark import templates
 from seamark.server import api, pages
+from seamark.server.accounts.browser_sessions import SESSION_DAYS
 from seamark.server.runs import camera_view
 from seamark.server.settings import Settings
 from seamark.server.web import authentication, body_limits, problems, rate_limits, security_headers
 from seamark.server.web.services import Services, services
 
-SESSION_DAYS = 30
 _SAFE_METHODS = frozenset({"GET", "HEAD", "OPTIONS", "TRACE"})
 _FOLDER = Path(templates.__file__).parent
 
@@ -94,5 +94,5 @@ def _common() -> dict[str, Any]:
     return {
         "viewer": g.viewer,
         "version": version("seamark"),
-        "sign_up_open": services().settings.sign_up_open,
+        "sign_up": services().settings.sign_up,
     }

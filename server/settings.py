@@ -10,6 +10,10 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_valida
 
 PREFIX = "SEAMARK_"
 LevelName = Literal["none", "medium", "strong"]  # of seamark.sandbox.isolation.level
+SignUp = Literal["open", "invitation", "closed"]
+REPLACED = {  # setting of an earlier version -> what to write instead
+    "sign_up_open": f"write {PREFIX}SIGN_UP=open or {PREFIX}SIGN_UP=closed",
+}
 DEFAULTS_IN_WORDS = {  # of settings whose default depends on others or on the machine
     "database_url": "SQLite in the data folder",
     "broker_url": "none; `seamark up` starts one",
@@ -87,7 +91,9 @@ class Settings(BaseModel):
         3, ge=1, description="Attempts before a run fails as a platform failure"
     )
     streams_max: int = Field(200, ge=1, description="Maximum open event streams per web process")
-    sign_up_open: bool = Field(True, description="Anyone may create an account")
+    sign_up: SignUp = Field(
+        "open", description="Who may create an account: `open`, `invitation` or `closed`"
+    )
     sign_ups_per_hour: int = Field(
         10, ge=1, description="Accounts per address and hour; a class often shares one"
     )
@@ -157,7 +163,8 @@ def _values(environ: Mapping[str, str]) -> dict[str, object]:
         if name not in Settings.model_fields and name.endswith("_file"):
             name, value = name.removesuffix("_file"), _content(variable, text)
         if name not in Settings.model_fields:
-            raise SettingsInvalid(f"{variable} is not a setting of Seamark")
+            hint = f"; {REPLACED[name]}" if name in REPLACED else ""
+            raise SettingsInvalid(f"{variable} is not a setting of Seamark{hint}")
         if name in values:
             raise SettingsInvalid(f"{PREFIX}{name.upper()} is given twice, directly and as a file")
         values[name] = value

@@ -14,7 +14,7 @@ from sqlalchemy import delete, func, select, update
 from sqlalchemy.orm import Session
 
 from seamark.server.accounts.permissions import SCOPES, Viewer, grantable
-from seamark.server.database.tables import Run, Token, User
+from seamark.server.database.tables import BrowserSession, Run, Token, User
 from seamark.server.settings import Settings
 
 NAME_MAX = 40  # [character]
@@ -83,7 +83,7 @@ def adopt_runs(session: Session, user_id: int, guest: str) -> int:
 
 
 def change_password(session: Session, name: str, old: str | None, new: str) -> User:
-    """Set a new password and return the user; signs out all browsers.
+    """Set a new password and return the user; signs out all browsers and revokes all tokens.
 
     `old` is the current password; None skips the check, for the operator of the service.
 
@@ -99,23 +99,10 @@ def change_password(session: Session, name: str, old: str | None, new: str) -> U
         raise AccountRejected(f"There is no account {name}.")
     _check_password(new)
     user.password_hash = _hasher.hash(new)
+    # Whoever changes it may do so because somebody else knows the old one.
+    session.execute(delete(BrowserSession).where(BrowserSession.user_id == user.id))
+    session.execute(delete(Token).where(Token.user_id == user.id))
     return user
-
-
-def session_key(settings: Settings, user: User) -> str:
-    """Return the key in the cookie of a browser; it changes with the password."""
-    text = f"session {user.id} {user.password_hash}"
-    return hmac.new(settings.secret_key.encode(), text.encode(), "sha256").hexdigest()[:32]
-
-
-def viewer_of_session(
-    session: Session, user_id: int, key: str, settings: Settings
-) -> Viewer | None:
-    """Return the viewer of a browser session; None if the account or password has changed."""
-    user = session.get(User, user_id)
-    if user is None or not hmac.compare_digest(session_key(settings, user), key):
-        return None
-    return _viewer(user, SCOPES)
 
 
 def guest_hash(settings: Settings, cookie: str) -> str:
@@ -146,7 +133,7 @@ def new_token(
     token = Token(
         user_id=user_id,
         name=name.strip()[:TOKEN_NAME_MAX] or "token",
-        hash=_token_hash(text),
+        hash=secret_hash(text),
         scopes=granted,
         created_at=now,
         expires_at=now + days * _DAY_S,
@@ -190,14 +177,14 @@ def viewer_of_token(session: Session, text: str) -> Viewer | None:
     Only reads; `record_use` records that the token was used.
     """
     query = select(Token, User).join(User, User.id == Token.user_id)
-    row = session.execute(query.where(Token.hash == _token_hash(text))).one_or_none()
+    row = session.execute(query.where(Token.hash == secret_hash(text))).one_or_none()
     if row is None:
         return None
     token, user = row
     if token.expires_at is not None and token.expires_at <= time.time():
         return None
     expires_at = math.inf if token.expires_at is None else token.expires_at
-    return _viewer(user, token.scopes, token_expires_at=expires_at)
+    return viewer_of_user(user, token.scopes, token_expires_at=expires_at)
 
 
 def record_use(session: Session, text: str) -> None:
@@ -205,11 +192,14 @@ def record_use(session: Session, text: str) -> None:
     now = time.time()
     stale = (Token.last_used_at.is_(None)) | (Token.last_used_at < now - _USED_STEP_S)
     session.execute(
-        update(Token).where(Token.hash == _token_hash(text), stale).values(last_used_at=now)
+        update(Token).where(Token.hash == secret_hash(text), stale).values(last_used_at=now)
     )
 
 
-def _viewer(user: User, scopes: Iterable[str], *, token_expires_at: float | None = None) -> Viewer:
+def viewer_of_user(
+    user: User, scopes: Iterable[str], *, token_expires_at: float | None = None
+) -> Viewer:
+    """Return the viewer of an account with some scopes."""
     return Viewer(
         user_id=user.id,
         name=user.name,
@@ -219,8 +209,9 @@ def _viewer(user: User, scopes: Iterable[str], *, token_expires_at: float | None
     )
 
 
-def _token_hash(text: str) -> str:
-    # Not argon2: a token has 256 random bits and cannot be guessed.
+def secret_hash(text: str) -> str:
+    """Return the hash under which a drawn secret is stored: a token, session or invitation."""
+    # Not argon2: it has at least 144 random bits and cannot be guessed.
     return hashlib.sha256(text.encode()).hexdigest()
 
 

@@ -7,6 +7,7 @@ from typing import Any
 from sqlalchemy import Engine, create_engine, event
 from sqlalchemy.orm import Session
 
+CONNECT_S = 5  # until PostgreSQL counts as away
 BUSY_MS = 10_000  # SQLite waits this long for another writer
 _PRAGMAS = (
     "journal_mode=WAL",
@@ -24,7 +25,9 @@ class Database:
     """
 
     def __init__(self, url: str) -> None:
-        self.engine = create_engine(url, pool_pre_ping=not url.startswith("sqlite"))
+        remote = not url.startswith("sqlite")
+        timeout = {"connect_timeout": CONNECT_S} if remote else {}
+        self.engine = create_engine(url, pool_pre_ping=remote, connect_args=timeout)
         if self.engine.dialect.name == "sqlite":
             _prepare_sqlite(self.engine)
             self._readers = self.engine.execution_options(seamark_readonly=True)

@@ -68,6 +68,27 @@ class Token(Base):
     last_used_at: Mapped[float | None]
 
 
+class BrowserSession(Base):
+    """A browser that is signed in; only the SHA-256 of what its cookie holds is stored."""
+
+    __tablename__ = "browser_sessions"
+
+    hash: Mapped[str] = mapped_column(String(64), primary_key=True)
+    user_id: Mapped[int] = mapped_column(ForeignKey("users.id", ondelete="CASCADE"), index=True)
+    created_at: Mapped[float]
+    expires_at: Mapped[float]
+
+
+class Invitation(Base):
+    """An invitation to sign up; only its SHA-256 is stored. Deleted when it is used."""
+
+    __tablename__ = "invitations"
+
+    hash: Mapped[str] = mapped_column(String(64), primary_key=True)
+    created_at: Mapped[float]
+    expires_at: Mapped[float]
+
+
 class Run(Base):
     """One evaluation of a controller or tracker. The queued rows are the queue."""
 

@@ -5,12 +5,14 @@ from urllib.parse import urlsplit
 from flask import Blueprint, abort, flash, g, redirect, render_template, request, url_for
 from flask.typing import ResponseReturnValue
 
-from seamark.server.accounts import accounts
+from seamark.server.accounts import accounts, invitations
 from seamark.server.accounts.permissions import Action, grantable
 from seamark.server.web import access, authentication
 from seamark.server.web.rate_limits import (
     CREDENTIAL_ATTEMPTS,
+    GUESSES,
     SIGN_INS,
+    account,
     client,
     failed,
     limiter,
@@ -33,10 +35,12 @@ def create_account() -> ResponseReturnValue:
     """Create an account and sign in."""
     held = services()
     name, password = request.form.get("name", "").strip(), request.form.get("password", "")
-    if not held.settings.sign_up_open:
+    if held.settings.sign_up == "closed":
         return _form("account/sign_up.html", "Sign-up is closed on this service."), 403
     try:
         with held.database.writing() as session:
+            if held.settings.sign_up == "invitation":
+                invitations.accept(session, request.form.get("invitation", ""))
             user_id = accounts.sign_up(session, name, password).id
     except accounts.AccountRejected as reason:
         return _form("account/sign_up.html", str(reason)), 422
@@ -55,6 +59,7 @@ def sign_in() -> ResponseReturnValue:
 @page.post("/sign-in")
 @limiter.limit(SIGN_INS)
 @limiter.limit(CREDENTIAL_ATTEMPTS, deduct_when=failed)
+@limiter.limit(GUESSES, key_func=account, deduct_when=failed)
 def check_credentials() -> ResponseReturnValue:
     """Sign in; the response is the same for an unknown name and a wrong password."""
     name, password = request.form.get("name", "").strip(), request.form.get("password", "")
@@ -102,8 +107,9 @@ def create_token() -> ResponseReturnValue:
 
 @page.post("/password")
 @limiter.limit(CREDENTIAL_ATTEMPTS, key_func=client)
+@limiter.limit(GUESSES, key_func=account, deduct_when=failed)
 def change_password() -> ResponseReturnValue:
-    """Change the password, which signs out all other browsers."""
+    """Change the password, which signs out all other browsers and revokes the tokens."""
     access.require(Action.CHANGE_PASSWORD)
     old, new = request.form.get("old", ""), request.form.get("new", "")
     try:
@@ -112,7 +118,7 @@ def change_password() -> ResponseReturnValue:
     except accounts.AccountRejected as reason:
         return _tokens(password_error=str(reason)), 422
     authentication.sign_in(user_id)
-    flash("Your password has been changed. Other browsers have been signed out.", "good")
+    flash("Your password has been changed. Other browsers are signed out, tokens revoked.", "good")
     return redirect(url_for("account.tokens"))
 
 
@@ -140,6 +146,7 @@ def _form(template: str, error: str = "") -> str:
         error=error,
         name=request.form.get("name", ""),
         next=request.values.get("next", ""),
+        invitation=request.values.get("invitation", ""),
         rule=accounts.NAME_RULE,
         name_max=accounts.NAME_MAX,
         password_min=accounts.PASSWORD_MIN,
@@ -170,4 +177,4 @@ def _next() -> str:
     target = request.values.get("next", "").replace("\\", "/")
     parts = urlsplit(target)
     is_path = target.startswith("/") and not target.startswith("//")
-    return target if is_path and not parts.netloc else url_for("home.show")
+    return target if is_path and not parts.netloc and target.isprintable() else url_for("home.show")

@@ -5,13 +5,12 @@ import secrets
 from flask import Flask, g, request, session
 from werkzeug.exceptions import Unauthorized
 
-from seamark.server.accounts import accounts
+from seamark.server.accounts import accounts, browser_sessions
 from seamark.server.accounts.permissions import Viewer
-from seamark.server.database.tables import User
 from seamark.server.web.services import services
 
 BEARER = "bearer"  # case-insensitive (RFC 9110, 11.1)
-_USER, _KEY, _GUEST = "user", "key", "guest"
+_SESSION, _GUEST = "session", "guest"
 
 
 def register(app: Flask) -> None:
@@ -35,23 +34,25 @@ def sign_in(user_id: int) -> int:
     Returns how many runs of the guest were transferred to the user.
     """
     adopted = _adopt_runs(user_id)
-    session.clear()  # prevents session fixation
+    sign_out()  # prevents session fixation
     session.permanent = True
     session.update(cookie_of(user_id))
     return adopted
 
 
 def cookie_of(user_id: int) -> dict[str, object]:
-    """Return the content of the session cookie, valid until the password changes."""
-    current = services()
-    with current.database.reading() as database:
-        user = database.get_one(User, user_id)
-    return {_USER: user_id, _KEY: accounts.session_key(current.settings, user)}
+    """Sign a browser in and return the content of its cookie."""
+    with services().database.writing() as database:
+        return {_SESSION: browser_sessions.begin(database, user_id)}
 
 
 def sign_out() -> None:
-    """Sign the browser out."""
+    """Sign the browser out; its cookie is worth nothing afterwards, wherever it was copied to."""
+    text = session.get(_SESSION)
     session.clear()
+    if text is not None:
+        with services().database.writing() as database:
+            browser_sessions.end(database, str(text))
 
 
 def become_guest() -> Viewer:
@@ -78,11 +79,10 @@ def _viewer() -> Viewer:
         if viewer is None:
             raise Unauthorized("The token is unknown, revoked or expired.")
         return viewer
-    user_id, guest = session.get(_USER), session.get(_GUEST)
-    if user_id is not None:
-        current, key = services(), str(session.get(_KEY, ""))
-        with current.database.reading() as database:
-            viewer = accounts.viewer_of_session(database, user_id, key, current.settings)
+    signed_in, guest = session.get(_SESSION), session.get(_GUEST)
+    if signed_in is not None:
+        with services().database.reading() as database:
+            viewer = browser_sessions.viewer_of(database, str(signed_in))
         if viewer is not None:
             return viewer
     return Viewer() if guest is None else _guest(guest)

@@ -5,7 +5,7 @@ process, so it is small: 8 MiB of URL-encoded fields took 2 s of CPU time and 60
 """
 
 from flask import Flask, g, request
-from werkzeug.exceptions import RequestEntityTooLarge
+from werkzeug.exceptions import BadRequest, RequestEntityTooLarge
 
 from seamark.server.accounts.permissions import Action, can
 from seamark.server.programs.preparation import TEXT_MAX_BYTES
@@ -16,6 +16,7 @@ JSON_MAX_BYTES = 64 * 1024  # of a JSON document; the configuration of a large g
 FIELD_MAX = 16 * 1024  # [character] of a form's field, except for the text of a program
 EDITOR_FIELD = "program_text"
 _MULTIPART = "multipart/form-data"
+_FORMS = (_MULTIPART, "application/x-www-form-urlencoded")
 
 
 def register(app: Flask, settings: Settings) -> None:
@@ -28,6 +29,15 @@ def register(app: Flask, settings: Settings) -> None:
         request.max_content_length = FORM_MAX_BYTES + program
         # Each field that is no file; the editor sends the text of a program as one.
         request.max_form_memory_size = FORM_MAX_BYTES + text
+
+    @app.before_request
+    def refuse_nul() -> None:
+        """Refuse the character NUL, which PostgreSQL cannot store and nobody types."""
+        texts = [request.path, *request.args.values()]
+        if request.mimetype in _FORMS and request.method == "POST":
+            texts += request.form.values()
+        if any("\0" in text for text in texts):
+            raise BadRequest("The character NUL is not allowed.")
 
 
 def form_fields() -> dict[str, str]:

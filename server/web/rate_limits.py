@@ -1,5 +1,6 @@
 """Rate limits for signing in, signing up and submitting runs and checks."""
 
+import hashlib
 from http import HTTPStatus
 
 from flask import Flask, Response, g, request
@@ -14,10 +15,12 @@ from seamark.server.web.services import services
 # Verifying a password deliberately takes 0.15 s of CPU time, so attempts have to be limited.
 CREDENTIAL_ATTEMPTS = "10 per minute; 100 per hour"
 SIGN_INS = "60 per minute; 600 per hour"  # also successful ones: a class may share one address
+# Wrong passwords for one account, from all addresses. Who is signed in stays signed in meanwhile.
+GUESSES = "20 per hour; 100 per day"
 SUBMISSIONS = "30 per minute"
 CHECKS = "20 per minute; 300 per hour"
 
-_BROKER_TIMEOUT_S = 2.0  # of a count; then each process counts in its own memory
+_BROKER_TIMEOUT_S = 5.0  # of a count; then each process counts in its own memory
 _RETRY_AFTER = "X-RateLimit-Retry-After"  # the limiter adds it to every response
 
 limiter = Limiter(get_remote_address, headers_enabled=True, in_memory_fallback_enabled=True)
@@ -27,6 +30,13 @@ def client() -> str:
     """Return the key under which requests are counted: account, guest or address."""
     viewer: Viewer = g.viewer
     return viewer.owner or request.remote_addr or "unknown"
+
+
+def account() -> str:
+    """Return the key under which guesses of a password are counted: the account's name."""
+    viewer: Viewer = g.viewer
+    name = request.form.get("name", "").strip() if viewer.user_id is None else viewer.name
+    return hashlib.sha256(name.casefold().encode()).hexdigest()
 
 
 def sign_ups() -> str:

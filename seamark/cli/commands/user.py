@@ -80,13 +80,45 @@ def import_names(file: TextIO, data: Path | None) -> None:
         table.writerow((name, drawn, refused))
 
 
+@user.command()
+@click.option("--count", type=click.IntRange(1, 1000), default=1, show_default=True)
+@click.option(
+    "--days",
+    type=click.FloatRange(min=0, max=365, min_open=True),
+    default=14,
+    show_default=True,
+    help="Days until it expires.",
+)
+@data_option
+@json_option
+def invite(count: int, days: float, data: Path | None, as_json: bool) -> None:
+    """Print invitations, one on each line: each lets one person sign up.
+
+    They are needed where SEAMARK_SIGN_UP is `invitation`, and not shown again. The address of the
+    form with an invitation filled in ends in /sign-up?invitation=TEXT.
+
+    \b
+    Example:
+      seamark user invite --count 30 > invitations.txt
+    """
+    from seamark.server.accounts import invitations
+
+    with database_of(settings_of(data)).writing() as session:
+        texts = [invitations.create(session, days=days) for _ in range(count)]
+    if as_json:
+        print_json({"invitations": texts, "days": days})
+        return
+    for text in texts:
+        click.echo(text)
+
+
 @user.command("password")
 @click.argument("name")
 @click.option("--password", metavar="P", help="At least 10 characters.  [default: random]")
 @data_option
 @json_option
 def set_password(name: str, password: str | None, data: Path | None, as_json: bool) -> None:
-    """Set a new password for the account NAME, and sign it out everywhere.
+    """Set a new password for the account NAME, sign it out everywhere and revoke its tokens.
 
     \b
     Example:

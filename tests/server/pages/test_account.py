@@ -1,12 +1,15 @@
 """Signing up, in and out, and tokens."""
 
 import re
+from dataclasses import replace
 
 import pytest
 from sqlalchemy import select
 
+from seamark.server.accounts import accounts, invitations
 from seamark.server.database.tables import Token
-from tests.server.pages.conftest import Site
+from seamark.server.web import authentication
+from tests.server.pages.conftest import Browser, Site
 
 WORDS = "correct horse battery"
 
@@ -183,3 +186,104 @@ def test_a_password_change_needs_the_old_password_and_a_valid_new_one(
 
 def test_a_visitor_who_is_not_signed_in_cannot_change_a_password(site: Site) -> None:
     assert site.browser().post("/password", {"old": "", "new": WORDS}).status_code == 401
+
+
+def test_a_copied_cookie_is_worth_nothing_after_signing_out(site: Site) -> None:
+    browser, thief = site.browser(), site.browser()
+    browser.post("/sign-up", {"name": "cleo", "password": WORDS})
+    with browser.client.session_transaction() as own, thief.client.session_transaction() as copy:
+        copy.update(own)
+    assert ">cleo<" in thief.get("/").text
+
+    browser.post("/sign-out")
+
+    assert ">cleo<" not in thief.get("/").text
+
+
+def test_a_password_change_revokes_the_tokens(site: Site) -> None:
+    browser = site.browser()
+    browser.post("/sign-up", {"name": "cleo", "password": WORDS})
+    with site.database.writing() as session:
+        user = accounts.authenticate(session, "cleo", WORDS)
+        assert user is not None
+        text = accounts.new_token(session, user.id, "laptop", ["read"])
+
+    browser.post("/password", {"old": WORDS, "new": "another horse battery"})
+
+    with site.database.reading() as session:
+        assert accounts.viewer_of_token(session, text) is None
+
+
+def test_an_account_has_at_most_twenty_signed_in_browsers(site: Site) -> None:
+    with site.app.app_context():
+        cookies = [authentication.cookie_of(site.user_id("ann")) for _ in range(21)]
+
+    def name_shown(cookie: dict[str, object]) -> bool:
+        browser = site.browser()
+        with browser.client.session_transaction() as session:
+            session.update(cookie)
+        return ">ann<" in browser.get("/").text
+
+    assert [name_shown(cookie) for cookie in (cookies[0], cookies[1], cookies[20])] == [
+        False,
+        True,
+        True,
+    ]
+
+
+@pytest.mark.parametrize("target", ["/\r\nSet-Cookie: a=b", "/a\nb", "/a\0b", "/\u2028"])
+def test_a_line_break_in_the_return_address_is_ignored(site: Site, target: str) -> None:
+    browser = site.browser()
+    browser.post("/sign-up", {"name": "cleo", "password": WORDS})
+
+    answer = site.browser().post("/sign-in", {"name": "cleo", "password": WORDS, "next": target})
+
+    assert answer.status_code in {302, 400}
+    assert answer.headers.get("Location", "/") == "/"
+    assert "a=b" not in str(answer.headers)
+
+
+def _mode(site: Site, mode: str) -> Browser:
+    """Return a browser of a service with this way to sign up."""
+    current = site.app.extensions["seamark"]
+    settings = current.settings.model_copy(update={"sign_up": mode})
+    site.app.extensions["seamark"] = replace(current, settings=settings)
+    return site.browser()
+
+
+def test_by_invitation_each_invitation_makes_one_account(site: Site) -> None:
+    browser = _mode(site, "invitation")
+    with site.database.writing() as session:
+        text = invitations.create(session, days=1.0)
+        expired = invitations.create(session, days=-1.0)
+    assert f'value="{text}"' in browser.get(f"/sign-up?invitation={text}").text
+
+    form = {"name": "cleo", "password": WORDS}
+    tries = [{}, {"invitation": "guessed"}, {"invitation": expired}, {"invitation": text}]
+    statuses = [site.browser().post("/sign-up", form | extra).status_code for extra in tries]
+    again = site.browser().post("/sign-up", {**form, "name": "dora", "invitation": text})
+
+    assert statuses == [422, 422, 422, 302]
+    assert again.status_code == 422
+
+
+def test_an_invitation_is_not_used_up_by_a_refused_name(site: Site) -> None:
+    browser = _mode(site, "invitation")
+    with site.database.writing() as session:
+        text = invitations.create(session, days=1.0)
+
+    form = {"password": WORDS, "invitation": text}
+    refused = browser.post("/sign-up", form | {"name": "1"})
+    accepted = browser.post("/sign-up", form | {"name": "cleo"})
+
+    assert (refused.status_code, accepted.status_code) == (422, 302)
+
+
+def test_where_signing_up_is_closed_an_invitation_does_not_help(site: Site) -> None:
+    browser = _mode(site, "closed")
+    with site.database.writing() as session:
+        text = invitations.create(session, days=1.0)
+
+    answer = browser.post("/sign-up", {"name": "cleo", "password": WORDS, "invitation": text})
+
+    assert answer.status_code == 403
