@@ -27,6 +27,7 @@ the interpreter is up, no program is known yet.
 
 from seamark.sandbox.languages.inside.wire import ERROR, HEADER, VERSION
 from seamark.sandbox.outcome import Failure, Verdict
+from seamark.sandbox.printable_text import printable_text
 
 BEGIN, SOURCE, RESET, OBSERVE, QUIT = b"I", b"S", b"R", b"O", b"Q"
 START, UPDATE, DETECT = b"T", b"U", b"D"
@@ -84,5 +85,4 @@ def failure(data: bytes | memoryview) -> Failure:
 
 def printable(data: bytes) -> str:
     """Return text of the program without control characters that could forge or hide lines."""
-    text = data.decode("utf-8", "replace")
-    return "".join(c if c.isprintable() or c in "\n\t" else f"\\x{ord(c):02x}" for c in text)
+    return printable_text(data.decode("utf-8", "replace"))

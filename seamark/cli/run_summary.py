@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from seamark.sandbox.printable_text import printable_text
+
 # Columns of the table of levels; the other metrics are in metrics.json.
 COLUMNS = (
     *("level", "speed", "rmse_m", "p95_m", "rmse_px", "mean_x_px", "mean_y_px"),
@@ -17,9 +19,11 @@ def summary(run: Mapping[str, Any]) -> str:
     """Return the lines for a run as the API shows it."""
     if run["state"] == "succeeded":
         refusal = [f"Not ranked. {run['not_ranked']}"] if run.get("not_ranked") else []
-        return "\n".join(_success(run["result"] or {}, run.get("metrics") or {}) + refusal)
+        return printable_text(
+            "\n".join(_success(run["result"] or {}, run.get("metrics") or {}) + refusal)
+        )
     if run["state"] == "failed":
-        return "\n".join(_failure(run["failure"] or {}))
+        return printable_text("\n".join(_failure(run["failure"] or {})))
     return "The run was cancelled."
 
 

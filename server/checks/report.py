@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from seamark.sandbox.printable_text import printable_text
 from seamark.server.programs.diagnostics import Diagnostic, Stage
 from seamark.server.runs.failure_reasons import DESCRIPTIONS, FailureReason
 
@@ -82,8 +83,8 @@ def _document(diagnostics: Sequence[Diagnostic], outcome: CheckOutcome) -> dict[
     return {
         "ok": all(diagnostic.warning for diagnostic in diagnostics),
         "problems": [diagnostic.to_json() for diagnostic in diagnostics[:DIAGNOSTICS_MAX]],
-        "traceback": outcome.traceback,
-        "output": outcome.output[-OUTPUT_MAX:],
+        "traceback": printable_text(outcome.traceback),
+        "output": printable_text(outcome.output[-OUTPUT_MAX:]),
         "t_simulated": outcome.t_simulated,
         "usage": outcome.usage or None,
         "step_us": None

@@ -4,6 +4,8 @@ from dataclasses import asdict, dataclass
 from enum import StrEnum
 from typing import Any
 
+from seamark.sandbox.printable_text import printable_text
+
 
 class Stage(StrEnum):
     """When the problem was found."""
@@ -33,4 +35,4 @@ class Diagnostic:
         """Return one line for a terminal, in the format of compilers."""
         location = ":".join(str(part) for part in (self.file, self.line, self.column) if part)
         message = f"warning: {self.sentence}" if self.warning else self.sentence
-        return f"{location}: {message}" if location else message
+        return printable_text(f"{location}: {message}" if location else message)

@@ -20,6 +20,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from seamark.sandbox.printable_text import printable_text
 from seamark.sim.recording import telemetry
 from seamark.sim.recording.telemetry import INDEX, WIDTH
 
@@ -134,7 +135,7 @@ class RunFiles:
         return int(row[INDEX["trial"]]), float(row[INDEX["t"]])
 
     def log(self, after: int = 0) -> LogPart:
-        """Return the output from byte `after` on, as far as it was kept."""
+        """Return the output from byte `after` on, as far as it was kept, as printable text."""
         head = _bytes(self.folder / "log.txt")
         kept = _bytes(self.folder / "log.tail")
         tail_start = int.from_bytes(kept[:_COUNT_BYTES], "little") if kept else len(head)
@@ -142,11 +143,12 @@ class RunFiles:
         after = max(after, 0)
         gap = max(tail_start - max(after, len(head)), 0)
         text = head[after:] + tail[max(after - tail_start, 0) :]
-        return LogPart(text.decode("utf-8", "replace"), tail_start + len(tail), gap)
+        shown = printable_text(text.decode("utf-8", "replace"))
+        return LogPart(shown, tail_start + len(tail), gap)
 
     def log_text(self) -> str:
-        """Return the whole log; a line says how many bytes in the middle were not kept."""
-        head = _bytes(self.folder / "log.txt").decode("utf-8", "replace")
+        """Return the whole log as printable text; a line says how many bytes were not kept."""
+        head = printable_text(_bytes(self.folder / "log.txt").decode("utf-8", "replace"))
         rest = self.log(after=HEAD_MAX)
         gap = f"\n[... {rest.dropped} bytes were not kept ...]\n" if rest.dropped else ""
         return head + gap + rest.text

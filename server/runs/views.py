@@ -7,6 +7,7 @@ from typing import Any, Literal
 from sqlalchemy import Select, func, select
 from sqlalchemy.orm import Session, defer
 
+from seamark.sandbox.printable_text import printable_text
 from seamark.server.accounts.permissions import Action, Viewer, can
 from seamark.server.database.tables import Result, Run, User
 from seamark.server.runs import wait_estimate
@@ -129,4 +130,11 @@ def _select() -> Select[Run, Result | None, User | None]:
 
 def _view(run: Run, result: Result | None, user: User | None, /, **wait: object) -> RunView:
     name, is_baseline = ("guest", False) if user is None else (user.name, user.is_baseline)
-    return RunView.from_rows(result, run, user=name, is_baseline=is_baseline, **wait)
+    view = RunView.from_rows(result, run, user=name, is_baseline=is_baseline, **wait)
+    # Printable when it was stored by this version; not by an earlier one.
+    detail = {name: _shown(value) for name, value in view.detail.items()}
+    return view.model_copy(update={"detail": detail})
+
+
+def _shown(value: object) -> object:
+    return printable_text(value) if isinstance(value, str) else value

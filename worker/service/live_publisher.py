@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from redis import Redis
 from redis.exceptions import RedisError
 
+from seamark.sandbox.printable_text import printable_text
 from seamark.server.messaging import live_events
 from seamark.sim.recording import telemetry
 from seamark.sim.recording.telemetry import INDEX, STEP_US
@@ -58,7 +59,8 @@ class LivePublisher:
 
     def log(self, text: bytes) -> None:
         """Publish what the program printed."""
-        self._publish(live_events.LOG, {"text": text[:LOG_MAX].decode("utf-8", "replace")})
+        shown = printable_text(text[:LOG_MAX].decode("utf-8", "replace"))
+        self._publish(live_events.LOG, {"text": shown})
 
     def state(self, state: str, *, progress: float, t_simulated: float) -> None:
         """Publish the state and the progress of the run."""

@@ -169,6 +169,7 @@ def _evaluate(local_run: LocalRun, output: OutputFolder, *, quiet: bool) -> RunO
 
 def _report(local_run: LocalRun, outcome: RunOutcome, out: Path | None, *, as_json: bool) -> None:
     from seamark.cli.run_summary import custom_score, level_table
+    from seamark.sandbox.printable_text import printable_text
 
     metrics = outcome.metrics or {}
     if as_json:
@@ -190,8 +191,8 @@ def _report(local_run: LocalRun, outcome: RunOutcome, out: Path | None, *, as_js
         )
         return
     if outcome.failure is not None:
-        click.echo(f"Failed ({outcome.failure}): {outcome.sentence}", err=True)
-        click.echo(outcome.traceback.rstrip(), err=True)
+        text = f"Failed ({outcome.failure}): {outcome.sentence}\n{outcome.traceback.rstrip()}"
+        click.echo(printable_text(text), err=True)
     else:
         for line in level_table(metrics):
             click.echo(line)

@@ -47,6 +47,7 @@ def submit(  # noqa: PLR0913 (one argument per option is click's way)
     from seamark.cli.configuration import read_settings
     from seamark.cli.solutions import choose
     from seamark.client import Client, ServerRefused, ServerUnavailable
+    from seamark.sandbox.printable_text import printable_text
 
     name, program = choose(controller, benchmark)
     submission: dict[str, Any] = {
@@ -65,7 +66,7 @@ def submit(  # noqa: PLR0913 (one argument per option is click's way)
     except ServerUnavailable as error:
         raise PlatformFailed(str(error)) from None
     except ServerRefused as refusal:
-        raise _failure(refusal.status)(str(refusal)) from None
+        raise _failure(refusal.status)(printable_text(str(refusal))) from None
     except OSError as error:
         raise UsageRefused(f"{name} cannot be read: {error.strerror}.") from None
     _finish(run, waited=wait, as_json=as_json)

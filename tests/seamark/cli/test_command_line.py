@@ -234,6 +234,30 @@ def test_a_program_that_crashes_ends_with_exit_code_1_and_its_own_traceback(tmp_
     assert (out / "log.txt").read_text() == "started\n"
 
 
+HOSTILE = """
+class Controller:
+    def __init__(self, config): ...
+    def step(self, observation):
+        print("\\x1b]52;c;cm0gLXJm\\x07 \\x1b]0;title\\x07 \\u202eabc")
+        raise ValueError("\\x1b[2J \\u202e")
+"""
+
+
+@pytest.mark.host
+@pytest.mark.parametrize("command", [("check",), ("run", "currents-v1", *SHORT, "--controller")])
+def test_nothing_that_a_program_prints_or_raises_acts_on_the_terminal(
+    tmp_path: Path, command: tuple[str, ...]
+) -> None:
+    program = tmp_path / "mine.py"
+    program.write_text(HOSTILE)
+
+    answer = seamark(*command, str(program))
+
+    assert answer.exit_code == 1
+    assert r"\x1b[2J \u202e" in answer.output
+    assert not {"\x1b", "\x07", "\u202e"} & set(answer.output)
+
+
 def test_a_syntax_error_of_the_program_ends_with_exit_code_1(tmp_path: Path) -> None:
     program = tmp_path / "broken.py"
     program.write_text("class Controller(:\n")

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 
 from seamark.server.api.series import downsample
 from seamark.server.messaging import live_events
+from seamark.server.runs.files import RunFiles
 from seamark.sim.recording.telemetry import NAMES
 from tests.cast import PROGRAM
 from tests.server.api.conftest import Site
@@ -275,6 +276,18 @@ def test_telemetry_is_the_same_in_every_format_while_the_run_is_running(site: Si
     assert np.array_equal(table.ravel(), binary)
     assert np.array_equal(read(later.text)[1], table[690:])
     assert later.headers["X-Next-Row"] == "700"
+
+
+def test_a_log_is_shown_without_what_acts_on_a_terminal_or_reader(site: Site) -> None:
+    run_id = site.recorded()
+    log = "\x1b]52;c;cm0gLXJm\x07 \u202eabc\n"
+    RunFiles(site.settings.data, run_id, 1).append_log(log.encode())
+
+    for path in (f"{RUNS}/{run_id}/log", f"{RUNS}/{run_id}/events", f"/runs/{run_id}"):
+        text = site.call("owner", "GET", path).text
+        assert "cm0gLXJm" in text
+        assert not {"\x1b", "\x07", "\u202e"} & set(text)
+        assert "\\\\u202e" in text if path.endswith("/events") else r"\u202e" in text
 
 
 def test_the_log_is_read_from_an_offset(site: Site) -> None:
