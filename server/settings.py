@@ -76,7 +76,9 @@ class Settings(BaseModel):
     ranked_day: int = Field(
         5, ge=1, description="Ranked runs a user may submit in 24 h, in each benchmark"
     )
-    guest_quota_day: int = Field(50, ge=0, description="Runs a guest may complete in 24 h")
+    guest_quota_day: int = Field(
+        50, ge=0, description="Runs that the guests of one network may complete in 24 h"
+    )
     running_max: int = Field(4, ge=1, description="Runs of one user that may run in parallel")
     lease_s: float = Field(
         30.0, gt=0, description="Time after which a silent worker loses its runs"

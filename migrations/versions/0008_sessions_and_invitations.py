@@ -1,4 +1,4 @@
-"""Signed-in browsers and invitations are stored, so that signing out and accepting end them."""
+"""Signed-in browsers and invitations are stored; runs of a guest are found by the cookie's hash."""
 
 import sqlalchemy as sa
 from alembic import op
@@ -35,9 +35,14 @@ def upgrade() -> None:
         sa.Column("expires_at", sa.Double(), nullable=False),
         sa.PrimaryKeyConstraint("hash", name=op.f("pk_invitations")),
     )
+    known = sa.text("guest IS NOT NULL")
+    op.create_index(
+        "ix_runs_guest_id", "runs", ["guest", "id"], sqlite_where=known, postgresql_where=known
+    )
 
 
 def downgrade() -> None:
+    op.drop_index("ix_runs_guest_id", "runs")
     op.drop_table("invitations")
     op.drop_index("ix_browser_sessions_user_id", "browser_sessions")
     op.drop_table("browser_sessions")

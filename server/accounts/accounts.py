@@ -75,7 +75,7 @@ def authenticate(session: Session, name: str, password: str) -> User | None:
 def adopt_runs(session: Session, user_id: int, guest: str) -> int:
     """Transfer the runs of a guest (hash of the cookie) to a user; return how many."""
     owner = f"user:{user_id}"
-    change = update(Run).where(Run.owner == f"guest:{guest}", Run.guest == guest)
+    change = update(Run).where(Run.guest == guest)
     adopted = session.scalars(
         change.values(owner=owner, user_id=user_id, guest=None).returning(Run.id)
     )

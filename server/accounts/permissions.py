@@ -7,6 +7,7 @@ from typing import Protocol
 
 READ, SUBMIT, ADMIN = "read", "submit", "admin"
 SCOPES: tuple[str, ...] = (READ, SUBMIT, ADMIN)
+GUESTS = "guest:"  # start of the owner of a guest's runs
 
 
 class Role(IntEnum):
@@ -77,15 +78,19 @@ class Viewer:
     name: str = ""
     is_admin: bool = False
     guest: str | None = None  # hash of the cookie
+    network: str | None = None  # hash of the address prefix of a guest or an anonymous visitor
     scopes: frozenset[str] = frozenset(SCOPES)  # fewer for a token
     token_expires_at: float | None = None  # [s since 1970]; None without a token
 
     @property
     def owner(self) -> str | None:
-        """The key under which this viewer's runs are queued and counted; None if anonymous."""
+        """The key under which this viewer's runs are queued and counted; None if anonymous.
+
+        All guests of a network have one, since a new cookie costs nothing.
+        """
         if self.user_id is not None:
             return f"user:{self.user_id}"
-        return None if self.guest is None else f"guest:{self.guest}"
+        return None if self.guest is None else f"{GUESTS}{self.network or self.guest}"
 
     @property
     def role(self) -> Role:

@@ -95,9 +95,9 @@ class Run(Base):
     __tablename__ = "runs"
 
     id: Mapped[int] = mapped_column(_Id, primary_key=True)
-    owner: Mapped[str] = mapped_column(String(80))  # "user:7" or "guest:<hash>"
+    owner: Mapped[str] = mapped_column(String(80))  # "user:7" or "guest:<network>"
     user_id: Mapped[int | None] = mapped_column(ForeignKey("users.id"))
-    guest: Mapped[str | None] = mapped_column(String(64))
+    guest: Mapped[str | None] = mapped_column(String(64))  # hash of the cookie
     benchmark: Mapped[str] = mapped_column(String(80))
     kind: Mapped[str] = mapped_column(String(10))
     config: Mapped[dict[str, Any]] = mapped_column(_Json)
@@ -150,6 +150,13 @@ class Run(Base):
         ),
         Index("ix_runs_owner_id", "owner", "id"),
         Index("ix_runs_owner_state_finished", "owner", "state", "finished_at"),  # the quota
+        Index(
+            "ix_runs_guest_id",
+            "guest",
+            "id",
+            sqlite_where=text("guest IS NOT NULL"),
+            postgresql_where=text("guest IS NOT NULL"),
+        ),
         Index("ix_runs_public_id", "public", "id"),
         Index("ix_runs_program_sha256", "program_sha256"),  # for finding unused programs
         Index("ix_runs_benchmark_state_id", "benchmark", "state", "id"),

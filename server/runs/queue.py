@@ -16,6 +16,7 @@ from sqlalchemy.dialects import postgresql, sqlite
 from sqlalchemy.orm import Session
 
 from seamark.server import workers
+from seamark.server.accounts.permissions import GUESTS
 from seamark.server.database.advisory_locks import AdvisoryLock, acquire
 from seamark.server.database.tables import Run, Turn, User
 from seamark.server.runs.columns import RunSpec
@@ -60,8 +61,8 @@ def claim(
     """Claim the queued run whose turn it is and that this worker can evaluate; None without one.
 
     1. Only owners below the limit of running runs; of each owner only the oldest queued run.
-    2. Baselines come last. Then the owner with the fewest running runs, then the one whose last
-       run started longest ago, then the oldest run.
+    2. Accounts come first, then guests, then baselines. Among these the owner with the fewest
+       running runs, then the one whose last run started longest ago, then the oldest run.
 
     Parameters
     ----------
@@ -189,13 +190,14 @@ def _next_in_turn(languages: Collection[str], running_max: int) -> Select[int]:
     n = func.coalesce(running.c.n, 0)
     baseline = select(literal("user:") + cast(User.id, String)).where(User.is_baseline)
     is_baseline = first.c.owner.in_(baseline)
+    is_guest = first.c.owner.startswith(GUESTS)
     busy = select(func.count()).where(running.c.owner.in_(baseline)).scalar_subquery()
     return (
         select(first.c.id)
         .outerjoin(running, running.c.owner == first.c.owner)
         .outerjoin(Turn, Turn.owner == first.c.owner)
         .where(n < running_max, or_(~is_baseline, busy < 1))
-        .order_by(is_baseline, n, func.coalesce(Turn.served_at, 0.0), first.c.id)
+        .order_by(is_baseline, is_guest, n, func.coalesce(Turn.served_at, 0.0), first.c.id)
         .limit(1)
     )
 

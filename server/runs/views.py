@@ -85,7 +85,9 @@ def page(
     if run_filter.which == "public":
         query = query.where(Run.public)
     elif run_filter.which == "mine" or not can(viewer, Action.ADMINISTER):
-        query = query.where(Run.owner == (viewer.owner or ""))
+        # Guests of one network have one owner, but each sees the runs of the own cookie alone.
+        own = Run.owner == (viewer.owner or "")
+        query = query.where(own if viewer.guest is None else Run.guest == viewer.guest)
     if run_filter.user is not None:
         query = query.where(User.name_key == run_filter.user.casefold())
     if run_filter.states:

@@ -1,12 +1,14 @@
 """The position of a run in the queue, how long it will take, and why it waits."""
 
 import time
+from collections.abc import Collection
 from dataclasses import dataclass
 
 from sqlalchemy import func, select
 from sqlalchemy.orm import Session
 
 from seamark.server import workers
+from seamark.server.accounts.permissions import GUESTS
 from seamark.server.database.tables import Run, Turn, User
 from seamark.server.runs.states import RunState
 from seamark.server.settings import Settings
@@ -63,12 +65,12 @@ class _Owner:
     first: int  # id of the run that is next
     running: int
     served_at: float
-    is_baseline: bool
+    after: int  # those of a lower number start first, see `queue.claim`
 
     def ahead_of(self, mine: "_Owner", before: int) -> int:
         """Return how many of its runs start before run number `before` + 1 of `mine`."""
-        if self.is_baseline != mine.is_baseline:
-            return 0 if self.is_baseline else self.queued
+        if self.after != mine.after:
+            return self.queued if self.after < mine.after else 0
         rounds = mine.running + before - self.running
         turn = (self.served_at, self.first) < (mine.served_at, mine.first)
         return min(max(rounds + int(turn), 0), self.queued)
@@ -87,9 +89,14 @@ def _owners(session: Session) -> dict[str, _Owner]:
         .group_by(Run.owner, Turn.served_at)
     )
     return {
-        owner: _Owner(n, first, running.get(owner, 0), served_at, owner in baselines)
+        owner: _Owner(n, first, running.get(owner, 0), served_at, _after(owner, baselines))
         for owner, n, first, served_at in session.execute(queued)
     }
+
+
+def _after(owner: str, baselines: Collection[str]) -> int:
+    """Return 0 for accounts, 1 for guests, 2 for baselines."""
+    return 2 if owner in baselines else int(owner.startswith(GUESTS))
 
 
 def _typical_s(session: Session, run: Run) -> float | None:
@@ -128,4 +135,5 @@ def _why(session: Session, run: Run, settings: Settings, *, slots: int, ahead: i
             "It is next and starts as soon as a worker is free. After the very first start of a "
             "service this takes some minutes, while the simulator is being compiled."
         )
-    return f"{ahead} run{'s' if ahead > 1 else ''} ahead of it; users take turns."
+    turns = "users take turns" if run.guest is None else "those of accounts start first"
+    return f"{ahead} run{'s' if ahead > 1 else ''} ahead of it; {turns}."

@@ -7,6 +7,7 @@ from werkzeug.exceptions import Unauthorized
 
 from seamark.server.accounts import accounts, browser_sessions
 from seamark.server.accounts.permissions import Viewer
+from seamark.server.web import client_network
 from seamark.server.web.services import services
 
 BEARER = "bearer"  # case-insensitive (RFC 9110, 11.1)
@@ -85,7 +86,7 @@ def _viewer() -> Viewer:
             viewer = browser_sessions.viewer_of(database, str(signed_in))
         if viewer is not None:
             return viewer
-    return Viewer() if guest is None else _guest(guest)
+    return Viewer(network=client_network.network()) if guest is None else _guest(guest)
 
 
 def _adopt_runs(user_id: int) -> int:
@@ -98,4 +99,5 @@ def _adopt_runs(user_id: int) -> int:
 
 
 def _guest(cookie: str) -> Viewer:
-    return Viewer(guest=accounts.guest_hash(services().settings, cookie))
+    guest = accounts.guest_hash(services().settings, cookie)
+    return Viewer(guest=guest, network=client_network.network())

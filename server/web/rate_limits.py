@@ -5,11 +5,11 @@ from http import HTTPStatus
 
 from flask import Flask, Response, g, request
 from flask_limiter import Limiter
-from flask_limiter.util import get_remote_address
 
-from seamark.server.accounts.permissions import Viewer
+from seamark.server.accounts.permissions import GUESTS, Viewer
 from seamark.server.messaging import broker
 from seamark.server.settings import Settings
+from seamark.server.web.client_network import address
 from seamark.server.web.services import services
 
 # Verifying a password deliberately takes 0.15 s of CPU time, so attempts have to be limited.
@@ -23,13 +23,13 @@ CHECKS = "20 per minute; 300 per hour"
 _BROKER_TIMEOUT_S = 5.0  # of a count; then each process counts in its own memory
 _RETRY_AFTER = "X-RateLimit-Retry-After"  # the limiter adds it to every response
 
-limiter = Limiter(get_remote_address, headers_enabled=True, in_memory_fallback_enabled=True)
+limiter = Limiter(address, headers_enabled=True, in_memory_fallback_enabled=True)
 
 
 def client() -> str:
-    """Return the key under which requests are counted: account, guest or address."""
+    """Return the key under which requests are counted: the account or the network."""
     viewer: Viewer = g.viewer
-    return viewer.owner or request.remote_addr or "unknown"
+    return viewer.owner or f"{GUESTS}{viewer.network}"
 
 
 def account() -> str:

@@ -12,6 +12,7 @@ from seamark.server.accounts import accounts
 from seamark.server.app import create_app
 from seamark.server.database.engine import Database
 from seamark.server.settings import Settings
+from seamark.server.web.rate_limits import limiter
 from tests.server.api.conftest import Site
 
 ORDER = {"benchmark": "currents-v1", "controller": "p", "config": {}}
@@ -78,7 +79,16 @@ def test_without_a_proxy_a_forged_address_is_ignored(site: Site) -> None:
 
 
 @pytest.fixture
-def without_broker(settings: Settings, database: Database) -> Iterator[Flask]:
+def forgetful_limiter() -> Iterator[None]:
+    """Let the limiter, which a process has once, try the broker of the next test at once."""
+    yield
+    limiter._storage_dead = False
+
+
+@pytest.fixture
+def without_broker(
+    settings: Settings, database: Database, forgetful_limiter: None
+) -> Iterator[Flask]:
     app = create_app(settings.model_copy(update={"broker_url": "unix:///nowhere/broker.sock"}))
     yield app
     app.extensions["seamark"].close()
@@ -102,7 +112,7 @@ def test_while_the_broker_is_away_failed_sign_ins_are_still_limited(without_brok
 
 
 @pytest.fixture
-def silent_broker() -> Iterator[str]:
+def silent_broker(forgetful_limiter: None) -> Iterator[str]:
     """Yield the URL of a socket on which nobody ever answers, like a stopped broker's."""
     with tempfile.TemporaryDirectory(prefix="vk") as folder, socket.socket(socket.AF_UNIX) as end:
         end.bind(f"{folder}/v.sock")

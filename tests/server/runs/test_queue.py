@@ -8,6 +8,7 @@ from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 from sqlalchemy import update
 
+from seamark.server.accounts.permissions import Viewer
 from seamark.server.database.tables import Run
 from seamark.server.runs import queue as run_queue
 from seamark.server.runs import results, views, wait_estimate
@@ -54,6 +55,37 @@ def test_users_take_turns_however_many_runs_they_queue(both: Backend) -> None:
         both.finish(claim)
 
     assert order == [anns[0], bens[0], anns[1], bens[1], anns[2], anns[3]]
+
+
+def _guest(both: Backend, cookie: str, network: str) -> str:
+    both.viewers[cookie] = Viewer(guest=cookie, network=network)
+    return cookie
+
+
+def _drained(both: Backend) -> list[int]:
+    """Return the queued runs in the order in which they are claimed, one after the other."""
+    order = []
+    while (claim := both.claim()) is not None:
+        order.append(claim.run_id)
+        both.finish(claim)
+    return order
+
+
+def test_runs_of_accounts_start_before_those_of_guests(both: Backend) -> None:
+    guests = [both.queue(_guest(both, f"g{number}", f"n{number}")) for number in range(4)]
+    anns = [both.queue("ann") for _ in range(2)]
+
+    positions = [both.show(run_id).position for run_id in [*anns, *guests]]
+
+    assert positions == [1, 2, 3, 4, 5, 6]
+    assert _drained(both) == [*anns, *guests]
+
+
+def test_guests_of_one_network_take_one_turn_between_them(both: Backend) -> None:
+    first, second = (both.queue(_guest(both, f"a{number}", "n1")) for number in range(2))
+    other = both.queue(_guest(both, "b", "n2"))
+
+    assert _drained(both) == [first, other, second]
 
 
 def test_the_user_with_most_running_runs_waits_for_the_others(both: Backend) -> None:
