@@ -15,7 +15,8 @@ from seamark.cli.configuration import read_settings, typed
 from seamark.cli.main import COMMANDS, cli
 from seamark.cli.options import settings_of
 from seamark.sandbox.languages import starters
-from seamark.server.accounts import accounts
+from seamark.server.accounts import accounts, invitations
+from seamark.server.accounts.accounts import AccountRejected
 from seamark.server.accounts.permissions import SCOPES
 from seamark.server.database.engine import Database
 from seamark.sim import registry
@@ -142,6 +143,19 @@ def test_accounts_are_imported_from_a_file_and_each_refusal_has_its_reason(tmp_p
     assert made == {"ann": True, "bob": True, "not a name": False, "Bob": False}
     assert rows["Bob"]["refused"] == "The name Bob is taken."
     assert rows["not a name"]["refused"].startswith("A name consists of")
+
+
+def test_each_printed_invitation_makes_one_account(tmp_path: Path) -> None:
+    printed = seamark("user", "invite", "--count", "2", "--data", str(tmp_path)).output
+
+    database = Database(f"sqlite:///{tmp_path / 'seamark.db'}")
+    with database.writing() as session:
+        for text in printed.split():
+            invitations.accept(session, text)
+        with pytest.raises(AccountRejected, match="unknown, expired or used"):
+            invitations.accept(session, printed.split()[0])
+    database.close()
+    assert len(printed.split()) == 2
 
 
 def test_a_token_beyond_the_limit_of_an_account_is_refused(tmp_path: Path) -> None:
