@@ -40,8 +40,10 @@ def score_unit(run: RunView) -> str:
 
 
 def score(value: float | None) -> str:
-    """Return a score with two decimals."""
-    return "–" if value is None else f"{value:.2f}".replace("-", "−")
+    """Return a score with two decimals, a small one with three."""
+    if value is None:
+        return "–"
+    return f"{value:.{2 if abs(value) >= 1.0 else 3}f}".replace("-", "−")
 
 
 def signed(value: float) -> str:

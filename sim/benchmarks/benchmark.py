@@ -89,6 +89,12 @@ class RankedProtocol:
     fresh_trials: int
     block: int = 1  # consecutive trials that are averaged before the interval is computed
     reference_seed: int = 2026
+    excused_share: float = 0.25  # of the fresh trials: may break a rule without barring the run; E
+
+    @property
+    def excused_trials(self) -> int:
+        """Number of fresh trials that may break a rule, such as in exceptionally bad conditions."""
+        return int(self.excused_share * self.fresh_trials)
 
     @property
     def trials(self) -> int:
@@ -210,6 +216,13 @@ class Benchmark:
     def headline_of(self, config: Configuration) -> Metric:
         """Return the metric that the score of a run with this configuration is."""
         return config.headline() or self.headline
+
+    def percent_of_scale(self, score: float) -> float | None:
+        """Return how far a score is from doing nothing (0) to the oracle (100) [%]."""
+        if self.scale is None:
+            return None
+        nothing, oracle = self.scale
+        return 100.0 * (score - nothing) / (oracle - nothing)
 
     def trial_duration_s(self, config: Configuration) -> float:
         """Return the simulated duration of one trial."""

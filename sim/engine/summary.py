@@ -24,7 +24,8 @@ def summarise(
 
     `overall` and `measures` are over all levels, `levels` holds each level.
     `score_low` and `score_high` are the 95 % interval of the mean; None for one trial.
-    `rankable` is false if a trial breaks a rule of the benchmark; `not_ranked` then has the reason.
+    `rankable` is false if a trial breaks a rule of the benchmark, or in a ranked run with fresh
+    trials more of them than the protocol excuses; `not_ranked` then has the reason.
 
     In a ranked run of a benchmark with a `RankedProtocol`, all of these are over the fresh trials.
     `reference` has the score of the reference trials, `gap` how much higher it is than that of the
@@ -39,13 +40,15 @@ def summarise(
     entries = [_entry(result) | {"part": REFERENCE} for result in reference]
     entries += [_entry(result) | {"part": FRESH} for result in fresh]
     known = _score(reference, block)
-    means = _means(benchmark, config, fresh, block)
+    means = _means(benchmark, config, fresh, block, excused=protocol.excused_trials)
     return means | {"trials": entries, "reference": known, "gap": _gap(reference, fresh, block)}
 
 
-def _means(benchmark: str, config: Configuration, results: _Trials, block: int) -> dict[str, Any]:
+def _means(
+    benchmark: str, config: Configuration, results: _Trials, block: int, *, excused: int = 0
+) -> dict[str, Any]:
     """Return the score and all that is a mean over some trials."""
-    refusal = _refusal(results)
+    refusal = _refusal(results, excused)
     levels = [
         mean_over_trials([plain(level) for level in same])
         for same in zip(*(result.levels for result in results), strict=True)
@@ -103,12 +106,16 @@ def _finite_scores(results: _Trials) -> list[float]:
     return scores if all(map(math.isfinite, scores)) else []
 
 
-def _refusal(results: _Trials) -> str | None:
-    """Return why the run does not rank: the reason of the first trial that does not."""
-    for result in results:
-        if not result.trial_score.rankable:
-            return f"Trial {result.trial + 1}: {result.trial_score.reason or NO_SCORE}"
-    return None
+def _refusal(results: _Trials, excused: int) -> str | None:
+    """Return why the run does not rank, if a trial has no score or too many break a rule."""
+    broken = [result for result in results if not result.trial_score.rankable]
+    if len(broken) <= excused and all(math.isfinite(result.score) for result in broken):
+        return None
+    first = broken[0]
+    reason = f"Trial {first.trial + 1}: {first.trial_score.reason or NO_SCORE}"
+    if not excused:
+        return reason
+    return f"{reason} So in {len(broken)} of {len(results)} fresh trials; {excused} are excused."
 
 
 def _mean_overall(trials: Sequence[Mapping[str, float | None]]) -> dict[str, float | None]:

@@ -151,16 +151,39 @@ def test_a_ranked_run_of_a_first_version_has_no_parts(
     assert not {"reference", "gap"} & set(summary)
 
 
-def test_a_fresh_trial_that_breaks_a_rule_says_why_the_run_does_not_rank(
+@pytest.mark.parametrize("more", [0, 1])
+def test_a_run_ranks_while_at_most_a_quarter_of_its_fresh_trials_break_a_rule(
+    run_short: RunOf, short: Configuration, more: int
+) -> None:
+    results = _ranked(run_short, reference=90.0, fresh=60.0)
+    broken = PROTOCOL.fresh_trials // 4 + more
+    for trial in range(PROTOCOL.trials - broken, PROTOCOL.trials):
+        results[trial] = _with(results[trial], rankable=False, reason="It drove away.")
+
+    summary = summarise("currents-v2", short, results, ranked=True)
+
+    assert summary["rankable"] is (more == 0)
+    first = PROTOCOL.trials - broken + 1
+    assert summary["not_ranked"] == (
+        f"Trial {first}: It drove away. So in {broken} of {PROTOCOL.fresh_trials} fresh trials; "
+        f"{broken - 1} are excused."
+        if more
+        else None
+    )
+
+
+def test_a_fresh_trial_without_a_score_is_never_excused(
     run_short: RunOf, short: Configuration
 ) -> None:
     results = _ranked(run_short, reference=90.0, fresh=60.0)
-    results[-1] = _with(results[-1], rankable=False, reason="It drove away.")
+    results[-1] = _with(results[-1], rankable=False, score=math.nan)
 
     summary = summarise("currents-v2", short, results, ranked=True)
 
     assert summary["rankable"] is False
-    assert summary["not_ranked"] == f"Trial {PROTOCOL.trials}: It drove away."
+    assert str(summary["not_ranked"]).startswith(
+        f"Trial {PROTOCOL.trials}: The trial has no finite"
+    )
 
 
 def test_a_reference_trial_decides_nothing_about_the_rank(
