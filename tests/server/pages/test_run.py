@@ -1,6 +1,7 @@
 """The page of a run in each of its states, and hostile text on it."""
 
 import json
+import math
 import re
 from typing import Any
 
@@ -11,6 +12,7 @@ from redis import Redis
 from seamark.server.messaging import live_events
 from seamark.server.runs.files import RunFiles
 from seamark.server.runs.states import RunState
+from seamark.sim import registry
 from seamark.sim.recording.telemetry import WIDTH
 from tests.server.pages.conftest import Site
 
@@ -180,10 +182,12 @@ def test_a_run_on_fresh_water_shows_its_parts_and_what_the_gap_says(
 
     page = _page(site, claim.run_id)
 
-    assert "0.92" in page
-    assert "0.90 to 0.94" in page
-    assert f"{gap['low']:.2f} to".replace("-", "−") in page
+    assert "0.920" in page
+    assert "0.900 to 0.940" in page
+    assert f"{gap['low']:.3f} to".replace("-", "−") in page
     assert sentence in page
+    nothing, oracle = registry.benchmark("currents-v2").scale or (math.nan, math.nan)
+    assert f"{100 * (0.5 - nothing) / (oracle - nothing):.0f} <small>%</small>" in page
     assert [part in page for part in (">reference</span>", ">fresh</span>")] == [True, True]
 
 
