@@ -6,7 +6,7 @@ from flask import Blueprint, flash, g, redirect, render_template, url_for
 from flask.typing import ResponseReturnValue
 from sqlalchemy.orm import Session
 
-from seamark.server.accounts.permissions import Action, can
+from seamark.server.accounts.permissions import Action, can, owns
 from seamark.server.pages import benchmarks, level_chart, metric_tables
 from seamark.server.pages.ranked_parts import ranked_parts
 from seamark.server.runs import cancellation, results, submission
@@ -127,7 +127,7 @@ def _compared(run: RunView) -> list[Comparison]:
     """Return the comparisons on the reference trials; the previous run is for its owner alone."""
     if run.kind is not RunKind.RANKED:
         return []
-    own = run.user_id is not None and run.user_id == g.viewer.user_id
+    own = run.user_id is not None and owns(g.viewer, run) and can(g.viewer, Action.LIST)
     with services().database.reading() as session:
         return comparisons(session, run.id, with_previous=own)
 

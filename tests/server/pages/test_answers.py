@@ -2,6 +2,8 @@
 
 import pytest
 
+from seamark.server.accounts import accounts
+from seamark.server.accounts.permissions import SUBMIT
 from seamark.server.runs import leaderboard
 from seamark.server.web.template_filters import duration, number, size
 from tests.server.pages.conftest import Site
@@ -159,7 +161,12 @@ def test_a_ranked_run_is_compared_with_the_previous_one_by_its_owner_alone(site:
 
     own = site.browser("ann").get(f"/runs/{claim.run_id}").text
     public = site.browser().get(f"/runs/{claim.run_id}").text
+    with site.database.writing() as session:
+        token = accounts.new_token(session, site.user_id("ann"), "submits", [SUBMIT], days=1.0)
+    bearer = {"Authorization": f"Bearer {token}"}
+    without_scope = site.browser().get(f"/runs/{claim.run_id}", headers=bearer).text
 
     assert "−0.100" in own
     assert "On the same reference trials" in own
     assert "On the same reference trials" not in public
+    assert "On the same reference trials" not in without_scope
