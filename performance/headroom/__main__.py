@@ -28,7 +28,7 @@ def main(arguments: Sequence[str]) -> int:
     known = benchmark(NAME).baselines
     parser = argparse.ArgumentParser(prog="python -m performance.headroom")
     parser.add_argument("entries", nargs="*", metavar="ENTRY", help=", ".join(known))
-    parser.add_argument("--trials", type=int, default=16)
+    parser.add_argument("--trials", type=int, default=24)
     parser.add_argument("--seed", type=int, default=SEED)
     parser.add_argument("--processes", type=int, default=len(os.sched_getaffinity(0)))
     args = parser.parse_args(arguments)
