@@ -20,7 +20,7 @@ def test_a_visitor_without_an_account_can_run_the_pi_controller(visitor: Visitor
     page.get_by_role("button", name="Start run").click()
     visitor.wait_for("succeeded")
 
-    expect(page.get_by_text("RMSE of the distance").first).to_be_visible()
+    expect(page.get_by_text("RMSE of the tool point").first).to_be_visible()
     expect(page.locator("[data-camera] img")).to_be_visible()
     expect(page.locator(".uplot canvas")).to_have_count(3)
     assert (visitor.errors, visitor.violations()) == ([], [])

@@ -6,6 +6,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -49,7 +50,8 @@ class Service(Backend):
     def kill_worker(self) -> None:
         """Kill everything of the last worker at once, as a power cut would."""
         worker = self.workers.pop()
-        os.killpg(worker.pid, signal.SIGKILL)
+        with suppress(ProcessLookupError):  # a test may have stopped it and seen it end
+            os.killpg(worker.pid, signal.SIGKILL)
         worker.wait()
 
     def submit(self, config: Mapping[str, object] = SHORT, **changes: Any) -> int:
