@@ -9,7 +9,7 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 REACH = 8  # search radius of the first step, in pixels of the downsampled image
-POINTS = 2500  # maximum number of template pixels in the second step
+POINTS = 1000  # maximum number of template pixels in the second step
 ITERATIONS = 10
 SIMILAR = 0.35  # minimum correlation at which the target counts as found
 
