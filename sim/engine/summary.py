@@ -88,7 +88,10 @@ def _gap(reference: _Trials, fresh: _Trials, block: int) -> dict[str, float | No
 def _midpoint(
     benchmark: str, levels: Sequence[Mapping[str, Any]], trials: int
 ) -> dict[str, float | None]:
-    """Return the fitted midpoint, if the benchmark has one, from the means of the levels."""
+    """Return the fitted midpoint, if the benchmark has one, from the means of the levels.
+
+    It is None outside the levels, where nothing was measured.
+    """
     declared = registry.benchmark(benchmark).midpoint
     if declared is None:
         return {}
@@ -97,7 +100,8 @@ def _midpoint(
     fit = psychometric_midpoint(
         values, [trials * share for share in shares], [trials] * len(shares)
     )
-    return {declared.metric.name: None if fit is None else fit.midpoint}
+    inside = fit is not None and min(values) <= fit.midpoint <= max(values)
+    return {declared.metric.name: fit.midpoint if fit is not None and inside else None}
 
 
 def _finite_scores(results: _Trials) -> list[float]:

@@ -197,6 +197,25 @@ def test_a_reference_trial_decides_nothing_about_the_rank(
     assert (summary["rankable"], summary["not_ranked"]) == (True, None)
 
 
+@pytest.mark.parametrize(
+    ("qualities", "midpoint"), [((0.9, 0.1), pytest.approx(0.3, abs=0.05)), ((0.02, 0.0), None)]
+)
+def test_there_is_no_midpoint_outside_the_levels(
+    run_short: RunOf, short: Configuration, qualities: tuple[float, float], midpoint: Any
+) -> None:
+    results = _ranked(run_short, reference=90.0, fresh=60.0)
+    first = results[0].levels[0]
+    levels = tuple(
+        first | {"level": at, "speed": 0.1 + 0.4 * at, "quality": quality}
+        for at, quality in enumerate(qualities)
+    )
+    results = [replace(result, levels=levels) for result in results]
+
+    summary = summarise("currents-v2", short, results, ranked=True)
+
+    assert summary["overall"]["current_midpoint_m_s"] == midpoint
+
+
 def _ranked(run_short: RunOf, *, reference: float, fresh: float) -> list[TrialResult]:
     """Return the trials of a ranked run, with scores that alternate by 1 around two means."""
     result, _rows = run_short({})
