@@ -13,7 +13,8 @@ from seamark.server.runs import leaderboard
 from seamark.server.runs.queue import Claim
 from seamark.server.runs.quota import ranked_ended
 from seamark.server.runs.states import LIVE, RunKind, RunState, move
-from seamark.server.runs.trial_scores import REFERENCE, trial_scores
+from seamark.server.runs.trial_scores import trial_scores
+from seamark.sim.engine.seeds import REFERENCE
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

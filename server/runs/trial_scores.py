@@ -5,9 +5,8 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from seamark.sim import registry
+from seamark.sim.engine.seeds import FRESH
 from seamark.sim.numerics.statistics import block_means, standard_error
-
-REFERENCE, FRESH = "reference", "fresh"  # parts of a ranked run, see RankedProtocol
 
 
 def trial_scores(metrics: Mapping[str, Any] | None, part: str) -> list[float]:

@@ -4,6 +4,7 @@ import hashlib
 import hmac
 
 SEED_MAX = 2**31 - 1  # of a seed that a user chooses
+REFERENCE, FRESH = "reference", "fresh"  # parts of a ranked run: on the public, on fresh seeds
 SEED_BITS = 63  # fits a signed 64-bit column
 
 

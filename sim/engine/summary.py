@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from seamark.sim import registry
+from seamark.sim.engine.seeds import FRESH, REFERENCE
 from seamark.sim.engine.trial import TrialResult, plain
 from seamark.sim.metrics.metric import mean_over_trials
 from seamark.sim.metrics.score_expression import ExpressionInvalid, score_of
@@ -12,7 +13,6 @@ from seamark.sim.numerics.psychometric import psychometric_midpoint
 from seamark.sim.numerics.statistics import difference_interval, mean, mean_interval
 from seamark.sim.settings.configuration import Configuration
 
-REFERENCE, FRESH = "reference", "fresh"
 NO_SCORE = "The trial has no finite score."
 _Trials = Sequence[TrialResult]
 

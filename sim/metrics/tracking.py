@@ -36,6 +36,12 @@ class Images:
         self.error = rows[:, INDEX["tracker_error"]]  # (n,) [px]
         self.reported = rows[:, INDEX["tracker_ok"]] == 1.0  # the tracker reports the target
 
+    @property
+    def off(self) -> NDArray[np.bool_]:
+        """In which images the target is lost by ground truth, (n,); a nan error counts as lost."""
+        result: NDArray[np.bool_] = ~(self.error <= LOST_PX)
+        return result
+
     def within(self, limit_px: float) -> NDArray[np.bool_]:
         """Return which images succeed, (n,); one with a nan error does not."""
         result: NDArray[np.bool_] = self.reported & (self.error <= limit_px)
@@ -95,7 +101,7 @@ LOSSES: tuple[LevelMetric[Images], ...] = (
         better="lower",
         meaning=f"images in which it reports the target and is more than {LOST_PX:g} px off",
         formula=f"100 x images more than {LOST_PX:g} px off without a report / all but the first",
-        compute=lambda images: percent(images.reported & ~(images.error <= LOST_PX)),
+        compute=lambda images: percent(images.reported & images.off),
     ),
 )
 METRICS = (*COMMON, *LOSSES)

@@ -27,7 +27,7 @@ LOSSES: tuple[LevelMetric[Images], ...] = (
         meaning=f"it reports a loss, and its last corners are more than {LOST_PX:g} px off",
         formula=f"100 x images in which the tracker reports a loss and the last corners that it "
         f"reported are more than {LOST_PX:g} px off / all",
-        compute=lambda images: percent(~images.reported & ~(images.error <= LOST_PX)),
+        compute=lambda images: percent(~images.reported & images.off),
     ),
     LevelMetric(
         name="false_loss_percent",
@@ -37,7 +37,7 @@ LOSSES: tuple[LevelMetric[Images], ...] = (
         meaning=f"it reports a loss, though its last corners are within {LOST_PX:g} px",
         formula=f"100 x images in which the tracker reports a loss and the last corners that it "
         f"reported are within {LOST_PX:g} px / all",
-        compute=lambda images: percent(~images.reported & (images.error <= LOST_PX)),
+        compute=lambda images: percent(~images.reported & ~images.off),
     ),
     LevelMetric(
         name="unreported_loss_percent",
@@ -46,7 +46,7 @@ LOSSES: tuple[LevelMetric[Images], ...] = (
         better="lower",
         meaning=f"it reports corners that are more than {LOST_PX:g} px off",
         formula=f"100 x images more than {LOST_PX:g} px off without a report / all",
-        compute=lambda images: percent(images.reported & ~(images.error <= LOST_PX)),
+        compute=lambda images: percent(images.reported & images.off),
     ),
 )
 METRICS = (*COMMON, *LOSSES)

@@ -2,7 +2,8 @@
 
 import pytest
 
-from seamark.server.runs.trial_scores import FRESH, REFERENCE, error_of_score, trial_scores
+from seamark.server.runs.trial_scores import error_of_score, trial_scores
+from seamark.sim.engine.seeds import FRESH, REFERENCE
 from seamark.sim.numerics.statistics import mean_interval
 from seamark.sim.numerics.student_t import quantile
 
