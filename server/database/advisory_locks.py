@@ -2,7 +2,7 @@
 
 from enum import IntEnum, unique
 
-from sqlalchemy import text
+from sqlalchemy import Connection, text
 from sqlalchemy.orm import Session
 
 
@@ -15,12 +15,14 @@ class AdvisoryLock(IntEnum):
     CHECKS = 0x5EA_0003  # the queue of checks
     BASELINES = 0x5EA_0004  # looking for baselines and submitting the missing ones
     LEADERBOARD = 0x5EA_0005  # changes of the `best` rows
+    SCHEMA = 0x5EA_0006  # migrations
 
 
-def acquire(session: Session, lock: AdvisoryLock) -> None:
+def acquire(session: Session | Connection, lock: AdvisoryLock) -> None:
     """Wait for the lock and hold it until the transaction ends.
 
     SQLite has a single writer anyway (BEGIN IMMEDIATE); PostgreSQL takes an advisory lock.
     """
-    if session.get_bind().dialect.name == "postgresql":
-        session.execute(text("SELECT pg_advisory_xact_lock(:key)"), {"key": int(lock)})
+    connection = session.connection() if isinstance(session, Session) else session
+    if connection.dialect.name == "postgresql":
+        connection.execute(text("SELECT pg_advisory_xact_lock(:key)"), {"key": int(lock)})

@@ -1,6 +1,7 @@
 """Migrates a database to the schema of this version. Alembic is configured here, without a file."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from alembic import command
@@ -10,6 +11,8 @@ from alembic.script import ScriptDirectory
 from sqlalchemy import Connection, Engine
 
 from seamark import migrations
+from seamark.server.database import advisory_locks
+from seamark.server.database.advisory_locks import AdvisoryLock
 from seamark.server.database.engine import Database
 from seamark.server.database.tables import Base
 from seamark.server.settings import Settings
@@ -22,11 +25,31 @@ class SchemaTooOld(Exception):
 
 
 def upgrade(settings: Settings) -> None:
-    """Create or migrate the tables; safe to call at every start."""
+    """Create or migrate the tables; safe to call at every start, also by several processes."""
+    with _locked(settings) as connection:
+        command.upgrade(config(connection), "head")
+
+
+def downgrade(settings: Settings, revision: str) -> None:
+    """Return to an earlier schema, for an earlier version; what only the later one stores is lost.
+
+    Raises
+    ------
+    CommandError
+        There is no such revision.
+    """
+    with _locked(settings) as connection:
+        command.downgrade(config(connection), revision)
+
+
+@contextmanager
+def _locked(settings: Settings) -> Iterator[Connection]:
+    """Yield a connection with a transaction in which no other process changes the schema."""
     database = Database(settings.database_url)
     try:
         with database.engine.begin() as connection:
-            command.upgrade(config(connection), "head")
+            advisory_locks.acquire(connection, AdvisoryLock.SCHEMA)
+            yield connection
     finally:
         database.close()
 

@@ -39,6 +39,34 @@ def upgrade(data: Path | None) -> None:
     click.echo(f"The database is up to date: {_without_password(settings.database_url)}")
 
 
+@db.command()
+@click.argument("revision")
+@data_option
+def downgrade(revision: str, data: Path | None) -> None:
+    """Return the tables to the schema REVISION (such as 0007), to go back to an earlier version.
+
+    Stop the service first. What only the later schema stores is lost: back the database up.
+
+    \b
+    Example:
+      seamark db downgrade 0007
+    """
+    from alembic.util import CommandError
+    from sqlalchemy.exc import SQLAlchemyError
+
+    from seamark.failures import PlatformFailed, UsageRefused
+    from seamark.server.database import schema
+
+    settings = settings_of(data)
+    try:
+        schema.downgrade(settings, revision)
+    except CommandError as error:
+        raise UsageRefused(f"The database cannot be downgraded: {error}.") from None
+    except SQLAlchemyError as error:
+        raise PlatformFailed(f"The database cannot be downgraded: {error}.") from None
+    click.echo(f"The database has the schema {revision}.")
+
+
 @db.command("rebuild-leaderboard")
 @data_option
 def rebuild_leaderboard(data: Path | None) -> None:

@@ -5,7 +5,9 @@ from click.testing import CliRunner
 from sqlalchemy import delete, select
 
 from seamark.cli.main import cli
+from seamark.server.database import schema
 from seamark.server.database.engine import Database
+from seamark.server.database.schema import SchemaTooOld
 from seamark.server.database.tables import Best
 from seamark.server.settings import Settings
 from tests.cast import Backend
@@ -44,3 +46,24 @@ def test_a_rebuilt_leaderboard_has_the_rows_that_the_service_kept(
     assert (answer.exit_code, len(kept)) == (0, 2)
     assert "2 entries" in answer.output
     assert _rows(leaderboard) == kept
+
+
+def test_a_downgraded_database_can_be_upgraded_again(leaderboard: Backend) -> None:
+    kept, runner = _rows(leaderboard), CliRunner()
+
+    down = runner.invoke(cli, ["db", "downgrade", "0005"])
+    with pytest.raises(SchemaTooOld, match="at schema 0005"):
+        schema.check(leaderboard.database.engine)
+    up = runner.invoke(cli, ["db", "upgrade"])
+
+    assert (down.exit_code, up.exit_code) == (0, 0)
+    schema.check(leaderboard.database.engine)
+    assert {row[:2] for row in _rows(leaderboard)} == {row[:2] for row in kept}
+
+
+def test_a_downgrade_to_an_unknown_schema_is_refused(leaderboard: Backend) -> None:
+    answer = CliRunner().invoke(cli, ["db", "downgrade", "9999"])
+
+    assert answer.exit_code != 0
+    assert "9999" in answer.output + str(answer.exception)
+    schema.check(leaderboard.database.engine)

@@ -1,0 +1,151 @@
+"""Every schema that was ever committed can be upgraded, also by several processes at once."""
+
+import multiprocessing
+from multiprocessing.synchronize import Barrier
+from typing import Any
+
+import pytest
+from alembic import command
+from alembic.script import ScriptDirectory
+from sqlalchemy import Connection, MetaData, inspect, select
+
+from seamark.server import workers
+from seamark.server.accounts import accounts, browser_sessions, invitations
+from seamark.server.checks import queue as check_queue
+from seamark.server.database.engine import Database
+from seamark.server.database.schema import check, config, upgrade
+from seamark.server.database.tables import Worker
+from seamark.server.settings import Settings
+from tests.cast import Backend
+
+PROCESSES = 3
+START_S = 120.0  # until a process has imported the service on a busy machine
+Rows = dict[str, list[dict[str, Any]]]
+
+
+@pytest.fixture(params=["database_url", "postgres_url"], ids=["sqlite", "postgresql"])
+def empty(request: pytest.FixtureRequest, settings: Settings) -> Settings:
+    """Settings of a database of each type in turn, without tables."""
+    url = request.getfixturevalue(request.param)
+    return settings.model_copy(update={"database_url": url})
+
+
+def _upgrade_together(settings: Settings, start: Barrier) -> None:
+    start.wait(START_S)
+    upgrade(settings)
+
+
+def test_processes_that_upgrade_at_the_same_time_all_succeed(empty: Settings) -> None:
+    spawn = multiprocessing.get_context("spawn")
+    start = spawn.Barrier(PROCESSES)
+    processes = [
+        spawn.Process(target=_upgrade_together, args=(empty, start)) for _ in range(PROCESSES)
+    ]
+
+    for process in processes:
+        process.start()
+    for process in processes:
+        process.join(2 * START_S)
+
+    assert [process.exitcode for process in processes] == [0] * PROCESSES
+    database = Database(empty.database_url)
+    check(database.engine)
+    database.close()
+
+
+def _revisions() -> list[str]:
+    """Return all revisions, newest first."""
+    return [script.revision for script in ScriptDirectory.from_config(config()).walk_revisions()]
+
+
+def _fill(backend: Backend) -> None:
+    """Write at least one row into each table."""
+    backend.published("ann", kind="ranked")
+    backend.failed({}, "ben")
+    backend.queue("guest")
+    program, ann = backend.store_program(), backend.user_id("ann")
+    with backend.database.writing() as session:
+        accounts.new_token(session, ann, "t", ["read"])
+        browser_sessions.begin(session, ann)
+        invitations.create(session, days=1.0)
+        check_queue.enqueue(session, ann, "currents-v1", {}, program)
+        worker = Worker(name="w", slots=1, level="strong", languages=[], findings=[])
+        workers.register(session, worker)
+
+
+def _rows(connection: Connection) -> Rows:
+    """Return the content of all tables as the present schema has them, in a fixed order."""
+    tables = MetaData()
+    tables.reflect(connection)
+    return {
+        table.name: [
+            dict(row._mapping)
+            for row in connection.execute(select(table).order_by(*table.primary_key.columns))
+        ]
+        for table in tables.sorted_tables
+        if table.name != "alembic_version"
+    }
+
+
+def _shared(rows: Rows, other: Rows) -> Rows:
+    """Return the tables and columns of `rows` that `other` has too."""
+    return {
+        name: [{key: row[key] for key in row if key in other[name][0]} for row in rows[name]]
+        for name in rows.keys() & other.keys()
+    }
+
+
+def test_data_survive_the_way_to_every_earlier_schema_and_back(both: Backend) -> None:
+    _fill(both)
+    with both.database.engine.begin() as connection:
+        latest = _rows(connection)
+    assert [name for name, rows in latest.items() if not rows] == []  # new table? then `_fill` it
+
+    for revision in _revisions():
+        with both.database.engine.begin() as connection:
+            command.downgrade(config(connection), revision)
+            earlier = _rows(connection)
+            command.upgrade(config(connection), "head")
+            again = _rows(connection)
+
+        assert _shared(earlier, latest) == _shared(latest, earlier)
+        assert _shared(again, earlier) == _shared(earlier, again)
+        assert {name: len(rows) for name, rows in again.items() if name in earlier} == {
+            name: len(rows) for name, rows in earlier.items()
+        }
+
+
+def _schema(connection: Connection) -> dict[str, Any]:
+    """Return what an earlier version can tell of the schema: columns, keys, indexes, rules."""
+    found = inspect(connection)
+    return {
+        table: {
+            "columns": {
+                column["name"]: (str(column["type"]), column["nullable"])
+                for column in found.get_columns(table)
+            },
+            "indexes": {
+                index["name"]: (index["column_names"], index["unique"])
+                for index in found.get_indexes(table)
+            },
+            "foreign keys": {key["name"] for key in found.get_foreign_keys(table)},
+            "rules": {rule["name"] for rule in found.get_check_constraints(table)},
+            "unique": {key["name"] for key in found.get_unique_constraints(table)},
+        }
+        for table in found.get_table_names()
+    }
+
+
+@pytest.mark.filterwarnings("ignore:Skipped unsupported reflection of expression-based index")
+def test_a_downgrade_leads_to_the_schema_that_the_earlier_version_made(empty: Settings) -> None:
+    database, made, left = Database(empty.database_url), {}, {}
+    with database.engine.begin() as connection:
+        for revision in reversed(_revisions()):
+            command.upgrade(config(connection), revision)
+            made[revision] = _schema(connection)
+        for revision in _revisions():
+            command.downgrade(config(connection), revision)
+            left[revision] = _schema(connection)
+    database.close()
+
+    assert left == made
