@@ -18,6 +18,7 @@ DEFAULTS_IN_WORDS = {  # of settings whose default depends on others or on the m
     "database_url": "SQLite in the data folder",
     "broker_url": "none; `seamark up` starts one",
     "secret_key": "generated once, stored in the data folder",
+    "seed_key": "generated once, stored in the data folder",
     "sandbox_min_level": "`medium`; `strong` if public",
     "workers": "one per core",
 }
@@ -35,8 +36,9 @@ class Settings(BaseModel):
     data: Path = Field(Path("data"), description="Folder for the database, uploads and results")
     database_url: str = Field("", description="sqlite:/// or postgresql:// URL of the database")
     broker_url: str = Field("", description="redis:// or unix:// URL of Redis or Valkey")
-    secret_key: str = Field(
-        "", repr=False, description="Signs cookies and derives the seeds of ranked runs"
+    secret_key: str = Field("", repr=False, description="Signs cookies; may be changed at any time")
+    seed_key: str = Field(
+        "", repr=False, description="Derives the seeds of ranked runs; never to be changed"
     )
     public: bool = Field(False, description="The service is public")
     sandbox_min_level: LevelName = Field("medium", description="Lowest isolation level for uploads")
@@ -122,10 +124,15 @@ class Settings(BaseModel):
         return self
 
     def model_post_init(self, context: object, /) -> None:
-        """Create the folder and the secret that all processes of the service share."""
+        """Create the folder and the secrets that all processes of the service share."""
         self.data.mkdir(parents=True, exist_ok=True, mode=0o700)
+        is_new = not any(self.data.iterdir())
         if not self.secret_key:
             object.__setattr__(self, "secret_key", _stored_secret(self.data / "secret"))
+        if not self.seed_key:
+            # Earlier versions derived the seeds from the secret key: they must stay the same.
+            first = secrets.token_urlsafe(48) if is_new else self.secret_key
+            object.__setattr__(self, "seed_key", _stored_secret(self.data / "seed_key", first))
 
     @classmethod
     def load(cls, environ: Mapping[str, str] | None = None) -> Self:
@@ -135,6 +142,9 @@ class Settings(BaseModel):
             return cls.model_validate(values)
         except ValidationError as wrong:
             raise SettingsInvalid("; ".join(_sentences(wrong))) from None
+        except OSError as error:
+            why = f"{values.get('data', 'data')} cannot be used: {error.strerror}"
+            raise SettingsInvalid(f"{PREFIX}DATA: {why}") from None
 
     @classmethod
     def table(cls) -> str:
@@ -187,12 +197,12 @@ def _sentences(wrong: ValidationError) -> list[str]:
     ]
 
 
-def _stored_secret(path: Path) -> str:
-    """Return the secret in `path`, generated at the first call; safe against races."""
+def _stored_secret(path: Path, first: str = "") -> str:
+    """Return the secret in `path`; `first`, or a generated one, at the first call. Race-free."""
     if not path.exists():
-        draft = path.with_name(f"secret.{secrets.token_hex(8)}")
+        draft = path.with_name(f"{path.name}.{secrets.token_hex(8)}")
         with open(os.open(draft, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "w") as file:
-            file.write(secrets.token_urlsafe(48))
+            file.write(first or secrets.token_urlsafe(48))
         try:
             os.link(draft, path)  # fails if another process was faster: then its secret counts
         except FileExistsError:

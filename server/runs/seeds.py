@@ -59,7 +59,7 @@ def trial_seeds(run: Seeded, settings: Settings) -> TrialSeeds:
         benchmark=run.benchmark,
         seed=run.seed,
         submission=submission_digest(run),
-        secret=settings.secret_key.encode(),
+        secret=settings.seed_key.encode(),
     )
 
 

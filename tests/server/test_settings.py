@@ -7,7 +7,7 @@ from seamark.server.settings import Settings, SettingsInvalid
 
 
 def _load(tmp_path: Path, **variables: str) -> Settings:
-    return Settings.load({"SEAMARK_DATA": str(tmp_path), **variables})
+    return Settings.load({"SEAMARK_DATA": str(tmp_path)} | variables)
 
 
 def test_without_environment_variables_the_service_is_local(tmp_path: Path) -> None:
@@ -38,7 +38,29 @@ def test_the_secret_key_is_generated_once_and_only_its_owner_can_read_it(tmp_pat
     assert len(first.secret_key) >= 32
     assert (tmp_path / "secret").stat().st_mode & 0o777 == 0o600
     assert first.secret_key not in repr(first)
-    assert [path.name for path in tmp_path.iterdir()] == ["secret"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["secret", "seed_key"]
+
+
+def test_a_new_service_draws_the_key_of_its_seeds_apart_from_the_secret_key(tmp_path: Path) -> None:
+    first, second = _load(tmp_path / "new"), _load(tmp_path / "new")
+
+    assert first.seed_key == second.seed_key != first.secret_key
+    assert (tmp_path / "new" / "seed_key").stat().st_mode & 0o777 == 0o600
+    assert first.seed_key not in repr(first)
+
+
+@pytest.mark.parametrize("given", [{}, {"SEAMARK_SECRET_KEY": "given"}])
+def test_a_service_of_an_earlier_version_keeps_its_seeds_when_the_secret_key_changes(
+    tmp_path: Path, given: dict[str, str]
+) -> None:
+    (tmp_path / "secret").write_text("of an earlier version")
+    before = given.get("SEAMARK_SECRET_KEY", "of an earlier version")
+
+    upgraded = _load(tmp_path, **given)
+    rotated = _load(tmp_path, SEAMARK_SECRET_KEY="another one")
+
+    assert (upgraded.secret_key, upgraded.seed_key) == (before, before)
+    assert (rotated.secret_key, rotated.seed_key) == ("another one", before)
 
 
 def test_a_value_can_be_read_from_a_file(tmp_path: Path) -> None:
@@ -59,6 +81,7 @@ def test_a_value_can_be_read_from_a_file(tmp_path: Path) -> None:
         ({"SEAMARK_SANDBOX_MIN_LEVEL": "total"}, "strong"),
         ({"SEAMARK_LEASE_S": "8"}, "heartbeat_s"),
         ({"SEAMARK_SECRET_KEY_FILE": "/nothing/here"}, "cannot be read"),
+        ({"SEAMARK_DATA": "/dev/null/data"}, "SEAMARK_DATA: /dev/null/data cannot be used"),
     ],
 )
 def test_an_invalid_or_unknown_setting_is_refused_with_a_message(

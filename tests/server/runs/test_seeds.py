@@ -39,7 +39,7 @@ def test_ranked_trials_of_the_first_versions_have_the_hidden_seeds_of_everybody(
     other = trial_seeds(_run(benchmark="currents-v1", program_sha256="cd" * 32), settings)
 
     drawn = [one(trial) for trial in range(3)]
-    secret = settings.secret_key.encode()
+    secret = settings.seed_key.encode()
     assert drawn == [hidden_seed(secret, "currents-v1", trial) for trial in range(3)]
     assert drawn == [other(trial) for trial in range(3)]
     assert len(set(drawn)) == 3
@@ -85,8 +85,20 @@ def test_the_same_submission_has_the_same_digest_whatever_it_is_called(
     assert trial_seeds(named, settings) == trial_seeds(renamed, settings)
 
 
-def test_another_secret_gives_other_fresh_seeds(settings: Settings) -> None:
-    changed = settings.model_copy(update={"secret_key": "another secret"})
+@pytest.mark.parametrize("benchmark", ["currents-v1", "currents-v2"])
+def test_another_secret_key_does_not_change_the_seeds_of_ranked_runs(
+    settings: Settings, benchmark: str
+) -> None:
+    rotated = settings.model_copy(update={"secret_key": "another secret"})
+    run = _run(benchmark=benchmark)
+
+    before, after = trial_seeds(run, settings), trial_seeds(run, rotated)
+
+    assert [before(trial) for trial in FRESH] == [after(trial) for trial in FRESH]
+
+
+def test_another_seed_key_gives_other_fresh_seeds(settings: Settings) -> None:
+    changed = settings.model_copy(update={"seed_key": "another key"})
 
     one, other = trial_seeds(_run(), settings), trial_seeds(_run(), changed)
 
@@ -111,4 +123,4 @@ def test_the_images_of_a_ranked_run_have_the_seeds_of_its_simulation(
 
 @pytest.mark.parametrize("seed", [None, 7])
 def test_the_secret_is_not_in_the_repr_of_the_seeds(settings: Settings, seed: int | None) -> None:
-    assert settings.secret_key not in repr(trial_seeds(_run(seed=seed), settings))
+    assert settings.seed_key not in repr(trial_seeds(_run(seed=seed), settings))
