@@ -3,7 +3,14 @@
 from pathlib import Path
 
 import performance
-from performance.visibility_headroom import TRIALS, report, stability, stored
+from performance.visibility_headroom.measurement import (
+    NAME,
+    OTHER_TRIALS,
+    REFERENCE_TRIALS,
+    stored,
+)
+from performance.visibility_headroom.page import mark_steps, report, stability
+from seamark.sim.registry import benchmark
 
 PAGE = Path(performance.__file__).resolve().parents[1].joinpath("docs", "benchmarks.md")
 
@@ -22,13 +29,20 @@ def test_what_does_not_look_is_at_the_bottom_and_the_oracle_far_above_every_trac
 
     assert set(order[:3]) == {"nothing", "playback", "blind"}
     assert scores["oracle"] - max(scores[key] for key in order[:-1]) > 0.1 * scores["oracle"]
-    assert all(len(one.scores) == 2 * TRIALS for one in found.values())
+    assert all(len(one.scores) == REFERENCE_TRIALS + OTHER_TRIALS for one in found.values())
 
 
 def test_neither_playback_nor_memory_gains_anything_in_fresh_water() -> None:
     found = stored()
-    nothing, honest = (found[key].other for key in ("nothing", "esm"))
+    nothing, honest = (found[key].other for key in ("nothing", "zncc-homography"))
 
     assert found["playback"].reference["score"] == 7.0
     assert found["playback"].other["score"] <= nothing["score_high"]
     assert found["remembers"].other["score"] <= honest["score_high"]
+
+
+def test_each_mark_is_better_than_the_one_below_it_by_more_than_the_interval() -> None:
+    steps = mark_steps(stored())
+    below = {name: steps[name] for name in benchmark(NAME).baselines if name != "nothing"}
+
+    assert all(step is not None and step[0] > 0.0 for step in below.values()), below

@@ -1,10 +1,16 @@
 """The table of the reference entries."""
 
+import json
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
 
-from performance.headroom.page import insert, ordered, reference_table, share_of_scale
+from performance.headroom.__main__ import DOCS, STORE
+from performance.headroom.measurement import NAME
+from performance.headroom.page import insert, ordered, reference_table, scores, share_of_scale
+from seamark.sim.numerics.statistics import mean, paired_interval
+from seamark.sim.registry import benchmark
 
 TITLES = {"nothing": "Nothing", "pi": "PI", "oracle": "Oracle"}
 
@@ -55,3 +61,24 @@ def test_only_the_table_of_a_page_changes(tmp_path: Path) -> None:
     assert text.startswith(f"{other}\nbefore\n\n| entry | current held [m/s], 95 % interval |")
     assert text.endswith("|\n\nafter\n")
     assert "| PI | 1 |" not in text
+
+
+def test_each_entry_is_better_than_the_one_below_it_by_more_than_the_interval() -> None:
+    stored = json.loads(STORE.read_text("utf-8"))
+    steps = {
+        (worse, better): paired_interval(scores(stored[better]), scores(stored[worse]), block=2)
+        for worse, better in pairwise(ordered(stored))
+    }
+
+    assert set(stored) == set(benchmark(NAME).baselines)
+    assert all(step is not None and step[0] > 0.0 for step in steps.values()), steps
+
+
+def test_the_page_has_the_table_of_what_was_measured_and_the_benchmark_its_scale() -> None:
+    stored, entry = json.loads(STORE.read_text("utf-8")), benchmark(NAME)
+    titles = {name: mark.title for name, mark in entry.baselines.items()}
+
+    assert reference_table(stored, titles, block=2) in (DOCS / "benchmarks.md").read_text("utf-8")
+    assert entry.scale == pytest.approx(
+        [mean(scores(stored[name])) for name in ("nothing", "oracle")], abs=0.0005
+    )

@@ -1,0 +1,1 @@
+"""How visibility-v2 spreads its entries, from doing nothing to the oracle."""
