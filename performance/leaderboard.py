@@ -33,9 +33,9 @@ REPEATS = 7
 # Scores from 0 to 100 in no order, with standard errors from 0.05 to 0.25.
 FILL = (
     """
-    INSERT INTO users (id, name, name_key, is_admin, is_baseline, created_at)
+    INSERT INTO users (id, name, name_key, role, is_baseline, created_at)
     WITH RECURSIVE n(i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n WHERE i < :people)
-    SELECT i, 'u' || i, 'u' || i, FALSE, FALSE, 1.0 FROM n
+    SELECT i, 'u' || i, 'u' || i, 'user', FALSE, 1.0 FROM n
     """,
     """
     INSERT INTO runs (

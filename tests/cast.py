@@ -1,6 +1,7 @@
 """The people of the tests, and what they and their workers do with runs on a real database.
 
-ann owns, eva shares what she made, ben must see nothing of ann's, root is the administrator;
+ann owns, eva shares what she made, ben must see nothing of ann's; tim teaches, olga organises,
+root is the administrator;
 a guest has only a cookie, and nobody not even that.
 """
 
@@ -9,7 +10,7 @@ from dataclasses import dataclass
 from typing import Any, Self
 
 from seamark.server.accounts import accounts
-from seamark.server.accounts.permissions import Viewer
+from seamark.server.accounts.permissions import Role, Viewer
 from seamark.server.database.engine import Database
 from seamark.server.programs import preparation, store
 from seamark.server.programs.store import StoredProgram
@@ -22,7 +23,7 @@ from seamark.server.runs.views import RunView
 from seamark.server.settings import Settings
 
 USERS = ("ann", "eva", "ben")
-ADMIN = "root"
+STAFF = {"tim": Role.TEACHER, "olga": Role.ORGANISER, "root": Role.ADMIN}
 PROGRAM = b"""
 class Controller:
     def __init__(self, config): ...
@@ -46,13 +47,14 @@ class Backend:
         backend = cls(database, settings, {"guest": Viewer(guest="g"), "nobody": Viewer()})
         for name in USERS:
             backend.sign_up(name)
-        backend.sign_up(ADMIN, is_admin=True)
+        for name, role in STAFF.items():
+            backend.sign_up(name, role=role)
         return backend
 
-    def sign_up(self, name: str, *, is_admin: bool = False) -> Viewer:
+    def sign_up(self, name: str, *, role: Role = Role.USER) -> Viewer:
         with self.database.writing() as session:
-            user = accounts.sign_up(session, name, None, is_admin=is_admin)
-            viewer = Viewer(user_id=user.id, name=user.name, is_admin=is_admin)
+            user = accounts.sign_up(session, name, None, role=role)
+            viewer = Viewer(user_id=user.id, name=user.name, account_role=role)
         self.viewers[name] = viewer
         return viewer
 

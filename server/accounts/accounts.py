@@ -13,7 +13,12 @@ from argon2.exceptions import InvalidHashError, VerificationError
 from sqlalchemy import delete, func, select, update
 from sqlalchemy.orm import Session
 
-from seamark.server.accounts.permissions import SCOPES, Viewer, grantable
+from seamark.server.accounts.permissions import (
+    SCOPES,
+    Role,
+    Viewer,
+    grantable,
+)
 from seamark.server.database.tables import BrowserSession, Run, Token, User
 from seamark.server.settings import Settings
 
@@ -39,7 +44,7 @@ class AccountRejected(Exception):
     """The account cannot be created or changed. The text is for the user."""
 
 
-def sign_up(session: Session, name: str, password: str | None, *, is_admin: bool = False) -> User:
+def sign_up(session: Session, name: str, password: str | None, *, role: Role = Role.USER) -> User:
     """Create an account; raises AccountRejected. Without a password, nobody can sign in to it."""
     if not _NAME.fullmatch(name):
         raise AccountRejected(f"A name consists of {NAME_RULE}.")
@@ -53,7 +58,7 @@ def sign_up(session: Session, name: str, password: str | None, *, is_admin: bool
         name=name,
         name_key=name.casefold(),
         password_hash=None if password is None else _hasher.hash(password),
-        is_admin=is_admin,
+        role=role.label,
         created_at=time.time(),
     )
     session.add(user)
@@ -103,6 +108,20 @@ def change_password(session: Session, name: str, old: str | None, new: str) -> U
     session.execute(delete(BrowserSession).where(BrowserSession.user_id == user.id))
     session.execute(delete(Token).where(Token.user_id == user.id))
     return user
+
+
+def set_role(session: Session, name: str, role: Role) -> User:
+    """Give an account another role; raises AccountRejected if there is no such account."""
+    user = session.scalar(select(User).where(User.name_key == name.casefold()))
+    if user is None or user.is_baseline:
+        raise AccountRejected(f"There is no account {name}.")
+    user.role = role.label
+    return user
+
+
+def people(session: Session) -> list[User]:
+    """Return the accounts of people, oldest first."""
+    return list(session.scalars(select(User).where(~User.is_baseline).order_by(User.id)))
 
 
 def guest_hash(settings: Settings, cookie: str) -> str:
@@ -203,7 +222,7 @@ def viewer_of_user(
     return Viewer(
         user_id=user.id,
         name=user.name,
-        is_admin=user.is_admin,
+        account_role=Role[user.role.upper()],
         scopes=frozenset(scopes),
         token_expires_at=token_expires_at,
     )

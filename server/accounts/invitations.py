@@ -3,25 +3,52 @@
 import secrets
 import time
 
-from sqlalchemy import delete
+from sqlalchemy import delete, func, select
 from sqlalchemy.orm import Session
 
 from seamark.server.accounts import accounts
 from seamark.server.accounts.accounts import AccountRejected
 from seamark.server.database.tables import Invitation
 
+DAYS, DAYS_MAX = 14, 365  # until an invitation expires
+BATCH_MAX = 100  # made by one request
+OPEN_MAX = 1000  # of one account: as many pupils as a school may have
 _DAY_S = 86_400.0
 
 
-def create(session: Session, *, days: float) -> str:
-    """Return the text of a new invitation, which is not stored and cannot be shown again."""
+def create(
+    session: Session, *, days: float, count: int = 1, user_id: int | None = None
+) -> list[str]:
+    """Return the texts of new invitations, which are not stored and cannot be shown again.
+
+    `user_id` is who invites; None for the operator of the service.
+
+    Raises
+    ------
+    AccountRejected
+        The account would have more than `OPEN_MAX` invitations that nobody has used yet.
+    """
     now = time.time()
     session.execute(delete(Invitation).where(Invitation.expires_at <= now))
-    text = secrets.token_urlsafe(18)
-    session.add(
-        Invitation(hash=accounts.secret_hash(text), created_at=now, expires_at=now + days * _DAY_S)
+    if user_id is not None and open_count(session, user_id) + count > OPEN_MAX:
+        raise AccountRejected(f"You may have at most {OPEN_MAX} unused invitations.")
+    texts = [secrets.token_urlsafe(18) for _ in range(count)]
+    session.add_all(
+        Invitation(
+            hash=accounts.secret_hash(text),
+            user_id=user_id,
+            created_at=now,
+            expires_at=now + days * _DAY_S,
+        )
+        for text in texts
     )
-    return text
+    return texts
+
+
+def open_count(session: Session, user_id: int) -> int:
+    """Return how many invitations of an account can still be used."""
+    unused = (Invitation.user_id == user_id) & (Invitation.expires_at > time.time())
+    return session.scalar(select(func.count()).where(unused)) or 0
 
 
 def accept(session: Session, text: str) -> None:

@@ -1,6 +1,6 @@
 """Permissions: the only place that decides who may do what, for pages and the API alike."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import IntEnum, StrEnum
 from typing import Protocol
@@ -16,7 +16,17 @@ class Role(IntEnum):
     ANONYMOUS = 0
     GUEST = 1  # known by a cookie
     USER = 2
-    ADMIN = 3
+    TEACHER = 3  # invites people to sign up
+    ORGANISER = 4  # takes published runs off the leaderboards
+    ADMIN = 5
+
+    @property
+    def label(self) -> str:
+        """The name that people, the API and the database use."""
+        return self.name.lower()
+
+
+ACCOUNT_ROLES: Sequence[Role] = (Role.USER, Role.TEACHER, Role.ORGANISER, Role.ADMIN)
 
 
 class Action(StrEnum):
@@ -29,6 +39,8 @@ class Action(StrEnum):
     VIEW_ACCOUNT = "view_account"
     MANAGE_TOKENS = "manage_tokens"
     CHANGE_PASSWORD = "change_password"  # noqa: S105 - the name of an action
+    INVITE = "invite"
+    MODERATE = "moderate"  # withdraw the published runs of others
     ADMINISTER = "administer"
 
     VIEW = "view"
@@ -57,6 +69,8 @@ RULES: Mapping[Action, Rule] = {
     Action.VIEW_ACCOUNT: Rule(READ, Role.USER),
     Action.MANAGE_TOKENS: Rule(SUBMIT, Role.USER),
     Action.CHANGE_PASSWORD: Rule(SUBMIT, Role.USER, in_browser=True),
+    Action.INVITE: Rule(ADMIN, Role.TEACHER),
+    Action.MODERATE: Rule(ADMIN, Role.ORGANISER),
     Action.ADMINISTER: Rule(ADMIN, Role.ADMIN),
     Action.VIEW: Rule(READ, Role.ANONYMOUS),
     Action.VIEW_PROGRAM: Rule(READ, Role.ANONYMOUS),
@@ -76,7 +90,7 @@ class Viewer:
 
     user_id: int | None = None
     name: str = ""
-    is_admin: bool = False
+    account_role: Role = Role.USER  # of `user_id`
     guest: str | None = None  # hash of the cookie
     network: str | None = None  # hash of the address prefix of a guest or an anonymous visitor
     scopes: frozenset[str] = frozenset(SCOPES)  # fewer for a token
@@ -96,7 +110,7 @@ class Viewer:
     def role(self) -> Role:
         """The role, whatever the scopes."""
         if self.user_id is not None:
-            return Role.ADMIN if self.is_admin else Role.USER
+            return self.account_role
         return Role.ANONYMOUS if self.guest is None else Role.GUEST
 
 
@@ -128,7 +142,7 @@ def can(viewer: Viewer, action: Action, run: Owned | None = None) -> bool:
 def grantable(viewer: Viewer) -> tuple[str, ...]:
     """Return the scopes that a new token of the viewer may have: none the viewer lacks."""
     own = [scope for scope in SCOPES if scope in viewer.scopes]
-    return tuple(scope for scope in own if scope != ADMIN or viewer.is_admin)
+    return tuple(scope for scope in own if scope != ADMIN or viewer.role > Role.USER)
 
 
 def _may_on_run(viewer: Viewer, action: Action, run: Owned) -> bool:
@@ -137,6 +151,8 @@ def _may_on_run(viewer: Viewer, action: Action, run: Owned) -> bool:
         return True
     if action is Action.RERUN:
         return run.public
+    if action is Action.WITHDRAW and run.public and can(viewer, Action.MODERATE):
+        return True
     return can(viewer, Action.ADMINISTER)
 
 

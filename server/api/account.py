@@ -10,10 +10,12 @@ from flask_openapi3.blueprint import APIBlueprint
 from flask_openapi3.models.tag import Tag
 from flask_wtf.csrf import generate_csrf
 
-from seamark.server.accounts import accounts
+from seamark.server.accounts import accounts, invitations
 from seamark.server.accounts.permissions import Action, grantable
 from seamark.server.api import request_body
 from seamark.server.api.schemas import (
+    InvitationsRequest,
+    InvitationsResponse,
     MeResponse,
     TokenPath,
     TokenRequest,
@@ -46,7 +48,7 @@ def me() -> Response:
         {
             "name": viewer.name,
             "user_id": viewer.user_id,
-            "is_admin": viewer.is_admin,
+            "role": viewer.role.label,
             "guest": viewer.guest is not None,
             "scopes": sorted(viewer.scopes),
             "quota": used,
@@ -95,6 +97,22 @@ def delete_token(path: TokenPath) -> Response:
         if not accounts.revoke_token(database, user_id, path.token_id):
             raise Problem("not-found", f"You have no token {path.token_id}.")
     return Response(status=204)
+
+
+@api.post("/invitations", responses={201: InvitationsResponse})
+def invite() -> Response:
+    """Make invitations to sign up, each for one account. Requires the role teacher."""
+    user_id = access.require_account(Action.INVITE)
+    body = request_body.json_body(InvitationsRequest)
+    try:
+        with services().database.writing() as database:
+            texts = invitations.create(database, days=body.days, count=body.count, user_id=user_id)
+    except accounts.AccountRejected as reason:
+        raise Problem("conflict", str(reason)) from None
+    response = jsonify({"invitations": texts})
+    response.status_code = 201
+    response.headers["Cache-Control"] = "no-store"
+    return response
 
 
 def _shown(token: Token) -> dict[str, Any]:

@@ -9,7 +9,7 @@ from typing import Any
 from flask import Blueprint, Flask, Response, abort, current_app, jsonify, render_template
 from flask_openapi3.blueprint import APIBlueprint
 
-from seamark.server.api.schemas import RunRequest, TokenRequest
+from seamark.server.api.schemas import InvitationsRequest, RunRequest, TokenRequest
 from seamark.server.web.problems import MEDIA_TYPE, PROBLEM_TYPES
 
 page = Blueprint("openapi", __name__)
@@ -85,10 +85,11 @@ def _plain(model: Any) -> dict[str, Any]:
 
 def _add_bodies(paths: dict[str, Any], schemas: dict[str, Any]) -> None:
     """Describe the request bodies: flask-openapi3 supports a single media type only."""
-    for model in (RunRequest, TokenRequest):
+    for model in (RunRequest, TokenRequest, InvitationsRequest):
         schemas[model.__name__] = model.model_json_schema(ref_template=_REF)
-    as_json = {"application/json": {"schema": {"$ref": _REF.format(model="TokenRequest")}}}
-    paths["/api/v1/tokens"]["post"]["requestBody"] = {"required": True, "content": as_json}
+    for path, name in (("tokens", "TokenRequest"), ("invitations", "InvitationsRequest")):
+        as_json = {"application/json": {"schema": {"$ref": _REF.format(model=name)}}}
+        paths[f"/api/v1/{path}"]["post"]["requestBody"] = {"required": True, "content": as_json}
     run = {"$ref": _REF.format(model="RunRequest")}
     form = {
         "type": "object",

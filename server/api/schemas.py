@@ -6,6 +6,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
+from seamark.server.accounts import invitations
 from seamark.server.accounts.accounts import TOKEN_DAYS, TOKEN_DAYS_MAX, TOKEN_NAME_MAX
 from seamark.server.programs.diagnostics import Diagnostic
 from seamark.server.runs.columns import PublicRun
@@ -163,6 +164,17 @@ class TokenRequest(BaseModel):
     days: float = Field(TOKEN_DAYS, gt=0, le=TOKEN_DAYS_MAX, description="Until the token expires")
 
 
+class InvitationsRequest(BaseModel):
+    """Invitations to make."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    count: int = Field(1, ge=1, le=invitations.BATCH_MAX)
+    days: float = Field(
+        invitations.DAYS, gt=0, le=invitations.DAYS_MAX, description="Until they expire"
+    )
+
+
 class ResponseModel(BaseModel):
     """Base class of all responses; more properties may be added."""
 
@@ -295,12 +307,18 @@ class TokensResponse(ResponseModel):
     tokens: list[TokenResponse]
 
 
+class InvitationsResponse(ResponseModel):
+    """Invitations; their texts are only returned on creation."""
+
+    invitations: list[str]
+
+
 class MeResponse(ResponseModel):
     """The authenticated user or guest and their quota."""
 
     name: str
     user_id: int | None
-    is_admin: bool
+    role: Literal["anonymous", "guest", "user", "teacher", "organiser", "admin"]
     guest: bool
     scopes: list[str]
     quota: dict[str, int] | None

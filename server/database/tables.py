@@ -48,9 +48,13 @@ class User(Base):
     name: Mapped[str] = mapped_column(String(40))
     name_key: Mapped[str] = mapped_column(String(80), unique=True)  # case-folded
     password_hash: Mapped[str | None] = mapped_column(Text)
-    is_admin: Mapped[bool] = mapped_column(default=False)
+    role: Mapped[str] = mapped_column(String(10), default="user", server_default="user")
     is_baseline: Mapped[bool] = mapped_column(default=False)
     created_at: Mapped[float]
+
+    __table_args__ = (
+        CheckConstraint("role IN ('user', 'teacher', 'organiser', 'admin')", name="role"),
+    )
 
 
 class Token(Base):
@@ -85,6 +89,9 @@ class Invitation(Base):
     __tablename__ = "invitations"
 
     hash: Mapped[str] = mapped_column(String(64), primary_key=True)
+    user_id: Mapped[int | None] = mapped_column(  # who invites; NULL: the operator
+        ForeignKey("users.id", ondelete="CASCADE"), index=True
+    )
     created_at: Mapped[float]
     expires_at: Mapped[float]
 

@@ -8,6 +8,7 @@ from seamark.server.pages import (
     docs,
     errors,
     home,
+    invitations,
     leaderboard,
     run,
     runs,
@@ -24,6 +25,7 @@ PAGES = (
     runs.page,
     leaderboard.page,
     account.page,
+    invitations.page,
     docs.page,
     status.page,
 )

@@ -6,7 +6,7 @@ from flask import Blueprint, abort, flash, g, redirect, render_template, request
 from flask.typing import ResponseReturnValue
 
 from seamark.server.accounts import accounts, invitations
-from seamark.server.accounts.permissions import Action, grantable
+from seamark.server.accounts.permissions import Action, can, grantable
 from seamark.server.web import access, authentication
 from seamark.server.web.rate_limits import (
     CREDENTIAL_ATTEMPTS,
@@ -167,6 +167,7 @@ def _tokens(*, new: str = "", error: str = "", password_error: str = "") -> str:
         password_min=accounts.PASSWORD_MIN,
         password_max=accounts.PASSWORD_MAX,
         scopes=grantable(g.viewer),
+        may_invite=can(g.viewer, Action.INVITE),
         days=accounts.TOKEN_DAYS,
         days_max=accounts.PAGE_TOKEN_DAYS_MAX,
     )

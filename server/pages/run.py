@@ -95,9 +95,12 @@ def publish(run_id: int) -> ResponseReturnValue:
 @page.post("/<row:run_id>/withdraw")
 def withdraw(run_id: int) -> ResponseReturnValue:
     """Make a run private again."""
-    access.run_for(run_id, Action.WITHDRAW)
+    run = access.run_for(run_id, Action.WITHDRAW)
     done = "The run is private again."
-    return _change(run_id, results.withdraw, done, "The run was not public.")
+    answer = _change(run_id, results.withdraw, done, "The run was not public.")
+    if can(g.viewer, Action.VIEW, run.model_copy(update={"public": False})):
+        return answer
+    return redirect(url_for("leaderboard.show", name=run.benchmark), code=303)
 
 
 @page.post("/<row:run_id>/rerun")

@@ -36,10 +36,10 @@ def require(action: Action) -> None:
     if can(viewer(), action):
         return
     rule = RULES[action]
-    if viewer().role < rule.role:
-        if rule.role is Role.ADMIN:
-            raise Problem("forbidden", "Only admins may do this.")
+    if viewer().role < min(rule.role, Role.USER):
         raise Problem("unauthenticated", "This requires an account: sign in or send a token.")
+    if viewer().role < rule.role:
+        raise Problem("forbidden", f"This requires the role {rule.role.label}.")
     require_scope(action)
     raise Problem("forbidden", "This is only possible in a browser, not with a token.")
 

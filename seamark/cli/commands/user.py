@@ -14,6 +14,9 @@ from seamark.cli.console import print_json
 from seamark.cli.options import data_option, database_of, json_option, settings_of
 from seamark.failures import UsageRefused
 
+# seamark.server.accounts.permissions.ACCOUNT_ROLES; a test holds them equal
+ROLES = ("user", "teacher", "organiser", "admin")
+
 
 @click.group()
 def user() -> None:
@@ -23,31 +26,36 @@ def user() -> None:
 @user.command()
 @click.argument("name")
 @click.option("--password", metavar="P", help="At least 10 characters.  [default: random]")
-@click.option("--admin", is_flag=True, help="May see and cancel all runs.")
+@click.option("--role", type=click.Choice(ROLES), default="user", show_default=True)
+@click.option("--admin", "role", flag_value="admin", help="The same as --role admin.")
 @data_option
 @json_option
-def add(name: str, password: str | None, admin: bool, data: Path | None, as_json: bool) -> None:
+def add(*, name: str, password: str | None, role: str, data: Path | None, as_json: bool) -> None:
     """Create the account NAME.
+
+    A teacher may also invite people to sign up, an organiser may besides take published runs off
+    the leaderboards, and an admin may do everything with all runs.
 
     \b
     Examples:
       seamark user add ana --password 'long enough'
-      seamark user add operator --admin
+      seamark user add mr-lee --role teacher
     """
     from seamark.server.accounts import accounts
+    from seamark.server.accounts.permissions import Role
 
     drawn = None if password is not None else secrets.token_urlsafe(12)
     database = database_of(settings_of(data))
     try:
         with database.writing() as session:
-            made = accounts.sign_up(session, name, password or drawn, is_admin=admin)
+            made = accounts.sign_up(session, name, password or drawn, role=Role[role.upper()])
             user_id = made.id
     except accounts.AccountRejected as reason:
         raise UsageRefused(str(reason)) from None
     if as_json:
-        print_json({"id": user_id, "name": name, "admin": admin, "password": drawn})
+        print_json({"id": user_id, "name": name, "role": role, "password": drawn})
         return
-    click.echo(f"Created the account {name}{' with admin rights' if admin else ''}.")
+    click.echo(f"Created the account {name} with the role {role}.")
     if drawn is not None:
         click.echo(f"Password (not shown again): {drawn}")
 
@@ -104,12 +112,53 @@ def invite(count: int, days: float, data: Path | None, as_json: bool) -> None:
     from seamark.server.accounts import invitations
 
     with database_of(settings_of(data)).writing() as session:
-        texts = [invitations.create(session, days=days) for _ in range(count)]
+        texts = invitations.create(session, days=days, count=count)
     if as_json:
         print_json({"invitations": texts, "days": days})
         return
     for text in texts:
         click.echo(text)
+
+
+@user.command("list")
+@data_option
+@json_option
+def show_all(data: Path | None, as_json: bool) -> None:
+    """List all accounts with their roles, oldest first."""
+    from seamark.server.accounts import accounts
+
+    with database_of(settings_of(data)).reading() as session:
+        listed = [
+            {"id": each.id, "name": each.name, "role": each.role, "created_at": each.created_at}
+            for each in accounts.people(session)
+        ]
+    if as_json:
+        print_json({"users": listed})
+        return
+    for each in listed:
+        click.echo(f"{each['name']:<40} {each['role']}")
+
+
+@user.command("role")
+@click.argument("name")
+@click.argument("role", type=click.Choice(ROLES))
+@data_option
+def set_role(name: str, role: str, data: Path | None) -> None:
+    """Give the account NAME another ROLE; its tokens can do no more than the role allows.
+
+    \b
+    Example:
+      seamark user role mr-lee teacher
+    """
+    from seamark.server.accounts import accounts
+    from seamark.server.accounts.permissions import Role
+
+    try:
+        with database_of(settings_of(data)).writing() as session:
+            changed = accounts.set_role(session, name, Role[role.upper()]).name
+    except accounts.AccountRejected as reason:
+        raise UsageRefused(str(reason)) from None
+    click.echo(f"{changed} has the role {role}.")
 
 
 @user.command("password")

@@ -11,13 +11,14 @@ import pytest
 from click.testing import CliRunner, Result
 
 from seamark.cli.commands.token import SCOPES as OFFERED
+from seamark.cli.commands.user import ROLES
 from seamark.cli.configuration import read_settings, typed
 from seamark.cli.main import COMMANDS, cli
 from seamark.cli.options import settings_of
 from seamark.sandbox.languages import starters
 from seamark.server.accounts import accounts, invitations
 from seamark.server.accounts.accounts import AccountRejected
-from seamark.server.accounts.permissions import SCOPES
+from seamark.server.accounts.permissions import ACCOUNT_ROLES, SCOPES
 from seamark.server.database.engine import Database
 from seamark.sim import registry
 
@@ -85,6 +86,7 @@ def test_help_imports_no_heavy_module() -> None:
         (("user", "add", "a"), "A name consists of"),
         (("user", "add", "ann", "--password", "short"), "A password has"),
         (("user", "password", "nobody"), "There is no account nobody"),
+        (("user", "role", "nobody", "teacher"), "There is no account nobody"),
         (("web",), "SEAMARK_BROKER_URL is not set"),
         (("worker",), "SEAMARK_BROKER_URL is not set"),
         (("up", "--port", "99999"), "--port"),
@@ -168,6 +170,30 @@ def test_a_token_beyond_the_limit_of_an_account_is_refused(tmp_path: Path) -> No
 
     assert refused.exit_code == 2
     assert "already have 50 tokens" in refused.output
+
+
+def test_roles_are_given_listed_and_changed(tmp_path: Path) -> None:
+    data = ("--data", str(tmp_path))
+    for name, options in (("ann", ()), ("tim", ("--role", "teacher")), ("root", ("--admin",))):
+        assert seamark("user", "add", name, *options, *data).exit_code == 0
+
+    changed = seamark("user", "role", "ANN", "organiser", *data)
+    lost = seamark("user", "role", "tim", "user", *data)
+    listed = json.loads(seamark("user", "list", "--json", *data).output)["users"]
+
+    assert (changed.output, lost.exit_code) == ("ann has the role organiser.\n", 0)
+    assert {each["name"]: each["role"] for each in listed} == {
+        "ann": "organiser",
+        "tim": "user",
+        "root": "admin",
+    }
+    assert seamark("user", "list", *data).output.split() == [
+        *("ann", "organiser", "tim", "user", "root", "admin")
+    ]
+
+
+def test_the_roles_of_the_commands_are_those_of_the_server() -> None:
+    assert tuple(role.label for role in ACCOUNT_ROLES) == ROLES
 
 
 def test_the_scopes_of_tokens_are_those_of_the_server() -> None:

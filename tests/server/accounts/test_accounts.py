@@ -5,7 +5,7 @@ from sqlalchemy import update
 
 from seamark.server.accounts import accounts
 from seamark.server.accounts.accounts import AccountRejected
-from seamark.server.accounts.permissions import ADMIN, READ, SUBMIT
+from seamark.server.accounts.permissions import ADMIN, READ, SUBMIT, Role
 from seamark.server.database.engine import Database
 from seamark.server.database.tables import Token
 from seamark.server.settings import Settings
@@ -51,7 +51,7 @@ def test_a_short_password_is_refused(database: Database) -> None:
 
 def test_a_token_authorizes_its_user_within_its_scopes(database: Database) -> None:
     with database.writing() as session:
-        ann = accounts.sign_up(session, "ann", None, is_admin=True)
+        ann = accounts.sign_up(session, "ann", None, role=Role.ADMIN)
         text = accounts.new_token(session, ann.id, "laptop", [READ, SUBMIT])
 
         viewer = accounts.viewer_of_token(session, text)

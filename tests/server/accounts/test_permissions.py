@@ -1,8 +1,8 @@
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import pytest
 
-from seamark.server.accounts.permissions import READ, SCOPES, SUBMIT, Action, Viewer, can
+from seamark.server.accounts.permissions import READ, SCOPES, SUBMIT, Action, Role, Viewer, can
 
 
 @dataclass(frozen=True)
@@ -15,7 +15,9 @@ class Thing:
 PRIVATE, PUBLIC = Thing(1, None, public=False), Thing(1, None, public=True)
 GUESTS = Thing(None, "g", public=False)
 OWNER, OTHER = Viewer(user_id=1), Viewer(user_id=2)
-ADMIN = Viewer(user_id=3, is_admin=True)
+ADMIN = Viewer(user_id=3, account_role=Role.ADMIN)
+TEACHER = Viewer(user_id=4, account_role=Role.TEACHER)
+ORGANISER = Viewer(user_id=5, account_role=Role.ORGANISER)
 GUEST, OTHER_GUEST, NOBODY = Viewer(guest="g"), Viewer(guest="h"), Viewer()
 READING = {"list", "view_account"}
 OF_USER = READING | {"submit", "upload", "submit_ranked", "manage_tokens"}
@@ -42,7 +44,13 @@ ON_RUN = LOOK | {Action.CANCEL, Action.PUBLISH, Action.WITHDRAW, Action.RERUN}
         (OTHER, GUESTS, set()),
         (Viewer(user_id=1, scopes=frozenset({READ})), PRIVATE, LOOK),
         (Viewer(user_id=1, scopes=frozenset({SUBMIT})), PRIVATE, ON_RUN - LOOK),
-        (Viewer(user_id=3, is_admin=True, scopes=frozenset({READ})), PRIVATE, set()),
+        (Viewer(user_id=3, account_role=Role.ADMIN, scopes=frozenset({READ})), PRIVATE, set()),
+        (TEACHER, PRIVATE, set()),
+        (TEACHER, PUBLIC, LOOK | {Action.RERUN}),
+        (ORGANISER, PRIVATE, set()),
+        (ORGANISER, GUESTS, set()),
+        (ORGANISER, PUBLIC, LOOK | {Action.RERUN, Action.WITHDRAW}),
+        (replace(ORGANISER, scopes=frozenset({READ, SUBMIT})), PUBLIC, LOOK | {Action.RERUN}),
     ],
 )
 def test_a_viewer_may_do_to_a_run_exactly_what_the_table_allows(
@@ -55,13 +63,16 @@ def test_a_viewer_may_do_to_a_run_exactly_what_the_table_allows(
     ("viewer", "allowed"),
     [
         (OWNER, OF_USER | {"change_password"}),
-        (ADMIN, OF_USER | {"change_password", "administer"}),
+        (TEACHER, OF_USER | {"change_password", "invite"}),
+        (ORGANISER, OF_USER | {"change_password", "invite", "moderate"}),
+        (ADMIN, OF_USER | {"change_password", "invite", "moderate", "administer"}),
         (GUEST, {"list", "submit"}),
         (NOBODY, {"list"}),
         (Viewer(user_id=1, scopes=frozenset({READ})), {"list", "view_account"}),
         (Viewer(user_id=1, token_expires_at=1.0, scopes=frozenset({SUBMIT})), OF_USER - READING),
         (Viewer(user_id=1, token_expires_at=1.0), OF_USER),
-        (Viewer(user_id=3, is_admin=True, scopes=frozenset({READ})), READING),
+        (Viewer(user_id=3, account_role=Role.ADMIN, scopes=frozenset({READ})), READING),
+        (replace(TEACHER, scopes=frozenset({READ, SUBMIT}), token_expires_at=1.0), OF_USER),
         (Viewer(user_id=1, scopes=frozenset({"admin"})), set()),
     ],
 )

@@ -1,7 +1,10 @@
 """Every schema that was ever committed can be upgraded, also by several processes at once."""
 
 import multiprocessing
+import re
+from itertools import pairwise
 from multiprocessing.synchronize import Barrier
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -18,6 +21,7 @@ from seamark.server.database.tables import Worker
 from seamark.server.settings import Settings
 from tests.cast import Backend
 
+ROOT = Path(__file__).parents[3]
 PROCESSES = 3
 START_S = 120.0  # until a process has imported the service on a busy machine
 Rows = dict[str, list[dict[str, Any]]]
@@ -67,7 +71,7 @@ def _fill(backend: Backend) -> None:
     with backend.database.writing() as session:
         accounts.new_token(session, ann, "t", ["read"])
         browser_sessions.begin(session, ann)
-        invitations.create(session, days=1.0)
+        invitations.create(session, days=1.0, user_id=ann)
         check_queue.enqueue(session, ann, "currents-v1", {}, program)
         worker = Worker(name="w", slots=1, level="strong", languages=[], findings=[])
         workers.register(session, worker)
@@ -124,6 +128,12 @@ def _schema(connection: Connection) -> dict[str, Any]:
                 column["name"]: (str(column["type"]), column["nullable"])
                 for column in found.get_columns(table)
             },
+            # Columns that an INSERT has to name.
+            "required": {
+                column["name"]
+                for column in found.get_columns(table)
+                if not column["nullable"] and column["default"] is None
+            },
             "indexes": {
                 index["name"]: (index["column_names"], index["unique"])
                 for index in found.get_indexes(table)
@@ -148,4 +158,40 @@ def test_a_downgrade_leads_to_the_schema_that_the_earlier_version_made(empty: Se
             left[revision] = _schema(connection)
     database.close()
 
+    for schema in (*left.values(), *made.values()):
+        for table in schema.values():
+            table.pop("required")  # what a downgrade restores has defaults, for the rows that exist
     assert left == made
+
+
+def _takes_from(before: dict[str, Any], after: dict[str, Any]) -> bool:
+    """Return whether a process that knows the schema `before` may fail on `after`."""
+    for table, old in before.items():
+        new = after.get(table)
+        if new is None or not old["columns"].items() <= new["columns"].items():
+            return True
+        if new["rules"] - old["rules"] or new["unique"] - old["unique"]:
+            return True
+        if new["required"] - old["required"]:
+            return True
+    return False
+
+
+@pytest.mark.filterwarnings("ignore:Skipped unsupported reflection of expression-based index")
+def test_the_hosting_guide_names_the_migrations_that_stop_earlier_versions(empty: Settings) -> None:
+    database, schemas = Database(empty.database_url), {}
+    with database.engine.begin() as connection:
+        for revision in reversed(_revisions()):
+            command.upgrade(config(connection), revision)
+            schemas[revision] = _schema(connection)
+    database.close()
+
+    stopping = {
+        later
+        for (earlier, later) in pairwise(schemas)
+        if _takes_from(schemas[earlier], schemas[later])
+    }
+
+    guide = (ROOT / "docs/hosting.md").read_text()
+    (named,) = re.findall(r"before you upgrade across the migrations ([^:]+):", guide)
+    assert set(re.findall(r"\d{4}", named)) == stopping

@@ -12,7 +12,7 @@ from werkzeug.test import TestResponse
 
 from seamark.server.app import create_app
 from seamark.server.web import authentication
-from tests.cast import ADMIN, USERS, Backend
+from tests.cast import STAFF, USERS, Backend
 
 _CSRF_TOKEN = re.compile(r'name="csrf_token" value="([^"]+)"')
 
@@ -56,7 +56,7 @@ def site(backend: Backend) -> Iterator[Site]:
     app = create_app(backend.settings)
     cookies: dict[str, dict[str, Any]] = {"stranger": {}}
     with app.app_context():
-        for name in (*USERS, ADMIN):
+        for name in (*USERS, *STAFF):
             cookies[name] = authentication.cookie_of(backend.user_id(name))
     yield Site(**vars(backend), app=app, cookies=cookies)
     app.extensions["seamark"].close()

@@ -254,8 +254,8 @@ def _mode(site: Site, mode: str) -> Browser:
 def test_by_invitation_each_invitation_makes_one_account(site: Site) -> None:
     browser = _mode(site, "invitation")
     with site.database.writing() as session:
-        text = invitations.create(session, days=1.0)
-        expired = invitations.create(session, days=-1.0)
+        (text,) = invitations.create(session, days=1.0)
+        (expired,) = invitations.create(session, days=-1.0)
     assert f'value="{text}"' in browser.get(f"/sign-up?invitation={text}").text
 
     form = {"name": "cleo", "password": WORDS}
@@ -270,7 +270,7 @@ def test_by_invitation_each_invitation_makes_one_account(site: Site) -> None:
 def test_an_invitation_is_not_used_up_by_a_refused_name(site: Site) -> None:
     browser = _mode(site, "invitation")
     with site.database.writing() as session:
-        text = invitations.create(session, days=1.0)
+        (text,) = invitations.create(session, days=1.0)
 
     form = {"password": WORDS, "invitation": text}
     refused = browser.post("/sign-up", form | {"name": "1"})
@@ -282,7 +282,7 @@ def test_an_invitation_is_not_used_up_by_a_refused_name(site: Site) -> None:
 def test_where_signing_up_is_closed_an_invitation_does_not_help(site: Site) -> None:
     browser = _mode(site, "closed")
     with site.database.writing() as session:
-        text = invitations.create(session, days=1.0)
+        (text,) = invitations.create(session, days=1.0)
 
     answer = browser.post("/sign-up", {"name": "cleo", "password": WORDS, "invitation": text})
 

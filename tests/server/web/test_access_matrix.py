@@ -13,6 +13,7 @@ import pytest
 from flask.testing import FlaskClient
 
 from seamark.server.accounts import accounts
+from seamark.server.accounts.permissions import ACCOUNT_ROLES
 from seamark.server.app import create_app
 from seamark.server.web import authentication
 from tests.cast import Backend
@@ -32,7 +33,7 @@ TO_SIGN_IN = "/sign-in?next="
 class Caller:
     """A role, and the scopes of its token; a browser has a cookie and no token."""
 
-    role: str  # "anonymous", "guest", or a name of the cast: ann owns, ben does not, root is admin
+    role: str  # "anonymous", "guest", or a name of the cast: ann owns, ben does not, see ROLES
     scopes: frozenset[str] | None = None
 
     def __str__(self) -> str:
@@ -43,19 +44,26 @@ class Caller:
 
     @property
     def signed_in(self) -> bool:
-        return self.role in {"ann", "ben", "root"}
+        return self.role in ROLES
+
+    def is_at_least(self, role: str) -> bool:
+        """Return whether the rights of a role apply, which need the scope "admin"."""
+        return self.signed_in and RANK[ROLES[self.role]] >= RANK[role] and self.has(ADMIN)
 
     @property
     def administers(self) -> bool:
-        return self.role == "root" and self.has(ADMIN)
+        return self.is_at_least("admin")
 
 
+RANK = {"user": 0, "teacher": 1, "organiser": 2, "admin": 3}
+ROLES = {"ann": "user", "ben": "user", "tim": "teacher", "olga": "organiser", "root": "admin"}
+# The scope "admin" of a user has no effect: one such token for each.
+OF_USER = [scopes for scopes in SETS if scopes == ALL or ADMIN not in scopes]
 CALLERS = [
     Caller("anonymous"),
     Caller("guest"),
-    *(Caller("root", scopes) for scopes in (None, *SETS)),
-    # The scope "admin" of somebody who is no admin has no effect: one such token for each.
-    *(Caller("ann", scopes) for scopes in (None, *(s for s in SETS if s == ALL or ADMIN not in s))),
+    *(Caller(name, scopes) for name in ("tim", "olga", "root") for scopes in (None, *SETS)),
+    *(Caller("ann", scopes) for scopes in (None, *OF_USER)),
     *(Caller("ben", scopes) for scopes in (None, ALL)),
 ]
 Allows = Callable[[Caller], bool]
@@ -105,6 +113,14 @@ def changes_run(caller: Caller) -> bool:
     return caller.has(SUBMIT) and (caller.role == "ann" or caller.administers)
 
 
+def withdraws(caller: Caller) -> bool:
+    return caller.has(SUBMIT) and (caller.role == "ann" or caller.is_at_least("organiser"))
+
+
+def invites(caller: Caller) -> bool:
+    return caller.is_at_least("teacher")
+
+
 ORDER: dict[str, Any] = {"json": {"benchmark": "currents-v1", "controller": "pi"}}
 TOKEN: dict[str, Any] = {"json": {"name": "t", "scopes": ["submit"]}}
 FORM = {"controller": "pi", "kind": "practice"}
@@ -146,7 +162,7 @@ def _changing(
 ACTIONS = {
     "cancel": (changes_run, "queued"),
     "publish": (changes_run, "recorded"),
-    "withdraw": (changes_run, "public"),
+    "withdraw": (withdraws, "public"),
 }
 RERUN = {"rerun": (changes_its_own, "recorded")}
 OPEN = Entry(everybody)
@@ -175,6 +191,8 @@ ROUTES: dict[tuple[str, str], Entry] = {
         changes_its_own, 302, "/tokens/{token}/revoke"
     ),
     ("POST", "/password"): Entry(changes_password, 422, options={"data": WRONG}),
+    ("GET", "/invitations"): Entry(invites),
+    ("POST", "/invitations"): Entry(invites, options={"data": {"count": "2"}}),
     ("GET", "/docs/"): Entry(everybody, 302),
     ("GET", "/docs/<name>"): Entry(everybody, path="/docs/start"),
     ("GET", "/docs/guides/<path:name>"): Entry(everybody, path="/docs/guides/benchmarks.md"),
@@ -208,6 +226,7 @@ ROUTES: dict[tuple[str, str], Entry] = {
     **_changing("/api/v1/runs/", "<int:run_id>", 202, **RERUN),
     ("GET", "/api/v1/tokens"): Entry(reads_account),
     ("POST", "/api/v1/tokens"): Entry(changes_tokens, 201, options=TOKEN),
+    ("POST", "/api/v1/invitations"): Entry(invites, 201, options={"json": {"count": 2}}),
     ("DELETE", "/api/v1/tokens/<int:token_id>"): Entry(
         changes_its_own, 204, "/api/v1/tokens/{token}"
     ),
@@ -268,6 +287,12 @@ def run_of(site: Site, state: str) -> int:
         return site.queue("ann")
     run_id = site.recorded()
     return site.publish(run_id) if state == "public" else run_id
+
+
+def test_every_role_of_an_account_has_callers_in_the_matrix() -> None:
+    called = {ROLES[caller.role] for caller in CALLERS if caller.signed_in}
+
+    assert called == {role.label for role in ACCOUNT_ROLES} == set(RANK)
 
 
 def test_every_route_has_an_entry(site: Site) -> None:
