@@ -137,7 +137,7 @@ def launcher_command(
     steps += [f"cgroup={file}" for file in cgroups]
     steps += [] if core is None else [f"core={core}"]
     resources = {
-        "RLIMIT_CORE": 0,
+        "RLIMIT_CORE": 1,  # [B] no core dump, and no handler of them (argument_rules.py)
         "RLIMIT_CPU": math.ceil(limits.cpu_s) + CPU_GRACE_S,
         "RLIMIT_NOFILE": limits.open_files,
         "RLIMIT_FSIZE": limits.file_mib << 20,

@@ -11,16 +11,8 @@ import platform
 import struct
 from collections.abc import Iterable
 
-from seamark.sandbox.isolation.system_calls import (
-    AF_UNIX,
-    ALLOWED,
-    CLONE_NEW_NAMESPACES,
-    FCNTL_REFUSED,
-    IOCTL_ALLOWED,
-    NOT_THERE,
-    NUMBERS,
-    PRCTL_ALLOWED,
-)
+from seamark.sandbox.isolation.argument_rules import REFUSALS, Refusal, Test
+from seamark.sandbox.isolation.system_calls import ALLOWED, NOT_THERE, NUMBERS
 
 MACHINE = "x86_64"  # the only one whose numbers are in system_calls.py
 
@@ -47,12 +39,7 @@ def build() -> bytes:
     """Return the filter as an array of `struct sock_filter`, as `bwrap --seccomp` reads it."""
     program = [
         *_foreign_conventions(),
-        *_by_argument("clone", 0, ANY_BIT, (CLONE_NEW_NAMESPACES,), match=REFUSE, other=ALLOW),
-        *_by_argument("socketpair", 0, EQUAL, (AF_UNIX,), match=ALLOW, other=REFUSE),
-        *_by_argument("ioctl", 1, EQUAL, IOCTL_ALLOWED, match=ALLOW, other=ERRNO | errno.ENOTTY),
-        *_by_argument("prctl", 0, EQUAL, PRCTL_ALLOWED, match=ALLOW, other=REFUSE),
-        *_by_argument("fcntl", 1, EQUAL, FCNTL_REFUSED, match=REFUSE, other=ALLOW),
-        *_by_argument("prlimit64", 0, EQUAL, (0,), match=ALLOW, other=REFUSE),  # own process only
+        *(step for name, refusals in REFUSALS.items() for step in _by_argument(name, refusals)),
         *_always(NOT_THERE, ERRNO | errno.ENOSYS),
         *_always(sorted(ALLOWED, key=lambda name: NUMBERS[name]), ALLOW),
         (RETURN, 0, 0, REFUSE),
@@ -79,12 +66,30 @@ def _always(names: Iterable[str], action: int) -> list[Instruction]:
     ]
 
 
-def _by_argument(
-    name: str, argument: int, test: int, values: Iterable[int], *, match: int, other: int
-) -> list[Instruction]:
-    """Return the instructions that decide one call by the lower half of one argument."""
-    body: list[Instruction] = [(LOAD, 0, 0, ARGUMENTS_OFFSET + 8 * argument)]
-    for value in values:
-        body += [(test, 0, 1, value), (RETURN, 0, 0, match)]
-    body.append((RETURN, 0, 0, other))
+def _by_argument(name: str, refusals: Iterable[Refusal]) -> list[Instruction]:
+    """Return the instructions that decide one call: it is allowed unless a rule refuses it."""
+    body = [instruction for refusal in refusals for instruction in _refused(refusal)]
+    body.append((RETURN, 0, 0, ALLOW))
     return [(EQUAL, 0, len(body), NUMBERS[name]), *body]
+
+
+def _refused(refusal: Refusal) -> list[Instruction]:
+    """Return the instructions of one rule, after which the program goes on if it does not apply."""
+    answer = (RETURN, 0, 0, ERRNO | refusal.error)
+    test = ANY_BIT if refusal.test is Test.ANY_BIT else EQUAL
+    body = [_load(refusal.argument)]
+    if refusal.test is Test.NOT_LISTED:
+        count = len(refusal.values)
+        body += [(test, count - index, 0, value) for index, value in enumerate(refusal.values)]
+        body.append(answer)
+    else:
+        body += [step for value in refusal.values for step in ((test, 0, 1, value), answer)]
+    if refusal.when is None:
+        return body
+    position, value = refusal.when
+    return [_load(position), (EQUAL, 0, len(body), value), *body]
+
+
+def _load(argument: int) -> Instruction:
+    """Return the instruction that loads the lower half of an argument."""
+    return (LOAD, 0, 0, ARGUMENTS_OFFSET + 8 * argument)

@@ -1,12 +1,19 @@
 """Which system calls a program may make: data for the filter.
 
 Numbers: Linux, x86_64 (arch/x86/entry/syscalls/syscall_64.tbl); they never change. Calls that are
-not listed are refused. Left out on purpose: `socket`, `connect` and the message calls (a network
-namespace does not stop AF_VSOCK and netlink; descriptors could be passed), `ptrace`,
-`process_vm_*`, `pidfd_*`, `memfd_create` (memory outside RLIMIT_AS), `keyctl`, `io_uring_*`, `bpf`,
-`userfaultfd`, `perf_event_open`, `unshare`, `setns`, the mount calls, `symlink` and `mknod` (they
-could redirect file accesses of the host), file locks and System V objects (a channel between
-boxes), `sched_set*`, `inotify_*`, `splice`, `vmsplice`, `prlimit64` on other processes.
+not listed are refused, those of `argument_rules.py` by their arguments. Left out on purpose:
+`socket`, `connect` and the message calls (a network namespace does not stop AF_VSOCK and netlink;
+descriptors could be passed), `ptrace`, `process_vm_*`, `pidfd_*`, `memfd_create` (memory outside
+RLIMIT_AS), `keyctl`, `io_uring_*`, `bpf`, `userfaultfd`, `perf_event_open`, `unshare`, `setns`, the
+mount calls, `symlink` and `mknod` (they could redirect file accesses of the host), file locks and
+System V objects (a channel between boxes), `fadvise64`, `readahead`, `mincore` and `cachestat`
+(they change or show the page cache, which all boxes share), `utimensat` (whoever may write to
+/dev/null may set its times, which all boxes see), `statfs` (the host's disk), `sched_set*`,
+`setsid` (Linux gives each session a CPU share of its own), `inotify_*`, `splice`, `vmsplice`,
+`prlimit64` on other processes.
+
+`sysinfo` is allowed although it shows the host's memory and load: the C library takes no notice of
+its failure, and `sysconf` and `qsort` would calculate with an arbitrary size of the memory.
 """
 
 NUMBERS = {
@@ -82,6 +89,7 @@ query_module quotactl nfsservctl getpmsg putpmsg afs_syscall tuxcall security ge
     "set_robust_list": 273,
     "get_robust_list": 274,
     "splice": 275,
+    "sync_file_range": 277,
     "vmsplice": 278,
     "utimensat": 280,
     "epoll_pwait": 281,
@@ -130,37 +138,26 @@ query_module quotactl nfsservctl getpmsg putpmsg afs_syscall tuxcall security ge
     "epoll_pwait2": 441,
     "landlock_create_ruleset": 444,
     "memfd_secret": 447,
+    "cachestat": 451,
 }
 
 ALLOWED = frozenset(
-    """read write open close stat fstat lstat poll lseek mmap mprotect munmap brk rt_sigaction
-rt_sigprocmask rt_sigreturn pread64 pwrite64 readv writev access pipe select sched_yield mremap
-msync mincore madvise dup dup2 pause nanosleep getitimer alarm setitimer getpid sendfile sendto
-recvfrom shutdown getsockname getpeername getsockopt fork vfork execve exit wait4 kill uname fsync
-fdatasync truncate ftruncate getdents getcwd chdir fchdir rename mkdir rmdir creat link unlink
-readlink chmod fchmod umask gettimeofday getrlimit setrlimit getrusage sysinfo times getuid getgid
-geteuid getegid setpgid getppid getpgrp setsid getgroups getresuid getresgid getpgid getsid capget
-rt_sigpending rt_sigtimedwait rt_sigsuspend sigaltstack statfs fstatfs getpriority sched_getparam
-sched_getscheduler sched_get_priority_max sched_get_priority_min arch_prctl gettid tkill time futex
-sched_getaffinity epoll_create getdents64 set_tid_address restart_syscall fadvise64 readahead
-timer_create timer_settime timer_gettime timer_getoverrun timer_delete clock_gettime clock_getres
-clock_nanosleep exit_group epoll_wait epoll_ctl tgkill utimes waitid openat mkdirat newfstatat
-unlinkat renameat linkat readlinkat fchmodat faccessat pselect6 ppoll set_robust_list
-get_robust_list utimensat epoll_pwait eventfd fallocate eventfd2 epoll_create1 dup3 pipe2 preadv
-pwritev getcpu renameat2 getrandom membarrier copy_file_range preadv2 pwritev2 statx rseq
-close_range faccessat2 epoll_pwait2 get_mempolicy""".split()
+    """read write close stat fstat lstat poll lseek mprotect munmap brk rt_sigaction rt_sigprocmask
+rt_sigreturn pread64 pwrite64 readv writev access pipe select sched_yield mremap msync dup dup2
+pause nanosleep getitimer alarm setitimer getpid sendfile shutdown getsockname getpeername
+getsockopt fork vfork execve exit wait4 kill uname fsync fdatasync truncate ftruncate getdents
+getcwd chdir fchdir rename mkdir rmdir creat link unlink readlink chmod fchmod umask gettimeofday
+getrlimit getrusage sysinfo times getuid getgid geteuid getegid setpgid getppid getpgrp getgroups
+getresuid getresgid getpgid getsid capget rt_sigpending rt_sigtimedwait rt_sigsuspend sigaltstack
+getpriority sched_getparam sched_getscheduler sched_get_priority_max sched_get_priority_min
+arch_prctl gettid tkill time futex sched_getaffinity epoll_create getdents64 set_tid_address
+restart_syscall timer_create timer_settime timer_gettime timer_getoverrun timer_delete
+clock_gettime clock_getres clock_nanosleep exit_group epoll_wait epoll_ctl tgkill waitid mkdirat
+newfstatat unlinkat renameat linkat readlinkat fchmodat faccessat pselect6 ppoll set_robust_list
+get_robust_list epoll_pwait eventfd fallocate eventfd2 epoll_create1 dup3 pipe2 preadv pwritev
+getcpu renameat2 getrandom membarrier copy_file_range statx rseq close_range faccessat2
+epoll_pwait2 get_mempolicy""".split()
 )
 
 # glibc then falls back to variants whose arguments the filter can see.
 NOT_THERE = ("clone3", "openat2")
-
-# NEWNS NEWCGROUP NEWUTS NEWIPC NEWUSER NEWPID NEWNET (linux/sched.h); NEWTIME is clone3 only
-CLONE_NEW_NAMESPACES = 0x7E020000
-AF_UNIX = 1
-# TCGETS TIOCGWINSZ FIONREAD FIONBIO FIONCLEX FIOCLEX (asm-generic/ioctls.h)
-IOCTL_ALLOWED = (0x5401, 0x5413, 0x541B, 0x5421, 0x5450, 0x5451)
-# GET/SET_DUMPABLE SET/GET_NAME GET_SECCOMP SET/GET_NO_NEW_PRIVS SET_VMA (linux/prctl.h)
-PRCTL_ALLOWED = (3, 4, 15, 16, 21, 38, 39, 0x53564D41)
-# SETLK SETLKW, open file description locks, SETLEASE NOTIFY (channels between boxes),
-# SETPIPE_SZ (memory) (linux/fcntl.h)
-FCNTL_REFUSED = (6, 7, 36, 37, 38, 1024, 1026, 1031)

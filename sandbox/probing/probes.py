@@ -44,7 +44,7 @@ import os, time
 class Controller:
     def __init__(self, config):
         if os.fork() == 0:
-            os.setsid()
+            os.setpgid(0, 0)
             if os.fork():
                 os._exit(0)
             time.sleep(600)

@@ -7,12 +7,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from seamark.sandbox.isolation import seccomp, system_calls
+from seamark.sandbox.isolation import argument_rules, seccomp
+from seamark.sandbox.isolation.argument_rules import REFUSALS
 from seamark.sandbox.isolation.seccomp import ALLOW, ERRNO, KILL_PROCESS, REFUSE
 from seamark.sandbox.isolation.system_calls import ALLOWED, NOT_THERE, NUMBERS
 
 X86_64, I386 = 0xC000003E, 0x40000003
-BY_ARGUMENT = {"clone", "socketpair", "ioctl", "prctl", "fcntl", "prlimit64"}
 FILTER = seccomp.build()
 PROGRAM = [struct.unpack_from("=HBBI", FILTER, offset) for offset in range(0, len(FILTER), 8)]
 
@@ -43,7 +43,7 @@ def test_an_allowed_call_passes(name) -> None:
     assert decide(NUMBERS[name]) == ALLOW
 
 
-@pytest.mark.parametrize("name", sorted(set(NUMBERS) - ALLOWED - BY_ARGUMENT - set(NOT_THERE)))
+@pytest.mark.parametrize("name", sorted(set(NUMBERS) - ALLOWED - set(REFUSALS) - set(NOT_THERE)))
 def test_any_other_call_that_has_a_name_is_refused(name) -> None:
     assert decide(NUMBERS[name]) == REFUSE
 
@@ -80,7 +80,7 @@ def test_high_bits_of_an_argument_change_nothing_cve_2019_10063(high) -> None:
 
 @given(flags=st.integers(0, 2**32 - 1))
 def test_clone_creates_no_namespace(flags) -> None:
-    namespaces = flags & system_calls.CLONE_NEW_NAMESPACES
+    namespaces = flags & argument_rules.CLONE_NEW_NAMESPACES
 
     assert decide(NUMBERS["clone"], flags) == (REFUSE if namespaces else ALLOW)
 
@@ -89,18 +89,54 @@ def test_clone_creates_no_namespace(flags) -> None:
     ("name", "position", "listed", "match", "other"),
     [
         ("socketpair", 0, (1,), ALLOW, REFUSE),
-        ("ioctl", 1, system_calls.IOCTL_ALLOWED, ALLOW, ERRNO | errno.ENOTTY),
-        ("prctl", 0, system_calls.PRCTL_ALLOWED, ALLOW, REFUSE),
-        ("fcntl", 1, system_calls.FCNTL_REFUSED, REFUSE, ALLOW),
+        ("ioctl", 1, argument_rules.IOCTL_ALLOWED, ALLOW, ERRNO | errno.ENOTTY),
+        ("prctl", 0, argument_rules.PRCTL_ALLOWED, ALLOW, REFUSE),
+        ("fcntl", 1, argument_rules.FCNTL_REFUSED, REFUSE, ALLOW),
         ("prlimit64", 0, (0,), ALLOW, REFUSE),
+        ("prlimit64", 1, (4,), REFUSE, ALLOW),
+        ("setrlimit", 0, (4,), REFUSE, ALLOW),
+        ("madvise", 2, argument_rules.MADVISE_ALLOWED, ALLOW, ERRNO | errno.EINVAL),
+        ("preadv2", 5, (0,), ALLOW, ERRNO | errno.EOPNOTSUPP),
+        ("pwritev2", 5, (0,), ALLOW, ERRNO | errno.EOPNOTSUPP),
     ],
 )
-@pytest.mark.parametrize("value", [*range(64), 1024, 1026, 1031, 0x5401, 0x5412, 0x53564D41])
-def test_a_call_is_decided_by_its_argument(name, position, listed, match, other, value) -> None:
-    arguments = [0, 0]
-    arguments[position] = value
+def test_a_call_is_decided_by_its_argument(name, position, listed, match, other) -> None:
+    values = (*range(128), 1024, 1026, 1031, 0x5401, 0x5412, 0x53564D41)
 
-    assert decide(NUMBERS[name], *arguments) == (match if value in listed else other)
+    decided = {
+        value: decide(NUMBERS[name], *[0] * position, value, *[0] * (5 - position))
+        for value in values
+    }
+
+    assert decided == {value: match if value in listed else other for value in values}
+
+
+@pytest.mark.parametrize(
+    ("name", "position", "bits", "error"),
+    [
+        ("open", 1, 0x4000, errno.EINVAL),  # O_DIRECT
+        ("openat", 2, 0x4000, errno.EINVAL),
+        ("mmap", 3, 0x40000, errno.EPERM),  # MAP_HUGETLB
+        ("sendto", 3, 0x1, errno.EOPNOTSUPP),  # MSG_OOB
+        ("recvfrom", 3, 0x1, errno.EOPNOTSUPP),
+        ("recvfrom", 3, 0x2000, errno.EOPNOTSUPP),  # MSG_ERRQUEUE
+        ("sendto", 3, 0x4000000, errno.EOPNOTSUPP),  # MSG_ZEROCOPY
+    ],
+)
+@pytest.mark.parametrize("others", [0, 0x20, 0x40, 0x8000])
+def test_a_call_is_refused_for_one_flag_among_others(name, position, bits, error, others) -> None:
+    def decided(flags: int) -> int:
+        return decide(NUMBERS[name], *[0] * position, flags)
+
+    assert (decided(others), decided(others | bits)) == (ALLOW, ERRNO | error)
+
+
+def test_a_flag_of_fcntl_counts_only_when_flags_are_set() -> None:
+    f_getfl, f_setfl, o_direct, o_nonblock = 3, 4, 0x4000, 0x800
+
+    assert decide(NUMBERS["fcntl"], 0, f_setfl, o_direct | o_nonblock) == ERRNO | errno.EINVAL
+    assert decide(NUMBERS["fcntl"], 0, f_setfl, o_nonblock) == ALLOW
+    assert decide(NUMBERS["fcntl"], 0, f_getfl, o_direct) == ALLOW
 
 
 @pytest.mark.parametrize(
@@ -108,7 +144,8 @@ def test_a_call_is_decided_by_its_argument(name, position, listed, match, other,
     "socket connect sendmsg recvmsg bind ptrace process_vm_readv memfd_create keyctl add_key "
     "io_uring_setup bpf userfaultfd perf_event_open unshare setns mount symlink mknod flock "
     "shmget semget msgget mq_open setuid pidfd_open pidfd_getfd splice inotify_init "
-    "clock_settime sched_setaffinity seccomp kexec_load init_module".split(),
+    "clock_settime sched_setaffinity seccomp kexec_load init_module fadvise64 readahead mincore "
+    "cachestat sync_file_range statfs utimensat utimes setsid".split(),
 )
 def test_a_dangerous_call_is_not_on_the_list(name) -> None:
     assert name not in ALLOWED
