@@ -81,6 +81,15 @@ class Settings(BaseModel):
     guest_quota_day: int = Field(
         50, ge=0, description="Runs that the guests of one network may complete in 24 h"
     )
+    run_max_bytes: int = Field(
+        256 * 2**20, ge=2**20, description="Bytes that a practice run may record"
+    )
+    quota_bytes: int = Field(
+        10 * 2**30, ge=2**20, description="Bytes that the runs of a user may take"
+    )
+    guest_quota_bytes: int = Field(
+        2**30, ge=0, description="Bytes that the runs of the guests of one network may take"
+    )
     running_max: int = Field(4, ge=1, description="Runs of one user that may run in parallel")
     lease_s: float = Field(
         30.0, gt=0, description="Time after which a silent worker loses its runs"

@@ -82,6 +82,10 @@ class Backend:
         """Queue a run of an uploaded program."""
         return self.queue(who, controller="upload", program=self.store_program(), **changes)
 
+    def rerun(self, run_id: int, who: str = "ann") -> int:
+        with self.database.writing() as session:
+            return submission.rerun(session, run_id, self.viewers[who], self.settings)
+
     def claim(self, worker: str = "w1", languages: tuple[str, ...] = ("python",)) -> Claim | None:
         with self.database.writing() as session:
             return run_queue.claim(session, worker, languages=languages, settings=self.settings)

@@ -134,6 +134,10 @@ class Run(Base):
     isolation: Mapped[str | None] = mapped_column(String(10))
     public: Mapped[bool] = mapped_column(default=False)
     published_at: Mapped[float | None]
+    # [B] of its files and its program: an estimate from above until they are measured
+    data_bytes: Mapped[int] = mapped_column(BigInteger, default=0, server_default="0")
+    data_measured: Mapped[bool] = mapped_column(default=False, server_default=false())
+    data_deleted_at: Mapped[float | None]  # telemetry, log and program; the row stays
 
     __table_args__ = (
         CheckConstraint(
@@ -163,6 +167,13 @@ class Run(Base):
             "id",
             sqlite_where=text("guest IS NOT NULL"),
             postgresql_where=text("guest IS NOT NULL"),
+        ),
+        Index(
+            "ix_runs_owner_bytes",
+            "owner",
+            "data_bytes",  # so that the disk space of an owner is summed from the index alone
+            sqlite_where=text("data_bytes > 0"),
+            postgresql_where=text("data_bytes > 0"),
         ),
         Index("ix_runs_public_id", "public", "id"),
         Index("ix_runs_program_sha256", "program_sha256"),  # for finding unused programs

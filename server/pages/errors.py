@@ -9,10 +9,10 @@ from werkzeug.exceptions import HTTPException
 
 from seamark.server.accounts.permissions import Viewer
 from seamark.server.programs.reader import ReaderBusy
+from seamark.server.runs.run_size import size
 from seamark.server.web import authentication, problems
 from seamark.server.web.problems import Problem
 from seamark.server.web.services import services
-from seamark.server.web.template_filters import size
 
 _DRAIN_MAX = 32 * 2**20  # [B] of a rejected upload that are read and discarded
 _RETRY_S = 5

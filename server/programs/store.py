@@ -47,10 +47,22 @@ def read(data: Path, sha256: str) -> bytes:
     return path(data, sha256).read_bytes()
 
 
-def touch(data: Path, sha256: str) -> bool:
-    """Reset the age of a program, so that it is not deleted soon; False if it is gone."""
+def size(data: Path, sha256: str) -> int:
+    """Return the size of a program [B], 0 if it is not in the store."""
+    try:
+        return path(data, sha256).stat().st_size
+    except FileNotFoundError:
+        return 0
+
+
+def touch(data: Path, sha256: str) -> int | None:
+    """Reset the age of a program, so that it is not deleted soon, and return its size [B].
+
+    None if it is gone.
+    """
+    file = path(data, sha256)
     with _store_lock(data, fcntl.LOCK_SH):
-        return _renew(path(data, sha256))
+        return file.stat().st_size if _renew(file) else None
 
 
 def delete_unused(

@@ -63,6 +63,8 @@ class PublicRun(RunSpec):
     isolation: str | None
     public: bool
     published_at: float | None
+    data_bytes: int  # of its files and its program; an estimate from above until it has ended
+    data_deleted_at: float | None  # telemetry, log and program are gone since then
     metrics: dict[str, Any] | None = None
     submission: str | None = None  # digest that the seeds of the fresh trials follow from
     not_ranked: str | None = None  # why it cannot be on the leaderboard, although it has a score

@@ -68,6 +68,12 @@ class RunFiles:
         """The file of the rows; it may not exist yet."""
         return self.folder / "telemetry.f64"
 
+    def size(self) -> int:
+        """Return how many bytes the files of this attempt take."""
+        if not self.folder.is_dir():
+            return 0
+        return sum(file.stat().st_size for file in self.folder.iterdir())
+
     # -- writing: only by the worker that has the lease -------------------------------------------
     def append_rows(self, rows: Rows) -> None:
         """Append whole rows, shape (k, number of columns)."""

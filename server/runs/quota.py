@@ -1,4 +1,5 @@
-"""How many runs an owner may have at a time and per day, and how many of them are used up.
+"""How many runs an owner may have at a time and per day, how much they may take on disk, and how
+much of that is used up.
 
 Ranked runs have a further limit in each benchmark: each of them is another draw of fresh water, and
 the best of many draws is a lucky one.
@@ -8,12 +9,13 @@ import math
 import time
 from dataclasses import dataclass
 
-from sqlalchemy import ColumnElement, and_, func, or_, select
+from sqlalchemy import ColumnElement, Select, and_, func, or_, select
 from sqlalchemy.orm import Session
 
 from seamark.server.accounts.permissions import Viewer
 from seamark.server.database.tables import Run, User
 from seamark.server.runs.failure_reasons import UNCHARGED, FailureReason
+from seamark.server.runs.run_size import size
 from seamark.server.runs.states import LIVE, RunKind, RunState
 from seamark.server.settings import Settings
 
@@ -36,6 +38,8 @@ class Quota:
     live_max: int
     day: int
     day_max: int
+    bytes: int
+    bytes_max: int
 
 
 def used_by(session: Session, viewer: Viewer, settings: Settings) -> Quota:
@@ -47,12 +51,31 @@ def used_by(session: Session, viewer: Viewer, settings: Settings) -> Quota:
     recent = (*ended, Run.finished_at > time.time() - _DAY_S, charged)
     live_now = session.scalar(select(func.count()).select_from(Run).where(*live)) or 0
     day = live_now + (session.scalar(select(func.count()).select_from(Run).where(*recent)) or 0)
-    day_max = settings.quota_day if viewer.user_id is not None else settings.guest_quota_day
-    return Quota(live=live_now, live_max=settings.quota_live, day=day, day_max=day_max)
+    is_user = viewer.user_id is not None
+    return Quota(
+        live=live_now,
+        live_max=settings.quota_live,
+        day=day,
+        day_max=settings.quota_day if is_user else settings.guest_quota_day,
+        bytes=session.scalar(bytes_of(viewer.owner)) or 0,
+        bytes_max=settings.quota_bytes if is_user else settings.guest_quota_bytes,
+    )
 
 
-def enforce(session: Session, viewer: Viewer, settings: Settings) -> None:
-    """Raise QuotaExceeded if the viewer may not submit another run now; baselines always may."""
+def bytes_of(owner: str | None) -> Select[int]:
+    """Return the query of how many bytes the runs of an owner take, or may take when they end."""
+    with_data = (Run.owner == owner, Run.data_bytes > 0)  # as the index has it
+    return select(func.sum(Run.data_bytes)).where(*with_data)
+
+
+def enforce(session: Session, viewer: Viewer, settings: Settings, *, new_bytes: int) -> None:
+    """Raise QuotaExceeded if the viewer may not submit another run now; baselines always may.
+
+    Parameters
+    ----------
+    new_bytes
+        What the run may record (`run_size.estimate`).
+    """
     if _is_baseline(session, viewer):
         return
     used = used_by(session, viewer, settings)
@@ -66,6 +89,14 @@ def enforce(session: Session, viewer: Viewer, settings: Settings) -> None:
         raise QuotaExceeded(
             f"You have had {used.day} runs in the last 24 hours, which is the limit. "
             "Cancelled runs and failures of the service do not count.",
+            retry_after_s=3600,
+        )
+    if used.bytes + new_bytes > used.bytes_max:
+        whose = "Your runs" if viewer.user_id is not None else "The runs of guests of your network"
+        raise QuotaExceeded(
+            f"{whose} take {size(used.bytes)} of {size(used.bytes_max)}, and this one may record "
+            f"{size(new_bytes)}. Delete the data of runs that you no longer need, on their pages "
+            "or by DELETE /api/v1/runs/<id>/data, or record less.",
             retry_after_s=3600,
         )
 

@@ -5,7 +5,7 @@ import time
 from dataclasses import dataclass, field
 from typing import Any
 
-from sqlalchemy import and_, or_, select, update
+from sqlalchemy import and_, case, or_, select, update
 from sqlalchemy.orm import Session
 
 from seamark.server.database.tables import Result, Run, User
@@ -30,6 +30,7 @@ class Report:
     progress: float = 1.0
     t_simulated: float = 0.0
     isolation: str | None = None
+    data_bytes: int = 0  # of its files and its program
 
 
 class ResultInvalid(Exception):
@@ -52,6 +53,8 @@ def finish(session: Session, claim: Claim, report: Report) -> bool:
         progress=report.progress,
         t_simulated=report.t_simulated,
         isolation=report.isolation,
+        data_bytes=report.data_bytes,
+        data_measured=True,
     )
     if not moved:
         return False
@@ -111,8 +114,10 @@ def cancel(session: Session, run_id: int) -> RunState | None:
     The state changes here and not in the worker, so that a run whose worker hangs is cancelled
     too. A working worker notices within half a second and stops.
     """
+    # Without an attempt there are no files, and nobody who will measure them.
+    nothing: dict[str, Any] = {"data_bytes": case((Run.attempt == 0, 0), else_=Run.data_bytes)}
     for state in LIVE:
-        if move(session, run_id, state, RunState.CANCELLED):
+        if move(session, run_id, state, RunState.CANCELLED, **nothing):
             return state
     return None
 
@@ -128,6 +133,8 @@ def _close_cancelled(session: Session, claim: Claim, report: Report) -> bool:
             progress=report.progress,
             t_simulated=report.t_simulated,
             isolation=report.isolation,
+            data_bytes=report.data_bytes,
+            data_measured=True,
         )
     )
     if session.scalar(closed.returning(Run.id)) is None:

@@ -17,8 +17,10 @@ from seamark.server import workers
 from seamark.server.accounts.permissions import Action, Viewer, can
 from seamark.server.database.advisory_locks import AdvisoryLock, acquire
 from seamark.server.database.tables import Run
+from seamark.server.programs import store
 from seamark.server.programs.store import StoredProgram
-from seamark.server.runs import quota
+from seamark.server.runs import quota, run_size
+from seamark.server.runs.run_size import RunSize
 from seamark.server.runs.seeds import submission_digest
 from seamark.server.runs.states import RunKind, RunState
 from seamark.server.settings import Settings
@@ -72,6 +74,8 @@ class ValidSubmission:
     submission: Submission
     benchmark: Benchmark
     config: Configuration
+    trials: int
+    size: RunSize  # what it may record
 
 
 def validate(submission: Submission, settings: Settings) -> ValidSubmission:
@@ -90,9 +94,10 @@ def validate(submission: Submission, settings: Settings) -> ValidSubmission:
         submission.viewer, kind=submission.kind, uploads=submission.program is not None
     )
     if submission.kind is RunKind.RANKED:
-        config = benchmark.ranked(config)
+        config, trials = benchmark.ranked(config), ranked_trials(benchmark, settings)
     else:
         _check_practice(submission, settings)
+        trials = submission.trials
     if (submission.controller == UPLOAD) != (submission.program is not None):
         raise SubmissionRejected(
             f"Choose either a built-in {benchmark.role} or your own program.", field="controller"
@@ -101,7 +106,13 @@ def validate(submission: Submission, settings: Settings) -> ValidSubmission:
         _check_built_in(benchmark, submission.controller, baseline=submission.baseline)
     else:
         _check_language(benchmark, submission.program.language)
-    return ValidSubmission(submission, benchmark, config)
+    program = submission.program
+    program_bytes = None if program is None else program.size
+    size = run_size.estimate(config, trials=trials, program_bytes=program_bytes)
+    refusal = size.refusal(settings.run_max_bytes)
+    if refusal is not None and submission.kind is RunKind.PRACTICE:
+        raise SubmissionRejected(refusal)
+    return ValidSubmission(submission, benchmark, config, trials, size)
 
 
 def submit(session: Session, valid: ValidSubmission, settings: Settings) -> int:
@@ -117,10 +128,10 @@ def submit(session: Session, valid: ValidSubmission, settings: Settings) -> int:
         require_language(session, valid.benchmark, submission.program.language, settings)
     # Two submissions at once must not both see the last free run of a quota.
     acquire(session, AdvisoryLock.SUBMISSION)
-    quota.enforce(session, submission.viewer, settings)
+    quota.enforce(session, submission.viewer, settings, new_bytes=valid.size.bytes)
     if submission.kind is RunKind.RANKED:
         quota.enforce_ranked(session, submission.viewer, submission.benchmark, settings)
-    run = _row(valid, settings)
+    run = _row(valid)
     if submission.kind is RunKind.RANKED and valid.benchmark.protocol is not None:
         run.submission = submission_digest(run)
     session.add(run)
@@ -131,17 +142,13 @@ def submit(session: Session, valid: ValidSubmission, settings: Settings) -> int:
 def rerun(session: Session, run_id: int, viewer: Viewer, settings: Settings) -> int:
     """Submit a run again, for `viewer`; return the new id. Raises as `validate` and `submit`."""
     old = session.get_one(Run, run_id)
-    program = None
-    if old.program_sha256 is not None:
-        names = (old.program_name or "", old.language or "")
-        program = StoredProgram(old.program_sha256, *names, size=0)
     submission = Submission(
         viewer=viewer,
         benchmark=old.benchmark,
         config=old.config,
         kind=RunKind(old.kind),
         controller=old.controller,
-        program=program,
+        program=_program_of(old, settings),
         seed=old.seed,
         trials=old.trials,
         title=old.title,
@@ -215,7 +222,17 @@ def _check_built_in(benchmark: Benchmark, controller: str, *, baseline: bool) ->
     raise SubmissionRejected(unknown + choice if controller else choice, field="controller")
 
 
-def _row(valid: ValidSubmission, settings: Settings) -> Run:
+def _program_of(run: Run, settings: Settings) -> StoredProgram | None:
+    if run.program_sha256 is None:
+        return None
+    size = store.touch(settings.data, run.program_sha256)
+    if size is None:
+        raise SubmissionRejected("The program of this run has been deleted.", field="program")
+    names = (run.program_name or "", run.language or "")
+    return StoredProgram(run.program_sha256, *names, size=size)
+
+
+def _row(valid: ValidSubmission) -> Run:
     submission, viewer, program = (
         valid.submission,
         valid.submission.viewer,
@@ -231,7 +248,7 @@ def _row(valid: ValidSubmission, settings: Settings) -> Run:
         kind=submission.kind,
         config=valid.config.model_dump(mode="json"),
         seed=None if ranked else drawn,
-        trials=ranked_trials(valid.benchmark, settings) if ranked else submission.trials,
+        trials=valid.trials,
         controller=submission.controller,
         program_sha256=program.sha256 if program else None,
         program_name=program.name if program else None,
@@ -241,4 +258,5 @@ def _row(valid: ValidSubmission, settings: Settings) -> Run:
         rerun_of=submission.rerun_of,
         state=RunState.QUEUED,
         queued_at=time.time(),
+        data_bytes=valid.size.bytes,
     )

@@ -36,7 +36,8 @@ class RunView(PublicRun):
     @property
     def version(self) -> str:
         """A text that changes whenever the view does: for an ETag."""
-        parts = (self.state, self.attempt, self.public, round(self.progress, 3), self.position)
+        progress = (self.state, self.attempt, round(self.progress, 3), self.position)
+        parts = (*progress, self.public, self.data_deleted_at)
         return "-".join(str(part) for part in parts)
 
 

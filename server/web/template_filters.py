@@ -7,6 +7,7 @@ from datetime import UTC, datetime
 from flask import Flask
 
 from seamark.server.runs.leaderboard import Rank
+from seamark.server.runs.run_size import size
 from seamark.server.runs.views import RunView
 from seamark.sim import registry
 
@@ -113,15 +114,6 @@ def duration(seconds: float | None) -> str:
     if minutes < 60:
         return f"{minutes} min {rest} s" if rest else f"{minutes} min"
     return f"{minutes // 60} h {minutes % 60} min"
-
-
-def size(count: int) -> str:
-    """Return a number of bytes in a suitable unit."""
-    if count < 1024:
-        return f"{count} bytes"
-    if count < 2**20:
-        return f"{count / 2**10:.3g} KiB"
-    return f"{count / 2**20:.3g} MiB"
 
 
 def words(name: str) -> str:

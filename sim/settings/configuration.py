@@ -141,6 +141,10 @@ class Configuration(BaseModel, ABC):
     def trial_duration_s(self) -> float:
         """Return the simulated duration of a trial."""
 
+    @abstractmethod
+    def telemetry_shape(self) -> tuple[int, int]:
+        """Return how many rows and columns of telemetry a trial has."""
+
     @classmethod
     def read(cls, values: Mapping[str, object]) -> Self:
         """Return the validated configuration.

@@ -5,7 +5,7 @@ Tags of the defaults: S sourced, D derived from sourced, E our estimate.
 
 from functools import partial
 
-from seamark.sim.recording.telemetry import COMMON_THRUSTERS, thrust_names
+from seamark.sim.recording.telemetry import COMMON_THRUSTERS, thrust_names, width_for
 from seamark.sim.registry import TRUTH, VEHICLES
 from seamark.sim.settings.control_loop import ControlLoopSettings
 from seamark.sim.settings.scene import SceneSettings
@@ -199,6 +199,12 @@ class ExperimentSettings(ControlLoopSettings, SceneSettings, FaultSettings):
     def trial_duration_s(self) -> float:
         """Return the simulated duration of all levels together."""
         return len(self.level_values()) * self.level_duration_s
+
+    def telemetry_shape(self) -> tuple[int, int]:
+        """Return how many rows a trial has, one per control step, and how many columns."""
+        thrusters = max(len(load(name).thrusters) for name in self.vehicles())
+        rows = len(self.level_values()) * self.control_steps_per_level
+        return rows, width_for(thrusters)
 
     @property
     def physics_steps_per_control_step(self) -> int:

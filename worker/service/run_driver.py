@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import structlog
@@ -118,6 +118,7 @@ class RunDriver:
             self._files.write_json("manifest.json", report.manifest)
         if report.metrics is not None:
             self._files.write_json("metrics.json", report.metrics)
+        report = replace(report, data_bytes=self._data_bytes())
         with self._context.database.writing() as session:
             stored = results.finish(session, self._claim, report)
         if stored:
@@ -125,6 +126,11 @@ class RunDriver:
             self._live.state(report.state, progress=report.progress, t_simulated=report.t_simulated)
             self._live.end()
         return stored
+
+    def _data_bytes(self) -> int:
+        program = self._claim.program_sha256
+        stored = 0 if program is None else store.size(self._context.settings.data, program)
+        return self._files.size() + stored
 
     def store_cancelled(self) -> None:
         """Keep what there is of a run that its owner cancelled."""

@@ -10,7 +10,7 @@ from typing import Any
 
 from seamark.sim.metrics.metric import Metric
 from seamark.sim.metrics.tracking_losses import METRICS
-from seamark.sim.recording.telemetry import COLUMNS
+from seamark.sim.recording.telemetry import COLUMNS, WIDTH
 from seamark.sim.registry import TRUTH
 from seamark.sim.settings.custom_score import custom_score_setting
 from seamark.sim.settings.experiment import multiple
@@ -298,6 +298,10 @@ class VisibilityConfiguration(RobustTrackerSettings):
     def trial_duration_s(self) -> float:
         """Return the simulated duration of all levels together."""
         return len(self.listed()) * self.level_duration_s
+
+    def telemetry_shape(self) -> tuple[int, int]:
+        """Return how many rows a trial has, one per image, and how many columns."""
+        return len(self.listed()) * self.control_steps_per_level, WIDTH
 
     @property
     def control_steps_per_level(self) -> int:

@@ -47,6 +47,14 @@ def _rows(name: str, config: Configuration) -> Rows:
     return np.concatenate(kept)
 
 
+def test_a_trial_records_exactly_what_its_configuration_says(
+    recorded: tuple[str, Configuration, Rows],
+) -> None:
+    _, config, rows = recorded
+
+    assert rows.shape == config.telemetry_shape()
+
+
 def _made(recorded: tuple[str, Configuration, Rows], choice: Selection) -> dict[str, bytes]:
     name, config, rows = recorded
     data = b"".join(archive(name, config, rows, seed=SEED, selection=choice))
