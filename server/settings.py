@@ -101,7 +101,7 @@ class Settings(BaseModel):
         10.0, gt=0, description="Interval at which runs of dead workers are recovered"
     )
     attempts_max: int = Field(
-        3, ge=1, description="Attempts before a run fails as a platform failure"
+        3, ge=1, description="Broken evaluations after which a run is a platform failure"
     )
     streams_max: int = Field(200, ge=1, description="Maximum open event streams per web process")
     sign_up: SignUp = Field(

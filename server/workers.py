@@ -45,8 +45,8 @@ def register(session: Session, worker: Worker) -> None:
     session.merge(worker)
 
 
-def heartbeat(session: Session, name: str, processes: Mapping[str, str]) -> None:
-    """Record that a worker is alive, and how its side processes are doing.
+def heartbeat(session: Session, name: str, processes: Mapping[str, str]) -> bool:
+    """Record that a worker is alive, and how its side processes are doing; False if not listed.
 
     Parameters
     ----------
@@ -54,7 +54,8 @@ def heartbeat(session: Session, name: str, processes: Mapping[str, str]) -> None
         Side process -> `RUNNING`, or for instance "restarting since 12:00:05".
     """
     change = update(Worker).where(Worker.name == name)
-    session.execute(change.values(seen_at=time.time(), processes=dict(processes)))
+    change = change.values(seen_at=time.time(), processes=dict(processes))
+    return session.scalar(change.returning(Worker.name)) is not None
 
 
 def unregister(session: Session, name: str) -> None:
@@ -74,7 +75,7 @@ def listed(session: Session) -> list[WorkerStatus]:
     return [
         WorkerStatus(
             name=worker.name,
-            alive=worker.seen_at > now - ALIVE_S,
+            alive=abs(now - worker.seen_at) < ALIVE_S,
             slots=worker.slots,
             level=worker.level,
             languages=worker.languages,
@@ -133,4 +134,5 @@ def _language_refusal(language: str, workers: Collection[Worker]) -> str:
 
 
 def _is_alive() -> ColumnElement[bool]:
-    return Worker.seen_at > time.time() - ALIVE_S
+    now = time.time()  # no heartbeat is from the future, unless the clock was set back since
+    return Worker.seen_at.between(now - ALIVE_S, now + ALIVE_S)

@@ -2,11 +2,11 @@
 
 Checks are not rows of `runs`: they appear in no list, count towards no quota, expire after an hour
 and must not wait behind runs that take minutes. States: queued -> running -> done. As for runs, a
-claim is a lease with the attempt as fencing token.
+claim is a lease that its holder renews, with the attempt as fencing token.
 """
 
 import time
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any
@@ -24,8 +24,8 @@ from seamark.server.programs.store import StoredProgram
 
 WAKE_UP_KEY = "seamark:checks"  # a list in the broker; its items have no meaning
 WAKE_UPS_MAX = 100
-LEASE_S = 150.0  # longer than any check takes: no heartbeat is needed
-ATTEMPTS_MAX = 2
+ATTEMPTS_MAX = 2  # the second one that breaks is reported
+CLAIMS_MAX = 6  # among them those of workers that were stopped or died
 WAITING_MAX = 20
 DONE_KEPT_S = 3600.0  # until a finished check is deleted
 QUEUED_KEPT_S = 600.0  # until a check that no worker claimed is deleted
@@ -55,6 +55,7 @@ class CheckClaim:
 
     check_id: int
     attempt: int
+    lease_s: float
     benchmark: str
     config: dict[str, Any]
     program_sha256: str
@@ -130,7 +131,9 @@ def waiting(session: Session, *, languages: Collection[str]) -> bool:
     return session.scalar(query) is not None
 
 
-def claim(session: Session, *, languages: Collection[str]) -> CheckClaim | None:
+def claim(
+    session: Session, worker: str, *, languages: Collection[str], lease_s: float
+) -> CheckClaim | None:
     """Claim the oldest check. This is fair, since each user has at most one."""
     acquire(session, AdvisoryLock.CHECKS)
     suitable = Check.language.in_(sorted(languages))
@@ -139,11 +142,12 @@ def claim(session: Session, *, languages: Collection[str]) -> CheckClaim | None:
     if check is None:
         return None
     check.state, check.attempt = CheckState.RUNNING, check.attempt + 1
-    check.lease_until = time.time() + LEASE_S
+    check.worker, check.lease_until = worker, time.time() + lease_s
     session.flush()
     return CheckClaim(
         check_id=check.id,
         attempt=check.attempt,
+        lease_s=lease_s,
         benchmark=check.benchmark,
         config=check.config,
         program_sha256=check.program_sha256,
@@ -152,27 +156,46 @@ def claim(session: Session, *, languages: Collection[str]) -> CheckClaim | None:
     )
 
 
+def renew(session: Session, claim: CheckClaim) -> bool:
+    """Renew the lease; False if this worker no longer holds it."""
+    values = {"lease_until": time.time() + claim.lease_s}
+    return _move(session, claim.check_id, claim.attempt, values)
+
+
 def finish(session: Session, claim: CheckClaim, report: dict[str, Any]) -> bool:
     """Store the report; False if this worker no longer holds the lease."""
     values = _done(report)
     return _move(session, claim.check_id, claim.attempt, values)
 
 
-def release(session: Session, check_id: int, attempt: int) -> None:
+def release(session: Session, check_id: int, attempt: int, *, attempts_max: int) -> None:
     """Requeue a check after a failure of the service; report the failure after the last attempt."""
-    values: dict[str, Any] = {"state": CheckState.QUEUED, "lease_until": None}
-    if attempt >= ATTEMPTS_MAX:
+    values: dict[str, Any] = {"state": CheckState.QUEUED, "worker": None, "lease_until": None}
+    if attempt >= attempts_max:
         values = _done(platform_failure())
     _move(session, check_id, attempt, values)
 
 
-def recover(session: Session) -> None:
-    """Release the checks of dead workers, and delete old ones."""
+def leases(session: Session) -> dict[int, float]:
+    """Return the leases that are held: check -> their ends."""
+    held = select(Check.id, Check.lease_until).where(Check.state == CheckState.RUNNING)
+    return {check_id: end for check_id, end in session.execute(held) if end is not None}
+
+
+def recover_from(session: Session, worker: str) -> None:
+    """Release the checks of a process of a worker that has ended."""
+    left = select(Check).where(Check.state == CheckState.RUNNING, Check.worker == worker)
+    for check in session.scalars(left).all():
+        release(session, check.id, check.attempt, attempts_max=CLAIMS_MAX)
+
+
+def recover(session: Session, abandoned: Mapping[int, float]) -> None:
+    """Release the checks whose leases are abandoned, and delete old ones."""
     acquire(session, AdvisoryLock.CHECKS)
     now = time.time()
-    expired = select(Check).where(Check.state == CheckState.RUNNING, Check.lease_until < now)
-    for check in session.scalars(expired).all():
-        release(session, check.id, check.attempt)
+    for check in session.scalars(select(Check).where(Check.id.in_(sorted(abandoned)))).all():
+        if check.lease_until == abandoned[check.id]:
+            release(session, check.id, check.attempt, attempts_max=CLAIMS_MAX)
     session.execute(delete(Check).where(Check.finished_at < now - DONE_KEPT_S))
     stale = (Check.state == CheckState.QUEUED) & (Check.queued_at < now - QUEUED_KEPT_S)
     session.execute(delete(Check).where(stale))

@@ -126,7 +126,8 @@ class Run(Base):
     started_at: Mapped[float | None]
     finished_at: Mapped[float | None]
     attempt: Mapped[int] = mapped_column(default=0)  # fencing token: incremented by each claim
-    failures: Mapped[int] = mapped_column(default=0)  # attempts that failed because of the platform
+    failures: Mapped[int] = mapped_column(default=0)  # evaluations that broke
+    interruptions: Mapped[int] = mapped_column(default=0, server_default="0")  # lost workers
     worker: Mapped[str | None] = mapped_column(String(255))
     lease_until: Mapped[float | None]
     progress: Mapped[float] = mapped_column(default=0.0)
@@ -294,6 +295,7 @@ class Check(Base):
     queued_at: Mapped[float]
     finished_at: Mapped[float | None]
     attempt: Mapped[int] = mapped_column(default=0)  # fencing token: incremented by each claim
+    worker: Mapped[str | None] = mapped_column(String(255))
     lease_until: Mapped[float | None]
     answer: Mapped[dict[str, Any] | None] = mapped_column(_Json)
 

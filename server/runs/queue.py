@@ -2,10 +2,14 @@
 
 A claim is a lease of a few seconds that its holder renews by heartbeats. The attempt number is the
 fencing token: a worker whose lease has passed to another can no longer write to the run.
+
+An attempt that ends without a result costs the run nothing if its worker was stopped. It fails with
+`platform_error` when its evaluation has broken `attempts_max` times, or when it has lost its worker
+`INTERRUPTIONS_MAX` times: by then it may be the run that takes its workers down.
 """
 
 import time
-from collections.abc import Collection
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field
 from enum import Enum, auto
 from typing import Any
@@ -26,6 +30,8 @@ from seamark.server.settings import Settings
 
 _log = structlog.get_logger()
 _DAY_S = 86_400.0
+# Generous: whatever kills a worker most likely has nothing to do with the runs that it has.
+INTERRUPTIONS_MAX = 10
 
 
 class Claim(RunSpec):
@@ -46,9 +52,17 @@ class LeaseStatus(Enum):
     LOST = auto()  # another worker has the run: stop and write nothing
 
 
+class AttemptEnd(Enum):
+    """Why an attempt ended without a result."""
+
+    SHUTDOWN = auto()  # its worker was stopped
+    WORKER_LOST = auto()  # its worker died, or was not heard of any more
+    EVALUATION_BROKE = auto()  # its simulator crashed or hung
+
+
 @dataclass(frozen=True, slots=True)
 class Recovery:
-    """What became of the runs whose lease had expired."""
+    """What became of the runs that had lost their workers."""
 
     requeued: list[int] = field(default_factory=list)
     failed: list[int] = field(default_factory=list)
@@ -118,31 +132,54 @@ def poll(session: Session, claim: Claim) -> LeaseStatus:
 
 
 def release(
-    session: Session, claim: Claim, why: str, *, counts: bool, settings: Settings
+    session: Session, claim: Claim, end: AttemptEnd, *, settings: Settings
 ) -> RunState | None:
-    """Put a run back to its old position in the queue; None if the claim is no longer valid.
+    """Put a run back to its old position in the queue, or fail it after too many such attempts.
 
-    With `counts` it is a failure of the platform: after `attempts_max` of them the run fails with
-    `platform_error`, so that a run that breaks its workers does not do so for ever.
+    None if the claim is no longer valid.
     """
     run = session.get(Run, claim.run_id)
     if run is None or run.attempt != claim.attempt or run.state != RunState.RUNNING:
         return None
-    return _requeue_or_fail(session, run, why, counts=counts, settings=settings)
+    return _requeue_or_fail(session, run, end, settings=settings)
 
 
-def recover(session: Session, settings: Settings) -> Recovery:
-    """Requeue the runs whose lease has expired; the caller then sends the missing tickets."""
+def leases(session: Session) -> dict[int, float]:
+    """Return the leases that are held: run -> their ends."""
+    held = select(Run.id, Run.lease_until).where(Run.state == RunState.RUNNING)
+    return {run_id: end for run_id, end in session.execute(held) if end is not None}
+
+
+def recover(session: Session, abandoned: Mapping[int, float], settings: Settings) -> Recovery:
+    """Requeue the runs whose leases are abandoned; the caller then sends the missing tickets."""
     acquire(session, AdvisoryLock.CLAIM)
-    now = time.time()
+    found = session.scalars(select(Run).where(Run.id.in_(sorted(abandoned)))).all()
+    unrenewed = [run for run in found if run.lease_until == abandoned[run.id]]
+    recovery = _release_lost(session, unrenewed, settings)
+    session.execute(delete(Turn).where(Turn.served_at < time.time() - _DAY_S))
+    workers.forget_dead(session)
+    return recovery
+
+
+def recover_from(session: Session, worker: str, settings: Settings) -> Recovery:
+    """Requeue the runs of a process of a worker that has ended, without waiting for their leases.
+
+    Parameters
+    ----------
+    worker
+        As the process named itself when it claimed them.
+    """
+    acquire(session, AdvisoryLock.CLAIM)
+    left = select(Run).where(Run.state == RunState.RUNNING, Run.worker == worker)
+    return _release_lost(session, session.scalars(left).all(), settings)
+
+
+def _release_lost(session: Session, runs: Iterable[Run], settings: Settings) -> Recovery:
     recovery = Recovery()
-    expired = select(Run).where(Run.state == RunState.RUNNING, Run.lease_until < now)
-    for run in session.scalars(expired.order_by(Run.id)).all():
-        state = _requeue_or_fail(session, run, "the lease expired", counts=True, settings=settings)
+    for run in runs:
+        state = _requeue_or_fail(session, run, AttemptEnd.WORKER_LOST, settings=settings)
         if state is not None:
             (recovery.requeued if state is RunState.QUEUED else recovery.failed).append(run.id)
-    session.execute(delete(Turn).where(Turn.served_at < now - _DAY_S))
-    workers.forget_dead(session)
     return Recovery(recovery.requeued, recovery.failed, length(session))
 
 
@@ -152,12 +189,15 @@ def length(session: Session) -> int:
 
 
 def _requeue_or_fail(
-    session: Session, run: Run, why: str, *, counts: bool, settings: Settings
+    session: Session, run: Run, end: AttemptEnd, *, settings: Settings
 ) -> RunState | None:
-    failures = run.failures + int(counts)
+    counts = {
+        "failures": run.failures + (end is AttemptEnd.EVALUATION_BROKE),
+        "interruptions": run.interruptions + (end is AttemptEnd.WORKER_LOST),
+    }
     new = RunState.QUEUED
-    values: dict[str, Any] = {"failures": failures, "worker": None, "lease_until": None}
-    if failures < settings.attempts_max:
+    values: dict[str, Any] = {**counts, "worker": None, "lease_until": None}
+    if counts["failures"] < settings.attempts_max and counts["interruptions"] < INTERRUPTIONS_MAX:
         values |= {"progress": 0.0, "t_simulated": 0.0}
     else:
         new = RunState.FAILED
@@ -167,9 +207,8 @@ def _requeue_or_fail(
         return None
     if new is RunState.QUEUED:  # the owner's turn was lost: it does not wait for another one
         session.execute(delete(Turn).where(Turn.owner == run.owner))
-    _log.warning(
-        "run_released", run=run.id, attempt=run.attempt, failures=failures, why=why, state=new
-    )
+    why = end.name.lower()
+    _log.warning("run_released", run=run.id, attempt=run.attempt, why=why, state=new, **counts)
     return new
 
 

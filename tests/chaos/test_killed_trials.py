@@ -3,7 +3,6 @@
 import os
 import signal
 from collections.abc import Iterator
-from pathlib import Path
 
 import pytest
 from redis import Redis
@@ -15,6 +14,7 @@ from seamark.server.settings import Settings
 from seamark.sim.recording.telemetry import INDEX, digest
 from seamark.worker.evaluation.local import evaluate_locally
 from tests.worker.conftest import LONG, QUICK, SHORT, Service, service_with
+from tests.worker.processes import command_line
 
 pytestmark = [pytest.mark.slow, pytest.mark.host]
 
@@ -48,16 +48,13 @@ def two_cores(tmp_path_factory: pytest.TempPathFactory, _valkey: str) -> Iterato
 
 def trials_of(service: Service) -> list[int]:
     """The processes of trials: forks of a fork of the worker's simulator."""
-    simulators = {pid for pid in tree(service.workers[0].pid) if _simulates(pid)}
+    simulators = {
+        pid
+        for pid in tree(service.workers[0].pid)
+        if b"seamark.worker.zygote.process" in command_line(pid)
+    }
     forks = {pid for pid in simulators if parent_of(pid) in simulators}
     return sorted(pid for pid in forks if parent_of(pid) in forks)
-
-
-def _simulates(pid: int) -> bool:
-    try:
-        return b"seamark.worker.zygote.process" in Path(f"/proc/{pid}/cmdline").read_bytes()
-    except OSError:  # it ended meanwhile
-        return False
 
 
 def _running_in_parallel(service: Service, run_id: int) -> list[int]:

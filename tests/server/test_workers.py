@@ -38,10 +38,27 @@ def test_a_heartbeat_brings_a_worker_back(both: Backend) -> None:
     _silence(both, "a", workers.ALIVE_S + 1)
 
     with both.database.writing() as session:
-        workers.heartbeat(session, "a", {})
+        assert workers.heartbeat(session, "a", {})
 
     with both.database.reading() as session:
         assert workers.alive_count(session) == 1
+
+
+def test_a_heartbeat_of_a_worker_that_is_not_listed_has_no_effect(both: Backend) -> None:
+    with both.database.writing() as session:
+        assert not workers.heartbeat(session, "a", {})
+
+    with both.database.reading() as session:
+        assert workers.listed(session) == []
+
+
+def test_a_worker_that_dies_before_the_clock_is_set_back_is_dead(both: Backend) -> None:
+    _register(both, "a")
+    _silence(both, "a", -3600.0)
+
+    with both.database.reading() as session:
+        assert workers.alive_count(session) == 0
+        assert not any(worker.alive for worker in workers.listed(session))
 
 
 def test_a_worker_that_shuts_down_or_is_dead_for_a_day_is_not_listed(both: Backend) -> None:

@@ -14,6 +14,7 @@ from typing import Any
 import pytest
 from redis import Redis
 
+from seamark.sandbox.isolation.proc_stats import parent_of, tree
 from seamark.server.checks import queue
 from seamark.server.database.engine import Database
 from seamark.server.database.schema import upgrade
@@ -23,6 +24,7 @@ from seamark.server.runs.views import RunView
 from seamark.server.settings import Settings
 from seamark.worker.service.command_line import worker_arguments
 from tests.cast import Backend
+from tests.worker.processes import command_line
 
 SHORT = {"levels": [0.0, 0.2], "level_duration_s": 4.0, "settle_s": 1.0}
 LONG = {"levels": [0.0, 0.2], "level_duration_s": 600.0, "settle_s": 1.0}
@@ -53,6 +55,13 @@ class Service(Backend):
         with suppress(ProcessLookupError):  # a test may have stopped it and seen it end
             os.killpg(worker.pid, signal.SIGKILL)
         worker.wait()
+
+    def pool_child(self) -> int:
+        """Return the process of the last worker's pool: the only child that has its command."""
+        worker = self.workers[-1].pid
+        pids = [pid for pid in tree(worker) if parent_of(pid) == worker]
+        [child] = [pid for pid in pids if command_line(pid) == command_line(worker)]
+        return child
 
     def submit(self, config: Mapping[str, object] = SHORT, **changes: Any) -> int:
         """Queue a run and tell the workers."""

@@ -1,6 +1,6 @@
 """The check process of each worker: checks need not wait behind long runs.
 
-    python -s -P -m seamark.worker.service.check_loop <parent> <slot>
+    python -s -P -m seamark.worker.service.check_loop <parent> <worker> <slot>
 
 One check at a time, in a simulator of its own.
 """
@@ -34,6 +34,10 @@ TIMEOUT_S = 120.0  # [s] the limits of a box end every program before this
 _log = structlog.get_logger()
 
 
+class LeaseLost(Exception):
+    """Another worker has the check: stop, and write nothing."""
+
+
 class CheckLoop:
     """Carries out checks, one after the other."""
 
@@ -43,24 +47,37 @@ class CheckLoop:
         simulator: Simulator,
         languages: tuple[str, ...],
         stopping: threading.Event,
+        *,
+        worker: str,
     ) -> None:
+        self._name = f"{worker}/checks"
         self._settings = settings
         self._simulator = simulator
         self._languages = languages
         self._stopping = stopping
         self._database = Database(settings.database_url)
         self._redis: Redis = broker.connect(settings)
+        self._recovered = False
+        self._renew_at = 0.0  # monotonic
 
     def serve(self) -> None:
         """Carry out checks until the worker shuts down."""
         while not self._stopping.is_set():
             try:
+                self._recover()
                 while self._check_next():
                     pass
             except SQLAlchemyError:
                 _log.exception("checks_failed")
             self._wait()
         self._simulator.stop()
+
+    def _recover(self) -> None:
+        """Release the check that the predecessor of this process was carrying out when it died."""
+        if not self._recovered:
+            with self._database.writing() as session:
+                queue.recover_from(session, self._name)
+            self._recovered = True
 
     def _wait(self) -> None:
         """Wait for a wake-up, or for a while."""
@@ -76,20 +93,34 @@ class CheckLoop:
         if not waiting or not self._wait_warm():
             return False
         with self._database.writing() as session:
-            claim = queue.claim(session, languages=self._languages)
+            claim = queue.claim(
+                session,
+                self._name,
+                languages=self._languages,
+                lease_s=self._settings.lease_s,
+            )
         if claim is None:
             return False
         try:
             report = self._report(claim)
-        except (SimulatorBroken, StreamBroken, ShuttingDown) as broken:
+        except (SimulatorBroken, StreamBroken) as broken:
             _log.error("check_broken", check=claim.check_id, why=str(broken))
-            with self._database.writing() as session:
-                queue.release(session, claim.check_id, claim.attempt)
-            return not self._stopping.is_set()
+            self._release(claim, attempts_max=queue.ATTEMPTS_MAX)
+            return True
+        except ShuttingDown:
+            self._release(claim, attempts_max=queue.CLAIMS_MAX)
+            return False
+        except LeaseLost:
+            _log.warning("check_lost", check=claim.check_id)
+            return True
         with self._database.writing() as session:
             stored = queue.finish(session, claim, report)
         _log.info("check_ended", check=claim.check_id, ok=report["ok"], stored=stored)
         return True
+
+    def _release(self, claim: CheckClaim, *, attempts_max: int) -> None:
+        with self._database.writing() as session:
+            queue.release(session, claim.check_id, claim.attempt, attempts_max=attempts_max)
 
     def _report(self, claim: CheckClaim) -> dict[str, object]:
         job = Job(
@@ -103,8 +134,9 @@ class CheckLoop:
             check=True,
         )
         recorder, deadline = CheckRecorder(), time.monotonic() + TIMEOUT_S
+        self._renew_at = time.monotonic() + self._settings.heartbeat_s
         with self._simulator.begin(job) as simulation:
-            outcome = simulation.run(recorder, lambda: self._watch(deadline))
+            outcome = simulation.run(recorder, lambda: self._watch(claim, deadline))
         return recorder.report(job, outcome)
 
     def _wait_warm(self) -> bool:
@@ -117,23 +149,28 @@ class CheckLoop:
             _log.error("check_simulator_broken", why=str(broken))
         return False
 
-    def _watch(self, deadline: float) -> None:
-        """Raise if the worker shuts down or the check takes too long."""
+    def _watch(self, claim: CheckClaim, deadline: float) -> None:
+        """Renew the lease; raise if the worker shuts down or the check takes too long."""
         if self._stopping.is_set():
             raise ShuttingDown("the worker shuts down")
+        if time.monotonic() >= self._renew_at:
+            self._renew_at = time.monotonic() + self._settings.heartbeat_s
+            with self._database.writing() as session:
+                if not queue.renew(session, claim):
+                    raise LeaseLost
         if time.monotonic() > deadline:
             self._simulator.stop()
             raise SimulatorBroken(f"a check took more than {TIMEOUT_S:g} s")
 
 
-def main(parent: str, slot_json: str) -> None:
+def main(parent: str, worker: str, slot_json: str) -> None:
     """Be the check process of one worker."""
     stopping = follow_worker(int(parent))
     log.configure()
     settings = Settings.load()
     slot = WorkerSlot.from_json(slot_json)
     simulator = Simulator(slot, settings.data / "compiled")
-    CheckLoop(settings, simulator, slot.languages, stopping).serve()
+    CheckLoop(settings, simulator, slot.languages, stopping, worker=worker).serve()
 
 
 if __name__ == "__main__":

@@ -63,13 +63,16 @@ class Host:
         commands = {"maintenance": ["-m", "seamark.worker.service.maintenance", parent]}
         if self.languages:
             slot = self._slot(max(os.sched_getaffinity(0))).to_json()
-            commands["checks"] = ["-m", "seamark.worker.service.check_loop", parent, slot]
+            arguments = [parent, self.name, slot]
+            commands["checks"] = ["-m", "seamark.worker.service.check_loop", *arguments]
         return commands
 
     def heartbeat(self, processes: dict[str, str]) -> None:
         """Report that this worker is alive, with the state of each side process."""
         with self._writing() as session:
-            workers.heartbeat(session, self.name, processes)
+            if not workers.heartbeat(session, self.name, processes):
+                # It was silent for so long that others have forgotten it.
+                workers.register(session, self._row())
 
     def unregister(self) -> None:
         """Remove this worker from the database."""
@@ -82,16 +85,18 @@ class Host:
         warm_boxes = self.settings.warm_boxes
         return WorkerSlot(isolation, core, languages=self.languages, warm_boxes=warm_boxes, **cores)
 
-    def _register(self) -> None:
-        worker = Worker(
+    def _row(self) -> Worker:
+        return Worker(
             name=self.name,
             slots=self.settings.workers,
             level=self.isolation.name.lower(),
             languages=list(self.languages),
             findings=[asdict(finding) for finding in self.findings],
         )
+
+    def _register(self) -> None:
         with self._writing() as session:
-            workers.register(session, worker)
+            workers.register(session, self._row())
 
     @contextmanager
     def _writing(self) -> Iterator[Session]:

@@ -13,16 +13,16 @@ from dataclasses import dataclass
 import structlog
 from celery import Celery
 from redis import Redis
-from redis.exceptions import RedisError
 
 from seamark.server import log
 from seamark.server.checks import queue
 from seamark.server.database.engine import Database
-from seamark.server.messaging import broker, live_events
+from seamark.server.messaging import broker
 from seamark.server.programs import store
 from seamark.server.runs import queue as run_queue
-from seamark.server.runs.states import RunState
 from seamark.server.settings import Settings
+from seamark.worker.service.lease_watch import LeaseWatch
+from seamark.worker.service.recovery import announce
 from seamark.worker.service.shutdown import follow_worker
 
 POLL_S = 0.2  # [s] between two checks of what is due
@@ -56,27 +56,31 @@ def run_due(tasks: Sequence[PeriodicTask]) -> None:
             _log.exception("maintenance_failed", task=task.name)
 
 
-def recover_runs(app: Celery, database: Database, redis: "Redis", settings: Settings) -> None:
-    """Return the runs of dead workers to the queue, publish that, and add missing tickets."""
-    with database.writing() as session:
-        report = run_queue.recover(session, settings)
-    try:
-        for run_id in report.requeued:
-            live_events.publish_state(redis, run_id, RunState.QUEUED)
-        for run_id in report.failed:
-            live_events.publish_end(redis, run_id, RunState.FAILED)
-        tickets = broker.top_up(app, redis, report.queued)
-    except RedisError as error:  # the queue is in the database: a broker that is away is no failure
-        _log.warning("recovery_without_broker", error=str(error))
-        return
-    if report.requeued or report.failed or tickets:
-        _log.info("runs_recovered", requeued=report.requeued, failed=report.failed, tickets=tickets)
+class Recoverer:
+    """Returns to their queues what dead workers have left."""
 
+    def __init__(self, app: Celery, database: Database, redis: "Redis", settings: Settings) -> None:
+        self._app, self._database, self._redis, self._settings = app, database, redis, settings
+        self._runs, self._checks = (
+            LeaseWatch(lease_s=settings.lease_s, renewal_s=settings.heartbeat_s) for _ in range(2)
+        )
 
-def recover_checks(database: Database) -> None:
-    """Return the checks of dead workers to the queue, and forget old ones."""
-    with database.writing() as session:
-        queue.recover(session)
+    def recover_runs(self) -> None:
+        """Return runs to the queue, publish that, and add missing tickets."""
+        with self._database.reading() as session:
+            leases = run_queue.leases(session)
+        abandoned = self._runs.abandoned(leases, now_s=time.monotonic())
+        with self._database.writing() as session:
+            recovery = run_queue.recover(session, abandoned, self._settings)
+        announce(self._app, self._redis, recovery)
+
+    def recover_checks(self) -> None:
+        """Return checks to the queue, and forget old ones."""
+        with self._database.reading() as session:
+            leases = queue.leases(session)
+        abandoned = self._checks.abandoned(leases, now_s=time.monotonic())
+        with self._database.writing() as session:
+            queue.recover(session, abandoned)
 
 
 def forget_programs(database: Database, settings: Settings) -> None:
@@ -98,11 +102,10 @@ def main(parent: str) -> None:
     settings = Settings.load()
     app, redis = broker.celery_app(settings), broker.connect(settings)
     database, recovery_s = Database(settings.database_url), settings.sweep_s
+    recoverer = Recoverer(app, database, redis, settings)
     tasks = [
-        PeriodicTask(
-            "recover_runs", recovery_s, lambda: recover_runs(app, database, redis, settings)
-        ),
-        PeriodicTask("recover_checks", recovery_s, lambda: recover_checks(database)),
+        PeriodicTask("recover_runs", recovery_s, recoverer.recover_runs),
+        PeriodicTask("recover_checks", recovery_s, recoverer.recover_checks),
         PeriodicTask(
             "forget_programs", FORGET_EVERY_S, lambda: forget_programs(database, settings)
         ),

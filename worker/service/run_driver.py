@@ -16,7 +16,7 @@ from seamark.server.runs import queue as run_queue
 from seamark.server.runs import results
 from seamark.server.runs.failure_reasons import FailureReason, describe
 from seamark.server.runs.files import RunFiles
-from seamark.server.runs.queue import Claim, LeaseStatus
+from seamark.server.runs.queue import AttemptEnd, Claim, LeaseStatus
 from seamark.server.runs.results import Report
 from seamark.server.runs.seeds import trial_seeds
 from seamark.server.runs.states import RunKind, RunState
@@ -75,11 +75,11 @@ def evaluate(context: RunContext, claim: Claim) -> bool:
             driver.store_cancelled()
         return True
     except ShuttingDown:
-        driver.release("the worker shuts down", counts=False)
+        driver.release(AttemptEnd.SHUTDOWN)
         return True
     except (SimulatorBroken, StreamBroken) as broken:
         log.error("simulator_broken", why=str(broken))
-        driver.release("the simulator broke", counts=True)
+        driver.release(AttemptEnd.EVALUATION_BROKE)
         return False
     stored = driver.store(report)
     seconds = round(time.monotonic() - started_at, 3)
@@ -144,12 +144,10 @@ class RunDriver:
         )
         self.store(report)
 
-    def release(self, why: str, *, counts: bool) -> None:
+    def release(self, end: AttemptEnd) -> None:
         """Return the run to its position in the queue, or fail it for good."""
         with self._context.database.writing() as session:
-            state = run_queue.release(
-                session, self._claim, why, counts=counts, settings=self._context.settings
-            )
+            state = run_queue.release(session, self._claim, end, settings=self._context.settings)
         if state is not None:
             self._live.state(state, progress=0.0, t_simulated=0.0)
         if state is RunState.FAILED:

@@ -6,12 +6,14 @@ from collections.abc import Callable
 
 import structlog
 from celery import Celery
+from sqlalchemy.exc import SQLAlchemyError
 
 from seamark.server.database.engine import Database
 from seamark.server.messaging import broker
 from seamark.server.runs import queue as run_queue
 from seamark.server.settings import Settings
 from seamark.worker.service.host import Host
+from seamark.worker.service.recovery import announce
 from seamark.worker.service.run_driver import RunContext, evaluate
 from seamark.worker.zygote.client import Simulator, SimulatorBroken
 
@@ -44,6 +46,7 @@ class RunLoop:
         self._shutting_down = shutting_down
         self._failures = 0  # of the platform, in a row
         self._name = f"{host.name}/{index}"
+        self._recover()
 
     def run_next(self) -> None:
         """Claim and evaluate one run, then make sure that the next one has a ticket."""
@@ -62,6 +65,16 @@ class RunLoop:
             waiting = run_queue.length(session)
         if waiting and not self._shutting_down():
             broker.send_tickets(self._app)
+
+    def _recover(self) -> None:
+        """Queue the run that the predecessor of this process was evaluating when it died."""
+        try:
+            with self._database.writing() as session:
+                recovery = run_queue.recover_from(session, self._name, self._settings)
+        except SQLAlchemyError:  # its lease will end
+            _log.exception("recovery_failed", worker=self._name)
+            return
+        announce(self._app, self._redis, recovery)
 
     def _wait_warm(self) -> bool:
         """Wait until the simulator is warm: before that, other workers should have the runs."""

@@ -38,6 +38,7 @@ class SideProcesses:
         commands: Mapping[str, Sequence[str]],
         report: ReportStates,
         *,
+        leave: Callable[[], None],
         report_s: float = REPORT_S,
     ) -> None:
         """Start nothing yet.
@@ -49,9 +50,12 @@ class SideProcesses:
         report
             Is called with the state of each process every `report_s`, and when a state changes:
             "running", or "restarting since" with the time of the first death (ISO 8601, UTC).
+        leave
+            Is called once, after the last report.
         """
         self._processes = [_SideProcess(name, command) for name, command in commands.items()]
         self._report = report
+        self._leave = leave
         self._report_s = report_s
         self._report_at = 0.0
         self._reported: dict[str, str] = {}
@@ -81,6 +85,10 @@ class SideProcesses:
                 break
         for process in self._processes:
             process.terminate()
+        try:
+            self._leave()
+        except Exception:
+            _log.exception("worker_still_listed")
         for process in self._processes:
             process.wait()
 

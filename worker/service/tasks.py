@@ -11,6 +11,7 @@ from celery.signals import (
     worker_process_init,
     worker_process_shutdown,
     worker_ready,
+    worker_shutdown,
     worker_shutting_down,
 )
 
@@ -42,7 +43,9 @@ def _probe_host(sender: Any, **_: object) -> None:
 @worker_ready.connect
 def _start_side_processes(**_: object) -> None:
     host: Host = _state["host"]
-    side_processes = SideProcesses(host.side_process_commands(), host.heartbeat)
+    side_processes = SideProcesses(
+        host.side_process_commands(), host.heartbeat, leave=host.unregister
+    )
     side_processes.start()
     _state["side_processes"] = side_processes
 
@@ -64,8 +67,15 @@ def _shut_down(**_: object) -> None:
     _stop[0] = 1
     if "side_processes" in _state:
         _state["side_processes"].stop()
-    _state["host"].unregister()
+    else:
+        _state["host"].unregister()
     _log.info("worker_stopping", worker=_state["host"].name)
+
+
+@worker_shutdown.connect
+def _end(**_: object) -> None:
+    if "side_processes" in _state:
+        _state["side_processes"].join()
 
 
 def _run_loop() -> RunLoop:

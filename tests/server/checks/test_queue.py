@@ -22,7 +22,7 @@ def order(service: Backend, user_id: int) -> int:
 
 def claim(service: Backend, *languages: str) -> queue.CheckClaim | None:
     with service.database.writing() as session:
-        return queue.claim(session, languages=languages or ("python",))
+        return queue.claim(session, "w1/checks", languages=languages or ("python",), lease_s=30.0)
 
 
 def state(service: Backend, check_id: int, user_id: int) -> CheckState | None:
@@ -65,8 +65,7 @@ def test_a_worker_whose_lease_has_expired_cannot_finish_the_check(both: Backend)
     late = claim(both)
     assert late is not None
     with both.database.writing() as session:
-        session.execute(update(Check).values(lease_until=time.time() - 1))
-        queue.recover(session)
+        queue.recover(session, queue.leases(session))
     again = claim(both)
     assert again is not None
 
@@ -83,7 +82,7 @@ def test_a_check_that_breaks_two_workers_is_a_platform_failure(both: Backend) ->
         taken = claim(both)
         assert taken is not None
         with both.database.writing() as session:
-            queue.release(session, taken.check_id, taken.attempt)
+            queue.release(session, taken.check_id, taken.attempt, attempts_max=2)
 
     with both.database.reading() as session:
         view = queue.show(session, check_id, ann)
@@ -104,9 +103,32 @@ def test_old_checks_are_deleted(both: Backend) -> None:
         session.execute(update(Check).values(finished_at=time.time() - queue.DONE_KEPT_S - 1))
 
     with both.database.writing() as session:
-        queue.recover(session)
+        queue.recover(session, {})
 
     assert state(both, check_id, ann) is None
+
+
+def test_a_check_is_released_when_its_process_has_ended_or_its_lease_is_not_renewed(
+    both: Backend,
+) -> None:
+    ann = both.user_id("ann")
+    check_id = order(both, ann)
+    states = []
+    assert claim(both) is not None
+    for worker in ("w1/0", "w1/checks"):
+        with both.database.writing() as session:
+            queue.recover_from(session, worker)
+        states.append(state(both, check_id, ann))
+    held = claim(both)
+    assert held is not None
+    with both.database.reading() as session:
+        read_before = queue.leases(session)
+    with both.database.writing() as session:
+        assert queue.renew(session, held)
+        queue.recover(session, read_before)
+
+    assert states == [CheckState.RUNNING, CheckState.QUEUED]
+    assert state(both, check_id, ann) is CheckState.RUNNING
 
 
 def test_the_number_of_queued_checks_is_limited(both: Backend) -> None:

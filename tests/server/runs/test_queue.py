@@ -13,9 +13,10 @@ from seamark.server.database.tables import Run
 from seamark.server.runs import queue as run_queue
 from seamark.server.runs import results, views, wait_estimate
 from seamark.server.runs.failure_reasons import FailureReason
-from seamark.server.runs.queue import Claim, LeaseStatus, Recovery
+from seamark.server.runs.queue import AttemptEnd, Claim, LeaseStatus, Recovery
 from seamark.server.runs.results import ResultInvalid
 from seamark.server.runs.states import NEXT_STATES, RunKind, RunState
+from seamark.worker.service.lease_watch import LeaseWatch
 from tests.cast import Backend
 
 
@@ -31,8 +32,13 @@ def _silence(both: Backend, run_id: int) -> None:
 
 
 def _sweep(both: Backend) -> Recovery:
+    watch = LeaseWatch(lease_s=both.settings.lease_s, renewal_s=both.settings.heartbeat_s)
+    with both.database.reading() as session:
+        leases = run_queue.leases(session)
+    watch.abandoned(leases, now_s=0.0)
+    abandoned = watch.abandoned(leases, now_s=2 * both.settings.heartbeat_s)
     with both.database.writing() as session:
-        return run_queue.recover(session, both.settings)
+        return run_queue.recover(session, abandoned, both.settings)
 
 
 def test_a_run_is_claimed_once(both: Backend) -> None:
@@ -140,17 +146,76 @@ def test_a_worker_whose_lease_expired_cannot_write(both: Backend) -> None:
     assert both.show(run_id).attempt == 2
 
 
-def test_the_third_expired_lease_is_a_platform_failure(both: Backend) -> None:
+def _end_attempt(both: Backend, end: AttemptEnd) -> None:
+    claim = both.claim_next()
+    with both.database.writing() as session:
+        run_queue.release(session, claim, end, settings=both.settings)
+
+
+def test_the_third_evaluation_that_breaks_is_a_platform_failure(both: Backend) -> None:
     run_id = both.queue("ann")
+
+    for _ in range(2):
+        _end_attempt(both, AttemptEnd.EVALUATION_BROKE)
+    before = both.show(run_id).state
+    _end_attempt(both, AttemptEnd.EVALUATION_BROKE)
+
+    view = both.show(run_id)
+    assert (before, view.state) == (RunState.QUEUED, RunState.FAILED)
+    assert view.cause == FailureReason.PLATFORM_ERROR
+    assert view.detail["remedy"]
+
+
+def test_a_run_that_loses_its_worker_three_times_still_gets_its_result(both: Backend) -> None:
+    run_id = both.queue("ann")
+    _end_attempt(both, AttemptEnd.EVALUATION_BROKE)
 
     for _ in range(3):
         assert both.claim() is not None
         _silence(both, run_id)
         _sweep(both)
 
-    view = both.show(run_id)
-    assert (view.state, view.cause) == (RunState.FAILED, FailureReason.PLATFORM_ERROR)
-    assert view.detail["remedy"]
+    assert both.finish(both.claim_next())
+    assert (both.show(run_id).state, both.show(run_id).attempt) == (RunState.SUCCEEDED, 5)
+
+
+def test_a_run_that_takes_down_ten_workers_gets_no_eleventh(both: Backend) -> None:
+    run_id = both.queue("ann")
+
+    for _ in range(run_queue.INTERRUPTIONS_MAX - 1):
+        _end_attempt(both, AttemptEnd.WORKER_LOST)
+    before = both.show(run_id).state
+    _end_attempt(both, AttemptEnd.WORKER_LOST)
+
+    assert (before, both.show(run_id).state) == (RunState.QUEUED, RunState.FAILED)
+    assert both.show(run_id).cause == FailureReason.PLATFORM_ERROR
+
+
+def test_the_runs_of_a_process_that_has_ended_are_queued_before_their_leases_end(
+    both: Backend,
+) -> None:
+    run_ids = [both.queue("ann"), both.queue("ben")]
+    for name in ("w/0", "w/1"):
+        assert both.claim(name) is not None
+
+    with both.database.writing() as session:
+        recovery = run_queue.recover_from(session, "w/0", both.settings)
+
+    assert (recovery.requeued, recovery.failed, recovery.queued) == ([run_ids[0]], [], 1)
+    assert both.show(run_ids[1]).state is RunState.RUNNING
+
+
+def test_a_lease_that_was_renewed_after_it_was_read_is_not_abandoned(both: Backend) -> None:
+    claim = both.running("ann")
+    with both.database.reading() as session:
+        read_before = run_queue.leases(session)
+    assert _heartbeat(both, claim) is LeaseStatus.HELD
+
+    with both.database.writing() as session:
+        recovery = run_queue.recover(session, read_before, both.settings)
+
+    assert recovery.requeued == []
+    assert both.finish(claim)
 
 
 def test_a_run_released_at_shutdown_is_no_failed_attempt(both: Backend) -> None:
@@ -160,7 +225,7 @@ def test_a_run_released_at_shutdown_is_no_failed_attempt(both: Backend) -> None:
         claim = both.claim()
         assert claim is not None
         with both.database.writing() as session:
-            run_queue.release(session, claim, "shutdown", counts=False, settings=both.settings)
+            run_queue.release(session, claim, AttemptEnd.SHUTDOWN, settings=both.settings)
 
     assert both.show(run_id).state is RunState.QUEUED
 
@@ -294,7 +359,9 @@ class _Story:
 
     def back(self, claim: Claim) -> None:
         with self.both.database.writing() as session:
-            run_queue.release(session, claim, "x", counts=True, settings=self.both.settings)
+            run_queue.release(
+                session, claim, AttemptEnd.EVALUATION_BROKE, settings=self.both.settings
+            )
 
 
 _steps = st.lists(

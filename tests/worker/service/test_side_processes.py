@@ -5,7 +5,6 @@ import signal
 import threading
 import time
 from collections.abc import Callable, Iterator
-from pathlib import Path
 from typing import TypeVar
 
 import pytest
@@ -16,7 +15,7 @@ from seamark.server.runs.states import RunState
 from seamark.server.workers import WorkerStatus
 from seamark.worker.service.side_processes import SideProcesses
 from tests.worker.conftest import Service
-from tests.worker.processes import children
+from tests.worker.processes import children, command_line
 
 MODULES = {
     "maintenance": "seamark.worker.service.maintenance",
@@ -41,13 +40,6 @@ def pid_of(module: str, worker: int) -> int | None:
     """Return the side process of a worker that runs a module; None while there is none."""
     found = [pid for pid in tree(worker) if module.encode() in command_line(pid)]
     return found[0] if found else None
-
-
-def command_line(pid: int) -> bytes:
-    try:
-        return Path(f"/proc/{pid}/cmdline").read_bytes()
-    except OSError:  # it ended meanwhile
-        return b""
 
 
 def status(service: Service) -> WorkerStatus | None:
@@ -100,6 +92,12 @@ class Reports:
     def __init__(self) -> None:
         self.states: list[dict[str, str]] = []
         self.fails = False
+        self.left_after = 0  # how many reports
+
+    def leave(self) -> None:
+        self.left_after = len(self.states)
+        if self.fails:
+            raise OSError("the database is away")
 
     def __call__(self, states: dict[str, str]) -> None:
         self.states.append(states)
@@ -123,7 +121,7 @@ def started(reports: Reports) -> Iterator[Callable[[dict[str, list[str]]], SideP
     made: list[SideProcesses] = []
 
     def start(commands: dict[str, list[str]]) -> SideProcesses:
-        made.append(SideProcesses(commands, reports, report_s=0.1))
+        made.append(SideProcesses(commands, reports, leave=reports.leave, report_s=0.1))
         made[0].start()
         return made[0]
 
@@ -160,6 +158,7 @@ def test_a_stop_ends_all_side_processes(started, reports: Reports, command: list
     side_processes.join()
 
     assert children() == before
+    assert reports.left_after == len(reports.states)
 
 
 def test_a_fork_never_inherits_the_locks_of_the_watching_thread() -> None:
@@ -169,7 +168,7 @@ def test_a_fork_never_inherits_the_locks_of_the_watching_thread() -> None:
         with held:
             time.sleep(0.05)
 
-    side_processes = SideProcesses({"fine": LIVES}, report, report_s=0.0)
+    side_processes = SideProcesses({"fine": LIVES}, report, leave=int, report_s=0.0)
     side_processes.start()
     try:
         statuses = [_status_of_fork(held) for _ in range(200)]

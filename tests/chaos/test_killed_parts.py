@@ -1,0 +1,116 @@
+"""Parts of a worker that die alone: what they worked on is done again at once, by a successor.
+
+The leases are so long that nothing here could wait for the end of one.
+"""
+
+import os
+import signal
+from collections.abc import Iterator
+
+import pytest
+from redis import Redis
+from sqlalchemy import delete
+
+from seamark.sandbox.isolation.proc_stats import tree
+from seamark.server import workers
+from seamark.server.checks import queue
+from seamark.server.checks.queue import CheckState, CheckView
+from seamark.server.database.tables import Worker
+from seamark.server.runs.states import RunState
+from seamark.server.settings import Settings
+from tests.worker.conftest import LONG, QUICK, Service, service_with
+from tests.worker.service.test_side_processes import MODULES, eventually, pid_of
+
+pytestmark = [pytest.mark.slow, pytest.mark.host]
+
+LEASE_S = 3600.0
+MINUTES = {**LONG, "level_duration_s": 200.0}
+SLOW_TO_START = b"""
+import time
+class Controller:
+    def __init__(self, config): time.sleep(2.0)
+    def reset(self, level): pass
+    def step(self, observation): return [0, 0, 0, 0]
+"""
+
+
+@pytest.fixture(scope="module")
+def service(tmp_path_factory: pytest.TempPathFactory, _valkey: str) -> Iterator[Service]:
+    """A service with a worker, which the last test kills."""
+    with Redis.from_url(_valkey) as client:
+        client.flushall()
+    own = {"data": tmp_path_factory.mktemp("service"), "broker_url": _valkey}
+    made = service_with(Settings.model_validate(QUICK | {"lease_s": LEASE_S} | own))
+    made.start_worker()
+    yield made
+    made.close()
+
+
+def _listed(service: Service) -> list[str]:
+    with service.database.reading() as session:
+        return [worker.name for worker in workers.listed(session) if worker.alive]
+
+
+def _check(service: Service, check_id: int) -> CheckView:
+    with service.database.reading() as session:
+        view = queue.show(session, check_id, service.user_id("ann"))
+    assert view is not None
+    return view
+
+
+def test_the_run_of_a_killed_pool_child_is_evaluated_again_before_its_lease_ends(
+    service: Service,
+) -> None:
+    run_id = service.submit(MINUTES, trials=2)
+    service.wait(run_id, lambda _: service.files(run_id).row_count() > 0)
+
+    os.kill(service.pool_child(), signal.SIGKILL)
+    view = service.ended(run_id)
+
+    assert (view.state, view.attempt) == (RunState.SUCCEEDED, 2)
+
+
+def test_a_check_whose_process_is_killed_is_answered_by_its_successor(service: Service) -> None:
+    worker = service.workers[0].pid
+    program = service.store_program(SLOW_TO_START)
+    with service.database.writing() as session:
+        check_id = queue.enqueue(session, service.user_id("ann"), "currents-v1", {}, program)
+    eventually(lambda: _check(service, check_id).state is CheckState.RUNNING)
+
+    os.kill(eventually(lambda: pid_of(MODULES["checks"], worker)), signal.SIGKILL)
+    report = eventually(lambda: _check(service, check_id).report)
+
+    assert report["ok"]
+
+
+def test_a_worker_stays_listed_when_another_one_of_its_host_stops(service: Service) -> None:
+    [first] = eventually(lambda: _listed(service))
+    old, _ = service.workers[0], service.start_worker()
+    eventually(lambda: len(_listed(service)) == 2)
+
+    old.terminate()
+    old.wait(timeout=60)
+
+    [second] = _listed(service)
+    assert second != first
+
+
+def test_a_worker_that_was_forgotten_is_listed_again(service: Service) -> None:
+    [name] = eventually(lambda: _listed(service))
+    with service.database.writing() as session:
+        session.execute(delete(Worker))
+
+    assert eventually(lambda: _listed(service)) == [name]
+
+
+def test_nothing_of_a_worker_outlives_its_main_process(service: Service) -> None:
+    run_id = service.submit_program(SLOW_TO_START.decode(), LONG, trials=10)
+    service.wait(run_id, lambda view: view.t_simulated > 0)
+    worker = service.workers[-1]
+    started = tree(worker.pid)
+
+    worker.kill()
+    worker.wait()
+
+    assert len(started) > 4  # the pool's child, its simulator, the side processes, a box
+    assert eventually(lambda: not any(os.path.exists(f"/proc/{pid}") for pid in started))

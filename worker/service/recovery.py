@@ -1,0 +1,29 @@
+"""Says what became of runs that had lost their workers, and has other workers take them over."""
+
+import structlog
+from celery import Celery
+from redis import Redis
+from redis.exceptions import RedisError
+
+from seamark.server.messaging import broker, live_events
+from seamark.server.runs.queue import Recovery
+from seamark.server.runs.states import RunState
+
+_log = structlog.get_logger()
+
+
+def announce(app: Celery, redis: "Redis", recovery: Recovery) -> None:
+    """Publish the new states, and send the tickets that the queue lacks; after the commit."""
+    try:
+        for run_id in recovery.requeued:
+            live_events.publish_state(redis, run_id, RunState.QUEUED)
+        for run_id in recovery.failed:
+            live_events.publish_end(redis, run_id, RunState.FAILED)
+        tickets = broker.top_up(app, redis, recovery.queued)
+    except RedisError as error:  # the queue is in the database: a broker that is away is no failure
+        _log.warning("recovery_without_broker", error=str(error))
+        return
+    if recovery.requeued or recovery.failed or tickets:
+        _log.info(
+            "runs_recovered", requeued=recovery.requeued, failed=recovery.failed, tickets=tickets
+        )
