@@ -16,6 +16,13 @@ from tests.cast import Backend
 from tests.services import postgres, valkey
 
 
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Add what `./run fuzz-api` passes on."""
+    parser.addoption(
+        "--api-cases", type=int, default=250, help="requests to the API on each database"
+    )
+
+
 @pytest.fixture(scope="session")
 def isolation() -> IsolationLevel:
     """The isolation level of boxes on this machine; without boxes the test is skipped."""

@@ -33,7 +33,19 @@ api = APIBlueprint(
     url_prefix="/api/v1",
     abp_tags=[Tag(name="Runs", description="Submit runs and follow them.")],
 )
-_STREAM: Any = {200: {"content": {"text/event-stream": {"schema": {"type": "string"}}}}}
+# Of each event, as OpenAPI 3.1 is read for event streams (3.2 has `itemSchema` for it).
+_EVENT: dict[str, Any] = {
+    "type": "object",
+    "properties": {
+        "event": {
+            "enum": [live_events.STATE, live_events.TELEMETRY, live_events.LOG, live_events.END]
+        },
+        "data": {"type": "string", "contentMediaType": "application/json"},
+        "id": {"type": "string", "description": "To be sent as Last-Event-ID to continue"},
+        "retry": {"type": "integer", "description": "Milliseconds until a client reconnects"},
+    },
+}
+_STREAM: Any = {200: {"content": {"text/event-stream": {"schema": _EVENT}}}}
 
 
 @api.get("/runs/<int:run_id>/events", responses=_STREAM)

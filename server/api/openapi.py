@@ -56,6 +56,8 @@ def build(blueprints: Iterable[APIBlueprint]) -> dict[str, Any]:
         for tag in blueprint.tags:
             tags.setdefault(tag.name, _plain(tag))
     _add_bodies(paths, schemas)
+    ranks = paths["/api/v1/leaderboards/{benchmark}"]["get"]["responses"]["200"]["content"]
+    ranks["text/csv"] = {"schema": {"type": "string"}}
     for operations in paths.values():
         for operation in operations.values():
             _complete(operation)

@@ -1,45 +1,123 @@
-"""The interface keeps what its OpenAPI document promises, whatever is sent to it."""
+"""The interface keeps what its OpenAPI document promises, whatever is sent to it and by whom.
 
+`./run fuzz-api [CASES]` sends as many random requests to each of the two databases; the test suite
+sends a few.
+"""
+
+from collections.abc import Iterator
+from itertools import count
 from typing import Any
 
 import pytest
 import schemathesis
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, Phase, given, seed, settings
+from hypothesis import strategies as st
+from schemathesis import GenerationMode
 from schemathesis.checks import CHECKS, not_a_server_error
 
+from seamark.server.accounts import accounts
+from seamark.server.app import create_app
+from seamark.server.messaging import live_events
+from seamark.server.web import rate_limits
+from tests.cast import Backend
 from tests.server.api.conftest import Site
 
-EXAMPLES = 6  # per operation
-LEFT_OUT = "/events"  # a stream that never ends is no answer for a fuzzer
-# These two judge how strict a parser is; a lenient one (trials = "3") is meant here.
+ROLES = ("anonymous", "ann", "root")
+ROUND = 20  # cases of an operation until the next one has its turn
+ROWS = 6  # runs, and tokens that may be revoked
+# These judge how strict a parser is; a lenient one (trials = "3") is meant here.
 LENIENT = {"negative_data_rejection", "positive_data_acceptance", "ignored_auth"}
 
 
-@pytest.mark.slow
-def test_every_response_matches_the_openapi_document(site: Site) -> None:
+@pytest.fixture
+def site(both: Backend, monkeypatch: pytest.MonkeyPatch) -> Iterator[Site]:
+    """A service on each database with runs in several states, and without limits of numbers."""
+    unlimited = {"quota_live": 10**6, "quota_day": 10**6, "ranked_day": 10**6}
+    both.settings = both.settings.model_copy(update=unlimited)
+    app = create_app(both.settings)
+    monkeypatch.setattr(rate_limits.limiter, "enabled", False)
+    headers: dict[str, dict[str, str]] = {"anonymous": {}}
+    with both.database.writing() as session:
+        for name in ("ann", "root"):
+            scopes = ("read", "submit", "admin")
+            for _ in range(ROWS):
+                accounts.new_token(session, both.user_id(name), "spare", scopes)
+            token = accounts.new_token(session, both.user_id(name), "fuzz", scopes)
+            headers[name] = {"Authorization": f"Bearer {token}"}
+    site = Site(**vars(both), app=app, headers=headers)
     site.publish(site.recorded())
-    site.queue()
-    schema = schemathesis.openapi.from_wsgi("/api/v1/openapi.json", site.app)
+    site.publish(site.recorded(kind="ranked"))
+    site.recorded()
+    site.failed({"message": "it failed"})
+    for run_id in (site.running("ann").run_id, site.queue("ann")):
+        # A live stream ends with this event.
+        live_events.append(site.services.redis, run_id, live_events.END, {})
+    site.queue_check("ann")
+    yield site
+    site.services.close()
+
+
+def _with_ids_of_rows(parameters: dict[str, Any]) -> dict[str, Any]:
+    """Return the parameters with small ids replaced by those of rows, random names by real ones."""
+    found = {
+        name: value % ROWS + 1 if isinstance(value, int) and 0 < value < 10**9 else value
+        for name, value in parameters.items()
+    }
+    if len(str(found.get("benchmark", ""))) % 2:
+        found["benchmark"] = "currents-v1"
+    return found
+
+
+def _of_a_benchmark(body: Any) -> Any:
+    """Return the body with a benchmark and a program that exist, for every other one."""
+    if isinstance(body, dict) and isinstance(body.get("run"), dict):
+        return body | {"run": _of_a_benchmark(body["run"])}
+    if isinstance(body, dict) and "benchmark" in body and len(str(body["benchmark"])) % 2:
+        return body | {"benchmark": "currents-v1", "controller": "pi", "config": {}}
+    return body
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("role", ROLES)
+def test_every_response_matches_the_openapi_document(
+    site: Site, role: str, request: pytest.FixtureRequest
+) -> None:
+    cases = -(-request.config.getoption("--api-cases") // len(ROLES))
+    schema: Any = schemathesis.openapi.from_wsgi("/api/v1/openapi.json", site.app)
+    schema.hook("map_path_parameters")(lambda _context, values: _with_ids_of_rows(values or {}))
+    schema.hook("map_body")(lambda _context, body: _of_a_benchmark(body))
     checks: list[Any] = [check for check in CHECKS.get_all() if check.__name__ not in LENIENT]
-    tried = 0
-
-    for found in schema.exclude(path_regex=LEFT_OUT).get_all_operations():
-        operation: Any = found.ok()  # type: ignore[union-attr]  # the document is valid
-
-        @settings(
-            max_examples=EXAMPLES,
-            deadline=None,
-            derandomize=True,
-            database=None,
-            suppress_health_check=list(HealthCheck),
-        )
-        @given(case=operation.as_strategy())
-        def holds(case: schemathesis.Case[Any]) -> None:
-            nonlocal tried
-            tried += 1
-            case.call_and_validate(headers=site.headers["owner"], checks=checks)
-
-        holds()
-
+    operations: list[Any] = [found.ok() for found in schema.get_all_operations()]
+    tried, answers = 0, set[tuple[str, int]]()
     assert not_a_server_error in checks
-    assert tried > 20
+
+    for turn in count():
+        for operation in operations:
+
+            @seed(turn)
+            @settings(
+                max_examples=min(ROUND, cases // len(operations)),
+                deadline=None,
+                database=None,
+                phases=(Phase.explicit, Phase.generate, Phase.shrink),
+                suppress_health_check=list(HealthCheck),
+            )
+            @given(case=_cases(operation))
+            def holds(case: schemathesis.Case[Any]) -> None:
+                nonlocal tried
+                tried += 1
+                answer = case.call_and_validate(headers=site.headers[role], checks=checks)
+                answers.add((f"{case.method} {case.path}", answer.status_code))
+
+            holds()
+        if tried >= cases:
+            break
+
+    served = {operation for operation, status in answers if status < 400}
+    assert len(served) > len(operations) / 3
+
+
+def _cases(operation: Any) -> st.SearchStrategy[Any]:
+    """Return valid and invalid requests of an operation."""
+    valid = operation.as_strategy(generation_mode=GenerationMode.POSITIVE)
+    return st.one_of(valid, operation.as_strategy(generation_mode=GenerationMode.NEGATIVE))
