@@ -13,7 +13,7 @@ from pathlib import Path
 
 from performance.table import Row
 from seamark.sandbox.box import Box
-from seamark.sandbox.isolation import cgroups
+from seamark.sandbox.isolation import cgroup_parents
 from seamark.sandbox.limits import Limits
 from seamark.sandbox.outcome import ProgramEnded, SandboxBroken
 from seamark.sandbox.pool import Pool
@@ -103,6 +103,6 @@ def _resources() -> dict[str, int]:
 
 def _groups() -> list[Path]:
     try:
-        return cgroups.parent_groups().folders()
+        return cgroup_parents.parent_groups().folders()
     except SandboxBroken:  # no cgroups on this host
         return []

@@ -1,160 +1,24 @@
-"""Control groups of a box: memory, processes and CPU time of all its processes together.
-
-Works with cgroup version 1, version 2 and both mixed: it looks for controllers, not for a version.
-Version 2 offers `cgroup.kill` even where it has no controllers.
-"""
+"""Control groups of a box: memory, processes and CPU time of all its processes together."""
 
 import contextlib
 import itertools
 import os
 import signal
 import time
-from dataclasses import dataclass
-from functools import cache
 from pathlib import Path
 
+from seamark.sandbox.isolation.cgroup_parents import CgroupPaths, parent_groups
 from seamark.sandbox.limits import Limits
 from seamark.sandbox.outcome import SandboxBroken
 
 PREFIX = "seamark-box-"
-LEAF = "seamark-service"  # the group of the service's own processes, beside its boxes
-DELEGATED = "user.delegate"  # systemd sets it since version 251
-REQUIRED = {"memory", "pids"}
-MOVE_ATTEMPTS = 20  # processes may be started while others are moved
 OVERHEAD_PROCESSES = 3  # the outer bwrap, the inner one, and one for the start
 REMOVE_WITHIN_S = 5.0  # [s] the kernel ends 20 processes in 4 ms; a busy host takes longer
+# All processes of a box together get half of the CPU time of one other process, so that boxes share
+# equally and the service comes first: half of the default weight of a process (version 1) or of a
+# group (version 2).
+CPU_SHARES, CPU_WEIGHT = 512, 50
 _serial = itertools.count()
-
-
-@dataclass(frozen=True, slots=True)
-class CgroupPaths:
-    """Where groups are created. A version 2 hierarchy may hold all controllers or none."""
-
-    memory: Path
-    pids: Path
-    cpu: Path
-    unified: Path | None  # for cgroup.kill
-
-    def folders(self) -> list[Path]:
-        """Return each folder once."""
-        every = {self.memory, self.pids, self.cpu, self.unified}
-        return sorted(folder for folder in every if folder is not None)
-
-    def child(self, name: str) -> "CgroupPaths":
-        """Return the paths of a child group."""
-        unified = self.unified / name if self.unified else None
-        return CgroupPaths(self.memory / name, self.pids / name, self.cpu / name, unified)
-
-
-PROC = Path("/proc/self")
-
-
-@cache
-def parent_groups(proc: Path = PROC) -> CgroupPaths:
-    """Return the groups in which boxes get theirs; SandboxBroken with the reason if none."""
-    mounts = _mounts(proc)
-    own = _own_groups(proc)
-    v1 = {
-        name: _below(mounts[name], own.get(name, "/"))
-        for name in ("memory", "pids", "cpuacct")
-        if name in mounts
-    }
-    unified = _unified(mounts, own)
-    if unified is not None and REQUIRED <= _controllers(unified):
-        found = CgroupPaths(unified, unified, unified, unified)
-    elif len(v1) == 3:
-        found = CgroupPaths(v1["memory"], v1["pids"], v1["cpuacct"], unified)
-    else:
-        raise SandboxBroken("no control groups with the memory and pids controllers")
-    for folder in {found.memory, found.pids, found.cpu}:
-        if not os.access(folder, os.W_OK):
-            raise SandboxBroken(f"no permission to create control groups in {folder}")
-    return found
-
-
-def _mounts(proc: Path) -> dict[str, tuple[Path, str]]:
-    """Return controller (or "unified") -> mount point and the group that is mounted there."""
-    mounts: dict[str, tuple[Path, str]] = {}
-    for line in (proc / "mountinfo").read_text().splitlines():
-        left, _, right = line.partition(" - ")
-        root, point = left.split()[3:5]
-        filesystem, _, options = right.split(" ", 2)
-        if filesystem == "cgroup2":
-            mounts["unified"] = (Path(point), root)
-        elif filesystem == "cgroup":
-            mounts |= dict.fromkeys(options.split(","), (Path(point), root))
-    return mounts
-
-
-def _own_groups(proc: Path) -> dict[str, str]:
-    groups: dict[str, str] = {}
-    for line in (proc / "cgroup").read_text().splitlines():
-        _, controllers, path = line.split(":", 2)
-        groups |= dict.fromkeys(controllers.split(",") if controllers else ["unified"], path)
-    return groups
-
-
-def _below(mount: tuple[Path, str], group: str) -> Path:
-    point, root = mount
-    inside = group if root == "/" else group.removeprefix(root)
-    return point / inside.lstrip("/")
-
-
-def _unified(mounts: dict[str, tuple[Path, str]], own: dict[str, str]) -> Path | None:
-    """Return the version 2 group in which boxes get theirs, with its controllers enabled.
-
-    1. our own group, if systemd delegated it to us (`Delegate=`); 2. the root of the hierarchy, if
-    we may write there; 3. our own group without the mark: an older systemd shows it to root only.
-    """
-    if "unified" not in mounts:
-        return None
-    top, mine = mounts["unified"][0], _below(mounts["unified"], own.get("unified", "/"))
-    if mine.name == LEAF:
-        mine = mine.parent
-    for folder in (mine, top) if _delegated(mine) else (top, mine):
-        if os.access(folder / "cgroup.procs", os.W_OK) and _enable_controllers(folder):
-            return folder
-    return top if os.access(top, os.W_OK) else None
-
-
-def _delegated(folder: Path) -> bool:
-    """Return whether systemd delegated a group to its processes (its CGROUP_DELEGATION)."""
-    with contextlib.suppress(OSError):
-        return os.getxattr(folder, DELEGATED) == b"1"
-    return False
-
-
-def _controllers(folder: Path) -> set[str]:
-    try:
-        return set((folder / "cgroup.subtree_control").read_text().split())
-    except OSError:
-        return set()
-
-
-def _enable_controllers(folder: Path) -> bool:
-    """Enable the controllers for child groups; False if the host does not permit it."""
-    with contextlib.suppress(OSError):
-        if not REQUIRED <= set((folder / "cgroup.controllers").read_text().split()):
-            return False
-        if REQUIRED <= _controllers(folder):
-            return True
-        for _ in range(MOVE_ATTEMPTS):
-            _move_to_leaf(folder)
-            with contextlib.suppress(OSError):  # a process was started meanwhile
-                (folder / "cgroup.subtree_control").write_text("+memory +pids")
-                return True
-    return False
-
-
-def _move_to_leaf(folder: Path) -> None:
-    """Move all processes of a group into a leaf: only the root may have processes and children."""
-    if not (folder / "cgroup.type").exists():
-        return
-    leaf = folder / LEAF
-    leaf.mkdir(exist_ok=True)
-    for pid in (folder / "cgroup.procs").read_text().split():
-        with contextlib.suppress(ProcessLookupError):  # it ended meanwhile
-            (leaf / "cgroup.procs").write_text(pid)
 
 
 def remove_orphans() -> int:
@@ -209,7 +73,7 @@ class ControlGroup:
                 kernel.create(folder)
             self._set_limits(limits)
             usage = "cpu.stat" if self._version == 2 else "cpuacct.usage"
-            self._usage = os.open(self._paths.cpu / usage, os.O_RDONLY | os.O_CLOEXEC)
+            self._usage = os.open(self._paths.cpu_usage / usage, os.O_RDONLY | os.O_CLOEXEC)
         except OSError as error:
             self.remove()
             raise SandboxBroken(f"control group {self.name}: {error}") from error
@@ -227,6 +91,15 @@ class ControlGroup:
             swap = (self._paths.memory / "memory.memsw.limit_in_bytes", size)
         with contextlib.suppress(OSError):  # kernels without swap accounting have no such file
             swap[0].write_text(swap[1])
+        self._share_cpu()
+
+    def _share_cpu(self) -> None:
+        """Give the box one share of the CPU time, whatever the number of its processes."""
+        if self._paths.cpu_shares is None:
+            return
+        share = ("cpu.weight", CPU_WEIGHT) if self._version == 2 else ("cpu.shares", CPU_SHARES)
+        with contextlib.suppress(OSError):  # another manager of groups may take the controller away
+            (self._paths.cpu_shares / share[0]).write_text(str(share[1]))
 
     def procs_files(self) -> list[str]:
         """Return the files by which the launcher joins the groups."""

@@ -7,8 +7,9 @@ from dataclasses import replace
 from pathlib import Path
 
 from seamark.sandbox.box import Box
-from seamark.sandbox.isolation import cgroups, proc_stats, seccomp
+from seamark.sandbox.isolation import cgroup_parents, proc_stats, seccomp
 from seamark.sandbox.isolation.bwrap_command import bubblewrap
+from seamark.sandbox.isolation.cgroup_parents import CgroupPaths
 from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.isolation.process_tree import Layers
 from seamark.sandbox.languages.python import PYTHON
@@ -60,6 +61,8 @@ REMEDY = {
     "control groups": "start it with `./run`, which gets a scope of its own from systemd if "
     "possible (log in as the user: `su` and `sudo -u` open no session), as a systemd service with "
     "Delegate=yes, or as root",
+    "CPU shares": "have the cpu controller delegated too: Delegate=yes in the unit, or for a login "
+    "session Delegate=cpu memory pids in user@.service",
     "own uid": "run the worker as root, so that each box gets a uid of its own, or give it a "
     "delegated control group",
     "compiled packages": "python -m compileall -q on the folders of numpy and scipy",
@@ -76,9 +79,10 @@ def probe() -> IsolationReport:
     findings = [*_requirements()]
     if not all(finding.ok for finding in findings):
         return IsolationReport(IsolationLevel.NONE, tuple(findings))
-    groups = _try("control groups", cgroups.parent_groups)
+    groups = _try("control groups", cgroup_parents.parent_groups)
     compiled = Finding("compiled packages", compile_packages())
     findings += [groups, _explained(compiled, "each box starts 100 ms later")]
+    findings += [cpu_shares(cgroup_parents.parent_groups())] if groups.ok else []
     for isolation in (
         (IsolationLevel.STRONG, IsolationLevel.MEDIUM) if groups.ok else (IsolationLevel.MEDIUM,)
     ):
@@ -87,6 +91,12 @@ def probe() -> IsolationReport:
             return IsolationReport(isolation, (*findings, *attacks))
         findings += [finding for finding in attacks if not finding.ok]
     return IsolationReport(IsolationLevel.NONE, tuple(findings))
+
+
+def cpu_shares(parents: CgroupPaths) -> Finding:
+    """Return whether boxes share the CPU time equally, however many processes one has."""
+    divided = Finding("CPU shares", parents.cpu_shares is not None)
+    return _explained(divided, "a program with many processes slows down those of others")
 
 
 def _requirements() -> Iterator[Finding]:

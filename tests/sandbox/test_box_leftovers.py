@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from seamark.sandbox.box import Box
-from seamark.sandbox.isolation import cgroups
+from seamark.sandbox.isolation import cgroup_parents
 from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.limits import Limits
 from seamark.sandbox.outcome import ProgramEnded
@@ -85,5 +85,5 @@ def test_what_a_worker_killed_at_the_start_of_a_box_leaves_is_removed_by_the_nex
         with Box(limits=Limits(), isolation=isolation) as box:
             printed(box, program())
 
-    for folder in cgroups.parent_groups().folders():
+    for folder in cgroup_parents.parent_groups().folders():
         assert not [pid for pid in pids if list(folder.glob(f"seamark-box-{pid}-*"))]

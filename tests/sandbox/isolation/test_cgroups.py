@@ -12,7 +12,8 @@ from pathlib import Path
 import pytest
 
 from seamark.sandbox.isolation import cgroups
-from seamark.sandbox.isolation.cgroups import CgroupPaths, ControlGroup, Kernel
+from seamark.sandbox.isolation.cgroup_parents import CgroupPaths
+from seamark.sandbox.isolation.cgroups import ControlGroup, Kernel
 from seamark.sandbox.limits import Limits
 from seamark.sandbox.outcome import SandboxBroken
 
@@ -20,6 +21,7 @@ FILES = {
     "cgroup.procs": "",
     "cgroup.kill": "",
     "cgroup.events": "populated 0\nfrozen 0\n",
+    "cpu.weight": "100\n",
     "cpu.stat": "usage_usec 1234567\nuser_usec 1000000\nsystem_usec 234567\n",
     "memory.max": "max\n",
     "memory.swap.max": "max\n",
@@ -28,11 +30,6 @@ FILES = {
     "memory.events": "low 0\nhigh 0\nmax 31\noom 2\noom_kill 1\noom_group_kill 0\n",
     "pids.max": "max\n",
     "pids.events": "max 3\n",
-}
-TOP = {
-    "cgroup.procs": "1\n",
-    "cgroup.controllers": "cpuset cpu io memory hugetlb pids\n",
-    "cgroup.subtree_control": "cpu memory pids\n",
 }
 LIMITS = Limits(memory_mib=256, processes=20)
 
@@ -61,114 +58,14 @@ class Busy(Version2):
         raise OSError("busy")
 
 
-def laid(folder: Path, files: dict[str, str]) -> Path:
-    folder.mkdir(parents=True, exist_ok=True)
-    for name, text in files.items():
-        (folder / name).write_text(text)
-    return folder
-
-
 @pytest.fixture
 def top(tmp_path: Path) -> Path:
-    return laid(tmp_path / "cgroup", TOP)
+    return tmp_path
 
 
 @pytest.fixture
 def group(top: Path) -> ControlGroup:
-    return ControlGroup(LIMITS, parents=CgroupPaths(top, top, top, top), kernel=Version2)
-
-
-def proc(tmp_path: Path, top: Path, own: str, *, root: str = "/") -> Path:
-    """Return the folder of a process whose own group is `own`."""
-    mount = f"35 24 0:30 {root} {top} rw,nosuid shared:9 - cgroup2 cgroup2 rw,nsdelegate\n"
-    return laid(tmp_path / "proc", {"mountinfo": mount, "cgroup": f"0::{own}\n"})
-
-
-def test_a_host_with_version_2_only_has_all_groups_in_one_folder(tmp_path, top) -> None:
-    found = cgroups.parent_groups(proc(tmp_path, top, "/"))
-
-    assert found == CgroupPaths(top, top, top, top)
-    assert found.folders() == [top]
-
-
-def test_available_controllers_are_enabled(top) -> None:
-    (top / "cgroup.subtree_control").write_text("")
-
-    assert cgroups._unified({"unified": (top, "/")}, {"unified": "/"}) == top
-
-    assert (top / "cgroup.subtree_control").read_text() == "+memory +pids"
-
-
-def test_in_a_delegated_service_the_processes_are_moved_to_a_leaf_first(top) -> None:
-    own = laid(top / "system.slice/seamark.service", TOP | {"cgroup.subtree_control": ""})
-    laid(own, {"cgroup.type": "domain\n", "cgroup.procs": "41\n"})
-    (top / "cgroup.controllers").write_text("")  # the top is not ours to change
-
-    cgroups._unified({"unified": (top, "/")}, {"unified": "/system.slice/seamark.service"})
-
-    assert (own / "seamark-service/cgroup.procs").read_text() == "41"
-    assert (own / "cgroup.subtree_control").read_text() == "+memory +pids"
-
-
-def test_a_group_delegated_by_systemd_comes_before_the_root(top) -> None:
-    own = laid(top / "system.slice/seamark.service", TOP | {"cgroup.type": "domain\n"})
-    where = {"unified": (top, "/")}, {"unified": "/system.slice/seamark.service/seamark-service"}
-    unmarked = cgroups._unified(*where)
-    try:
-        os.setxattr(own, cgroups.DELEGATED, b"1")
-    except OSError:
-        pytest.skip("this file system keeps no marks")
-
-    assert (unmarked, cgroups._unified(*where)) == (top, own)
-
-
-def test_a_process_that_ended_meanwhile_does_not_stop_the_move(top, monkeypatch) -> None:
-    own = laid(top / "scope", {"cgroup.type": "domain\n", "cgroup.procs": "41\n42\n"})
-    write = Path.write_text
-
-    def refuses_41(path: Path, text: str) -> int:
-        if text == "41":
-            raise ProcessLookupError
-        return write(path, text)
-
-    monkeypatch.setattr(Path, "write_text", refuses_41)
-
-    cgroups._move_to_leaf(own)
-
-    assert (own / cgroups.LEAF / "cgroup.procs").read_text() == "42"
-
-
-def test_a_host_without_the_controllers_is_refused_with_the_reason(tmp_path, top) -> None:
-    (top / "cgroup.controllers").write_text("hugetlb\n")
-    (top / "cgroup.subtree_control").write_text("hugetlb\n")
-
-    with pytest.raises(SandboxBroken, match="memory and pids"):
-        cgroups.parent_groups(proc(tmp_path, top, "/"))
-
-
-def test_version_1_with_a_version_2_that_can_only_kill_uses_both(tmp_path, top) -> None:
-    for name in ("memory", "pids", "cpu,cpuacct"):
-        laid(tmp_path / name, {})
-    lines = [
-        f"{number} 24 0:3 / {tmp_path / name} rw - cgroup cgroup rw,{name}"
-        for number, name in enumerate(("memory", "pids", "cpu,cpuacct"))
-    ]
-    (top / "cgroup.controllers").write_text("hugetlb\n")
-    (top / "cgroup.subtree_control").write_text("")
-    mount = f"35 24 0:30 / {top} rw - cgroup2 cgroup2 rw"
-    here = laid(
-        tmp_path / "proc",
-        {
-            "mountinfo": "\n".join([*lines, mount]),
-            "cgroup": "3:memory:/\n2:pids:/\n1:cpu,cpuacct:/\n0::/\n",
-        },
-    )
-
-    found = cgroups.parent_groups(here)
-
-    assert found == CgroupPaths(
-        tmp_path / "memory", tmp_path / "pids", tmp_path / "cpu,cpuacct", top
-    )
+    return ControlGroup(LIMITS, parents=CgroupPaths(top, top, top, top, top), kernel=Version2)
 
 
 def test_the_limits_are_written_to_the_files_of_version_2(group, top) -> None:
@@ -178,6 +75,7 @@ def test_the_limits_are_written_to_the_files_of_version_2(group, top) -> None:
     assert (folder / "memory.swap.max").read_text() == "0"
     assert (folder / "memory.oom.group").read_text() == "1"
     assert (folder / "pids.max").read_text() == str(20 + cgroups.OVERHEAD_PROCESSES)
+    assert (folder / "cpu.weight").read_text() == str(cgroups.CPU_WEIGHT)
     assert group.procs_files() == [f"{folder}/cgroup.procs"]
     group.remove()
 
@@ -225,7 +123,39 @@ def test_all_processes_are_killed_by_one_write_and_the_group_is_removed(group, t
 
 def test_a_group_that_cannot_be_removed_is_reported_to_have_survivors(top, monkeypatch) -> None:
     monkeypatch.setattr(cgroups, "REMOVE_WITHIN_S", 0.01)
-    group = ControlGroup(LIMITS, parents=CgroupPaths(top, top, top, top), kernel=Busy)
+    group = ControlGroup(LIMITS, parents=CgroupPaths(top, top, top, top, top), kernel=Busy)
 
     with pytest.raises(SandboxBroken, match="processes survive"):
         group.remove()
+
+
+def test_a_box_has_no_share_of_its_own_where_the_host_does_not_divide_the_cpu_time(top) -> None:
+    group = ControlGroup(LIMITS, parents=CgroupPaths(top, top, top, None, top), kernel=Version2)
+
+    assert (top / group.name / "cpu.weight").read_text() == FILES["cpu.weight"]
+    group.remove()
+
+
+def test_with_version_1_a_box_has_its_share_in_the_hierarchy_of_the_cpu_controller(
+    tmp_path,
+) -> None:
+    paths = [tmp_path / name for name in ("memory", "pids", "cpuacct", "cpu", "unified")]
+    for path in paths:
+        path.mkdir()
+
+    class Version1(Kernel):
+        @staticmethod
+        def create(folder: Path) -> None:
+            folder.mkdir()
+            (folder / "cpuacct.usage").write_text("0\n")
+
+        @staticmethod
+        def remove(folder: Path) -> None:
+            shutil.rmtree(folder)
+
+    group = ControlGroup(LIMITS, parents=CgroupPaths(*paths), kernel=Version1)
+
+    shares = (tmp_path / "cpu" / group.name / "cpu.shares").read_text()
+    group.remove()
+    assert shares == str(cgroups.CPU_SHARES)
+    assert [*(tmp_path / "cpu").iterdir()] == []

@@ -7,6 +7,7 @@ import subprocess
 import sys
 import textwrap
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -15,12 +16,14 @@ from seamark import sandbox
 from seamark.sandbox.box import Box
 from seamark.sandbox.isolation import proc_stats, uid_slots
 from seamark.sandbox.isolation.bwrap_command import Descriptors, bwrap_command
+from seamark.sandbox.isolation.cgroup_parents import CgroupPaths
 from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.isolation.readable_copies import COPIES
 from seamark.sandbox.languages import LANGUAGES, language_of
 from seamark.sandbox.languages.python.host import PACKAGES, package_folder, python_runtime
 from seamark.sandbox.limits import Limits
 from seamark.sandbox.outcome import Verdict
+from seamark.sandbox.probing import probes
 from seamark.sandbox.probing.probes import probe
 from seamark.sandbox.probing.report import Finding, IsolationReport
 
@@ -34,7 +37,7 @@ LAYOUT = {
 REPORT = """
     import json
     from seamark.sandbox import box
-    from seamark.sandbox.isolation import cgroups
+    from seamark.sandbox.isolation import cgroup_parents
     from seamark.sandbox.box import Box
     from seamark.sandbox.probing.probes import probe
     from seamark.sandbox.limits import Limits
@@ -42,7 +45,8 @@ REPORT = """
     LAYOUT = {"observation": [["t", 0], ["error", 3]], "command": []}
     found = probe()
     report = {"level": found.level.name, "why": found.sentence(), "package": box.__file__}
-    report["groups"] = str(cgroups.parent_groups().memory) if found.level.name == "STRONG" else ""
+    strong = found.level.name == "STRONG"
+    report["groups"] = str(cgroup_parents.parent_groups().memory) if strong else ""
     for name, source in json.loads(SOURCES).items():
         with Box(limits=Limits(cpu_s=2.0, memory_mib=192), isolation=found.level) as one:
             try:
@@ -87,6 +91,17 @@ EXPECTED = {
     "fork": Verdict.PROCESS_LIMIT,
     "shadow": Verdict.USER_ERROR,
 }
+
+
+def test_a_host_that_does_not_divide_the_cpu_time_is_told_how_to(tmp_path) -> None:
+    without = CgroupPaths(tmp_path, tmp_path, tmp_path, None, tmp_path)
+
+    divided = probes.cpu_shares(replace(without, cpu_shares=tmp_path))
+    found = probes.cpu_shares(without)
+
+    assert divided.ok
+    assert not found.ok
+    assert "Delegate" in found.remedy
 
 
 @as_root
