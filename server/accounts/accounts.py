@@ -19,7 +19,7 @@ from seamark.server.accounts.permissions import (
     Viewer,
     grantable,
 )
-from seamark.server.database.tables import BrowserSession, Run, Token, User
+from seamark.server.database.tables import BrowserSession, Token, User
 from seamark.server.settings import Settings
 
 NAME_MAX = 40  # [character]
@@ -75,16 +75,6 @@ def authenticate(session: Session, name: str, password: str) -> User | None:
     except (VerificationError, InvalidHashError):
         return None
     return user if password_hash else None
-
-
-def adopt_runs(session: Session, user_id: int, guest: str) -> int:
-    """Transfer the runs of a guest (hash of the cookie) to a user; return how many."""
-    owner = f"user:{user_id}"
-    change = update(Run).where(Run.guest == guest)
-    adopted = session.scalars(
-        change.values(owner=owner, user_id=user_id, guest=None).returning(Run.id)
-    )
-    return len(adopted.all())
 
 
 def change_password(session: Session, name: str, old: str | None, new: str) -> User:

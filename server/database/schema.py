@@ -14,7 +14,7 @@ from seamark import migrations
 from seamark.server.database import advisory_locks
 from seamark.server.database.advisory_locks import AdvisoryLock
 from seamark.server.database.engine import Database
-from seamark.server.database.tables import Base
+from seamark.server.database.queue_tables import Turn
 from seamark.server.settings import Settings
 
 _FOLDER = Path(migrations.__file__).parent
@@ -80,7 +80,7 @@ def run_environment(
     """Run migrations for Alembic's env.py; in batch mode, so that SQLite can alter its tables."""
     configure(
         connection=attributes["connection"],
-        target_metadata=Base.metadata,
+        target_metadata=Turn.metadata,  # of all tables, since its module imports the others
         render_as_batch=True,
         compare_type=True,
     )

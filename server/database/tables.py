@@ -14,6 +14,7 @@ from sqlalchemy import (
     Text,
     UniqueConstraint,
     false,
+    literal,
     text,
 )
 from sqlalchemy.orm import DeclarativeBase, Mapped, mapped_column
@@ -118,6 +119,7 @@ class Run(Base):
     title: Mapped[str] = mapped_column(String(120), default="")
     notes: Mapped[str] = mapped_column(Text, default="")
     rerun_of: Mapped[int | None] = mapped_column(BigInteger)
+    expected_s: Mapped[float | None]  # wall time of its evaluation, estimated when submitted
 
     state: Mapped[str] = mapped_column(String(10))
     cause: Mapped[str | None] = mapped_column(String(20))
@@ -160,6 +162,21 @@ class Run(Base):
             sqlite_where=text("state = 'running'"),
             postgresql_where=text("state = 'running'"),
         ),
+        Index(
+            "ix_runs_queued_at",
+            "queued_at",
+            sqlite_where=text("state = 'queued'"),
+            postgresql_where=text("state = 'queued'"),
+        ),
+        Index(
+            "ix_runs_finished",
+            "finished_at",
+            "state",
+            "t_simulated",  # so that counting what ended reads the index alone
+            sqlite_where=text("finished_at IS NOT NULL"),
+            postgresql_where=text("finished_at IS NOT NULL"),
+        ),
+        Index("ix_runs_state_id", "state", "id"),
         Index("ix_runs_owner_id", "owner", "id"),
         Index("ix_runs_owner_state_finished", "owner", "state", "finished_at"),  # the quota
         Index(
@@ -189,13 +206,9 @@ class Run(Base):
     )
 
 
-class Turn(Base):
-    """When a run of an owner was last claimed: whose last claim is oldest goes first."""
-
-    __tablename__ = "turns"
-
-    owner: Mapped[str] = mapped_column(String(80), primary_key=True)
-    served_at: Mapped[float]
+# As the partial indexes have them: with a bound parameter no database would use these.
+IS_QUEUED = Run.state == literal("queued", literal_execute=True)
+IS_RUNNING = Run.state == literal("running", literal_execute=True)
 
 
 class Result(Base):

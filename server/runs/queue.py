@@ -9,29 +9,33 @@ An attempt that ends without a result costs the run nothing if its worker was st
 """
 
 import time
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import Enum, auto
 from typing import Any
 
 import structlog
-from sqlalchemy import Select, String, cast, delete, func, literal, or_, select, update
-from sqlalchemy.dialects import postgresql, sqlite
+from sqlalchemy import ColumnElement, Select, func, or_, select, update
 from sqlalchemy.orm import Session
 
 from seamark.server import workers
 from seamark.server.accounts.permissions import GUESTS
+from seamark.server.database import counters
 from seamark.server.database.advisory_locks import AdvisoryLock, acquire
-from seamark.server.database.tables import Run, Turn, User
+from seamark.server.database.queue_tables import Turn
+from seamark.server.database.tables import IS_QUEUED, IS_RUNNING, Run
+from seamark.server.runs import turns
 from seamark.server.runs.columns import RunSpec
 from seamark.server.runs.failure_reasons import FailureReason, describe
 from seamark.server.runs.states import RunState, move
+from seamark.server.runs.turns import Priority
 from seamark.server.settings import Settings
 
 _log = structlog.get_logger()
-_DAY_S = 86_400.0
 # Generous: whatever kills a worker most likely has nothing to do with the runs that it has.
 INTERRUPTIONS_MAX = 10
+GUEST_SHARE = 4  # runs of accounts that start before one of a guest, while both wait
+PASSED_OVER = "guests_passed_over"  # how many of these have started
 
 
 class Claim(RunSpec):
@@ -77,6 +81,8 @@ def claim(
     1. Only owners below the limit of running runs; of each owner only the oldest queued run.
     2. Accounts come first, then guests, then baselines. Among these the owner with the fewest
        running runs, then the one whose last run started longest ago, then the oldest run.
+    3. After `GUEST_SHARE` runs of accounts while guests wait, a guest's run starts. So guests
+       wait longer, but not for ever.
 
     Parameters
     ----------
@@ -84,7 +90,7 @@ def claim(
         Of the uploads that this worker can run; empty: built-in programs only.
     """
     acquire(session, AdvisoryLock.CLAIM)
-    run_id = session.scalar(_next_in_turn(languages, settings.running_max))
+    run_id = _next_in_turn(session, languages, running_limit(session, settings))
     if run_id is None:
         return None
     now = time.time()
@@ -97,7 +103,8 @@ def claim(
     reset: dict[str, Any] = {"attempt": Run.attempt + 1, "progress": 0.0, "t_simulated": 0.0}
     if not move(session, run_id, RunState.QUEUED, RunState.RUNNING, **lease, **reset):
         return None  # cancelled, on PostgreSQL, between the two statements
-    _record_turn(session, run.owner, now)
+    turns.serve(session, run.owner)
+    _count_passed_over(session, run.owner)
     session.refresh(run)
     return Claim.from_rows(run, run_id=run.id, lease_s=settings.lease_s)
 
@@ -146,17 +153,17 @@ def release(
 
 def leases(session: Session) -> dict[int, float]:
     """Return the leases that are held: run -> their ends."""
-    held = select(Run.id, Run.lease_until).where(Run.state == RunState.RUNNING)
+    held = select(Run.id, Run.lease_until).where(IS_RUNNING)
     return {run_id: end for run_id, end in session.execute(held) if end is not None}
 
 
 def recover(session: Session, abandoned: Mapping[int, float], settings: Settings) -> Recovery:
     """Requeue the runs whose leases are abandoned; the caller then sends the missing tickets."""
     acquire(session, AdvisoryLock.CLAIM)
-    found = session.scalars(select(Run).where(Run.id.in_(sorted(abandoned)))).all()
+    found = _locked(session, Run.id.in_(sorted(abandoned)))
     unrenewed = [run for run in found if run.lease_until == abandoned[run.id]]
     recovery = _release_lost(session, unrenewed, settings)
-    session.execute(delete(Turn).where(Turn.served_at < time.time() - _DAY_S))
+    turns.forget_idle(session)
     workers.forget_dead(session)
     return recovery
 
@@ -170,8 +177,16 @@ def recover_from(session: Session, worker: str, settings: Settings) -> Recovery:
         As the process named itself when it claimed them.
     """
     acquire(session, AdvisoryLock.CLAIM)
-    left = select(Run).where(Run.state == RunState.RUNNING, Run.worker == worker)
-    return _release_lost(session, session.scalars(left).all(), settings)
+    return _release_lost(session, _locked(session, IS_RUNNING & (Run.worker == worker)), settings)
+
+
+def _locked(session: Session, which: ColumnElement[bool]) -> Sequence[Run]:
+    """Return runs, locked before any of them is moved; without those that another process ends.
+
+    That process may wait for the turn of its owner, which could be locked for another of the runs.
+    """
+    query = select(Run).where(which).order_by(Run.id).with_for_update(skip_locked=True)
+    return session.scalars(query).all()
 
 
 def _release_lost(session: Session, runs: Iterable[Run], settings: Settings) -> Recovery:
@@ -185,7 +200,17 @@ def _release_lost(session: Session, runs: Iterable[Run], settings: Settings) -> 
 
 def length(session: Session) -> int:
     """Return how many runs are queued."""
-    return session.scalar(select(func.count()).where(Run.state == RunState.QUEUED)) or 0
+    return session.scalar(select(func.count()).where(IS_QUEUED)) or 0
+
+
+def running_limit(session: Session, settings: Settings) -> int:
+    """Return how many runs of one owner may run at the same time.
+
+    It leaves a place of the living workers to others: a run cannot be interrupted, so that whoever
+    came while one owner had all places would wait until the first of them ends.
+    """
+    places = workers.slot_count(session)
+    return min(settings.running_max, max(places - 1, 1)) if places else settings.running_max
 
 
 def _requeue_or_fail(
@@ -206,44 +231,50 @@ def _requeue_or_fail(
     if not move(session, run.id, RunState.RUNNING, new, fence=run.attempt, **values):
         return None
     if new is RunState.QUEUED:  # the owner's turn was lost: it does not wait for another one
-        session.execute(delete(Turn).where(Turn.owner == run.owner))
+        turns.serve_first(session, run.owner)
     why = end.name.lower()
     _log.warning("run_released", run=run.id, attempt=run.attempt, why=why, state=new, **counts)
     return new
 
 
-def _next_in_turn(languages: Collection[str], running_max: int) -> Select[int]:
-    running = (
-        select(Run.owner, func.count().label("n"))
-        .where(Run.state == RunState.RUNNING)
-        .group_by(Run.owner)
-        .cte("running")
-    )
+def _next_in_turn(session: Session, languages: Collection[str], limit: int) -> int | None:
+    order = list(Priority)
+    if counters.value(session, PASSED_OVER) >= GUEST_SHARE:
+        order.sort(key=lambda priority: priority is not Priority.GUEST)
+    for priority in order:
+        if priority is Priority.BASELINE and _baseline_runs(session):
+            continue
+        run_id = session.scalar(_first_of(priority, languages, limit))
+        if run_id is not None:
+            return run_id
+    return None
+
+
+def _first_of(priority: Priority, languages: Collection[str], limit: int) -> Select[int]:
+    """Select the run whose turn it is among the owners of one priority."""
     suitable = or_(Run.language.is_(None), Run.language.in_(sorted(languages)))
-    first = (
-        select(Run.owner, func.min(Run.id).label("id"))
-        .where(Run.state == RunState.QUEUED, suitable)
-        .group_by(Run.owner)
-        .cte("first")
-    )
-    n = func.coalesce(running.c.n, 0)
-    baseline = select(literal("user:") + cast(User.id, String)).where(User.is_baseline)
-    is_baseline = first.c.owner.in_(baseline)
-    is_guest = first.c.owner.startswith(GUESTS)
-    busy = select(func.count()).where(running.c.owner.in_(baseline)).scalar_subquery()
+    run = select(func.min(Run.id)).where(Run.owner == Turn.owner, IS_QUEUED, suitable)
+    run_id = run.correlate(Turn).scalar_subquery()
     return (
-        select(first.c.id)
-        .outerjoin(running, running.c.owner == first.c.owner)
-        .outerjoin(Turn, Turn.owner == first.c.owner)
-        .where(n < running_max, or_(~is_baseline, busy < 1))
-        .order_by(is_baseline, is_guest, n, func.coalesce(Turn.served_at, 0.0), first.c.id)
+        select(run_id)
+        .where(turns.IS_WAITING, Turn.priority == int(priority), Turn.running < limit)
+        .where(run_id.is_not(None))
+        .order_by(Turn.running, Turn.served_at, Turn.next_run)
         .limit(1)
     )
 
 
-def _record_turn(session: Session, owner: str, now: float) -> None:
-    insert = postgresql.insert if session.get_bind().dialect.name == "postgresql" else sqlite.insert
-    turn = insert(Turn).values(owner=owner, served_at=now)
-    session.execute(
-        turn.on_conflict_do_update(index_elements=[Turn.owner], set_={"served_at": now})
-    )
+def _baseline_runs(session: Session) -> bool:
+    """Return whether a baseline is running: one at a time, however many there are."""
+    running = select(Turn.owner).where(turns.IS_SERVED, Turn.priority == int(Priority.BASELINE))
+    return session.scalar(running.limit(1)) is not None
+
+
+def _count_passed_over(session: Session, owner: str) -> None:
+    """Count how many runs of accounts have started since guests wait."""
+    guests = select(Turn.owner).where(turns.IS_WAITING, Turn.priority == int(Priority.GUEST))
+    before = counters.value(session, PASSED_OVER)
+    waiting = session.scalar(guests.limit(1)) is not None
+    now = min(before + 1, GUEST_SHARE) if waiting and not owner.startswith(GUESTS) else 0
+    if now != before:
+        counters.store(session, PASSED_OVER, now)

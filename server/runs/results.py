@@ -9,7 +9,7 @@ from sqlalchemy import and_, case, or_, select, update
 from sqlalchemy.orm import Session
 
 from seamark.server.database.tables import Result, Run, User
-from seamark.server.runs import leaderboard
+from seamark.server.runs import leaderboard, paces
 from seamark.server.runs.queue import Claim
 from seamark.server.runs.quota import ranked_ended
 from seamark.server.runs.states import LIVE, RunKind, RunState, move
@@ -80,6 +80,8 @@ def finish(session: Session, claim: Claim, report: Report) -> bool:
         )
     )
     session.flush()
+    if report.state is RunState.SUCCEEDED:
+        _record_pace(session, claim.run_id)
     leaderboard.recount(session, claim.run_id)
     _publish_baseline(session, claim, report)
     return True
@@ -150,6 +152,12 @@ def _score(report: Report) -> float | None:
     if not isinstance(score, int | float) or not math.isfinite(score):
         raise ResultInvalid(f"a succeeded run must have a finite score, not {score!r}")
     return float(score)
+
+
+def _record_pace(session: Session, run_id: int) -> None:
+    times = select(Run.finished_at - Run.started_at, Run.t_simulated).where(Run.id == run_id)
+    wall_s, simulated_s = session.execute(times).one()
+    paces.record(session, run_id, wall_s=wall_s or 0.0, simulated_s=simulated_s)
 
 
 def _refusal(session: Session, claim: Claim, report: Report) -> str | None:

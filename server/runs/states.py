@@ -8,6 +8,7 @@ from sqlalchemy import update
 from sqlalchemy.orm import Session
 
 from seamark.server.database.tables import Run
+from seamark.server.runs import turns
 
 
 class RunState(StrEnum):
@@ -68,4 +69,8 @@ def move(
     change = update(Run).where(Run.id == run_id, Run.state == old).values(state=new, **values)
     if fence is not None:
         change = change.where(Run.attempt == fence)
-    return session.scalar(change.returning(Run.id)) is not None
+    owner = session.scalar(change.returning(Run.owner))
+    if owner is None:
+        return False
+    turns.refresh(session, owner)
+    return True

@@ -19,7 +19,7 @@ from seamark.server.database.advisory_locks import AdvisoryLock, acquire
 from seamark.server.database.tables import Run
 from seamark.server.programs import store
 from seamark.server.programs.store import StoredProgram
-from seamark.server.runs import quota, run_size
+from seamark.server.runs import paces, quota, run_size, turns
 from seamark.server.runs.run_size import RunSize
 from seamark.server.runs.seeds import submission_digest
 from seamark.server.runs.states import RunKind, RunState
@@ -132,10 +132,12 @@ def submit(session: Session, valid: ValidSubmission, settings: Settings) -> int:
     if submission.kind is RunKind.RANKED:
         quota.enforce_ranked(session, submission.viewer, submission.benchmark, settings)
     run = _row(valid)
+    run.expected_s = paces.expected_s(session, run, valid.config.trial_duration_s())
     if submission.kind is RunKind.RANKED and valid.benchmark.protocol is not None:
         run.submission = submission_digest(run)
     session.add(run)
     session.flush()
+    turns.refresh(session, run.owner)
     return run.id
 
 

@@ -1,19 +1,30 @@
-"""The position of a run in the queue, how long it will take, and why it waits."""
+"""The position of a run in the queue, how long it will take, and why it waits.
+
+Everything follows from one row per owner (server/runs/turns.py) and from what was expected of each
+run when it was submitted (server/runs/paces.py). So it costs the same at any depth, and an estimate
+changes only when the queue does.
+"""
 
 import time
-from collections.abc import Collection
+from collections.abc import Sequence
 from dataclasses import dataclass
 
-from sqlalchemy import func, select
+from sqlalchemy import and_, case, func, or_, select
 from sqlalchemy.orm import Session
 
 from seamark.server import workers
-from seamark.server.accounts.permissions import GUESTS
-from seamark.server.database.tables import Run, Turn, User
+from seamark.server.database import counters
+from seamark.server.database.queue_tables import Turn
+from seamark.server.database.tables import IS_QUEUED, IS_RUNNING, Run
+from seamark.server.runs import forecast, paces, queue, turns
+from seamark.server.runs.forecast import Job, Places
 from seamark.server.runs.states import RunState
+from seamark.server.runs.turns import Priority
 from seamark.server.settings import Settings
+from seamark.sim import registry
+from seamark.sim.settings.configuration import ConfigurationInvalid
 
-_RECENT = 20  # finished runs of the benchmark from which a duration is estimated
+SINGLE_RUNS_MAX = 100  # with more runs ahead, their mean duration is what matters
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,115 +36,181 @@ class Wait:
     why: str | None
 
 
+@dataclass(frozen=True, slots=True)
+class _Work:
+    """Queued runs, and the wall time [s] that they are expected to take one after the other."""
+
+    runs: int
+    wall_s: float
+
+    def first(self, runs: int) -> "_Work":
+        """Return some of these runs."""
+        some = min(max(runs, 0), self.runs)
+        return _Work(some, self.wall_s * some / self.runs if some else 0.0)
+
+    def __add__(self, other: "_Work") -> "_Work":
+        return _Work(self.runs + other.runs, self.wall_s + other.wall_s)
+
+
+_NOTHING = _Work(0, 0.0)
+
+
 def wait_of(session: Session, run: Run, settings: Settings) -> Wait:
     """Return the position of a queued run, and the time until the end of a live one."""
-    typical = _typical_s(session, run)
-    now = time.time()
+    expected_s, now = _expected_s(session, run), time.time()
     if run.state == RunState.RUNNING:
-        return Wait(None, _left_s(run, now, typical), None)
-    slots = workers.slot_count(session)
-    position = _position(session, run)
-    if position is None:
-        return Wait(None, typical, None)
-    estimate = None
-    if slots and typical is not None:
-        estimate = typical * (1 + (position - 1) / slots)
-    return Wait(position, estimate, _why(session, run, settings, slots=slots, ahead=position - 1))
+        return Wait(None, _left_s(run, now, settings, expected_s), None)
+    mine = session.scalar(select(Turn).where(turns.IS_WAITING, Turn.owner == run.owner))
+    if mine is None:  # claimed after it was read, which a writing transaction sees on PostgreSQL
+        return Wait(None, expected_s, None)
+    own = _own_ahead(session, run, mine)
+    ahead = _ahead(session, mine, own)
+    places = workers.slot_count(session)
+    estimate_s = None
+    if places and expected_s is not None:
+        estimate_s = _until_start_s(session, mine, ahead, own, settings) + expected_s
+    why = _why(session, run, settings, places=places, ahead=ahead.runs)
+    return Wait(ahead.runs + 1, estimate_s, why)
 
 
-def _position(session: Session, run: Run) -> int | None:
-    """Return the position, 1 = next, in rounds: the first run of every owner, then the second ...
-
-    Computed from one row per owner, so that a long queue costs no more than a short one. None if a
-    worker claimed the run after it was read, which a writing transaction sees on PostgreSQL.
-    """
-    owners = _owners(session)
-    mine = owners.get(run.owner)
-    if mine is None:
-        return None
-    own = (Run.owner == run.owner) & (Run.state == RunState.QUEUED)
-    before = session.scalar(select(func.count()).where(own, Run.id < run.id)) or 0
-    others = (other for name, other in owners.items() if name != run.owner)
-    return 1 + before + sum(other.ahead_of(mine, before) for other in others)
+def _own_ahead(session: Session, run: Run, mine: Turn) -> _Work:
+    """Return the owner's own runs that start before this one."""
+    before = (Run.owner == run.owner, IS_QUEUED, Run.id < run.id)
+    count = session.scalar(select(func.count()).select_from(Run).where(*before)) or 0
+    return _Work(mine.queued, mine.expected_s).first(count)
 
 
-@dataclass(frozen=True, slots=True)
-class _Owner:
-    """What one owner has in the queue."""
-
-    queued: int
-    first: int  # id of the run that is next
-    running: int
-    served_at: float
-    after: int  # those of a lower number start first, see `queue.claim`
-
-    def ahead_of(self, mine: "_Owner", before: int) -> int:
-        """Return how many of its runs start before run number `before` + 1 of `mine`."""
-        if self.after != mine.after:
-            return self.queued if self.after < mine.after else 0
-        rounds = mine.running + before - self.running
-        turn = (self.served_at, self.first) < (mine.served_at, mine.first)
-        return min(max(rounds + int(turn), 0), self.queued)
-
-
-def _owners(session: Session) -> dict[str, _Owner]:
-    """Return the owners that have queued runs."""
-    state = select(Run.owner, func.count()).group_by(Run.owner)
-    running = {owner: n for owner, n in session.execute(state.where(Run.state == RunState.RUNNING))}
-    names = session.scalars(select(User.id).where(User.is_baseline))
-    baselines = {f"user:{user_id}" for user_id in names}
-    queued = (
-        select(Run.owner, func.count(), func.min(Run.id), func.coalesce(Turn.served_at, 0.0))
-        .outerjoin(Turn, Turn.owner == Run.owner)
-        .where(Run.state == RunState.QUEUED)
-        .group_by(Run.owner, Turn.served_at)
-    )
-    return {
-        owner: _Owner(n, first, running.get(owner, 0), served_at, _after(owner, baselines))
-        for owner, n, first, served_at in session.execute(queued)
+def _ahead(session: Session, mine: Turn, own: _Work) -> _Work:
+    """Return the runs that start before the next one of `mine` after `own`, see `queue.claim`."""
+    ahead = own + _of_equals(session, mine, own.runs)
+    total = (func.sum(Turn.queued), func.sum(Turn.expected_s))
+    others = select(Turn.priority, *total).where(turns.IS_WAITING).group_by(Turn.priority)
+    waiting = {
+        Priority(number): _Work(runs, wall_s) for number, runs, wall_s in session.execute(others)
     }
+    accounts, guests = (waiting.get(p, _NOTHING) for p in (Priority.ACCOUNT, Priority.GUEST))
+    passed_over = int(counters.value(session, queue.PASSED_OVER))
+    if mine.priority == Priority.ACCOUNT:
+        return ahead + guests.first((ahead.runs + passed_over) // queue.GUEST_SHARE)
+    if mine.priority == Priority.GUEST:
+        return ahead + accounts.first(queue.GUEST_SHARE * (ahead.runs + 1) - passed_over)
+    return ahead + accounts + guests
 
 
-def _after(owner: str, baselines: Collection[str]) -> int:
-    """Return 0 for accounts, 1 for guests, 2 for baselines."""
-    return 2 if owner in baselines else int(owner.startswith(GUESTS))
+def _of_equals(session: Session, mine: Turn, before: int) -> _Work:
+    """Return the runs of other owners of the same priority that start before `mine` + `before`.
 
-
-def _typical_s(session: Session, run: Run) -> float | None:
-    """Return the mean duration of recent runs of the benchmark, scaled to the number of trials."""
-    recent = (
-        select(((Run.finished_at - Run.started_at) / Run.trials).label("s"))
-        .where(Run.benchmark == run.benchmark, Run.state == RunState.SUCCEEDED)
-        .order_by(Run.id.desc())
-        .limit(_RECENT)
-        .subquery()
+    In rounds: the first run of every owner, then the second of every owner, and so on.
+    """
+    served_earlier = or_(
+        Turn.served_at < mine.served_at,
+        and_(Turn.served_at == mine.served_at, Turn.next_run < mine.next_run),
     )
-    each = session.scalar(select(func.avg(recent.c.s)))
-    return None if each is None else float(each) * run.trials
+    rounds = mine.running + before - Turn.running + case((served_earlier, 1), else_=0)
+    count = case((rounds <= 0, 0), (rounds >= Turn.queued, Turn.queued), else_=rounds)
+    others = select(func.sum(count), func.sum(count * Turn.expected_s / Turn.queued)).where(
+        turns.IS_WAITING, Turn.priority == mine.priority, Turn.owner != mine.owner
+    )
+    runs, wall_s = session.execute(others).one()
+    return _Work(runs or 0, wall_s or 0.0)
 
 
-def _left_s(run: Run, now: float, typical: float | None) -> float | None:
-    elapsed = now - (run.started_at or now)
-    if run.progress > 0.05:  # earlier than that the pace of the run itself says little
-        return elapsed * (1.0 - run.progress) / run.progress
-    return None if typical is None else max(typical - elapsed, 0.0)
+def _until_start_s(
+    session: Session, mine: Turn, ahead: _Work, own: _Work, settings: Settings
+) -> float:
+    """Return the time [s] until a run starts, after the runs `ahead` of it, of which some `own`."""
+    now = time.time()
+    running = [
+        (run.owner, _left_s(run, now, settings, run.expected_s) or 0.0)
+        for run in session.scalars(select(Run).where(IS_RUNNING))
+    ]
+    limit = queue.running_limit(session, settings)
+    places = Places(workers.slot_count(session), running, limit)
+    if ahead.runs > SINGLE_RUNS_MAX:
+        return forecast.start_of_many_s(places, ahead.wall_s, mine.owner, own.wall_s)
+    return forecast.start_s(places, _jobs(session, mine, ahead, own), mine.owner)
 
 
-def _why(session: Session, run: Run, settings: Settings, *, slots: int, ahead: int) -> str:
-    if not slots:
+def _jobs(session: Session, mine: Turn, ahead: _Work, own: _Work) -> list[Job]:
+    """Return the runs ahead in the order in which they start, each as long as its owner's mean."""
+    last = (mine.running + own.runs, mine.served_at, mine.next_run or 0)
+    equals = select(Turn).where(
+        turns.IS_WAITING, Turn.priority == mine.priority, Turn.running <= last[0]
+    )
+    in_order = sorted(
+        ((turn.running + number, turn.served_at, turn.next_run or 0), turn.owner, turn.mean_s)
+        for turn in session.scalars(equals)
+        for number in range(turn.queued)
+    )
+    jobs = [(owner, mean_s) for key, owner, mean_s in in_order if key < last]
+    others = ahead.runs - len(jobs)
+    if others <= 0:
+        return jobs
+    rest = [(forecast.OTHERS, (ahead.wall_s - sum(mean_s for _, mean_s in jobs)) / others)] * others
+    if mine.priority == Priority.ACCOUNT:
+        return _in_shares(session, accounts=jobs, guests=rest)
+    return _in_shares(session, accounts=rest, guests=jobs)
+
+
+def _in_shares(session: Session, *, accounts: Sequence[Job], guests: Sequence[Job]) -> list[Job]:
+    """Return the runs of accounts with those of guests between them."""
+    passed_over, order, left = counters.value(session, queue.PASSED_OVER), list[Job](), [*guests]
+    for job in accounts:
+        if left and passed_over >= queue.GUEST_SHARE:
+            order.append(left.pop(0))
+            passed_over = 0
+        order.append(job)
+        passed_over += 1
+    return order + left
+
+
+def _expected_s(session: Session, run: Run) -> float | None:
+    """Return the wall time [s] that a run is expected to take, whether or not it has started."""
+    if run.expected_s is not None:
+        return run.expected_s
+    try:  # it was submitted before anything was measured
+        config = registry.benchmark(run.benchmark).read(run.config)
+    except (ConfigurationInvalid, KeyError):  # most likely accepted by an older version
+        return None
+    return paces.expected_s(session, run, config.trial_duration_s())
+
+
+def _left_s(run: Run, now: float, settings: Settings, expected_s: float | None) -> float | None:
+    """Return the time [s] until the end of a running run.
+
+    The further it is, the more its own pace counts, and the less what was expected. Both refer to
+    the last heartbeat, when the progress was recorded: otherwise the estimate would grow until the
+    next one.
+    """
+    if run.started_at is None or run.lease_until is None:
+        return expected_s
+    recorded_at = max(run.lease_until - settings.lease_s, run.started_at)
+    elapsed, progress = recorded_at - run.started_at, run.progress
+    if expected_s is not None:
+        total = elapsed + (1.0 - progress) * expected_s
+    elif progress > 0.05:  # earlier than that the pace of the run itself says little
+        total = elapsed / progress
+    else:
+        return None
+    return max(total * (1.0 - progress) - (now - recorded_at), 0.0)
+
+
+def _why(session: Session, run: Run, settings: Settings, *, places: int, ahead: int) -> str:
+    if not places:
         return "No worker is running. The run starts as soon as one is available."
     if run.language is not None and (
         refusal := workers.upload_refusal(session, run.language, settings)
     ):
         return refusal
-    mine = (Run.owner == run.owner) & (Run.state == RunState.RUNNING)
-    running = session.scalar(select(func.count()).where(mine)) or 0
-    if running >= settings.running_max:
-        return f"{running} of your runs are running, which is the limit."
+    mine = (Run.owner == run.owner, IS_RUNNING)
+    running = session.scalar(select(func.count()).select_from(Run).where(*mine)) or 0
+    if running >= queue.running_limit(session, settings):
+        are = "is running" if running == 1 else "are running"
+        return f"{running} of your runs {are}, which is the limit: other users have places too."
     if ahead == 0:
         return (
             "It is next and starts as soon as a worker is free. After the very first start of a "
             "service this takes some minutes, while the simulator is being compiled."
         )
-    turns = "users take turns" if run.guest is None else "those of accounts start first"
-    return f"{ahead} run{'s' if ahead > 1 else ''} ahead of it; {turns}."
+    shared = "users take turns" if run.guest is None else "most of those of accounts start first"
+    return f"{ahead} run{'s' if ahead > 1 else ''} ahead of it; {shared}."

@@ -7,6 +7,7 @@ from werkzeug.exceptions import Unauthorized
 
 from seamark.server.accounts import accounts, browser_sessions
 from seamark.server.accounts.permissions import Viewer
+from seamark.server.runs import adoption
 from seamark.server.web import client_network
 from seamark.server.web.services import services
 
@@ -95,7 +96,7 @@ def _adopt_runs(user_id: int) -> int:
         return 0
     current = services()
     with current.database.writing() as database:
-        return accounts.adopt_runs(database, user_id, accounts.guest_hash(current.settings, cookie))
+        return adoption.adopt_runs(database, user_id, accounts.guest_hash(current.settings, cookie))
 
 
 def _guest(cookie: str) -> Viewer:

@@ -70,9 +70,9 @@ def downgrade(revision: str, data: Path | None) -> None:
 @db.command("rebuild-leaderboard")
 @data_option
 def rebuild_leaderboard(data: Path | None) -> None:
-    """Compute the leaderboard from the stored runs. Safe while the service is running.
+    """Compute the leaderboard and the queue from the stored runs, also while the service runs.
 
-    The service keeps the leaderboard up to date by itself. This is for after changing the tables
+    The service keeps both up to date by itself. This is for after changing the tables
     by hand, for example after deleting runs.
 
     \b
@@ -82,12 +82,13 @@ def rebuild_leaderboard(data: Path | None) -> None:
     from sqlalchemy.exc import SQLAlchemyError
 
     from seamark.failures import PlatformFailed
-    from seamark.server.runs import leaderboard
+    from seamark.server.runs import leaderboard, turns
 
     database = database_of(settings_of(data))
     try:
         with database.writing() as session:
             count = leaderboard.rebuild(session)
+            turns.rebuild(session)
     except SQLAlchemyError as error:
         raise PlatformFailed(f"The leaderboard cannot be rebuilt: {error}.") from None
     finally:

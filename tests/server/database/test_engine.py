@@ -4,7 +4,7 @@ import pytest
 from sqlalchemy import select
 
 from seamark.server.database.engine import Database
-from seamark.server.database.tables import Turn
+from seamark.server.database.queue_tables import Turn
 
 PROCESSES, TIMES = 3, 60
 

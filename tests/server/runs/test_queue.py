@@ -1,17 +1,21 @@
 import time
 from collections import Counter
 from concurrent.futures import ThreadPoolExecutor
+from typing import Any
 
 import pytest
 from hypothesis import HealthCheck, given
 from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
-from sqlalchemy import update
+from sqlalchemy import select, update
+from sqlalchemy.orm import Session
 
+from seamark.server import workers
 from seamark.server.accounts.permissions import Viewer
-from seamark.server.database.tables import Run
+from seamark.server.database.queue_tables import Turn
+from seamark.server.database.tables import Run, Worker
 from seamark.server.runs import queue as run_queue
-from seamark.server.runs import results, views, wait_estimate
+from seamark.server.runs import results, turns, views, wait_estimate
 from seamark.server.runs.failure_reasons import FailureReason
 from seamark.server.runs.queue import AttemptEnd, Claim, LeaseStatus, Recovery
 from seamark.server.runs.results import ResultInvalid
@@ -87,6 +91,32 @@ def test_runs_of_accounts_start_before_those_of_guests(both: Backend) -> None:
     assert _drained(both) == [*anns, *guests]
 
 
+def test_guests_wait_longer_than_accounts_but_not_for_ever(both: Backend) -> None:
+    guests = [both.queue(_guest(both, f"g{number}", f"n{number}")) for number in range(3)]
+    names = [both.sign_up(f"user{number}").name for number in range(5)]
+    accounts = [both.queue(name) for _ in range(2) for name in names]
+
+    order = [*accounts[:4], guests[0], *accounts[4:8], guests[1], *accounts[8:], guests[2]]
+    positions = [both.show(run_id).position for run_id in order]
+
+    assert positions == list(range(1, 14))
+    assert _drained(both) == order
+
+
+def test_the_positions_stay_right_while_guests_have_their_share(both: Backend) -> None:
+    names = [both.sign_up(f"user{number}").name for number in range(4)]
+    queued = [both.queue(name) for _ in range(3) for name in names]
+    queued += [both.queue(_guest(both, f"g{number}", f"n{number % 3}")) for number in range(5)]
+
+    while queued:
+        positions = {both.show(run_id).position: run_id for run_id in queued}
+        assert sorted(filter(None, positions)) == list(range(1, len(queued) + 1))
+        claim = both.claim_next()
+        assert claim.run_id == positions[1]
+        queued.remove(claim.run_id)
+        both.finish(claim)
+
+
 def test_guests_of_one_network_take_one_turn_between_them(both: Backend) -> None:
     first, second = (both.queue(_guest(both, f"a{number}", "n1")) for number in range(2))
     other = both.queue(_guest(both, "b", "n2"))
@@ -113,6 +143,29 @@ def test_no_user_has_more_running_runs_than_the_limit(both: Backend) -> None:
     claims = [both.claim() for _ in range(5)]
 
     assert sum(claim is not None for claim in claims) == both.settings.running_max
+
+
+def _places(both: Backend, *workers_slots: int) -> None:
+    with both.database.writing() as session:
+        for number, slots in enumerate(workers_slots):
+            values: dict[str, list[Any]] = {"languages": [], "findings": []}
+            workers.register(
+                session, Worker(name=f"host{number}", slots=slots, level="none", **values)
+            )
+
+
+@pytest.mark.parametrize(("slots", "running"), [((1,), 1), ((2,), 1), ((1, 2), 2), ((8,), 4)])
+def test_one_user_never_has_all_places_of_the_living_workers(
+    both: Backend, slots: tuple[int, ...], running: int
+) -> None:
+    _places(both, *slots)
+    anns = [both.queue("ann") for _ in range(5)]
+
+    claims = [both.claim() for _ in range(sum(slots))]
+
+    assert sum(claim is not None for claim in claims) == running
+    assert (both.show(anns[-1]).why_waiting or "").startswith(f"{running} of your runs")
+    assert sum(slots) == running or both.running("ben").attempt == 1
 
 
 def test_a_run_whose_lease_expired_returns_to_its_position(both: Backend) -> None:
@@ -364,6 +417,11 @@ class _Story:
             )
 
 
+def _turns(session: Session) -> set[tuple[object, ...]]:
+    columns = (Turn.owner, Turn.priority, Turn.queued, Turn.running, Turn.next_run, Turn.expected_s)
+    return {tuple(row) for row in session.execute(select(*columns))}
+
+
 _steps = st.lists(
     st.sampled_from(["queue", "claim", "finish", "silence", "cancel", "back", "stale"]), max_size=25
 )
@@ -382,6 +440,10 @@ def test_no_run_is_lost_or_finished_twice_whatever_happens(both: Backend, steps:
     views = [both.show(run_id) for run_id in story.queued]
     assert all(story.finished[view.id] == (view.state is RunState.SUCCEEDED) for view in views)
     assert all((view.state is RunState.FAILED) == (view.cause is not None) for view in views)
+    with both.database.writing() as session:
+        kept = _turns(session)
+        turns.rebuild(session)
+        assert _turns(session) == kept
 
 
 def test_no_transition_leaves_a_final_state() -> None:

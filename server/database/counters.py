@@ -1,0 +1,17 @@
+"""Numbers that would cost a scan of a table, by name."""
+
+from sqlalchemy import select
+from sqlalchemy.orm import Session
+
+from seamark.server.database.queue_tables import Counter
+from seamark.server.database.upsert import upsert
+
+
+def value(session: Session, name: str) -> float:
+    """Return a number; 0 if it was never stored."""
+    return session.scalar(select(Counter.value).where(Counter.name == name)) or 0.0
+
+
+def store(session: Session, name: str, number: float) -> None:
+    """Store a number. The caller has a lock that all who store it take."""
+    upsert(session, Counter, {"name": name, "value": number}, {"value": number})

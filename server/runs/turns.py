@@ -1,0 +1,90 @@
+"""Whose turn it is: a row for each owner in the queue, so that it costs the same at any depth.
+
+Whoever changes a live run calls `refresh` afterwards, in the same transaction. The row is counted
+anew from the owner's live runs, which are few, so that no mistake lasts.
+"""
+
+import time
+from enum import IntEnum
+
+from sqlalchemy import delete, func, literal, select, update
+from sqlalchemy.orm import Session
+
+from seamark.server.accounts.permissions import GUESTS
+from seamark.server.database.queue_tables import Turn
+from seamark.server.database.tables import IS_QUEUED, IS_RUNNING, Run, User
+from seamark.server.database.upsert import upsert
+
+_NONE = literal(0, literal_execute=True)  # in the statement itself, as in the partial indexes
+IS_WAITING = Turn.queued > _NONE
+IS_SERVED = Turn.running > _NONE
+_KEPT_S = 86_400.0  # after the last start of a run: for so long an owner has had a turn
+_USERS = "user:"
+
+
+class Priority(IntEnum):
+    """Whose runs start first; guests have a share all the same, see `queue.claim`."""
+
+    ACCOUNT = 0
+    GUEST = 1
+    BASELINE = 2
+
+
+def refresh(session: Session, owner: str) -> None:
+    """Count the live runs of an owner anew."""
+    _lock(session, owner)
+    # A new statement: on PostgreSQL it sees what the transaction that had the lock has committed.
+    queued, running = (Run.owner == owner, IS_QUEUED), (Run.owner == owner, IS_RUNNING)
+    counted = {
+        "queued": select(func.count()).select_from(Run).where(*queued),
+        "running": select(func.count()).select_from(Run).where(*running),
+        "next_run": select(func.min(Run.id)).where(*queued),
+        "expected_s": select(func.coalesce(func.sum(Run.expected_s), 0.0)).where(*queued),
+    }
+    values = {name: query.scalar_subquery() for name, query in counted.items()}
+    _change(session, owner, **values)
+
+
+def serve(session: Session, owner: str) -> None:
+    """Record that a run of an owner starts: the others have their turns before the next one."""
+    _change(session, owner, served_at=time.time())
+
+
+def serve_first(session: Session, owner: str) -> None:
+    """Let an owner whose turn was lost go first among those of the same priority."""
+    _change(session, owner, served_at=0.0)
+
+
+def rebuild(session: Session) -> None:
+    """Count the rows of all owners anew, after changes of the tables by hand."""
+    live = select(Run.owner).where(IS_QUEUED | IS_RUNNING)
+    for owner in session.scalars(live.union(select(Turn.owner))).all():
+        refresh(session, owner)
+
+
+def forget_idle(session: Session) -> None:
+    """Delete the owners without live runs who had no turn for a day."""
+    idle = (Turn.queued == _NONE, Turn.running == _NONE, Turn.served_at < time.time() - _KEPT_S)
+    session.execute(delete(Turn).where(*idle))
+
+
+def _lock(session: Session, owner: str) -> None:
+    """Lock the row of an owner until the end of the transaction; insert it if it is missing."""
+    priority = int(_priority(session, owner))
+    row = {"owner": owner, "priority": priority, "served_at": 0.0}
+    upsert(session, Turn, row, {"priority": priority})
+
+
+def _priority(session: Session, owner: str) -> Priority:
+    if owner.startswith(GUESTS):
+        return Priority.GUEST
+    number = owner.removeprefix(_USERS)
+    user = session.get(User, int(number)) if number.isdigit() else None
+    return Priority.BASELINE if user is not None and user.is_baseline else Priority.ACCOUNT
+
+
+def _change(session: Session, owner: str, **values: object) -> None:
+    session.execute(
+        update(Turn).where(Turn.owner == owner).values(**values),
+        execution_options={"synchronize_session": False},
+    )
