@@ -112,6 +112,14 @@ class ControlGroup:
             return int(text.split(None, 2)[1]) / 1e6  # first line: usage_usec N
         return int(text) / 1e9
 
+    def threads(self) -> list[int]:
+        """Return the ids of all threads in the group."""
+        name = "cgroup.threads" if self._version == 2 else "tasks"
+        try:
+            return [*map(int, (self._paths.pids / name).read_text().split())]
+        except OSError:
+            return []
+
     def memory_mib(self) -> float:
         """Return the peak of memory [MiB]; 0 where the kernel does not keep it."""
         name = "memory.peak" if self._version == 2 else "memory.max_usage_in_bytes"

@@ -4,7 +4,9 @@ Coarser than a control group: clock ticks of 10 ms, sampled. Good enough for one
 Not from /proc/PID/task/TID/children: many kernels are built without it.
 """
 
+import contextlib
 import os
+from collections.abc import Iterable
 from pathlib import Path
 
 TICKS_PER_S = os.sysconf("SC_CLK_TCK")
@@ -24,11 +26,26 @@ def tree(pid: int) -> list[int]:
     return found
 
 
-def cpu_s(pid: int) -> float:
-    """Return the CPU time of a tree, including that of reaped children [s]."""
-    fields = map(_stat, tree(pid))
+def cpu_s(pids: Iterable[int]) -> float:
+    """Return the CPU time of processes, including that of their reaped children [s]."""
+    fields = map(_stat, pids)
     ticks = sum(sum(map(int, line[UTIME_FIELD : UTIME_FIELD + 4])) for line in fields)
     return ticks / TICKS_PER_S
+
+
+def threads(pids: Iterable[int]) -> list[int]:
+    """Return the ids of all threads of processes."""
+    found: list[int] = []
+    for pid in pids:
+        with contextlib.suppress(OSError):  # the process ended meanwhile
+            found += map(int, os.listdir(f"/proc/{pid}/task"))
+    return found
+
+
+def run_queue_waits_s(threads: Iterable[int]) -> dict[int, float]:
+    """Return thread -> how long it was ready to run and waited for a core [s]."""
+    fields = {thread: _text(Path(f"/proc/{thread}/schedstat")).split() for thread in threads}
+    return {thread: int(found[1]) / 1e9 for thread, found in fields.items() if found}
 
 
 def memory_mib(pid: int) -> float:

@@ -72,6 +72,7 @@ class ProcessTree:
         self._init_pid = 0
         self._init_pidfd = -1
         self._cpu_s = self._memory_mib = 0.0
+        self._seen: list[int] = []  # processes at the last reading of the CPU time
         self._parent = os.getpid()
         self.socket, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         # The kernel limits each wait: one system call is enough for an answer that comes soon.
@@ -152,7 +153,8 @@ class ProcessTree:
         """Return the CPU time of all processes so far [s]."""
         if self._cgroup is not None:
             return self._cgroup.cpu_s()
-        now = proc_stats.cpu_s(self._init_pid) if self._init_pid else 0.0
+        self._seen = self.processes()
+        now = proc_stats.cpu_s(self._seen)
         self._cpu_s = max(self._cpu_s, now)  # a process that ended is no longer counted
         return self._cpu_s
 
@@ -163,6 +165,12 @@ class ProcessTree:
         now = proc_stats.memory_mib(self._init_pid) if self._init_pid else 0.0
         self._memory_mib = max(self._memory_mib, now)
         return self._memory_mib
+
+    def run_queue_waits_s(self) -> dict[int, float]:
+        """Return thread -> how long it has waited for a core [s], as of the last `cpu_s`."""
+        if self._cgroup is not None:
+            return proc_stats.run_queue_waits_s(self._cgroup.threads())
+        return proc_stats.run_queue_waits_s(proc_stats.threads(self._seen))
 
     @property
     def cpu_every_s(self) -> float:

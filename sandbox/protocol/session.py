@@ -16,9 +16,11 @@ from seamark.sandbox.outcome import Failure, Outcome, ProgramEnded, SandboxBroke
 from seamark.sandbox.protocol import messages
 from seamark.sandbox.protocol.head_tail import HeadTail
 from seamark.sandbox.protocol.messages import MessageInvalid
+from seamark.sandbox.protocol.starvation import Starvation
 
 POLL_S = 0.25  # [s] the longest wait after which all limits are checked again
 EXIT_WITHIN_S = 2.0  # [s] for the process to exit after its connection ended
+STARVED_MAX = 10  # times its wall limit that an answer may take while the host runs other processes
 READ_BYTES = 65536  # [B] the capacity of a pipe
 
 
@@ -128,16 +130,23 @@ class ProtocolSession:
         return self._received(message_type, size)
 
     def _wait(self, limit: AnswerLimit, waited_for: str, begin: float) -> int:
-        """Return the size of a slow answer; end the run if it exceeds its limit."""
+        """Return the size of a slow answer; end the run if it exceeds its limit.
+
+        Time in which the host kept the program from running does not count.
+        """
         seen_s = self._cpu_seen_s
         deadline = begin + min(limit.wall_s, max(self.limits.wall_s - self._waited_s, 0.0))
+        starvation = Starvation(self._tree)
         while True:
             now = time.monotonic()
             seen_s = self._check_answer_cpu(limit, waited_for, seen_s, now - begin)
-            left_s = min(deadline - now, POLL_S)
-            descriptors = dict(self._poll.poll(left_s * 1000 if left_s > 0 else 0))
+            left_s = deadline - now
+            if left_s <= 0:
+                left_s = _prolonged_s(left_s, starvation, now - begin, limit)
+            descriptors = dict(self._poll.poll(min(max(left_s, 0.0), POLL_S) * 1000))
             self._drain()
             if self._socket_fd in descriptors:
+                self._waited_s -= starvation.so_far_s()
                 return self._received_bytes()
             if self._tree.pidfd in descriptors:
                 self._disconnected()
@@ -295,3 +304,13 @@ class ProtocolSession:
             output_dropped=self._printed.dropped,
             suspect_host=suspect_host,
         )
+
+
+def _prolonged_s(
+    left_s: float, starvation: Starvation, waited_s: float, limit: AnswerLimit
+) -> float:
+    """Return the wall time left, with that in which the host ran other processes."""
+    prolonged_s = left_s + starvation.so_far_s()
+    if prolonged_s > 0 and waited_s > STARVED_MAX * limit.wall_s:
+        raise SandboxBroken(f"in {waited_s:.0f} s the host hardly ran the program")
+    return prolonged_s

@@ -58,6 +58,9 @@ class FakeProcessTree:
     def cpu_s(self) -> float:
         return 0.0
 
+    def run_queue_waits_s(self) -> dict[int, float]:
+        return {}
+
     def memory_mib(self) -> float:
         return 0.0
 
