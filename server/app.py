@@ -2,6 +2,7 @@
 
 import atexit
 from datetime import timedelta
+from functools import partial
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -18,6 +19,7 @@ from seamark.server.accounts.browser_sessions import SESSION_DAYS
 from seamark.server.runs import camera_view
 from seamark.server.settings import Settings
 from seamark.server.web import authentication, body_limits, problems, rate_limits, security_headers
+from seamark.server.web.asgi import AsgiApplication
 from seamark.server.web.services import Services, services
 
 _SAFE_METHODS = frozenset({"GET", "HEAD", "OPTIONS", "TRACE"})
@@ -50,6 +52,19 @@ def create_app(settings: Settings) -> OpenAPI:
     app.context_processor(_common)
     camera_view.warm_up()
     return app
+
+
+class WebApplication(AsgiApplication):
+    """The application as the web server runs it."""
+
+    def __init__(self, settings: Settings) -> None:
+        app = create_app(settings)
+        super().__init__(app, partial(body_limits.body_max, settings))
+        self._services: Services = app.extensions["seamark"]
+
+    def end_streams(self) -> None:
+        """End all live streams; their clients connect again."""
+        self._services.streams.end_all()
 
 
 def _configure(app: OpenAPI, settings: Settings) -> None:

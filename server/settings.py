@@ -103,7 +103,7 @@ class Settings(BaseModel):
     attempts_max: int = Field(
         3, ge=1, description="Broken evaluations after which a run is a platform failure"
     )
-    streams_max: int = Field(200, ge=1, description="Maximum open event streams per web process")
+    streams_max: int = Field(1000, ge=1, description="Maximum open event streams per web process")
     sign_up: SignUp = Field(
         "open", description="Who may create an account: `open`, `invitation` or `closed`"
     )

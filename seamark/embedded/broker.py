@@ -13,6 +13,7 @@ from pathlib import Path
 
 from seamark.failures import PlatformFailed
 
+MEMORY_MAX = "128mb"
 SOCKET_PATH_MAX = 107  # [bytes] sizeof(sockaddr_un.sun_path) - 1 on Linux
 
 
@@ -66,5 +67,8 @@ def command(server: Path, *, socket: Path, state: Path) -> list[str]:
         *("--appendonly", "yes"),
         *("--appendfsync", "everysec"),
         *("--dir", str(state)),
+        # Tickets and counts take a few megabytes. At the limit new tickets are refused, not old
+        # ones evicted; the workers' maintenance sends what the queued runs lack.
+        *("--maxmemory", MEMORY_MAX),
         *("--maxmemory-policy", "noeviction"),
     ]

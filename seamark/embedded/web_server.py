@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import resource
+import socket
 from typing import TYPE_CHECKING, Any
 
 from gunicorn.app.base import BaseApplication  # type: ignore[import-untyped]
 
+from seamark.embedded.web_worker import CONNECTIONS
 from seamark.failures import PlatformFailed
 
 if TYPE_CHECKING:
@@ -13,7 +16,8 @@ if TYPE_CHECKING:
 
 REQUEST_S = 60  # a worker process that is stuck longer is replaced
 KEEP_ALIVE_S = 5
-CONNECTIONS = 1000
+STALLED_S = 60  # a client that reads nothing for so long is disconnected
+SEND_BUFFER = 128 * 1024  # [byte] in the kernel, which doubles it, for each connection
 
 
 class _Application(BaseApplication):  # type: ignore[misc]
@@ -29,13 +33,13 @@ class _Application(BaseApplication):  # type: ignore[misc]
             self.cfg.set(name, value)
 
     def load(self) -> Any:
-        """Return the WSGI application."""
-        from seamark.server.app import create_app
+        """Return the ASGI application."""
+        from seamark.server.app import WebApplication
 
-        return create_app(self._settings)
+        return WebApplication(self._settings)
 
 
-def serve(settings: Settings, *, processes: int, threads: int, grace_s: int) -> None:
+def serve(settings: Settings, *, processes: int, grace_s: int) -> None:
     """Serve until SIGTERM.
 
     Raises
@@ -58,9 +62,8 @@ def serve(settings: Settings, *, processes: int, threads: int, grace_s: int) -> 
     options = {
         "bind": f"{settings.host}:{settings.port}",
         "workers": processes,
-        "worker_class": "gthread",
-        "threads": threads,
-        "worker_connections": CONNECTIONS,
+        "worker_class": "seamark.embedded.web_worker.WebWorker",
+        "when_ready": _prepare_listeners,
         "graceful_timeout": grace_s,
         "timeout": REQUEST_S,
         "keepalive": KEEP_ALIVE_S,
@@ -68,4 +71,22 @@ def serve(settings: Settings, *, processes: int, threads: int, grace_s: int) -> 
         "loglevel": "warning",
         "control_socket_disable": True,
     }
+    _allow_connections()
     _Application(settings, options).run()
+
+
+def _prepare_listeners(arbiter: Any) -> None:
+    """Set options that accepted connections inherit."""
+    for listener in arbiter.LISTENERS:
+        if listener.sock.family != socket.AF_UNIX:
+            # The kernel closes a connection whose client has stopped reading.
+            listener.sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_USER_TIMEOUT, STALLED_S * 1000)
+            # Otherwise the kernel would hold megabytes for each client that reads slowly.
+            listener.sock.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, SEND_BUFFER)
+
+
+def _allow_connections() -> None:
+    """Raise the limit of open files, so that slow clients do not use up all of them."""
+    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    wanted = 2 * CONNECTIONS if hard == resource.RLIM_INFINITY else min(2 * CONNECTIONS, hard)
+    resource.setrlimit(resource.RLIMIT_NOFILE, (max(soft, wanted), hard))

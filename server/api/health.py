@@ -70,7 +70,7 @@ class _Queue(Collector):
         yield GaugeMetricFamily("seamark_workers_alive", "Workers alive", value=len(alive))
         yield _process_states(alive)
         yield GaugeMetricFamily(
-            "seamark_streams_open", "Live streams", value=self._held.fanout.open_streams
+            "seamark_streams_open", "Live streams", value=self._held.streams.open_streams
         )
 
 

@@ -116,6 +116,12 @@ class LogQuery(BaseModel):
     after: int = Field(0, ge=0, le=ROW_ID_MAX, description="X-Next-Offset of the previous response")
 
 
+class EventsQuery(BaseModel):
+    """Where a stream of events begins."""
+
+    after: str = Field("", max_length=60, description="Id of an event, as in Last-Event-ID")
+
+
 class CameraQuery(BaseModel):
     """Trial and time of a camera image."""
 

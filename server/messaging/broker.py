@@ -5,7 +5,7 @@ from typing import Any
 import structlog
 from celery import Celery
 from kombu.exceptions import OperationalError
-from redis import Redis
+from redis import Redis, asyncio
 from redis.exceptions import RedisError
 
 from seamark.server.settings import Settings
@@ -40,6 +40,11 @@ def connect(settings: Settings) -> "Redis":
     if not url.startswith("unix:"):
         options["socket_keepalive"] = True  # on a Unix socket redis-py raises TypeError for it
     return Redis.from_url(url, **options)
+
+
+def connect_async(settings: Settings) -> "asyncio.Redis":
+    """Return a Redis client for an event loop, which may wait for messages for any time."""
+    return asyncio.Redis.from_url(redis_url(settings), health_check_interval=25)
 
 
 def celery_app(settings: Settings) -> Celery:

@@ -16,6 +16,7 @@ from seamark.server.runs.quota import QuotaExceeded
 from seamark.server.runs.states import RunKind
 from seamark.server.runs.submission import SubmissionRejected
 from seamark.server.runs.views import RunView
+from seamark.server.streams.excerpts import start_of_trial
 from seamark.server.web import access, authentication
 from seamark.server.web.rate_limits import SUBMISSIONS, client, limiter
 from seamark.server.web.services import services
@@ -71,6 +72,7 @@ def show(run_id: int) -> ResponseReturnValue:
                 for chart in benchmark.charts_of(config)
             ],
             "api": f"/api/v1/runs/{run.id}",
+            "events_after": str(start_of_trial(files)),
         },
     )
 

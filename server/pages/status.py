@@ -27,6 +27,6 @@ def show() -> ResponseReturnValue:
         oldest=oldest,
         refusal=refusal,
         needed=app_services.settings.sandbox_min_level,
-        streams=app_services.fanout.open_streams,
+        streams=app_services.streams.open_streams,
         streams_max=app_services.settings.streams_max,
     )

@@ -13,15 +13,15 @@ _log = structlog.get_logger()
 
 
 def cancel(database: Database, redis: "Redis", run_id: int) -> bool:
-    """Cancel a run and end its live streams; False if it has already ended.
+    """Cancel a run and tell its viewers; False if it has already ended.
 
-    The worker that has the run ends the streams of a running one.
+    The worker that has the run tells those of a running one.
     """
     with database.writing() as session:
         before = results.cancel(session, run_id)
     if before is RunState.QUEUED:
         try:
-            live_events.publish_end(redis, run_id, RunState.CANCELLED)
+            live_events.publish_state(redis, run_id, RunState.CANCELLED)
         except RedisError as error:  # open streams also poll the database, only less often
-            _log.warning("end_not_published", run=run_id, error=str(error))
+            _log.warning("state_not_published", run=run_id, error=str(error))
     return before is not None

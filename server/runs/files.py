@@ -12,7 +12,7 @@ import math
 import os
 import secrets
 from bisect import bisect_right
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -45,6 +45,7 @@ class RunFiles:
     def __init__(self, data: Path, run_id: int, attempt: int | None = None) -> None:
         self.root = data / "runs" / str(run_id // 1000) / str(run_id)
         chosen = attempt if attempt is not None else max(self.attempts(), default=0)
+        self.attempt = chosen  # 0 while there are no files
         self.folder = self.root / str(chosen)
         self._tail = b""
         self._written = 0
@@ -127,6 +128,20 @@ class RunFiles:
         rows = values.reshape(count, len(names)).astype(np.float64, copy=False)
         return rows if names == columns else _in_current_columns(rows, names, columns)
 
+    def rows_at(self, indices: Sequence[int]) -> Rows:
+        """Return single rows, shape (k, number of columns); rows that are gone are left out.
+
+        Reads only these: a few rows of a long run cost as much as those of a short one.
+        """
+        names, size = self._written_names(), self._row_bytes()
+        if not indices or not self.telemetry_path.exists():
+            return np.empty((0, len(self.columns)))
+        with self.telemetry_path.open("rb", buffering=0) as file:
+            found = (os.pread(file.fileno(), size, at * size) for at in indices)
+            data = b"".join(row for row in found if len(row) == size)
+        rows = np.frombuffer(data, "<f8").reshape(-1, len(names)).astype(np.float64, copy=False)
+        return rows if names == self.columns else _in_current_columns(rows, names, self.columns)
+
     def rows_until(self, trial: int, t: float) -> int:
         """Return the number of rows up to time t [s] of a trial; trials are in ascending order."""
         return bisect_right(range(self.row_count()), (trial, t), key=self._trial_and_time)
@@ -140,17 +155,34 @@ class RunFiles:
         row = self.rows(at, at + 1)[0]
         return int(row[INDEX["trial"]]), float(row[INDEX["t"]])
 
-    def log(self, after: int = 0) -> LogPart:
-        """Return the output from byte `after` on, as far as it was kept, as printable text."""
+    def log(self, after: int = 0, until: int | None = None) -> LogPart:
+        """Return the output from byte `after` to before `until` as printable text.
+
+        Without `until`, to the end. What was not kept is missing.
+        """
         head = _bytes(self.folder / "log.txt")
         kept = _bytes(self.folder / "log.tail")
         tail_start = int.from_bytes(kept[:_COUNT_BYTES], "little") if kept else len(head)
         tail = kept[_COUNT_BYTES:]
         after = max(after, 0)
+        end = tail_start + len(tail) if until is None else min(until, tail_start + len(tail))
         gap = max(tail_start - max(after, len(head)), 0)
-        text = head[after:] + tail[max(after - tail_start, 0) :]
+        text = head[after:end] + tail[max(after - tail_start, 0) : max(end - tail_start, 0)]
         shown = printable_text(text.decode("utf-8", "replace"))
-        return LogPart(shown, tail_start + len(tail), gap)
+        return LogPart(shown, end, gap)
+
+    def log_length(self) -> int:
+        """Return the length [byte] of the output so far, with what was not kept."""
+        try:
+            with (self.folder / "log.tail").open("rb") as file:
+                start = int.from_bytes(file.read(_COUNT_BYTES), "little")
+                return start + os.fstat(file.fileno()).st_size - _COUNT_BYTES
+        except FileNotFoundError:
+            pass
+        try:
+            return (self.folder / "log.txt").stat().st_size
+        except FileNotFoundError:
+            return 0
 
     def log_text(self) -> str:
         """Return the whole log as printable text; a line says how many bytes were not kept."""

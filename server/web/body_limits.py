@@ -40,6 +40,12 @@ def register(app: Flask, settings: Settings) -> None:
             raise BadRequest("The character NUL is not allowed.")
 
 
+def body_max(settings: Settings, content_type: str) -> int:
+    """Return the largest body [byte] of this type that anybody may send; no more is received."""
+    uploads = content_type.startswith(_MULTIPART)
+    return FORM_MAX_BYTES + (settings.upload_max_bytes if uploads else 0)
+
+
 def form_fields() -> dict[str, str]:
     """Return the fields of the posted form; raises RequestEntityTooLarge if one is too long."""
     fields: dict[str, str] = request.form.to_dict()

@@ -8,9 +8,9 @@ from redis import Redis
 
 from seamark.server.database.engine import Database
 from seamark.server.messaging import broker
-from seamark.server.messaging.live_events import Fanout
 from seamark.server.programs.reader import ProgramReader
 from seamark.server.settings import Settings
+from seamark.server.streams.hub import Hub
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,19 +20,19 @@ class Services:
     settings: Settings
     database: Database
     redis: Redis
-    fanout: Fanout
+    streams: Hub
     celery: Celery
     reader: ProgramReader
 
     @classmethod
     def start(cls, settings: Settings) -> "Services":
         """Create all services; none connects before its first use."""
-        redis = broker.connect(settings)
+        database = Database(settings.database_url)
         return cls(
             settings=settings,
-            database=Database(settings.database_url),
-            redis=redis,
-            fanout=Fanout(redis, streams_max=settings.streams_max),
+            database=database,
+            redis=broker.connect(settings),
+            streams=Hub(database, settings),
             celery=broker.celery_app(settings),
             reader=ProgramReader(),
         )
@@ -44,7 +44,7 @@ class Services:
     def close(self) -> None:
         """Stop threads and close connections."""
         self.reader.close()
-        self.fanout.close()
+        self.streams.close()
         self.redis.close()
         self.celery.close()
         self.database.close()

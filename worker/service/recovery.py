@@ -18,7 +18,7 @@ def announce(app: Celery, redis: "Redis", recovery: Recovery) -> None:
         for run_id in recovery.requeued:
             live_events.publish_state(redis, run_id, RunState.QUEUED)
         for run_id in recovery.failed:
-            live_events.publish_end(redis, run_id, RunState.FAILED)
+            live_events.publish_state(redis, run_id, RunState.FAILED)
         tickets = broker.top_up(app, redis, recovery.queued)
     except RedisError as error:  # the queue is in the database: a broker that is away is no failure
         _log.warning("recovery_without_broker", error=str(error))

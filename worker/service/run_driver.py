@@ -96,7 +96,7 @@ class RunDriver:
         self._live = LivePublisher(context.redis, claim.run_id)
         benchmark = registry.benchmark(claim.benchmark)
         self._trial_s = benchmark.trial_duration_s(benchmark.read(claim.config))
-        self._recorder = RunRecorder(self._files, self._live, trial_s=self._trial_s)
+        self._recorder = RunRecorder(self._files, trial_s=self._trial_s)
         self._poll_at = self._heartbeat_at = 0.0
 
     def run(self) -> Report:
@@ -122,9 +122,7 @@ class RunDriver:
         with self._context.database.writing() as session:
             stored = results.finish(session, self._claim, report)
         if stored:
-            self._live.flush()
             self._live.state(report.state, progress=report.progress, t_simulated=report.t_simulated)
-            self._live.end()
         return stored
 
     def _data_bytes(self) -> int:
@@ -150,8 +148,6 @@ class RunDriver:
             state = run_queue.release(session, self._claim, end, settings=self._context.settings)
         if state is not None:
             self._live.state(state, progress=0.0, t_simulated=0.0)
-        if state is RunState.FAILED:
-            self._live.end()
 
     def _job(self) -> Job:
         claim, settings = self._claim, self._context.settings
@@ -245,5 +241,4 @@ def _fail(context: RunContext, claim: Claim, sentence: str) -> bool:
     if stored:
         live = LivePublisher(context.redis, claim.run_id)
         live.state(report.state, progress=0.0, t_simulated=0.0)
-        live.end()
     return True

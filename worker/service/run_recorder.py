@@ -1,33 +1,30 @@
-"""Writes what happens during a run into its files, and publishes it live."""
+"""Writes what happens during a run into its files."""
 
 import numpy as np
 from numpy.typing import NDArray
 
 from seamark.server.runs.files import RunFiles
 from seamark.sim.recording.telemetry import INDEX
-from seamark.worker.service.live_publisher import LivePublisher
 
 
 class RunRecorder:
     """The `seamark.worker.ipc.listener.Listener` of a run on the server."""
 
-    def __init__(self, files: RunFiles, live: LivePublisher, *, trial_s: float) -> None:
+    def __init__(self, files: RunFiles, *, trial_s: float) -> None:
         self.t_simulated = 0.0  # [s] over all trials
-        self._files, self._live = files, live
+        self._files = files
         self._trial_s = trial_s
         self._trial_start_row = 0
 
     def rows(self, rows: NDArray[np.float64]) -> None:
-        """Append and publish telemetry."""
+        """Append telemetry."""
         self._files.append_rows(rows)
         last = rows[-1]
         self.t_simulated = float(last[INDEX["trial"]]) * self._trial_s + float(last[INDEX["t"]])
-        self._live.rows(rows)
 
     def log(self, text: bytes) -> None:
-        """Append and publish what the program printed."""
+        """Append what the program printed."""
         self._files.append_log(text)
-        self._live.log(text)
 
     def trial_ended(self, trial: int) -> None:
         """Keep the rows so far: a restart of the next trial does not touch them."""

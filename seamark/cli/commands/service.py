@@ -15,8 +15,7 @@ from seamark.failures import UsageRefused
 if TYPE_CHECKING:
     from seamark.server.settings import Settings
 
-THREADS = 256  # live streams keep a thread each; Settings.streams_max is below it
-GRACE_S = 3  # longer only makes open streams delay the end
+GRACE_S = 5  # for requests under way; streams end at once
 
 
 @click.command()
@@ -34,7 +33,7 @@ def web(host: str | None, port: int | None, processes: int, data: Path | None) -
     settings = _settings(data, host=host, port=port)
     from seamark.embedded.web_server import serve
 
-    serve(settings, processes=processes, threads=THREADS, grace_s=GRACE_S)
+    serve(settings, processes=processes, grace_s=GRACE_S)
 
 
 @click.command()

@@ -11,7 +11,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from seamark.server.api.series import downsample
-from seamark.server.messaging import live_events
 from seamark.sim.recording.telemetry import NAMES
 from tests.cast import PROGRAM
 from tests.server.api.conftest import Site
@@ -204,20 +203,29 @@ def test_a_benchmark_with_fresh_trials_says_how_many_there_are(site: Site) -> No
     assert second["ranked_trials"] == protocol["reference_trials"] + protocol["fresh_trials"]
 
 
-def test_events_resume_after_the_last_event_id(site: Site) -> None:
-    run_id = site.queue()
-    for progress in (0.1, 0.2, 0.3):
-        live_events.append(site.services.redis, run_id, live_events.STATE, {"progress": progress})
-    live_events.append(site.services.redis, run_id, live_events.END, {})
+def test_events_resume_after_the_last_event_id_or_after_the_parameter(site: Site) -> None:
+    run_id = site.recorded()
     path = f"{RUNS}/{run_id}/events"
-    everything = events_of(site.call("owner", "GET", path).text)
-    second = everything[2][0]  # after the state that greets
+    (telemetry_id, _), *later = events_of(site.call("owner", "GET", path).text)
 
-    resumed = site.call("owner", "GET", path, headers={"Last-Event-ID": second})
+    by_header = site.call("owner", "GET", path, headers={"Last-Event-ID": telemetry_id})
+    by_parameter = site.call("owner", "GET", f"{path}?after={telemetry_id}")
+    header_counts = site.call(
+        "owner", "GET", f"{path}?after=1-0-0", headers={"Last-Event-ID": telemetry_id}
+    )
 
-    assert [event_type for _, event_type in everything] == ["state"] * 4 + ["end"]
-    assert events_of(resumed.text)[1:] == everything[3:]
-    assert site.services.fanout.open_streams == 0
+    assert [event_type for _, event_type in later] == ["log", "state", "end"]
+    assert events_of(by_header.text) == later
+    assert events_of(by_parameter.text) == later
+    assert events_of(header_counts.text) == later
+
+
+def test_the_stream_of_a_live_run_begins_with_its_state(site: Site) -> None:
+    run_id = site.queue()
+
+    answer = site.call("owner", "GET", f"{RUNS}/{run_id}/events")
+
+    assert answer.text.startswith("retry: 2000\n\nevent: state\ndata: ")
 
 
 def test_the_events_of_an_ended_run_are_replayed_from_its_files(site: Site) -> None:
@@ -231,17 +239,15 @@ def test_the_events_of_an_ended_run_are_replayed_from_its_files(site: Site) -> N
 
 
 def test_a_stream_beyond_the_limit_is_refused(site: Site) -> None:
-    run_id = site.queue()
-    fanout = live_events.Fanout(site.services.redis, streams_max=1)
-    waiting = fanout.subscribe(run_id)
-    live_events.append(site.services.redis, run_id, live_events.STATE, {})
-    next(waiting)
+    path = f"{RUNS}/{site.queue()}/events"
+    site.services.streams.open_streams = site.settings.streams_max
 
-    with pytest.raises(live_events.TooManyStreams):
-        fanout.subscribe(run_id)
+    refused = site.call("owner", "GET", path)
+    site.services.streams.open_streams -= 1
 
-    waiting.close()  # type: ignore[attr-defined]  # it is a generator
-    fanout.close()
+    problem_of(refused, 503, "streams-full")
+    assert refused.headers["Retry-After"]
+    assert site.call("owner", "GET", path).status_code == 200
 
 
 def test_telemetry_is_the_same_in_every_format_while_the_run_is_running(site: Site) -> None:

@@ -7,14 +7,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from redis import Redis
 
-from seamark.server.messaging import live_events
 from seamark.server.runs.files import RunFiles
 from seamark.server.runs.states import RunState
 from seamark.sim import registry
 from seamark.sim.recording.telemetry import WIDTH
 from tests.server.pages.conftest import Site
+from tests.services import valkey
 
 HOSTILE = "<script>alert(1)</script><img src=x onerror=alert(2)>'\"&"
 
@@ -97,12 +96,12 @@ def test_cancelling_a_queued_run_ends_it_and_notifies_open_pages(
 ) -> None:
     run_id = site.queue("ann")
 
-    site.browser("ann").post(f"/runs/{run_id}/cancel")
+    with valkey.listening(redis_url) as listener:
+        site.browser("ann").post(f"/runs/{run_id}/cancel")
+        told = [(about, values["state"]) for about, values in listener.states()]
 
     assert site.show(run_id).state is RunState.CANCELLED
-    with Redis.from_url(redis_url) as redis:
-        kinds = [fields[b"kind"] for _, fields in redis.xrange(live_events.key(run_id))]
-    assert kinds == [b"state", b"end"]
+    assert told == [(run_id, "cancelled")]
 
 
 def test_publishing_shows_the_run_to_everybody_and_withdrawing_hides_it(site: Site) -> None:
@@ -136,18 +135,15 @@ def test_page_and_api_publish_the_same_when_a_run_is_cancelled(site: Site, redis
     by_page, by_api = site.queue("ann"), site.queue("ann")
 
     browser = site.browser("ann")
-    browser.post(f"/runs/{by_page}/cancel")
-    browser.client.post(
-        f"/api/v1/runs/{by_api}/cancel", headers={"X-CSRFToken": browser.csrf_token()}
-    )
+    with valkey.listening(redis_url) as listener:
+        browser.post(f"/runs/{by_page}/cancel")
+        browser.client.post(
+            f"/api/v1/runs/{by_api}/cancel", headers={"X-CSRFToken": browser.csrf_token()}
+        )
+        (page, page_values), (api, api_values) = listener.states()
 
-    with Redis.from_url(redis_url) as redis:
-        published = [
-            [(entry[b"kind"], entry[b"data"]) for _, entry in redis.xrange(live_events.key(run_id))]
-            for run_id in (by_page, by_api)
-        ]
-    assert published[0] == published[1]
-    assert len(published[0]) == 2
+    assert (page, api) == (by_page, by_api)
+    assert page_values == api_values
 
 
 def _two_parts(gap: dict[str, float | None]) -> dict[str, Any]:

@@ -1,13 +1,19 @@
 from redis import Redis
 
-from seamark.server.messaging import live_events
+from seamark.server.runs.states import RunState
 from seamark.worker.service.live_publisher import LivePublisher
+from tests.services import valkey
 
 
-def test_what_a_program_prints_is_published_as_printable_text(redis_url: str) -> None:
-    with Redis.from_url(redis_url) as redis:
-        LivePublisher(redis, 7).log("\x1b]0;title\x07 \u202eabc\n".encode())
+def test_the_state_of_a_run_is_published(redis_url: str) -> None:
+    with Redis.from_url(redis_url) as redis, valkey.listening(redis_url) as listener:
+        LivePublisher(redis, 7).state(RunState.RUNNING, progress=0.25, t_simulated=2.0)
 
-        (event,) = live_events.history(redis, 7, None)
+        ((run_id, values),) = listener.states()
 
-    assert event.data == {"text": "\\x1b]0;title\\x07 \\u202eabc\n"}
+    assert (run_id, values["state"], values["progress"]) == (7, "running", 0.25)
+
+
+def test_a_broker_that_is_away_does_not_stop_a_run() -> None:
+    with Redis.from_url("unix:///nothing/here") as redis:
+        LivePublisher(redis, 7).state(RunState.RUNNING, progress=0.25, t_simulated=2.0)

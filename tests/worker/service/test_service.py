@@ -1,5 +1,6 @@
 """The whole way of a run, with the real broker, worker, simulator and sandbox."""
 
+import asyncio
 import json
 import os
 import subprocess
@@ -10,13 +11,14 @@ import pytest
 
 from seamark.sandbox.languages import LANGUAGES, editor_starters
 from seamark.server.database.tables import Run
-from seamark.server.messaging import broker, live_events
+from seamark.server.messaging import broker
 from seamark.server.runs import quota, submission
 from seamark.server.runs.states import RunState
 from seamark.server.runs.submission import Submission
-from seamark.sim.recording.telemetry import digest
+from seamark.server.streams.hub import Hub
+from seamark.sim.recording.telemetry import INDEX, digest
 from seamark.worker.evaluation.local import evaluate_locally
-from seamark.worker.service.live_publisher import PUBLISHED_HZ
+from tests.services.viewer import Viewer
 from tests.worker.conftest import LONG, SHORT, Service
 
 pytestmark = [pytest.mark.slow, pytest.mark.host]
@@ -241,21 +243,18 @@ def test_tickets_of_earlier_versions_do_no_harm(running: Service) -> None:
 
 
 def test_live_events_show_the_state_the_telemetry_the_log_and_the_end(running: Service) -> None:
-    fanout = live_events.Fanout(running.redis)
+    hub = Hub(running.database, running.settings)
     run_id = running.submit_program(UPLOADED_P)
-    events = fanout.subscribe(run_id)
+    viewer = Viewer(hub, run_id, after="1-0-0")
 
-    seen = list(events)
-    fanout.close()
+    asyncio.run(viewer.watch())
+    hub.close()
 
-    types = [event.type for event in seen if event.type != live_events.HEARTBEAT]
-    assert types[0] == live_events.STATE
-    assert types[-1] == live_events.END
-    assert {live_events.TELEMETRY, live_events.LOG} <= set(types)
-    rows = [
-        row for event in seen if event.type == live_events.TELEMETRY for row in event.data["rows"]
-    ]
-    assert len(rows) == 2 * 4 * PUBLISHED_HZ  # two levels of 4 s
+    assert viewer.events("state")[-1]["state"] == "succeeded"
+    assert len(viewer.events("end")) == 1
+    assert viewer.log() == running.files(run_id).log().text
+    assert viewer.times()[-1] == running.files(run_id).rows()[-1, INDEX["t"]]
+    assert viewer.times() == sorted(viewer.times())
 
 
 def test_a_check_is_answered_while_long_runs_occupy_all_slots(running: Service) -> None:

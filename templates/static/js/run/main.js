@@ -113,14 +113,24 @@ async function loadSeries() {
   if (t.length) camera.available(trial, t[t.length - 1]);
 }
 
-function follow() {
-  const events = new EventSource(`${data.api}/events`);
-  const on = (type, handle) => events.addEventListener(type, (event) => handle(JSON.parse(event.data)));
-  let shownLog = part("log")?.textContent ?? "";
+const RETRY_MS = 5000; // after an error that the browser does not retry itself, such as a 503
+
+// Starts with the newest trial and with the output after that of the page; after an interruption, with
+// what came since the last event.
+function follow(after = data.events_after) {
+  const events = new EventSource(`${data.api}/events?after=${after}`);
+  const on = (type, handle) => events.addEventListener(type, (event) => {
+    if (event.lastEventId) after = event.lastEventId;
+    handle(JSON.parse(event.data));
+  });
+  events.addEventListener("error", () => {
+    if (events.readyState === EventSource.CLOSED) setTimeout(() => follow(after), RETRY_MS);
+  });
   on("state", showState);
   on("telemetry", (batch) => {
     const at = batch.columns.indexOf("trial");
     if (!batch.rows.length) return;
+    followAttempt(after.split("-")[0]);
     const newest = batch.rows[batch.rows.length - 1];
     followTrial(newest[at]);
     showTelemetryProgress(batch.columns, newest);
@@ -129,13 +139,9 @@ function follow() {
     const last = charts.append(batch.columns, rows);
     if (last !== null) camera.available(trial, last);
   });
-  on("log", ({ text }) => {
-    // The page already contains the log up to its request; the stream replays that part.
-    if (shownLog.startsWith(text) && text) shownLog = shownLog.slice(text.length);
-    else {
-      shownLog = "";
-      appendLog(text);
-    }
+  on("log", ({ text, gap }) => {
+    logHasGap ||= gap;
+    appendLog(gap ? `\n[...]\n${text}` : text);
   });
   on("end", async () => {
     events.close();
@@ -143,7 +149,26 @@ function follow() {
     camera.ended();
     await refresh();
     await loadSeries();
+    if (logHasGap) await loadLog();
   });
+}
+
+// A program that prints a lot is not shown completely while it runs.
+let logHasGap = false;
+
+async function loadLog() {
+  const response = await fetch(`${data.api}/log`, { credentials: "same-origin" });
+  if (!response.ok) return;
+  part("log").textContent = "";
+  appendLog(await response.text());
+}
+
+// A run whose worker died starts again.
+let attempt = null;
+
+function followAttempt(newest) {
+  if (attempt !== null && attempt !== newest) charts.clear();
+  attempt = newest;
 }
 
 // The page follows the current trial of a live run until the user selects a trial.
@@ -166,6 +191,8 @@ part("trial")?.addEventListener("change", (event) => {
 charts.onChoice = loadSeries;
 charts.onSeek = (t) => camera.seek(t);
 
-await loadSeries();
 if (data.live) follow();
-else camera.ended();
+else {
+  await loadSeries();
+  camera.ended();
+}

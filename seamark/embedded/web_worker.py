@@ -1,0 +1,124 @@
+"""The worker process of gunicorn that serves HTTP: uvicorn, with clients that dawdle sent away."""
+
+from __future__ import annotations
+
+import asyncio
+import signal
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+from gunicorn.arbiter import Arbiter  # type: ignore[import-untyped]
+from uvicorn.protocols.http.h11_impl import H11Protocol
+from uvicorn.server import Server
+from uvicorn_worker import UvicornWorker  # type: ignore[import-untyped]
+
+from seamark.server.web.asgi import ABORT
+
+HEAD_S = 20.0  # until the head of a request is complete
+CONNECTIONS = 4000  # of one process; beyond, those without a request give way
+LAST_REQUEST_S = 1.0  # for the request of a connection that was accepted just before the end
+
+
+class Protocol(H11Protocol):
+    """HTTP/1.1 with a deadline for the head of a request, which uvicorn has not."""
+
+    _deadline: asyncio.TimerHandle | None = None
+    _last = False
+
+    def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
+        """Await the first request."""
+        super().connection_made(transport)
+        self._await_head()
+        if len(self.connections) > CONNECTIONS:
+            waiting = (c for c in self.connections if isinstance(c, Protocol) and c.idle)
+            next(waiting, self).transport.abort()
+
+    @property
+    def idle(self) -> bool:
+        """Whether there is no request that is being answered."""
+        return self.cycle is None or self.cycle.response_complete
+
+    def handle_events(self) -> None:
+        """Let the application close the connection; await the head of the next request."""
+        before = self.cycle
+        super().handle_events()
+        if self.cycle is not before:
+            scope: dict[str, Any] = self.scope  # type: ignore[assignment]
+            scope["extensions"] = {ABORT: self.transport.abort}
+            self.cycle.keep_alive = self.cycle.keep_alive and not self._last
+        if not self.idle:
+            self._stop_waiting()
+        elif self._deadline is None and self.timeout_keep_alive_task is None:
+            self._await_head()
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        """Forget the deadline."""
+        self._stop_waiting()
+        super().connection_lost(exc)
+
+    def shutdown(self) -> None:
+        """Finish the request under way; wait a moment for that of a new connection."""
+        if self.cycle is None:
+            self._last = True
+            self.loop.call_later(LAST_REQUEST_S, self._close_if_idle)
+        else:
+            super().shutdown()
+
+    def _close_if_idle(self) -> None:
+        if self.idle and not self.transport.is_closing():
+            self.transport.close()
+
+    def _await_head(self) -> None:
+        self._deadline = self.loop.call_later(HEAD_S, self.transport.abort)
+
+    def _stop_waiting(self) -> None:
+        if self._deadline is not None:
+            self._deadline.cancel()
+            self._deadline = None
+
+
+class WebServer(Server):
+    """Ends the streams when it stops, so that their clients connect to another process."""
+
+    async def shutdown(self, sockets: list[Any] | None = None) -> None:
+        """End streams, then finish the other requests."""
+        application: Any = self.config.app
+        application.end_streams()
+        await super().shutdown(sockets)
+
+    @contextmanager
+    def capture_signals(self) -> Iterator[None]:
+        """Stop at signals; not raise them again, since what is registered with atexit must run."""
+        loop = asyncio.get_running_loop()
+        for number in (signal.SIGTERM, signal.SIGINT):
+            loop.add_signal_handler(number, self.handle_exit, number, None)
+        yield
+
+
+class WebWorker(UvicornWorker):  # type: ignore[misc]
+    """One web process."""
+
+    CONFIG_KWARGS = {  # noqa: RUF012 (as the base class has it)
+        "loop": "asyncio",
+        "http": Protocol,
+        "ws": "none",
+        "lifespan": "off",
+        "interface": "asgi3",
+        # The application itself decides which proxies it trusts (`SEAMARK_PROXIES`).
+        "proxy_headers": False,
+        "server_header": False,
+    }
+
+    def __init__(self, *arguments: Any, **options: Any) -> None:
+        super().__init__(*arguments, **options)
+        self.config.timeout_graceful_shutdown = self.cfg.graceful_timeout
+
+    async def _serve(self) -> None:
+        self.config.app = self.wsgi
+        server = WebServer(self.config)
+        self._install_sigquit_handler()
+        await server.serve(sockets=self.sockets)
+        if not server.started:
+            sys.exit(Arbiter.WORKER_BOOT_ERROR)

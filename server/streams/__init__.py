@@ -1,0 +1,1 @@
+"""Live streams: what a run does, read from its files and sent to any number of viewers."""

@@ -1,0 +1,190 @@
+"""One run that somebody watches: its files are read once for all of its viewers."""
+
+from __future__ import annotations
+
+import asyncio
+from collections import OrderedDict
+from collections.abc import Callable
+from concurrent.futures import Executor
+from typing import Any, TypeVar
+
+import structlog
+from sqlalchemy.exc import SQLAlchemyError
+
+from seamark.server.database.engine import Database
+from seamark.server.runs import views
+from seamark.server.runs.files import RunFiles
+from seamark.server.runs.states import RunState
+from seamark.server.runs.views import RunView
+from seamark.server.settings import Settings
+from seamark.server.streams import events
+from seamark.server.streams.events import Frame, Position
+from seamark.server.streams.excerpts import (
+    START,
+    Budget,
+    Excerpt,
+    excerpt,
+    position_now,
+    start_of_trial,
+)
+from seamark.server.streams.inbox import Inbox, TooSlow
+
+TICK_S = 0.25  # between two looks at the files of a running run
+TICK = Budget(telemetry=3_300, log=900)  # with names and ids 20 KB/s, however fast the run is
+POLL_S = 10.0  # between two looks at the database; states are published in between
+_STARTS_MAX = 8  # kept for viewers that come at the same moment
+_log = structlog.get_logger()
+
+Result = TypeVar("Result")
+
+
+def state_values(view: RunView) -> dict[str, Any]:
+    """Return the values of a state event."""
+    names = ("position", "progress", "t_simulated", "cause")
+    return {"state": view.state.value} | {name: getattr(view, name) for name in names}
+
+
+class Feed:
+    """Reads a run and hands each event to all viewers.
+
+    Parameters
+    ----------
+    threads
+        Where files and the database are read.
+    """
+
+    def __init__(
+        self, run_id: int, *, database: Database, settings: Settings, threads: Executor
+    ) -> None:
+        self._run_id = run_id
+        self._database, self._settings, self._threads = database, settings, threads
+        self._inboxes: dict[Inbox, Callable[[], None]] = {}
+        self._position: Position | None = None
+        self._starts: OrderedDict[object, asyncio.Task[Excerpt]] = OrderedDict()
+        self._reading = asyncio.Lock()
+        self._woken = asyncio.Event()
+        self._poll_now = self._running = self._closed = False
+        self.viewers = 0  # with those that are about to join
+
+    async def run(self) -> None:
+        """Send events until the run has ended."""
+        while True:
+            try:
+                view = await self._thread(self._view)
+            except SQLAlchemyError as error:  # what the run records is not in the database
+                _log.warning("state_not_read", run=self._run_id, error=str(error))
+                await self._send_until_next_poll()
+                continue
+            ended = view is None or view.state.final
+            await self._advance(START if ended else TICK)
+            if view is not None:
+                self._send(events.state(state_values(view)))
+                self._running = view.state is RunState.RUNNING
+            if ended:
+                break
+            await self._send_until_next_poll()
+        self._send(events.end())
+        self.close()
+
+    async def join(
+        self, inbox: Inbox, abort: Callable[[], None], after: Position | None
+    ) -> Excerpt:
+        """Add a viewer; return what it has to see before the frames of its inbox.
+
+        Parameters
+        ----------
+        abort
+            Called if it is too slow.
+        after
+            Where it resumes; the start of the newest trial if None.
+        """
+        if self._position is None or (after is not None and after.is_beyond(self._position)):
+            await self._advance(TICK)
+        assert self._position is not None  # noqa: S101 (for mypy)
+        self._inboxes[inbox] = abort
+        if self._closed:
+            inbox.close()
+        return await self._start(after, self._position)
+
+    def leave(self, inbox: Inbox) -> None:
+        """Remove a viewer."""
+        self._inboxes.pop(inbox, None)
+
+    def close(self) -> None:
+        """Let all streams end when they have sent what is waiting."""
+        self._closed = True
+        for inbox in self._inboxes:
+            inbox.close()
+
+    def on_state(self, values: dict[str, Any]) -> None:
+        """Send a state that was published."""
+        state = RunState(values["state"])
+        self._running = state is RunState.RUNNING
+        if state.final:  # its last rows come first
+            self.poll()
+        else:
+            self._send(events.state(values))
+            self._woken.set()
+
+    def poll(self) -> None:
+        """Look at the database now."""
+        self._poll_now = True
+        self._woken.set()
+
+    async def _send_until_next_poll(self) -> None:
+        loop = asyncio.get_running_loop()
+        deadline = loop.time() + POLL_S
+        while not self._poll_now and (left := deadline - loop.time()) > 0:
+            try:
+                async with asyncio.timeout(min(left, TICK_S) if self._running else left):
+                    await self._woken.wait()
+            except TimeoutError:
+                pass
+            self._woken.clear()
+            if self._running:
+                await self._advance(TICK)
+        self._poll_now = False
+
+    async def _advance(self, budget: Budget) -> None:
+        """Send what the files have had since the last time."""
+        async with self._reading:
+            found = await self._thread(lambda: self._excerpt(self._position, None, budget))
+            self._position = found.end
+            for frame in found.frames:
+                self._send(frame)
+
+    def _send(self, frame: Frame) -> None:
+        for inbox, abort in list(self._inboxes.items()):
+            try:
+                inbox.put(frame)
+            except TooSlow:
+                self.leave(inbox)
+                inbox.close()
+                abort()
+
+    async def _start(self, after: Position | None, until: Position) -> Excerpt:
+        key = (after, until)
+        task = self._starts.get(key)
+        if task is None:
+            read = self._thread(lambda: self._excerpt(after or self._first(), until, START))
+            task = self._starts[key] = asyncio.create_task(read)
+            if len(self._starts) > _STARTS_MAX:
+                self._starts.popitem(last=False)
+        return await asyncio.shield(task)  # other viewers may wait for it too
+
+    # -- in a thread ------------------------------------------------------------------------------
+    def _view(self) -> RunView | None:
+        with self._database.reading() as session:
+            return views.show(session, self._run_id, self._settings)
+
+    def _first(self) -> Position:
+        trial = start_of_trial(RunFiles(self._settings.data, self._run_id))
+        return Position(trial.attempt, trial.row, 0)
+
+    def _excerpt(self, since: Position | None, until: Position | None, budget: Budget) -> Excerpt:
+        files = RunFiles(self._settings.data, self._run_id)
+        until = until or position_now(files)
+        return Excerpt((), until) if since is None else excerpt(files, since, until, budget)
+
+    async def _thread(self, function: Callable[[], Result]) -> Result:
+        return await asyncio.get_running_loop().run_in_executor(self._threads, function)

@@ -1,0 +1,151 @@
+"""All live streams of a web process, on its event loop."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncGenerator, Callable
+from concurrent.futures import ThreadPoolExecutor
+from functools import partial
+from typing import Any
+
+import structlog
+from redis.exceptions import RedisError
+
+from seamark.server.database.engine import Database
+from seamark.server.messaging import broker, live_events
+from seamark.server.settings import Settings
+from seamark.server.streams.events import LOG, Position
+from seamark.server.streams.feed import Feed
+from seamark.server.streams.inbox import WAITING_MAX, Inbox
+
+THREADS = 4  # that read files and the database for streams; pages have others
+BROKER_RETRY_S = 2.0
+_log = structlog.get_logger()
+
+
+class Hub:
+    """Lets any number of viewers follow runs.
+
+    Properties may be read in any thread; all else is called on the event loop.
+
+    Parameters
+    ----------
+    waiting_max
+        Bytes that may wait for one viewer; one for whom more would wait is disconnected.
+    """
+
+    def __init__(
+        self, database: Database, settings: Settings, *, waiting_max: int = WAITING_MAX
+    ) -> None:
+        self._waiting_max = waiting_max
+        self._database, self._settings = database, settings
+        self._threads = ThreadPoolExecutor(THREADS, thread_name_prefix="streams")
+        self._feeds: dict[int, Feed] = {}
+        self._tasks: dict[int, asyncio.Task[None]] = {}
+        self._listener: asyncio.Task[None] | None = None
+        self.open_streams = 0
+        self._ending = False
+
+    @property
+    def full(self) -> bool:
+        """Whether there are as many streams as there may be."""
+        return self.open_streams >= self._settings.streams_max
+
+    async def follow(
+        self,
+        run_id: int,
+        after: Position | None,
+        *,
+        shows_log: bool,
+        gone: asyncio.Future[Any],
+        abort: Callable[[], None],
+    ) -> AsyncGenerator[bytes, None]:
+        """Yield the events of a run until its end, until `gone` or until `end_all`.
+
+        Parameters
+        ----------
+        after
+            Where the viewer resumes; the start of the newest trial if None.
+        abort
+            Closes the connection of a viewer that is too slow.
+        """
+        if self._ending or self.full:  # the client connects again, and may then be refused
+            return
+        inbox = Inbox("" if shows_log else LOG, waiting_max=self._waiting_max)
+        gone.add_done_callback(lambda _: inbox.close())
+        feed = self._feed(run_id)
+        feed.viewers += 1
+        self.open_streams += 1
+        try:
+            start = await feed.join(inbox, abort, after)
+            for frame in start.frames:
+                if shows_log or frame.type != LOG:
+                    yield frame.data
+            while (waiting := await inbox.take()) is not None:
+                yield waiting.data
+        finally:
+            feed.leave(inbox)
+            self.open_streams -= 1
+            feed.viewers -= 1
+            if not feed.viewers:
+                self._forget(run_id, feed)
+
+    def end_all(self) -> None:
+        """End all streams; their clients connect again, to another process."""
+        self._ending = True
+        for feed in self._feeds.values():
+            feed.close()
+        if self._listener is not None:
+            self._listener.cancel()
+
+    def close(self) -> None:
+        """Stop the threads."""
+        self._threads.shutdown(wait=False, cancel_futures=True)
+
+    def _feed(self, run_id: int) -> Feed:
+        if run_id not in self._feeds:
+            feed = Feed(
+                run_id, database=self._database, settings=self._settings, threads=self._threads
+            )
+            self._feeds[run_id] = feed
+            self._tasks[run_id] = asyncio.create_task(feed.run())
+            self._tasks[run_id].add_done_callback(partial(self._ended, run_id, feed))
+        if self._listener is None:
+            self._listener = asyncio.create_task(self._listen())
+        return self._feeds[run_id]
+
+    def _ended(self, run_id: int, feed: Feed, task: asyncio.Task[None]) -> None:
+        """End the streams of a feed that has ended, for whatever reason."""
+        feed.close()
+        self._forget(run_id, feed)
+        if not task.cancelled() and (error := task.exception()) is not None:
+            _log.error("stream_failed", run=run_id, error=repr(error))
+
+    def _forget(self, run_id: int, feed: Feed) -> None:
+        if self._feeds.get(run_id) is feed:
+            del self._feeds[run_id]
+            self._tasks.pop(run_id).cancel()
+
+    async def _listen(self) -> None:
+        """Pass on published states; while the broker is away, look at the database more often."""
+        while True:
+            try:
+                async with broker.connect_async(self._settings) as redis, redis.pubsub() as channel:
+                    await channel.subscribe(live_events.CHANNEL)
+                    self._poll_all()  # there may have been messages in the meantime
+                    async for message in channel.listen():
+                        if message["type"] == "message":
+                            self._pass_on(message["data"])
+            except RedisError as error:
+                _log.warning("states_not_received", error=str(error))
+            self._poll_all()
+            await asyncio.sleep(BROKER_RETRY_S)
+
+    def _poll_all(self) -> None:
+        for feed in self._feeds.values():
+            feed.poll()
+
+    def _pass_on(self, message: bytes) -> None:
+        run_id, values = live_events.parse(message)
+        if run_id in self._feeds:
+            self._feeds[run_id].on_state(values)

@@ -1,0 +1,219 @@
+"""The WSGI application behind an asynchronous server: slow clients hold connections, not threads.
+
+A thread is taken when the whole request has arrived, and for each part of the response when the
+client has received the one before. A response may continue with what comes from the event loop,
+as live events do: the application puts a `Continuation` into the WSGI environment.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import sys
+from collections.abc import AsyncGenerator, Awaitable, Callable, Iterable, Mapping
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import aclosing
+from dataclasses import dataclass
+from typing import Any, TypeVar
+
+from seamark.server.web.received_body import BodyTooSlow, ClientGone, ReceivedBody, receive_body
+
+THREADS = 32  # requests that are worked on at the same time
+PART_BYTES = 64 * 1024  # of a response, made at once
+CONTINUATION = "seamark.continuation"  # key of the WSGI environment
+ABORT = "seamark.abort"  # extension of the ASGI scope: closes the connection without more ado
+_TOO_SLOW = {
+    "type": "about:blank",
+    "title": "Request timeout",
+    "status": 408,
+    "detail": "The request did not arrive in time.",
+}
+
+Scope = Mapping[str, Any]
+Environ = dict[str, Any]
+Receive = Callable[[], Awaitable[dict[str, Any]]]
+Send = Callable[[dict[str, Any]], Awaitable[None]]
+StartResponse = Callable[..., Any]
+WsgiApplication = Callable[[Environ, StartResponse], Iterable[bytes]]
+Result = TypeVar("Result")
+
+
+@dataclass(frozen=True, slots=True)
+class Connection:
+    """The client of a response that goes on."""
+
+    gone: asyncio.Future[Any]  # done when the client has closed the connection
+    abort: Callable[[], None]
+
+
+Continuation = Callable[[Connection], AsyncGenerator[bytes, None]]
+
+
+class AsgiApplication:
+    """Runs a WSGI application in threads.
+
+    Parameters
+    ----------
+    wsgi
+        The application.
+    body_max
+        Returns the largest body [byte] of this content type that the application may accept; a
+        larger one is not received, but the application is told how large it is.
+    """
+
+    def __init__(self, wsgi: WsgiApplication, body_max: Callable[[str], int]) -> None:
+        self._wsgi = wsgi
+        self._body_max = body_max
+        self._threads = ThreadPoolExecutor(THREADS, thread_name_prefix="request")
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Answer one request."""
+        environ = _environ(scope)
+        try:
+            body = await self._body(environ, receive)
+        except ClientGone:
+            return
+        except BodyTooSlow:
+            await _refuse_as_too_slow(send)
+            return
+        with body.file:
+            environ["wsgi.input"] = body.file
+            environ["CONTENT_LENGTH"] = str(body.length)
+            await self._answer(_Call(self._wsgi, environ), body, scope, receive, send)
+
+    async def _body(self, environ: Environ, receive: Receive) -> ReceivedBody:
+        length = environ.pop("CONTENT_LENGTH", "")
+        declared = int(length) if length.isdecimal() else None
+        limit = self._body_max(environ.get("CONTENT_TYPE", ""))
+        return await receive_body(receive, declared=declared, limit=limit)
+
+    async def _answer(
+        self, call: _Call, body: ReceivedBody, scope: Scope, receive: Receive, send: Send
+    ) -> None:
+        # After the body, `receive` returns when the client has gone.
+        gone = asyncio.ensure_future(receive() if body.complete else asyncio.Event().wait())
+        abort = scope.get("extensions", {}).get(ABORT, lambda: None)
+        try:
+            part: bytes | None = await self._in_thread(call.begin)
+            await send(call.head(closes=not body.complete))
+            while part is not None and not gone.done():
+                await send(_body(part))
+                part = None if call.exhausted else await self._in_thread(call.next_part)
+            if call.continuation is not None and not gone.done():
+                await _continue(call.continuation(Connection(gone, abort)), send)
+            await send(_body(b"", more=False))
+        finally:
+            gone.cancel()
+            await self._in_thread(call.close)
+
+    async def _in_thread(self, function: Callable[[], Result]) -> Result:
+        return await asyncio.get_running_loop().run_in_executor(self._threads, function)
+
+
+class _Call:
+    """One call of the WSGI application; its methods run in any thread, but one at a time."""
+
+    def __init__(self, wsgi: WsgiApplication, environ: Environ) -> None:
+        self.exhausted = False
+        self._wsgi, self._environ = wsgi, environ
+        self._pieces: Iterable[bytes] = ()
+        self._head: dict[str, Any] = {}
+
+    @property
+    def continuation(self) -> Continuation | None:
+        """What follows the response's own parts."""
+        found: Continuation | None = self._environ.get(CONTINUATION)
+        return found
+
+    def begin(self) -> bytes:
+        """Call the application; return the first part of its response."""
+        self._pieces = self._wsgi(self._environ, self._start_response)
+        self._iterator = iter(self._pieces)
+        return self.next_part()
+
+    def next_part(self) -> bytes:
+        """Return the next bytes of the response, at least `PART_BYTES` unless it is exhausted."""
+        part = bytearray()
+        while len(part) < PART_BYTES:
+            piece = next(self._iterator, None)
+            if piece is None:
+                self.exhausted = True
+                break
+            part += piece
+        return bytes(part)
+
+    def close(self) -> None:
+        """Release what the response holds."""
+        close = getattr(self._pieces, "close", None)
+        if close is not None:
+            close()
+
+    def head(self, *, closes: bool) -> dict[str, Any]:
+        """Return the message that starts the response."""
+        extra = [(b"connection", b"close")] if closes else []
+        return self._head | {"headers": self._head["headers"] + extra}
+
+    def _start_response(
+        self, status: str, headers: list[tuple[str, str]], exc_info: object = None
+    ) -> Callable[[bytes], None]:
+        encoded = [(name.lower().encode("latin-1"), v.encode("latin-1")) for name, v in headers]
+        code = int(status.split(" ", 1)[0])
+        self._head = {"type": "http.response.start", "status": code, "headers": encoded}
+        return _no_write
+
+
+def _no_write(_: bytes) -> None:
+    raise NotImplementedError("applications of today return their response")
+
+
+async def _continue(parts: AsyncGenerator[bytes, None], send: Send) -> None:
+    async with aclosing(parts):
+        async for part in parts:
+            await send(_body(part))
+
+
+def _body(part: bytes, *, more: bool = True) -> dict[str, Any]:
+    return {"type": "http.response.body", "body": part, "more_body": more}
+
+
+async def _refuse_as_too_slow(send: Send) -> None:
+    headers = [(b"content-type", b"application/problem+json"), (b"connection", b"close")]
+    await send({"type": "http.response.start", "status": 408, "headers": headers})
+    await send(_body(json.dumps(_TOO_SLOW).encode(), more=False))
+
+
+def _environ(scope: Scope) -> Environ:
+    """Return the WSGI environment without the body (PEP 3333)."""
+    server, client = scope.get("server") or ("localhost", 80), scope.get("client")
+    environ: Environ = {
+        "REQUEST_METHOD": scope["method"],
+        "SCRIPT_NAME": "",
+        "PATH_INFO": scope["path"].encode().decode("latin-1"),
+        "QUERY_STRING": scope["query_string"].decode("latin-1"),
+        "SERVER_PROTOCOL": f"HTTP/{scope['http_version']}",
+        "SERVER_NAME": server[0],
+        "SERVER_PORT": str(server[1] or 0),
+        "REMOTE_ADDR": client[0] if client else "",
+        "wsgi.version": (1, 0),
+        "wsgi.url_scheme": scope["scheme"],
+        "wsgi.errors": sys.stderr,
+        "wsgi.multithread": True,
+        "wsgi.multiprocess": True,
+        "wsgi.run_once": False,
+    }
+    for name, value in scope["headers"]:
+        _add_header(environ, name.decode("latin-1"), value.decode("latin-1"))
+    return environ
+
+
+def _add_header(environ: Environ, name: str, value: str) -> None:
+    # X_Forwarded_For would become the same variable as X-Forwarded-For, which proxies vouch for.
+    if "_" in name:
+        return
+    key = name.upper().replace("-", "_")
+    if key not in ("CONTENT_TYPE", "CONTENT_LENGTH"):
+        key = f"HTTP_{key}"
+    if key == "HTTP_TRANSFER_ENCODING":
+        return  # the body arrives decoded
+    joint = "; " if key == "HTTP_COOKIE" else ","
+    environ[key] = f"{environ[key]}{joint}{value}" if key in environ else value
