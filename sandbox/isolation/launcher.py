@@ -27,7 +27,7 @@ def main() -> None:
         elif name == "uid":
             set_uid(int(value))
         else:
-            resource.setrlimit(getattr(resource, name), (int(value), int(value)))
+            limit(getattr(resource, name), int(value))
     os.umask(0o077)
     os.setsid()
     os.chdir("/")
@@ -47,6 +47,13 @@ def renumber(first: int, *inherited: int) -> None:
     for final, copy in enumerate(copies, start=first):
         os.dup2(copy, final)
         os.set_inheritable(final, True)
+
+
+def limit(number: int, value: int) -> None:
+    """Limit a resource, at most to what this process may have itself."""
+    _, hard = resource.getrlimit(number)
+    bound = value if hard == resource.RLIM_INFINITY else min(value, hard)
+    resource.setrlimit(number, (bound, bound))
 
 
 def set_uid(uid: int) -> None:

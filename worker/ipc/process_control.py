@@ -30,7 +30,7 @@ def limit_simulator(cpu_s: int) -> None:
     The box's own limits are lower and set by the sandbox.
     """
     for limit, value in (
-        (resource.RLIMIT_CORE, 0),
+        (resource.RLIMIT_CORE, 1),  # not 0, as for its boxes (sandbox/isolation/argument_rules.py)
         (resource.RLIMIT_NOFILE, 256),
         (resource.RLIMIT_DATA, 4 * _GIB),
         (resource.RLIMIT_AS, 16 * _GIB),  # LLVM and numpy reserve much more than they use

@@ -1,5 +1,6 @@
 """The Celery child's end of its simulator: starts the zygote, begins and stops simulations."""
 
+import contextlib
 import os
 import select
 import signal
@@ -21,6 +22,7 @@ from seamark.worker.ipc.outcomes import RunOutcome
 
 PROGRAM = ("-m", "seamark.worker.zygote.process")
 READY_MAX = 16  # [byte]
+STOP_WITHIN_S = 2.0  # [s] for the zygote to remove its boxes; it takes some milliseconds
 MESSAGE_S = 0.2  # [s] to wait for the next message of a simulation
 
 
@@ -95,14 +97,16 @@ class Simulator:
         return Simulation(mine)
 
     def stop(self) -> None:
-        """End the zygote and all its children."""
+        """End the zygote and all its children; if it is warm, it removes its boxes itself."""
         if self._control is not None:
             self._control.close()
             self._control = None
         if self._process is not None:
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                self._process.wait(STOP_WITHIN_S if self._warm else 0.0)
             self._process.kill()
             self._process.wait()
-            self._process = None
+            self._process, self._warm = None, False
 
 
 def _compiled_code_cache(cache: Path) -> dict[str, str]:

@@ -8,12 +8,16 @@ runs and wait here, so that a run begins in milliseconds. Nothing of a run survi
 the child that ran it ends, and its boxes with it.
 """
 
+import contextlib
 import os
 import select
+import signal
 import socket
 import sys
 from typing import NamedTuple
 
+from seamark.sandbox.isolation.cgroups import remove_orphans
+from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.pool import BoxLease, Pool
 from seamark.sim.engine.warm_up import warm_up
 from seamark.worker.evaluation.check import check
@@ -43,19 +47,33 @@ class Zygote:
         self._children: dict[int, Child] = {}  # by pidfd
 
     def serve(self) -> None:
-        """Take jobs until the Celery child ends."""
+        """Take jobs until the Celery child ends, or wants this process to; leave no box."""
         self._control.send(READY)
+        try:
+            with self._pool:
+                self._take_jobs()
+        finally:
+            self._end_children()
+            if self._slot.isolation is IsolationLevel.STRONG:
+                remove_orphans()  # of the children: a box of their own dies with them
+
+    def _take_jobs(self) -> None:
         control = self._control.fileno()
-        with self._pool:
-            while True:
-                if not self._children:
-                    self._pool.refill()  # nobody is waiting now, and the core is free
-                ready, _, _ = select.select([control, *self._children], [], [], REFILL_S)
-                for descriptor in ready:
-                    if descriptor != control:
-                        self._reap(descriptor)
-                    elif not self._take_job():
-                        return
+        while True:
+            if not self._children:
+                self._pool.refill()  # nobody is waiting now, and the core is free
+            ready, _, _ = select.select([control, *self._children], [], [], REFILL_S)
+            for descriptor in ready:
+                if descriptor != control:
+                    self._reap(descriptor)
+                elif not self._take_job():
+                    return
+
+    def _end_children(self) -> None:
+        for pidfd in [*self._children]:
+            with contextlib.suppress(ProcessLookupError):
+                signal.pidfd_send_signal(pidfd, signal.SIGKILL)
+            self._reap(pidfd)
 
     def _take_job(self) -> bool:
         packet, descriptors, _, _ = socket.recv_fds(self._control, JOB_MAX, 1)

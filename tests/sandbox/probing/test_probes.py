@@ -140,6 +140,32 @@ def test_proc_1_environ_is_empty_because_bubblewrap_was_started_with_nothing(
     assert not [text for text in environments if b"do-not-tell" in text]
 
 
+CORE_LIMIT = """
+    import resource, sys
+    from pathlib import Path
+    from seamark.sandbox.box import Box
+    from seamark.sandbox.isolation.level import IsolationLevel
+    from seamark.sandbox.limits import Limits
+    resource.setrlimit(resource.RLIMIT_CORE, (int(sys.argv[2]), int(sys.argv[2])))
+    with Box(limits=Limits(), isolation=IsolationLevel(int(sys.argv[1]))) as box:
+        box.wait_ready()
+        print(Path(f"/proc/{box.processes()[-1]}/limits").read_text())
+"""
+
+
+@pytest.mark.parametrize(("of_the_service", "of_the_box"), [(4096, 1), (1, 1), (0, 0)])
+def test_a_crash_starts_no_handler_of_the_host_unless_the_service_had_no_limit_left(
+    of_the_service, of_the_box, isolation
+) -> None:
+    script = textwrap.dedent(CORE_LIMIT)
+    command = [sys.executable, "-c", script, str(int(isolation)), str(of_the_service)]
+
+    limits = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+
+    line = next(line for line in limits.splitlines() if line.startswith("Max core file size"))
+    assert line.split()[4:6] == [str(of_the_box)] * 2
+
+
 def test_a_box_has_no_proc_no_etc_no_programs_and_sized_writable_folders() -> None:
     command = bwrap_command(
         python_runtime(),

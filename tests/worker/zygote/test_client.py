@@ -7,12 +7,16 @@ from pathlib import Path
 
 import pytest
 
+from seamark.sandbox.isolation import proc_stats
+from seamark.sandbox.isolation.cgroup_parents import parent_groups
 from seamark.sandbox.isolation.level import IsolationLevel
+from seamark.worker.evaluation.job import Job
 from seamark.worker.evaluation.worker_slot import WorkerSlot
 from seamark.worker.service.host import Host
 from seamark.worker.service.run_loop import RunLoop
 from seamark.worker.zygote.client import Simulator, SimulatorBroken
 from tests.worker.conftest import Service
+from tests.worker.service.test_side_processes import eventually
 
 # Started as `seamark.worker.zygote.process` is; it is warm as soon as a test
 # writes to the named pipe.
@@ -99,3 +103,48 @@ def test_the_real_simulator_says_when_it_is_warm(tmp_path: Path) -> None:
     simulator.stop()
 
     assert warm
+
+
+@pytest.mark.host
+def test_a_simulator_that_is_stopped_during_a_run_leaves_no_control_group(
+    tmp_path: Path, isolation: IsolationLevel
+) -> None:
+    if isolation is not IsolationLevel.STRONG:
+        pytest.skip("needs control groups")
+    program = tmp_path / "sleeps.py"
+    program.write_text("import time\ntime.sleep(60)\nclass Controller: ...")
+    job = Job(
+        benchmark="currents-v1",
+        config={},
+        seeds=(1, 2),
+        controller="upload",
+        program=program,
+        filename=program.name,
+    )
+    slot = WorkerSlot(isolation, None, languages=("python", "c"), warm_boxes=1)
+    simulator = Simulator(slot, tmp_path)
+    simulator.wait_warm(240.0)
+    owner = eventually(warm_zygote)
+
+    with simulator.begin(job):
+        simulator.stop()
+
+    assert groups_of(owner) == []
+
+
+def warm_zygote() -> str | None:
+    """Return the pid of a child of this process that has a box in each hierarchy, or more."""
+    children = [pid for pid in os.listdir("/proc") if pid.isdigit() and is_ours(int(pid))]
+    return next((pid for pid in children if groups_of(pid)), None)
+
+
+def is_ours(pid: int) -> bool:
+    return proc_stats.parent_of(pid) == os.getpid()
+
+
+def groups_of(pid: str) -> list[Path]:
+    return [
+        group
+        for folder in parent_groups().folders()
+        for group in folder.glob(f"seamark-box-{pid}-*")
+    ]
