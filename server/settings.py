@@ -90,6 +90,11 @@ class Settings(BaseModel):
     guest_quota_bytes: int = Field(
         2**30, ge=0, description="Bytes that the runs of the guests of one network may take"
     )
+    free_min_bytes: int = Field(
+        2**30,
+        ge=0,
+        description="Free bytes on the disk below which no new runs are accepted",
+    )
     running_max: int = Field(4, ge=1, description="Runs of one user that may run in parallel")
     lease_s: float = Field(
         30.0, gt=0, description="Time after which a silent worker loses its runs"
@@ -151,9 +156,6 @@ class Settings(BaseModel):
             return cls.model_validate(values)
         except ValidationError as wrong:
             raise SettingsInvalid("; ".join(_sentences(wrong))) from None
-        except OSError as error:
-            why = f"{values.get('data', 'data')} cannot be used: {error.strerror}"
-            raise SettingsInvalid(f"{PREFIX}DATA: {why}") from None
 
     @classmethod
     def table(cls) -> str:

@@ -69,7 +69,7 @@ class Backend:
         """Store a program as an upload of it is stored."""
         prepared = preparation.prepare(source, name, role=role)
         prepared.require_clean()
-        return store.save(prepared, self.settings.data)
+        return store.save(prepared, self.settings)
 
     def queue(self, who: str = "ann", *, kind: str = "practice", **changes: Any) -> int:
         """Queue a run of the built-in PI controller, or of what `changes` says."""

@@ -109,12 +109,16 @@ class Embedded:
         import structlog
 
         from seamark.server.database import schema
+        from seamark.server.database.data_folder import WrongDataFolder
         from seamark.server.database.engine import Database
         from seamark.server.runs import baselines
 
         quiet = structlog.make_filtering_bound_logger(logging.WARNING)
         structlog.configure(wrapper_class=quiet)  # the terminal is for people
-        schema.upgrade(settings)
+        try:
+            schema.upgrade(settings)
+        except WrongDataFolder as error:
+            raise PlatformFailed(f"{error}.") from None
         database = Database(settings.database_url)
         try:
             with database.writing() as session:

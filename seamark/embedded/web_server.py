@@ -45,20 +45,17 @@ def serve(settings: Settings, *, processes: int, grace_s: int) -> None:
     Raises
     ------
     PlatformFailed
-        The database has not been brought to this version.
+        The database has not been brought to this version, or the data folder is not its own.
     """
     from seamark.server import log
     from seamark.server.database import schema
-    from seamark.server.database.engine import Database
+    from seamark.server.database.data_folder import WrongDataFolder
 
     log.configure()
-    database = Database(settings.database_url)
     try:
-        schema.check(database.engine)
-    except schema.SchemaTooOld as error:
+        schema.check_all(settings)
+    except (schema.SchemaTooOld, WrongDataFolder) as error:
         raise PlatformFailed(f"{error}.") from None
-    finally:
-        database.close()
     options = {
         "bind": f"{settings.host}:{settings.port}",
         "workers": processes,

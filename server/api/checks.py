@@ -88,7 +88,7 @@ def _enqueue(benchmark: Benchmark, config: Configuration, prepared: PreparedProg
     current, user_id = services(), access.require_account(Action.UPLOAD)
     with current.database.reading() as session:
         submission.require_language(session, benchmark, prepared.language, current.settings)
-    program = store.save(prepared, current.settings.data)
+    program = store.save(prepared, current.settings)
     values = config.model_dump(mode="json")
     with current.database.writing() as session:
         check_id = queue.enqueue(session, user_id, benchmark.name, values, program)

@@ -11,7 +11,6 @@ from flask_openapi3.blueprint import APIBlueprint
 from flask_openapi3.models.tag import Tag
 
 from seamark.server.api.schemas import DatasetQuery, RunPath
-from seamark.server.runs.files import RunFiles
 from seamark.server.runs.seeds import seeds_hidden, trial_seeds
 from seamark.server.web import access
 from seamark.server.web.problems import Problem
@@ -50,7 +49,7 @@ def dataset(path: RunPath, query: DatasetQuery) -> Response:
             f"The images of a ranked run would reveal the hidden seeds of {view.benchmark}, which "
             "other runs have too. Start a practice run with the same configuration instead.",
         )
-    rows = RunFiles(services().settings.data, view.id).rows_of_trial(query.trial)
+    rows = access.files_of(view).rows_of_trial(query.trial)
     end = float("inf") if query.until is None else query.until
     selection = Selection(every=query.every, begin_s=query.begin, end_s=end, colour=query.colour)
     count = len(selection.of(rows))

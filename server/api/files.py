@@ -9,6 +9,7 @@ from flask import Response, jsonify
 from flask_openapi3.blueprint import APIBlueprint
 from flask_openapi3.models.tag import Tag
 
+from seamark.server import storage
 from seamark.server.accounts.permissions import Action
 from seamark.server.api.schemas import CameraQuery, LogQuery, RunPath, TelemetryQuery
 from seamark.server.programs import store
@@ -38,19 +39,14 @@ def _content(media_type: str, kind: str = "string") -> Any:
     return {200: {"content": {media_type: {"schema": {"type": kind}}}}}
 
 
-def files_of(view: RunView) -> RunFiles:
-    """Return the files of the latest attempt."""
-    return RunFiles(services().settings.data, view.id)
-
-
 @api.get("/runs/<int:run_id>/telemetry.csv", responses=_content("text/csv"))
 def telemetry_csv(path: RunPath, query: TelemetryQuery) -> Response:
     """Download all rows so far: comment lines with #, the header row, one row per 0.05 s."""
     view = access.run_for(path.run_id)
-    files = files_of(view)
+    files = access.files_of(view)
     stop = files.row_count()
     answer = Response(
-        _csv(files, _comments(view, stop), query.start, stop),
+        _csv(files, _comments(view, files, stop), query.start, stop),
         content_type="text/csv; charset=utf-8",
     )
     _as_attachment(answer, view, "telemetry.csv")
@@ -64,7 +60,7 @@ def _csv(files: RunFiles, comments: list[str], start: int, stop: int) -> Iterato
         yield telemetry.csv_lines(files.rows(at, min(at + CHUNK_ROWS, stop)))
 
 
-def _comments(view: RunView, rows: int) -> list[str]:
+def _comments(view: RunView, files: RunFiles, rows: int) -> list[str]:
     benchmark = registry.benchmark(view.benchmark)
     solution = view.program_name or benchmark.solution_label_of(view.controller, view.config)
     seed = view.seed if view.seed is not None else HIDDEN if seeds_hidden(view) else DISCLOSED
@@ -73,7 +69,7 @@ def _comments(view: RunView, rows: int) -> list[str]:
         f"kind {view.kind}, seed {seed}, trials {view.trials}",
         f"state {view.state.value} at the time of the download, {rows} rows",
         *grid.level_comments(benchmark.restore(view.config)),
-        telemetry.units(len(files_of(view).columns)),
+        telemetry.units(len(files.columns)),
     ]
 
 
@@ -81,7 +77,7 @@ def _comments(view: RunView, rows: int) -> list[str]:
 def telemetry_f64(path: RunPath, query: TelemetryQuery) -> Response:
     """Download all rows so far as little-endian float64; X-Columns names the columns."""
     view = access.run_for(path.run_id)
-    files = files_of(view)
+    files = access.files_of(view)
     stop = files.row_count()
     pieces = (
         files.rows(at, min(at + CHUNK_ROWS, stop)).astype("<f8").tobytes()
@@ -98,7 +94,7 @@ def telemetry_f64(path: RunPath, query: TelemetryQuery) -> Response:
 def metrics(path: RunPath) -> Response:
     """Return the metrics; 404 until there are some."""
     view = access.run_for(path.run_id)
-    found = view.metrics or files_of(view).metrics()
+    found = view.metrics or access.files_of(view).metrics()
     if found is None:
         raise Problem("not-found", f"Run {view.id} has no metrics yet: it is {view.state.value}.")
     return jsonify(_without_hidden_seeds(found, view))
@@ -112,7 +108,7 @@ def manifest(path: RunPath) -> Response:
     the first benchmark versions stay hidden, because all of their ranked runs have the same ones.
     """
     view = access.run_for(path.run_id)
-    found = view.manifest or files_of(view).manifest()
+    found = view.manifest or access.files_of(view).manifest()
     if found is None:
         raise Problem("not-found", f"Run {view.id} has no manifest yet: it is {view.state.value}.")
     return jsonify(_without_hidden_seeds(found, view))
@@ -144,7 +140,7 @@ def config(path: RunPath) -> Response:
 def log(path: RunPath, query: LogQuery) -> Response:
     """Return the output of the program from byte `after` on; X-Next-Offset is the next `after`."""
     view = access.run_for(path.run_id, Action.VIEW_LOG)
-    part = files_of(view).log(query.after)
+    part = access.files_of(view).log(query.after)
     answer = Response(part.text, content_type="text/plain; charset=utf-8")
     answer.headers["X-Next-Offset"] = str(max(part.next, query.after))
     answer.headers["X-Dropped-Bytes"] = str(part.dropped)
@@ -157,6 +153,7 @@ def program(path: RunPath) -> Response:
     view = access.run_for(path.run_id, Action.VIEW_PROGRAM)
     if view.program_sha256 is None:
         raise Problem("not-found", f"Run {view.id} has no uploaded program.")
+    storage.require_readable(services().settings)
     try:
         source = store.read(services().settings.data, view.program_sha256)
     except FileNotFoundError:
@@ -173,6 +170,7 @@ def camera(path: RunPath, query: CameraQuery) -> Response:
     from seamark.server.runs import camera_view  # noqa: PLC0415 (it loads OpenCV)
 
     view = access.run_for(path.run_id)
+    access.require_data(view)
     image = camera_view.render(services().settings, view, trial=query.trial, t=query.t)
     if image is None:
         raise Problem("not-found", "There is no telemetry of that trial yet.")

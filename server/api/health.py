@@ -20,7 +20,7 @@ from redis.exceptions import RedisError
 from sqlalchemy import text
 from sqlalchemy.exc import SQLAlchemyError
 
-from seamark.server import workers
+from seamark.server import storage, workers
 from seamark.server.runs import views
 from seamark.server.web.services import Services, services
 from seamark.server.workers import WorkerStatus
@@ -62,6 +62,17 @@ class _Queue(Collector):
         for state, count in counts.items():
             runs.add_metric((state.value,), count)
         waited = 0.0 if oldest is None else max(time.time() - oldest, 0.0)
+        settings = self._held.settings
+        yield GaugeMetricFamily(
+            "seamark_storage_free_bytes",
+            "Free bytes on the disk of the data folder; 0 if the folder is away",
+            value=0 if storage.is_away(settings.data) else storage.free_bytes(settings.data),
+        )
+        yield GaugeMetricFamily(
+            "seamark_storage_up",
+            "Whether new runs can be stored (1), or the disk is too full or away (0)",
+            value=float(storage.refusal(settings) is None),
+        )
         yield runs
         yield GaugeMetricFamily(
             "seamark_queue_oldest_seconds", "Waiting time of the oldest queued run", value=waited
@@ -117,8 +128,9 @@ def alive() -> Response:
 
 @page.get("/readyz")
 def ready() -> Response:
-    """Return whether a run that is submitted now would be evaluated: database, broker, worker."""
+    """Return whether a run that is submitted now would be evaluated, and what is missing."""
     checks = {"database": _database(), "broker": _broker()}
+    checks["storage"] = storage.refusal(services().settings) or "ok"
     checks["worker"] = _worker() if checks["database"] == "ok" else "unknown"
     good = all(value == "ok" for value in checks.values())
     answer = jsonify({"ready": good, "checks": checks})

@@ -74,7 +74,7 @@ def _store(file: FileStorage, benchmark: Benchmark) -> StoredProgram:
         stream, file.filename or "", limit=limit, role=benchmark.role
     )
     prepared.require_clean()
-    return store.save(prepared, settings.data)
+    return store.save(prepared, settings)
 
 
 def _accepted(run_id: int) -> Response:

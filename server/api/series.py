@@ -10,7 +10,6 @@ from flask_openapi3.blueprint import APIBlueprint
 from flask_openapi3.models.tag import Tag
 from numpy.typing import NDArray
 
-from seamark.server.api.files import files_of
 from seamark.server.api.schemas import RunPath, SeriesQuery, SeriesResponse
 from seamark.server.web import access
 from seamark.server.web.problems import Problem
@@ -33,7 +32,7 @@ api = APIBlueprint(
 def series(path: RunPath, query: SeriesQuery) -> dict[str, Any]:
     """Return columns of one trial on one time axis, downsampled with the peaks kept."""
     view = access.run_for(path.run_id)
-    files = files_of(view)
+    files = access.files_of(view)
     index = {name: at for at, name in enumerate(files.columns)}
     names = _names(query.columns, index)
     rows = files.rows_of_trial(query.trial)

@@ -11,7 +11,7 @@ from alembic.script import ScriptDirectory
 from sqlalchemy import Connection, Engine
 
 from seamark import migrations
-from seamark.server.database import advisory_locks
+from seamark.server.database import advisory_locks, data_folder
 from seamark.server.database.advisory_locks import AdvisoryLock
 from seamark.server.database.engine import Database
 from seamark.server.database.queue_tables import Turn
@@ -25,9 +25,16 @@ class SchemaTooOld(Exception):
 
 
 def upgrade(settings: Settings) -> None:
-    """Create or migrate the tables; safe to call at every start, also by several processes."""
+    """Create or migrate the tables; safe to call at every start, also by several processes.
+
+    Raises
+    ------
+    WrongDataFolder
+        The database has another data folder.
+    """
     with _locked(settings) as connection:
         command.upgrade(config(connection), "head")
+        data_folder.adopt(connection, settings)
 
 
 def downgrade(settings: Settings, revision: str) -> None:
@@ -50,6 +57,23 @@ def _locked(settings: Settings) -> Iterator[Connection]:
         with database.engine.begin() as connection:
             advisory_locks.acquire(connection, AdvisoryLock.SCHEMA)
             yield connection
+    finally:
+        database.close()
+
+
+def check_all(settings: Settings) -> None:
+    """Check that the service can start.
+
+    Raises
+    ------
+    SchemaTooOld, WrongDataFolder
+        The database has another schema than this version, or another data folder.
+    """
+    database = Database(settings.database_url)
+    try:
+        check(database.engine)
+        with database.engine.connect() as connection:
+            data_folder.check(connection, settings)
     finally:
         database.close()
 

@@ -1,5 +1,7 @@
 """Error pages; API clients get a problem document instead."""
 
+import errno
+
 import structlog
 from flask import Flask, g, redirect, render_template, request, url_for
 from flask.typing import ResponseReturnValue
@@ -7,15 +9,23 @@ from flask_wtf.csrf import CSRFError
 from sqlalchemy.exc import InterfaceError, OperationalError
 from werkzeug.exceptions import HTTPException
 
+from seamark.server import storage
 from seamark.server.accounts.permissions import Viewer
 from seamark.server.programs.reader import ReaderBusy
 from seamark.server.runs.run_size import size
+from seamark.server.storage import StorageUnavailable
 from seamark.server.web import authentication, problems
 from seamark.server.web.problems import Problem
 from seamark.server.web.services import services
 
 _DRAIN_MAX = 32 * 2**20  # [B] of a rejected upload that are read and discarded
 _RETRY_S = 5
+_DISK_ERRORS = frozenset(
+    {
+        *(errno.EACCES, errno.EPERM, errno.EIO, errno.EROFS, errno.ENOSPC, errno.EDQUOT),
+        *(errno.EFBIG, errno.ESTALE, errno.ENOTCONN),
+    }
+)
 _log = structlog.get_logger()
 
 # status -> title, sentence, remedy
@@ -63,6 +73,8 @@ def register(app: Flask) -> None:
     app.register_error_handler(HTTPException, _show_http)
     app.register_error_handler(CSRFError, _show_csrf)
     app.register_error_handler(Problem, _show_problem)
+    app.register_error_handler(StorageUnavailable, _show_storage)
+    app.register_error_handler(OSError, _show_unreadable)
     for part_is_away in (OperationalError, InterfaceError, ReaderBusy):
         app.register_error_handler(part_is_away, _show_unavailable)
 
@@ -104,6 +116,22 @@ def _show_unavailable(error: Exception) -> ResponseReturnValue:
     if problems.prefers_json():
         return Problem("unavailable", headers=headers).response()
     return *_render(503, *_MESSAGES[503]), headers
+
+
+def _show_unreadable(error: OSError) -> ResponseReturnValue:
+    """Respond when a disk fails during a read or write; any other error is one of the service."""
+    if error.errno not in _DISK_ERRORS:
+        raise error
+    _log.error("disk_failed", path=request.path, error=str(error))
+    return _show_storage(StorageUnavailable("The service cannot read or write its data now."))
+
+
+def _show_storage(error: StorageUnavailable) -> ResponseReturnValue:
+    headers = {"Retry-After": str(storage.RETRY_S)}
+    problem = Problem("storage-unavailable", str(error), headers=headers)
+    if problems.prefers_json():
+        return problem.response()
+    return *_render(503, problem.type.title, str(error), ""), headers
 
 
 def _page(error: HTTPException) -> ResponseReturnValue:

@@ -1,11 +1,13 @@
 """The page of a run: its state, its data as they arrive, and the actions of its owner."""
 
 from collections.abc import Callable
+from datetime import UTC, datetime
 
 from flask import Blueprint, flash, g, redirect, render_template, url_for
 from flask.typing import ResponseReturnValue
 from sqlalchemy.orm import Session
 
+from seamark.server import storage
 from seamark.server.accounts.permissions import Action, can, owns
 from seamark.server.pages import benchmarks, level_chart, metric_tables
 from seamark.server.pages.ranked_parts import ranked_parts
@@ -16,6 +18,7 @@ from seamark.server.runs.quota import QuotaExceeded
 from seamark.server.runs.states import RunKind
 from seamark.server.runs.submission import SubmissionRejected
 from seamark.server.runs.views import RunView
+from seamark.server.storage import StorageUnavailable
 from seamark.server.streams.excerpts import start_of_trial
 from seamark.server.web import access, authentication
 from seamark.server.web.rate_limits import SUBMISSIONS, client, limiter
@@ -43,6 +46,7 @@ def show(run_id: int) -> ResponseReturnValue:
         benchmark=benchmark,
         may=may,
         log=log,
+        data_note=_data_note(run),
         has_rows=files.row_count() > 0,
         tables=metric_tables.tables(benchmark, run.config, run.metrics or {}),
         overall=metric_tables.overall(benchmark, run.metrics or {}),
@@ -121,11 +125,21 @@ def rerun(run_id: int) -> ResponseReturnValue:
         flash(f"This configuration is no longer accepted. {refusal}", "bad")
         form = url_for("submit.form", name=run.benchmark)
         return redirect(f"{form}?from={run_id}", code=303)
-    except (SubmissionRejected, QuotaExceeded) as refusal:
+    except (SubmissionRejected, QuotaExceeded, StorageUnavailable) as refusal:
         flash(str(refusal), "bad")
         return redirect(url_for("run.show", run_id=run_id), code=303)
     services().wake_worker()
     return redirect(url_for("run.show", run_id=new_id), code=303)
+
+
+def _data_note(run: RunView) -> str:
+    """Return why the page has no data of the run; empty if it has."""
+    if run.data_deleted_at is not None:
+        on = datetime.fromtimestamp(run.data_deleted_at, UTC).date()
+        return f"The data of this run were deleted on {on}. Its result and configuration stay."
+    if storage.is_away(services().settings.data):
+        return "The recorded data cannot be read at the moment. Reload the page later."
+    return ""
 
 
 def _compared(run: RunView) -> list[Comparison]:

@@ -14,6 +14,7 @@ from seamark.server.runs import quota, submission, trial_limits, views
 from seamark.server.runs.quota import QuotaExceeded
 from seamark.server.runs.states import RunKind
 from seamark.server.runs.submission import UPLOAD, Submission, SubmissionRejected
+from seamark.server.storage import StorageUnavailable
 from seamark.server.web import access, authentication, body_limits
 from seamark.server.web.rate_limits import SUBMISSIONS, client, limiter
 from seamark.server.web.services import services
@@ -62,6 +63,8 @@ def create(name: str) -> ResponseReturnValue:
         errors = errors or {refusal.field: str(refusal)}
     except QuotaExceeded as refusal:
         status, errors = 429, {"": str(refusal)}
+    except StorageUnavailable as refusal:
+        status, errors = 503, {"": str(refusal)}
     if errors:
         kept = program if posted.get("source") != "editor" else None
         return _show(benchmark, values, posted=posted, errors=errors, kept=kept), status

@@ -63,7 +63,7 @@ def _save(benchmark: Benchmark, stream: BinaryIO, filename: str) -> StoredProgra
         stream, filename, limit=settings.upload_max_bytes, role=benchmark.role
     )
     prepared.require_clean()
-    return store.save(prepared, settings.data)
+    return store.save(prepared, settings)
 
 
 def _kept(benchmark: Benchmark, text: str) -> StoredProgram | None:

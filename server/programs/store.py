@@ -11,7 +11,10 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
+from seamark.server import storage
 from seamark.server.programs.preparation import PreparedProgram
+from seamark.server.settings import Settings
+from seamark.server.storage import StorageUnavailable
 
 _SHA256 = re.compile(r"[0-9a-f]{64}")
 UNUSED_KEPT_S = 86_400.0  # until `delete_unused` may delete a program
@@ -27,11 +30,18 @@ class StoredProgram:
     size: int  # [B]
 
 
-def save(prepared: PreparedProgram, data: Path) -> StoredProgram:
-    """Put a program into the store, or renew one that is already there."""
+def save(prepared: PreparedProgram, settings: Settings) -> StoredProgram:
+    """Put a program into the store, or renew one that is already there.
+
+    Raises
+    ------
+    StorageUnavailable
+        There is no room for it, or the data folder is away.
+    """
+    storage.require(settings)
     sha256 = hashlib.sha256(prepared.content).hexdigest()
-    with _store_lock(data, fcntl.LOCK_SH):
-        _write(prepared.content, path(data, sha256))
+    with _store_lock(settings.data, fcntl.LOCK_SH):
+        _write(prepared.content, path(settings.data, sha256))
     return StoredProgram(sha256, prepared.name, prepared.language, len(prepared.content))
 
 
@@ -106,7 +116,7 @@ def _renew(file: Path) -> bool:
 def _store_lock(data: Path, mode: int) -> Iterator[None]:
     """Lock the store: shared (LOCK_SH) to add programs, exclusive (LOCK_EX) to delete them."""
     folder = data / "programs"
-    folder.mkdir(parents=True, exist_ok=True)
+    folder.mkdir(exist_ok=True)
     with (data / "programs.lock").open("a") as lock:
         fcntl.flock(lock, mode)
         yield
@@ -117,8 +127,12 @@ def _write(content: bytes, target: Path) -> None:
     if _renew(target):
         return
     draft = target.with_name(f"{target.name}.{secrets.token_hex(8)}")
-    with draft.open("wb") as file:
-        file.write(content)
-        file.flush()
-        os.fsync(file.fileno())
-    draft.replace(target)
+    try:
+        with draft.open("wb") as file:
+            file.write(content)
+            file.flush()
+            os.fsync(file.fileno())
+        draft.replace(target)
+    except OSError as error:
+        draft.unlink(missing_ok=True)
+        raise StorageUnavailable(f"The program could not be stored: {error.strerror}.") from error

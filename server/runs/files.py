@@ -11,8 +11,10 @@ import json
 import math
 import os
 import secrets
+import shutil
 from bisect import bisect_right
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -39,6 +41,10 @@ class LogPart:
     dropped: int
 
 
+class StorageFailed(Exception):
+    """A file of a run could not be written, for instance because the disk is full."""
+
+
 class RunFiles:
     """Reads and writes the files of one attempt; without `attempt`, of the latest one."""
 
@@ -47,6 +53,8 @@ class RunFiles:
         chosen = attempt if attempt is not None else max(self.attempts(), default=0)
         self.attempt = chosen  # 0 while there are no files
         self.folder = self.root / str(chosen)
+        self._data = data
+        self._made = False  # whether the folder was made here: it is never made again
         self._tail = b""
         self._written = 0
         self._names: tuple[str, ...] | None = None
@@ -76,6 +84,19 @@ class RunFiles:
         return sum(file.stat().st_size for file in self.folder.iterdir())
 
     # -- writing: only by the worker that has the lease -------------------------------------------
+    def remove_earlier_attempts(self) -> None:
+        """Remove the files of the attempts before this one, whose workers have lost the run.
+
+        A worker that does not know it yet fails at its next write.
+        """
+        for attempt in self.attempts():
+            if attempt < self.attempt:
+                shutil.rmtree(self.root / str(attempt), ignore_errors=True)
+
+    def remove(self) -> None:
+        """Remove the files of this attempt."""
+        shutil.rmtree(self.folder, ignore_errors=True)
+
     def append_rows(self, rows: Rows) -> None:
         """Append whole rows, shape (k, number of columns)."""
         if not self.telemetry_path.exists() and rows.ndim == 2 and rows.shape[1] >= WIDTH:
@@ -124,7 +145,10 @@ class RunFiles:
             return np.empty((0, len(self.columns)))
         names, columns = self._written_names(), self.columns
         offset = max(start, 0) * self._row_bytes()
-        values = np.fromfile(self.telemetry_path, "<f8", count * len(names), offset=offset)
+        try:
+            values = np.fromfile(self.telemetry_path, "<f8", count * len(names), offset=offset)
+        except FileNotFoundError:  # removed since they were counted
+            return np.empty((0, len(columns)))
         rows = values.reshape(count, len(names)).astype(np.float64, copy=False)
         return rows if names == columns else _in_current_columns(rows, names, columns)
 
@@ -212,15 +236,38 @@ class RunFiles:
         return 8 * len(self._written_names())
 
     def _append(self, path: Path, data: bytes) -> None:
-        self.folder.mkdir(parents=True, exist_ok=True)
-        with path.open("ab", buffering=0) as file:
-            file.write(data)
+        """Append all of the data, or nothing if that fails."""
+        with self._storing(path.name), path.open("ab", buffering=0) as file:
+            before, left = file.tell(), memoryview(data)
+            try:
+                while left:  # a disk that gets full takes a part without an error
+                    left = left[file.write(left) :]
+            except OSError:
+                file.truncate(before)
+                raise
 
     def _replace(self, name: str, data: bytes) -> None:
-        self.folder.mkdir(parents=True, exist_ok=True)
         draft = self.folder / f".{name}.{secrets.token_hex(4)}"
-        draft.write_bytes(data)
-        os.replace(draft, self.folder / name)
+        with self._storing(name):
+            try:
+                draft.write_bytes(data)
+                os.replace(draft, self.folder / name)
+            except OSError:
+                draft.unlink(missing_ok=True)
+                raise
+
+    @contextmanager
+    def _storing(self, name: str) -> Iterator[None]:
+        """Make the folder before the first write; raise StorageFailed for what goes wrong."""
+        try:
+            if not self._made:
+                # Not by `parents`: a data folder that is away must not be replaced by a new one.
+                for folder in (self._data / "runs", self.root.parent, self.root, self.folder):
+                    folder.mkdir(exist_ok=True)
+                self._made = True
+            yield
+        except OSError as error:
+            raise StorageFailed(f"{name}: {error.strerror}") from error
 
 
 def _in_current_columns(rows: Rows, names: tuple[str, ...], columns: tuple[str, ...]) -> Rows:

@@ -62,6 +62,10 @@ class AttemptEnd(Enum):
     SHUTDOWN = auto()  # its worker was stopped
     WORKER_LOST = auto()  # its worker died, or was not heard of any more
     EVALUATION_BROKE = auto()  # its simulator crashed or hung
+    STORAGE_FAILED = auto()  # its data could not be stored
+
+
+_FAILURES = (AttemptEnd.EVALUATION_BROKE, AttemptEnd.STORAGE_FAILED)
 
 
 @dataclass(frozen=True, slots=True)
@@ -217,7 +221,7 @@ def _requeue_or_fail(
     session: Session, run: Run, end: AttemptEnd, *, settings: Settings
 ) -> RunState | None:
     counts = {
-        "failures": run.failures + (end is AttemptEnd.EVALUATION_BROKE),
+        "failures": run.failures + (end in _FAILURES),
         "interruptions": run.interruptions + (end is AttemptEnd.WORKER_LOST),
     }
     new = RunState.QUEUED

@@ -57,7 +57,7 @@ def used_by(session: Session, viewer: Viewer, settings: Settings) -> Quota:
         live_max=settings.quota_live,
         day=day,
         day_max=settings.quota_day if is_user else settings.guest_quota_day,
-        bytes=session.scalar(bytes_of(viewer.owner)) or 0,
+        bytes=int(session.scalar(bytes_of(viewer.owner)) or 0),  # PostgreSQL adds up to a decimal
         bytes_max=settings.quota_bytes if is_user else settings.guest_quota_bytes,
     )
 

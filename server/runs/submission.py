@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from sqlalchemy.orm import Session
 
 from seamark.sandbox.languages import role_refusal
-from seamark.server import workers
+from seamark.server import storage, workers
 from seamark.server.accounts.permissions import Action, Viewer, can
 from seamark.server.database.advisory_locks import AdvisoryLock, acquire
 from seamark.server.database.tables import Run
@@ -122,10 +122,13 @@ def submit(session: Session, valid: ValidSubmission, settings: Settings) -> int:
     ------
     SubmissionRejected, QuotaExceeded
         No worker can run the program, or a quota is used up.
+    StorageUnavailable
+        There is no room for what it may record, or the data folder is away.
     """
     submission = valid.submission
     if submission.program is not None:
         require_language(session, valid.benchmark, submission.program.language, settings)
+    storage.require(settings)
     # Two submissions at once must not both see the last free run of a quota.
     acquire(session, AdvisoryLock.SUBMISSION)
     quota.enforce(session, submission.viewer, settings, new_bytes=valid.size.bytes)

@@ -6,11 +6,14 @@ A refusal is a `Problem`: a document for programs, a page for people.
 from __future__ import annotations
 
 from dataclasses import replace
+from datetime import UTC, datetime
 
 from flask import g
 
+from seamark.server import storage
 from seamark.server.accounts.permissions import READ, RULES, Action, Role, Viewer, can
 from seamark.server.runs import views
+from seamark.server.runs.files import RunFiles
 from seamark.server.runs.views import RunView
 from seamark.server.web.problems import Problem
 from seamark.server.web.services import services
@@ -79,6 +82,28 @@ def known_run(run_id: int) -> RunView:
     if run is None or not _may_know_of(run):
         raise Problem("not-found", _NOT_FOUND.format(run_id))
     return run
+
+
+def files_of(run: RunView) -> RunFiles:
+    """Return the files of the latest attempt. Raises as `require_data`."""
+    require_data(run)
+    return RunFiles(services().settings.data, run.id)
+
+
+def require_data(run: RunView) -> None:
+    """Refuse a request for data of a run that are not there.
+
+    Raises
+    ------
+    StorageUnavailable
+        The data folder is away.
+    Problem
+        data-deleted.
+    """
+    if run.data_deleted_at is not None:
+        on = datetime.fromtimestamp(run.data_deleted_at, UTC).date()
+        raise Problem("data-deleted", f"The data of run {run.id} were deleted on {on}.")
+    storage.require_readable(services().settings)
 
 
 def _may_know_of(run: RunView) -> bool:

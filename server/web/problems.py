@@ -93,6 +93,12 @@ PROBLEM_TYPES: Mapping[str, ProblemType] = {
             "For example, a run can only be published once it has finished.",
         ),
         (
+            "data-deleted",
+            410,
+            "The data of this run have been deleted",
+            "Its result, metrics and configuration stay. Run it again to record new data.",
+        ),
+        (
             "payload-too-large",
             413,
             "The upload is too large",
@@ -152,6 +158,12 @@ PROBLEM_TYPES: Mapping[str, ProblemType] = {
             503,
             "Temporarily unavailable",
             "Try again after the number of seconds in Retry-After.",
+        ),
+        (
+            "storage-unavailable",
+            503,
+            "The service cannot store anything new",
+            "Its disk is nearly full or cannot be reached. Try again later; what is stored stays.",
         ),
         (
             "streams-full",

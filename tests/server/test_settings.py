@@ -81,7 +81,6 @@ def test_a_value_can_be_read_from_a_file(tmp_path: Path) -> None:
         ({"SEAMARK_SANDBOX_MIN_LEVEL": "total"}, "strong"),
         ({"SEAMARK_LEASE_S": "8"}, "heartbeat_s"),
         ({"SEAMARK_SECRET_KEY_FILE": "/nothing/here"}, "cannot be read"),
-        ({"SEAMARK_DATA": "/dev/null/data"}, "SEAMARK_DATA: /dev/null/data cannot be used"),
     ],
 )
 def test_an_invalid_or_unknown_setting_is_refused_with_a_message(

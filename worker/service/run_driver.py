@@ -7,15 +7,17 @@ from typing import Any
 
 import structlog
 from redis import Redis
+from sqlalchemy.exc import InterfaceError, OperationalError
 
 from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.languages import DEFAULT_LANGUAGE
+from seamark.server import storage
 from seamark.server.database.engine import Database
 from seamark.server.programs import store
 from seamark.server.runs import queue as run_queue
 from seamark.server.runs import results
 from seamark.server.runs.failure_reasons import FailureReason, describe
-from seamark.server.runs.files import RunFiles
+from seamark.server.runs.files import RunFiles, StorageFailed
 from seamark.server.runs.queue import AttemptEnd, Claim, LeaseStatus
 from seamark.server.runs.results import Report
 from seamark.server.runs.seeds import trial_seeds
@@ -61,14 +63,20 @@ def evaluate(context: RunContext, claim: Claim) -> bool:
     """Evaluate one claimed run and store how it ended; False if the platform failed."""
     log = structlog.get_logger().bind(run=claim.run_id, attempt=claim.attempt)
     log.info("run_started", benchmark=claim.benchmark, kind=claim.kind, worker=claim.worker)
-    started_at = time.monotonic()
     try:
         driver = RunDriver(context, claim)
     except (ConfigurationInvalid, KeyError) as error:  # most likely accepted by an older version
         log.error("configuration_invalid", why=str(error))
         return _fail(context, claim, f"This configuration is no longer valid: {error}")
+    return _drive(driver, log)
+
+
+def _drive(driver: "RunDriver", log: structlog.typing.FilteringBoundLogger) -> bool:
+    """Run and store; False if the platform failed."""
+    started_at = time.monotonic()
     try:
         report = driver.run()
+        stored = driver.store(report)
     except LeaseEnded as ended:
         log.info("run_stopped", why=ended.status.name.lower())
         if ended.status is LeaseStatus.CANCELLED:
@@ -81,7 +89,14 @@ def evaluate(context: RunContext, claim: Claim) -> bool:
         log.error("simulator_broken", why=str(broken))
         driver.release(AttemptEnd.EVALUATION_BROKE)
         return False
-    stored = driver.store(report)
+    except StorageFailed as failed:
+        log.error("storage_failed", why=str(failed))
+        driver.discard()
+        driver.release(AttemptEnd.STORAGE_FAILED)
+        return False
+    except (OperationalError, InterfaceError) as away:  # the lease ends, and the run is repeated
+        log.error("database_away", why=str(away))
+        return False
     seconds = round(time.monotonic() - started_at, 3)
     log.info("run_ended", state=report.state, cause=report.cause, stored=stored, wall_s=seconds)
     return True
@@ -104,10 +119,11 @@ class RunDriver:
 
         Raises
         ------
-        LeaseEnded, ShuttingDown, SimulatorBroken, StreamBroken
+        LeaseEnded, ShuttingDown, SimulatorBroken, StreamBroken, StorageFailed
             Why there is no report.
         """
         self._live.state(RunState.RUNNING, progress=0.0, t_simulated=0.0)
+        self._files.remove_earlier_attempts()
         with self._context.simulator.begin(self._job()) as simulation:
             outcome = simulation.run(self._recorder, lambda: self._watch(simulation))
         return self._report(outcome)
@@ -129,6 +145,10 @@ class RunDriver:
         program = self._claim.program_sha256
         stored = 0 if program is None else store.size(self._context.settings.data, program)
         return self._files.size() + stored
+
+    def discard(self) -> None:
+        """Remove what this attempt has recorded, to make room."""
+        self._files.remove()
 
     def store_cancelled(self) -> None:
         """Keep what there is of a run that its owner cancelled."""
@@ -171,6 +191,7 @@ class RunDriver:
         if now >= self._heartbeat_at:
             self._heartbeat_at = now + self._context.settings.heartbeat_s
             self._poll_at = now + CANCEL_POLL_S
+            self._require_storage()
             self._require_lease(self._heartbeat())
         elif now >= self._poll_at:
             self._poll_at = now + CANCEL_POLL_S
@@ -191,6 +212,11 @@ class RunDriver:
             )
         self._live.state(RunState.RUNNING, progress=progress, t_simulated=t_simulated)
         return status
+
+    def _require_storage(self) -> None:
+        """Stop while there is still room for the database to record that the run is repeated."""
+        if why := storage.refusal(self._context.settings, share=storage.STOP_SHARE):
+            raise StorageFailed(why)
 
     @staticmethod
     def _require_lease(status: LeaseStatus) -> None:

@@ -8,6 +8,7 @@ import structlog
 from celery import Celery
 from sqlalchemy.exc import SQLAlchemyError
 
+from seamark.server import storage
 from seamark.server.database.engine import Database
 from seamark.server.messaging import broker
 from seamark.server.runs import queue as run_queue
@@ -51,6 +52,9 @@ class RunLoop:
     def run_next(self) -> None:
         """Claim and evaluate one run, then make sure that the next one has a ticket."""
         if not self._wait_warm():
+            return
+        if why := storage.refusal(self._settings):  # recovery sends tickets again
+            _log.error("no_claim", worker=self._name, why=why)
             return
         with self._database.writing() as session:
             claim = run_queue.claim(

@@ -30,11 +30,12 @@ def upgrade(data: Path | None) -> None:
 
     from seamark.failures import PlatformFailed
     from seamark.server.database import schema
+    from seamark.server.database.data_folder import WrongDataFolder
 
     settings = settings_of(data)
     try:
         schema.upgrade(settings)
-    except SQLAlchemyError as error:
+    except (SQLAlchemyError, WrongDataFolder) as error:
         raise PlatformFailed(f"The database cannot be upgraded: {error}.") from None
     click.echo(f"The database is up to date: {_without_password(settings.database_url)}")
 

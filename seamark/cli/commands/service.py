@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from seamark.cli.options import data_option, settings_of
-from seamark.failures import UsageRefused
+from seamark.failures import PlatformFailed, UsageRefused
 
 if TYPE_CHECKING:
     from seamark.server.settings import Settings
@@ -42,8 +42,14 @@ def web(host: str | None, port: int | None, processes: int, data: Path | None) -
 def worker(cores: int | None, data: Path | None) -> None:
     """Run a worker only (Celery). The broker's URL comes from SEAMARK_BROKER_URL."""
     settings = _settings(data, workers=cores)
+    from seamark.server.database import schema
+    from seamark.server.database.data_folder import WrongDataFolder
     from seamark.worker.service.command_line import worker_arguments
 
+    try:
+        schema.check_all(settings)
+    except (schema.SchemaTooOld, WrongDataFolder) as error:
+        raise PlatformFailed(f"{error}.") from None
     environ = {k: v for k, v in os.environ.items() if not k.startswith("SEAMARK_")}
     environ |= settings.environment()
     arguments = [sys.executable, *worker_arguments(settings)]

@@ -5,14 +5,20 @@ from pathlib import Path
 
 import pytest
 
+from seamark.server import storage
 from seamark.server.programs import store
 from seamark.server.programs.preparation import PreparedProgram
+from seamark.server.settings import Settings
+from seamark.server.storage import StorageUnavailable
+from tests.services.full_disk import files_end_at
 
 GOOD = b"class Controller(Base):\n    pass\n"
 
 
 def _store(source: bytes, data: Path, name: str = "mine.py") -> store.StoredProgram:
-    return store.save(PreparedProgram(name, "python", source), data)
+    settings = Settings.model_validate({"data": data})
+    storage.mark(data).touch()
+    return store.save(PreparedProgram(name, "python", source), settings)
 
 
 def test_a_program_is_stored_once_under_its_hash(tmp_path: Path) -> None:
@@ -81,3 +87,10 @@ def test_uploads_survive_two_workers_that_delete_at_the_same_time(tmp_path: Path
         ended.set()
 
     assert [one.result() for one in deleting] == [None, None]
+
+
+def test_a_program_that_does_not_fit_leaves_nothing_half(tmp_path: Path) -> None:
+    with files_end_at(100), pytest.raises(StorageUnavailable, match="could not be stored"):
+        _store(GOOD + b"#" * 1000, tmp_path)
+
+    assert list((tmp_path / "programs").iterdir()) == []

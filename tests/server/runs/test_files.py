@@ -9,8 +9,9 @@ from hypothesis import strategies as st
 
 from seamark.sandbox.printable_text import printable_text
 from seamark.server.runs import files
-from seamark.server.runs.files import HEAD_MAX, TAIL_MAX, RunFiles
+from seamark.server.runs.files import HEAD_MAX, TAIL_MAX, RunFiles, StorageFailed
 from seamark.sim.recording.telemetry import INDEX, WIDTH
+from tests.services.full_disk import files_end_at
 
 
 def _rows(count: int, start: int = 0) -> files.Rows:
@@ -137,3 +138,89 @@ def test_rows_of_a_version_with_other_columns_stay_readable(tmp_path: Path) -> N
     assert found.row_count() == 2
     assert found.rows(1)[0, [INDEX["trial"], INDEX["t"]]].tolist() == [4.0, 6.0]
     assert np.isnan(found.rows()[:, INDEX["x"]]).all()
+
+
+def test_a_full_disk_leaves_whole_rows_and_a_clear_reason(tmp_path: Path) -> None:
+    writer = RunFiles(tmp_path, 7, 1)
+    writer.append_rows(_rows(2))
+
+    with files_end_at(4 * 8 * WIDTH - 100), pytest.raises(StorageFailed, match="telemetry"):
+        writer.append_rows(_rows(5, start=2))
+    assert writer.telemetry_path.stat().st_size == 2 * 8 * WIDTH
+
+    writer.append_rows(_rows(3, start=2))
+    assert np.array_equal(writer.rows(), _rows(5))
+
+
+@pytest.mark.parametrize("before", [None, {"digest": "before"}])
+def test_a_document_that_does_not_fit_leaves_nothing_half(
+    tmp_path: Path, before: dict[str, str] | None
+) -> None:
+    writer = RunFiles(tmp_path, 7, 1)
+    writer.append_log(b"started")
+    if before is not None:
+        writer.write_json("metrics.json", before)
+
+    with files_end_at(100), pytest.raises(StorageFailed):
+        writer.write_json("metrics.json", {"digest": "x" * 200})
+
+    assert writer.metrics() == before
+    assert all(not path.name.startswith(".") for path in writer.folder.iterdir())
+
+
+def test_a_worker_that_lost_its_attempt_cannot_write_any_more(tmp_path: Path) -> None:
+    late, new = RunFiles(tmp_path, 7, 1), RunFiles(tmp_path, 7, 2)
+    late.append_rows(_rows(1))
+    late.append_log(b"one")
+    new.append_rows(_rows(1))
+
+    new.remove_earlier_attempts()
+
+    with pytest.raises(StorageFailed):
+        late.append_rows(_rows(1))
+    with pytest.raises(StorageFailed):
+        late.append_log(b"two")
+    with pytest.raises(StorageFailed):
+        late.write_json("metrics.json", {})
+    assert new.attempts() == [2]
+
+
+def test_later_attempts_are_not_removed(tmp_path: Path) -> None:
+    for attempt in (1, 2, 3):
+        RunFiles(tmp_path, 7, attempt).append_rows(_rows(1))
+
+    RunFiles(tmp_path, 7, 2).remove_earlier_attempts()
+
+    assert RunFiles(tmp_path, 7).attempts() == [2, 3]
+
+
+def test_without_the_data_folder_nothing_is_written_in_its_place(tmp_path: Path) -> None:
+    with pytest.raises(StorageFailed, match="No such file"):
+        RunFiles(tmp_path / "away", 7, 1).append_rows(_rows(1))
+
+    assert not (tmp_path / "away").exists()
+
+
+def test_files_that_were_removed_during_the_read_are_empty(tmp_path: Path) -> None:
+    RunFiles(tmp_path, 7, 1).append_rows(_rows(3))
+    reader = RunFiles(tmp_path, 7)
+    assert reader.row_count() == 3
+
+    class Removing(RunFiles):
+        def row_count(self) -> int:
+            count = super().row_count()
+            self.telemetry_path.unlink(missing_ok=True)
+            return count
+
+    assert Removing(tmp_path, 7).rows().shape == (0, WIDTH)
+
+
+def test_the_size_is_that_of_all_files_of_the_attempt(tmp_path: Path) -> None:
+    files = RunFiles(tmp_path, 7, 1)
+    assert files.size() == 0
+
+    files.append_rows(_rows(3))
+    files.append_log(b"12345")
+
+    columns = (files.folder / "columns.json").stat().st_size
+    assert files.size() == 3 * 8 * WIDTH + 5 + columns

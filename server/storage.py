@@ -1,0 +1,65 @@
+"""The disk of the service: whether the data folder is there, and whether it has room.
+
+A mark in the data folder tells it from the empty folder that remains when its disk is not mounted.
+"""
+
+import os
+from pathlib import Path
+
+from seamark.server.settings import Settings
+
+STOP_SHARE = 0.25  # of `free_min_bytes`: below it, running runs stop; the database needs the rest
+RETRY_S = 60
+_AWAY = "The service cannot reach the folder with its data at the moment. Try again later."
+_LOW = (
+    "The service has too little free disk space to accept anything new at the moment. Try again "
+    "later: the operator has to free or add space."
+)
+
+
+class StorageUnavailable(Exception):
+    """Nothing can be stored or read at the moment. The text is for the user."""
+
+
+def refusal(settings: Settings, *, share: float = 1.0) -> str | None:
+    """Return why nothing new can be stored, for the user; None if all is well.
+
+    Parameters
+    ----------
+    share
+        Of `settings.free_min_bytes`: less free space than this is too little.
+    """
+    if is_away(settings.data):
+        return _AWAY
+    return _LOW if free_bytes(settings.data) < share * settings.free_min_bytes else None
+
+
+def require(settings: Settings) -> None:
+    """Raise StorageUnavailable if nothing new can be stored."""
+    if why := refusal(settings):
+        raise StorageUnavailable(why)
+
+
+def require_readable(settings: Settings) -> None:
+    """Raise StorageUnavailable if the data folder is away; a full disk can be read."""
+    if is_away(settings.data):
+        raise StorageUnavailable(_AWAY)
+
+
+def is_away(data: Path) -> bool:
+    """Return whether the data folder is missing, not mounted, read-only or not permitted."""
+    return not (mark(data).is_file() and os.access(data, os.R_OK | os.W_OK | os.X_OK))
+
+
+def free_bytes(data: Path) -> int:
+    """Return how many bytes can still be stored; 0 if that cannot be found out."""
+    try:
+        found = os.statvfs(data)
+    except OSError:
+        return 0
+    return found.f_bavail * found.f_frsize
+
+
+def mark(data: Path) -> Path:
+    """Return the file by which the data folder is known."""
+    return data / "seamark-data"
