@@ -79,8 +79,9 @@ def show(path: CheckPath) -> Response:
 def _read_program(file: FileStorage, benchmark: Benchmark) -> PreparedProgram:
     """Read and lint a program; raises UploadRejected."""
     stream, limit = cast("BinaryIO", file.stream), services().settings.upload_max_bytes
+    owner, name = access.viewer().owner or "", file.filename or ""
     reader = services().reader
-    return reader.read_upload(stream, file.filename or "", limit=limit, role=benchmark.role)
+    return reader.read_upload(stream, name, owner=owner, limit=limit, role=benchmark.role)
 
 
 def _enqueue(benchmark: Benchmark, config: Configuration, prepared: PreparedProgram) -> int:

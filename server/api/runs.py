@@ -71,7 +71,11 @@ def _store(file: FileStorage, benchmark: Benchmark) -> StoredProgram:
     settings = services().settings
     stream, limit = cast("BinaryIO", file.stream), settings.upload_max_bytes
     prepared = services().reader.read_upload(
-        stream, file.filename or "", limit=limit, role=benchmark.role
+        stream,
+        file.filename or "",
+        owner=access.viewer().owner or "",
+        limit=limit,
+        role=benchmark.role,
     )
     prepared.require_clean()
     return store.save(prepared, settings)

@@ -60,7 +60,11 @@ def _save_text(benchmark: Benchmark, posted: dict[str, str]) -> StoredProgram:
 def _save(benchmark: Benchmark, stream: BinaryIO, filename: str) -> StoredProgram:
     settings = services().settings
     prepared = services().reader.read_upload(
-        stream, filename, limit=settings.upload_max_bytes, role=benchmark.role
+        stream,
+        filename,
+        owner=g.viewer.owner or "",
+        limit=settings.upload_max_bytes,
+        role=benchmark.role,
     )
     prepared.require_clean()
     return store.save(prepared, settings)

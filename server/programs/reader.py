@@ -14,10 +14,12 @@ from typing import Any, BinaryIO
 from seamark.sandbox.languages import LANGUAGES
 from seamark.server.programs import preparation
 from seamark.server.programs.diagnostics import Diagnostic, Stage
+from seamark.server.programs.fair_places import FairPlaces, PlacesBusy
 from seamark.server.programs.preparation import PreparedProgram, UploadRejected, UploadTooLarge
 
 PLACES = 2  # uploads of one web process that are read at the same time; the others wait
 WAIT_S = 15.0  # for a place
+WAITING_MAX = 3  # uploads of one account: each has a thread of the web server
 WALL_S = 20.0  # the CPU time is limited in `reader_process`; this catches a machine that is busy
 _CHUNK = 64 * 1024
 _COMMAND = (sys.executable, "-I", "-m", "seamark.server.programs.reader_process")
@@ -37,18 +39,20 @@ class ProgramReader:
     """Reads uploads in limited processes, of which one waits ready for the next upload."""
 
     def __init__(self) -> None:
-        self._places = threading.BoundedSemaphore(PLACES)
+        self._places = FairPlaces(PLACES, wait_s=WAIT_S, waiting_max=WAITING_MAX)
         self._lock = threading.Lock()
         self._spare: subprocess.Popen[bytes] | None = None
         self._closed = False
 
     def read_upload(
-        self, stream: BinaryIO, filename: str, *, limit: int, role: str
+        self, stream: BinaryIO, filename: str, *, owner: str, limit: int, role: str
     ) -> PreparedProgram:
         """Read an upload into normal form.
 
         Parameters
         ----------
+        owner
+            Whose upload it is: one of each owner is read at a time.
         limit : int [B]
             A larger upload is rejected without reading the rest; source files already at
             `preparation.TEXT_MAX_BYTES`.
@@ -67,12 +71,11 @@ class ProgramReader:
         if language is not None and LANGUAGES[language].is_text:
             limit = min(limit, preparation.TEXT_MAX_BYTES)
         source = _read(stream, limit)
-        if not self._places.acquire(timeout=WAIT_S):
-            raise ReaderBusy("Many programs are being uploaded.")
         try:
-            return self._prepare(source, name, role)
-        finally:
-            self._places.release()
+            with self._places.taken(owner):
+                return self._prepare(source, name, role)
+        except PlacesBusy:
+            raise ReaderBusy("Many programs are being uploaded.") from None
 
     def close(self) -> None:
         """End the process that waits."""

@@ -15,11 +15,11 @@ from seamark.sandbox.isolation.proc_stats import tree
 from seamark.server import workers
 from seamark.server.checks import queue
 from seamark.server.checks.queue import CheckState, CheckView
-from seamark.server.database.tables import Worker
+from seamark.server.database.tables import Check, Worker
 from seamark.server.runs.states import RunState
 from seamark.server.settings import Settings
 from tests.worker.conftest import LONG, QUICK, Service, service_with
-from tests.worker.service.test_side_processes import MODULES, eventually, pid_of
+from tests.worker.service.test_side_processes import eventually, pid_of
 
 pytestmark = [pytest.mark.slow, pytest.mark.host]
 
@@ -77,7 +77,9 @@ def test_a_check_whose_process_is_killed_is_answered_by_its_successor(service: S
         check_id = queue.enqueue(session, service.user_id("ann"), "currents-v1", {}, program)
     eventually(lambda: _check(service, check_id).state is CheckState.RUNNING)
 
-    os.kill(eventually(lambda: pid_of(MODULES["checks"], worker)), signal.SIGKILL)
+    with service.database.reading() as session:
+        lane = session.get_one(Check, check_id).worker or ""
+    os.kill(eventually(lambda: pid_of(lane, worker)), signal.SIGKILL)
     report = eventually(lambda: _check(service, check_id).report)
 
     assert report["ok"]

@@ -1,8 +1,8 @@
-"""The check process of each worker: checks need not wait behind long runs.
+"""The check processes of each worker: checks need not wait behind long runs.
 
-    python -s -P -m seamark.worker.service.check_loop <parent> <worker> <slot>
+    python -s -P -m seamark.worker.service.check_loop <parent> <lane> <slot>
 
-One check at a time, in a simulator of its own.
+Each carries out one check at a time, in a simulator of its own.
 """
 
 import sys
@@ -48,9 +48,9 @@ class CheckLoop:
         languages: tuple[str, ...],
         stopping: threading.Event,
         *,
-        worker: str,
+        lane: str,
     ) -> None:
-        self._name = f"{worker}/checks"
+        self._name = lane
         self._settings = settings
         self._simulator = simulator
         self._languages = languages
@@ -163,14 +163,14 @@ class CheckLoop:
             raise SimulatorBroken(f"a check took more than {TIMEOUT_S:g} s")
 
 
-def main(parent: str, worker: str, slot_json: str) -> None:
-    """Be the check process of one worker."""
+def main(parent: str, lane: str, slot_json: str) -> None:
+    """Be one of the check processes of a worker."""
     stopping = follow_worker(int(parent))
     log.configure()
     settings = Settings.load()
     slot = WorkerSlot.from_json(slot_json)
     simulator = Simulator(slot, settings.data / "compiled")
-    CheckLoop(settings, simulator, slot.languages, stopping, worker=worker).serve()
+    CheckLoop(settings, simulator, slot.languages, stopping, lane=lane).serve()
 
 
 if __name__ == "__main__":

@@ -21,6 +21,8 @@ from seamark.server.settings import Settings
 from seamark.worker.evaluation.cores import new_locks
 from seamark.worker.evaluation.worker_slot import WorkerSlot
 
+# A user has one check at a time, so that one whose program sleeps never holds both.
+CHECK_LANES = 2
 _log = structlog.get_logger()
 
 
@@ -62,9 +64,11 @@ class Host:
         parent = str(os.getpid())
         commands = {"maintenance": ["-m", "seamark.worker.service.maintenance", parent]}
         if self.languages:
-            slot = self._slot(max(os.sched_getaffinity(0))).to_json()
-            arguments = [parent, self.name, slot]
-            commands["checks"] = ["-m", "seamark.worker.service.check_loop", *arguments]
+            cores = sorted(os.sched_getaffinity(0), reverse=True)
+            for number in range(CHECK_LANES):
+                lane, slot = f"checks-{number + 1}", self._slot(cores[number % len(cores)])
+                arguments = [parent, f"{self.name}/{lane}", slot.to_json()]
+                commands[lane] = ["-m", "seamark.worker.service.check_loop", *arguments]
         return commands
 
     def heartbeat(self, processes: dict[str, str]) -> None:

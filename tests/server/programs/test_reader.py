@@ -24,8 +24,11 @@ def reader() -> Iterator[ProgramReader]:
         yield reader
 
 
-def _read(reader: ProgramReader, source: bytes, name: str = "mine.py") -> PreparedProgram:
-    return reader.read_upload(io.BytesIO(source), name, limit=LIMIT, role="controller")
+def _read(
+    reader: ProgramReader, source: bytes, name: str = "mine.py", owner: str = "ann"
+) -> PreparedProgram:
+    stream = io.BytesIO(source)
+    return reader.read_upload(stream, name, owner=owner, limit=LIMIT, role="controller")
 
 
 def _archive(files: dict[str, bytes]) -> bytes:
@@ -61,7 +64,7 @@ def test_an_upload_too_large_is_not_read_to_its_end(reader: ProgramReader) -> No
     stream = io.BytesIO(b"x" * 10_000_000)
 
     with pytest.raises(UploadRejected, match="larger than"):
-        reader.read_upload(stream, "a.py", limit=1000, role="controller")
+        reader.read_upload(stream, "a.py", owner="ann", limit=1000, role="controller")
 
     assert stream.tell() < 200_000
 
@@ -126,9 +129,11 @@ def test_an_upload_that_takes_too_long_is_refused_and_the_next_one_read(
 
 
 def test_uploads_of_several_threads_get_their_own_answers(reader: ProgramReader) -> None:
-    sources = [GOOD + b"# %d\n" % number for number in range(12)]
+    sources = {f"user{number}": GOOD + b"# %d\n" % number for number in range(12)}
 
     with ThreadPoolExecutor(6) as threads:
-        read = threads.map(lambda source: _read(reader, source).content, sources)
+        read = threads.map(
+            lambda owner: _read(reader, sources[owner], owner=owner).content, sources
+        )
 
-    assert list(read) == sources
+    assert list(read) == list(sources.values())

@@ -123,7 +123,7 @@ def test_the_largest_uploads_and_an_fmu_of_five_mib_get_into_a_box(isolation, tm
     whole.seek(0)
 
     with closing(ProgramReader()) as reader:
-        kept = reader.read_upload(whole, "pi.fmu", limit=most, role="controller")
+        kept = reader.read_upload(whole, "pi.fmu", owner="ann", limit=most, role="controller")
     upload = evaluated(
         (kept.content, kept.name), STRONG_CURRENT | {"control_heave": True}, isolation
     )

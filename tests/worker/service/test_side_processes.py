@@ -17,9 +17,10 @@ from seamark.worker.service.side_processes import SideProcesses
 from tests.worker.conftest import Service
 from tests.worker.processes import children, command_line
 
-MODULES = {
+MARKS = {  # side process -> a part of its command line
     "maintenance": "seamark.worker.service.maintenance",
-    "checks": "seamark.worker.service.check_loop",
+    "checks-1": "/checks-1",
+    "checks-2": "/checks-2",
 }
 DIES = ["-c", "raise SystemExit(3)"]
 LIVES = ["-c", "import time; time.sleep(600)"]
@@ -36,9 +37,9 @@ def eventually(find: Callable[[], _Found | None], seconds: float = 60.0) -> _Fou
     return found
 
 
-def pid_of(module: str, worker: int) -> int | None:
-    """Return the side process of a worker that runs a module; None while there is none."""
-    found = [pid for pid in tree(worker) if module.encode() in command_line(pid)]
+def pid_of(mark: str, worker: int) -> int | None:
+    """Return the side process of a worker with a mark; None while there is none."""
+    found = [pid for pid in tree(worker) if mark.encode() in command_line(pid)]
     return found[0] if found else None
 
 
@@ -55,18 +56,18 @@ def is_running(service: Service) -> WorkerStatus | None:
 
 @pytest.mark.slow
 @pytest.mark.host
-@pytest.mark.parametrize("name", list(MODULES))
+@pytest.mark.parametrize("name", list(MARKS))
 def test_a_side_process_that_is_killed_runs_again_and_its_worker_stays_alive(
     running: Service, name: str
 ) -> None:
     worker = running.workers[0].pid
-    killed = eventually(lambda: pid_of(MODULES[name], worker))
+    killed = eventually(lambda: pid_of(MARKS[name], worker))
 
     os.kill(killed, signal.SIGKILL)
     restarting = eventually(
         lambda: (now := status(running)) and now.broken_processes.get(name), seconds=10.0
     )
-    started = eventually(lambda: pid_of(MODULES[name], worker))
+    started = eventually(lambda: pid_of(MARKS[name], worker))
 
     assert restarting.startswith("restarting since ")
     assert started != killed
@@ -81,7 +82,7 @@ def test_a_run_without_a_ticket_is_evaluated_even_after_maintenance_was_killed(
     worker = running.workers[0].pid
     run_id = running.queue()  # only maintenance sends its ticket
 
-    os.kill(eventually(lambda: pid_of(MODULES["maintenance"], worker)), signal.SIGKILL)
+    os.kill(eventually(lambda: pid_of(MARKS["maintenance"], worker)), signal.SIGKILL)
 
     assert running.ended(run_id).state is RunState.SUCCEEDED
 
