@@ -24,6 +24,7 @@ LAST_REQUEST_S = 1.0  # for the request of a connection that was accepted just b
 class Protocol(H11Protocol):
     """HTTP/1.1 with a deadline for the head of a request, which uvicorn has not."""
 
+    head_s = HEAD_S
     _deadline: asyncio.TimerHandle | None = None
     _last = False
 
@@ -71,7 +72,7 @@ class Protocol(H11Protocol):
             self.transport.close()
 
     def _await_head(self) -> None:
-        self._deadline = self.loop.call_later(HEAD_S, self.transport.abort)
+        self._deadline = self.loop.call_later(self.head_s, self.transport.abort)
 
     def _stop_waiting(self) -> None:
         if self._deadline is not None:

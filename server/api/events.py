@@ -71,7 +71,8 @@ def stream(path: RunPath, query: EventsQuery) -> Response:
         return _response(_frames(run, replayed, shows_log=shows_log))
     if services().streams.full:
         raise Problem("streams-full", headers={"Retry-After": str(FULL_RETRY_S)})
-    response = _response((events.greeting(), events.state(state_values(run)).data))
+    # An iterator: of a sequence the length would be known, and nothing could follow.
+    response = _response(iter((events.greeting(), events.state(state_values(run)).data)))
     request.environ[CONTINUATION] = _follower(run.id, after, shows_log=shows_log)
     return response
 

@@ -79,7 +79,7 @@ class AsgiApplication:
         with body.file:
             environ["wsgi.input"] = body.file
             environ["CONTENT_LENGTH"] = str(body.length)
-            await self._answer(_Call(self._wsgi, environ), body, scope, receive, send)
+            await self._answer(_Call(self._wsgi, environ), scope, receive, send)
 
     async def _body(self, environ: Environ, receive: Receive) -> ReceivedBody:
         length = environ.pop("CONTENT_LENGTH", "")
@@ -87,15 +87,12 @@ class AsgiApplication:
         limit = self._body_max(environ.get("CONTENT_TYPE", ""))
         return await receive_body(receive, declared=declared, limit=limit)
 
-    async def _answer(
-        self, call: _Call, body: ReceivedBody, scope: Scope, receive: Receive, send: Send
-    ) -> None:
-        # After the body, `receive` returns when the client has gone.
-        gone = asyncio.ensure_future(receive() if body.complete else asyncio.Event().wait())
+    async def _answer(self, call: _Call, scope: Scope, receive: Receive, send: Send) -> None:
+        gone = asyncio.ensure_future(_until_gone(receive))
         abort = scope.get("extensions", {}).get(ABORT, lambda: None)
         try:
             part: bytes | None = await self._in_thread(call.begin)
-            await send(call.head(closes=not body.complete))
+            await send(call.head)
             while part is not None and not gone.done():
                 await send(_body(part))
                 part = None if call.exhausted else await self._in_thread(call.next_part)
@@ -117,7 +114,7 @@ class _Call:
         self.exhausted = False
         self._wsgi, self._environ = wsgi, environ
         self._pieces: Iterable[bytes] = ()
-        self._head: dict[str, Any] = {}
+        self.head: dict[str, Any] = {}  # the message that starts the response
 
     @property
     def continuation(self) -> Continuation | None:
@@ -148,22 +145,23 @@ class _Call:
         if close is not None:
             close()
 
-    def head(self, *, closes: bool) -> dict[str, Any]:
-        """Return the message that starts the response."""
-        extra = [(b"connection", b"close")] if closes else []
-        return self._head | {"headers": self._head["headers"] + extra}
-
     def _start_response(
         self, status: str, headers: list[tuple[str, str]], exc_info: object = None
     ) -> Callable[[bytes], None]:
         encoded = [(name.lower().encode("latin-1"), v.encode("latin-1")) for name, v in headers]
         code = int(status.split(" ", 1)[0])
-        self._head = {"type": "http.response.start", "status": code, "headers": encoded}
+        self.head = {"type": "http.response.start", "status": code, "headers": encoded}
         return _no_write
 
 
 def _no_write(_: bytes) -> None:
     raise NotImplementedError("applications of today return their response")
+
+
+async def _until_gone(receive: Receive) -> None:
+    """Return when the client has gone; what it sends of a body that is too large is discarded."""
+    while (await receive())["type"] != "http.disconnect":
+        pass
 
 
 async def _continue(parts: AsyncGenerator[bytes, None], send: Send) -> None:

@@ -33,10 +33,11 @@ class ReceivedBody:
 
     file: IO[bytes]
     length: int  # as declared or as received; more than the limit if it is too large
-    complete: bool  # otherwise more of it is on its way, and the connection cannot be reused
 
 
-async def receive_body(receive: Receive, *, declared: int | None, limit: int) -> ReceivedBody:
+async def receive_body(
+    receive: Receive, *, declared: int | None, limit: int, patience_s: float = PATIENCE_S
+) -> ReceivedBody:
     """Return the body; one beyond the limit is not received any further.
 
     Raises
@@ -46,12 +47,12 @@ async def receive_body(receive: Receive, *, declared: int | None, limit: int) ->
     """
     file: IO[bytes] = SpooledTemporaryFile(max_size=IN_MEMORY_BYTES)
     if declared is not None and declared > limit:
-        return ReceivedBody(file, declared, complete=False)
+        return ReceivedBody(file, declared)
     length, more = 0, True
     started_at = asyncio.get_running_loop().time()
     try:
         while more:
-            allowed_s = PATIENCE_S + length / SLOWEST_BYTES_PER_S
+            allowed_s = patience_s + length / SLOWEST_BYTES_PER_S
             async with asyncio.timeout_at(started_at + allowed_s):
                 message = await receive()
             if message["type"] == "http.disconnect":
@@ -69,7 +70,7 @@ async def receive_body(receive: Receive, *, declared: int | None, limit: int) ->
         file.close()
         raise
     file.seek(0)
-    return ReceivedBody(file, length, complete=not more)
+    return ReceivedBody(file, length)
 
 
 async def _write(file: IO[bytes], chunk: bytes, length: int) -> None:

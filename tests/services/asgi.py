@@ -1,0 +1,52 @@
+"""A WSGI application behind the web server's protocol, in a thread of the test."""
+
+import asyncio
+import socket
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from http.client import HTTPResponse
+
+from uvicorn.config import Config
+from uvicorn.server import Server
+
+from seamark.embedded.web_worker import Protocol
+from seamark.server.web.asgi import AsgiApplication, WsgiApplication
+
+BODY_MAX = 1_000_000
+
+
+@contextmanager
+def serving(
+    wsgi: WsgiApplication, protocol: type[Protocol] = Protocol
+) -> Iterator[Callable[[bytes], socket.socket]]:
+    """Yield a function that connects and sends the bytes of a request."""
+    application = AsgiApplication(wsgi, lambda _content_type: BODY_MAX)
+    config = Config(
+        application, http=protocol, ws="none", lifespan="off", interface="asgi3", log_config=None
+    )
+    server = Server(config)
+    with socket.socket() as listener:
+        listener.bind(("127.0.0.1", 0))
+        listener.listen(100)
+        address = listener.getsockname()
+        thread = threading.Thread(target=lambda: asyncio.run(server.serve([listener])))
+        thread.start()
+
+        def connect(request: bytes) -> socket.socket:
+            connection = socket.create_connection(address, timeout=60)
+            connection.sendall(request)
+            return connection
+
+        try:
+            yield connect
+        finally:
+            server.should_exit = server.force_exit = True
+            thread.join()
+
+
+def answer_of(connection: socket.socket, method: str = "GET") -> tuple[HTTPResponse, bytes]:
+    """Return the answer and its body."""
+    with connection, HTTPResponse(connection, method=method) as answer:
+        answer.begin()
+        return answer, answer.read()
