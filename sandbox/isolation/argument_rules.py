@@ -33,6 +33,9 @@ AF_UNIX = 1
 # PEEK TRUNC DONTWAIT EOR WAITALL NOSIGNAL MORE CMSG_CLOEXEC (linux/socket.h), hence not OOB: its
 # code has no use here, and had flaws (CVE-2025-38236)
 MSG_ALLOWED = 0x2 | 0x20 | 0x40 | 0x80 | 0x100 | 0x4000 | 0x8000 | 0x40000000
+# TYPE ERROR SNDBUF RCVBUF RCVTIMEO SNDTIMEO ACCEPTCONN PROTOCOL DOMAIN, hence not PEERCRED,
+# PEERPIDFD and PEERGROUPS: they describe the worker (asm-generic/socket.h)
+SOCKET_OPTIONS_ALLOWED = (3, 4, 7, 8, 20, 21, 30, 38, 39)
 # TCGETS TIOCGWINSZ FIONREAD FIONBIO FIONCLEX FIOCLEX (asm-generic/ioctls.h)
 IOCTL_ALLOWED = (0x5401, 0x5413, 0x541B, 0x5421, 0x5450, 0x5451)
 # GET/SET_DUMPABLE SET/GET_NAME GET_SECCOMP SET/GET_NO_NEW_PRIVS SET_VMA (linux/prctl.h)
@@ -72,6 +75,7 @@ REFUSALS: dict[str, tuple[Refusal, ...]] = {
     "pwritev2": (Refusal(5, Test.NOT_LISTED, NO_FLAGS, _UNKNOWN_FLAG),),
     "clone": (Refusal(0, Test.ANY_BIT, (CLONE_NEW_NAMESPACES,)),),
     "socketpair": (Refusal(0, Test.NOT_LISTED, (AF_UNIX,)),),
+    "getsockopt": (Refusal(2, Test.NOT_LISTED, SOCKET_OPTIONS_ALLOWED, errno.ENOPROTOOPT),),
     "ioctl": (Refusal(1, Test.NOT_LISTED, IOCTL_ALLOWED, errno.ENOTTY),),
     "prctl": (Refusal(0, Test.NOT_LISTED, PRCTL_ALLOWED),),
     "setrlimit": (Refusal(0, Test.LISTED, (RLIMIT_CORE,)),),

@@ -89,6 +89,13 @@ def test_clone_creates_no_namespace(flags) -> None:
     ("name", "position", "listed", "match", "other"),
     [
         ("socketpair", 0, (1,), ALLOW, REFUSE),
+        (
+            "getsockopt",
+            2,
+            argument_rules.SOCKET_OPTIONS_ALLOWED,
+            ALLOW,
+            ERRNO | errno.ENOPROTOOPT,
+        ),
         ("ioctl", 1, argument_rules.IOCTL_ALLOWED, ALLOW, ERRNO | errno.ENOTTY),
         ("prctl", 0, argument_rules.PRCTL_ALLOWED, ALLOW, REFUSE),
         ("fcntl", 1, argument_rules.FCNTL_REFUSED, REFUSE, ALLOW),
