@@ -1,4 +1,15 @@
-"""Text of programs for terminals, pages and logs: nothing in it acts on what displays it."""
+"""Text of programs and people for terminals, pages and logs: it acts on nothing that shows it."""
+
+import unicodedata
+
+
+def visible_text(text: str, *, keep: str = "") -> str:
+    """Return the text without control, invisible and unassigned characters, except for `keep`.
+
+    For names and titles, in which nobody misses them: they could turn the direction of the text
+    around, or make two names look the same.
+    """
+    return "".join(c for c in text if c in keep or _is_visible(c))
 
 
 def printable_text(text: str) -> str:
@@ -16,6 +27,11 @@ def _printable_line(line: str) -> str:
     if line.isprintable():  # nearly all are
         return line
     return "".join(c if c.isprintable() or c == "\t" else _escape(c) for c in line)
+
+
+def _is_visible(character: str) -> bool:
+    category = unicodedata.category(character)
+    return category[0] != "C" and category not in {"Zl", "Zp"}
 
 
 def _escape(character: str) -> str:

@@ -13,6 +13,7 @@ from argon2.exceptions import InvalidHashError, VerificationError
 from sqlalchemy import delete, func, select, update
 from sqlalchemy.orm import Session
 
+from seamark.sandbox.printable_text import visible_text
 from seamark.server.accounts.permissions import (
     SCOPES,
     Role,
@@ -141,7 +142,7 @@ def new_token(
     now = time.time()
     token = Token(
         user_id=user_id,
-        name=name.strip()[:TOKEN_NAME_MAX] or "token",
+        name=visible_text(name).strip()[:TOKEN_NAME_MAX] or "token",
         hash=secret_hash(text),
         scopes=granted,
         created_at=now,

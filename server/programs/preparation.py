@@ -4,12 +4,12 @@ The work on content that nobody trusts takes place in a limited process (`reader
 Python is quadratic in some sources, and an archive expands.
 """
 
-import unicodedata
 from dataclasses import dataclass
 
 from seamark.sandbox.languages import LANGUAGES, language_of
 from seamark.sandbox.languages.python import PYTHON
 from seamark.sandbox.limits import Limits
+from seamark.sandbox.printable_text import visible_text
 from seamark.server.programs import archives, python_lint
 from seamark.server.programs.archives import ArchiveRefused
 from seamark.server.programs.diagnostics import Diagnostic
@@ -65,7 +65,7 @@ def prepare(source: bytes, filename: str, *, role: str = "controller") -> Prepar
 def clean_name(filename: str) -> str:
     """Return the last part of a client's file name, without control characters."""
     last = filename[-4 * NAME_MAX :].replace("\\", "/").rsplit("/", 1)[-1]
-    name = "".join(c for c in last if unicodedata.category(c)[0] != "C").strip()[-NAME_MAX:]
+    name = visible_text(last).strip()[-NAME_MAX:]
     if not name.strip("."):
         raise UploadRejected("The file has no name.")
     return name

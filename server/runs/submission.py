@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from sqlalchemy.orm import Session
 
 from seamark.sandbox.languages import role_refusal
+from seamark.sandbox.printable_text import visible_text
 from seamark.server import storage, workers
 from seamark.server.accounts.permissions import Action, Viewer, can
 from seamark.server.database.advisory_locks import AdvisoryLock, acquire
@@ -258,8 +259,8 @@ def _row(valid: ValidSubmission) -> Run:
         program_sha256=program.sha256 if program else None,
         program_name=program.name if program else None,
         language=program.language if program else None,
-        title=submission.title.strip()[:TITLE_MAX],
-        notes=submission.notes.strip()[:NOTES_MAX],
+        title=visible_text(submission.title).strip()[:TITLE_MAX],
+        notes=visible_text(submission.notes, keep="\n\t").strip()[:NOTES_MAX],
         rerun_of=submission.rerun_of,
         state=RunState.QUEUED,
         queued_at=time.time(),

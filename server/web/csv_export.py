@@ -6,7 +6,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 MEDIA_TYPE = "text/csv; charset=utf-8"
-_FORMULA = ("=", "+", "-", "@", "\t")  # a spreadsheet would evaluate such a cell as a formula
+# A spreadsheet would evaluate a cell that starts so as a formula; the last four are wide forms.
+_FORMULA = ("=", "+", "-", "@", "\uff1d", "\uff0b", "\uff0d", "\uff20")
 
 
 def lines(columns: Sequence[str], rows: Iterable[Mapping[str, Any]], *, header: bool = True) -> str:
@@ -20,4 +21,9 @@ def lines(columns: Sequence[str], rows: Iterable[Mapping[str, Any]], *, header: 
 
 
 def _cell(value: Any) -> Any:
-    return f"'{value}" if isinstance(value, str) and value.startswith(_FORMULA) else value
+    if not isinstance(value, str):
+        return value
+    text = value.replace(
+        "\r", " "
+    )  # the writer does not quote it, and a reader may end a row there
+    return f"'{text}" if text.lstrip().startswith(_FORMULA) else text

@@ -1,5 +1,7 @@
 """Security headers of all responses."""
 
+from urllib.parse import urlsplit, urlunsplit
+
 from flask import Flask, Response, request
 
 # No inline scripts or styles: malicious file names and logs are never executed, even if escaping
@@ -42,4 +44,14 @@ def register(app: Flask, *, public: bool) -> None:
         if request.endpoint != "static":
             # Pages depend on who views them, so shared caches must not store them.
             response.headers.setdefault("Cache-Control", "private, no-cache")
+        return response
+
+    @app.after_request
+    def redirect_to_paths(response: Response) -> Response:
+        """Name no host in redirects: the router takes it from the request, where it is forged."""
+        target = urlsplit(response.headers.get("Location", ""))
+        if target.netloc:
+            path = "/" + target.path.lstrip("/")
+            response.headers["Location"] = urlunsplit(("", "", path, target.query, target.fragment))
+            response.set_data(b"")  # the router's page names the host too
         return response

@@ -1,6 +1,6 @@
 import pytest
 
-from seamark.sandbox.printable_text import printable_text
+from seamark.sandbox.printable_text import printable_text, visible_text
 
 
 @pytest.mark.parametrize(
@@ -22,3 +22,8 @@ def test_what_would_act_on_a_terminal_or_reader_is_shown_as_an_escape(
     text: str, shown: str
 ) -> None:
     assert printable_text(text) == shown
+
+
+def test_visible_text_loses_what_a_name_does_not_show() -> None:
+    assert visible_text("a\u202eb\u2066\u200f\u2028\x1b\0\n\ud800c é水🚀") == "abc é水🚀"
+    assert visible_text("two\n\tlines\r", keep="\n\t") == "two\n\tlines"

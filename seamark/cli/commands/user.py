@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import csv
 import secrets
-import sys
 from pathlib import Path
 from typing import TextIO
 
@@ -74,10 +72,11 @@ def import_names(file: TextIO, data: Path | None) -> None:
       seamark user import pupils.txt > passwords.csv
     """
     from seamark.server.accounts import accounts
+    from seamark.server.web import csv_export
 
     database = database_of(settings_of(data))
-    table = csv.writer(sys.stdout, lineterminator="\n")
-    table.writerow(("name", "password", "refused"))
+    columns = ("name", "password", "refused")
+    click.echo(csv_export.lines(columns, ()), nl=False)
     for name in filter(None, (line.partition(",")[0].strip() for line in file)):
         drawn, refused = secrets.token_urlsafe(12), ""
         try:
@@ -85,7 +84,8 @@ def import_names(file: TextIO, data: Path | None) -> None:
                 accounts.sign_up(session, name, drawn)
         except accounts.AccountRejected as reason:
             drawn, refused = "", str(reason)
-        table.writerow((name, drawn, refused))
+        row = {"name": name, "password": drawn, "refused": refused}
+        click.echo(csv_export.lines(columns, (row,), header=False), nl=False)
 
 
 @user.command()
