@@ -37,7 +37,12 @@ def test_no_unsafe_route_accepts_a_cookie_without_the_csrf_token(site: Site) -> 
     for rule in site.app.url_map.iter_rules():
         for method in (rule.methods or set()) & UNSAFE:
             tried += 1
-            for options in ({"data": FORM}, {"json": RUN}, {"data": {"csrf_token": "guessed"}}):
+            bodies: tuple[dict[str, Any], ...] = (
+                {"data": FORM},
+                {"json": RUN},
+                {"data": {"csrf_token": "guessed"}},
+            )
+            for options in bodies:
                 client = site.browser("root").client
                 answer = client.open(_filled_in(rule), method=method, **options)
                 if answer.status_code != 403 or answer.headers.get("Location"):

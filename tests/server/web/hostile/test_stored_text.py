@@ -49,7 +49,7 @@ class Markup(HTMLParser):
         values = dict(attrs)
         if tag in {"iframe", "base", "object", "embed", "style"}:
             self.found.append(tag)
-        if tag == "script" and not values.get("src", "/static/").startswith("/static/"):
+        if tag == "script" and not (values.get("src") or "/static/").startswith("/static/"):
             self.found.append(f"script of {values['src']}")
         if tag == "script" and "src" not in values and values.get("type") != "application/json":
             self.found.append("script")
