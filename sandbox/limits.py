@@ -20,7 +20,7 @@ class Limits:
     """What all processes of one box may use together.
 
     CPU time is the fair limit: it does not grow when the machine is busy. The wall times are
-    backstops for programs that sleep or hang.
+    backstops for programs that sleep or hang; time in which the host runs others does not count.
     """
 
     cpu_s: float = 60.0  # [s] all processes of the box, from the program's arrival to its end

@@ -52,7 +52,7 @@ MAP_HUGETLB = 0x40000  # a stock of the whole host, which counts for no box (lin
 # PAGEOUT (empty the page cache)
 MADVISE_ALLOWED = (0, 1, 2, 3, 4, 8, 10, 11, 14, 15, 16, 17, 18, 19, 22, 23, 25, 102, 103)
 # At the lowest value it can have, 1, no handler of crashes is started on the host; at 0, the usual
-# way to switch core dumps off, one is (core(5); the kernel's do_coredump).
+# way to switch core dumps off, one is (core(5), fs/coredump.c).
 RLIMIT_CORE = 4  # asm-generic/resource.h
 NO_FLAGS = (0,)  # RWF_NOWAIT shows what is in the page cache
 
