@@ -63,8 +63,8 @@ def database_url(tmp_path: Path) -> str:
 def _postgres() -> Iterator[str]:
     if reason := postgres.reason_unavailable():
         pytest.skip(reason)
-    with postgres.server() as folder:
-        yield folder
+    with postgres.server() as server:
+        yield server.folder
 
 
 @pytest.fixture

@@ -6,6 +6,7 @@ parent folders. So its binaries are run directly, and by root in a user namespac
 
 import os
 import pwd
+import signal
 import subprocess
 import tempfile
 import time
@@ -42,34 +43,52 @@ def reason_unavailable() -> str:
     return "" if probe.returncode == 0 else "user namespaces are not allowed here"
 
 
+class Server:
+    """A server in a folder of its own; it can be stopped and started again on the same data."""
+
+    def __init__(self, folder: str) -> None:
+        programs = binaries()
+        assert programs is not None
+        self.folder = folder  # of its socket
+        self._programs = programs
+        self._process: subprocess.Popen[bytes] | None = None
+        where = ["-D", f"{folder}/data", "-A", "trust", "-U", "postgres", "--no-sync"]
+        initdb = [*_as_another_user(), str(programs / "initdb"), *where]
+        subprocess.run(initdb, check=True, capture_output=True, cwd=folder)
+
+    @property
+    def pid(self) -> int | None:
+        """The main process; None while it is stopped."""
+        return None if self._process is None else self._process.pid
+
+    def start(self) -> None:
+        """Start the server and wait until it answers."""
+        options = ["-k", self.folder, "-c", "listen_addresses=", "-c", "fsync=off"]
+        postgres = [str(self._programs / "postgres"), "-D", f"{self.folder}/data", *options]
+        with Path(self.folder, "log").open("ab") as log:
+            self._process = subprocess.Popen(
+                [*_as_another_user(), *postgres], stderr=log, stdout=log, cwd=self.folder
+            )
+        _wait_until_ready(self._programs, self.folder)
+
+    def stop(self, number: signal.Signals = signal.SIGINT) -> None:
+        """Stop the server: SIGINT ends the connections, SIGQUIT leaves the rest to recovery."""
+        if self._process is not None:
+            self._process.send_signal(number)
+            self._process.wait(timeout=30)
+            self._process = None
+
+
 @contextmanager
-def server() -> Iterator[str]:
-    """Yield the socket folder of a new server whose superuser is `postgres`."""
-    programs = binaries()
-    assert programs is not None
+def server() -> Iterator[Server]:
+    """Yield a new server whose superuser is `postgres`."""
     with tempfile.TemporaryDirectory(prefix="pg") as folder:
-        data = f"{folder}/data"
-        initdb = [
-            str(programs / "initdb"),
-            "-D",
-            data,
-            "-A",
-            "trust",
-            "-U",
-            "postgres",
-            "--no-sync",
-        ]
-        subprocess.run([*_as_another_user(), *initdb], check=True, capture_output=True, cwd=folder)
-        options = ["-k", folder, "-c", "listen_addresses=", "-c", "fsync=off"]
-        command = [*_as_another_user(), str(programs / "postgres"), "-D", data, *options]
-        log = Path(folder, "log").open("wb")
-        with log, subprocess.Popen(command, stderr=log, stdout=log, cwd=folder) as process:
-            try:
-                _wait_until_ready(programs, folder)
-                yield folder
-            finally:
-                process.send_signal(2)  # SIGINT: fast shutdown
-                process.wait(timeout=30)
+        made = Server(folder)
+        made.start()
+        try:
+            yield made
+        finally:
+            made.stop()
 
 
 @contextmanager

@@ -36,7 +36,11 @@ from seamark.worker.zygote.client import Simulation, Simulator, SimulatorBroken
 CANCEL_POLL_S = 0.4  # [s] between two checks of whether the run was cancelled
 START_STALL_S = 600.0  # [s] the very first start compiles the simulator
 STALL_S = 90.0  # [s] without a message from a simulation that has started
+STORE_RETRY_S = 1.0
+DATABASE_AWAY = (OperationalError, InterfaceError)
 LOG_TAIL = 2000  # [character] of the log shown with a failure
+
+_log = structlog.get_logger()
 
 
 class LeaseEnded(Exception):
@@ -61,7 +65,7 @@ class RunContext:
 
 def evaluate(context: RunContext, claim: Claim) -> bool:
     """Evaluate one claimed run and store how it ended; False if the platform failed."""
-    log = structlog.get_logger().bind(run=claim.run_id, attempt=claim.attempt)
+    log = _log.bind(run=claim.run_id, attempt=claim.attempt)
     log.info("run_started", benchmark=claim.benchmark, kind=claim.kind, worker=claim.worker)
     try:
         driver = RunDriver(context, claim)
@@ -77,6 +81,8 @@ def _drive(driver: "RunDriver", log: structlog.typing.FilteringBoundLogger) -> b
     try:
         report = driver.run()
         stored = driver.store(report)
+        if not stored and driver.cancelled():  # meanwhile
+            driver.store_cancelled()
     except LeaseEnded as ended:
         log.info("run_stopped", why=ended.status.name.lower())
         if ended.status is LeaseStatus.CANCELLED:
@@ -94,7 +100,7 @@ def _drive(driver: "RunDriver", log: structlog.typing.FilteringBoundLogger) -> b
         driver.discard()
         driver.release(AttemptEnd.STORAGE_FAILED)
         return False
-    except (OperationalError, InterfaceError) as away:  # the lease ends, and the run is repeated
+    except DATABASE_AWAY as away:  # the lease ends, and the run is repeated
         log.error("database_away", why=str(away))
         return False
     seconds = round(time.monotonic() - started_at, 3)
@@ -113,6 +119,7 @@ class RunDriver:
         self._trial_s = benchmark.trial_duration_s(benchmark.read(claim.config))
         self._recorder = RunRecorder(self._files, trial_s=self._trial_s)
         self._poll_at = self._heartbeat_at = 0.0
+        self._away = False  # the database
 
     def run(self) -> Report:
         """Run the simulation and return its report.
@@ -135,8 +142,7 @@ class RunDriver:
         if report.metrics is not None:
             self._files.write_json("metrics.json", report.metrics)
         report = replace(report, data_bytes=self._data_bytes())
-        with self._context.database.writing() as session:
-            stored = results.finish(session, self._claim, report)
+        stored = self._finish(report)
         if stored:
             self._live.state(report.state, progress=report.progress, t_simulated=report.t_simulated)
         return stored
@@ -149,6 +155,23 @@ class RunDriver:
     def discard(self) -> None:
         """Remove what this attempt has recorded, to make room."""
         self._files.remove()
+
+    def _finish(self, report: Report) -> bool:
+        """Store the report as soon as the database is there: the evaluation took longer."""
+        while True:
+            try:
+                with self._context.database.writing() as session:
+                    return results.finish(session, self._claim, report)
+            except DATABASE_AWAY as error:
+                if self._context.shutting_down():
+                    raise
+                self._database_away(error)
+                time.sleep(STORE_RETRY_S)
+
+    def cancelled(self) -> bool:
+        """Return whether the owner has cancelled the run."""
+        with self._context.database.reading() as session:
+            return run_queue.poll(session, self._claim) is LeaseStatus.CANCELLED
 
     def store_cancelled(self) -> None:
         """Keep what there is of a run that its owner cancelled."""
@@ -187,18 +210,30 @@ class RunDriver:
         """Renew the lease; raise if the run was cancelled, the worker stops or nothing happens."""
         if self._context.shutting_down():
             raise ShuttingDown
-        now = time.monotonic()
+        try:
+            self._watch_lease(time.monotonic())
+        except DATABASE_AWAY as error:
+            # Go on: whether another worker has the run by then is known when the database is back.
+            self._database_away(error)
+        if simulation.silent_s > (STALL_S if simulation.started else START_STALL_S):
+            raise SimulatorBroken(f"no message from the simulator for {simulation.silent_s:.0f} s")
+
+    def _watch_lease(self, now: float) -> None:
         if now >= self._heartbeat_at:
-            self._heartbeat_at = now + self._context.settings.heartbeat_s
             self._poll_at = now + CANCEL_POLL_S
             self._require_storage()
             self._require_lease(self._heartbeat())
+            self._heartbeat_at = now + self._context.settings.heartbeat_s
+            self._away = False
         elif now >= self._poll_at:
             self._poll_at = now + CANCEL_POLL_S
             with self._context.database.reading() as session:
                 self._require_lease(run_queue.poll(session, self._claim))
-        if simulation.silent_s > (STALL_S if simulation.started else START_STALL_S):
-            raise SimulatorBroken(f"no message from the simulator for {simulation.silent_s:.0f} s")
+
+    def _database_away(self, error: Exception) -> None:
+        if not self._away:
+            _log.warning("database_away", run=self._claim.run_id, error=str(error))
+        self._away = True
 
     def _heartbeat(self) -> LeaseStatus:
         progress, t_simulated = self._progress(), self._recorder.t_simulated

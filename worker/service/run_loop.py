@@ -3,6 +3,7 @@
 import os
 import time
 from collections.abc import Callable
+from contextlib import suppress
 
 import structlog
 from celery import Celery
@@ -12,6 +13,7 @@ from seamark.server import storage
 from seamark.server.database.engine import Database
 from seamark.server.messaging import broker
 from seamark.server.runs import queue as run_queue
+from seamark.server.runs.queue import AttemptEnd, Claim
 from seamark.server.settings import Settings
 from seamark.worker.service.host import Host
 from seamark.worker.service.recovery import announce
@@ -62,13 +64,23 @@ class RunLoop:
             )
         if claim is None:
             return
-        succeeded = evaluate(self._context(), claim)
+        succeeded = self._evaluate(claim)
         self._failures = 0 if succeeded else self._failures + 1
         self._pause()
         with self._database.reading() as session:
             waiting = run_queue.length(session)
-        if waiting and not self._shutting_down():
+        if waiting:  # also when this worker shuts down: another one takes its run over
             broker.send_tickets(self._app)
+
+    def _evaluate(self, claim: Claim) -> bool:
+        """Evaluate a claimed run; whatever happens, it does not keep the lease."""
+        try:
+            return evaluate(self._context(), claim)
+        except Exception:
+            _log.exception("run_not_evaluated", run=claim.run_id, attempt=claim.attempt)
+        with suppress(SQLAlchemyError), self._database.writing() as session:
+            run_queue.release(session, claim, AttemptEnd.EVALUATION_BROKE, settings=self._settings)
+        return False
 
     def _recover(self) -> None:
         """Queue the run that the predecessor of this process was evaluating when it died."""

@@ -1,0 +1,154 @@
+"""What can happen to a service: each fault is injected once, and is over when its function returns.
+
+`chance` decides when and where; what it cannot decide is how far a run has come by then.
+"""
+
+import os
+import signal
+import time
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+
+from numpy.random import Generator
+from sqlalchemy import update
+
+from seamark.server.database.tables import Run, Worker
+from seamark.server.messaging import broker
+from seamark.server.runs.states import RunState
+from tests.chaos.installation import CHECK_LOOP, MAINTENANCE, WORKERS, Installation
+
+Fault = Callable[[Installation, Generator], None]
+HOUR_S = 3600.0
+
+
+def kill_worker(service: Installation, chance: Generator) -> None:
+    """SIGKILL of a worker's main process."""
+    service.restart_worker(service.ready_worker(chance), signal.SIGKILL)
+
+
+def stop_worker(service: Installation, chance: Generator) -> None:
+    """SIGTERM of a worker, which is then replaced: a rolling restart."""
+    service.restart_worker(service.ready_worker(chance), signal.SIGTERM)
+
+
+def kill_pool_child(service: Installation, chance: Generator) -> None:
+    """SIGKILL of the process of the pool."""
+    worker = service.workers[service.ready_worker(chance)].pid
+    _kill(service.pool_child(worker))
+
+
+def kill_simulator(service: Installation, chance: Generator) -> None:
+    """SIGKILL of the process that evaluates a run."""
+    at = service.ready_worker(chance)
+    with service.service.database.reading() as session:
+        # The third broken evaluation of a run is its end, as it should be.
+        broken = session.query(Run).where(Run.state == RunState.RUNNING, Run.failures > 0).count()
+    if not broken:
+        _kill(service.simulator_child(service.workers[at].pid))
+
+
+def kill_maintenance(service: Installation, chance: Generator) -> None:
+    """SIGKILL of the maintenance process of each worker."""
+    _kill_everywhere(service, chance, MAINTENANCE)
+
+
+def kill_check_lane(service: Installation, chance: Generator) -> None:
+    """SIGKILL of the check process of each worker."""
+    _kill_everywhere(service, chance, CHECK_LOOP)
+
+
+def kill_web_server(service: Installation, chance: Generator) -> None:
+    """SIGKILL of one of the web servers."""
+    service.restart_web_server(int(chance.integers(WORKERS)), signal.SIGKILL)
+
+
+def kill_broker(service: Installation, chance: Generator) -> None:
+    """SIGKILL of the broker, which is away for a while."""
+    service.broker.kill()
+    time.sleep(chance.uniform(0.1, 5.0))
+    service.broker.start()
+
+
+def flush_broker(service: Installation, chance: Generator) -> None:
+    """FLUSHALL: all tickets and live events are lost."""
+    service.service.redis.flushall()
+
+
+def confuse_tickets(service: Installation, chance: Generator) -> None:
+    """Tickets that come twice, late and in another order."""
+    redis, keys = service.service.redis, broker.ticket_keys(service.service.app)
+    taken = [(key, ticket) for key in keys for ticket in redis.lrange(key, 0, -1)]
+    for key in keys:
+        redis.delete(key)
+    time.sleep(chance.uniform(0.1, 1.0))
+    for at in chance.permutation(len(taken)):
+        key, ticket = taken[at]
+        redis.rpush(key, *[ticket] * int(chance.integers(1, 4)))
+
+
+def pause_worker(service: Installation, chance: Generator) -> None:
+    """SIGSTOP of all processes of a worker, until its leases have passed to another one."""
+    at = service.ready_worker(chance)
+    processes = Installation.processes(service.workers[at].pid, "")
+    _signal(processes, signal.SIGSTOP)
+    time.sleep(1.5 * service.settings.lease_s)
+    _signal(processes, signal.SIGCONT)
+
+
+def restart_database(service: Installation, chance: Generator) -> None:
+    """PostgreSQL is stopped, cleanly or not, is away for a while, and is started again."""
+    service.database.stop((signal.SIGINT, signal.SIGQUIT)[chance.integers(2)])
+    time.sleep(chance.uniform(0.0, 3.0))
+    service.database.start()
+
+
+def take_storage_away(service: Installation, chance: Generator) -> None:
+    """The data folder is away for a while, as when a network storage is not mounted."""
+    data = service.settings.data
+    away = data.with_suffix(".away")
+    data.rename(away)
+    time.sleep(chance.uniform(0.1, 3.0))
+    away.rename(data)
+
+
+def jump_clock(service: Installation, chance: Generator) -> None:
+    """All clocks jump by an hour: what was written before is an hour older, or in the future."""
+    jump_s = (-HOUR_S, HOUR_S)[chance.integers(2)]
+    with service.service.database.writing() as session:
+        leases = update(Run).where(Run.state == RunState.RUNNING)
+        session.execute(leases.values(lease_until=Run.lease_until - jump_s))
+        session.execute(update(Worker).values(seen_at=Worker.seen_at - jump_s))
+
+
+FAULTS: Mapping[str, Fault] = {
+    "worker killed": kill_worker,
+    "pool child killed": kill_pool_child,
+    "simulator killed": kill_simulator,
+    "maintenance killed": kill_maintenance,
+    "check lane killed": kill_check_lane,
+    "web server killed": kill_web_server,
+    "broker killed": kill_broker,
+    "broker flushed": flush_broker,
+    "tickets confused": confuse_tickets,
+    "worker paused past its lease": pause_worker,
+    "database restarted": restart_database,
+    "storage away": take_storage_away,
+    "clock jumps": jump_clock,
+    "worker stopped": stop_worker,
+}
+
+
+def _kill_everywhere(service: Installation, chance: Generator, module: str) -> None:
+    service.ready_worker(chance)
+    for worker in service.workers:
+        _signal(service.processes(worker.pid, module)[:1], signal.SIGKILL)
+
+
+def _kill(pid: int | None) -> None:
+    _signal([] if pid is None else [pid], signal.SIGKILL)
+
+
+def _signal(pids: list[int], number: signal.Signals) -> None:
+    for pid in pids:
+        with suppress(ProcessLookupError):  # it ended meanwhile
+            os.kill(pid, number)
