@@ -1,6 +1,6 @@
 """The system call filter: an allow-list as a classic BPF program, assembled with `struct`.
 
-Calls that are not allowed fail with EPERM, so that an honest program gets a readable error. A
+Calls that are not allowed fail, most with EPERM, so that an honest program gets a readable error. A
 foreign calling convention (i386, x32) ends the process: its numbers mean other calls.
 Arguments are compared as 32-bit halves, since the kernel uses 32 bits of them (CVE-2019-10063
 was a comparison of 64).
@@ -12,7 +12,7 @@ import struct
 from collections.abc import Iterable
 
 from seamark.sandbox.isolation.argument_rules import REFUSALS, Refusal, Test
-from seamark.sandbox.isolation.system_calls import ALLOWED, NOT_THERE, NUMBERS
+from seamark.sandbox.isolation.system_calls import ALLOWED, NOT_THERE, NUMBERS, WITHOUT_EFFECT
 
 MACHINE = "x86_64"  # the only one whose numbers are in system_calls.py
 
@@ -26,6 +26,7 @@ X32_BIT = 0x40000000
 NUMBER_OFFSET, ARCHITECTURE_OFFSET, ARGUMENTS_OFFSET = 0, 4, 16
 
 REFUSE = ERRNO | errno.EPERM
+SUCCESS = 0  # as an error number: the call returns 0
 
 Instruction = tuple[int, int, int, int]  # code, jump if true, jump if false, operand
 
@@ -41,6 +42,7 @@ def build() -> bytes:
         *_foreign_conventions(),
         *(step for name, refusals in REFUSALS.items() for step in _by_argument(name, refusals)),
         *_always(NOT_THERE, ERRNO | errno.ENOSYS),
+        *_always(WITHOUT_EFFECT, ERRNO | SUCCESS),
         *_always(sorted(ALLOWED, key=lambda name: NUMBERS[name]), ALLOW),
         (RETURN, 0, 0, REFUSE),
     ]

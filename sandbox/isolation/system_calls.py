@@ -145,13 +145,13 @@ ALLOWED = frozenset(
     """read write close stat fstat lstat poll lseek mprotect munmap brk rt_sigaction rt_sigprocmask
 rt_sigreturn pread64 pwrite64 readv writev access pipe select sched_yield mremap msync dup dup2
 pause nanosleep getitimer alarm setitimer getpid sendfile shutdown getsockname getpeername fork
-vfork execve exit wait4 kill uname fsync fdatasync truncate ftruncate getdents getcwd chdir fchdir
-rename mkdir rmdir creat link unlink readlink chmod fchmod umask gettimeofday getrlimit getrusage
-sysinfo times getuid getgid geteuid getegid setpgid getppid getpgrp getgroups getresuid getresgid
-getpgid getsid capget rt_sigpending rt_sigtimedwait rt_sigsuspend sigaltstack getpriority
-sched_getparam sched_getscheduler sched_get_priority_max sched_get_priority_min arch_prctl gettid
-tkill time futex sched_getaffinity epoll_create getdents64 set_tid_address restart_syscall
-timer_create timer_settime timer_gettime timer_getoverrun timer_delete clock_gettime clock_getres
+vfork execve exit wait4 kill uname truncate ftruncate getdents getcwd chdir fchdir rename mkdir
+rmdir creat link unlink readlink chmod fchmod umask gettimeofday getrlimit getrusage sysinfo times
+getuid getgid geteuid getegid setpgid getppid getpgrp getgroups getresuid getresgid getpgid getsid
+capget rt_sigpending rt_sigtimedwait rt_sigsuspend sigaltstack getpriority sched_getparam
+sched_getscheduler sched_get_priority_max sched_get_priority_min arch_prctl gettid tkill time futex
+sched_getaffinity epoll_create getdents64 set_tid_address restart_syscall timer_create
+timer_settime timer_gettime timer_getoverrun timer_delete clock_gettime clock_getres
 clock_nanosleep exit_group epoll_wait epoll_ctl tgkill waitid mkdirat newfstatat unlinkat renameat
 linkat readlinkat fchmodat faccessat pselect6 ppoll set_robust_list get_robust_list epoll_pwait
 eventfd fallocate eventfd2 epoll_create1 dup3 pipe2 preadv pwritev getcpu renameat2 getrandom
@@ -160,3 +160,7 @@ membarrier copy_file_range statx rseq close_range faccessat2 epoll_pwait2 get_me
 
 # glibc then falls back to variants whose arguments the filter can see.
 NOT_THERE = ("clone3", "openat2")
+
+# What a program may write to is memory, but flushing a library it has opened would have the disk of
+# the host write its cache.
+WITHOUT_EFFECT = ("fsync", "fdatasync")
