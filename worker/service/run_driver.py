@@ -187,8 +187,14 @@ class RunDriver:
 
     def release(self, end: AttemptEnd) -> None:
         """Return the run to its position in the queue, or fail it for good."""
-        with self._context.database.writing() as session:
-            state = run_queue.release(session, self._claim, end, settings=self._context.settings)
+        try:
+            with self._context.database.writing() as session:
+                state = run_queue.release(
+                    session, self._claim, end, settings=self._context.settings
+                )
+        except DATABASE_AWAY as error:  # then the lease ends
+            self._database_away(error)
+            return
         if state is not None:
             self._live.state(state, progress=0.0, t_simulated=0.0)
 
