@@ -6,7 +6,7 @@ import sys
 from performance.table import text
 
 QUICK = ("full_run", "physics", "camera", "exchange")
-TABLES = (*QUICK, "neighbours", "leaks", "growth", "scaling", "leaderboard", "trackers")
+TABLES = (*QUICK, "neighbours", "leaks", "growth", "scaling", "leaderboard", "trackers", "streams")
 ALL = "all"
 
 

@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
+import h11
 from gunicorn.arbiter import Arbiter  # type: ignore[import-untyped]
 from uvicorn.protocols.http.h11_impl import H11Protocol
 from uvicorn.server import Server
@@ -18,6 +19,7 @@ from seamark.server.web.asgi import ABORT
 
 HEAD_S = 20.0  # until the head of a request is complete
 CONNECTIONS = 4000  # of one process; beyond, those without a request give way
+DISCARDED_MAX = 16 * 2**20  # [byte] of a refused body, so that its client reads the answer
 LAST_REQUEST_S = 1.0  # for the request of a connection that was accepted just before the end
 
 
@@ -26,6 +28,7 @@ class Protocol(H11Protocol):
 
     head_s = HEAD_S
     _deadline: asyncio.TimerHandle | None = None
+    _discarded = 0
     _last = False
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
@@ -41,11 +44,21 @@ class Protocol(H11Protocol):
         """Whether there is no request that is being answered."""
         return self.cycle is None or self.cycle.response_complete
 
+    def data_received(self, data: bytes) -> None:
+        """Discard some of a body that nobody waits for any more, then close."""
+        if self.cycle is not None and self.idle and self.conn.their_state is h11.SEND_BODY:
+            self._discarded += len(data)
+            if self._discarded > DISCARDED_MAX:
+                self.transport.abort()
+                return
+        super().data_received(data)
+
     def handle_events(self) -> None:
         """Let the application close the connection; await the head of the next request."""
         before = self.cycle
         super().handle_events()
         if self.cycle is not before:
+            self._discarded = 0
             scope: dict[str, Any] = self.scope  # type: ignore[assignment]
             scope["extensions"] = {ABORT: self.transport.abort}
             self.cycle.keep_alive = self.cycle.keep_alive and not self._last

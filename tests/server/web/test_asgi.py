@@ -186,3 +186,12 @@ def test_a_body_that_does_not_arrive_is_given_up() -> None:
 
     with pytest.raises(BodyTooSlow):
         asyncio.run(receive_body(receive, declared=5, limit=10, patience_s=0.05))
+
+
+def test_a_client_that_goes_on_sending_a_refused_body_is_sent_away() -> None:
+    start = f"POST / HTTP/1.1\r\nHost: localhost\r\nContent-Length: {2**30}\r\n\r\n".encode()
+
+    with serving(_echo) as connect, connect(start) as connection:
+        assert connection.recv(12) == b"HTTP/1.1 200"
+        with pytest.raises(ConnectionError):
+            connection.sendall(bytes(2**30))
