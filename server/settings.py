@@ -95,6 +95,18 @@ class Settings(BaseModel):
         ge=0,
         description="Free bytes on the disk below which no new runs are accepted",
     )
+    retention_days: int = Field(
+        0, ge=0, description="Days after which the data of private runs are deleted; 0: never"
+    )
+    guest_retention_days: int = Field(
+        90, ge=0, description="Days after which the data of guests' runs are deleted; 0: never"
+    )
+    retention_bytes: int = Field(
+        0,
+        ge=0,
+        description="Bytes of all data beyond which the oldest of private practice runs are "
+        "deleted; 0: no limit",
+    )
     running_max: int = Field(4, ge=1, description="Runs of one user that may run in parallel")
     lease_s: float = Field(
         30.0, gt=0, description="Time after which a silent worker loses its runs"

@@ -50,6 +50,7 @@ class Action(StrEnum):
     PUBLISH = "publish"
     WITHDRAW = "withdraw"
     RERUN = "rerun"
+    DELETE_DATA = "delete_data"
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,9 +80,11 @@ RULES: Mapping[Action, Rule] = {
     Action.PUBLISH: Rule(SUBMIT, Role.USER),  # a guest has no name to publish under
     Action.WITHDRAW: Rule(SUBMIT, Role.GUEST),
     Action.RERUN: Rule(SUBMIT, Role.GUEST),
+    Action.DELETE_DATA: Rule(SUBMIT, Role.GUEST),
 }
 _READS = {Action.VIEW, Action.VIEW_PROGRAM, Action.VIEW_LOG}
-_ON_RUN = _READS | {Action.CANCEL, Action.PUBLISH, Action.WITHDRAW, Action.RERUN}
+_CHANGES = {Action.CANCEL, Action.PUBLISH, Action.WITHDRAW, Action.RERUN, Action.DELETE_DATA}
+_ON_RUN = _READS | _CHANGES
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -1,4 +1,4 @@
-"""Actions that change a run: cancel, publish, withdraw. Never by GET."""
+"""Actions that change a run: cancel, publish, withdraw, delete its data. Never by GET."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from sqlalchemy.orm import Session
 
 from seamark.server.accounts.permissions import Action
 from seamark.server.api.schemas import RunPath, RunResponse, run_answer
-from seamark.server.runs import cancellation, results, views
+from seamark.server.runs import cancellation, results, retention, views
 from seamark.server.web import access
 from seamark.server.web.problems import Problem
 from seamark.server.web.services import services
@@ -38,7 +38,9 @@ def publish(path: RunPath) -> dict[str, Any]:
     """Make a finished run public; a ranked one enters the leaderboard."""
     before = access.run_for(path.run_id, Action.PUBLISH)
     why_not = (
-        "The run is already public." if before.public else "Only a finished run can be published."
+        "The run is already public."
+        if before.public
+        else "Only a finished run that has its data can be published."
     )
     _change(path.run_id, results.publish, why_not)
     return _answer(path.run_id)
@@ -49,6 +51,19 @@ def withdraw(path: RunPath) -> dict[str, Any]:
     """Make a public run private again and take it off the leaderboard."""
     access.run_for(path.run_id, Action.WITHDRAW)
     _change(path.run_id, results.withdraw, "The run is not public.")
+    return _answer(path.run_id)
+
+
+@api.delete("/runs/<int:run_id>/data", responses={200: RunResponse})
+def delete_data(path: RunPath) -> dict[str, Any]:
+    """Delete telemetry, log and program of a run; its result, metrics and configuration stay.
+
+    The run must have ended and must not be public. This cannot be undone.
+    """
+    access.run_for(path.run_id, Action.DELETE_DATA)
+    current = services()
+    if not retention.delete(current.database, current.settings.data, [path.run_id]):
+        raise Problem("conflict", retention.WHY_NOT)
     return _answer(path.run_id)
 
 

@@ -202,8 +202,9 @@ def recover(session: Session, abandoned: Mapping[int, float]) -> None:
 
 
 def refers_to(session: Session, sha256: str) -> bool:
-    """Return whether a run or a check uses the program with this key."""
-    run = select(Run.id).where(Run.program_sha256 == sha256).limit(1)
+    """Return whether a check, or a run that has its data, uses the program with this key."""
+    with_data = (Run.program_sha256 == sha256, Run.data_deleted_at.is_(None))
+    run = select(Run.id).where(*with_data).limit(1)
     check = select(Check.id).where(Check.program_sha256 == sha256).limit(1)
     return session.scalar(run) is not None or session.scalar(check) is not None
 

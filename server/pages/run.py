@@ -11,7 +11,7 @@ from seamark.server import storage
 from seamark.server.accounts.permissions import Action, can, owns
 from seamark.server.pages import benchmarks, level_chart, metric_tables
 from seamark.server.pages.ranked_parts import ranked_parts
-from seamark.server.runs import cancellation, results, submission
+from seamark.server.runs import cancellation, results, retention, submission
 from seamark.server.runs.comparison import Comparison, comparisons
 from seamark.server.runs.files import RunFiles
 from seamark.server.runs.quota import QuotaExceeded
@@ -27,6 +27,7 @@ from seamark.sim.settings.configuration import ConfigurationInvalid
 from seamark.sim.settings.grid import axes, level_names
 
 LOG_SHOWN = 64 * 1024  # [character] of the log on the page; the download has all
+_NOT_PUBLISHABLE = "Only a finished run that has its data can be published."
 IMAGE_PERIOD_S = 0.05
 page = Blueprint("run", __name__, url_prefix="/runs")
 
@@ -95,7 +96,7 @@ def publish(run_id: int) -> ResponseReturnValue:
     """Make a run public."""
     access.run_for(run_id, Action.PUBLISH)
     done = "The run is now public, with its program and its data."
-    return _change(run_id, results.publish, done, "Only a finished run can be published.")
+    return _change(run_id, results.publish, done, _NOT_PUBLISHABLE)
 
 
 @page.post("/<row:run_id>/withdraw")
@@ -107,6 +108,15 @@ def withdraw(run_id: int) -> ResponseReturnValue:
     if can(g.viewer, Action.VIEW, run.model_copy(update={"public": False})):
         return answer
     return redirect(url_for("leaderboard.show", name=run.benchmark), code=303)
+
+
+@page.post("/<row:run_id>/delete-data")
+def delete_data(run_id: int) -> ResponseReturnValue:
+    """Delete the data of a run."""
+    access.run_for(run_id, Action.DELETE_DATA)
+    current = services()
+    deleted = retention.delete(current.database, current.settings.data, [run_id])
+    return _back(run_id, bool(deleted), "The data of the run are deleted.", retention.WHY_NOT)
 
 
 @page.post("/<row:run_id>/rerun")

@@ -28,6 +28,7 @@ from seamark.sim.recording.telemetry import INDEX, WIDTH
 
 HEAD_MAX = 256 * 1024  # [byte] of the log kept from its start
 TAIL_MAX = 256 * 1024  # [byte] of the log kept from its end
+RUNS_PER_FOLDER = 1000
 _COUNT_BYTES = 8
 Rows = NDArray[np.float64]
 
@@ -49,7 +50,7 @@ class RunFiles:
     """Reads and writes the files of one attempt; without `attempt`, of the latest one."""
 
     def __init__(self, data: Path, run_id: int, attempt: int | None = None) -> None:
-        self.root = data / "runs" / str(run_id // 1000) / str(run_id)
+        self.root = data / "runs" / str(run_id // RUNS_PER_FOLDER) / str(run_id)
         chosen = attempt if attempt is not None else max(self.attempts(), default=0)
         self.attempt = chosen  # 0 while there are no files
         self.folder = self.root / str(chosen)

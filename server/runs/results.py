@@ -88,11 +88,11 @@ def finish(session: Session, claim: Claim, report: Report) -> bool:
 
 
 def publish(session: Session, run_id: int) -> bool:
-    """Make a finished run public; False if it has not finished or is already public."""
+    """Make a finished run public; False if it has not finished, has no data or is public."""
     change = (
         update(Run)
         .where(Run.id == run_id, Run.public.is_(False))
-        .where(Run.state.in_((RunState.SUCCEEDED, RunState.FAILED)))
+        .where(Run.state.in_((RunState.SUCCEEDED, RunState.FAILED)), Run.data_deleted_at.is_(None))
         .values(public=True, published_at=time.time())
     )
     if session.scalar(change.returning(Run.id)) is None:
@@ -129,7 +129,7 @@ def _close_cancelled(session: Session, claim: Claim, report: Report) -> bool:
     closed = (
         update(Run)
         .where(Run.id == claim.run_id, Run.attempt == claim.attempt)
-        .where(Run.state == RunState.CANCELLED)
+        .where(Run.state == RunState.CANCELLED, Run.data_deleted_at.is_(None))
         .values(
             detail=report.detail,
             progress=report.progress,

@@ -116,4 +116,5 @@ def _refusal(action: Action) -> Problem:
         return Problem("scope-missing", f"This call requires the scope {scope}.")
     if action is Action.PUBLISH and viewer().user_id is None:
         return Problem("account-needed", "Publishing requires an account: it shows your name.")
-    return Problem("forbidden", f"Only the owner may {action.value} this run.")
+    what = "delete the data of" if action is Action.DELETE_DATA else action.value
+    return Problem("forbidden", f"Only the owner may {what} this run.")

@@ -1,4 +1,4 @@
-"""The maintenance process of each worker: recovers runs of dead workers, forgets old programs.
+"""The maintenance process of each worker: recovers runs of dead workers, deletes old data.
 
     python -s -P -m seamark.worker.service.maintenance <parent>
 
@@ -20,6 +20,7 @@ from seamark.server.database.engine import Database
 from seamark.server.messaging import broker
 from seamark.server.programs import store
 from seamark.server.runs import queue as run_queue
+from seamark.server.runs.retention import Sweep, trim
 from seamark.server.settings import Settings
 from seamark.worker.service.lease_watch import LeaseWatch
 from seamark.worker.service.recovery import announce
@@ -27,6 +28,8 @@ from seamark.worker.service.shutdown import follow_worker
 
 POLL_S = 0.2  # [s] between two checks of what is due
 FORGET_EVERY_S = 3600.0
+SWEEP_EVERY_S = 30.0
+TRIM_EVERY_S = 60.0
 _log = structlog.get_logger()
 
 
@@ -109,6 +112,8 @@ def main(parent: str) -> None:
         PeriodicTask(
             "forget_programs", FORGET_EVERY_S, lambda: forget_programs(database, settings)
         ),
+        PeriodicTask("sweep_data", SWEEP_EVERY_S, Sweep(database, settings).step),
+        PeriodicTask("trim_data", TRIM_EVERY_S, lambda: trim(database, settings)),
     ]
     while not stopping.wait(POLL_S):
         run_due(tasks)

@@ -130,6 +130,7 @@ class RunDriver:
             Why there is no report.
         """
         self._live.state(RunState.RUNNING, progress=0.0, t_simulated=0.0)
+        self._files.remove()  # of a run that was deleted by hand and had the same number
         self._files.remove_earlier_attempts()
         with self._context.simulator.begin(self._job()) as simulation:
             outcome = simulation.run(self._recorder, lambda: self._watch(simulation))

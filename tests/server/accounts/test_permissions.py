@@ -22,7 +22,8 @@ GUEST, OTHER_GUEST, NOBODY = Viewer(guest="g"), Viewer(guest="h"), Viewer()
 READING = {"list", "view_account"}
 OF_USER = READING | {"submit", "upload", "submit_ranked", "manage_tokens"}
 LOOK = {Action.VIEW, Action.VIEW_PROGRAM, Action.VIEW_LOG}
-ON_RUN = LOOK | {Action.CANCEL, Action.PUBLISH, Action.WITHDRAW, Action.RERUN}
+CHANGE = {Action.CANCEL, Action.PUBLISH, Action.WITHDRAW, Action.RERUN, Action.DELETE_DATA}
+ON_RUN = LOOK | CHANGE
 
 
 @pytest.mark.parametrize(

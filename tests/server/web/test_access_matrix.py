@@ -164,6 +164,7 @@ ACTIONS = {
     "publish": (changes_run, "recorded"),
     "withdraw": (withdraws, "public"),
 }
+DELETE_DATA = {"delete-data": (changes_run, "recorded")}
 RERUN = {"rerun": (changes_its_own, "recorded")}
 OPEN = Entry(everybody)
 ROUTES: dict[tuple[str, str], Entry] = {
@@ -175,7 +176,7 @@ ROUTES: dict[tuple[str, str], Entry] = {
     ("GET", "/benchmarks/"): Entry(everybody, 302),
     ("GET", "/benchmarks/<name>"): Entry(everybody, path="/benchmarks/currents-v1"),
     ("GET", "/runs/<row:run_id>"): Entry(reads_run, path="/runs/{run}"),
-    **_changing("/runs/", "<row:run_id>", 303, **ACTIONS, **RERUN),
+    **_changing("/runs/", "<row:run_id>", 303, **ACTIONS, **DELETE_DATA, **RERUN),
     ("GET", "/runs/"): Entry(lists),
     ("GET", "/runs/runs.csv"): Entry(lists),
     ("GET", "/leaderboards/"): Entry(everybody, 302),
@@ -224,6 +225,9 @@ ROUTES: dict[tuple[str, str], Entry] = {
     ),
     **_changing("/api/v1/runs/", "<int:run_id>", 200, **ACTIONS),
     **_changing("/api/v1/runs/", "<int:run_id>", 202, **RERUN),
+    ("DELETE", "/api/v1/runs/<int:run_id>/data"): Entry(
+        changes_run, path="/api/v1/runs/{run}/data", run="recorded"
+    ),
     ("GET", "/api/v1/tokens"): Entry(reads_account),
     ("POST", "/api/v1/tokens"): Entry(changes_tokens, 201, options=TOKEN),
     ("POST", "/api/v1/invitations"): Entry(invites, 201, options={"json": {"count": 2}}),

@@ -1,0 +1,221 @@
+"""Which data of runs are deleted and when; what is left of dead attempts; the size of the rest.
+
+A deletion has two steps: first the row says so, in one statement that no publication or worker can
+overtake, then the files go. A crash between them leaves files that the next sweep removes.
+"""
+
+import shutil
+import time
+from collections.abc import Collection, Iterable, Sequence
+from dataclasses import dataclass
+from itertools import islice
+from pathlib import Path
+
+import structlog
+from sqlalchemy import ColumnElement, and_, false, func, or_, select, update
+from sqlalchemy.orm import Session
+
+from seamark.server import storage
+from seamark.server.database.engine import Database
+from seamark.server.database.tables import Result, Run
+from seamark.server.programs import store
+from seamark.server.runs.files import RUNS_PER_FOLDER, RunFiles
+from seamark.server.runs.states import FINAL, RunKind, RunState
+from seamark.server.settings import Settings
+
+BATCH = (
+    50  # runs whose data are deleted in one transaction: the write lock is held for milliseconds
+)
+MEASURED_AFTER_S = 60.0  # after the end of a run: until then its worker measures it
+ORPHAN_KEPT_S = 86_400.0
+WHY_NOT = "The data of live and of public runs cannot be deleted, nor can they be deleted twice."
+_DAY_S = 86_400.0
+_log = structlog.get_logger()
+_DELETABLE = and_(Run.state.in_(FINAL), Run.public.is_(False), Run.data_deleted_at.is_(None))
+
+
+def delete(database: Database, data: Path, run_ids: Collection[int]) -> list[int]:
+    """Delete the data of those of these runs that have ended and are private; return which."""
+    with database.writing() as session:
+        marked = mark(session, run_ids)
+    for run_id in marked:
+        _remove(data, run_id)
+    return marked
+
+
+def mark(session: Session, run_ids: Collection[int]) -> list[int]:
+    """Record that the data of runs are deleted, where that is allowed; return of which.
+
+    The caller commits, then removes the files.
+    """
+    change = (
+        update(Run)
+        .where(Run.id.in_(run_ids), _DELETABLE)
+        .values(data_deleted_at=time.time(), data_bytes=0, data_measured=True)
+    )
+    return sorted(session.scalars(change.returning(Run.id)))
+
+
+def trim(database: Database, settings: Settings) -> None:
+    """Delete the oldest private practice data while all data take more than `retention_bytes`.
+
+    At most `BATCH` runs at a time.
+    """
+    if not settings.retention_bytes or storage.is_away(settings.data):
+        return
+    practice = (Run.kind == RunKind.PRACTICE, Run.data_bytes > 0, _DELETABLE)
+    oldest = select(Run.id, Run.data_bytes).where(*practice).order_by(Run.id).limit(BATCH)
+    with database.reading() as session:
+        total = session.scalar(select(func.sum(Run.data_bytes)).where(Run.data_bytes > 0)) or 0
+        excess = int(total) - settings.retention_bytes
+        found = session.execute(oldest).all() if excess > 0 else []
+    chosen: list[int] = []
+    for run_id, size in found:
+        if excess > 0:
+            chosen.append(run_id)
+            excess -= size
+    if chosen:
+        _log.info("data_trimmed", runs=len(delete(database, settings.data, chosen)))
+
+
+@dataclass(frozen=True, slots=True)
+class _Row:
+    """What the sweep needs to know of a run."""
+
+    id: int
+    state: str
+    attempt: int
+    finished_at: float | None
+    data_measured: bool
+    data_deleted_at: float | None
+    program_sha256: str | None
+
+
+class Sweep:
+    """Passes over all runs again and again, a folder of them at each step."""
+
+    def __init__(self, database: Database, settings: Settings) -> None:
+        self._database, self._settings = database, settings
+        self._data = settings.data
+        self._next = 0
+
+    def step(self) -> None:
+        """Sweep the newest folder of runs, and the next one of the others."""
+        if storage.is_away(self._data):
+            return
+        folders = self._folders()
+        if not folders:
+            return
+        self._next = (self._next + 1) % len(folders)
+        for folder in {folders[-1], folders[self._next]}:
+            self._sweep(folder)
+
+    def _folders(self) -> list[int]:
+        """Return the numbers of the folders of runs: those that exist, and those of the rows."""
+        root = self._data / "runs"
+        there = {int(entry.name) for entry in _numbered(root)}
+        with self._database.reading() as session:
+            newest = session.scalar(select(func.max(Run.id)))
+        rows = set() if newest is None else set(range(newest // RUNS_PER_FOLDER + 1))
+        return sorted(there | rows)
+
+    def _sweep(self, folder: int) -> None:
+        first = folder * RUNS_PER_FOLDER
+        within = Run.id.between(first, first + RUNS_PER_FOLDER - 1)
+        columns = [getattr(Run, name) for name in _Row.__dataclass_fields__]
+        with self._database.reading() as session:
+            rows = {row.id: _Row(*row) for row in session.execute(select(*columns).where(within))}
+            expired = _expired(session, within, self._settings)
+        for entry in _numbered(self._data / "runs" / str(folder)):
+            self._tidy(entry, rows.get(int(entry.name)))
+        self._measure(rows.values())
+        if expired:
+            deleted = delete(self._database, self._data, expired)
+            _log.info("data_expired", runs=len(deleted))
+
+    def _tidy(self, folder: Path, row: _Row | None) -> None:
+        """Remove what a folder has of a deleted run, of dead attempts, or of no run."""
+        run_id = int(folder.name)
+        if row is None:
+            if _older_than(folder, ORPHAN_KEPT_S):
+                _remove(self._data, run_id)
+        elif row.data_deleted_at is not None:
+            _remove(self._data, run_id)
+        else:
+            # The attempt is the fencing token: only the worker of the latest one may still write.
+            live = None if row.state in FINAL else row.attempt
+            RunFiles(self._data, run_id, live).remove_earlier_attempts()
+
+    def _measure(self, rows: Iterable[_Row]) -> None:
+        """Record the size of runs that ended without their worker, or in an earlier version."""
+        due = time.time() - MEASURED_AFTER_S
+        sizes: dict[int, int] = {
+            row.id: RunFiles(self._data, row.id).size() + self._program_size(row)
+            for row in rows
+            if not row.data_measured and row.finished_at is not None and row.finished_at < due
+        }
+        unmeasured = (Run.data_measured.is_(False), Run.data_deleted_at.is_(None))
+        for batch in _batches(sorted(sizes)):
+            with self._database.writing() as session:
+                for run_id in batch:
+                    change = update(Run).where(Run.id == run_id, *unmeasured)
+                    session.execute(change.values(data_bytes=sizes[run_id], data_measured=True))
+
+    def _program_size(self, row: _Row) -> int:
+        return 0 if row.program_sha256 is None else store.size(self._data, row.program_sha256)
+
+
+def _expired(session: Session, within: ColumnElement[bool], settings: Settings) -> list[int]:
+    """Return runs whose data are too old, at most `BATCH`."""
+    now = time.time()
+    conditions: list[ColumnElement[bool]] = [
+        and_(owners, Run.finished_at < now - days * _DAY_S)
+        for owners, days in (
+            (Run.user_id.is_not(None), settings.retention_days),
+            (Run.user_id.is_(None), settings.guest_retention_days),
+        )
+        if days
+    ]
+    old = (within, _DELETABLE, or_(false(), *conditions))
+    found = session.execute(select(Run.id, Run.kind, Run.user_id, Run.benchmark).where(*old))
+    old_ids = (
+        row.id
+        for row in found
+        if row.kind != RunKind.RANKED or row.id != _best(session, row.user_id, row.benchmark)
+    )
+    return list(islice(old_ids, BATCH))
+
+
+def _best(session: Session, user_id: int, benchmark: str) -> int | None:
+    """Return the best ranked run of a user in a benchmark: it may still be published."""
+    ranked = (Run.kind == RunKind.RANKED, Run.state == RunState.SUCCEEDED)
+    best = (
+        select(Run.id)
+        .join(Result, Result.run_id == Run.id)
+        .where(Run.user_id == user_id, Run.benchmark == benchmark, *ranked)
+        .order_by(Result.score.desc(), Run.id)
+        .limit(1)
+    )
+    return session.scalar(best)
+
+
+def _numbered(folder: Path) -> list[Path]:
+    """Return the entries of a folder whose names are numbers; none if there is no folder."""
+    if not folder.is_dir():
+        return []
+    return [entry for entry in folder.iterdir() if entry.name.isdecimal()]
+
+
+def _older_than(folder: Path, seconds: float) -> bool:
+    try:
+        return folder.stat().st_mtime < time.time() - seconds
+    except FileNotFoundError:
+        return False
+
+
+def _remove(data: Path, run_id: int) -> None:
+    shutil.rmtree(RunFiles(data, run_id).root, ignore_errors=True)
+
+
+def _batches(run_ids: Sequence[int]) -> Iterable[Sequence[int]]:
+    return (run_ids[at : at + BATCH] for at in range(0, len(run_ids), BATCH))
