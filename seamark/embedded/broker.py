@@ -9,11 +9,13 @@ from __future__ import annotations
 import importlib.util
 import platform
 import shutil
+import time
 from pathlib import Path
 
 from seamark.failures import PlatformFailed
 
 MEMORY_MAX = "128mb"
+LOADING_S = 60.0  # [s] to read the append-only file; 270 MB take about 2
 SOCKET_PATH_MAX = 107  # [bytes] sizeof(sockaddr_un.sun_path) - 1 on Linux
 
 
@@ -72,3 +74,30 @@ def command(server: Path, *, socket: Path, state: Path) -> list[str]:
         *("--maxmemory", MEMORY_MAX),
         *("--maxmemory-policy", "noeviction"),
     ]
+
+
+def discard_streams(socket: Path) -> int:
+    """Delete the live events that earlier versions kept in the broker; return of how many runs.
+
+    They may take more memory than the broker has now, and then it would refuse every ticket.
+
+    Raises
+    ------
+    PlatformFailed
+        The broker has not read its file after `LOADING_S`.
+    """
+    from redis import Redis
+    from redis.exceptions import BusyLoadingError
+
+    deadline = time.monotonic() + LOADING_S
+    with Redis(unix_socket_path=str(socket)) as client:
+        while True:
+            try:
+                found = list(client.scan_iter(match="run:*", count=1000, _type="stream"))
+                return client.delete(*found) if found else 0  # frees at once
+            except BusyLoadingError:
+                if time.monotonic() > deadline:
+                    raise PlatformFailed(
+                        f"The broker is still reading its file after {LOADING_S:g} s."
+                    ) from None
+                time.sleep(0.1)

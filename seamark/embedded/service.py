@@ -100,6 +100,7 @@ class Embedded:
         while not _listens(path):
             if time.monotonic() > deadline or children.wait(0.02) is not None:
                 raise PlatformFailed(f"The broker did not start. See {self._logs / 'broker.log'}.")
+        broker.discard_streams(path)
         return self._settings.model_copy(update={"broker_url": f"unix://{path}"})
 
     def _prepare(self, settings: Settings) -> None:
