@@ -161,8 +161,15 @@ def _value(entry: Schema, text: str) -> object:
         parts = text.replace(";", ",").replace(",", " ").split()
         return [_number(part) for part in parts]
     if schema_type == "integer":
-        return int(text) if text.lstrip("+-").isdecimal() else text
+        return _whole(text)
     return _number(text) if schema_type == "number" else text
+
+
+def _whole(text: str) -> object:
+    try:
+        return int(text)
+    except ValueError:  # also of more than 4300 digits
+        return text
 
 
 def _number(text: str) -> object:

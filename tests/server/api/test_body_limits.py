@@ -64,6 +64,10 @@ ATTACKS: dict[str, Callable[[], Request]] = {
     "sign-in: many fields": lambda: _raw("/sign-in", URL_ENCODED, b"&a=" * (8 * MIB // 3)),
     "form: many parts": lambda: _raw(FORM, MULTIPART, (PART % b"a" + b"1\r\n") * 100_000),
     "form: many headers": lambda: _raw(FORM, MULTIPART, b"--b\r\n" + b"X-A: b\r\n" * MIB),
+    "form: a long header": lambda: _raw(FORM, MULTIPART, b"--b\r\nX-A: " + b"b" * 4 * MIB),
+    "form: many different names": lambda: _raw(
+        FORM, URL_ENCODED, b"&".join(b"k%d=1" % number for number in range(1_000_000))
+    ),
     "form: no delimiter": lambda: _raw(FORM, MULTIPART, b"\r\n--" * (2 * MIB)),
     "form: a list of levels": lambda: _field(FORM, b"levels", b"0," * (4 * MIB)),
     "form: a long number": lambda: _field(FORM, b"kp", b"9" * (8 * MIB)),
