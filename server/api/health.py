@@ -21,7 +21,7 @@ from sqlalchemy import text
 from sqlalchemy.exc import SQLAlchemyError
 
 from seamark.server import storage, workers
-from seamark.server.runs import views
+from seamark.server.runs import totals
 from seamark.server.web.services import Services, services
 from seamark.server.workers import WorkerStatus
 
@@ -57,7 +57,7 @@ class _Queue(Collector):
         """Read the gauges."""
         runs = GaugeMetricFamily("seamark_runs", "Runs by state", labels=("state",))
         with self._held.database.reading() as database:
-            counts, oldest = views.counts(database), views.oldest_queued_at(database)
+            counts, oldest = totals.counts(database), totals.oldest_queued_at(database)
             listed = workers.listed(database)
         for state, count in counts.items():
             runs.add_metric((state.value,), count)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any
 
 from flask import Response, jsonify, request
@@ -10,6 +11,7 @@ from flask_openapi3.models.tag import Tag
 
 from seamark.server.api.benchmarks import check
 from seamark.server.api.schemas import BenchmarkPath, RankQuery, RanksResponse
+from seamark.server.database.engine import Database
 from seamark.server.runs import leaderboard
 from seamark.server.runs.leaderboard import Cursor, Rank
 from seamark.server.web import csv_export
@@ -31,6 +33,7 @@ COLUMNS = (
     *("level_held", "submissions", "reached_at", "is_baseline", "title"),
 )
 PAGE = 50  # rows of a page by default
+CSV_PAGE = 500  # rows that are read at a time
 
 api = APIBlueprint(
     "api_leaderboards",
@@ -44,18 +47,36 @@ api = APIBlueprint(
 def show(path: BenchmarkPath, query: RankQuery) -> Response:
     """Return the ranks of one benchmark, with their ranges and intervals, as JSON or CSV."""
     check(path.benchmark)
-    as_csv, after = _wants_csv(query), _cursor(query.after)
-    limit = query.limit or (None if as_csv else PAGE)
-    with services().database.reading() as database:
-        ranks = leaderboard.page(database, path.benchmark, after=after, limit=limit)
-    rows = [_row(rank) for rank in ranks]
-    if as_csv:
-        answer = Response(csv_export.lines(COLUMNS, rows), content_type=csv_export.MEDIA_TYPE)
+    after = _cursor(query.after)
+    if _wants_csv(query):
+        lines = _lines(services().database, path.benchmark, after, query.limit)
+        answer = Response(lines, content_type=csv_export.MEDIA_TYPE)
     else:
+        limit = query.limit or PAGE
+        ranks = _page(services().database, path.benchmark, after, limit)
         following = ranks[-1].cursor.text() if len(ranks) == limit else None
+        rows = [_row(rank) for rank in ranks]
         answer = jsonify({"benchmark": path.benchmark, "ranks": rows, "next": following})
     answer.headers["Vary"] = "Accept"
     return answer
+
+
+def _page(database: Database, benchmark: str, after: Cursor | None, limit: int) -> list[Rank]:
+    with database.reading() as session:
+        return leaderboard.page(session, benchmark, after=after, limit=limit)
+
+
+def _lines(
+    database: Database, benchmark: str, after: Cursor | None, limit: int | None
+) -> Iterator[str]:
+    """Yield the CSV page by page: no transaction stays open while a slow client reads."""
+    yield csv_export.lines(COLUMNS, ())
+    while True:
+        ranks = _page(database, benchmark, after, limit or CSV_PAGE)
+        yield csv_export.lines(COLUMNS, map(_row, ranks), header=False)
+        if limit is not None or len(ranks) < CSV_PAGE:
+            return
+        after = ranks[-1].cursor
 
 
 def _wants_csv(query: RankQuery) -> bool:

@@ -242,7 +242,7 @@ class CheckResponse(ResponseModel):
 
 
 class RunsResponse(ResponseModel):
-    """A page of runs, newest first."""
+    """A page of runs, newest first; with filters it may be short or empty before the last one."""
 
     runs: list[RunResponse]
     next: int | None

@@ -5,7 +5,7 @@ from flask.typing import ResponseReturnValue
 
 from seamark.server import workers
 from seamark.server.pages import benchmarks
-from seamark.server.runs import leaderboard, views
+from seamark.server.runs import leaderboard, totals, views
 from seamark.server.runs.states import LIVE, RunState
 from seamark.server.runs.views import RunFilter
 from seamark.server.web.services import services
@@ -25,7 +25,7 @@ def show() -> ResponseReturnValue:
             (registry.benchmark(name), leaderboard.page(session, name, limit=BEST))
             for name in registry.BENCHMARKS
         ]
-        counts, simulated_s = views.counts(session), views.simulated_s(session)
+        counts, simulated_s = totals.counts(session), totals.simulated_s(session)
         alive = workers.alive_count(session)
     return render_template(
         "home/index.html",

@@ -5,7 +5,7 @@ from flask.typing import ResponseReturnValue
 
 from seamark.sandbox.languages import DEFAULT_LANGUAGE, LANGUAGES
 from seamark.server import workers
-from seamark.server.runs import views
+from seamark.server.runs import totals
 from seamark.server.web.services import services
 
 page = Blueprint("status", __name__)
@@ -17,7 +17,7 @@ def show() -> ResponseReturnValue:
     app_services = services()
     with app_services.database.reading() as session:
         listed = workers.listed(session)
-        counts, oldest = views.counts(session), views.oldest_queued_at(session)
+        counts, oldest = totals.counts(session), totals.oldest_queued_at(session)
         refusal = workers.upload_refusal(session, DEFAULT_LANGUAGE, app_services.settings)
     return render_template(
         "status/show.html",

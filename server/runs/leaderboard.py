@@ -78,12 +78,9 @@ class Rank:
 
 
 def page(
-    session: Session, benchmark: str, *, after: Cursor | None = None, limit: int | None = 50
+    session: Session, benchmark: str, *, after: Cursor | None = None, limit: int = 50
 ) -> list[Rank]:
-    """Return the next rows of one benchmark, best first; equal scores in order of time.
-
-    Without a limit, all that follow.
-    """
+    """Return the next rows of one benchmark, best first; equal scores in order of time."""
     query = _rows(benchmark).order_by(*_ORDER).limit(limit)
     number = 0
     if after is not None:

@@ -24,7 +24,7 @@ from seamark.server.database import counters
 from seamark.server.database.advisory_locks import AdvisoryLock, acquire
 from seamark.server.database.queue_tables import Turn
 from seamark.server.database.tables import IS_QUEUED, IS_RUNNING, Run
-from seamark.server.runs import turns
+from seamark.server.runs import totals, turns
 from seamark.server.runs.columns import RunSpec
 from seamark.server.runs.failure_reasons import FailureReason, describe
 from seamark.server.runs.states import RunState, move
@@ -168,6 +168,7 @@ def recover(session: Session, abandoned: Mapping[int, float], settings: Settings
     unrenewed = [run for run in found if run.lease_until == abandoned[run.id]]
     recovery = _release_lost(session, unrenewed, settings)
     turns.forget_idle(session)
+    totals.count_ended(session)
     workers.forget_dead(session)
     return recovery
 

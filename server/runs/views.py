@@ -4,8 +4,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from sqlalchemy import Select, func, select
-from sqlalchemy.orm import Session, defer
+from sqlalchemy import ColumnElement, Select, func, select
+from sqlalchemy.orm import Session, aliased, defer
 
 from seamark.sandbox.printable_text import printable_text
 from seamark.server.accounts.permissions import Action, Viewer, can
@@ -16,6 +16,7 @@ from seamark.server.runs.states import RunState
 from seamark.server.settings import Settings
 
 LIMIT_MAX = 200
+SEEN_MAX = 1000  # runs that a page of a list looks at
 
 
 class RunView(PublicRun):
@@ -81,53 +82,62 @@ def page(
     after: int | None = None,
     limit: int = 50,
 ) -> RunPage:
-    """Return runs, newest first: the viewer's own, the public ones, or (for an admin) all."""
-    query = _select()
+    """Return runs, newest first: the viewer's own, the public ones, or (for an admin) all.
+
+    A page looks at no more than `SEEN_MAX` of them: with a filter that few pass it may be short or
+    empty and yet have a next one.
+    """
+    limit = max(1, min(limit, LIMIT_MAX))
+    whose = _whose(session, viewer, run_filter)
+    if after is not None:
+        whose = whose.where(Run.id < after)
+    filtered = bool(run_filter.states or run_filter.benchmark or run_filter.kind)
+    most = SEEN_MAX if filtered else limit + 1
+    seen = aliased(Run, whose.order_by(Run.id.desc()).limit(most).subquery())
+    query = _select(seen).where(*_conditions(seen, run_filter))
+    query = query.order_by(seen.id.desc()).limit(limit + 1)
+    # A list shows neither: parsing the metrics of large grids would take most of its time.
+    query = query.options(defer(Result.metrics), defer(Result.manifest))
+    found = [_view(*row) for row in session.execute(query)]
+    if len(found) > limit:
+        return RunPage(found[:limit], found[limit - 1].id)
+    last = select(func.min(seen.id)).having(func.count() == SEEN_MAX)
+    return RunPage(found, session.scalar(last) if filtered else None)
+
+
+def _conditions(run: type[Run], run_filter: RunFilter) -> list[ColumnElement[bool]]:
+    conditions: list[ColumnElement[bool]] = []
+    if run_filter.states:
+        conditions.append(run.state.in_(run_filter.states))
+    if run_filter.benchmark is not None:
+        conditions.append(run.benchmark == run_filter.benchmark)
+    if run_filter.kind is not None:
+        conditions.append(run.kind == run_filter.kind)
+    return conditions
+
+
+def _whose(session: Session, viewer: Viewer, run_filter: RunFilter) -> Select[Run]:
+    """Select the runs that a list is about, by an index in the order of their ids."""
+    query = select(Run)
     if run_filter.which == "public":
         query = query.where(Run.public)
     elif run_filter.which == "mine" or not can(viewer, Action.ADMINISTER):
         # Guests of one network have one owner, but each sees the runs of the own cookie alone.
         own = Run.owner == (viewer.owner or "")
         query = query.where(own if viewer.guest is None else Run.guest == viewer.guest)
+    elif run_filter.user is None and len(run_filter.states) == 1:
+        query = query.where(Run.state == run_filter.states[0])
     if run_filter.user is not None:
-        query = query.where(User.name_key == run_filter.user.casefold())
-    if run_filter.states:
-        query = query.where(Run.state.in_(run_filter.states))
-    if run_filter.benchmark is not None:
-        query = query.where(Run.benchmark == run_filter.benchmark)
-    if run_filter.kind is not None:
-        query = query.where(Run.kind == run_filter.kind)
-    if after is not None:
-        query = query.where(Run.id < after)
-    limit = max(1, min(limit, LIMIT_MAX))
-    # A list shows neither: parsing the metrics of large grids would take most of its time.
-    query = query.options(defer(Result.metrics), defer(Result.manifest))
-    found = session.execute(query.order_by(Run.id.desc()).limit(limit + 1)).all()
-    views = [_view(*row) for row in found[:limit]]
-    return RunPage(views, views[-1].id if len(found) > limit else None)
+        named = select(User.id).where(User.name_key == run_filter.user.casefold())
+        query = query.where(Run.owner == Viewer(user_id=session.scalar(named) or 0).owner)
+    return query
 
 
-def counts(session: Session) -> dict[RunState, int]:
-    """Return how many runs there are in each state."""
-    by_state = dict(session.execute(select(Run.state, func.count()).group_by(Run.state)).all())
-    return {state: by_state.get(state, 0) for state in RunState}
-
-
-def oldest_queued_at(session: Session) -> float | None:
-    """Return since when the oldest queued run waits; None if the queue is empty."""
-    return session.scalar(select(func.min(Run.queued_at)).where(Run.state == RunState.QUEUED))
-
-
-def simulated_s(session: Session) -> float:
-    """Return the simulated time of all runs."""
-    return session.scalar(select(func.sum(Run.t_simulated))) or 0.0
-
-
-def _select() -> Select[Run, Result | None, User | None]:
+def _select(run: type[Run] = Run) -> Select[Run, Result | None, User | None]:
     return (
-        select(Run, Result, User)
-        .outerjoin(Result, Result.run_id == Run.id)
-        .outerjoin(User, User.id == Run.user_id)
+        select(run, Result, User)
+        .outerjoin(Result, Result.run_id == run.id)
+        .outerjoin(User, User.id == run.user_id)
     )
 
 

@@ -1,0 +1,62 @@
+"""Every page and every resource of the API that can be read, from the application's own routes."""
+
+from collections.abc import Iterator
+
+from flask import Flask
+
+BENCHMARK = "currents-v2"
+# Rule with variables -> its address; {run} is the number of a run with files.
+_ADDRESSES = {
+    "/static/<path:filename>": "/static/logo.svg",
+    "/submit/<name>": f"/submit/{BENCHMARK}",
+    "/benchmarks/<name>": f"/benchmarks/{BENCHMARK}",
+    "/leaderboards/<name>": f"/leaderboards/{BENCHMARK}",
+    "/docs/<name>": "/docs/start",
+    "/docs/guides/<path:name>": "/docs/guides/benchmarks.md",
+    "/docs/physics/<name>.urdf": "/docs/physics/girona500.urdf",
+    "/problems/<slug>": "/problems/not-found",
+    "/api/v1/benchmarks/<string:benchmark>": f"/api/v1/benchmarks/{BENCHMARK}",
+    "/api/v1/leaderboards/<string:benchmark>": f"/api/v1/leaderboards/{BENCHMARK}",
+    "/api/v1/checks/<int:check_id>": "/api/v1/checks/1",
+    "/api/v1/runs/<int:run_id>/comparison": "/api/v1/runs/{run}/comparison?with={run}",
+}
+_RUN = ("<row:run_id>", "<int:run_id>")
+# With what slows down lists: filters, and pages far from the start.
+_MORE = (
+    "/runs/?of=all",
+    "/runs/?of=all&state=failed",
+    "/runs/?of=all&state=cancelled",
+    "/runs/?of=all&user=many5",
+    "/runs/?state=failed",
+    "/api/v1/runs?which=all&state=failed&state=cancelled&kind=ranked",
+    "/api/v1/runs?which=public&benchmark=visibility-v2&kind=ranked&limit=200",
+    "/api/v1/runs?which=all&limit=200&after={run}",
+    "/api/v1/leaderboards/currents-v2?limit=500",
+    "/leaderboards/currents-v2?after={half}",
+)
+_WHOLE_FILES = frozenset({"/runs/runs.csv"})  # of any length, streamed page by page
+
+
+def addresses(app: Flask, *, run_id: int, half: str) -> Iterator[str]:
+    """Yield the addresses of all routes that answer GET; raises KeyError for an unknown variable.
+
+    Parameters
+    ----------
+    run_id
+        A run that ended, with files.
+    half
+        A cursor in the middle of the leaderboard.
+    """
+    for rule in app.url_map.iter_rules():
+        if "GET" not in (rule.methods or ()) or rule.rule in _WHOLE_FILES:
+            continue
+        address = rule.rule
+        if address in _ADDRESSES:
+            address = _ADDRESSES[address]
+        for variable in _RUN:
+            address = address.replace(variable, str(run_id))
+        if "<" in address:
+            raise KeyError(f"performance/requests.py has no address for {rule.rule}")
+        yield address.format(run=run_id)
+    for address in _MORE:
+        yield address.format(run=run_id, half=half)

@@ -1,0 +1,68 @@
+"""How many runs there are in each state, and how much they simulated: at the cost of a few rows.
+
+Runs that ended long ago are counted once, by the maintenance of the workers, and added to counters;
+later ones are counted when somebody asks. A counter in each transaction that ends a run would be a
+row that all of them wait for.
+"""
+
+import time
+
+from sqlalchemy import case, func, select
+from sqlalchemy.orm import Session
+
+from seamark.server.database import counters
+from seamark.server.database.tables import IS_QUEUED, IS_RUNNING, Run
+from seamark.server.runs.states import FINAL, RunState
+
+SIMULATED, UNTIL = "simulated_s", "counted_until"
+ENDED = "ended:"  # and a state
+LATE_S = 60.0  # a transaction that is open meanwhile may store an earlier time of its end
+
+
+def counts(session: Session) -> dict[RunState, int]:
+    """Return how many runs there are in each state; ended ones that were deleted count too."""
+    recent, _ = _ended_after(session, counters.value(session, UNTIL))
+    live = {RunState.QUEUED: IS_QUEUED, RunState.RUNNING: IS_RUNNING}
+    return {
+        state: session.scalar(select(func.count()).where(condition)) or 0
+        for state, condition in live.items()
+    } | {state: int(counters.value(session, ENDED + state)) + recent[state] for state in FINAL}
+
+
+def simulated_s(session: Session) -> float:
+    """Return the simulated time of all runs, also of those that are running."""
+    _, recent_s = _ended_after(session, counters.value(session, UNTIL))
+    running = session.scalar(select(func.sum(Run.t_simulated)).where(IS_RUNNING)) or 0.0
+    return counters.value(session, SIMULATED) + running + recent_s
+
+
+def oldest_queued_at(session: Session) -> float | None:
+    """Return since when the oldest queued run waits; None if the queue is empty."""
+    return session.scalar(select(func.min(Run.queued_at)).where(IS_QUEUED))
+
+
+def count_ended(session: Session) -> None:
+    """Add the runs that have ended since the last time to the counters. One process at a time."""
+    since, until = counters.value(session, UNTIL), time.time() - LATE_S
+    if until <= since:  # the clock was changed
+        return
+    ended, simulated = _ended_after(session, since, until)
+    for state, number in ended.items():
+        counters.store(session, ENDED + state, counters.value(session, ENDED + state) + number)
+    counters.store(session, SIMULATED, counters.value(session, SIMULATED) + simulated)
+    counters.store(session, UNTIL, until)
+
+
+def _ended_after(
+    session: Session, since: float, until: float | None = None
+) -> tuple[dict[RunState, int], float]:
+    """Return how many runs ended in a period, by state, and their simulated time [s]."""
+    # Not GROUP BY: SQLite would read all runs in the order of their states.
+    each = [func.sum(case((Run.state == state, 1), else_=0)) for state in FINAL]
+    query = select(func.sum(Run.t_simulated), *each).where(Run.finished_at > since)
+    if until is not None:
+        query = query.where(Run.finished_at <= until)
+    simulated, *numbers = session.execute(query).one()
+    return {
+        state: number or 0 for state, number in zip(FINAL, numbers, strict=True)
+    }, simulated or 0.0

@@ -1,0 +1,166 @@
+"""What a request reads of a large database: a few rows, however many runs there are."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from typing import Any
+
+import pytest
+from sqlalchemy import Connection, event
+from sqlalchemy.orm import Session
+
+from performance.requests import BENCHMARK, addresses
+from performance.runs_table import fill
+from seamark.server.accounts.permissions import Viewer
+from seamark.server.app import create_app
+from seamark.server.runs import leaderboard, views
+from seamark.server.runs import queue as run_queue
+from seamark.server.runs.states import RunState
+from seamark.server.runs.views import RunFilter
+from seamark.server.web import authentication
+from tests.cast import Backend
+from tests.server.api.conftest import Site
+
+RUNS, QUEUED = 30_000, 1_000
+ROWS_MAX = 5_000  # rows of all tables that one statement reads on PostgreSQL
+STEPS_MAX = 75_000  # steps of SQLite's virtual machine; a scan of `runs` takes more
+_STEPS = 500  # between two calls of its handler
+
+
+@dataclass
+class Work:
+    """What the statements of one database cost."""
+
+    site: Site
+    found: list[tuple[str, Any]] = field(default_factory=list)
+
+    @contextmanager
+    def recorded(self) -> Iterator[None]:
+        """Record the statements that are executed meanwhile."""
+
+        def keep(_c: object, _cursor: object, statement: str, values: Any, *_: object) -> None:
+            self.found.append((statement, values))
+
+        engine = self.site.services.database.engine
+        event.listen(engine, "before_cursor_execute", keep)
+        try:
+            yield
+        finally:
+            event.remove(engine, "before_cursor_execute", keep)
+
+    def heavy(self) -> list[tuple[str, int]]:
+        """Return the recorded statements that read more than a few rows, with their number."""
+        costs = []
+        engine = self.site.services.database.engine
+        with engine.connect() as connection:
+            on_postgresql = engine.dialect.name == "postgresql"
+            cost = _rows_read if on_postgresql else _steps
+            most = ROWS_MAX if on_postgresql else STEPS_MAX
+            for statement, values in dict((str(each), each) for each in self.found).values():
+                if statement.startswith(("SELECT", "UPDATE", "DELETE")):
+                    costs.append((statement, cost(connection, statement, values)))
+            connection.rollback()
+        self.found.clear()
+        return [(statement, number) for statement, number in costs if number > most]
+
+
+def _rows_read(connection: Connection, statement: str, values: Any) -> int:
+    explain = f"EXPLAIN (ANALYZE, FORMAT JSON) {statement}"
+    [[[document]]] = connection.exec_driver_sql(explain, values).all()
+    return _of_scans(document["Plan"])
+
+
+def _of_scans(node: dict[str, Any]) -> int:
+    rows = sum(map(_of_scans, node.get("Plans", ())))
+    if "Scan" in node["Node Type"] and not node.get("Plans"):
+        removed = node.get("Rows Removed by Filter", 0)
+        rows += round((node["Actual Rows"] + removed) * node["Actual Loops"])
+    return rows
+
+
+def _steps(connection: Connection, statement: str, values: Any) -> int:
+    count = 0
+
+    def step() -> None:
+        nonlocal count
+        count += 1
+
+    driver = connection.connection.driver_connection
+    assert driver is not None
+    driver.set_progress_handler(step, _STEPS)
+    connection.exec_driver_sql(statement, values).all() if statement.startswith(
+        "SELECT"
+    ) else connection.exec_driver_sql(statement, values)
+    driver.set_progress_handler(None, 0)
+    return count * _STEPS
+
+
+@pytest.fixture
+def work(both: Backend) -> Iterator[Work]:
+    app = create_app(both.settings)
+    site = Site(**vars(both), app=app, headers={})
+    yield Work(site)
+    site.services.close()
+
+
+def _all_failed(session: Session, viewer: Viewer) -> list[int]:
+    """Return the failed runs by following a list with a filter that few runs pass."""
+    found, after = list[int](), None
+    run_filter = RunFilter(which="all", states=(RunState.FAILED, RunState.CANCELLED))
+    while True:
+        page = views.page(session, viewer, run_filter, after=after)
+        found += [run.id for run in page.runs]
+        if page.next is None:
+            return found
+        after = page.next
+
+
+def test_no_request_and_no_step_of_the_queue_scans_the_runs(work: Work) -> None:
+    site = work.site
+    recorded = site.recorded()
+    fill(site.database, runs=RUNS, queued=QUEUED)
+    waiting = site.queue("ann")
+    with site.database.reading() as session:
+        half = leaderboard.page(session, BENCHMARK, limit=200)[-1].cursor.text()
+    client = site.client()
+    with site.app.app_context():
+        cookie = authentication.cookie_of(site.user_id("root"))
+    with client.session_transaction() as session:
+        session.update(cookie)
+
+    heavy = {}
+    for address in addresses(site.app, run_id=recorded, half=half):
+        with work.recorded(), client.get(address) as answer:
+            answer.get_data()
+        heavy[address] = work.heavy()
+    with work.recorded():
+        site.show(waiting)
+    heavy["position"] = work.heavy()
+    with site.database.reading() as session:
+        failed = _all_failed(session, site.viewers["root"])
+
+    assert len(failed) == len(set(failed)) == (RUNS - QUEUED) // 100
+    assert failed == sorted(failed, reverse=True)
+    assert {what: statements for what, statements in heavy.items() if statements} == {}
+
+
+def test_claims_submissions_and_sweeps_cost_the_same_at_any_depth(work: Work) -> None:
+    site = work.site
+    fill(site.database, runs=RUNS, queued=QUEUED)
+    database = site.services.database
+    heavy = {}
+
+    with work.recorded(), database.writing() as session:
+        run_queue.claim(session, "w", languages=("python",), settings=site.settings)
+    heavy["claim"] = work.heavy()
+    with work.recorded(), database.writing() as session:
+        leases = run_queue.leases(session)
+        run_queue.recover(session, leases, site.settings)
+    heavy["sweep"] = work.heavy()
+    client = site.client()
+    with work.recorded():
+        answer = client.post("/api/v1/runs", json={"benchmark": BENCHMARK, "controller": "pi"})
+    heavy["submit"] = work.heavy()
+
+    assert (len(leases), answer.status_code) == (1, 202)
+    assert {what: statements for what, statements in heavy.items() if statements} == {}
