@@ -7,7 +7,7 @@ import signal
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import Any
+from typing import Any, ClassVar
 
 import h11
 from gunicorn.arbiter import Arbiter  # type: ignore[import-untyped]
@@ -114,7 +114,7 @@ class WebServer(Server):
 class WebWorker(UvicornWorker):  # type: ignore[misc]
     """One web process."""
 
-    CONFIG_KWARGS = {  # noqa: RUF012 (as the base class has it)
+    CONFIG_KWARGS: ClassVar[dict[str, Any]] = {
         "loop": "asyncio",
         "http": Protocol,
         "ws": "none",
@@ -127,7 +127,8 @@ class WebWorker(UvicornWorker):  # type: ignore[misc]
 
     def __init__(self, *arguments: Any, **options: Any) -> None:
         super().__init__(*arguments, **options)
-        self.config.timeout_graceful_shutdown = self.cfg.graceful_timeout
+        # A second less than gunicorn allows, which kills.
+        self.config.timeout_graceful_shutdown = max(self.cfg.graceful_timeout - 1, 1)
 
     async def _serve(self) -> None:
         self.config.app = self.wsgi

@@ -50,7 +50,8 @@ _STREAM: Any = {200: {"content": {"text/event-stream": {"schema": _EVENT}}}}
 def stream(path: RunPath, query: EventsQuery) -> Response:
     """Follow a run by server-sent events, at most 50 KB to begin with and 20 KB/s afterwards.
 
-    - `state`: `state`, `progress`, `t_simulated`, `position` in the queue, `cause` of a failure
+    - `state`: `state`, `progress`, `t_simulated`, `position` in the queue, `cause` of a failure,
+      `viewers` who follow a live run
     - `telemetry`: `columns` and `rows`, thinned to what a screen shows, five digits;
       telemetry.csv has all rows
     - `log`: `text` that the program printed; `gap` is true if output before it was left out
@@ -72,7 +73,8 @@ def stream(path: RunPath, query: EventsQuery) -> Response:
     if services().streams.full:
         raise Problem("streams-full", headers={"Retry-After": str(FULL_RETRY_S)})
     # An iterator: of a sequence the length would be known, and nothing could follow.
-    response = _response(iter((events.greeting(), events.state(state_values(run)).data)))
+    greeting = (events.greeting(), _state(run, services().streams.viewers(run.id) + 1))
+    response = _response(iter(greeting))
     request.environ[CONTINUATION] = _follower(run.id, after, shows_log=shows_log)
     return response
 
@@ -97,8 +99,11 @@ def _follower(run_id: int, after: Position | None, *, shows_log: bool) -> Any:
 
 def _frames(run: RunView, replayed: Excerpt, *, shows_log: bool) -> list[bytes]:
     shown = [frame.data for frame in replayed.frames if shows_log or frame.type != LOG]
-    closing = [events.state(state_values(run)).data, events.end().data]
-    return [events.greeting(), *shown, *closing]
+    return [events.greeting(), *shown, _state(run, viewers=0), events.end().data]
+
+
+def _state(run: RunView, viewers: int) -> bytes:
+    return events.state(state_values(run, viewers=viewers)).data
 
 
 @lru_cache(maxsize=REPLAYS_KEPT)

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from seamark.sim.engine.replay import Replay
 
 JPEG_QUALITY = 88
+IMAGES_KEPT = 64  # of 60 KB
 GREEN, AMBER, WHITE = (75, 230, 70), (0, 176, 255), (235, 240, 240)  # blue, green, red
 _CROSS_PX = 9  # half of the centre cross
 _SUBPIXEL_BITS = 4  # OpenCV draws at sixteenths of a pixel
@@ -44,9 +45,16 @@ def render(settings: Settings, run: RunView, *, trial: int, t: float) -> bytes |
     if row is None:
         return None
     config = json.dumps(run.config, sort_keys=True)
-    with _lock:
-        frame = _replay(run.benchmark, config, trial_seeds(run, settings)).frame(row)
-        image, truth = frame.colour(), frame.corners()
+    with _lock:  # of many viewers who ask for the same image, all but the first find it
+        return _rendered(run.benchmark, config, trial_seeds(run, settings), row.tobytes())
+
+
+@lru_cache(maxsize=IMAGES_KEPT)
+def _rendered(benchmark: str, config: str, seeds: TrialSeeds, row_bytes: bytes) -> bytes:
+    """Return the JPEG of a row; all viewers of a live run ask for the same images."""
+    row: Row = np.frombuffer(row_bytes)
+    frame = _replay(benchmark, config, seeds).frame(row)
+    image, truth = frame.colour(), frame.corners()
     return _jpeg(_annotated(image, row, truth))
 
 

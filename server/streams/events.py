@@ -13,7 +13,6 @@ from typing import Any
 
 STATE, TELEMETRY, LOG, END = "state", "telemetry", "log", "end"
 RECONNECT_MS = 2000  # how long a browser waits before it reconnects
-HEARTBEAT = b": heartbeat\n\n"
 _NUMBER_MAX = 10**15  # of a position that somebody sends
 
 

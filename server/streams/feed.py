@@ -38,10 +38,11 @@ _log = structlog.get_logger()
 Result = TypeVar("Result")
 
 
-def state_values(view: RunView) -> dict[str, Any]:
+def state_values(view: RunView, *, viewers: int) -> dict[str, Any]:
     """Return the values of a state event."""
     names = ("position", "progress", "t_simulated", "cause")
-    return {"state": view.state.value} | {name: getattr(view, name) for name in names}
+    values = {name: getattr(view, name) for name in names}
+    return {"state": view.state.value} | values | {"viewers": viewers}
 
 
 class Feed:
@@ -78,7 +79,7 @@ class Feed:
             ended = view is None or view.state.final
             await self._advance(START if ended else TICK)
             if view is not None:
-                self._send(events.state(state_values(view)))
+                self._send(events.state(state_values(view, viewers=self.viewers)))
                 self._running = view.state is RunState.RUNNING
             if ended:
                 break
@@ -98,13 +99,13 @@ class Feed:
         after
             Where it resumes; the start of the newest trial if None.
         """
-        if self._position is None or (after is not None and after.is_beyond(self._position)):
-            await self._advance(TICK)
-        assert self._position is not None  # noqa: S101 (for mypy)
+        position = self._position
+        if position is None or (after is not None and after.is_beyond(position)):
+            position = await self._advance(TICK)
         self._inboxes[inbox] = abort
         if self._closed:
             inbox.close()
-        return await self._start(after, self._position)
+        return await self._start(after, position)
 
     def leave(self, inbox: Inbox) -> None:
         """Remove a viewer."""
@@ -123,7 +124,7 @@ class Feed:
         if state.final:  # its last rows come first
             self.poll()
         else:
-            self._send(events.state(values))
+            self._send(events.state(values | {"viewers": self.viewers}))
             self._woken.set()
 
     def poll(self) -> None:
@@ -145,13 +146,14 @@ class Feed:
                 await self._advance(TICK)
         self._poll_now = False
 
-    async def _advance(self, budget: Budget) -> None:
-        """Send what the files have had since the last time."""
+    async def _advance(self, budget: Budget) -> Position:
+        """Send what the files have had since the last time; return the position after it."""
         async with self._reading:
             found = await self._thread(lambda: self._excerpt(self._position, None, budget))
             self._position = found.end
             for frame in found.frames:
                 self._send(frame)
+            return found.end
 
     def _send(self, frame: Frame) -> None:
         for inbox, abort in list(self._inboxes.items()):

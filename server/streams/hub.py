@@ -26,7 +26,7 @@ _log = structlog.get_logger()
 class Hub:
     """Lets any number of viewers follow runs.
 
-    Properties may be read in any thread; all else is called on the event loop.
+    `full` and `viewers` may be asked in any thread; all else is called on the event loop.
 
     Parameters
     ----------
@@ -50,6 +50,11 @@ class Hub:
     def full(self) -> bool:
         """Whether there are as many streams as there may be."""
         return self.open_streams >= self._settings.streams_max
+
+    def viewers(self, run_id: int) -> int:
+        """Return how many follow a run in this process."""
+        feed = self._feeds.get(run_id)
+        return 0 if feed is None else feed.viewers
 
     async def follow(
         self,

@@ -226,6 +226,7 @@ def test_the_stream_of_a_live_run_begins_with_its_state(site: Site) -> None:
     answer = site.call("owner", "GET", f"{RUNS}/{run_id}/events")
 
     assert answer.text.startswith("retry: 2000\n\nevent: state\ndata: ")
+    assert '"viewers": 1' in answer.text
 
 
 def test_the_events_of_an_ended_run_are_replayed_from_its_files(site: Site) -> None:

@@ -80,3 +80,13 @@ def test_a_trial_without_telemetry_has_no_camera_view(backend: Backend, recorded
         camera_view.render(backend.settings, backend.show(backend.queue("ann")), trial=0, t=0.0)
         is None
     )
+
+
+def test_an_image_that_many_viewers_ask_for_is_rendered_once(
+    backend: Backend, recorded: int
+) -> None:
+    run = backend.show(recorded)
+
+    first, second = (camera_view.render(backend.settings, run, trial=0, t=4.0) for _ in range(2))
+
+    assert first is second

@@ -2,6 +2,7 @@
 // time; of the images requested in the meantime, only the last is loaded.
 
 const LIVE_INTERVAL_MS = 400; // minimum time between two images of a live run
+const VIEWER_INTERVAL_MS = 20; // the more viewers a run has, the less often each asks for an image
 
 export class Camera {
   constructor(data, onTime, levelAt) {
@@ -24,6 +25,7 @@ export class Camera {
     this.busy = false;
     this.following = data.live;
     this.playing = false;
+    this.viewers = 1;
     this.slider.addEventListener("input", () => {
       this.following = false;
       this.seek(Number(this.slider.value));
@@ -100,7 +102,8 @@ export class Camera {
         this.note.textContent = "No image is available at this time.";
         this.note.hidden = !this.image.hidden;
       }
-      if (this.following) await new Promise((done) => setTimeout(done, LIVE_INTERVAL_MS));
+      const interval = Math.max(LIVE_INTERVAL_MS, VIEWER_INTERVAL_MS * this.viewers);
+      if (this.following) await new Promise((done) => setTimeout(done, interval));
     }
     this.busy = false;
   }

@@ -25,6 +25,7 @@ function duration(seconds) {
 }
 
 function showState(state) {
+  if (state.viewers) camera.viewers = state.viewers;
   const badge = part("state-badge")?.firstElementChild;
   if (badge && !badge.classList.contains(state.state)) {
     refresh(); // the server renders the new state: the reason of a failure, the actions
@@ -80,8 +81,10 @@ async function refresh(only = null) {
   curves.forEach((curve) => curve.update());
 }
 
-// The chart over levels is updated after each level, at most every two seconds.
+// The chart over levels is updated after each level, at most every two seconds; less often when many
+// watch, since the server renders it for each.
 const CURVE_INTERVAL_MS = 2000;
+const CURVE_VIEWER_INTERVAL_MS = 100;
 let level = null;
 let curveScheduled = false;
 
@@ -94,7 +97,7 @@ function followLevel(newest) {
   setTimeout(() => {
     curveScheduled = false;
     if (data.live) refresh("curve-");
-  }, CURVE_INTERVAL_MS);
+  }, Math.max(CURVE_INTERVAL_MS, CURVE_VIEWER_INTERVAL_MS * camera.viewers));
 }
 
 async function loadSeries() {
