@@ -11,6 +11,7 @@ from seamark.cli.console import exit_with, print_json
 from seamark.cli.options import json_option, run_options, server_options
 from seamark.cli.run_summary import summary
 from seamark.failures import PlatformFailed, UsageRefused
+from seamark.sandbox.printable_text import printable_text
 
 
 @click.command()
@@ -47,7 +48,6 @@ def submit(  # noqa: PLR0913 (one argument per option is click's way)
     from seamark.cli.configuration import read_settings
     from seamark.cli.solutions import choose
     from seamark.client import Client, ServerRefused, ServerUnavailable
-    from seamark.sandbox.printable_text import printable_text
 
     name, program = choose(controller, benchmark)
     submission: dict[str, Any] = {
@@ -89,7 +89,7 @@ def _failure(status: int) -> type[UsageRefused] | type[PlatformFailed]:
 def _announce(run: dict[str, Any], server: str, *, as_json: bool) -> None:
     if not as_json:
         page = server.rstrip("/") + run["links"]["page"]
-        click.echo(f"Run {run['id']} is {run['state']}: {page}")
+        click.echo(printable_text(f"Run {run['id']} is {run['state']}: {page}"))
 
 
 def _follow(client: Any, run: dict[str, Any], *, quiet: bool) -> dict[str, Any]:
@@ -99,7 +99,7 @@ def _follow(client: Any, run: dict[str, Any], *, quiet: bool) -> dict[str, Any]:
 
         def show(now: dict[str, Any]) -> None:
             position = now["position"]
-            note = f"queued, position {position}" if position else str(now["state"])
+            note = f"queued, position {position}" if position else printable_text(now["state"])
             progress.show(now["progress"], note, state=note)
 
         ended: dict[str, Any] = client.wait(run["id"], show)
