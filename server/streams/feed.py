@@ -184,9 +184,13 @@ class Feed:
         return Position(trial.attempt, trial.row, 0)
 
     def _excerpt(self, since: Position | None, until: Position | None, budget: Budget) -> Excerpt:
-        files = RunFiles(self._settings.data, self._run_id)
-        until = until or position_now(files)
-        return Excerpt((), until) if since is None else excerpt(files, since, until, budget)
+        try:
+            files = RunFiles(self._settings.data, self._run_id)
+            until = until or position_now(files)
+            return Excerpt((), until) if since is None else excerpt(files, since, until, budget)
+        except OSError as error:  # the storage may come back
+            _log.warning("files_not_read", run=self._run_id, error=str(error))
+            return Excerpt((), since or Position(0, 0, 0))
 
     async def _thread(self, function: Callable[[], Result]) -> Result:
         return await asyncio.get_running_loop().run_in_executor(self._threads, function)

@@ -12,13 +12,14 @@ import json
 import sys
 from collections.abc import AsyncGenerator, Awaitable, Callable, Iterable, Mapping
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import aclosing
+from contextlib import AsyncExitStack, aclosing
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
 from seamark.server.web.received_body import BodyTooSlow, ClientGone, ReceivedBody, receive_body
 
 THREADS = 32  # requests that are worked on at the same time
+LARGE_BODIES = 64  # that may be on the disk at the same time; others wait to be received
 PART_BYTES = 64 * 1024  # of a response, made at once
 CONTINUATION = "seamark.continuation"  # key of the WSGI environment
 ABORT = "seamark.abort"  # extension of the ASGI scope: closes the connection without more ado
@@ -65,27 +66,31 @@ class AsgiApplication:
         self._wsgi = wsgi
         self._body_max = body_max
         self._threads = ThreadPoolExecutor(THREADS, thread_name_prefix="request")
+        self._large_bodies = asyncio.Semaphore(LARGE_BODIES)
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Answer one request."""
         environ = _environ(scope)
-        try:
-            body = await self._body(environ, receive)
-        except ClientGone:
-            return
-        except BodyTooSlow:
-            await _refuse_as_too_slow(send)
-            return
-        with body.file:
-            environ["wsgi.input"] = body.file
+        async with AsyncExitStack() as held:
+            try:
+                body = await self._body(environ, receive, held)
+            except ClientGone:
+                return
+            except BodyTooSlow:
+                await _refuse_as_too_slow(send)
+                return
+            environ["wsgi.input"] = held.enter_context(body.file)
             environ["CONTENT_LENGTH"] = str(body.length)
             await self._answer(_Call(self._wsgi, environ), scope, receive, send)
 
-    async def _body(self, environ: Environ, receive: Receive) -> ReceivedBody:
+    async def _body(self, environ: Environ, receive: Receive, held: AsyncExitStack) -> ReceivedBody:
+        def place() -> Awaitable[object]:
+            return held.enter_async_context(self._large_bodies)
+
         length = environ.pop("CONTENT_LENGTH", "")
         declared = int(length) if length.isdecimal() else None
         limit = self._body_max(environ.get("CONTENT_TYPE", ""))
-        return await receive_body(receive, declared=declared, limit=limit)
+        return await receive_body(receive, place, declared=declared, limit=limit)
 
     async def _answer(self, call: _Call, scope: Scope, receive: Receive, send: Send) -> None:
         gone = asyncio.ensure_future(_until_gone(receive))

@@ -36,9 +36,19 @@ class ReceivedBody:
 
 
 async def receive_body(
-    receive: Receive, *, declared: int | None, limit: int, patience_s: float = PATIENCE_S
+    receive: Receive,
+    place: Callable[[], Awaitable[object]],
+    *,
+    declared: int | None,
+    limit: int,
+    patience_s: float = PATIENCE_S,
 ) -> ReceivedBody:
     """Return the body; one beyond the limit is not received any further.
+
+    Parameters
+    ----------
+    place
+        Waits until one more body may take space on the disk.
 
     Raises
     ------
@@ -55,6 +65,8 @@ async def receive_body(
             allowed_s = patience_s + length / SLOWEST_BYTES_PER_S
             async with asyncio.timeout_at(started_at + allowed_s):
                 message = await receive()
+                if length <= IN_MEMORY_BYTES < length + len(message.get("body", b"")):
+                    await place()
             if message["type"] == "http.disconnect":
                 raise ClientGone
             chunk, more = message.get("body", b""), message.get("more_body", False)

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from seamark.embedded.web_worker import Protocol
-from seamark.server.web.asgi import CONTINUATION, THREADS, Connection
+from seamark.server.web.asgi import CONTINUATION, LARGE_BODIES, THREADS, Connection
 from seamark.server.web.received_body import BodyTooSlow, receive_body
 from tests.services.asgi import BODY_MAX, answer_of, serving
 
@@ -169,6 +169,34 @@ def test_a_continuation_follows_the_response_and_learns_when_the_client_goes() -
     assert data.index(b"first") < data.index(b"second")
 
 
+def test_a_continuation_can_close_the_connection_of_a_client_that_does_not_read() -> None:
+    gone = threading.Event()
+
+    async def follow(connection: Connection) -> AsyncGenerator[bytes, None]:
+        connection.gone.add_done_callback(lambda _: gone.set())
+        asyncio.get_running_loop().call_later(0.1, connection.abort)
+        while not connection.gone.done():
+            yield bytes(2**24)  # more than the kernel takes
+
+    def application(environ: dict[str, Any], start_response: Any) -> Iterable[bytes]:
+        environ[CONTINUATION] = follow
+        start_response("200 OK", [("Content-Type", "text/plain")])
+        return iter([b"first"])
+
+    with serving(application) as connect, connect(QUICK):
+        assert gone.wait(DEADLINE_S)
+
+
+def test_large_bodies_beyond_those_that_may_be_on_the_disk_have_their_turn_too() -> None:
+    head = b"POST / HTTP/1.1\r\nContent-Length: 200000" + END
+    with serving(_echo) as connect, ExitStack() as stack:
+        waiting = [stack.enter_context(connect(head)) for _ in range(LARGE_BODIES + 10)]
+        for connection in waiting:
+            connection.sendall(bytes(200_000))
+
+        assert [answer_of(connection)[0].status for connection in waiting] == [200] * len(waiting)
+
+
 def test_a_head_that_does_not_end_is_given_up() -> None:
     class Impatient(Protocol):
         head_s = 0.2
@@ -184,8 +212,10 @@ def test_a_body_that_does_not_arrive_is_given_up() -> None:
         await asyncio.Event().wait()
         raise AssertionError
 
+    async def place() -> None: ...
+
     with pytest.raises(BodyTooSlow):
-        asyncio.run(receive_body(receive, declared=5, limit=10, patience_s=0.05))
+        asyncio.run(receive_body(receive, place, declared=5, limit=10, patience_s=0.05))
 
 
 def test_a_client_that_goes_on_sending_a_refused_body_is_sent_away() -> None:
