@@ -4,7 +4,9 @@ import math
 from dataclasses import asdict, dataclass
 from typing import NamedTuple
 
-MAX_STEP_WALL_S = 600.0  # [s] above this a hanging program would occupy a core for too long
+MAX_STEP_WALL_S = (
+    600.0  # [s] longer, an answer would occupy a core for too long, whoever is to blame
+)
 TIMES = ("cpu_s", "wall_s", "start_cpu_s", "start_wall_s", "step_cpu_s", "step_wall_s")
 
 

@@ -11,7 +11,7 @@ from typing import NoReturn
 from seamark.sandbox import verdicts
 from seamark.sandbox.isolation.process_tree import ProcessTree
 from seamark.sandbox.languages.inside.wire import HEADER, MAX_MESSAGE_BYTES, VERSION
-from seamark.sandbox.limits import AnswerLimit, Limits
+from seamark.sandbox.limits import MAX_STEP_WALL_S, AnswerLimit, Limits
 from seamark.sandbox.outcome import Failure, Outcome, ProgramEnded, SandboxBroken, Verdict
 from seamark.sandbox.protocol import messages
 from seamark.sandbox.protocol.head_tail import HeadTail
@@ -20,7 +20,6 @@ from seamark.sandbox.protocol.starvation import Starvation
 
 POLL_S = 0.25  # [s] the longest wait after which all limits are checked again
 EXIT_WITHIN_S = 2.0  # [s] for the process to exit after its connection ended
-STARVED_MAX = 10  # times its wall limit that an answer may take while the host runs other processes
 READ_BYTES = 65536  # [B] the capacity of a pipe
 
 
@@ -142,7 +141,7 @@ class ProtocolSession:
             seen_s = self._check_answer_cpu(limit, waited_for, seen_s, now - begin)
             left_s = deadline - now
             if left_s <= 0:
-                left_s = _prolonged_s(left_s, starvation, now - begin, limit)
+                left_s = _prolonged_s(left_s, starvation, now - begin)
             descriptors = dict(self._poll.poll(min(max(left_s, 0.0), POLL_S) * 1000))
             self._drain()
             if self._socket_fd in descriptors:
@@ -306,11 +305,9 @@ class ProtocolSession:
         )
 
 
-def _prolonged_s(
-    left_s: float, starvation: Starvation, waited_s: float, limit: AnswerLimit
-) -> float:
+def _prolonged_s(left_s: float, starvation: Starvation, waited_s: float) -> float:
     """Return the wall time left, with that in which the host ran other processes."""
     prolonged_s = left_s + starvation.so_far_s()
-    if prolonged_s > 0 and waited_s > STARVED_MAX * limit.wall_s:
+    if prolonged_s > 0 and waited_s > MAX_STEP_WALL_S:
         raise SandboxBroken(f"in {waited_s:.0f} s the host hardly ran the program")
     return prolonged_s

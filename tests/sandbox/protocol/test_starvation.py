@@ -122,7 +122,7 @@ def test_a_program_that_sleeps_is_blamed_on_a_busy_host_too(isolation) -> None:
 
 @pytest.mark.host
 def test_a_program_that_the_host_runs_far_too_little_is_our_failure(isolation, monkeypatch) -> None:
-    monkeypatch.setattr(session, "STARVED_MAX", 1)
+    monkeypatch.setattr(session, "MAX_STEP_WALL_S", 1.0)
 
     with pytest.raises(SandboxBroken, match="hardly ran"):
         stepped_on_a_busy_core(COMPUTES, isolation, step_wall_s=1.0)
