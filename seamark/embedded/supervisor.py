@@ -17,6 +17,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import IO
 
+from seamark.sandbox.isolation.proc_stats import parent_of, tree
 from seamark.worker.ipc.process_control import RestartBackoff, die_with_parent, exit_reason
 
 PR_SET_CHILD_SUBREAPER = 36  # linux/prctl.h
@@ -205,5 +206,5 @@ class Supervisor:
 
 
 def _child_pids() -> list[int]:
-    listing = Path(f"/proc/self/task/{os.getpid()}/children")
-    return [int(pid) for pid in listing.read_text().split()] if listing.exists() else []
+    mine = os.getpid()
+    return [pid for pid in tree(mine) if parent_of(pid) == mine]

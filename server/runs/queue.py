@@ -60,7 +60,7 @@ class AttemptEnd(Enum):
     """Why an attempt ended without a result."""
 
     SHUTDOWN = auto()  # its worker was stopped
-    WORKER_LOST = auto()  # its worker died, or was not heard of any more
+    WORKER_LOST = auto()  # its worker died or was silent, or has lost the data folder
     EVALUATION_BROKE = auto()  # its simulator crashed or hung
     STORAGE_FAILED = auto()  # its data could not be stored
 

@@ -4,6 +4,7 @@ import threading
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from itertools import cycle
 from typing import Any
 
 import httpx
@@ -17,6 +18,7 @@ from seamark.server.messaging import broker
 from seamark.server.runs.states import FINAL, RunState
 from seamark.sim.recording.telemetry import digest
 from seamark.worker.evaluation.local import evaluate_locally
+from tests.cast import USERS
 from tests.chaos.faults import Fault
 from tests.chaos.installation import Installation, wait_until
 
@@ -35,7 +37,6 @@ class Controller:
 """
 UPLOADS = 4  # one of so many runs is of an uploaded program
 POLL_S = 0.25
-PROGRESS_S = 60.0  # to wait for a run that ends after a fault
 STUCK_S = 180.0  # without any run that ends: the campaign is given up
 
 
@@ -72,19 +73,23 @@ class Campaign:
         self._over, self._progress = threading.Event(), threading.Event()
         self.findings = Findings()
 
-    def run(self, fault: Fault) -> Findings:
-        """Inject the fault until all runs have ended, then look at what there is."""
+    def run(self, *faults: Fault) -> Findings:
+        """Inject the faults in turn until all runs have ended, then look at what there is."""
+        turn = cycle(faults)
         started_at = time.monotonic()
         watchers = [threading.Thread(target=each) for each in (self._watch, self._visit)]
         for watcher in watchers:
             watcher.start()
-        while not self._over.wait(self._chance.uniform(0.0, 2.0)):
+        while not self._over.wait(self._chance.uniform(0.0, 2.0)) or (
+            self.findings.injected < len(faults)
+        ):
             self._order_check()
             self._progress.clear()
-            fault(self._installation, self._chance)
+            next(turn)(self._installation, self._chance)
             self.findings.injected += 1
             # A service that never comes to anything before the next fault would show nothing.
-            self._progress.wait(PROGRESS_S)
+            while not self._over.is_set() and not self._progress.wait(POLL_S):
+                pass
         for watcher in watchers:
             watcher.join()
         self.findings.seconds = time.monotonic() - started_at
@@ -100,11 +105,12 @@ class Campaign:
         uploaded = evaluate_locally("currents-v1", UPLOADED, seed=SEED, controller="p").digest
         wanted = {}
         for number in range(runs):
+            who = USERS[number % len(USERS)]  # one alone would never have all places
             if number % UPLOADS:
-                wanted[self._service.queue(config=BUILT_IN, seed=SEED)] = built_in
+                wanted[self._service.queue(who, config=BUILT_IN, seed=SEED)] = built_in
             else:
                 order: dict[str, Any] = {"controller": "upload", "program": program}
-                wanted[self._service.queue(config=UPLOADED, seed=SEED, **order)] = uploaded
+                wanted[self._service.queue(who, config=UPLOADED, seed=SEED, **order)] = uploaded
         broker.send_tickets(self._service.app, runs)
         return wanted
 
@@ -121,7 +127,6 @@ class Campaign:
                 break
             time.sleep(POLL_S)
         self._over.set()
-        self._progress.set()
 
     def _ended(self) -> int | None:
         """Return how many runs have ended; None while the database is away."""

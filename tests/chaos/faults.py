@@ -4,6 +4,7 @@
 """
 
 import os
+import resource
 import signal
 import time
 from collections.abc import Callable, Mapping
@@ -62,6 +63,11 @@ def kill_web_server(service: Installation, chance: Generator) -> None:
     service.restart_web_server(int(chance.integers(WORKERS)), signal.SIGKILL)
 
 
+def stop_web_server(service: Installation, chance: Generator) -> None:
+    """SIGTERM of one of the web servers, which is then replaced."""
+    service.restart_web_server(int(chance.integers(WORKERS)), signal.SIGTERM)
+
+
 def kill_broker(service: Installation, chance: Generator) -> None:
     """SIGKILL of the broker, which is away for a while."""
     service.broker.kill()
@@ -111,6 +117,14 @@ def take_storage_away(service: Installation, chance: Generator) -> None:
     away.rename(data)
 
 
+def fill_disk(service: Installation, chance: Generator) -> None:
+    """For a while no file of a worker can grow: its writes fail as on a full disk."""
+    pids = service.processes(service.workers[service.ready_worker(chance)].pid, "")
+    _end_files_at(pids, 4096)
+    time.sleep(chance.uniform(0.1, 3.0))
+    _end_files_at(pids, resource.RLIM_INFINITY)
+
+
 def jump_clock(service: Installation, chance: Generator) -> None:
     """All clocks jump by an hour: what was written before is an hour older, or in the future."""
     jump_s = (-HOUR_S, HOUR_S)[chance.integers(2)]
@@ -127,12 +141,14 @@ FAULTS: Mapping[str, Fault] = {
     "maintenance killed": kill_maintenance,
     "check lane killed": kill_check_lane,
     "web server killed": kill_web_server,
+    "web server stopped": stop_web_server,
     "broker killed": kill_broker,
     "broker flushed": flush_broker,
     "tickets confused": confuse_tickets,
     "worker paused past its lease": pause_worker,
     "database restarted": restart_database,
     "storage away": take_storage_away,
+    "disk full": fill_disk,
     "clock jumps": jump_clock,
     "worker stopped": stop_worker,
 }
@@ -142,6 +158,13 @@ def _kill_everywhere(service: Installation, chance: Generator, module: str) -> N
     service.ready_worker(chance)
     for worker in service.workers:
         _signal(service.processes(worker.pid, module)[:1], signal.SIGKILL)
+
+
+def _end_files_at(pids: list[int], size: int) -> None:
+    for pid in pids:
+        with suppress(ProcessLookupError):
+            hard = resource.prlimit(pid, resource.RLIMIT_FSIZE)[1]
+            resource.prlimit(pid, resource.RLIMIT_FSIZE, (size, hard))
 
 
 def _kill(pid: int | None) -> None:

@@ -1,6 +1,6 @@
 """Parts of a worker that die alone: what they worked on is done again at once, by a successor.
 
-The leases are so long that nothing here could wait for the end of one.
+Nothing here could wait for the end of a lease, or for maintenance to send a missing ticket.
 """
 
 import os
@@ -18,12 +18,13 @@ from seamark.server.checks.queue import CheckState, CheckView
 from seamark.server.database.tables import Check, Worker
 from seamark.server.runs.states import RunState
 from seamark.server.settings import Settings
-from tests.worker.conftest import LONG, QUICK, Service, service_with
+from seamark.worker.evaluation.local import evaluate_locally
+from tests.worker.conftest import LONG, QUICK, START_S, Service, service_with
 from tests.worker.service.test_side_processes import eventually, pid_of
 
 pytestmark = [pytest.mark.slow, pytest.mark.host]
 
-LEASE_S = 3600.0
+NEVER = {"lease_s": 3600.0, "sweep_s": 3600.0}
 MINUTES = {**LONG, "level_duration_s": 200.0}
 SLOW_TO_START = b"""
 import time
@@ -40,7 +41,7 @@ def service(tmp_path_factory: pytest.TempPathFactory, _valkey: str) -> Iterator[
     with Redis.from_url(_valkey) as client:
         client.flushall()
     own = {"data": tmp_path_factory.mktemp("service"), "broker_url": _valkey}
-    made = service_with(Settings.model_validate(QUICK | {"lease_s": LEASE_S} | own))
+    made = service_with(Settings.model_validate(QUICK | NEVER | own))
     made.start_worker()
     yield made
     made.close()
@@ -85,16 +86,37 @@ def test_a_check_whose_process_is_killed_is_answered_by_its_successor(service: S
     assert report["ok"]
 
 
-def test_a_worker_stays_listed_when_another_one_of_its_host_stops(service: Service) -> None:
+def test_a_worker_that_is_replaced_hands_its_run_over_and_its_successor_stays_listed(
+    service: Service,
+) -> None:
+    wanted = evaluate_locally("currents-v1", MINUTES, seed=3, trials=2, controller="pi").digest
     [first] = eventually(lambda: _listed(service))
-    old, _ = service.workers[0], service.start_worker()
-    eventually(lambda: len(_listed(service)) == 2)
+    run_id = service.submit(MINUTES, trials=2)
+    service.wait(run_id, lambda _: service.files(run_id).row_count() > 0)
 
-    old.terminate()
-    old.wait(timeout=60)
+    replaced = service.workers.pop()
+    replaced.terminate()
+    replaced.wait(timeout=60)
+    released = service.show(run_id)
+    service.start_worker()
+    view = service.ended(run_id)
 
+    assert (released.state, released.attempt) == (RunState.QUEUED, 1)
+    assert (view.state, view.digest, view.attempt) == (RunState.SUCCEEDED, wanted, 2)
     [second] = _listed(service)
     assert second != first
+
+
+def test_a_worker_stays_listed_when_another_one_of_its_host_stops(service: Service) -> None:
+    [name] = eventually(lambda: _listed(service))
+    another = service.start_worker()
+    eventually(lambda: len(_listed(service)) == 2, seconds=START_S)
+
+    another.terminate()
+    another.wait(timeout=60)
+    service.workers.remove(another)
+
+    assert _listed(service) == [name]
 
 
 def test_a_worker_that_was_forgotten_is_listed_again(service: Service) -> None:

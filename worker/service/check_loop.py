@@ -14,7 +14,7 @@ from redis import Redis
 from redis.exceptions import RedisError
 from sqlalchemy.exc import SQLAlchemyError
 
-from seamark.server import log
+from seamark.server import log, storage
 from seamark.server.checks import queue
 from seamark.server.checks.queue import CheckClaim
 from seamark.server.database.engine import Database
@@ -90,7 +90,7 @@ class CheckLoop:
         """Carry out one check; False if there is none."""
         with self._database.reading() as session:
             waiting = queue.waiting(session, languages=self._languages)
-        if not waiting or not self._wait_warm():
+        if not waiting or not self._wait_warm() or storage.refusal(self._settings):
             return False
         with self._database.writing() as session:
             claim = queue.claim(
@@ -105,8 +105,10 @@ class CheckLoop:
             report = self._report(claim)
         except (SimulatorBroken, StreamBroken) as broken:
             _log.error("check_broken", check=claim.check_id, why=str(broken))
-            self._release(claim, attempts_max=queue.ATTEMPTS_MAX)
-            return True
+            # Without the storage there is no program, and that is not the fault of the check.
+            away = storage.is_away(self._settings.data)
+            self._release(claim, attempts_max=queue.CLAIMS_MAX if away else queue.ATTEMPTS_MAX)
+            return not away
         except ShuttingDown:
             self._release(claim, attempts_max=queue.CLAIMS_MAX)
             return False

@@ -93,12 +93,12 @@ def _drive(driver: "RunDriver", log: structlog.typing.FilteringBoundLogger) -> b
         return True
     except (SimulatorBroken, StreamBroken) as broken:
         log.error("simulator_broken", why=str(broken))
-        driver.release(AttemptEnd.EVALUATION_BROKE)
+        driver.release(driver.blame(AttemptEnd.EVALUATION_BROKE))
         return False
     except StorageFailed as failed:
         log.error("storage_failed", why=str(failed))
         driver.discard()
-        driver.release(AttemptEnd.STORAGE_FAILED)
+        driver.release(driver.blame(AttemptEnd.STORAGE_FAILED))
         return False
     except DATABASE_AWAY as away:  # the lease ends, and the run is repeated
         log.error("database_away", why=str(away))
@@ -185,6 +185,11 @@ class RunDriver:
             isolation=self._isolation(),
         )
         self.store(report)
+
+    def blame(self, end: AttemptEnd) -> AttemptEnd:
+        """Return why the attempt really ended: without the data folder no run has a chance."""
+        away = storage.is_away(self._context.settings.data)
+        return AttemptEnd.WORKER_LOST if away else end
 
     def release(self, end: AttemptEnd) -> None:
         """Return the run to its position in the queue, or fail it for good."""

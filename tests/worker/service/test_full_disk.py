@@ -167,3 +167,19 @@ def test_a_worker_claims_nothing_while_the_disk_is_full_or_away(
     loop.close()
 
     assert backend.show(run_id).attempt == 0
+
+
+def test_a_run_whose_data_folder_is_away_has_not_failed(
+    backend: Backend, context: RunContext
+) -> None:
+    claim = backend.running("ann", config=SHORT, seed=3)
+    data = backend.settings.data
+
+    data.rename(data.with_suffix(".away"))
+    went_well = evaluate(context, claim)
+    data.with_suffix(".away").rename(data)
+
+    assert (went_well, backend.show(claim.run_id).state) == (False, RunState.QUEUED)
+    assert _failures(backend, claim.run_id) == 0
+    assert evaluate(context, backend.claim_next())
+    assert backend.show(claim.run_id).digest == _digest(SHORT)

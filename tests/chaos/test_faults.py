@@ -1,0 +1,29 @@
+"""A short session of faults on a whole service; `./run chaos` is the long one."""
+
+import pytest
+
+from tests.chaos.campaign import Campaign
+from tests.chaos.faults import FAULTS
+from tests.chaos.installation import installation
+
+RUNS, SEED = 12, 1
+SHORT_LEASES = {"lease_s": 3.0, "heartbeat_s": 1.0, "sweep_s": 1.0, "warm_boxes": 0}
+QUICK = (
+    "pool child killed",
+    "simulator killed",
+    "broker killed",
+    "database restarted",
+    "tickets confused",
+    "clock jumps",
+    "disk full",
+    "storage away",
+)
+
+
+@pytest.mark.slow
+@pytest.mark.host
+def test_whatever_happens_to_a_service_each_run_gets_the_result_of_an_undisturbed_one() -> None:
+    with installation(**SHORT_LEASES) as service:
+        found = Campaign(service, RUNS, SEED).run(*(FAULTS[name] for name in QUICK))
+
+    assert found.problems == []
