@@ -39,13 +39,12 @@ class Host:
 
     @classmethod
     def probe(cls, settings: Settings, *, name: str) -> Self:
-        """Probe what this host can enforce and run, and register the worker in the database."""
+        """Probe what this host can enforce and run."""
         report = probe()
         tried = _try_languages(report, settings)
         languages = tuple(language for language, why in tried.items() if not why)
         missing = tuple(_finding(language, why) for language, why in tried.items() if why)
         host = cls(settings, name, report.level, report.findings + missing, languages)
-        host._register()
         _log.info(
             "worker_starting", worker=name, isolation=host.isolation.name, languages=host.languages
         )
@@ -75,7 +74,7 @@ class Host:
         """Report that this worker is alive, with the state of each side process."""
         with self._writing() as session:
             if not workers.heartbeat(session, self.name, processes):
-                # It was silent for so long that others have forgotten it.
+                # It has just started, or was silent for so long that others have forgotten it.
                 workers.register(session, self._row())
 
     def unregister(self) -> None:
@@ -97,10 +96,6 @@ class Host:
             languages=list(self.languages),
             findings=[asdict(finding) for finding in self.findings],
         )
-
-    def _register(self) -> None:
-        with self._writing() as session:
-            workers.register(session, self._row())
 
     @contextmanager
     def _writing(self) -> Iterator[Session]:

@@ -42,7 +42,10 @@ def _probe_host(sender: Any, **_: object) -> None:
 
 @worker_ready.connect
 def _start_side_processes(**_: object) -> None:
+    if _stop[0]:
+        return
     host: Host = _state["host"]
+    # Their first report lists the worker; their thread takes it off the list again.
     side_processes = SideProcesses(
         host.side_process_commands(), host.heartbeat, leave=host.unregister
     )
@@ -67,14 +70,13 @@ def _shut_down(**_: object) -> None:
     _stop[0] = 1
     if "side_processes" in _state:
         _state["side_processes"].stop()
-    else:
-        _state["host"].unregister()
     _log.info("worker_stopping", worker=_state["host"].name)
 
 
 @worker_shutdown.connect
 def _end(**_: object) -> None:
     if "side_processes" in _state:
+        _state["side_processes"].stop()  # a signal may have come just before they were started
         _state["side_processes"].join()
 
 
