@@ -21,13 +21,12 @@ from seamark.server.api.schemas import (
     RunsResponse,
     run_answer,
 )
-from seamark.server.programs import store
 from seamark.server.programs.store import StoredProgram
 from seamark.server.runs import comparison, submission, views
 from seamark.server.runs.states import RunKind, RunState
 from seamark.server.runs.submission import UPLOAD, Submission
 from seamark.server.runs.views import RunFilter, RunView
-from seamark.server.web import access, authentication, caching, rate_limits
+from seamark.server.web import access, authentication, caching, rate_limits, uploads
 from seamark.server.web.problems import Problem
 from seamark.server.web.services import services
 from seamark.sim.benchmarks.benchmark import Benchmark
@@ -67,18 +66,9 @@ def create() -> Response:
 
 
 def _store(file: FileStorage, benchmark: Benchmark) -> StoredProgram:
-    """Store the program of a request; raises UploadRejected."""
-    settings = services().settings
-    stream, limit = cast("BinaryIO", file.stream), settings.upload_max_bytes
-    prepared = services().reader.read_upload(
-        stream,
-        file.filename or "",
-        owner=access.viewer().owner or "",
-        limit=limit,
-        role=benchmark.role,
-    )
-    prepared.require_clean()
-    return store.save(prepared, settings)
+    """Store the program of a request."""
+    stream, name = cast("BinaryIO", file.stream), file.filename or ""
+    return uploads.store_program(stream, name, viewer=access.viewer(), role=benchmark.role)
 
 
 def _accepted(run_id: int) -> Response:

@@ -15,6 +15,7 @@ from seamark.server.programs import store
 from seamark.server.programs.preparation import UploadRejected
 from seamark.server.programs.store import StoredProgram
 from seamark.server.runs import submission
+from seamark.server.web import uploads
 from seamark.server.web.services import services
 from seamark.sim.benchmarks.benchmark import Benchmark
 
@@ -29,6 +30,8 @@ def save(benchmark: Benchmark, posted: dict[str, str]) -> StoredProgram:
     ------
     UploadRejected, SubmissionRejected
         The program is missing or invalid, or the user may not upload programs.
+    QuotaExceeded, StorageUnavailable
+        A quota is used up, or there is no room.
     """
     submission.require_permission(g.viewer, uploads=True)
     if posted.get("source") == "editor":
@@ -58,16 +61,7 @@ def _save_text(benchmark: Benchmark, posted: dict[str, str]) -> StoredProgram:
 
 
 def _save(benchmark: Benchmark, stream: BinaryIO, filename: str) -> StoredProgram:
-    settings = services().settings
-    prepared = services().reader.read_upload(
-        stream,
-        filename,
-        owner=g.viewer.owner or "",
-        limit=settings.upload_max_bytes,
-        role=benchmark.role,
-    )
-    prepared.require_clean()
-    return store.save(prepared, settings)
+    return uploads.store_program(stream, filename, viewer=g.viewer, role=benchmark.role)
 
 
 def _kept(benchmark: Benchmark, text: str) -> StoredProgram | None:

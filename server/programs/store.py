@@ -17,7 +17,9 @@ from seamark.server.settings import Settings
 from seamark.server.storage import StorageUnavailable
 
 _SHA256 = re.compile(r"[0-9a-f]{64}")
-UNUSED_KEPT_S = 86_400.0  # until `delete_unused` may delete a program
+# Until `delete_unused` may delete a program. Short, because programs that are only checked, or
+# whose form was never corrected, count towards nobody's disk space.
+UNUSED_KEPT_S = 7200.0
 
 
 @dataclass(frozen=True, slots=True)

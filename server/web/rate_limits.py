@@ -17,7 +17,7 @@ CREDENTIAL_ATTEMPTS = "10 per minute; 100 per hour"
 SIGN_INS = "60 per minute; 600 per hour"  # also successful ones: a class may share one address
 # Wrong passwords for one account, from all addresses. Who is signed in stays signed in meanwhile.
 GUESSES = "20 per hour; 100 per day"
-SUBMISSIONS = "30 per minute"
+SUBMISSIONS = "30 per minute; 300 per hour"
 CHECKS = "20 per minute; 300 per hour"
 
 _BROKER_TIMEOUT_S = 5.0  # of a count; then each process counts in its own memory

@@ -5,6 +5,7 @@ import json
 
 import pytest
 
+from tests import cast
 from tests.server.api.conftest import Site
 
 PROGRAM = b"class Controller:\n    def step(self, observation): ...\n"
@@ -55,3 +56,14 @@ def test_form_and_api_give_the_same_sentence(
     assert page.status_code == 422
     assert [error["field"] for error in problem["errors"]] == [field]
     assert problem["detail"] in page.text
+
+
+def test_an_upload_beyond_the_quota_is_not_stored(site: Site) -> None:
+    for _ in range(site.settings.quota_live):
+        site.queue("ann")
+
+    upload = _multipart() | {"program": (io.BytesIO(cast.PROGRAM), "mine.py")}
+    answer = site.call("owner", "POST", "/api/v1/runs", data=upload)
+
+    assert (answer.status_code, answer.get_json()["type"]) == (429, "/problems/quota-exceeded")
+    assert not (site.settings.data / "programs").exists()

@@ -1,0 +1,35 @@
+"""The program of a request: read, checked and stored."""
+
+from typing import BinaryIO
+
+from seamark.server.accounts.permissions import Viewer
+from seamark.server.programs import store
+from seamark.server.programs.store import StoredProgram
+from seamark.server.runs import quota
+from seamark.server.web.services import services
+
+
+def store_program(stream: BinaryIO, filename: str, *, viewer: Viewer, role: str) -> StoredProgram:
+    """Store an upload whose run the viewer may submit.
+
+    Raises
+    ------
+    UploadRejected
+        It is no program for this role.
+    QuotaExceeded
+        Its run would be refused: what is stored for nothing takes space too.
+    StorageUnavailable
+        There is no room.
+    """
+    current = services()
+    prepared = current.reader.read_upload(
+        stream,
+        filename,
+        owner=viewer.owner or "",
+        limit=current.settings.upload_max_bytes,
+        role=role,
+    )
+    prepared.require_clean()
+    with current.database.reading() as session:
+        quota.enforce(session, viewer, current.settings, new_bytes=len(prepared.content))
+    return store.save(prepared, current.settings)
