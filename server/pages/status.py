@@ -4,7 +4,7 @@ from flask import Blueprint, render_template
 from flask.typing import ResponseReturnValue
 
 from seamark.sandbox.languages import DEFAULT_LANGUAGE, LANGUAGES
-from seamark.server import workers
+from seamark.server import storage, workers
 from seamark.server.runs import totals
 from seamark.server.web.services import services
 
@@ -25,7 +25,7 @@ def show() -> ResponseReturnValue:
         labels={name: language.label for name, language in LANGUAGES.items()},
         counts={state.value: number for state, number in counts.items()},
         oldest=oldest,
-        refusal=refusal,
+        refusal=storage.refusal(app_services.settings) or refusal,
         needed=app_services.settings.sandbox_min_level,
         streams=app_services.streams.open_streams,
         streams_max=app_services.settings.streams_max,

@@ -116,6 +116,20 @@ def test_publishing_shows_the_run_to_everybody_and_withdrawing_hides_it(site: Si
     assert seen == [404, 200, 404]
 
 
+def test_an_owner_deletes_the_data_of_a_run_on_its_page(site: Site) -> None:
+    run_id = site.succeeded("ann")
+    RunFiles(site.settings.data, run_id, 1).append_rows(np.zeros((3, WIDTH)))
+    browser = site.browser("ann")
+    before = browser.get(f"/runs/{run_id}").text
+
+    answer = browser.post(f"/runs/{run_id}/delete-data", follow_redirects=True)
+
+    assert f'action="/runs/{run_id}/delete-data"' in before
+    assert "The data of the run are deleted." in answer.text
+    assert f'action="/runs/{run_id}/delete-data"' not in answer.text
+    assert not RunFiles(site.settings.data, run_id).root.exists()
+
+
 @pytest.mark.parametrize("state", ["running", "cancelled"])
 def test_the_data_so_far_can_be_downloaded_in_every_state(site: Site, state: str) -> None:
     claim = site.running("ann")

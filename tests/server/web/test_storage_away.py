@@ -11,8 +11,10 @@ import pytest
 from flask.testing import FlaskClient
 from werkzeug.test import TestResponse
 
+from seamark.server import workers
 from seamark.server.accounts import accounts
 from seamark.server.app import create_app
+from seamark.server.database.tables import Worker
 from seamark.server.runs.files import RunFiles
 from tests.cast import PI_RUN, PROGRAM, Backend
 
@@ -99,6 +101,18 @@ def test_a_full_disk_is_on_readyz_and_in_the_metrics_and_pages_work(
     for path in ("/", f"/runs/{recorded}", "/leaderboards/currents-v1", "/submit/currents-v1"):
         assert full.client.get(path).status_code == 200
     assert "hello" in full.client.get(f"/api/v1/runs/{recorded}/log").text
+
+
+def test_the_status_page_does_not_say_that_everything_works(
+    full: Browser, backend: Backend
+) -> None:
+    row = Worker(name="w1@host", slots=1, level="strong", languages=["python"], findings=[])
+    with backend.database.writing() as session:
+        workers.register(session, row)
+
+    page = full.client.get("/status").text
+
+    assert ("too little free disk space" in page, "Everything works" in page) == (True, False)
 
 
 def test_without_the_data_folder_pages_show_what_the_database_has(
