@@ -3,7 +3,7 @@
 import pytest
 from playwright.sync_api import FilePayload, expect
 
-from tests.journey.visitor import Visitor, shorten
+from tests.journey.visitor import RUN_MS, Visitor, shorten
 
 pytestmark = [pytest.mark.browser, pytest.mark.host, pytest.mark.slow]
 
@@ -37,7 +37,7 @@ def test_markup_of_a_user_is_shown_as_text_on_every_page(visitor: Visitor) -> No
     shorten(page)
 
     page.get_by_role("button", name="Check program").click()
-    expect(page.locator("main")).to_contain_text("onerror=", timeout=60_000)
+    expect(page.locator("main")).to_contain_text("onerror=", timeout=RUN_MS)
     found = [page.evaluate("window.ran")]
     page.get_by_role("button", name="Start run").click()
     visitor.wait_for("failed")

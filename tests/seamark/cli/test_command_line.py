@@ -136,13 +136,13 @@ def test_an_account_gets_a_token_and_its_name_cannot_be_taken_twice(tmp_path: Pa
 
 def test_accounts_are_imported_from_a_file_and_each_refusal_has_its_reason(tmp_path: Path) -> None:
     data, names = ("--data", str(tmp_path / "data")), tmp_path / "names.txt"
-    names.write_text("ann, class 7\nbob\n\nnot a name\nBob\n", encoding="utf-8")
+    names.write_text("ann, class 7\nbob\n\nnot a name\nBob\n=1+1\n", encoding="utf-8")
 
     lines = seamark("user", "import", str(names), *data).output.splitlines()
     rows = {row["name"]: row for row in csv.DictReader(lines)}
 
     made = {name: len(row["password"]) >= 10 for name, row in rows.items()}
-    assert made == {"ann": True, "bob": True, "not a name": False, "Bob": False}
+    assert made == {"ann": True, "bob": True, "not a name": False, "Bob": False, "'=1+1": False}
     assert rows["Bob"]["refused"] == "The name Bob is taken."
     assert rows["not a name"]["refused"].startswith("A name consists of")
 
