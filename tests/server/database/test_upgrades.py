@@ -194,4 +194,6 @@ def test_the_hosting_guide_names_the_migrations_that_stop_earlier_versions(empty
 
     guide = (ROOT / "docs/hosting.md").read_text()
     (named,) = re.findall(r"before you upgrade across the migrations ([^:]+):", guide)
-    assert set(re.findall(r"\d{4}", named)) == stopping
+    # It may name more: a row that an earlier version does not keep up to date is no change of schema.
+    assert stopping <= set(re.findall(r"\d{4}", named)) <= schemas.keys()
+    assert stopping
