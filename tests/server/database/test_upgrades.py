@@ -194,6 +194,6 @@ def test_the_hosting_guide_names_the_migrations_that_stop_earlier_versions(empty
 
     guide = (ROOT / "docs/hosting.md").read_text()
     (named,) = re.findall(r"before you upgrade across the migrations ([^:]+):", guide)
-    # It may name more: a row that an earlier version does not keep up to date is no change of schema.
+    # It may name more: those after which an earlier version would leave rows out of date.
     assert stopping <= set(re.findall(r"\d{4}", named)) <= schemas.keys()
     assert stopping
