@@ -142,9 +142,7 @@ class Sweep:
         elif row.data_deleted_at is not None:
             _remove(self._data, run_id)
         else:
-            # The attempt is the fencing token: only the worker of the latest one may still write.
-            live = None if row.state in FINAL else row.attempt
-            RunFiles(self._data, run_id, live).remove_earlier_attempts()
+            RunFiles(self._data, run_id, _kept_attempt(row)).remove_earlier_attempts()
 
     def _measure(self, rows: Iterable[_Row]) -> None:
         """Record the size of runs that ended without their worker, or in an earlier version."""
@@ -163,6 +161,17 @@ class Sweep:
 
     def _program_size(self, row: _Row) -> int:
         return 0 if row.program_sha256 is None else store.size(self._data, row.program_sha256)
+
+
+def _kept_attempt(row: _Row) -> int | None:
+    """Return the first attempt whose files are kept; None: the last one that has any.
+
+    The attempt is the fencing token: of a running run only the worker of the latest one may still
+    write, of a queued run only that of the next one.
+    """
+    if row.state in FINAL:
+        return None
+    return row.attempt + 1 if row.state == RunState.QUEUED else row.attempt
 
 
 def _expired(session: Session, within: ColumnElement[bool], settings: Settings) -> list[int]:

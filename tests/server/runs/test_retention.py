@@ -147,6 +147,19 @@ def test_dead_attempts_are_removed_and_the_last_one_kept(both: Backend) -> None:
     assert RunFiles(both.settings.data, live).attempts() == [3]
 
 
+def test_a_queued_run_keeps_nothing_of_its_dead_attempts(both: Backend) -> None:
+    run_id = both.running().run_id
+    _record(both, run_id)
+    with both.database.writing() as session:
+        values = {"state": RunState.QUEUED, "worker": None, "lease_until": None}
+        session.execute(update(Run).where(Run.id == run_id).values(values))
+    other = _record(both, run_id, attempt=2)  # of a worker that claimed it a moment ago
+
+    _sweep(both)
+
+    assert RunFiles(both.settings.data, run_id).attempts() == [other.attempt]
+
+
 def test_files_without_a_run_are_removed_when_they_are_old(both: Backend) -> None:
     orphan, recent = _record(both, 5_000), _record(both, 6_000)
     os.utime(orphan.root, (0, 0))
