@@ -18,7 +18,7 @@ from typing import Any, TypeVar
 
 from seamark.server.web.received_body import BodyTooSlow, ClientGone, ReceivedBody, receive_body
 
-THREADS = 32  # requests that are worked on at the same time
+THREADS = 64  # requests that are worked on at the same time; most of them wait for the database
 LARGE_BODIES = 64  # that may be on the disk at the same time; others wait to be received
 PART_BYTES = 64 * 1024  # of a response, made at once
 CONTINUATION = "seamark.continuation"  # key of the WSGI environment

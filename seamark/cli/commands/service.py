@@ -15,7 +15,7 @@ from seamark.failures import PlatformFailed, UsageRefused
 if TYPE_CHECKING:
     from seamark.server.settings import Settings
 
-GRACE_S = 5  # for requests under way; streams end at once
+GRACE_S = 10  # for requests under way; streams end at once
 
 
 @click.command()
