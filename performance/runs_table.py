@@ -47,7 +47,7 @@ _STATEMENTS = (
 
 def fill(database: Database, *, runs: int, queued: int) -> None:
     """Add `runs` runs, of which `queued` wait, and count them as the service does."""
-    owners = max(runs // RUNS_PER_OWNER, queued)
+    owners = max(runs // RUNS_PER_OWNER, queued, 1)
     with database.writing() as session:
         first = session.scalar(text("SELECT max(id) FROM users")) or 0
         values = {

@@ -21,7 +21,7 @@ from seamark.worker.service.run_driver import RunContext, evaluate
 from seamark.worker.zygote.client import Simulator, SimulatorBroken
 
 PAUSE_DOUBLINGS = 6  # at most 64 s with the usual settings
-WARM_POLL_S = 0.2  # [s] between two checks of whether the worker shuts down
+WARM_POLL_S = 0.2  # [s] for which a process that starts keeps a ticket
 _log = structlog.get_logger()
 
 
@@ -53,7 +53,7 @@ class RunLoop:
 
     def run_next(self) -> None:
         """Claim and evaluate one run, then make sure that the next one has a ticket."""
-        if not self._wait_warm():
+        if not self._is_warm():
             return
         if why := storage.refusal(self._settings):  # recovery sends tickets again
             _log.error("no_claim", worker=self._name, why=why)
@@ -92,12 +92,17 @@ class RunLoop:
             return
         announce(self._app, self._redis, recovery)
 
-    def _wait_warm(self) -> bool:
-        """Wait until the simulator is warm: before that, other workers should have the runs."""
+    def _is_warm(self) -> bool:
+        """Return whether the simulator is warm; if not, pass the ticket on.
+
+        Until then another process should have the run: one that replaces another takes two seconds
+        to start, while the others of the pool may be idle.
+        """
         try:
-            while not self._shutting_down():
-                if self._simulator.wait_warm(WARM_POLL_S):
-                    return True
+            if self._simulator.wait_warm(WARM_POLL_S):
+                return True
+            if not self._shutting_down():
+                broker.send_tickets(self._app)
         except SimulatorBroken as broken:
             _log.error("simulator_broken", why=str(broken), worker=self._name)
             self._failures += 1
