@@ -162,7 +162,7 @@ def _kill_everywhere(service: Installation, chance: Generator, module: str) -> N
 
 def _end_files_at(pids: list[int], size: int) -> None:
     for pid in pids:
-        with suppress(ProcessLookupError):
+        with suppress(ProcessLookupError, PermissionError):  # boxes belong to other users
             hard = resource.prlimit(pid, resource.RLIMIT_FSIZE)[1]
             resource.prlimit(pid, resource.RLIMIT_FSIZE, (size, hard))
 

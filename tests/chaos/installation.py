@@ -99,9 +99,13 @@ class Installation:
         self.web_servers[at].wait()
         self.web_servers[at] = self._web_server(self.ports[at])
 
+    def evaluates(self) -> bool:
+        """Return whether all workers have started their simulators."""
+        return all(self.processes(worker.pid, ZYGOTE) for worker in self.workers)
+
     def ready_worker(self, chance: Generator) -> int:
         """Return one of the workers, as soon as all of them can evaluate runs."""
-        wait_until(lambda: all(self.processes(worker.pid, ZYGOTE) for worker in self.workers))
+        wait_until(self.evaluates)
         return int(chance.integers(WORKERS))
 
     @staticmethod
@@ -144,6 +148,7 @@ def installation(**settings: object) -> Iterator[Installation]:
         with postgres.database(server.folder, "seamark") as url:
             made = Installation(Path(folder), server, url, **settings)
             try:
+                wait_until(made.evaluates)
                 yield made
             finally:
                 made.stop()

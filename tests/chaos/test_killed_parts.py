@@ -26,7 +26,7 @@ from tests.worker.service.test_side_processes import eventually, pid_of
 pytestmark = [pytest.mark.slow, pytest.mark.host]
 
 NEVER = {"lease_s": 3600.0, "sweep_s": 3600.0}
-MINUTES = {**LONG, "level_duration_s": 200.0}
+MINUTES = {**LONG, "level_duration_s": 100.0}
 SLOW_TO_START = b"""
 import time
 class Controller:
@@ -77,12 +77,12 @@ def test_a_check_whose_process_is_killed_is_answered_by_its_successor(service: S
     program = service.store_program(SLOW_TO_START)
     with service.database.writing() as session:
         check_id = queue.enqueue(session, service.user_id("ann"), "currents-v1", {}, program)
-    eventually(lambda: _check(service, check_id).state is CheckState.RUNNING)
+    eventually(lambda: _check(service, check_id).state is CheckState.RUNNING, START_S)
 
     with service.database.reading() as session:
         lane = session.get_one(Check, check_id).worker or ""
     os.kill(eventually(lambda: pid_of(lane, worker)), signal.SIGKILL)
-    report = eventually(lambda: _check(service, check_id).report)
+    report = eventually(lambda: _check(service, check_id).report, START_S)
 
     assert report["ok"]
 
@@ -91,43 +91,43 @@ def test_a_worker_that_is_replaced_hands_its_run_over_and_its_successor_stays_li
     service: Service,
 ) -> None:
     wanted = evaluate_locally("currents-v1", MINUTES, seed=3, trials=2, controller="pi").digest
-    [first] = eventually(lambda: _listed(service))
+    [first] = eventually(lambda: _listed(service), START_S)
     run_id = service.submit(MINUTES, trials=2)
     service.wait(run_id, lambda _: service.files(run_id).row_count() > 0)
 
     replaced = service.workers.pop()
     replaced.terminate()
-    replaced.wait(timeout=60)
+    replaced.wait(START_S)
     released = service.show(run_id)
     service.start_worker()
     view = service.ended(run_id)
 
     assert (released.state, released.attempt) == (RunState.QUEUED, 1)
     assert (view.state, view.digest, view.attempt) == (RunState.SUCCEEDED, wanted, 2)
-    [second] = _listed(service)
+    [second] = eventually(lambda: _listed(service), START_S)
     assert second != first
 
 
 def test_a_worker_that_is_stopped_while_it_starts_ends_and_leaves_the_list_alone(
     service: Service,
 ) -> None:
-    [name] = eventually(lambda: _listed(service))
+    [name] = eventually(lambda: _listed(service), START_S)
     another = service.start_worker()
     eventually(lambda: b"zygote" in b"".join(map(command_line, tree(another.pid))), START_S)
 
     another.terminate()
-    another.wait(timeout=60)
+    another.wait(START_S)
     service.workers.remove(another)
 
     assert _listed(service) == [name]
 
 
 def test_a_worker_that_was_forgotten_is_listed_again(service: Service) -> None:
-    [name] = eventually(lambda: _listed(service))
+    [name] = eventually(lambda: _listed(service), START_S)
     with service.database.writing() as session:
         session.execute(delete(Worker))
 
-    assert eventually(lambda: _listed(service)) == [name]
+    assert eventually(lambda: _listed(service), START_S) == [name]
 
 
 def test_nothing_of_a_worker_outlives_its_main_process(service: Service) -> None:

@@ -1,7 +1,5 @@
 """Workers that die, on both kinds of service: no run is lost, none finishes twice."""
 
-import os
-import signal
 from collections.abc import Iterator
 from contextlib import contextmanager
 
@@ -50,15 +48,3 @@ def test_a_run_whose_worker_was_killed_finishes_once(service: Service) -> None:
 
 def test_a_run_whose_worker_was_killed_finishes_once_in_production(production: Service) -> None:
     _killed_in_the_middle(production)
-
-
-def test_a_worker_that_is_stopped_releases_its_run_at_once(service: Service) -> None:
-    worker = service.start_worker()
-    run_id = service.submit(LONG, trials=10)
-    service.wait(run_id, lambda view: view.t_simulated > 0)
-
-    os.kill(worker.pid, signal.SIGTERM)
-    worker.wait(timeout=15)
-
-    view = service.show(run_id)
-    assert (view.state, view.attempt) == (RunState.QUEUED, 1)

@@ -13,7 +13,7 @@ from seamark.server.settings import Settings
 from seamark.worker.ipc.outcomes import RunOutcome
 from seamark.worker.service.run_driver import RunContext, evaluate
 from tests.cast import Backend
-from tests.worker.conftest import LONG, QUICK, SHORT, Service, service_with
+from tests.worker.conftest import LONG, QUICK, SHORT, START_S, Service, service_with
 from tests.worker.processes import command_line
 from tests.worker.service.test_side_processes import eventually
 
@@ -58,15 +58,15 @@ def test_a_cancel_ends_the_run_and_its_box(service: Service, doing: str) -> None
     config = LONG if doing == "stepping" else SHORT
     run_id = service.submit(config, controller="upload", program=program, trials=10)
     service.wait(run_id, lambda view: view.state is RunState.RUNNING)
-    eventually(lambda: _boxes(service))
+    eventually(lambda: _boxes(service), START_S)
     if doing == "stepping":
-        eventually(lambda: service.files(run_id).row_count())
+        eventually(lambda: service.files(run_id).row_count(), START_S)
 
     view, seconds = service.time_to_cancel(run_id)
 
     assert view.state is RunState.CANCELLED
     assert seconds < LOST_S
-    assert eventually(lambda: not _boxes(service))
+    assert eventually(lambda: not _boxes(service), START_S)
 
 
 class Finished:
