@@ -6,7 +6,8 @@ import sys
 from performance.table import text
 
 QUICK = ("full_run", "physics", "camera", "exchange")
-TABLES = (*QUICK, "neighbours", "leaks", "growth", "scaling", "leaderboard", "trackers", "streams")
+SERVICE = ("streams", "many_runs", "start_latency", "fake_runs")
+TABLES = (*QUICK, "neighbours", "leaks", "growth", "scaling", "leaderboard", "trackers", *SERVICE)
 ALL = "all"
 
 

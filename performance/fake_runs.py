@@ -1,0 +1,127 @@
+"""Many runs that simulate nothing, through the real queue; the baseline are empty Celery tasks.
+
+`python -m performance.fake_runs [RUNS]`. One worker with as many processes as eight workers with
+one place each; the runs belong to a hundred users.
+"""
+
+import os
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from contextlib import closing
+from pathlib import Path
+
+from sqlalchemy import func, select
+
+from performance.table import Row
+from performance.table import text as text_of
+from seamark.server import workers
+from seamark.server.accounts import accounts
+from seamark.server.accounts.permissions import Viewer
+from seamark.server.database.engine import Database
+from seamark.server.database.schema import upgrade
+from seamark.server.database.tables import Run, Worker
+from seamark.server.messaging import broker
+from seamark.server.runs import submission
+from seamark.server.runs.states import LIVE, RunState
+from seamark.server.runs.submission import Submission
+from seamark.server.settings import Settings
+from tests.services import valkey
+
+RUNS, USERS, PLACES = 10_000, 100, 8
+POLL_S = 0.1
+NOTHING = "performance.nothing"  # the task of `fake_worker` that does nothing
+
+
+def rows(runs: int = RUNS) -> list[Row]:
+    """Measure and return the row."""
+    with tempfile.TemporaryDirectory() as folder, valkey.on_socket() as broker_url:
+        many = {"quota_live": 10**6, "quota_day": 10**6, "quota_bytes": 10**15, "workers": PLACES}
+        values = {"data": Path(folder), "broker_url": broker_url}
+        settings = Settings.model_validate(values | many)
+        upgrade(settings)
+        with (
+            closing(Database(settings.database_url)) as database,
+            closing(broker.celery_app(settings)) as app,
+            closing(broker.connect(settings)) as redis,
+        ):
+            _submit(database, settings, runs)
+            keys = [*broker.ticket_keys(app), "unacked"]
+            worker = _worker(settings)
+            try:
+                app.send_task(NOTHING)
+                _wait(lambda: not redis.exists(*keys))  # until the worker is ready
+                nothing_s = _timed(
+                    lambda: [app.send_task(NOTHING) for _ in range(runs)],
+                    lambda: not redis.exists(*keys),
+                )
+                queue_s = _timed(
+                    lambda: broker.send_tickets(app, runs), lambda: not _count(database, *LIVE)
+                )
+            finally:
+                worker.terminate()
+                worker.wait()
+            if _count(database, RunState.SUCCEEDED) != runs:
+                raise RuntimeError("some of the runs did not succeed")
+    return [
+        Row(
+            what=f"{runs} runs without simulation, {PLACES} places",
+            value=queue_s / runs * 1e3,
+            unit="ms wall/run",
+            baseline="Celery task that does nothing",
+            baseline_value=nothing_s / runs * 1e3,
+        )
+    ]
+
+
+def _submit(database: Database, settings: Settings, runs: int) -> None:
+    """Queue the runs, in turns, for places that are alive as long as it takes."""
+    with database.writing() as session:
+        place = Worker(name="fake", slots=PLACES, level="none", languages=[], findings=[])
+        workers.register(session, place)
+        users = [accounts.sign_up(session, f"user{number}", None) for number in range(USERS)]
+        valid = [
+            submission.validate(
+                Submission(
+                    viewer=Viewer(user_id=user.id, name=user.name),
+                    benchmark="currents-v1",
+                    config={},
+                    controller="pi",
+                ),
+                settings,
+            )
+            for user in users
+        ]
+        for number in range(runs):
+            submission.submit(session, valid[number % USERS], settings)
+
+
+def _worker(settings: Settings) -> "subprocess.Popen[bytes]":
+    command = [sys.executable, "-m", "celery", "-A", "performance.fake_worker", "worker"]
+    options = ["-c", str(PLACES), "--without-gossip", "--without-mingle", "--loglevel", "ERROR"]
+    return subprocess.Popen([*command, *options], env=os.environ | settings.environment())
+
+
+def _count(database: Database, *states: RunState) -> int:
+    count = select(func.count()).where(Run.state.in_(states))
+    with database.reading() as session:
+        return session.scalar(count) or 0
+
+
+def _timed(begin: Callable[[], object], ended: Callable[[], bool]) -> float:
+    """Return the wall time [s] from the begin until the end."""
+    start = time.perf_counter()
+    begin()
+    _wait(ended)
+    return time.perf_counter() - start
+
+
+def _wait(ended: Callable[[], bool]) -> None:
+    while not ended():
+        time.sleep(POLL_S)
+
+
+if __name__ == "__main__":
+    print(text_of(rows(*map(int, sys.argv[1:]))))
