@@ -16,6 +16,8 @@ page = Blueprint("openapi", __name__)
 _KEY = "seamark-openapi"
 _REF = "#/components/schemas/{model}"
 _SECURITY: list[dict[str, list[str]]] = [{}, {"token": []}, {"cookie": []}]
+_REFUSALS = (400, 401, 403, 404, 409, 410, 422, 500, 503)
+_REFUSALS_OF_CHANGES = (413, 415, 429)
 PROBLEM_SCHEMA: dict[str, Any] = {
     "type": "object",
     "description": "RFC 9457",
@@ -59,8 +61,8 @@ def build(blueprints: Iterable[APIBlueprint]) -> dict[str, Any]:
     ranks = paths["/api/v1/leaderboards/{benchmark}"]["get"]["responses"]["200"]["content"]
     ranks["text/csv"] = {"schema": {"type": "string"}}
     for operations in paths.values():
-        for operation in operations.values():
-            _complete(operation)
+        for method, operation in operations.items():
+            _complete(operation, changes=method != "get")
     return {
         "openapi": "3.1.0",
         "jsonSchemaDialect": "https://json-schema.org/draft/2020-12/schema",
@@ -112,12 +114,13 @@ def _add_bodies(paths: dict[str, Any], schemas: dict[str, Any]) -> None:
     paths["/api/v1/checks"]["post"]["requestBody"] = {"required": True, "content": as_form}
 
 
-def _complete(operation: dict[str, Any]) -> None:
-    problem = {"schema": {"$ref": _REF.format(model="Problem")}}
-    operation["responses"]["default"] = {
-        "description": "A problem document; `type` says which.",
-        "content": {MEDIA_TYPE: problem},
-    }
+def _complete(operation: dict[str, Any], *, changes: bool) -> None:
+    """Add how the operation may be refused, and by what its sender may authenticate."""
+    content = {MEDIA_TYPE: {"schema": {"$ref": _REF.format(model="Problem")}}}
+    for status in (*_REFUSALS, *_REFUSALS_OF_CHANGES) if changes else _REFUSALS:
+        slugs = [slug for slug, kind in PROBLEM_TYPES.items() if kind.status == status]
+        described = {"description": f"Problem: {', '.join(slugs)}", "content": content}
+        operation["responses"].setdefault(str(status), described)
     operation["security"] = _SECURITY
 
 
