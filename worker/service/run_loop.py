@@ -101,8 +101,7 @@ class RunLoop:
         try:
             if self._simulator.wait_warm(WARM_POLL_S):
                 return True
-            if not self._shutting_down():
-                broker.send_tickets(self._app)
+            broker.send_tickets(self._app)
         except SimulatorBroken as broken:
             _log.error("simulator_broken", why=str(broken), worker=self._name)
             self._failures += 1
