@@ -16,6 +16,7 @@ from uvicorn.server import Server
 from uvicorn_worker import UvicornWorker  # type: ignore[import-untyped]
 
 from seamark.server.web.asgi import ABORT
+from seamark.worker.ipc.process_control import die_with_parent
 
 HEAD_S = 20.0  # until the head of a request is complete
 CONNECTIONS = 4000  # of one process; beyond, those without a request give way
@@ -129,6 +130,11 @@ class WebWorker(UvicornWorker):  # type: ignore[misc]
         super().__init__(*arguments, **options)
         # A second less than gunicorn allows, which kills.
         self.config.timeout_graceful_shutdown = max(self.cfg.graceful_timeout - 1, 1)
+
+    def init_process(self) -> None:
+        """End with the server: uvicorn does not look after it, and would keep the port."""
+        die_with_parent(self.ppid, signal.SIGTERM)
+        super().init_process()
 
     async def _serve(self) -> None:
         self.config.app = self.wsgi

@@ -8,6 +8,7 @@ import httpx
 import numpy as np
 import pytest
 
+from seamark.sandbox.isolation.proc_stats import parent_of, tree
 from seamark.server.accounts import accounts
 from seamark.server.runs.files import RunFiles
 from seamark.sim.recording.telemetry import WIDTH
@@ -15,6 +16,7 @@ from tests.cast import Backend
 from tests.services import web
 from tests.services.asgi import answer_of
 from tests.services.web import WebServer
+from tests.worker.service.test_side_processes import eventually
 
 SLOW = 150  # of each kind; together more than there ever were threads
 ANSWER_S = 30.0  # generous: a page that waits for slow clients waits for good
@@ -81,3 +83,13 @@ def test_a_restart_ends_streams_cleanly_and_breaks_no_page(backend: Backend) -> 
     assert "event: end" not in rest
     assert resumed.count("[") == 2 + 2  # columns, rows, and the two that are new
     assert set(pages) == {200}
+
+
+def test_no_web_process_outlives_a_server_that_is_killed(backend: Backend) -> None:
+    with web.serving(backend.settings) as server:
+        started = tree(server.process.pid)
+        server.process.kill()
+        server.process.wait()
+
+        assert len(started) > 1
+        assert eventually(lambda: not any(map(parent_of, started)))
