@@ -1,7 +1,6 @@
 """A worker whose simulator is still being compiled, with a stand-in that is warm on command."""
 
 import os
-import threading
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -12,10 +11,7 @@ from seamark.sandbox.isolation.cgroup_parents import parent_groups
 from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.worker.evaluation.job import Job
 from seamark.worker.evaluation.worker_slot import WorkerSlot
-from seamark.worker.service.host import Host
-from seamark.worker.service.run_loop import RunLoop
 from seamark.worker.zygote.client import Simulator, SimulatorBroken
-from tests.worker.conftest import Service
 from tests.worker.service.test_side_processes import eventually
 
 # Started as `seamark.worker.zygote.process` is; it is warm as soon as a test
@@ -67,33 +63,6 @@ def test_a_simulator_that_ends_during_its_start_is_a_failure_of_the_platform(
 
     with pytest.raises(SimulatorBroken):
         simulator.wait_warm(30.0)
-
-
-def test_no_run_is_claimed_before_the_simulator_is_warm(
-    service: Service, simulator: Simulator
-) -> None:
-    run_id = service.submit()
-    stopping = threading.Event()
-    host = Host(service.settings, "w", IsolationLevel.NONE, (), ())
-    run_loop = RunLoop(
-        service.app,
-        service.settings,
-        host,
-        index=0,
-        shutting_down=stopping.is_set,
-        simulator=simulator,
-    )
-    working = threading.Thread(target=run_loop.run_next)
-
-    working.start()
-    working.join(1.0)  # it would claim within milliseconds
-    waits = working.is_alive()
-    attempts = service.show(run_id).attempt
-    stopping.set()
-    working.join(30.0)
-    run_loop.close()
-
-    assert (waits, attempts) == (True, 0)
 
 
 def test_the_real_simulator_says_when_it_is_warm(tmp_path: Path) -> None:
