@@ -6,7 +6,7 @@ import sys
 from performance.table import text
 
 QUICK = ("full_run", "physics", "camera", "exchange")
-SERVICE = ("streams", "many_runs", "start_latency", "fake_runs")
+SERVICE = ("streams", "many_runs", "start_latency", "fake_runs", "player", "downloads")
 TABLES = (*QUICK, "neighbours", "leaks", "growth", "scaling", "leaderboard", "trackers", *SERVICE)
 ALL = "all"
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
@@ -89,6 +89,11 @@ class Client:
     def run(self, run_id: int) -> dict[str, Any]:
         """Return a run in its present state."""
         return self._json("GET", f"/api/v1/runs/{run_id}")
+
+    def compare(self, run_ids: Sequence[int], **query: object) -> dict[str, Any]:
+        """Return two to five runs side by side. `query` may hold columns, trial and level."""
+        params = {"runs": ",".join(map(str, run_ids))} | query
+        return self._json("GET", "/api/v1/compare", params=params)
 
     def follow(self, run_id: int) -> Iterator[dict[str, Any]]:
         """Yield the run each time it changes, until it has ended."""

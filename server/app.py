@@ -18,7 +18,14 @@ from seamark.server import api, pages
 from seamark.server.accounts.browser_sessions import SESSION_DAYS
 from seamark.server.runs import camera_view
 from seamark.server.settings import Settings
-from seamark.server.web import authentication, body_limits, problems, rate_limits, security_headers
+from seamark.server.web import (
+    authentication,
+    body_limits,
+    compression,
+    problems,
+    rate_limits,
+    security_headers,
+)
 from seamark.server.web.asgi import AsgiApplication
 from seamark.server.web.services import Services, services
 
@@ -47,6 +54,7 @@ def create_app(settings: Settings) -> OpenAPI:
     _protect(app)
     rate_limits.register(app, settings)
     security_headers.register(app, public=settings.public)
+    compression.register(app)
     pages.register(app)
     api.register(app)
     app.context_processor(_common)

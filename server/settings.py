@@ -20,8 +20,13 @@ DEFAULTS_IN_WORDS = {  # of settings whose default depends on others or on the m
     "secret_key": "generated once, stored in the data folder",
     "seed_key": "generated once, stored in the data folder",
     "sandbox_min_level": "`medium`; `strong` if public",
+    "url": "none",
+    "embed_origins": "none",
     "workers": "one per core",
 }
+
+
+_ORIGIN = r"https?://[A-Za-z0-9.-]+(:\d{1,5})?"
 
 
 class SettingsInvalid(Exception):
@@ -46,11 +51,22 @@ class Settings(BaseModel):
     port: int = Field(
         8000, ge=0, le=65535, description="Port the web server listens on; 0: any free port"
     )
+    url: str = Field(
+        "",
+        pattern=rf"^({_ORIGIN})?$",
+        description="Public address of the site, such as https://seamark.example: for the pictures "
+        "of link previews",
+    )
     proxies: int = Field(
         0,
         ge=0,
         le=10,
         description="Trusted reverse proxies in front, which set X-Forwarded-For and -Proto",
+    )
+    embed_origins: str = Field(
+        "",
+        pattern=rf"^({_ORIGIN}( {_ORIGIN})*)?$",
+        description="Other sites that may show runs in a frame: origins separated by spaces",
     )
     workers: int = Field(
         default_factory=lambda: len(os.sched_getaffinity(0)),

@@ -9,6 +9,7 @@ from seamark.server.api import (
     actions,
     benchmarks,
     checks,
+    compare,
     datasets,
     events,
     files,
@@ -16,6 +17,7 @@ from seamark.server.api import (
     leaderboards,
     openapi,
     runs,
+    scene,
     series,
 )
 
@@ -28,6 +30,8 @@ RESOURCES = (
     files.api,
     datasets.api,
     series.api,
+    compare.api,
+    scene.api,
     leaderboards.api,
     account.api,
 )

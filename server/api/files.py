@@ -166,12 +166,13 @@ def program(path: RunPath) -> Response:
 
 @api.get("/runs/<int:run_id>/camera.jpg", responses=_content("image/jpeg"))
 def camera(path: RunPath, query: CameraQuery) -> Response:
-    """Render the camera image at a simulated time, with the tracked and the true outline."""
+    """Render the camera image at a simulated time; with neither outline it is the bare image."""
     from seamark.server.runs import camera_view  # noqa: PLC0415 (it loads OpenCV)
 
     view = access.run_for(path.run_id)
     access.require_data(view)
-    image = camera_view.render(services().settings, view, trial=query.trial, t=query.t)
+    drawn = camera_view.Drawn(tracked=query.tracked, truth=query.truth)
+    image = camera_view.render(services().settings, view, trial=query.trial, t=query.t, drawn=drawn)
     if image is None:
         raise Problem("not-found", "There is no telemetry of that trial yet.")
     answer = Response(image, content_type="image/jpeg")

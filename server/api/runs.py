@@ -13,8 +13,6 @@ from werkzeug.datastructures import FileStorage
 from seamark.server.accounts.permissions import Action
 from seamark.server.api import refusals, request_body
 from seamark.server.api.schemas import (
-    ComparisonQuery,
-    ComparisonResponse,
     RunPath,
     RunResponse,
     RunsQuery,
@@ -22,7 +20,7 @@ from seamark.server.api.schemas import (
     run_answer,
 )
 from seamark.server.programs.store import StoredProgram
-from seamark.server.runs import comparison, submission, views
+from seamark.server.runs import submission, views
 from seamark.server.runs.states import RunKind, RunState
 from seamark.server.runs.submission import UPLOAD, Submission
 from seamark.server.runs.views import RunFilter, RunView
@@ -93,26 +91,6 @@ def rerun(path: RunPath) -> Response:
     with refusals.as_problems(), services().database.writing() as database:
         run_id = submission.rerun(database, path.run_id, viewer, settings)
     return _accepted(run_id)
-
-
-@api.get("/runs/<int:run_id>/comparison", responses={200: ComparisonResponse})
-def compare(path: RunPath, query: ComparisonQuery) -> dict[str, Any]:
-    """Compare two ranked runs on their reference trials, which are the same for both."""
-    view = access.run_for(path.run_id)
-    access.run_for(query.other)
-    with services().database.reading() as database:
-        found = comparison.compare(database, path.run_id, query.other)
-    if found is None:
-        raise Problem("invalid-request", errors={"with": comparison.NOT_COMPARABLE})
-    return {
-        "run": view.id,
-        "other": found.other_id,
-        "trials": found.trials,
-        "difference": found.difference,
-        "low": found.low,
-        "high": found.high,
-        "unit": submission.find_benchmark(view.benchmark).headline.unit,
-    }
 
 
 @api.get("/runs", responses={200: RunsResponse})

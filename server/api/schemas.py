@@ -88,12 +88,6 @@ class RunsQuery(BaseModel):
     limit: int = Field(50, ge=1, le=200)
 
 
-class ComparisonQuery(BaseModel):
-    """The other run of a comparison."""
-
-    other: int = Field(alias="with", ge=1, le=ROW_ID_MAX, description="Id of the other run")
-
-
 class TelemetryQuery(BaseModel):
     """Part of the telemetry."""
 
@@ -107,6 +101,19 @@ class SeriesQuery(BaseModel):
         "distance_px,error_x_px,error_y_px", max_length=2000, description="Comma-separated names"
     )
     max_points: int = Field(2000, ge=10, le=20000)
+    trial: int = Field(0, ge=0, le=10000)
+    start: float = Field(0.0, ge=0, le=1e7, description="First simulated time [s] in the trial")
+    stop: float = Field(1e7, ge=0, le=1e7, description="Last simulated time [s] in the trial")
+    sample: Literal["extremes", "rows"] = Field(
+        "extremes",
+        description="extremes: least and greatest value of each interval, for charts; rows: whole "
+        "rows at even distances and the last one, unchanged, for poses",
+    )
+
+
+class TrialQuery(BaseModel):
+    """One trial."""
+
     trial: int = Field(0, ge=0, le=10000)
 
 
@@ -127,6 +134,21 @@ class CameraQuery(BaseModel):
 
     trial: int = Field(0, ge=0, le=10000)
     t: float = Field(0.0, ge=0, le=1e7, description="Simulated time [s] in the trial")
+    tracked: bool = Field(True, description="Draw the outline that the tracker reported")
+    truth: bool = Field(True, description="Draw the true outline")
+
+
+class SceneQuery(BaseModel):
+    """Trial and level of a scene."""
+
+    trial: int = Field(0, ge=0, le=10000)
+    level: int = Field(0, ge=0, le=10000)
+
+
+class TextureQuery(SceneQuery):
+    """A surface of a scene."""
+
+    part: Literal["seabed", "target"] = Field("seabed", description="Which surface")
 
 
 class DatasetQuery(BaseModel):
@@ -257,6 +279,14 @@ class SeriesResponse(ResponseModel):
     final: bool
 
 
+class MomentsResponse(ResponseModel):
+    """Moments of a trial so far; times are simulated ones in the trial [s]."""
+
+    levels: list[dict[str, float]] = Field(description="`level` and `t` of its first row")
+    largest_error: dict[str, Any] | None = Field(description="`column`, `t` and `value`")
+    losses: list[float] = Field(description="When the tracker lost the target; the first 200")
+
+
 class RankResponse(ResponseModel):
     """A row of the leaderboard."""
 
@@ -273,18 +303,6 @@ class RankResponse(ResponseModel):
     submissions: int = Field(description="ranked runs of this user in this benchmark that ended")
     reached_at: float
     is_baseline: bool
-
-
-class ComparisonResponse(ResponseModel):
-    """How much higher the score of a run is than that of another, on the same reference trials."""
-
-    run: int
-    other: int
-    trials: int
-    difference: float
-    low: float | None = Field(description="of the paired 95 % interval")
-    high: float | None
-    unit: str
 
 
 class RanksResponse(ResponseModel):

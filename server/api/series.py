@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
+import math
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -10,15 +10,31 @@ from flask_openapi3.blueprint import APIBlueprint
 from flask_openapi3.models.tag import Tag
 from numpy.typing import NDArray
 
-from seamark.server.api.schemas import RunPath, SeriesQuery, SeriesResponse
+from seamark.server.api.schemas import (
+    MomentsResponse,
+    RunPath,
+    SeriesQuery,
+    SeriesResponse,
+    TrialQuery,
+)
+from seamark.server.runs.downsampling import BLOCK_ROWS, extremes_of_rows
+from seamark.server.runs.moments import moments as find_moments
 from seamark.server.web import access
 from seamark.server.web.problems import Problem
+from seamark.sim import registry
+from seamark.sim.recording.telemetry import INDEX
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-COLUMNS_MAX = 16
+    from seamark.server.runs.files import RunFiles
+
+COLUMNS_MAX = 64
+VALUES_MAX = 320_000  # of a response: more columns have fewer points
+_DIGITS = 7  # significant ones; telemetry.csv has all
+_SAME_TIME_S = 1e-6
 Rows = NDArray[np.float64]
+Sampled = tuple[Rows, Rows]  # (m,) [s], (m, k)
 
 api = APIBlueprint(
     "api_series",
@@ -30,25 +46,55 @@ api = APIBlueprint(
 
 @api.get("/runs/<int:run_id>/series.json", responses={200: SeriesResponse})
 def series(path: RunPath, query: SeriesQuery) -> dict[str, Any]:
-    """Return columns of one trial on one time axis, downsampled with the peaks kept."""
+    """Return columns of one trial on one time axis: extremes for charts, or whole rows for poses.
+
+    Numbers have seven significant digits.
+    """
     view = access.run_for(path.run_id)
     files = access.files_of(view)
     index = {name: at for at, name in enumerate(files.columns)}
     names = _names(query.columns, index)
-    rows = files.rows_of_trial(query.trial)
-    t, columns = downsample(
-        rows[:, index["t"]], rows[:, [index[n] for n in names]], query.max_points
-    )
+    first = files.rows_until(query.trial, query.start - _SAME_TIME_S)
+    after = max(files.rows_until(query.trial, query.stop + _SAME_TIME_S), first)
+    points = max(min(query.max_points, VALUES_MAX // len(names)), 2)
+    thinned = _rows if query.sample == "rows" else extremes_of_rows
+    t, columns = thinned(files, (first, after), [index[name] for name in names], points)
     return {
-        "t": t.tolist(),
-        "columns": {
-            name: [None if np.isnan(v) else v for v in columns[:, at].tolist()]
-            for at, name in enumerate(names)
-        },
-        "rows": len(rows),
+        "t": _numbers(t),
+        "columns": {name: _numbers(columns[:, at]) for at, name in enumerate(names)},
+        "rows": after - first,
         "trial": query.trial,
         "final": view.state.final,
     }
+
+
+@api.get("/runs/<int:run_id>/moments.json", responses={200: MomentsResponse})
+def moments(path: RunPath, query: TrialQuery) -> dict[str, Any]:
+    """Return when the levels of a trial began, its largest error, and when the target was lost.
+
+    The error is that of the tracker where trackers are compared, else the distance to the station.
+    """
+    view = access.run_for(path.run_id)
+    error = "tracker_error" if registry.benchmark(view.benchmark).role == "tracker" else "distance"
+    return find_moments(access.files_of(view), query.trial, error)
+
+
+def _numbers(values: Rows) -> list[float | None]:
+    return [float(f"{v:.{_DIGITS}g}") if math.isfinite(v) else None for v in values.tolist()]
+
+
+def _rows(files: RunFiles, between: tuple[int, int], columns: list[int], points: int) -> Sampled:
+    """Return every n-th row and the last one, at most `points`."""
+    first, after = between
+    step = max(math.ceil((after - first - 1) / max(points - 1, 1)), 1)
+    found: list[Rows] = []
+    size = BLOCK_ROWS // step * step or step
+    for at in range(first, after, size):
+        found.append(files.rows(at, min(at + size, after))[::step])
+    if (after - first - 1) % step:
+        found.append(files.rows(after - 1, after))
+    rows = np.concatenate(found) if found else files.rows(0, 0)
+    return rows[:, INDEX["t"]], rows[:, columns]
 
 
 def _names(text: str, index: Mapping[str, int]) -> list[str]:
@@ -58,39 +104,3 @@ def _names(text: str, index: Mapping[str, int]) -> list[str]:
         detail = f"1 to {COLUMNS_MAX} of: {', '.join(index)}."
         raise Problem("invalid-request", "No such columns.", errors={"columns": detail})
     return list(dict.fromkeys(names))
-
-
-def downsample(t: Rows, columns: Rows, max_points: int) -> tuple[Rows, Rows]:
-    """Return at most `max_points` points: the two extremes of each interval, in their order.
-
-    Parameters
-    ----------
-    t : (n,) [s]
-    columns : (n, k)
-    max_points
-        At least 2.
-
-    Returns
-    -------
-    t : (m,) [s], columns : (m, k)
-        The rows themselves if there are no more than `max_points`.
-    """
-    if len(t) <= max_points:
-        return t, columns
-    edges = np.linspace(0, len(t), max_points // 2 + 1).astype(int)
-    times: list[float] = []
-    values: list[Rows] = []
-    for start, stop in pairwise(edges):
-        interval = columns[start:stop]
-        times += [t[start], t[stop - 1]]
-        values += _extremes(interval)
-    return np.array(times), np.array(values)
-
-
-def _extremes(interval: Rows) -> tuple[Rows, Rows]:
-    """Return two rows: minimum and maximum of each column, in the order of their occurrence."""
-    # NaN would win every comparison; it stays only where there is nothing else.
-    low = np.where(np.isnan(interval), np.inf, interval).argmin(axis=0)
-    high = np.where(np.isnan(interval), -np.inf, interval).argmax(axis=0)
-    every = np.arange(interval.shape[1])
-    return interval[np.minimum(low, high), every], interval[np.maximum(low, high), every]

@@ -3,10 +3,9 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
 
-Schema = Mapping[str, Any]
-SOLUTION = "controller"  # the field of the solution, which is beside the settings
+from seamark.server.runs.setting_values import Schema, text_of
+
 SOLUTION_TITLE = "Solution"
 _LABEL_MAX = 22  # [character] that fit into one column of the form
 
@@ -32,7 +31,9 @@ class Field:
     advanced: bool
     error: str
     names: tuple[str, ...] = ()  # variables available in an expression
-    applies: Mapping[str, Sequence[str]] = field(default_factory=dict)  # see `is_applicable`
+    applies: Mapping[str, Sequence[str]] = field(
+        default_factory=dict
+    )  # see `setting_values.is_applicable`
     condition: str = ""  # `applies` in words
 
     @property
@@ -123,16 +124,6 @@ def preset_of(schema: Schema, values: Mapping[str, object]) -> Mapping[str, obje
     return preset
 
 
-def is_applicable(entry: Schema, values: Mapping[str, object]) -> bool:
-    """Return whether a setting has any effect with these values of other settings.
-
-    `values` may have the name of the solution under SOLUTION.
-    """
-    return all(
-        str(values.get(other)) in allowed for other, allowed in entry.get("x-applies", {}).items()
-    )
-
-
 def _condition(schema: Schema, applies: Mapping[str, Sequence[str]]) -> str:
     """Return when a setting has an effect, such as "Tracker esm or visp"."""
     titles = {name: entry["title"] for name, entry in schema["properties"].items()}
@@ -140,19 +131,6 @@ def _condition(schema: Schema, applies: Mapping[str, Sequence[str]]) -> str:
         f"{titles.get(other, SOLUTION_TITLE)} {' or '.join(values)}"
         for other, values in applies.items()
     )
-
-
-def text_of(value: object) -> str:
-    """Return the text of a value in a field."""
-    if value is None:
-        return ""
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    if isinstance(value, list | tuple):
-        return ", ".join(text_of(item) for item in value)
-    if isinstance(value, float) and value == int(value) and abs(value) < 1e15:
-        return str(int(value))
-    return str(value)
 
 
 def _value(entry: Schema, text: str) -> object:

@@ -3,7 +3,7 @@
 from flask import Blueprint, abort, g, redirect, render_template, request, url_for
 from flask.typing import ResponseReturnValue
 
-from seamark.server.pages import benchmarks
+from seamark.server.pages import benchmarks, link_previews
 from seamark.server.runs import leaderboard, score_counts
 from seamark.server.web.services import services
 
@@ -43,4 +43,5 @@ def show(name: str) -> ResponseReturnValue:
         first=after is None,
         count=count,
         mine=mine,
+        preview=link_previews.of_leaderboard(benchmark, shown if after is None else ()),
     )

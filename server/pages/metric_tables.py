@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from seamark.server.pages import form_fields
+from seamark.server.runs.setting_values import SOLUTION, is_applicable, label_of, text_of
 from seamark.server.web.template_filters import plain
 from seamark.sim.benchmarks import benchmark
 from seamark.sim.benchmarks.benchmark import Benchmark
@@ -83,17 +84,16 @@ def settings(
     schema: Mapping[str, Any], config: Mapping[str, Any], controller: str
 ) -> dict[str, list[SettingValue]]:
     """Return group -> settings of a run that have an effect with its solution."""
-    chosen = {**config, form_fields.SOLUTION: controller}
+    chosen = {**config, SOLUTION: controller}
     preset = form_fields.preset_of(schema, config)
     groups: dict[str, list[SettingValue]] = {}
     for name, entry in schema["properties"].items():
-        if name not in config or not form_fields.is_applicable(entry, chosen):
+        if name not in config or not is_applicable(entry, chosen):
             continue
-        text = form_fields.text_of(config[name])
-        labels = {"true": "yes", "false": "no"} if entry["type"] == "boolean" else {}
-        label = (entry.get("x-labels") or labels).get(text, text)
-        default = form_fields.text_of(preset.get(name, entry.get("default")))
-        value = SettingValue(entry["title"], label, entry.get("x-unit", ""), text != default)
+        default = text_of(preset.get(name, entry.get("default")))
+        changed = text_of(config[name]) != default
+        label = label_of(entry, config[name])
+        value = SettingValue(entry["title"], label, entry.get("x-unit", ""), changed)
         groups.setdefault(entry.get("x-group", ""), []).append(value)
     return groups
 

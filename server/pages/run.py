@@ -3,13 +3,14 @@
 from collections.abc import Callable
 from datetime import UTC, datetime
 
-from flask import Blueprint, flash, g, redirect, render_template, url_for
+from flask import Blueprint, flash, g, make_response, redirect, render_template, url_for
 from flask.typing import ResponseReturnValue
 from sqlalchemy.orm import Session
 
 from seamark.server import storage
 from seamark.server.accounts.permissions import Action, can, owns
-from seamark.server.pages import benchmarks, level_chart, metric_tables
+from seamark.server.pages import benchmarks, level_chart, link_previews, metric_tables
+from seamark.server.pages.player_data import player_data
 from seamark.server.pages.ranked_parts import ranked_parts
 from seamark.server.runs import cancellation, results, retention, submission
 from seamark.server.runs.comparison import Comparison, comparisons
@@ -19,16 +20,14 @@ from seamark.server.runs.states import RunKind
 from seamark.server.runs.submission import SubmissionRejected
 from seamark.server.runs.views import RunView
 from seamark.server.storage import StorageUnavailable
-from seamark.server.streams.excerpts import start_of_trial
-from seamark.server.web import access, authentication
+from seamark.server.web import access, authentication, security_headers
 from seamark.server.web.rate_limits import SUBMISSIONS, client, limiter
 from seamark.server.web.services import services
 from seamark.sim.settings.configuration import ConfigurationInvalid
-from seamark.sim.settings.grid import axes, level_names
+from seamark.sim.settings.grid import axes
 
 LOG_SHOWN = 64 * 1024  # [character] of the log on the page; the download has all
 _NOT_PUBLISHABLE = "Only a finished run that has its data can be published."
-IMAGE_PERIOD_S = 0.05
 page = Blueprint("run", __name__, url_prefix="/runs")
 
 
@@ -61,25 +60,28 @@ def show(run_id: int) -> ResponseReturnValue:
         protocol=benchmark.protocol if run.kind is RunKind.RANKED else None,
         curves=level_chart.curves(benchmark, config, run, files),
         settings=metric_tables.settings(benchmark.schema(), run.config, run.controller),
-        page_data={
-            "id": run.id,
-            "live": not run.state.final,
-            "trials": run.trials,
-            "trial_s": benchmark.trial_duration_s(config),
-            "level_s": run.config.get("level_duration_s"),
-            "levels": config.level_values(),
-            "ordered": config.levels_in_order(),
-            "names": level_names(config),
-            "level": {"label": config.level_metric().label, "unit": config.level_metric().unit},
-            "step_s": run.config.get("control_period_s", IMAGE_PERIOD_S),
-            "charts": [
-                {"title": chart.title, "unit": chart.unit, "columns": chart.columns}
-                for chart in benchmark.charts_of(config)
-            ],
-            "api": f"/api/v1/runs/{run.id}",
-            "events_after": str(start_of_trial(files)),
-        },
+        page_data=player_data(run, files),
+        preview=link_previews.of_run(run),
     )
+
+
+@page.get("/<row:run_id>/embed")
+def embed(run_id: int) -> ResponseReturnValue:
+    """Show the player of a run alone, for the frame of another page."""
+    run = access.run_for(run_id)
+    files = RunFiles(services().settings.data, run_id)
+    answer = make_response(
+        render_template(
+            "run/embed.html",
+            run=run,
+            benchmark=benchmarks.by_name(run.benchmark),
+            has_rows=files.row_count() > 0,
+            axes="",
+            protocol=None,
+            page_data=player_data(run, files),
+        )
+    )
+    return security_headers.embeddable(answer, services().settings.embed_origins)
 
 
 @page.post("/<row:run_id>/cancel")

@@ -9,11 +9,12 @@ from flask.typing import ResponseReturnValue
 from seamark.server.accounts.permissions import Action, Viewer, can
 from seamark.server.pages import benchmarks
 from seamark.server.runs import quota, views
+from seamark.server.runs.solutions import solution
 from seamark.server.runs.states import RunState
 from seamark.server.runs.views import LIMIT_MAX, RunFilter, RunPage, RunView
 from seamark.server.web import access, csv_export
 from seamark.server.web.services import Services, services
-from seamark.server.web.template_filters import iso, solution
+from seamark.server.web.template_filters import iso
 from seamark.server.web.url_converters import row_id
 
 SIZE = 25

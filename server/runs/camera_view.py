@@ -6,6 +6,9 @@ the first image or in the background thread of `warm_up`.
 
 import json
 import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
@@ -21,6 +24,7 @@ from seamark.sim import registry
 from seamark.sim.recording.telemetry import INDEX, WIDTH
 
 if TYPE_CHECKING:
+    from seamark.sim.camera.camera import Camera
     from seamark.sim.engine.replay import Replay
 
 JPEG_QUALITY = 88
@@ -36,26 +40,50 @@ Image = NDArray[np.uint8]
 Row = NDArray[np.float64]
 
 
-def render(settings: Settings, run: RunView, *, trial: int, t: float) -> bytes | None:
+@dataclass(frozen=True, slots=True)
+class Drawn:
+    """What is drawn onto an image; with nothing it is the bare image."""
+
+    tracked: bool = True  # the outline that the tracker reported, green
+    truth: bool = True  # the true outline, thin and amber
+
+
+DRAWN = Drawn()
+
+
+def render(
+    settings: Settings, run: RunView, *, trial: int, t: float, drawn: Drawn = DRAWN
+) -> bytes | None:
     """Return the JPEG of the last image before simulated time `t` [s]; None without telemetry.
 
-    The tracked outline is drawn in green, the true one thin and amber, the centre as a cross.
+    The image centre is a cross, if anything is drawn.
     """
     row = _row_at(RunFiles(settings.data, run.id), trial, t)
     if row is None:
         return None
     config = json.dumps(run.config, sort_keys=True)
     with _lock:  # of many viewers who ask for the same image, all but the first find it
-        return _rendered(run.benchmark, config, trial_seeds(run, settings), row.tobytes())
+        seeds = trial_seeds(run, settings)
+        return _rendered(run.benchmark, config, seeds, row.tobytes(), drawn)
 
 
 @lru_cache(maxsize=IMAGES_KEPT)
-def _rendered(benchmark: str, config: str, seeds: TrialSeeds, row_bytes: bytes) -> bytes:
+def _rendered(
+    benchmark: str, config: str, seeds: TrialSeeds, row_bytes: bytes, drawn: Drawn
+) -> bytes:
     """Return the JPEG of a row; all viewers of a live run ask for the same images."""
     row: Row = np.frombuffer(row_bytes)
     frame = _replay(benchmark, config, seeds).frame(row)
     image, truth = frame.colour(), frame.corners()
-    return _jpeg(_annotated(image, row, truth))
+    return jpeg(_annotated(image, row, truth, drawn))
+
+
+@contextmanager
+def camera_of(settings: Settings, run: RunView, *, trial: int, level: int) -> "Iterator[Camera]":
+    """Give the camera of a level of a run, which nobody else uses meanwhile."""
+    config = json.dumps(run.config, sort_keys=True)
+    with _lock:
+        yield _replay(run.benchmark, config, trial_seeds(run, settings)).camera(trial, level)
 
 
 def warm_up() -> threading.Thread:
@@ -73,7 +101,7 @@ def _warm_up() -> None:
     for name in registry.BENCHMARKS:
         with _lock:
             frame = Replay(name, registry.benchmark(name).read({}), lambda _trial: 0).frame(row)
-            _jpeg(_annotated(frame.colour(), row, frame.corners()))
+            jpeg(_annotated(frame.colour(), row, frame.corners(), DRAWN))
     _log.info("camera_warm")
 
 
@@ -96,16 +124,19 @@ def _row_at(files: RunFiles, trial: int, t: float) -> Row | None:
     return None
 
 
-def _annotated(image: Image, row: Row, truth: Row) -> Image:
+def _annotated(image: Image, row: Row, truth: Row, drawn: Drawn) -> Image:
     """Draw the image centre, the tracked outline and, thin on top, the true outline."""
+    if not (drawn.tracked or drawn.truth):
+        return image
     import cv2  # noqa: PLC0415 - loads OpenCV
 
     height, width = image.shape[:2]
     middle = (width // 2, height // 2)
     cv2.drawMarker(image, middle, WHITE, cv2.MARKER_CROSS, 2 * _CROSS_PX, 1, cv2.LINE_AA)
-    if row[INDEX["tracker_ok"]] == 1.0:
+    if drawn.tracked and row[INDEX["tracker_ok"]] == 1.0:
         _outline(image, row[_CORNERS].reshape(4, 2), GREEN, 3)
-    _outline(image, truth, AMBER, 1)
+    if drawn.truth:
+        _outline(image, truth, AMBER, 1)
     return image
 
 
@@ -119,7 +150,8 @@ def _outline(image: Image, corners: Row, colour: tuple[int, int, int], thickness
     cv2.polylines(image, [points], True, colour, thickness, cv2.LINE_AA, _SUBPIXEL_BITS)
 
 
-def _jpeg(image: Image) -> bytes:
+def jpeg(image: Image) -> bytes:
+    """Return an image (H, W, 3) in blue, green, red as JPEG."""
     import cv2  # noqa: PLC0415 - loads OpenCV
 
     done, encoded = cv2.imencode(".jpg", image, [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY])

@@ -13,12 +13,8 @@ from sqlalchemy.orm import Session
 from seamark.server.database.tables import Best, Result, Run
 from seamark.server.runs.states import RunKind, RunState
 from seamark.server.runs.trial_scores import block_of
+from seamark.sim.benchmarks.benchmark import Benchmark
 from seamark.sim.numerics.statistics import mean, paired_interval
-
-NOT_COMPARABLE = (
-    "Only two ranked runs that succeeded, of the same benchmark, with the same number of reference "
-    "trials can be compared."
-)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -33,14 +29,23 @@ class Comparison:
     high: float | None
 
 
-def compare(session: Session, run_id: int, other_id: int) -> Comparison | None:
-    """Compare two runs; None unless both are ranked runs with the same reference trials."""
-    runs = _runs().where(Run.id.in_((run_id, other_id)))
-    found = {run.id: (run, scores) for run, scores in session.execute(runs)}
-    if len(found) < 2:
-        return None
-    (run, own), (other, its) = found[run_id], found[other_id]
-    return _comparison(run, own, other, its) if run.benchmark == other.benchmark else None
+@dataclass(frozen=True, slots=True)
+class ReferenceEntry:
+    """A run of the service's own on the leaderboard, such as P."""
+
+    run_id: int
+    title: str
+    score: float
+
+
+def reference_entries(session: Session, benchmark: Benchmark) -> list[ReferenceEntry]:
+    """Return the reference entries of a benchmark that are public, in their declared order."""
+    query = select(Best, Run).join(Run, Run.id == Best.run_id)
+    query = query.where(Best.benchmark == benchmark.name, Best.is_baseline)
+    found = {run.title: (best, run) for best, run in session.execute(query)}
+    titles = [baseline.title for baseline in benchmark.baselines.values()]
+    order = sorted(found, key=lambda title: titles.index(title) if title in titles else len(titles))
+    return [ReferenceEntry(found[title][1].id, title, found[title][0].score) for title in order]
 
 
 def comparisons(session: Session, run_id: int, *, with_previous: bool) -> list[Comparison]:

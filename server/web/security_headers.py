@@ -6,6 +6,7 @@ from flask import Flask, Response, request
 
 # No inline scripts or styles: malicious file names and logs are never executed, even if escaping
 # is forgotten somewhere. JSON data blocks are not scripts and remain allowed.
+FRAMES_DENIED = "frame-ancestors 'none'"
 CONTENT_SECURITY_POLICY = "; ".join(
     (
         "default-src 'none'",
@@ -17,7 +18,7 @@ CONTENT_SECURITY_POLICY = "; ".join(
         "manifest-src 'self'",
         "form-action 'self'",
         "base-uri 'none'",
-        "frame-ancestors 'none'",
+        FRAMES_DENIED,
     )
 )
 HEADERS = {
@@ -30,6 +31,16 @@ HEADERS = {
     "Permissions-Policy": "camera=(), geolocation=(), microphone=(), payment=(), usb=()",
 }
 ONE_YEAR_S = 31_536_000
+
+
+def embeddable(response: Response, origins: str) -> Response:
+    """Allow pages of this service, and of these origins, to show the response in a frame."""
+    allowed = " ".join(("frame-ancestors 'self'", *origins.split()))
+    policy = CONTENT_SECURITY_POLICY.replace(FRAMES_DENIED, allowed)
+    response.headers["Content-Security-Policy"] = policy
+    # Browsers ignore it beside frame-ancestors; it has no word for other origins.
+    response.headers["X-Frame-Options"] = "SAMEORIGIN"
+    return response
 
 
 def register(app: Flask, *, public: bool) -> None:

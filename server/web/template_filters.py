@@ -6,8 +6,8 @@ from datetime import UTC, datetime
 
 from flask import Flask
 
-from seamark.server.runs.leaderboard import Rank
 from seamark.server.runs.run_size import size
+from seamark.server.runs.solutions import solution
 from seamark.server.runs.views import RunView
 from seamark.sim import registry
 
@@ -15,20 +15,11 @@ _STEPS = ((86_400, "day"), (3600, "hour"), (60, "minute"))
 
 
 def register(app: Flask) -> None:
-    """Add the functions below as filters."""
+    """Add the functions below, and `solution`, as filters."""
     of_runs, of_scores = (solution, score_unit), (score, signed)
     of_values = (number, plain, duration, size, words)
     for function in (*of_runs, *of_scores, *of_values, utc, iso, ago):
         app.add_template_filter(function)
-
-
-def solution(run: RunView | Rank) -> str:
-    """Return the name of the program, or the label of the built-in solution."""
-    if run.program_name:
-        return run.program_name
-    if run.benchmark not in registry.BENCHMARKS:  # of an earlier version
-        return run.controller
-    return registry.benchmark(run.benchmark).solution_label_of(run.controller, run.config)
 
 
 def score_unit(run: RunView) -> str:

@@ -22,6 +22,9 @@ from tests.services.ports import free_port
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
 START_S = 90.0
 ROOT = Path(__file__).parents[2]
+EMBEDDING_PORT = free_port()  # of the other site that may show runs in a frame
+# WebGL without a graphics card.
+SOFTWARE_RENDERING = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
 
 
 @dataclass(frozen=True)
@@ -59,7 +62,12 @@ def running(**settings: str) -> Iterator[Service]:
             process = subprocess.Popen(
                 [*command, "--data", str(data)],
                 cwd=ROOT,
-                env={**os.environ, "SEAMARK_RANKED_TRIALS": "1", **settings},
+                env={
+                    **os.environ,
+                    "SEAMARK_RANKED_TRIALS": "1",
+                    "SEAMARK_EMBED_ORIGINS": f"http://localhost:{EMBEDDING_PORT}",
+                    **settings,
+                },
                 stdout=output,
                 stderr=subprocess.STDOUT,
             )
@@ -100,7 +108,9 @@ def chromium() -> Iterator[Browser]:
     if os.geteuid() == 0:
         options.append("--no-sandbox")  # Chromium refuses its own sandbox as root
     with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=options)
+        browser = playwright.chromium.launch(
+            executable_path=CHROMIUM, args=[*options, *SOFTWARE_RENDERING]
+        )
         yield browser
         browser.close()
 

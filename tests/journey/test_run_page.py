@@ -70,7 +70,7 @@ def test_the_slider_and_the_play_button_change_the_camera_image(visitor: Visitor
     early, late = _seek(page, 1.0), _seek(page, 39.0)
     again = _seek(page, 1.0)
     page.get_by_role("button", name="Play").click()
-    expect(page.locator("[data-camera-time]")).to_contain_text(re.compile(r"^[2-9]\.\d s"))
+    expect(page.locator("[data-clock]")).to_contain_text(re.compile(r"^[2-9]\.\d\d s"))
     page.get_by_role("button", name="Pause").click()
 
     assert early == again
@@ -94,7 +94,7 @@ def test_the_page_names_the_level_that_ran_where_the_order_is_drawn(visitor: Vis
     shown = []
     for position in range(len(levels)):
         _seek(page, 4.0 * position + 2.0)
-        shown.append(page.locator("[data-camera-time]").inner_text().split()[-2])
+        shown.append(page.locator("[data-clock]").inner_text().split()[-2])
 
     assert order != sorted(order)
     assert shown == [f"{levels[level]:g}" for level in order]

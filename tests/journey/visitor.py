@@ -49,6 +49,13 @@ class Visitor:
         self.open("/sign-up")
         self.fill_in_account(name)
 
+    def sign_in(self, name: str) -> None:
+        self.open("/sign-in")
+        self.page.get_by_label("Name").fill(name)
+        self.page.get_by_label("Password").fill(PASSWORD)
+        self.page.get_by_role("main").get_by_role("button", name="Sign in").click()
+        expect(self.page.get_by_role("link", name=name, exact=True)).to_be_visible()
+
     def fill_in_account(self, name: str) -> None:
         self.page.get_by_label("Name").fill(name)
         self.page.get_by_label("Password").fill(PASSWORD)

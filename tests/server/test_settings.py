@@ -94,3 +94,11 @@ def test_a_child_process_loads_the_same_settings(tmp_path: Path) -> None:
     settings = _load(tmp_path, SEAMARK_PORT="81", SEAMARK_PUBLIC="true")
 
     assert Settings.load(settings.environment()) == settings
+
+
+@pytest.mark.parametrize(
+    "origins", ["*", "https://a.org/path", "a.org", "https://a.org; x", "'self'"]
+)
+def test_only_origins_may_embed(origins: str) -> None:
+    with pytest.raises(SettingsInvalid, match="EMBED_ORIGINS"):
+        Settings.load({"SEAMARK_EMBED_ORIGINS": origins})

@@ -4,6 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from seamark.server.pages import form_fields
+from seamark.server.runs.setting_values import is_applicable, text_of
 from seamark.sim import registry
 from seamark.sim.trackers import option_names
 
@@ -17,14 +18,14 @@ def _number_schema(kind: str) -> dict[str, object]:
 
 @given(value=finite)
 def test_a_number_shown_in_a_field_is_read_back_unchanged(value: float) -> None:
-    shown = form_fields.text_of(value)
+    shown = text_of(value)
 
     assert form_fields.read(_number_schema("number"), {"x": shown}) == {"x": value}
 
 
 @given(values=st.lists(finite, min_size=1, max_size=12))
 def test_a_list_shown_in_a_field_is_read_back_unchanged(values: list[float]) -> None:
-    shown = form_fields.text_of(values)
+    shown = text_of(values)
 
     assert form_fields.read(_number_schema("array"), {"x": shown}) == {"x": values}
 
@@ -70,10 +71,10 @@ def test_groups_follow_the_order_given() -> None:
 def test_a_setting_applies_only_with_the_choices_that_use_it() -> None:
     entry = {"x-applies": {"tracker": ["esm", "visp"], "warp": ["homography"]}}
 
-    assert form_fields.is_applicable(entry, {"tracker": "visp", "warp": "homography"})
-    assert not form_fields.is_applicable(entry, {"tracker": "klt", "warp": "homography"})
-    assert not form_fields.is_applicable(entry, {"tracker": "esm", "warp": "srt"})
-    assert form_fields.is_applicable({}, {})
+    assert is_applicable(entry, {"tracker": "visp", "warp": "homography"})
+    assert not is_applicable(entry, {"tracker": "klt", "warp": "homography"})
+    assert not is_applicable(entry, {"tracker": "esm", "warp": "srt"})
+    assert is_applicable({}, {})
 
 
 def test_every_option_of_a_tracker_says_with_which_trackers_it_applies() -> None:
@@ -92,5 +93,5 @@ def test_a_setting_of_a_position_controller_is_shown_with_the_controllers_that_u
 
     assert fields["pid_kd"].condition == "Solution pid"
     assert fields["kp"].condition == "Solution p or pi or upload"
-    assert form_fields.is_applicable(schema["properties"]["pid_kd"], {"controller": "pid"})
-    assert not form_fields.is_applicable(schema["properties"]["pid_kd"], {"controller": "pi"})
+    assert is_applicable(schema["properties"]["pid_kd"], {"controller": "pid"})
+    assert not is_applicable(schema["properties"]["pid_kd"], {"controller": "pi"})

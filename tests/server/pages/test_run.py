@@ -8,10 +8,12 @@ from typing import Any
 import numpy as np
 import pytest
 
+from seamark.server.app import create_app
 from seamark.server.runs.files import RunFiles
 from seamark.server.runs.states import RunState
 from seamark.sim import registry
 from seamark.sim.recording.telemetry import WIDTH
+from tests.cast import Backend
 from tests.server.pages.conftest import Site
 from tests.services import valkey
 
@@ -213,3 +215,47 @@ def test_a_run_that_does_not_rank_shows_why(site: Site) -> None:
     assert site.finish(claim, metrics=metrics)
 
     assert "not ranked. Trial 9: It drove &lt;away&gt;." in _page(site, claim.run_id)
+
+
+@pytest.mark.parametrize(
+    ("origins", "allowed"),
+    [("", "'self'"), ("https://a.org http://b:80", "'self' https://a.org http://b:80")],
+)
+def test_only_the_embedded_player_can_be_shown_in_a_frame_and_only_by_allowed_sites(
+    backend: Backend, origins: str, allowed: str
+) -> None:
+    settings = backend.settings.model_copy(update={"embed_origins": origins})
+    app = create_app(settings)
+    run_id = backend.succeeded()
+    backend.publish(run_id)
+
+    policies = [
+        app.test_client().get(f"/runs/{run_id}{path}").headers["Content-Security-Policy"]
+        for path in ("/embed", "")
+    ]
+    app.extensions["seamark"].close()
+
+    assert [policy.rpartition("frame-ancestors ")[2] for policy in policies] == [allowed, "'none'"]
+    assert all("script-src 'self'" in policy for policy in policies)
+
+
+def test_the_home_page_replays_the_first_of_the_leaderboard(site: Site) -> None:
+    runs = []
+    for who, score in (("ann", 40.0), ("ben", 60.0)):
+        claim = site.running(who, kind="ranked")
+        assert site.finish(claim, score)
+        RunFiles(site.settings.data, claim.run_id, 1).append_rows(np.zeros((3, WIDTH)))
+        runs.append(site.publish(claim.run_id))
+
+    page = site.browser().get("/").text
+
+    data = re.search(r'id="run-data">(.*?)</script>', page, re.DOTALL)
+    assert data is not None
+    assert json.loads(data.group(1))["id"] == runs[1]
+
+
+def test_the_home_page_without_a_ranked_run_has_a_picture_and_no_replay(site: Site) -> None:
+    page = site.browser().get("/").text
+
+    assert "station.svg" in page
+    assert "replay.js" not in page

@@ -3,7 +3,7 @@
 import pytest
 
 from seamark.server.database.tables import User
-from seamark.server.runs.comparison import compare, comparisons
+from seamark.server.runs.comparison import comparisons
 from tests.cast import Backend
 
 LUCK = (0.0, 0.3, -0.2, 0.1)  # of each reference trial, the same for everybody
@@ -29,32 +29,6 @@ def mark(backend: Backend) -> int:
     return _ranked(backend, "mark", 3.0, controller="built-in")
 
 
-def test_what_two_runs_have_in_common_cancels_out(backend: Backend, mark: int) -> None:
-    run_id = _ranked(backend, "ann", 3.5, controller="built-in")
-
-    with backend.database.reading() as session:
-        found = compare(session, run_id, mark)
-        back = compare(session, mark, run_id)
-
-    assert found is not None
-    assert back is not None
-    assert (found.other_id, found.trials) == (mark, 4)
-    assert found.difference == pytest.approx(0.5)
-    assert found.low is not None
-    assert found.high is not None
-    assert 0.48 < found.low < 0.5 < found.high < 0.52
-    assert back.difference == pytest.approx(-found.difference)
-
-
-def test_only_runs_with_reference_trials_of_one_benchmark_can_be_compared(
-    backend: Backend, mark: int
-) -> None:
-    others = [backend.succeeded("ann"), backend.succeeded("ann", kind="ranked"), 999]
-
-    with backend.database.reading() as session:
-        assert [compare(session, mark, other) for other in (*others, mark)] == [None] * 4
-
-
 def test_a_run_is_compared_with_the_previous_one_and_with_the_baselines(
     backend: Backend, mark: int
 ) -> None:
@@ -68,5 +42,9 @@ def test_a_run_is_compared_with_the_previous_one_and_with_the_baselines(
         first = comparisons(session, other, with_previous=True)
 
     assert [each.other_id for each in own] == [earlier, mark]
+    assert own[1].difference == pytest.approx(0.5)
+    assert own[1].low is not None
+    assert own[1].high is not None
+    assert 0.48 < own[1].low < 0.5 < own[1].high < 0.52
     assert strangers == own[1:]
     assert [each.other_id for each in first] == [mark]

@@ -176,6 +176,7 @@ ROUTES: dict[tuple[str, str], Entry] = {
     ("GET", "/benchmarks/"): Entry(everybody, 302),
     ("GET", "/benchmarks/<name>"): Entry(everybody, path="/benchmarks/currents-v1"),
     ("GET", "/runs/<row:run_id>"): Entry(reads_run, path="/runs/{run}"),
+    ("GET", "/runs/<row:run_id>/embed"): Entry(reads_run, path="/runs/{run}/embed"),
     **_changing("/runs/", "<row:run_id>", 303, **ACTIONS, **DELETE_DATA, **RERUN),
     ("GET", "/runs/"): Entry(lists),
     ("GET", "/runs/runs.csv"): Entry(lists),
@@ -220,9 +221,16 @@ ROUTES: dict[tuple[str, str], Entry] = {
     ("GET", "/api/v1/checks/<int:check_id>"): Entry(reads_its_own, path="/api/v1/checks/{check}"),
     **_reading("", "/events", "/telemetry.csv", "/telemetry.f64", "/series.json", "/metrics.json"),
     **_reading("/manifest.json", "/config.json", "/log", "/program", "/camera.jpg", "/dataset.zip"),
-    ("GET", "/api/v1/runs/<int:run_id>/comparison"): Entry(  # 422: it is no ranked run
-        reads_run, 422, "/api/v1/runs/{run}/comparison?with={run}"
+    **_reading("/scene.json", "/texture.jpg", "/moments.json"),
+    ("GET", "/compare"): Entry(reads_run, path="/compare?runs={run},{other}"),
+    ("GET", "/compare/preview.jpg"): Entry(
+        reads_run, path="/compare/preview.jpg?runs={run},{other}"
     ),
+    ("GET", "/runs/<row:run_id>/preview.jpg"): Entry(reads_run, path="/runs/{run}/preview.jpg"),
+    ("GET", "/leaderboards/<name>/preview.jpg"): Entry(
+        everybody, path="/leaderboards/currents-v1/preview.jpg"
+    ),
+    ("GET", "/api/v1/compare"): Entry(reads_run, path="/api/v1/compare?runs={run},{other}"),
     **_changing("/api/v1/runs/", "<int:run_id>", 200, **ACTIONS),
     **_changing("/api/v1/runs/", "<int:run_id>", 202, **RERUN),
     ("DELETE", "/api/v1/runs/<int:run_id>/data"): Entry(
@@ -275,6 +283,8 @@ def path_of(site: Site, route: str, entry: Entry, recorded: int) -> str:
     path = entry.path or route
     if "{run}" in path:
         path = path.replace("{run}", str(run_of(site, entry.run) if entry.run else recorded))
+    if "{other}" in path:
+        path = path.replace("{other}", str(run_of(site, "recorded")))
     if "{check}" in path:
         path = path.replace("{check}", str(site.queue_check("ann")))
     if "{token}" in path:

@@ -1,5 +1,5 @@
 // The chart of metrics over levels: grows while the run is live, and marks the score.
-import { colour } from "./charts.js";
+import { colour } from "../player/colours.js";
 
 const COLOURS = ["--chart-1", "--chart-2"];
 const HEIGHT = 220;

@@ -1,18 +1,15 @@
 // The run page: server-sent events while the run is live, its files afterwards. Names and logs are
 // inserted as text only, never as markup.
-import { Camera } from "./camera.js";
-import { Charts } from "./charts.js";
+import { Player } from "../player/player.js";
 import { Curve } from "./curve.js";
+import { listen, RowFeed } from "./live.js";
 
 const data = JSON.parse(document.getElementById("run-data").textContent);
 const part = (name) => document.querySelector(`[data-${name}]`);
-const charts = new Charts(data);
-const camera = new Camera(data, (t) => charts.mark(t), (position) => charts.levelAt(position));
+const player = new Player(document.querySelector("[data-player]"), data);
+const feed = new RowFeed(player);
 const curves = [...document.querySelectorAll("[data-curve-plot]")].map((box) => new Curve(box));
-let trial = 0;
 let refreshing = 0;
-
-const COLUMNS_MAX = 16; // per request of series.json
 let firstProgress = null; // first progress seen by this page, to estimate the remaining time
 
 function queueSentence(position) {
@@ -25,7 +22,7 @@ function duration(seconds) {
 }
 
 function showState(state) {
-  if (state.viewers) camera.viewers = state.viewers;
+  if (state.viewers) player.camera.viewers = state.viewers;
   const badge = part("state-badge")?.firstElementChild;
   if (badge && !badge.classList.contains(state.state)) {
     refresh(); // the server renders the new state: the reason of a failure, the actions
@@ -97,62 +94,29 @@ function followLevel(newest) {
   setTimeout(() => {
     curveScheduled = false;
     if (data.live) refresh("curve-");
-  }, Math.max(CURVE_INTERVAL_MS, CURVE_VIEWER_INTERVAL_MS * camera.viewers));
+  }, Math.max(CURVE_INTERVAL_MS, CURVE_VIEWER_INTERVAL_MS * player.camera.viewers));
 }
 
-async function loadSeries() {
-  const columns = charts.columns();
-  const responses = [];
-  for (let at = 0; at < columns.length; at += COLUMNS_MAX) {
-    const names = columns.slice(at, at + COLUMNS_MAX).join(",");
-    const address = `${data.api}/series.json?columns=${names}&max_points=4000&trial=${trial}`;
-    const response = await fetch(address, { credentials: "same-origin" });
-    if (!response.ok) return;
-    responses.push(await response.json());
-  }
-  if (!responses.length) return;
-  const [{ t }] = responses; // the time axis depends on the rows only and is the same in all responses
-  charts.replace(t, Object.assign({}, ...responses.map((response) => response.columns)));
-  if (t.length) camera.available(trial, t[t.length - 1]);
-}
-
-const RETRY_MS = 5000; // after an error that the browser does not retry itself, such as a 503
-
-// Starts with the newest trial and with the output after that of the page; after an interruption, with
-// what came since the last event.
-function follow(after = data.events_after) {
-  const events = new EventSource(`${data.api}/events?after=${after}`);
-  const on = (type, handle) => events.addEventListener(type, (event) => {
-    if (event.lastEventId) after = event.lastEventId;
-    handle(JSON.parse(event.data));
-  });
-  events.addEventListener("error", () => {
-    if (events.readyState === EventSource.CLOSED) setTimeout(() => follow(after), RETRY_MS);
-  });
-  on("state", showState);
-  on("telemetry", (batch) => {
-    const at = batch.columns.indexOf("trial");
-    if (!batch.rows.length) return;
-    followAttempt(after.split("-")[0]);
-    const newest = batch.rows[batch.rows.length - 1];
-    followTrial(newest[at]);
-    showTelemetryProgress(batch.columns, newest);
-    followLevel(Math.floor(newest[batch.columns.indexOf("t")] / data.level_s));
-    const rows = batch.rows.filter((row) => row[at] === trial);
-    const last = charts.append(batch.columns, rows);
-    if (last !== null) camera.available(trial, last);
-  });
-  on("log", ({ text, gap }) => {
-    logHasGap ||= gap;
-    appendLog(gap ? `\n[...]\n${text}` : text);
-  });
-  on("end", async () => {
-    events.close();
-    data.live = false;
-    camera.ended();
-    await refresh();
-    await loadSeries();
-    if (logHasGap) await loadLog();
+function follow() {
+  listen(data, {
+    state: showState,
+    attempt: () => player.clear(),
+    rows: (columns, rows) => {
+      const newest = rows[rows.length - 1];
+      showTelemetryProgress(columns, newest);
+      followLevel(Math.floor(newest[columns.indexOf("t")] / data.level_s));
+      feed.rows(columns, rows);
+    },
+    log: ({ text, gap }) => {
+      logHasGap ||= gap;
+      appendLog(gap ? `\n[...]\n${text}` : text);
+    },
+    end: async () => {
+      data.live = false;
+      await refresh();
+      await player.ended();
+      if (logHasGap) await loadLog();
+    },
   });
 }
 
@@ -166,36 +130,5 @@ async function loadLog() {
   appendLog(await response.text());
 }
 
-// A run whose worker died starts again.
-let attempt = null;
-
-function followAttempt(newest) {
-  if (attempt !== null && attempt !== newest) charts.clear();
-  attempt = newest;
-}
-
-// The page follows the current trial of a live run until the user selects a trial.
-let trialSelected = false;
-
-function followTrial(newest) {
-  if (trialSelected || newest === trial) return;
-  trial = newest;
-  const select = part("trial");
-  if (select) select.value = String(trial);
-  charts.clear();
-}
-
-part("trial")?.addEventListener("change", (event) => {
-  trialSelected = true;
-  trial = Number(event.target.value);
-  charts.clear();
-  loadSeries();
-});
-charts.onChoice = loadSeries;
-charts.onSeek = (t) => camera.seek(t);
-
+await player.start();
 if (data.live) follow();
-else {
-  await loadSeries();
-  camera.ended();
-}

@@ -1,0 +1,42 @@
+"""What the player of a run needs beside the run's own data, as JSON in the page."""
+
+from typing import Any
+
+from seamark.server.pages import benchmarks
+from seamark.server.runs.files import RunFiles
+from seamark.server.runs.views import RunView
+from seamark.server.streams.excerpts import start_of_trial
+from seamark.sim.recording import telemetry
+from seamark.sim.settings.grid import level_names
+
+IMAGE_PERIOD_S = 0.05
+_NOT_CHARTED = frozenset({"trial", "t"})  # the same in a whole chart, and its axis
+
+
+def player_data(run: RunView, files: RunFiles) -> dict[str, Any]:
+    """Return levels, charts and columns of a run."""
+    benchmark = benchmarks.by_name(run.benchmark)
+    config = benchmark.restore(run.config)
+    return {
+        "id": run.id,
+        "live": not run.state.final,
+        "trials": run.trials,
+        "trial_s": benchmark.trial_duration_s(config),
+        "level_s": run.config.get("level_duration_s"),
+        "levels": config.level_values(),
+        "ordered": config.levels_in_order(),
+        "names": level_names(config),
+        "level": {"label": config.level_metric().label, "unit": config.level_metric().unit},
+        "step_s": run.config.get("control_period_s", IMAGE_PERIOD_S),
+        "charts": [
+            {"title": chart.title, "unit": chart.unit, "columns": chart.columns}
+            for chart in benchmark.charts_of(config)
+        ],
+        "columns": [
+            {"name": column.name, "unit": column.unit, "meaning": column.meaning}
+            for column in telemetry.columns(len(files.columns))
+            if column.name not in _NOT_CHARTED
+        ],
+        "api": f"/api/v1/runs/{run.id}",
+        "events_after": str(start_of_trial(files)),
+    }

@@ -1,0 +1,53 @@
+"""Moments of a trial that a viewer jumps to: where levels begin, the largest error, the losses."""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from seamark.server.runs.downsampling import BLOCK_ROWS
+from seamark.server.runs.files import RunFiles
+from seamark.sim.recording.telemetry import INDEX, Rows
+
+LOSSES_MAX = 200  # listed, the earliest ones
+
+
+@dataclass(slots=True)
+class _Found:
+    levels: list[dict[str, Any]] = field(default_factory=list)
+    losses: list[float] = field(default_factory=list)
+    error: float = -np.inf
+    error_t: float | None = None
+    level: float = np.nan  # of the row before
+    lost: bool = False  # in the row before
+
+    def add(self, rows: Rows, column: int) -> None:
+        t, level = rows[:, INDEX["t"]], rows[:, INDEX["level"]]
+        begins = np.diff(level, prepend=self.level) != 0  # also of the first row: NaN
+        self.levels += [{"level": int(level[at]), "t": t[at]} for at in np.flatnonzero(begins)]
+        lost = rows[:, INDEX["tracker_ok"]] != 1.0
+        before = np.concatenate([[self.lost], lost[:-1]]) & ~begins
+        room = LOSSES_MAX - len(self.losses)
+        self.losses += t[lost & ~before][:room].tolist()
+        error = np.nan_to_num(rows[:, column], nan=-np.inf)
+        at = int(error.argmax())
+        if error[at] > self.error:
+            self.error, self.error_t = float(error[at]), float(t[at])
+        self.level, self.lost = float(level[-1]), bool(lost[-1])
+
+
+def moments(files: RunFiles, trial: int, error: str) -> dict[str, Any]:
+    """Return the moments of a trial so far as JSON; `error` is the column whose maximum counts.
+
+    A loss is where the tracker begins to report that it has no target, in each level anew.
+    """
+    found = _Found()
+    first, after = (files.rows_until(number, -np.inf) for number in (trial, trial + 1))
+    for start in range(first, after, BLOCK_ROWS):
+        found.add(files.rows(start, min(start + BLOCK_ROWS, after)), INDEX[error])
+    largest = {"column": error, "t": found.error_t, "value": found.error}
+    return {
+        "levels": found.levels,
+        "largest_error": largest if found.error_t is not None else None,
+        "losses": found.losses,
+    }

@@ -1,0 +1,28 @@
+"""What the solution of a run is called."""
+
+from collections.abc import Mapping
+from typing import Any, Protocol
+
+from seamark.sim import registry
+
+
+class HasSolution(Protocol):
+    """What decides the name; a view and a row of the leaderboard have it."""
+
+    @property
+    def benchmark(self) -> str: ...  # noqa: D102 - the attribute of tables.Run
+    @property
+    def config(self) -> Mapping[str, Any]: ...  # noqa: D102
+    @property
+    def controller(self) -> str: ...  # noqa: D102
+    @property
+    def program_name(self) -> str | None: ...  # noqa: D102
+
+
+def solution(run: HasSolution) -> str:
+    """Return the name of the program, or the label of the built-in solution."""
+    if run.program_name:
+        return run.program_name
+    if run.benchmark not in registry.BENCHMARKS:  # of an earlier version
+        return run.controller
+    return registry.benchmark(run.benchmark).solution_label_of(run.controller, run.config)

@@ -1,0 +1,204 @@
+// Charts with one line per run over simulated time, for the columns that are chosen.
+import { lastUntil, short } from "../player/chart_plot.js";
+import { colour } from "../player/colours.js";
+
+const HEIGHT = 200;
+const INITIAL = 3; // number of charts shown initially
+const END_S = 1; // so long after its last row a run still has its last values
+const uPlot = window.uPlot;
+
+// The colour of a run, and a dash so that lines differ without colours too.
+const COLOURS = ["--chart-1", "--chart-2", "--chart-3", "--chart-4", "--chart-5"];
+const DASHES = [[], [], [6, 3], [2, 3], [10, 3, 2, 3]];
+
+export class OverlaidCharts {
+  constructor(data, playhead, chosen) {
+    this.data = data;
+    this.playhead = playhead;
+    this.box = document.querySelector("[data-charts]");
+    this.series = [];
+    this.shown = [];
+    this.level = null;
+    this.onChoice = () => {};
+    const known = data.charts.filter(({ column }) => chosen.includes(column));
+    const first = data.charts.filter(({ unit }) => unit === "px").slice(0, INITIAL);
+    this.chosen = new Set(known.length ? known : first.length ? first : data.charts.slice(0, INITIAL));
+    this.listChoices();
+    this.build();
+    playhead.listen(() => this.mark());
+    document.addEventListener("themechange", () => this.build());
+    new ResizeObserver(() => this.resize()).observe(this.box);
+  }
+
+  columns() {
+    return this.data.charts.filter((chart) => this.chosen.has(chart)).map(({ column }) => column);
+  }
+
+  listChoices() {
+    const list = document.querySelector("[data-chart-choices]");
+    list.replaceChildren(...this.data.charts.map((chart) => {
+      const label = document.createElement("label");
+      const box = document.createElement("input");
+      label.className = "check";
+      box.type = "checkbox";
+      box.checked = this.chosen.has(chart);
+      box.addEventListener("change", () => this.choose(chart, box));
+      label.append(box, ` ${chart.title} [${chart.unit}]`);
+      return label;
+    }));
+  }
+
+  choose(chart, box) {
+    if (box.checked && this.chosen.size >= this.data.columns_max) box.checked = false;
+    else if (box.checked) this.chosen.add(chart);
+    else this.chosen.delete(chart);
+    this.build();
+    this.onChoice();
+  }
+
+  // `series`: of each run its own times and columns; `level`: shown alone, null for whole trials.
+  show(series, level) {
+    this.series = series;
+    this.level = level;
+    this.draw();
+  }
+
+  build() {
+    for (const { plot } of this.shown) plot.destroy();
+    this.box.replaceChildren();
+    this.shown = this.data.charts.filter((chart) => this.chosen.has(chart)).map((chart) => this.createPlot(chart));
+    this.draw();
+  }
+
+  createPlot(chart) {
+    const container = document.createElement("div");
+    const title = document.createElement("p");
+    const readout = document.createElement("span");
+    const target = document.createElement("div");
+    container.className = "chart";
+    title.className = "chart-title";
+    readout.className = "readout";
+    title.append(`${chart.title} [${chart.unit}]`, readout);
+    container.append(title, target);
+    this.box.append(container);
+    target.setAttribute("role", "img");
+    const runs = this.data.runs.map(({ id }) => id).join(", ");
+    target.setAttribute("aria-label", `${chart.title} in ${chart.unit} over simulated time, runs ${runs}`);
+    const axis = { stroke: colour("--text-2"), grid: { stroke: colour("--chart-grid"), width: 1 }, ticks: { show: false } };
+    const plot = new uPlot({
+      width: this.width(),
+      height: HEIGHT,
+      cursor: { sync: { key: "compare" }, drag: { x: true, y: false } },
+      legend: { show: false },
+      scales: { x: { time: false, range: (_plot, min, max) => [min ?? 0, max ?? this.data.trial_s] }, y: { range: (_plot, min, max) => yRange(min, max) } },
+      axes: [{ ...axis, values: (_plot, ticks) => ticks.map((tick) => `${tick} s`), size: 32 }, { ...axis, size: 56 }],
+      series: [{}, ...this.data.runs.map(({ id }, index) => ({
+        label: `#${id}`, stroke: colour(COLOURS[index]), dash: DASHES[index], width: 1.5, points: { show: false },
+      }))],
+      plugins: [this.levelsPlugin()],
+      hooks: { setCursor: [(self) => this.showValues(self, chart, readout)] },
+    }, [[], ...this.data.runs.map(() => [])], target);
+    const line = document.createElement("i");
+    line.className = "chart-playhead";
+    line.hidden = true;
+    plot.over.append(line);
+    plot.over.addEventListener("click", () => {
+      if (plot.cursor.left >= 0) this.playhead.seek(plot.posToVal(plot.cursor.left, "x"));
+    });
+    return { chart, plot, readout, line };
+  }
+
+  // Borders and names of the levels behind the lines.
+  levelsPlugin() {
+    return {
+      hooks: {
+        drawAxes: (plot) => {
+          if (this.level !== null || !this.data.level_s) return;
+          const { ctx, bbox } = plot;
+          ctx.save();
+          ctx.strokeStyle = colour("--chart-level");
+          ctx.setLineDash([4 * devicePixelRatio, 4 * devicePixelRatio]);
+          this.data.levels.forEach((name, index) => {
+            const x = Math.round(plot.valToPos(index * this.data.level_s, "x", true));
+            if (x < bbox.left || x > bbox.left + bbox.width) return;
+            ctx.beginPath();
+            ctx.moveTo(x, bbox.top);
+            ctx.lineTo(x, bbox.top + bbox.height);
+            if (index) ctx.stroke();
+            this.drawName(plot, name, x);
+          });
+          ctx.restore();
+        },
+      },
+    };
+  }
+
+  // The name of a level, if it fits between its borders.
+  drawName(plot, name, x) {
+    const { ctx, bbox } = plot;
+    const width = plot.valToPos(this.data.level_s, "x", true) - plot.valToPos(0, "x", true);
+    ctx.save();
+    ctx.font = `${11 * devicePixelRatio}px system-ui, sans-serif`;
+    ctx.fillStyle = colour("--text-2");
+    ctx.textAlign = "left";
+    ctx.textBaseline = "alphabetic";
+    if (ctx.measureText(`${name}  `).width < width) ctx.fillText(name, x + 5 * devicePixelRatio, bbox.top + 12 * devicePixelRatio);
+    ctx.restore();
+  }
+
+  // Values of all runs at the cursor, otherwise at the playhead.
+  showValues(plot, chart, readout) {
+    const { idx } = plot.cursor;
+    const hovered = idx !== null && idx !== undefined ? plot.data[0][idx] : undefined;
+    const t = hovered ?? this.playhead.t;
+    const parts = this.series.map((series, index) => {
+      const part = document.createElement("span");
+      part.textContent = `#${series.run} ${short(valueAt(series, chart.column, t))}`;
+      part.style.color = colour(COLOURS[index]);
+      return part;
+    });
+    readout.replaceChildren(...(parts.length ? [`${t.toFixed(1)} s`, ...parts] : []));
+  }
+
+  draw() {
+    for (const { chart, plot } of this.shown) {
+      // Runs have their own times: `join` lets lines span the times of others, not their own gaps.
+      const tables = this.series.map(({ t, columns }) => [t, columns[chart.column] ?? new Array(t.length).fill(null)]);
+      plot.setData(tables.length ? uPlot.join(tables) : [[], ...this.data.runs.map(() => [])]);
+    }
+    this.mark();
+  }
+
+  // Moves the line of the playhead; the canvas is not drawn again.
+  mark() {
+    for (const { chart, plot, readout, line } of this.shown) {
+      const x = plot.valToPos(this.playhead.t, "x");
+      line.hidden = !(this.series.length && x >= 0 && x <= plot.over.clientWidth);
+      if (!line.hidden) line.style.transform = `translateX(${x}px)`;
+      this.showValues(plot, chart, readout);
+    }
+  }
+
+  width() {
+    return Math.max(this.box.clientWidth, 200);
+  }
+
+  resize() {
+    for (const { plot } of this.shown) plot.setSize({ width: this.width(), height: HEIGHT });
+    this.mark();
+  }
+}
+
+// Leaves room above the lines for the names of the levels.
+function yRange(min, max) {
+  if (min === null || max === null) return [0, 1];
+  const span = Math.max(max - min, 1e-6);
+  const base = min >= 0 && min < 0.5 * max ? 0 : min - 0.08 * span;
+  return [base, max + 0.2 * span];
+}
+
+// The value at or before time `t`; null after the end.
+function valueAt({ t: times, columns }, column, t) {
+  if (!times.length || t > times[times.length - 1] + END_S) return null;
+  return columns[column]?.[lastUntil(times, t)] ?? null;
+}

@@ -1,0 +1,105 @@
+// Runs side by side: charts and cameras with one playhead. Its address always shows what is shown.
+import { clockText } from "../player/bar.js";
+import { Playhead, SPEEDS } from "../player/playhead.js";
+import { Cameras } from "./cameras.js";
+import { OverlaidCharts } from "./charts.js";
+
+const POINTS_MAX = 1500; // of each run and chart
+const ADDRESS_MS = 400; // the address is written at most this often
+const LEAP_MAX_S = 0.25; // a hidden tab does not leap
+const data = JSON.parse(document.getElementById("compare-data").textContent);
+const root = document.querySelector("[data-compare]");
+const part = (name) => root.querySelector(`[data-${name}]`);
+const query = new URLSearchParams(location.search);
+const playhead = new Playhead({ duration: data.trial_s });
+const number = (name) => (query.has(name) && Number.isFinite(Number(query.get(name))) ? Number(query.get(name)) : null);
+
+playhead.restore({ trial: Math.min(number("trial") ?? 0, data.trials - 1), t: number("t") ?? 0, speed: number("speed") ?? 1 });
+const charts = new OverlaidCharts(data, playhead, (query.get("columns") ?? "").split(","));
+const cameras = new Cameras(data, playhead);
+const levelSelect = part("level");
+let requested = 0;
+let frame = null; // the next animation frame, while playing
+let before = null; // time of the previous one [ms]
+
+if (part("trial")) part("trial").value = String(playhead.trial);
+if (levelSelect && number("level") !== null && number("level") < data.levels.length) levelSelect.value = String(number("level"));
+
+function level() {
+  return levelSelect?.value ? Number(levelSelect.value) : null;
+}
+
+async function load() {
+  const sequence = ++requested;
+  const columns = charts.columns().join(",") || "t"; // the times tell where each run has data
+  const chosen = level() === null ? "" : `&level=${level()}`;
+  const response = await fetch(`${data.api}&columns=${columns}&trial=${playhead.trial}${chosen}&max_points=${POINTS_MAX}`);
+  if (sequence !== requested) return;
+  part("message").textContent = response.ok ? "" : "The telemetry could not be loaded. Reload the page to try again.";
+  if (!response.ok) return;
+  const { series } = await response.json();
+  const lengths = series.map(({ t }) => (t.length ? t[t.length - 1] : 0));
+  const longest = Math.max(...lengths);
+  charts.show(series, level());
+  cameras.setParts(series, playhead.trial);
+  part("time").max = String(longest);
+  part("time").disabled = part("play").disabled = longest === 0;
+  playhead.reaches(longest);
+}
+
+function showMode() {
+  const button = part("play");
+  button.setAttribute("aria-pressed", String(playhead.playing));
+  button.querySelector("[data-label]").textContent = playhead.playing ? "Pause" : "Play";
+  part("speed").value = String(playhead.speed);
+  before = null;
+  if (playhead.playing && !frame) frame = requestAnimationFrame(advance);
+}
+
+function showTime() {
+  part("time").value = String(playhead.t);
+  part("time").setAttribute("aria-valuetext", clockText(playhead.t));
+  part("clock").textContent = clockText(playhead.t);
+}
+
+function advance(now) {
+  if (before !== null) playhead.advance(Math.min((now - before) / 1000, LEAP_MAX_S));
+  before = now;
+  frame = playhead.playing ? requestAnimationFrame(advance) : null;
+}
+
+let scheduled = null;
+
+function writeAddress() {
+  scheduled ??= setTimeout(() => {
+    scheduled = null;
+    const chosen = new URLSearchParams();
+    if (playhead.trial) chosen.set("trial", playhead.trial);
+    if (level() !== null) chosen.set("level", level());
+    if (playhead.t) chosen.set("t", playhead.t.toFixed(2));
+    if (playhead.speed !== 1) chosen.set("speed", playhead.speed);
+    chosen.set("columns", charts.columns().join(","));
+    const runs = data.runs.map(({ id }) => id).join(",");
+    history.replaceState(null, "", `?runs=${runs}&${chosen.toString().replaceAll("%2C", ",")}`);
+  }, ADDRESS_MS);
+}
+
+part("speed").append(...SPEEDS.map((speed) => new Option(`${speed}×`.replace("0.25", "¼").replace("0.5", "½"), String(speed))));
+part("play").addEventListener("click", () => playhead.toggle());
+part("time").addEventListener("input", () => playhead.seek(Number(part("time").value)));
+part("speed").addEventListener("change", () => playhead.setSpeed(Number(part("speed").value)));
+part("trial")?.addEventListener("change", (event) => {
+  playhead.setTrial(Number(event.target.value));
+  load();
+});
+levelSelect?.addEventListener("change", () => {
+  playhead.seek(0);
+  load();
+});
+charts.onChoice = load;
+playhead.listen((_playhead, what) => {
+  if (what === "mode") showMode();
+  showTime();
+  writeAddress();
+});
+await load();

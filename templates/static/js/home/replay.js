@@ -1,0 +1,50 @@
+// The looping replay of a leader's run on the home page. three.js is loaded when it comes into sight.
+import { clockText } from "../player/bar.js";
+import { Playhead } from "../player/playhead.js";
+import { rowColumns, Rows } from "../player/rows.js";
+import { SceneBox } from "../player/scene_box.js";
+
+const SPEED = 5;
+const FORGETFUL = { get: (_name, fallback) => fallback, set: () => {} };
+
+const data = JSON.parse(document.getElementById("run-data").textContent);
+const root = document.querySelector("[data-scene]");
+const button = root.querySelector("[data-play]");
+const clock = root.querySelector("[data-clock]");
+const playhead = new Playhead({ duration: data.trial_s, loop: true });
+const rows = new Rows(data.api, rowColumns(data.columns));
+const scene = new SceneBox(root, data, FORGETFUL);
+let seen = false;
+let before = null;
+
+function show() {
+  button.querySelector("[data-label]").textContent = playhead.playing ? "Pause" : "Play";
+  rows.want(playhead);
+  const found = rows.at(0, playhead.t);
+  if (!found) return;
+  clock.textContent = clockText(playhead.t);
+  scene.show(playhead, found, () => rows.before(0, playhead.t, 20 * SPEED));
+}
+
+function tick(now) {
+  if (seen) playhead.advance(Math.min((now - (before ?? now)) / 1000, 0.25));
+  before = now;
+  requestAnimationFrame(tick);
+}
+
+function begin() {
+  playhead.reaches(data.trial_s);
+  playhead.setSpeed(SPEED);
+  playhead.listen(show);
+  rows.onRows = show;
+  button.hidden = false;
+  button.addEventListener("click", () => playhead.toggle());
+  if (!matchMedia("(prefers-reduced-motion: reduce)").matches) playhead.play();
+  requestAnimationFrame(tick);
+}
+
+new IntersectionObserver((entries) => {
+  const first = before === null && !playhead.newest;
+  seen = entries[entries.length - 1].isIntersecting;
+  if (seen && first) begin();
+}).observe(root);

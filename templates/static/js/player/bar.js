@@ -1,0 +1,88 @@
+// The player bar: play and pause, the slider, speed, and jumps. It works by keyboard alone.
+
+const STEP_S = 1;
+const LEAP_S = 10;
+
+export function clockText(t) {
+  if (t < 60) return `${t.toFixed(2)} s`;
+  const minutes = Math.floor(t / 60);
+  return `${minutes}:${(t - 60 * minutes).toFixed(1).padStart(4, "0")} min`;
+}
+
+export class Bar {
+  // levelText: row -> what the level is called; moments: () -> promise of moments.json
+  constructor(root, playhead, { levelLength, levelText, moments, step }) {
+    Object.assign(this, { root, playhead, levelLength, levelText, moments, step });
+    this.part = (name) => root.querySelector(`[data-${name}]`);
+    this.slider = this.part("time");
+    this.slider.max = String(playhead.duration);
+    this.slider.step = String(step);
+    this.slider.addEventListener("input", () => playhead.seek(Number(this.slider.value)));
+    this.part("play").addEventListener("click", () => playhead.toggle());
+    this.part("follow")?.addEventListener("click", () => playhead.follow());
+    this.part("speed").addEventListener("change", (event) => playhead.setSpeed(Number(event.target.value)));
+    this.part("jump").addEventListener("change", (event) => this.jump(event.target));
+    document.addEventListener("keydown", (event) => this.onKey(event));
+  }
+
+  show({ t, newest, playing, following, live, speed }, row) {
+    this.slider.value = String(t);
+    const level = row ? this.levelText(row) : "";
+    const text = `${clockText(t)}${level ? `, ${level}` : ""}`;
+    this.slider.setAttribute("aria-valuetext", text);
+    this.part("clock").textContent = text;
+    const enabled = newest > 0;
+    for (const name of ["play", "time", "jump"]) this.part(name).disabled = !enabled;
+    const moving = playing || following;
+    const button = this.part("play");
+    if (button.dataset.moving !== String(moving)) {
+      button.dataset.moving = String(moving);
+      button.querySelector("[data-label]").textContent = moving ? "Pause" : "Play";
+    }
+    const follow = this.part("follow");
+    if (follow) {
+      follow.hidden = !live;
+      follow.setAttribute("aria-pressed", String(following));
+    }
+    this.part("speed").value = String(speed);
+  }
+
+  async jump(select) {
+    const wanted = select.value;
+    select.value = "";
+    const { t } = this.playhead;
+    const length = this.levelLength;
+    const message = this.part("jump-note");
+    message.textContent = "";
+    if (wanted === "next-level") this.playhead.seek((Math.floor(t / length + 1e-6) + 1) * length);
+    else if (wanted === "previous-level") this.playhead.seek(Math.max(Math.ceil(t / length - 1e-6) - 1, 0) * length);
+    else {
+      const found = await this.moments();
+      const losses = found?.losses ?? [];
+      const targets = {
+        error: found?.largest_error?.t,
+        "next-loss": losses.find((loss) => loss > t + this.step / 2) ?? losses[0],
+        "first-loss": losses[0],
+      };
+      const target = targets[wanted];
+      if (Number.isFinite(target)) this.playhead.seek(target);
+      else message.textContent = wanted === "error" ? "No data yet." : "The target was never lost.";
+    }
+  }
+
+  onKey(event) {
+    const { target, key, ctrlKey, metaKey, altKey } = event;
+    if (ctrlKey || metaKey || altKey || target.closest("input, select, textarea, summary, [contenteditable], .table-wrap, .log")) return;
+    const { playhead } = this;
+    const inControl = target.closest("button, a, canvas");
+    const seek = (seconds) => playhead.seek(playhead.t + seconds);
+    const actions = {
+      " ": () => playhead.toggle(), k: () => playhead.toggle(),
+      j: () => seek(-LEAP_S), l: () => seek(LEAP_S), ",": () => seek(-this.step), ".": () => seek(this.step),
+      ArrowLeft: () => seek(-STEP_S), ArrowRight: () => seek(STEP_S), Home: () => playhead.seek(0), End: () => playhead.seek(playhead.newest),
+    };
+    if (!(key in actions) || (inControl && (key === " " || key.startsWith("Arrow")))) return;
+    event.preventDefault();
+    actions[key]();
+  }
+}

@@ -1,0 +1,88 @@
+// The vehicle's camera at the playhead. There is one request at a time; of the images wanted in the
+// meantime, only the last is loaded.
+
+const PERIOD_MS = 60; // from one image to the next at least, and as long as the last one took
+const LIVE_PERIOD_MS = 400;
+const VIEWER_PERIOD_MS = 20; // the more viewers a run has, the less often each asks for an image
+const ZOOM = 3;
+
+export class Camera {
+  constructor(root, { api, step }) {
+    Object.assign(this, { api, step });
+    this.box = root.querySelector("[data-camera]");
+    this.image = this.box.querySelector("img");
+    this.note = this.box.querySelector("[data-camera-note]");
+    this.truth = root.querySelector("[data-truth]");
+    this.zoom = root.querySelector("[data-zoom]");
+    this.wanted = null;
+    this.busy = false;
+    this.viewers = 1; // of the live run
+    this.truth?.addEventListener("change", () => this.again());
+    this.zoom?.addEventListener("change", () => this.place());
+  }
+
+  // Shows the last image before time `t`; `row` is the telemetry of that moment, null if unknown.
+  show({ trial, t, following }, row) {
+    this.row = row;
+    this.following = following;
+    this.place();
+    this.wanted = { trial, t };
+    if (!this.busy) this.load();
+  }
+
+  again() {
+    if (!this.shown) return;
+    this.wanted = this.shown;
+    if (!this.busy) this.load();
+  }
+
+  // Enlarges the image around the target, where the tracker or else the truth has it.
+  place() {
+    const { image, row } = this;
+    const sure = row && row.tracker_ok === 1 && Number.isFinite(row.tracked_x);
+    const [x, y] = sure ? [row.tracked_x, row.tracked_y] : [row?.target_x, row?.target_y];
+    const zoomed = Boolean(this.zoom?.checked) && Number.isFinite(x) && Number.isFinite(y) && image.naturalWidth > 0;
+    image.style.transform = zoomed ? `scale(${ZOOM})` : "";
+    if (!zoomed) return;
+    const share = (value, size) => Math.min(Math.max(((value / size) * ZOOM - 0.5) / (ZOOM - 1), 0), 1) * 100;
+    image.style.transformOrigin = `${share(x, image.naturalWidth)}% ${share(y, image.naturalHeight)}%`;
+  }
+
+  // Shows a sentence instead of an image.
+  tell(text) {
+    this.wanted = null;
+    this.note.textContent = text;
+    this.note.hidden = false;
+    this.image.hidden = true;
+  }
+
+  address({ trial, t }) {
+    const truth = this.truth && !this.truth.checked ? "&truth=false" : "";
+    return `${this.api}/camera.jpg?trial=${trial}${truth}&t=${t.toFixed(2)}`;
+  }
+
+  async load() {
+    this.busy = true;
+    while (this.wanted) {
+      this.shown = this.wanted;
+      this.wanted = null;
+      const begun = performance.now();
+      const next = new Image();
+      next.src = this.address(this.shown);
+      try {
+        await next.decode();
+        this.image.src = next.src;
+        this.image.hidden = false;
+        this.note.hidden = true;
+        this.place();
+      } catch {
+        this.note.textContent = "No image is available at this time.";
+        this.note.hidden = !this.image.hidden;
+      }
+      const took = performance.now() - begun;
+      const period = this.following ? Math.max(LIVE_PERIOD_MS, VIEWER_PERIOD_MS * this.viewers) : Math.max(PERIOD_MS, took);
+      await new Promise((done) => setTimeout(done, Math.max(period - took, 0)));
+    }
+    this.busy = false;
+  }
+}

@@ -1,0 +1,186 @@
+// One chart: lines over simulated time with uPlot, the levels, and the playhead as a line on top.
+import { colour, LINES } from "./colours.js";
+
+const HEIGHT = 190;
+const WIDTH_MIN = 200;
+const uPlot = window.uPlot;
+
+export function short(value) {
+  if (value === null || value === undefined) return "–";
+  const text = Math.abs(value) >= 100 ? value.toFixed(0) : value.toPrecision(3);
+  return text.replace("-", "−");
+}
+
+function levelPlugin(data, levelAt) {
+  return {
+    hooks: {
+      drawAxes: (plot) => {
+        const { ctx, bbox } = plot;
+        ctx.save();
+        ctx.strokeStyle = colour("--chart-level");
+        ctx.fillStyle = colour("--text-2");
+        ctx.font = `${11 * devicePixelRatio}px system-ui, sans-serif`;
+        ctx.textAlign = "left";
+        ctx.textBaseline = "alphabetic";
+        // In a grid, several levels can share a value, so their names are shown instead.
+        const names = data.names.length ? data.names : data.levels.map(String);
+        const longest = names.reduce((a, b) => (b.length > a.length ? b : a), "");
+        const width = plot.valToPos(data.level_s, "x", true) - plot.valToPos(0, "x", true);
+        const sample = `0.4 ${data.level.unit} `;
+        const fits = !data.names.length && ctx.measureText(sample).width < width;
+        // If there are many levels, only every n-th is labelled so that the labels do not overlap.
+        const every = Math.ceil(ctx.measureText(`${longest}  `).width / width);
+        ctx.setLineDash([4 * devicePixelRatio, 4 * devicePixelRatio]);
+        names.forEach((_name, index) => {
+          const x = Math.round(plot.valToPos(index * data.level_s, "x", true));
+          if (x < bbox.left || x > bbox.left + bbox.width) return;
+          ctx.beginPath();
+          ctx.moveTo(x, bbox.top);
+          ctx.lineTo(x, bbox.top + bbox.height);
+          if (index) ctx.stroke();
+          if (index % every) return;
+          const level = levelAt(index);
+          if (level === null) return;
+          const value = names[level];
+          ctx.fillText(fits ? `${value} ${data.level.unit}` : `${value}`, x + 5 * devicePixelRatio, bbox.top + 12 * devicePixelRatio);
+        });
+        ctx.restore();
+      },
+    },
+  };
+}
+
+// Leaves room above the lines for the labels of the levels.
+function yRange(_plot, min, max) {
+  if (min === null || max === null) return [0, 1];
+  const span = Math.max(max - min, 1e-6);
+  const base = min >= 0 && min < 0.5 * max ? 0 : min - 0.08 * span;
+  return [base, max + 0.28 * span];
+}
+
+export class ChartPlot {
+  // owner: range(), levelAt(index), onSeek(t), onZoom(from, to), remove(chart)
+  constructor(chart, data, owner) {
+    Object.assign(this, { chart, data, owner, t: [], values: {}, marked: null });
+    this.box = document.createElement("div");
+    this.box.className = "chart";
+    const title = document.createElement("p");
+    title.className = "chart-title";
+    const label = document.createElement("span");
+    label.textContent = `${chart.title}${chart.unit ? ` [${chart.unit}]` : ""}`;
+    this.readout = document.createElement("output");
+    title.append(label, this.readout);
+    if (chart.own) title.append(this.removeButton());
+    const canvas = document.createElement("div");
+    canvas.setAttribute("role", "img");
+    canvas.setAttribute("aria-label", `${chart.title} over simulated time; the values are in the data table below`);
+    this.box.append(title, canvas);
+    owner.box.append(this.box);
+    this.createPlot(canvas);
+  }
+
+  removeButton() {
+    const button = document.createElement("button");
+    button.type = "button";
+    button.className = "button small ghost";
+    button.textContent = "Remove";
+    button.setAttribute("aria-label", `Remove the chart of ${this.chart.title}`);
+    button.addEventListener("click", () => this.owner.remove(this.chart));
+    return button;
+  }
+
+  createPlot(target) {
+    const axis = { stroke: colour("--text-2"), grid: { stroke: colour("--chart-grid"), width: 1 }, ticks: { show: false } };
+    this.plot = new uPlot({
+      width: this.width(),
+      height: HEIGHT,
+      cursor: { sync: { key: "run" }, drag: { x: true, y: false, setScale: false } },
+      legend: { show: false },
+      scales: { y: { range: yRange }, x: { time: false, range: () => this.owner.range() } },
+      axes: [{ ...axis, values: (_plot, ticks) => ticks.map((tick) => `${tick} s`), size: 32 }, { ...axis, size: 56 }],
+      series: [{}, ...this.chart.columns.map((name, index) => ({
+        label: name, stroke: colour(LINES[index % LINES.length]), width: 1.5, points: { show: false },
+      }))],
+      plugins: [levelPlugin(this.data, (index) => this.owner.levelAt(index))],
+      hooks: { setCursor: [() => this.showValues()], setSelect: [(plot) => this.zoom(plot)] },
+    }, [[], ...this.chart.columns.map(() => [])], target);
+    this.line = document.createElement("i");
+    this.line.className = "chart-playhead";
+    this.plot.over.append(this.line);
+    this.plot.over.addEventListener("click", (event) => {
+      const t = this.plot.posToVal(event.offsetX, "x");
+      if (!this.zoomed && Number.isFinite(t)) this.owner.onSeek(t);
+      this.zoomed = false;
+    });
+    this.plot.over.addEventListener("dblclick", () => this.owner.onZoom(null));
+  }
+
+  zoom(plot) {
+    const { left, width } = plot.select;
+    if (width < 4) return;
+    this.zoomed = true; // the click that ends the drag does not seek
+    plot.setSelect({ left: 0, top: 0, width: 0, height: 0 }, false);
+    this.owner.onZoom([plot.posToVal(left, "x"), plot.posToVal(left + width, "x")]);
+  }
+
+  show(t, values) {
+    Object.assign(this, { t, values });
+    const empty = () => new Array(t.length).fill(null);
+    this.plot.setData([t, ...this.chart.columns.map((name) => values[name] ?? empty())]);
+    this.mark(this.marked);
+  }
+
+  // Moves the line of the playhead; the canvas is not drawn again.
+  mark(t) {
+    this.marked = t;
+    if (t === null) return;
+    const x = this.plot.valToPos(t, "x");
+    this.line.hidden = !(x >= 0 && x <= this.plot.over.clientWidth);
+    if (!this.line.hidden) this.line.style.transform = `translateX(${x}px)`;
+    this.showValues();
+  }
+
+  // The values under the cursor, else those at the playhead.
+  showValues() {
+    const { chart, values, t } = this;
+    const at = this.plot.cursor.idx ?? (this.marked === null ? t.length - 1 : lastUntil(t, this.marked));
+    if (at < 0 || !t.length) {
+      this.readout.textContent = "";
+      return;
+    }
+    const parts = chart.columns.map((name, index) => {
+      const part = document.createElement("span");
+      const text = short(values[name]?.[at]);
+      part.textContent = chart.columns.length > 1 ? `${name} ${text} ` : `${text} ${chart.unit}`;
+      if (chart.columns.length > 1) part.style.color = colour(LINES[index % LINES.length]);
+      return part;
+    });
+    this.readout.replaceChildren(`${t[at].toFixed(1)} s: `, ...parts);
+  }
+
+  width() {
+    return Math.max(this.owner.box.clientWidth, WIDTH_MIN);
+  }
+
+  resize() {
+    this.plot.setSize({ width: this.width(), height: HEIGHT });
+    this.mark(this.marked);
+  }
+
+  destroy() {
+    this.plot.destroy();
+    this.box.remove();
+  }
+}
+
+// The index of the last time up to `t`; 0 before the first.
+export function lastUntil(times, t) {
+  let low = 0;
+  let high = times.length - 1;
+  while (low < high) {
+    const middle = (low + high + 1) >> 1;
+    if (times[middle] <= t + 1e-6) low = middle;
+    else high = middle - 1;
+  }
+  return Math.min(low, times.length - 1);
+}

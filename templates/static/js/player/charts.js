@@ -1,0 +1,180 @@
+// The charts of a run: which ones, in which unit, over which range, and their data at a level of detail
+// that fits the screen. The x axis of all charts is the same.
+import { ChartChoice } from "./chart_choice.js";
+import { ChartPlot, lastUntil } from "./chart_plot.js";
+
+const INITIAL = 3; // number of charts shown initially
+const POINTS = 1600; // of a request: a few per pixel
+const LIVE_POINTS_MAX = 3200; // beyond this, older points of a live run are thinned out
+const DRAW_MS = 150; // between two drawings of live data
+const ZOOM_MIN_S = 0.5;
+
+export class Charts {
+  constructor(root, data, memory) {
+    Object.assign(this, { data, memory, marked: null, trial: 0, zoomed: null, plots: [], onSeek: () => {}, onLoad: () => {} });
+    this.box = root.querySelector("[data-charts]");
+    this.whole = { t: [], values: {} };
+    this.detail = null; // the same over the zoomed range
+    this.units = [...root.querySelectorAll('input[name="unit"]')];
+    this.rangeSelect = root.querySelector("[data-range]");
+    const known = (chart) => chart.columns?.length && chart.columns.every((name) => data.columns.some((column) => column.name === name));
+    this.chosen = memory.get("charts", []).filter(known);
+    if (!this.chosen.length) this.chosen = this.presets("px");
+    this.choice = new ChartChoice(root, data, this);
+    for (const input of this.units) {
+      input.checked = this.chosen.some(({ unit }) => unit === input.value) || (input.checked && this.units[0] === input);
+      input.addEventListener("change", () => this.choose(this.presets(input.value)));
+    }
+    this.rangeSelect?.addEventListener("change", () => this.zoomAround(Number(this.rangeSelect.value)));
+    this.build();
+    document.addEventListener("themechange", () => this.build());
+    new ResizeObserver(() => this.plots.forEach((plot) => plot.resize())).observe(this.box);
+  }
+
+  presets(unit) {
+    const found = this.data.charts.filter((chart) => chart.unit === unit);
+    return (found.length ? found : this.data.charts).slice(0, INITIAL);
+  }
+
+  choose(charts) {
+    this.chosen = charts;
+    this.memory.set("charts", charts);
+    this.choice.show();
+    this.build();
+    this.load();
+  }
+
+  remove(chart) {
+    this.choose(this.chosen.filter((one) => one !== chart));
+  }
+
+  build() {
+    this.plots.forEach((plot) => plot.destroy());
+    this.plots = this.chosen.map((chart) => new ChartPlot(chart, this.data, this));
+    this.draw();
+    this.mark(this.marked);
+  }
+
+  columns() {
+    return [...new Set(["level", ...this.chosen.flatMap(({ columns }) => columns)])];
+  }
+
+  // The whole trial, including the part still to come, unless somebody has zoomed in.
+  range() {
+    if (this.zoomed) return this.zoomed;
+    const { t } = this.whole;
+    return [0, Math.max(this.data.trial_s, t.length ? t[t.length - 1] : 0)];
+  }
+
+  // The level that ran at a position of the trial; null if that is not known yet. Benchmarks may
+  // draw the order of the levels, so it is read from the telemetry.
+  levelAt(position) {
+    const { level_s: length, ordered, levels } = this.data;
+    if (ordered) return Math.min(position, levels.length - 1);
+    const { t, values } = this.whole;
+    // The middle of a level, since points between two levels may be extremes of both.
+    const from = t.findIndex((time) => time >= (position + 0.1) * length);
+    if (from < 0 || t[from] >= (position + 1) * length) return null;
+    return values.level?.[from] ?? null;
+  }
+
+  async load() {
+    const sequence = (this.sequence = (this.sequence ?? 0) + 1);
+    const whole = await this.fetchSeries("");
+    if (!whole || sequence !== this.sequence) return;
+    this.whole = whole;
+    this.draw();
+    this.onLoad(whole.t.length ? whole.t[whole.t.length - 1] : 0, this.trial);
+    if (this.zoomed) await this.loadDetail();
+  }
+
+  async loadDetail() {
+    const zoomed = this.zoomed;
+    const detail = await this.fetchSeries(`&start=${Math.max(zoomed[0], 0)}&stop=${Math.max(zoomed[1], 0)}`);
+    if (!detail || zoomed !== this.zoomed) return;
+    this.detail = detail;
+    this.draw();
+  }
+
+  async fetchSeries(range) {
+    const names = this.columns().join(",");
+    const response = await fetch(`${this.data.api}/series.json?columns=${names}&max_points=${POINTS}&trial=${this.trial}${range}`);
+    if (!response.ok) return null;
+    const { t, columns } = await response.json();
+    return { t, values: columns };
+  }
+
+  setTrial(trial) {
+    if (trial === this.trial) return;
+    this.trial = trial;
+    this.clear();
+  }
+
+  clear() {
+    this.whole = { t: [], values: {} };
+    this.detail = null;
+    this.draw();
+  }
+
+  onZoom(range) {
+    const [from, to] = range ?? [0, 0];
+    this.zoomed = range && to - from > ZOOM_MIN_S ? [Math.max(from, 0), to] : null;
+    if (this.rangeSelect) this.rangeSelect.value = this.zoomed ? "custom" : "0";
+    this.detail = null;
+    this.draw();
+    if (this.zoomed) this.loadDetail();
+  }
+
+  zoomAround(length) {
+    const middle = this.marked ?? 0;
+    const from = Math.max(middle - length / 2, 0);
+    this.onZoom(length > 0 ? [from, from + length] : null);
+    if (this.rangeSelect) this.rangeSelect.value = String(length);
+  }
+
+  // Appends rows of the event stream.
+  append(columns, rows) {
+    const { t, values } = this.whole;
+    const at = columns.indexOf("t");
+    const wanted = this.columns().map((name) => [name, columns.indexOf(name)]);
+    for (const row of rows) {
+      if (t.length && row[at] <= t[t.length - 1]) continue; // replayed
+      t.push(row[at]);
+      for (const [name, index] of wanted) {
+        values[name] ??= new Array(t.length - 1).fill(null);
+        values[name].push(index < 0 ? null : row[index]);
+      }
+    }
+    if (t.length > LIVE_POINTS_MAX) this.thin();
+    this.timer ??= setTimeout(() => {
+      this.timer = undefined;
+      this.draw();
+    }, DRAW_MS);
+  }
+
+  thin() {
+    const kept = (_value, index) => index % 2 === 0 || index > this.whole.t.length - 200;
+    const { t, values } = this.whole;
+    for (const name in values) values[name] = values[name].filter(kept);
+    this.whole.t = t.filter(kept);
+  }
+
+  draw() {
+    const { t, values } = this.zoomed && this.detail ? this.detail : this.whole;
+    for (const plot of this.plots) plot.show(t, values);
+  }
+
+  mark(t) {
+    this.marked = t;
+    if (this.zoomed && t !== null && this.rangeSelect?.value !== "custom" && (t < this.zoomed[0] || t > this.zoomed[1])) {
+      this.zoomAround(this.zoomed[1] - this.zoomed[0]); // the range goes along with the playhead
+    }
+    for (const plot of this.plots) plot.mark(t);
+  }
+
+  // The largest index shown up to the playhead, for the data table: {t, values, at}.
+  around() {
+    const { t, values } = this.zoomed && this.detail ? this.detail : this.whole;
+    return { t, values, at: lastUntil(t, this.marked ?? 0) };
+  }
+}

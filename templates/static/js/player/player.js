@@ -1,0 +1,129 @@
+// The player of a run: scene, camera, numbers and charts on one time line, and the bar that moves it.
+import { Bar } from "./bar.js";
+import { Camera } from "./camera.js";
+import { Charts } from "./charts.js";
+import { ChartTable } from "./chart_table.js";
+import { Memory } from "./memory.js";
+import { Numbers } from "./numbers.js";
+import { Playhead } from "./playhead.js";
+import { rowColumns, Rows } from "./rows.js";
+import { SceneBox } from "./scene_box.js";
+
+const TABLE_MS = 250;
+
+export class Player {
+  // root: the element with the parts; data: of the page; see server/pages/player_data.py
+  constructor(root, data) {
+    Object.assign(this, { root, data });
+    this.memory = new Memory(`player-${data.id}-${root.dataset.player}`);
+    this.playhead = new Playhead({ duration: data.trial_s, live: data.live, loop: root.dataset.player === "loop" });
+    this.rows = new Rows(data.api, rowColumns(data.columns));
+    this.charts = new Charts(root, data, this.memory);
+    this.camera = new Camera(root, { api: data.api, step: data.step_s });
+    this.numbers = new Numbers(root.querySelector("[data-numbers]"));
+    this.scene = new SceneBox(root.querySelector("[data-scene]"), data, this.memory);
+    const table = root.querySelector("[data-chart-table]");
+    this.table = new ChartTable(table, this.charts);
+    this.bar = new Bar(root.querySelector("[data-bar]"), this.playhead, {
+      levelLength: data.level_s, step: data.step_s,
+      levelText: (row) => this.levelText(row), moments: () => this.moments(),
+    });
+    this.trial = root.querySelector("[data-trial]");
+    this.trial?.addEventListener("change", () => {
+      this.playhead.seek(0); // no longer the newest data
+      this.setTrial(Number(this.trial.value));
+    });
+    this.playhead.restore(this.memory.get("playhead", {}));
+    this.charts.setTrial(this.playhead.trial);
+    if (this.trial) this.trial.value = String(this.playhead.trial);
+    this.charts.onSeek = (t) => this.playhead.seek(t);
+    this.charts.onLoad = (t, trial) => {
+      if (trial === this.playhead.trial && t > 0) this.playhead.reaches(t);
+    };
+    this.rows.onRows = () => this.show();
+    this.playhead.listen((_playhead, what) => this.moved(what));
+  }
+
+  async start() {
+    await this.charts.load();
+    this.tick(performance.now());
+  }
+
+  tick(now) {
+    const passed = Math.min((now - (this.ticked ?? now)) / 1000, 0.25); // a hidden tab does not leap
+    this.ticked = now;
+    this.playhead.advance(passed);
+    requestAnimationFrame((next) => this.tick(next));
+  }
+
+  moved(what) {
+    this.memory.set("playhead", this.playhead.state());
+    this.rows.want(this.playhead);
+    if (what === "mode") {
+      this.charts.setTrial(this.playhead.trial);
+      this.bar.show(this.playhead, this.row);
+    }
+    this.show();
+  }
+
+  show() {
+    const { playhead } = this;
+    const found = this.rows.at(playhead.trial, playhead.t);
+    this.row = found?.row ?? null;
+    this.bar.show(playhead, this.row);
+    this.charts.mark(playhead.t);
+    this.numbers.show(this.row);
+    if (playhead.newest > 0) this.showCamera();
+    if (found) this.scene.show(playhead, found, () => this.rows.before(playhead.trial, playhead.t, 20 * Math.max(playhead.speed, 1)));
+    this.tableTimer ??= setTimeout(() => {
+      this.tableTimer = undefined;
+      this.table.show();
+    }, TABLE_MS);
+  }
+
+  showCamera() {
+    const { trial, t, following } = this.playhead;
+    const key = `${trial}:${Math.floor(t / this.data.step_s + 1e-6)}:${this.row?.t}`;
+    if (key === this.cameraKey) return;
+    this.cameraKey = key;
+    this.camera.show({ trial, t, following }, this.row);
+  }
+
+  levelText(row) {
+    const { names, levels, level } = this.data;
+    if (row.level === null || row.level === undefined) return "";
+    return names.length ? `level ${row.level}: ${names[row.level]}` : `${level.label.toLowerCase()} ${levels[row.level]} ${level.unit}`.trimEnd();
+  }
+
+  async moments() {
+    const response = await fetch(`${this.data.api}/moments.json?trial=${this.playhead.trial}`);
+    return response.ok ? response.json() : null;
+  }
+
+  // Rows of the trial that is shown have arrived by the event stream.
+  append(trial, columns, rows) {
+    if (trial !== this.playhead.trial || !rows.length) return;
+    this.charts.append(columns, rows);
+    this.rows.append(trial, columns, rows);
+    this.playhead.available(rows[rows.length - 1][columns.indexOf("t")]);
+  }
+
+  setTrial(trial) {
+    this.playhead.setTrial(trial);
+    if (this.trial) this.trial.value = String(trial);
+    return this.charts.load();
+  }
+
+  // What was shown is no longer part of the run: it has started again.
+  clear() {
+    this.rows.clear();
+    this.charts.clear();
+    this.playhead.newest = 0;
+    this.playhead.moveTo(0);
+  }
+
+  async ended() {
+    this.playhead.end();
+    await this.charts.load();
+  }
+}

@@ -1,0 +1,141 @@
+// Whole rows of telemetry around the playhead, from the series API in windows that are as long as
+// the replay is fast: whatever the speed, a second of watching costs about twenty rows.
+
+export const WINDOW_ROWS = 401;
+const WINDOW_S = 20; // at speed 1, with every row of 0.05 s
+const WINDOWS_MAX = 16; // kept
+const LIVE_ROWS = 600; // of the newest ones that arrived
+const SAME_S = 1e-4;
+const ALWAYS = [
+  ...["level", "x", "y", "z", "roll", "pitch", "yaw", "current_x", "current_y", "current_z"],
+  ...["target_x", "target_y", "tracked_x", "tracked_y", "tracker_ok", "tracker_error", "distance", "distance_px"],
+];
+
+// The columns that scene, camera and numbers use, of those that the run has: [{name}, ...].
+export function rowColumns(columns) {
+  const names = columns.map(({ name }) => name);
+  return names.filter((name) => ALWAYS.includes(name) || name.startsWith("thrust_"));
+}
+
+export class Rows {
+  constructor(api, columns) {
+    this.api = api;
+    this.columns = columns;
+    this.windows = new Map(); // key -> {trial, from, until, length, t, values}
+    this.pending = new Set();
+    this.recent = { trial: 0, t: [], rows: [] };
+    this.onRows = () => {};
+  }
+
+  clear() {
+    this.windows.clear();
+    this.recent = { trial: 0, t: [], rows: [] };
+  }
+
+  // Adds rows of the event stream, which names their columns.
+  append(trial, columns, rows) {
+    if (trial !== this.recent.trial) this.recent = { trial, t: [], rows: [] };
+    const { t, rows: kept } = this.recent;
+    for (const row of rows) {
+      const values = Object.fromEntries(columns.map((name, at) => [name, row[at]]));
+      if (t.length && values.t <= t[t.length - 1]) continue;
+      t.push(values.t);
+      kept.push(values);
+    }
+    if (t.length > 2 * LIVE_ROWS) {
+      t.splice(0, t.length - LIVE_ROWS);
+      kept.splice(0, kept.length - LIVE_ROWS);
+    }
+  }
+
+  // Requests what is missing around the playhead; `onRows` is called when it has arrived.
+  want({ trial, t, speed, playing, following, newest }) {
+    if (following) return;
+    const length = WINDOW_S * (playing ? Math.max(speed, 1) : 1);
+    const index = Math.floor((t + SAME_S) / length);
+    this.load(trial, index, length, newest);
+    const share = t / length - index;
+    if (playing && share > 0.4) this.load(trial, index + 1, length, newest);
+    if (share < 0.5 && index > 0) this.load(trial, index - 1, length, newest);
+  }
+
+  async load(trial, index, length, newest) {
+    const from = index * length;
+    const key = `${trial}:${length}:${index}`;
+    const known = this.windows.get(key);
+    const complete = known && (known.until >= from + length - SAME_S || known.until >= newest - SAME_S);
+    if (from > newest || complete || this.pending.has(key)) return;
+    this.pending.add(key);
+    try {
+      const range = `&sample=rows&max_points=${WINDOW_ROWS}&start=${from}&stop=${from + length}`;
+      const response = await fetch(`${this.api}/series.json?columns=${this.columns.join(",")}&trial=${trial}${range}`);
+      if (!response.ok) return;
+      const { t, columns } = await response.json();
+      this.windows.delete(key); // the order of a Map is that of insertion: the oldest goes first
+      if (t.length) this.windows.set(key, { trial, from, until: Math.max(newest, t[t.length - 1]), length, t, columns });
+      while (this.windows.size > WINDOWS_MAX) this.windows.delete(this.windows.keys().next().value);
+      this.onRows();
+    } finally {
+      this.pending.delete(key);
+    }
+  }
+
+  // The finest window with a row at or before time `t`.
+  windowAt(trial, t) {
+    let best = null;
+    for (const found of this.windows.values()) {
+      const holds = found.trial === trial && found.from <= t + SAME_S && t <= found.from + found.length + SAME_S;
+      if (holds && found.t[0] <= t + SAME_S && (!best || found.length < best.length)) best = found;
+    }
+    return best;
+  }
+
+  // The row at or before time `t`, and where `t` lies between it and the next: {row, next, share}.
+  // Null while it has not arrived.
+  at(trial, t) {
+    const found = this.windowAt(trial, t);
+    if (found) return between(found.t, t, (index) => this.rowOf(found, index));
+    const { recent } = this;
+    if (recent.trial !== trial || !recent.t.length || recent.t[0] > t) return null;
+    return between(recent.t, t, (index) => recent.rows[index]);
+  }
+
+  rowOf(found, index) {
+    const row = { t: found.t[index] };
+    for (const name of this.columns) row[name] = found.columns[name][index];
+    return row;
+  }
+
+  // Positions {t, x, y, z} of the same level up to time `t`, over at most `length` [s], oldest first.
+  before(trial, t, length) {
+    const rows = [];
+    const found = [...this.windows.values()].filter((one) => one.trial === trial && one.from <= t && one.from + one.length > t - length);
+    const finest = Math.min(...found.map((one) => one.length));
+    for (const one of found.filter((window) => window.length === finest).sort((a, b) => a.from - b.from)) {
+      one.t.forEach((time, index) => {
+        const isNew = !rows.length || time > rows[rows.length - 1].t;
+        if (!isNew || time > t + SAME_S || time <= t - length) return;
+        const { x, y, z, level } = one.columns;
+        rows.push({ t: time, x: x[index], y: y[index], z: z[index], level: level[index] });
+      });
+    }
+    const all = rows.length || this.recent.trial !== trial ? rows : this.recent.rows.filter((row) => row.t <= t + SAME_S);
+    const level = all.length ? all[all.length - 1].level : null;
+    return all.filter((row) => row.level === level);
+  }
+}
+
+function between(times, t, rowAt) {
+  let low = 0;
+  let high = times.length - 1;
+  while (low < high) {
+    const middle = (low + high + 1) >> 1;
+    if (times[middle] <= t + SAME_S) low = middle;
+    else high = middle - 1;
+  }
+  const row = rowAt(low);
+  const next = low + 1 < times.length ? rowAt(low + 1) : row;
+  const step = next.t - row.t;
+  const sameLevel = next.level === row.level;
+  return { row, next: sameLevel ? next : row, share: step > 0 && sameLevel ? Math.min(Math.max((t - row.t) / step, 0), 1) : 0 };
+}

@@ -1,0 +1,126 @@
+// What surrounds the vehicle, in the world frame north, east, down: seabed, target, water.
+import * as THREE from "../../../vendor/three/three.min.js";
+
+const GROUND_M = 120; // side of the seabed that is drawn
+const PARTICLES = 260;
+// Irrational steps that spread points evenly in three dimensions.
+const SPREAD = [0.8191725134, 0.6710436067, 0.5497004779];
+const CLOUD_M = 7; // side of the box that the drifting particles fill, around the vehicle
+const CURRENT_ARROW = 2; // [m] per m/s
+
+// The water absorbs by the law of Beer and Lambert; three.js has no such fog of its own.
+THREE.ShaderChunk.fog_fragment = THREE.ShaderChunk.fog_fragment.replace(
+  /float fogFactor = 1\.0 - exp\(.*?\);/,
+  "float fogFactor = 1.0 - exp( - fogDensity * vFogDepth );",
+);
+
+function textured(address, ready) {
+  const texture = new THREE.TextureLoader().load(address, ready);
+  texture.colorSpace = THREE.SRGBColorSpace;
+  texture.flipY = false;
+  return texture;
+}
+
+// Columns of the texture lie along north, rows along east, as in the vehicle's camera.
+export function seabed({ depth, tile }, address, ready) {
+  const texture = textured(address, ready);
+  texture.wrapS = texture.wrapT = THREE.RepeatWrapping;
+  texture.minFilter = THREE.LinearMipmapNearestFilter;
+  const half = GROUND_M / 2;
+  const corners = [[-half, -half], [half, -half], [half, half], [-half, half]];
+  const geometry = new THREE.BufferGeometry();
+  geometry.setAttribute("position", new THREE.BufferAttribute(new Float32Array(corners.flatMap(([n, e]) => [n, e, depth])), 3));
+  geometry.setAttribute("uv", new THREE.BufferAttribute(new Float32Array(corners.flatMap(([n, e]) => [n / tile, e / tile])), 2));
+  geometry.setIndex([0, 1, 2, 0, 2, 3]);
+  return new THREE.Mesh(geometry, new THREE.MeshBasicMaterial({ map: texture, side: THREE.DoubleSide }));
+}
+
+// The letters are upright for a vehicle with the target's heading.
+export function target({ centre, size, heading }, address, ready) {
+  const [length, width, height] = size;
+  const group = new THREE.Group();
+  group.position.set(...centre);
+  group.rotation.z = heading;
+  group.add(new THREE.Mesh(new THREE.BoxGeometry(width, length, height), new THREE.MeshLambertMaterial({ color: 0x1b1f22 })));
+  // Body axes: x forward is up as one reads the letters, y starboard is to the right.
+  const top = new THREE.BufferGeometry();
+  const [up, right, z] = [width / 2, length / 2, -height / 2 - 0.002];
+  top.setAttribute("position", new THREE.BufferAttribute(new Float32Array([up, -right, z, up, right, z, -up, right, z, -up, -right, z]), 3));
+  top.setAttribute("uv", new THREE.BufferAttribute(new Float32Array([0, 0, 1, 0, 1, 1, 0, 1]), 2));
+  top.setIndex([0, 1, 2, 0, 2, 3]);
+  group.add(new THREE.Mesh(top, new THREE.MeshBasicMaterial({ map: textured(address, ready), side: THREE.DoubleSide })));
+  return group;
+}
+
+export class CurrentArrow {
+  constructor() {
+    const paint = new THREE.MeshBasicMaterial({ color: 0x58d6ff, fog: false });
+    this.group = new THREE.Group();
+    this.shaft = new THREE.Mesh(new THREE.CylinderGeometry(0.025, 0.025, 1, 10), paint);
+    this.head = new THREE.Mesh(new THREE.ConeGeometry(0.08, 0.2, 14), paint);
+    this.group.add(this.shaft, this.head);
+  }
+
+  // current: [north, east, down] m/s; at: where it starts
+  show(current, at) {
+    const direction = new THREE.Vector3(...current);
+    const length = direction.length() * CURRENT_ARROW;
+    this.group.visible = length > 0.01;
+    if (!this.group.visible) return;
+    this.group.position.copy(at);
+    this.group.quaternion.setFromUnitVectors(new THREE.Vector3(0, 1, 0), direction.normalize());
+    this.shaft.scale.y = length;
+    this.shaft.position.y = length / 2;
+    this.head.position.y = length + 0.1;
+  }
+}
+
+// Particles that drift with the current through a box around the vehicle.
+export class Particles {
+  constructor(depth) {
+    this.depth = depth;
+    this.drift = new THREE.Vector3();
+    this.start = Array.from({ length: 3 * PARTICLES }, (_, index) => CLOUD_M * ((Math.floor(index / 3) * SPREAD[index % 3]) % 1));
+    this.geometry = new THREE.BufferGeometry();
+    this.positions = new THREE.BufferAttribute(new Float32Array(3 * PARTICLES), 3).setUsage(THREE.DynamicDrawUsage);
+    this.geometry.setAttribute("position", this.positions);
+    const paint = new THREE.PointsMaterial({ color: 0xd8f0f2, size: 0.035, transparent: true, opacity: 0.75 });
+    this.points = new THREE.Points(this.geometry, paint);
+    this.points.frustumCulled = false;
+  }
+
+  show(current, centre, seconds) {
+    this.drift.addScaledVector(new THREE.Vector3(...current), seconds);
+    const low = [centre.x - CLOUD_M / 2, centre.y - CLOUD_M / 2, this.depth - CLOUD_M];
+    const drift = this.drift.toArray();
+    const values = this.positions.array;
+    for (let index = 0; index < values.length; index += 1) {
+      const axis = index % 3;
+      const place = this.start[index] + drift[axis] - low[axis];
+      values[index] = low[axis] + (((place % CLOUD_M) + CLOUD_M) % CLOUD_M);
+    }
+    this.positions.needsUpdate = true;
+  }
+}
+
+// A line through points that change.
+export class Trace {
+  constructor(color, points, { segments = false, opacity = 1 } = {}) {
+    this.positions = new THREE.BufferAttribute(new Float32Array(3 * points), 3).setUsage(THREE.DynamicDrawUsage);
+    const geometry = new THREE.BufferGeometry();
+    geometry.setAttribute("position", this.positions);
+    const paint = new THREE.LineBasicMaterial({ color, transparent: opacity < 1, opacity, fog: false });
+    this.line = segments ? new THREE.LineSegments(geometry, paint) : new THREE.Line(geometry, paint);
+    this.line.frustumCulled = false;
+    this.points = points;
+  }
+
+  // points: [[north, east, down], ...]; of more than there is room for, every n-th
+  show(points) {
+    const every = Math.max(Math.ceil(points.length / this.points), 1);
+    const kept = points.filter((_, index) => index % every === (points.length - 1) % every);
+    kept.forEach((point, index) => this.positions.setXYZ(index, ...point));
+    this.positions.needsUpdate = true;
+    this.line.geometry.setDrawRange(0, kept.length);
+  }
+}

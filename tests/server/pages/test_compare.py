@@ -1,0 +1,98 @@
+"""The page of a comparison, and how to get there."""
+
+from typing import Any
+
+from seamark.server.database.tables import User
+from tests.server.pages.conftest import Site
+
+SHORT = {"levels": [0.1, 0.3], "level_duration_s": 4.0, "settle_s": 1.0}
+
+
+def _marked(site: Site) -> int:
+    """Return the public run of a reference entry of currents-v1."""
+    site.sign_up("mark")
+    with site.database.writing() as session:
+        session.get_one(User, site.user_id("mark")).is_baseline = True
+    return site.succeeded("mark", kind="ranked", title="PI, default settings")
+
+
+def _practised(site: Site, who: str = "ann", **config: Any) -> int:
+    return site.succeeded(who, seed=7, config=SHORT | config)
+
+
+def test_two_runs_are_shown_with_what_differs(site: Site) -> None:
+    first, second = _practised(site, kp=0.4), _practised(site, kp=0.6)
+
+    page = site.browser("ann").get(f"/compare?runs={first},{second}").text
+
+    assert "Compare 2 runs" in page
+    assert "Settings that differ" in page
+    assert (">0.4<" in page, ">0.6<" in page) == (True, True)
+    assert "Paired over" in page or "in the same water" in page
+
+
+def test_the_boxes_of_a_list_lead_to_the_one_address_of_a_comparison(site: Site) -> None:
+    ids = [_practised(site) for _ in range(3)]
+    browser = site.browser("ann")
+
+    answer = browser.get(f"/compare?runs={ids[0]}&runs={ids[1]}, {ids[2]}&runs=&runs={ids[0]}")
+
+    assert (answer.status_code, answer.location) == (
+        303,
+        f"/compare?runs={ids[0]},{ids[1]},{ids[2]}",
+    )
+
+
+def test_the_reference_entries_are_offered_to_be_compared_with(site: Site) -> None:
+    mark, run_id = _marked(site), _practised(site)
+    browser = site.browser("ann")
+
+    choice = browser.get(f"/compare?runs={run_id}").text
+    comparison = browser.get(f"/compare?runs={run_id},{_practised(site)}").text
+    nothing_chosen = browser.get("/compare?benchmark=currents-v1").text
+
+    for page in (choice, comparison, nothing_chosen):
+        assert f'name="runs" value="{mark}"' in page
+        assert "PI, default settings" in page
+
+
+def test_lists_and_runs_lead_to_a_comparison(site: Site) -> None:
+    run_id, mark = _practised(site), _marked(site)
+    browser = site.browser("ann")
+
+    runs, board = browser.get("/runs/").text, browser.get("/leaderboards/currents-v1").text
+
+    assert f'name="runs" value="{run_id}"' in runs
+    assert f'name="runs" value="{mark}"' in board
+    assert f'href="/compare?runs={run_id}"' in browser.get(f"/runs/{run_id}").text
+
+
+def test_only_runs_that_the_viewer_may_see_are_offered_and_compared(site: Site) -> None:
+    private = _practised(site)
+    mark = _marked(site)
+    stranger = site.browser("ben")
+
+    offered = stranger.get(f"/compare?runs={mark}").text
+
+    assert f'value="{private}"' not in offered
+    assert stranger.get(f"/compare?runs={mark},{private}").status_code == 404
+    assert stranger.get(f"/compare?runs={private}").status_code == 404
+
+
+def test_too_many_runs_and_words_are_refused_with_what_to_do(site: Site) -> None:
+    browser = site.browser("ann")
+
+    too_many = browser.get("/compare?runs=1,2,3,4,5,6")
+    words = browser.get("/compare?runs=best")
+
+    assert (too_many.status_code, words.status_code) == (422, 422)
+    assert "At most 5 runs" in too_many.text
+    assert "such as 12,17" in words.text
+
+
+def test_runs_of_different_benchmarks_say_what_cannot_be_compared(site: Site) -> None:
+    first, second = _practised(site), site.succeeded("ann", benchmark="currents-v2")
+
+    page = site.browser("ann").get(f"/compare?runs={first},{second}").text
+
+    assert "their scores and metrics cannot" in page
