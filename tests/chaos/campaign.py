@@ -21,6 +21,7 @@ from seamark.worker.evaluation.local import evaluate_locally
 from tests.cast import USERS
 from tests.chaos.faults import Fault
 from tests.chaos.installation import Installation, wait_until
+from tests.worker.processes import command_line
 
 SEED = 3
 BUILT_IN = {"levels": [0.0, 0.2], "level_duration_s": 60.0, "settle_s": 1.0}
@@ -37,12 +38,13 @@ class Controller:
 """
 UPLOADS = 4  # one of so many runs is of an uploaded program
 POLL_S = 0.25
+COMMAND_MAX = 120  # [characters] to print
 STUCK_S = 180.0  # without any run that ends: the campaign is given up
 
 
 @dataclass
 class Findings:
-    """What a campaign has shown. All but `injected`, `attempts` and `seconds` should be 0."""
+    """What a campaign has shown."""
 
     injected: int = 0
     attempts: int = 0  # of the run that needed most
@@ -50,14 +52,14 @@ class Findings:
     standstill_s: float = 0.0  # the longest time in which no run ended
     wrong: list[str] = field(default_factory=list)  # runs and checks, with what is wrong
     pages_broken: int = 0
-    left: int = 0  # processes without a parent of ours
+    left: list[str] = field(default_factory=list)  # processes that lost their part of the service
 
     @property
     def problems(self) -> list[str]:
         """What must not happen, in words."""
         found = list(self.wrong)
         found += [f"{self.pages_broken} pages broken"] if self.pages_broken else []
-        found += [f"{self.left} processes left"] if self.left else []
+        found += [f"left: {command}" for command in self.left]
         return found
 
 
@@ -195,4 +197,5 @@ class Campaign:
         deadline = time.monotonic() + 10.0
         while self._installation.orphans() and time.monotonic() < deadline:
             time.sleep(POLL_S)
-        self.findings.left = len(self._installation.orphans())
+        left = map(command_line, self._installation.orphans())
+        self.findings.left = [each.replace(b"\0", b" ").decode()[:COMMAND_MAX] for each in left]

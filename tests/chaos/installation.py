@@ -10,6 +10,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+import httpx
 from numpy.random import Generator
 from redis import Redis
 from redis.exceptions import RedisError
@@ -95,6 +96,7 @@ class Installation:
         self.workers[at] = self._worker()
 
     def restart_web_server(self, at: int, number: signal.Signals) -> None:
+        wait_until(lambda: all(map(_serves, self.ports)))  # one of them always does
         self.web_servers[at].send_signal(number)
         self.web_servers[at].wait()
         self.web_servers[at] = self._web_server(self.ports[at])
@@ -168,6 +170,13 @@ def wait_until(happened: Callable[[], object], seconds: float = START_S) -> None
     while not happened():
         assert time.monotonic() < deadline, "it did not happen"
         time.sleep(0.05)
+
+
+def _serves(port: int) -> bool:
+    try:
+        return httpx.get(f"http://127.0.0.1:{port}/healthz").is_success
+    except httpx.TransportError:
+        return False
 
 
 def _answers(client: Redis) -> bool:

@@ -23,7 +23,7 @@ HEADER = "| fault | injected | runs | wrong | most attempts | longest standstill
 def row(name: str, runs: int, found: Findings) -> str:
     """Return the line of the table for one fault."""
     cells = [name, found.injected, runs, len(found.wrong), found.attempts]
-    cells += [f"{found.standstill_s:.1f} s", found.left, f"{found.seconds:.0f} s"]
+    cells += [f"{found.standstill_s:.1f} s", len(found.left), f"{found.seconds:.0f} s"]
     return f"| {' | '.join(map(str, cells))} |"
 
 
