@@ -12,7 +12,13 @@ import struct
 from collections.abc import Iterable
 
 from seamark.sandbox.isolation.argument_rules import REFUSALS, Refusal, Test
-from seamark.sandbox.isolation.system_calls import ALLOWED, NOT_THERE, NUMBERS, WITHOUT_EFFECT
+from seamark.sandbox.isolation.system_calls import (
+    ALLOWED,
+    NOT_SUPPORTED,
+    NOT_THERE,
+    NUMBERS,
+    WITHOUT_EFFECT,
+)
 
 MACHINE = "x86_64"  # the only one whose numbers are in system_calls.py
 
@@ -42,6 +48,7 @@ def build() -> bytes:
         *_foreign_conventions(),
         *(step for name, refusals in REFUSALS.items() for step in _by_argument(name, refusals)),
         *_always(NOT_THERE, ERRNO | errno.ENOSYS),
+        *_always(NOT_SUPPORTED, ERRNO | errno.EOPNOTSUPP),
         *_always(WITHOUT_EFFECT, ERRNO | SUCCESS),
         *_always(sorted(ALLOWED, key=lambda name: NUMBERS[name]), ALLOW),
         (RETURN, 0, 0, REFUSE),

@@ -7,10 +7,9 @@ descriptors could be passed), `ptrace`, `process_vm_*`, `pidfd_*`, `memfd_create
 RLIMIT_AS), `keyctl`, `io_uring_*`, `bpf`, `userfaultfd`, `perf_event_open`, `unshare`, `setns`, the
 mount calls, `symlink` and `mknod` (they could redirect file accesses of the host), file locks and
 System V objects (a channel between boxes), `fadvise64`, `readahead`, `mincore` and `cachestat`
-(they change or show the page cache, which all boxes share), `utimensat` (whoever may write to
-/dev/null may set its times, which all boxes see), `statfs` (the host's disk), `sched_set*`,
-`setsid` (Linux gives each session a CPU share of its own), `inotify_*`, `splice`, `vmsplice`,
-`prlimit64` on other processes.
+(they change or show the page cache, which all boxes share), `statfs` (the host's disk),
+`sched_set*`, `setsid` (Linux gives each session a CPU share of its own), `inotify_*`, `splice`,
+`vmsplice`, `prlimit64` on other processes.
 
 `sysinfo` is allowed although it shows the host's memory and load: the C library takes no notice of
 its failure, and `sysconf` and `qsort` would calculate with an arbitrary size of the memory.
@@ -91,6 +90,9 @@ query_module quotactl nfsservctl getpmsg putpmsg afs_syscall tuxcall security ge
     "splice": 275,
     "sync_file_range": 277,
     "vmsplice": 278,
+    "listxattr": 194,
+    "llistxattr": 195,
+    "flistxattr": 196,
     "utimensat": 280,
     "epoll_pwait": 281,
     "eventfd": 284,
@@ -161,6 +163,10 @@ membarrier copy_file_range statx rseq close_range faccessat2 epoll_pwait2 get_me
 # glibc then falls back to variants whose arguments the filter can see.
 NOT_THERE = ("clone3", "openat2")
 
-# What a program may write to is memory, but flushing a library it has opened would have the disk of
-# the host write its cache.
-WITHOUT_EFFECT = ("fsync", "fdatasync")
+# Refused as by a file system without extended attributes: `shutil.copy2` then does without them.
+NOT_SUPPORTED = ("listxattr", "llistxattr", "flistxattr")
+
+# They succeed, so that programs that copy files need not care. What a program may write to is
+# memory, but flushing a library it has opened would have the disk of the host write its cache; and
+# whoever may write to /dev/null may set its times, which all boxes see.
+WITHOUT_EFFECT = ("fsync", "fdatasync", "utimensat")

@@ -10,10 +10,18 @@ from hypothesis import strategies as st
 from seamark.sandbox.isolation import argument_rules, seccomp
 from seamark.sandbox.isolation.argument_rules import REFUSALS
 from seamark.sandbox.isolation.seccomp import ALLOW, ERRNO, KILL_PROCESS, REFUSE
-from seamark.sandbox.isolation.system_calls import ALLOWED, NOT_THERE, NUMBERS, WITHOUT_EFFECT
+from seamark.sandbox.isolation.system_calls import (
+    ALLOWED,
+    NOT_SUPPORTED,
+    NOT_THERE,
+    NUMBERS,
+    WITHOUT_EFFECT,
+)
 
 X86_64, I386 = 0xC000003E, 0x40000003
-REFUSED = sorted(set(NUMBERS) - ALLOWED - set(REFUSALS) - {*NOT_THERE, *WITHOUT_EFFECT})
+REFUSED = sorted(
+    set(NUMBERS) - ALLOWED - set(REFUSALS) - {*NOT_SUPPORTED, *NOT_THERE, *WITHOUT_EFFECT}
+)
 FILTER = seccomp.build()
 PROGRAM = [struct.unpack_from("=HBBI", FILTER, offset) for offset in range(0, len(FILTER), 8)]
 
@@ -55,8 +63,13 @@ def test_a_call_whose_arguments_the_filter_cannot_read_appears_to_be_missing(nam
 
 
 @pytest.mark.parametrize("name", WITHOUT_EFFECT)
-def test_a_flush_succeeds_without_reaching_the_kernel(name) -> None:
+def test_a_call_without_effect_succeeds_without_reaching_the_kernel(name) -> None:
     assert decide(NUMBERS[name]) == ERRNO
+
+
+@pytest.mark.parametrize("name", NOT_SUPPORTED)
+def test_files_appear_to_have_no_extended_attributes(name) -> None:
+    assert decide(NUMBERS[name]) == ERRNO | errno.EOPNOTSUPP
 
 
 @given(number=st.integers(0, 0x3FFFFFFF), arguments=st.lists(st.integers(0, 2**64 - 1), max_size=6))
@@ -158,7 +171,7 @@ def test_a_flag_of_fcntl_counts_only_when_flags_are_set() -> None:
     "io_uring_setup bpf userfaultfd perf_event_open unshare setns mount symlink mknod flock "
     "shmget semget msgget mq_open setuid pidfd_open pidfd_getfd splice inotify_init "
     "clock_settime sched_setaffinity seccomp kexec_load init_module fadvise64 readahead mincore "
-    "cachestat sync_file_range statfs utimensat utimes setsid".split(),
+    "cachestat sync_file_range statfs utimensat utimes setxattr setsid".split(),
 )
 def test_a_dangerous_call_is_not_on_the_list(name) -> None:
     assert name not in ALLOWED

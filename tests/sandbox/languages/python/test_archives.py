@@ -48,6 +48,15 @@ def test_modules_and_data_of_an_archive_are_there(box: Box) -> None:
     assert box.take_output() == b"beside 0.25\n"
 
 
+def test_a_program_may_copy_its_files_with_their_attributes(box: Box) -> None:
+    copying = MAIN + "import shutil\nprint('copied to', shutil.copy2('gain.txt', 'copy.txt'))\n"
+
+    box.load(packed(main_py=copying), "mine.zip", {}, LAYOUT)
+    box.step([0.0])
+
+    assert box.take_output().startswith(b"copied to copy.txt\n")
+
+
 def end_of(box: Box, blob: bytes) -> ProgramEnded:
     def run() -> None:
         box.load(blob, "mine.zip", {}, LAYOUT)
