@@ -84,6 +84,7 @@ def _accepted(run_id: int) -> Response:
 
 
 @api.post("/runs/<int:run_id>/rerun", responses={202: RunResponse})
+@rate_limits.limiter.limit(rate_limits.SUBMISSIONS, key_func=rate_limits.client)
 def rerun(path: RunPath) -> Response:
     """Submit the same run again; it is a new run with its own number."""
     access.run_for(path.run_id, Action.RERUN)

@@ -72,6 +72,16 @@ def test_submissions_are_limited_per_account_and_not_per_address(site: Site) -> 
     assert (first[-1].status_code, other.status_code) == (429, 422)
 
 
+def test_repeating_a_run_is_limited_like_submitting_one(site: Site) -> None:
+    path = f"/api/v1/runs/{site.succeeded('ann')}/rerun"
+    answers = [site.call("owner", "POST", path) for _ in range(31)]
+    reasons = [answer.get_json().get("type", "") for answer in answers]
+
+    assert answers[0].status_code == 202
+    assert reasons[29].endswith("quota-exceeded")
+    assert reasons[30].endswith("rate-limited")
+
+
 def test_without_a_proxy_a_forged_address_is_ignored(site: Site) -> None:
     codes = [_sign_in(site.app, f"192.0.2.{i}").status_code for i in range(11)]
 
