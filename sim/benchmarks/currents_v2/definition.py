@@ -63,6 +63,8 @@ BENCHMARK = replace(
     scale=(0.020, 0.652),  # python -m performance.headroom
     groups=(*_BENCHMARK.groups, GROUP),
     presets={},
+    # Metres first: the strongest currents carry the vehicle off, thousands of pixels away.
+    charts=tuple(sorted(_BENCHMARK.charts, key=lambda chart: chart.unit != "m")),
     tables=(
         Table("Tool point, whole levels", (*tool_point.METRICS, tool_point.HELD)),
         Table("After the settle window of {settle_s:g} s", KEY_METRICS),

@@ -21,7 +21,7 @@ export class OverlaidCharts {
     this.level = null;
     this.onChoice = () => {};
     const known = data.charts.filter(({ column }) => chosen.includes(column));
-    const first = data.charts.filter(({ unit }) => unit === "px").slice(0, INITIAL);
+    const first = data.charts.filter(({ unit }) => unit === data.charts[0]?.unit).slice(0, INITIAL);
     this.chosen = new Set(known.length ? known : first.length ? first : data.charts.slice(0, INITIAL));
     this.listChoices();
     this.build();

@@ -19,7 +19,7 @@ export class Charts {
     this.rangeSelect = root.querySelector("[data-range]");
     const known = (chart) => chart.columns?.length && chart.columns.every((name) => data.columns.some((column) => column.name === name));
     this.chosen = memory.get("charts", []).filter(known);
-    if (!this.chosen.length) this.chosen = this.presets("px");
+    if (!this.chosen.length) this.chosen = this.presets(data.charts[0]?.unit);
     this.choice = new ChartChoice(root, data, this);
     for (const input of this.units) {
       input.checked = this.chosen.some(({ unit }) => unit === input.value) || (input.checked && this.units[0] === input);
