@@ -11,6 +11,7 @@ _ADDRESSES = {
     "/submit/<name>": f"/submit/{BENCHMARK}",
     "/benchmarks/<name>": f"/benchmarks/{BENCHMARK}",
     "/leaderboards/<name>": f"/leaderboards/{BENCHMARK}",
+    "/leaderboards/<name>/preview.jpg": f"/leaderboards/{BENCHMARK}/preview.jpg",
     "/docs/<name>": "/docs/start",
     "/docs/guides/<path:name>": "/docs/guides/benchmarks.md",
     "/docs/physics/<name>.urdf": "/docs/physics/girona500.urdf",
@@ -18,11 +19,11 @@ _ADDRESSES = {
     "/api/v1/benchmarks/<string:benchmark>": f"/api/v1/benchmarks/{BENCHMARK}",
     "/api/v1/leaderboards/<string:benchmark>": f"/api/v1/leaderboards/{BENCHMARK}",
     "/api/v1/checks/<int:check_id>": "/api/v1/checks/1",
-    "/api/v1/runs/<int:run_id>/comparison": "/api/v1/runs/{run}/comparison?with={run}",
 }
 _RUN = ("<row:run_id>", "<int:run_id>")
 # With what slows down lists: filters, and pages far from the start.
 _MORE = (
+    "/compare?runs={run}",
     "/runs/?of=all",
     "/runs/?of=all&state=failed",
     "/runs/?of=all&state=cancelled",
