@@ -15,7 +15,7 @@ import time
 from collections.abc import AsyncIterator, Iterator
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import asynccontextmanager, contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from http.client import HTTPConnection
 from multiprocessing import get_context
 from pathlib import Path
@@ -54,6 +54,16 @@ class Service:
             f"Authorization: Bearer {self.token}",
         )
         return ("\r\n".join(lines) + "\r\n\r\n").encode()
+
+    def with_new_run(self) -> "Service":
+        """Return the service with a run that has just begun, in place of the one before."""
+        connection = HTTPConnection("127.0.0.1", self.port)
+        headers = {"Authorization": f"Bearer {self.token}"}
+        connection.request("POST", f"/api/v1/runs/{self.run_id}/cancel", headers=headers)
+        connection.getresponse().read()
+        connection.close()
+        with Client(f"http://127.0.0.1:{self.port}", self.token) as client:
+            return replace(self, run_id=_start_run(client))
 
     def web_bytes(self) -> int:
         """Return the memory of all web processes, shared pages counted once."""
@@ -269,7 +279,8 @@ async def _measure(service: Service, pool: ProcessPoolExecutor) -> list[tuple[st
     measurement = Measurement(service, pool)
     await measurement.add("nothing")
     for count in VIEWERS:
-        async with _viewers(service, count) as received:
+        watched = await asyncio.to_thread(service.with_new_run)  # else it might end meanwhile
+        async with _viewers(watched, count) as received:
             await measurement.add(f"{count} viewers", received)
     for part, start in (("heads", HEAD), ("bodies", f"{HEAD}Content-Length: 1000\r\n\r\n")):
         async with _slow(service, SLOW, start):

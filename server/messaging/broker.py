@@ -82,7 +82,8 @@ def celery_app(settings: Settings) -> Celery:
         worker_cancel_long_running_tasks_on_connection_loss=False,
         worker_soft_shutdown_timeout=10,
         worker_enable_soft_shutdown_on_idle=False,
-        worker_max_tasks_per_child=100,
+        # Rare: until its successor is ready, a process passes tickets on, for two seconds.
+        worker_max_tasks_per_child=1000,
         worker_send_task_events=False,
         worker_hijack_root_logger=False,
         broker_connection_retry_on_startup=True,

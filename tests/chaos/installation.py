@@ -63,6 +63,7 @@ class Installation:
     """Two workers, two web servers, a broker and PostgreSQL."""
 
     def __init__(self, folder: Path, database: postgres.Server, url: str, **settings: object):
+        self._others = set(tree(os.getpid()))  # of other tests in this process, and the database
         self.broker = Broker(folder)
         self.broker.start()
         self.database = database
@@ -128,7 +129,7 @@ class Installation:
         """Return the processes that have lost the part of the service to which they belong."""
         mine = os.getpid()
         parts = {process.pid for process in (*self.workers, *self.web_servers)}
-        known = {self.database.pid, self.broker.pid, *parts}
+        known = {self.database.pid, self.broker.pid, *parts, *self._others}
         lost = [pid for pid in tree(mine) if parent_of(pid) == mine and pid not in known]
         return [pid for pid in lost if not _reaped(pid)]
 
