@@ -5,6 +5,8 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from hypothesis import HealthCheck
+from hypothesis import settings as hypothesis_settings
 from redis import Redis
 
 from seamark.sandbox.isolation.level import IsolationLevel
@@ -14,6 +16,15 @@ from seamark.server.database.schema import upgrade
 from seamark.server.settings import Settings
 from tests.cast import Backend
 from tests.services import postgres, valkey
+
+# A busy machine fails no property.
+hypothesis_settings.register_profile(
+    "patient",
+    hypothesis_settings(),  # on a server for tests: repeatable
+    deadline=None,
+    suppress_health_check=[HealthCheck.too_slow],
+)
+hypothesis_settings.load_profile("patient")
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
