@@ -166,6 +166,7 @@ class ControlGroup:
                 if time.monotonic() > deadline:
                     raise SandboxBroken(f"processes survive in {folder}")
                 self.kill()
+                _kill(folder)  # what was ended while it entered the groups is not in all of them
                 time.sleep(0.002)  # version 1 does not announce that a group is empty
 
 

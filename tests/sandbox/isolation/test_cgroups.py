@@ -7,6 +7,8 @@ version 1 or 2 in every other test of the sandbox.
 
 import os
 import shutil
+import signal
+import subprocess
 from pathlib import Path
 
 import pytest
@@ -159,3 +161,30 @@ def test_with_version_1_a_box_has_its_share_in_the_hierarchy_of_the_cpu_controll
     group.remove()
     assert shares == str(cgroups.CPU_SHARES)
     assert [*(tmp_path / "cpu").iterdir()] == []
+
+
+def test_a_process_that_had_entered_only_some_hierarchies_of_version_1_is_ended_too(
+    tmp_path,
+) -> None:
+    paths = [tmp_path / name for name in ("memory", "pids", "cpuacct", "cpu", "unified")]
+    for path in paths:
+        path.mkdir()
+
+    with subprocess.Popen(["/bin/sleep", "60"]) as process:
+
+        class Version1(Kernel):
+            @staticmethod
+            def create(folder: Path) -> None:
+                folder.mkdir()
+                inside = str(process.pid) if folder.parent.name == "cpu" else ""
+                (folder / "cgroup.procs").write_text(inside)
+                (folder / "cpuacct.usage").write_text("0\n")
+
+            @staticmethod
+            def remove(folder: Path) -> None:
+                if (folder / "cgroup.procs").read_text() and process.poll() is None:
+                    raise OSError("busy")
+                shutil.rmtree(folder)
+
+        ControlGroup(LIMITS, parents=CgroupPaths(*paths), kernel=Version1).remove()
+        assert process.wait(10) == -signal.SIGKILL
