@@ -5,7 +5,6 @@ timed by another process; those without streams, in the same service and minute,
 """
 
 import asyncio
-import json
 import os
 import statistics
 import subprocess
@@ -23,6 +22,7 @@ from pathlib import Path
 from seamark.client import Client
 from seamark.server.accounts import accounts
 from seamark.server.database.engine import Database
+from tests.services.embedded import address_of
 
 VIEWERS = (10, 50, 200)
 SLOW = 300  # connections that send a byte every five seconds
@@ -95,7 +95,7 @@ def service() -> Iterator[Service]:
             text=True,
         )
         try:
-            address = _address(up)
+            address = address_of(up)
             token = _token(data)
             with Client(address, token) as client:
                 run_id = _start_run(client)
@@ -103,17 +103,6 @@ def service() -> Iterator[Service]:
         finally:
             up.terminate()
             up.wait()
-
-
-def _address(up: "subprocess.Popen[str]") -> str:
-    assert up.stdout is not None  # noqa: S101 (for mypy)
-    lines = []
-    for line in up.stdout:
-        lines.append(line)
-        if line.startswith("}"):
-            break
-    address: str = json.loads("".join(lines))["address"]
-    return address
 
 
 def _token(data: Path) -> str:

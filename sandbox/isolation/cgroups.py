@@ -148,8 +148,9 @@ class ControlGroup:
         return _counter(self._paths.pids / "pids.events", "max") > 0
 
     def kill(self) -> None:
-        """Kill every process in the group."""
-        _kill(self._paths.unified or self._paths.pids)
+        """Kill every process; one that was just entering the groups is not in all of them."""
+        for folder in self._paths.folders():
+            _kill(folder)
 
     def detach(self) -> None:
         """Close what is open and leave the groups to others; a second call does nothing."""
@@ -166,7 +167,6 @@ class ControlGroup:
                 if time.monotonic() > deadline:
                     raise SandboxBroken(f"processes survive in {folder}")
                 self.kill()
-                _kill(folder)  # what was ended while it entered the groups is not in all of them
                 time.sleep(0.002)  # version 1 does not announce that a group is empty
 
 

@@ -186,5 +186,8 @@ def test_a_process_that_had_entered_only_some_hierarchies_of_version_1_is_ended_
                     raise OSError("busy")
                 shutil.rmtree(folder)
 
-        ControlGroup(LIMITS, parents=CgroupPaths(*paths), kernel=Version1).remove()
-        assert process.wait(10) == -signal.SIGKILL
+        try:
+            ControlGroup(LIMITS, parents=CgroupPaths(*paths), kernel=Version1).remove()
+            assert process.wait(10) == -signal.SIGKILL
+        finally:
+            process.kill()

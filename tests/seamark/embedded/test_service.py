@@ -1,6 +1,5 @@
 """The embedded service for real: starts, evaluates, ends, leaves nothing behind."""
 
-import json
 import os
 import signal
 import subprocess
@@ -11,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from seamark.client import Client
+from tests.services.embedded import address_of
 
 COMMAND = [
     sys.executable,
@@ -41,17 +41,6 @@ def service(tmp_path: Path) -> Iterator["subprocess.Popen[str]"]:
     yield started
     started.terminate()
     started.communicate(timeout=60)
-
-
-def address_of(service: "subprocess.Popen[str]") -> str:
-    assert service.stdout is not None
-    lines = []
-    for line in service.stdout:
-        lines.append(line)
-        if line.startswith("}"):
-            break
-    address: str = json.loads("".join(lines))["address"]
-    return address
 
 
 def below(pid: int) -> set[int]:
