@@ -18,6 +18,7 @@ from playwright.sync_api import Browser, sync_playwright
 
 from tests.journey.visitor import Visitor
 from tests.services.ports import free_port
+from tests.services.processes import end
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
 START_S = 90.0
@@ -76,12 +77,7 @@ def running(**settings: str) -> Iterator[Service]:
             _wait_until_ready(process, url, log)
             yield Service(url, data)
         finally:
-            process.terminate()
-            try:
-                process.wait(30)
-            except subprocess.TimeoutExpired:
-                process.kill()
-                process.wait()
+            end(process, 30.0)
 
 
 @pytest.fixture(scope="session")

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 
 from seamark.server.settings import Settings
 from tests.services.ports import free_port
+from tests.services.processes import end
 
 START_S = 120.0
 
@@ -56,12 +57,7 @@ def serving(settings: Settings, *, processes: int = 1) -> Iterator[WebServer]:
         _wait_until_it_answers(server)
         yield server
     finally:
-        process.terminate()
-        try:
-            process.wait(20)
-        except subprocess.TimeoutExpired:
-            process.kill()
-            process.wait()
+        end(process, 20.0)
 
 
 @contextmanager
