@@ -1,5 +1,7 @@
 """The database: one engine per process, explicit transactions."""
 
+import sqlite3
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -8,13 +10,8 @@ from sqlalchemy import Engine, create_engine, event
 from sqlalchemy.orm import Session
 
 CONNECT_S = 5  # until PostgreSQL counts as away
-BUSY_MS = 10_000  # SQLite waits this long for another writer
-_PRAGMAS = (
-    "journal_mode=WAL",
-    "synchronous=NORMAL",
-    f"busy_timeout={BUSY_MS}",
-    "foreign_keys=ON",
-)
+BUSY_S = 10.0  # SQLite waits this long for another writer
+_RETRY_S = 0.01
 
 
 class Database:
@@ -24,12 +21,12 @@ class Database:
     2000 concurrent increments were lost; with a deferred BEGIN, 988 failed as "locked".
     """
 
-    def __init__(self, url: str) -> None:
+    def __init__(self, url: str, *, busy_s: float = BUSY_S) -> None:
         remote = not url.startswith("sqlite")
         timeout = {"connect_timeout": CONNECT_S} if remote else {}
         self.engine = create_engine(url, pool_pre_ping=remote, connect_args=timeout)
         if self.engine.dialect.name == "sqlite":
-            _prepare_sqlite(self.engine)
+            _prepare_sqlite(self.engine, busy_s)
             self._readers = self.engine.execution_options(seamark_readonly=True)
         else:
             # One snapshot for all queries of a page, as SQLite gives it: a run must not be queued
@@ -55,16 +52,35 @@ class Database:
         self.engine.dispose()
 
 
-def _prepare_sqlite(engine: Engine) -> None:
+def _prepare_sqlite(engine: Engine, busy_s: float) -> None:
     @event.listens_for(engine, "connect")
     def _connect(connection: Any, _record: object) -> None:
         connection.isolation_level = None  # the driver must not send a BEGIN of its own
         cursor = connection.cursor()
-        for pragma in _PRAGMAS:
-            cursor.execute(f"PRAGMA {pragma}")
+        cursor.execute(f"PRAGMA busy_timeout={busy_s * 1000:.0f}")
+        _switch_to_wal(cursor, busy_s)
+        cursor.execute("PRAGMA synchronous=NORMAL")
+        cursor.execute("PRAGMA foreign_keys=ON")
         cursor.close()
 
     @event.listens_for(engine, "begin")
     def _begin(connection: Any) -> None:
         readonly = connection.get_execution_options().get("seamark_readonly")
         connection.exec_driver_sql("BEGIN" if readonly else "BEGIN IMMEDIATE")
+
+
+def _switch_to_wal(cursor: sqlite3.Cursor, busy_s: float) -> None:
+    """Have SQLite keep a write-ahead log; wait for a process that writes to a new database.
+
+    SQLite itself does not wait here, whatever `busy_timeout` says, since it could be a deadlock.
+    """
+    deadline = time.monotonic() + busy_s
+    while True:
+        try:
+            cursor.execute("PRAGMA journal_mode=WAL")
+        except sqlite3.OperationalError as error:
+            if error.sqlite_errorcode != sqlite3.SQLITE_BUSY or time.monotonic() > deadline:
+                raise
+            time.sleep(_RETRY_S)
+        else:
+            return

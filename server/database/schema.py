@@ -17,6 +17,8 @@ from seamark.server.database.engine import Database
 from seamark.server.database.queue_tables import Turn
 from seamark.server.settings import Settings
 
+UPGRADE_S = 600.0  # a process waits this long for one that upgrades a large SQLite file
+
 _FOLDER = Path(migrations.__file__).parent
 
 
@@ -52,7 +54,7 @@ def downgrade(settings: Settings, revision: str) -> None:
 @contextmanager
 def _locked(settings: Settings) -> Iterator[Connection]:
     """Yield a connection with a transaction in which no other process changes the schema."""
-    database = Database(settings.database_url)
+    database = Database(settings.database_url, busy_s=UPGRADE_S)
     try:
         with database.engine.begin() as connection:
             advisory_locks.acquire(connection, AdvisoryLock.SCHEMA)

@@ -1,4 +1,7 @@
 import multiprocessing
+import sqlite3
+import threading
+from pathlib import Path
 
 import pytest
 from sqlalchemy import select
@@ -46,3 +49,21 @@ def test_an_error_rolls_its_transaction_back(database: Database) -> None:
 
     with database.reading() as session:
         assert session.scalar(select(Turn.owner)) is None
+
+
+def test_a_new_sqlite_file_that_another_process_writes_to_is_waited_for(tmp_path: Path) -> None:
+    file = tmp_path / "new.sqlite"
+    writer = sqlite3.connect(file, isolation_level=None, check_same_thread=False)
+    writer.execute("CREATE TABLE t (n INTEGER)")  # not yet in WAL mode
+    writer.execute("BEGIN IMMEDIATE")
+    end = threading.Timer(0.3, writer.execute, ["COMMIT"])
+    end.start()
+
+    database = Database(f"sqlite:///{file}")
+    with database.reading() as session:
+        mode = session.connection().exec_driver_sql("PRAGMA journal_mode").scalar()
+
+    end.join()
+    writer.close()
+    database.close()
+    assert mode == "wal"
