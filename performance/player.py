@@ -1,7 +1,8 @@
 """How smoothly Chromium, without a graphics card, plays a run; how soon a long run opens.
 
 Frame rates are those of the scene at 1280x720 beside an empty WebGL canvas of that size in the same
-browser. The server is in the same process, so it takes its share of the cores.
+browser. The server is in the same process, so it takes its share of the cores; while a run is
+live, so does the simulator, at its full speed.
 """
 
 import shutil
@@ -15,6 +16,7 @@ from playwright.sync_api import Browser, Page, sync_playwright
 from sqlalchemy import update
 from werkzeug.serving import make_server
 
+from performance import streams
 from performance.table import Row
 from seamark.server.accounts.permissions import Viewer
 from seamark.server.app import create_app
@@ -33,6 +35,7 @@ BENCHMARK, CONTROLLER, SEED = "currents-v1", "pi", 1
 LONG = {"levels": [0.05 * level for level in range(10)], "level_duration_s": 600.0}  # 6000 s
 SHORT = {"levels": [0.0, 0.4], "level_duration_s": 20.0, "settle_s": 5.0}
 WATCHED_MS = 8000
+SETTLE_MS = 5000  # until the resolution has settled
 WIDTH, HEIGHT = 1280, 720
 SOFTWARE = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--no-sandbox"]
 _SIZE_STAGE = """() => {
@@ -72,8 +75,24 @@ def rows() -> list[Row]:
                 executable_path=shutil.which("chromium"), args=SOFTWARE
             )
             found = _measured(browser, f"{url}/runs/{short}", f"{url}/runs/{long}")
+            found.append(_live(browser))
             browser.close()
     return found
+
+
+def _live(browser: Browser) -> Row:
+    """Return the longest task of the page of a run that is computed."""
+    with streams.service() as service:
+        page = browser.new_page(
+            bypass_csp=True,
+            viewport={"width": WIDTH, "height": 900},
+            extra_http_headers={"Authorization": f"Bearer {service.token}"},
+        )
+        _open(page, f"http://127.0.0.1:{service.port}/runs/{service.run_id}")
+        page.wait_for_timeout(SETTLE_MS)
+        longest = _longest_task(page)
+        page.close()
+    return Row(what="longest task while live (0: below 50)", value=longest, unit="ms")
 
 
 def _measured(browser: Browser, short: str, long: str) -> list[Row]:
@@ -97,13 +116,24 @@ def _measured(browser: Browser, short: str, long: str) -> list[Row]:
 def opened(browser: Browser, address: str) -> tuple[float, Page]:
     """Return the time [s] until charts, camera and scene are there, and the page."""
     page = browser.new_page(bypass_csp=True, viewport={"width": WIDTH, "height": 900})
+    return _open(page, address), page
+
+
+def _open(page: Page, address: str) -> float:
     page.goto(address)
     page.wait_for_function(
         "document.querySelector('[data-pose]').textContent"
         " && !document.querySelector('[data-camera] img').hidden"
         " && document.querySelector('.chart-title output').textContent"
     )
-    return float(page.evaluate("performance.now()")) / 1e3, page
+    return float(page.evaluate("performance.now()")) / 1e3
+
+
+def _longest_task(page: Page) -> float:
+    """Watch the page for a while and return its longest task [ms]; 0 without one over 50 ms."""
+    page.evaluate(_COUNT_LONG_TASKS)
+    page.wait_for_timeout(WATCHED_MS)
+    return float(page.evaluate("window.longest"))
 
 
 def _played(page: Page) -> tuple[float, float, float]:
@@ -111,14 +141,13 @@ def _played(page: Page) -> tuple[float, float, float]:
     page.evaluate(_SIZE_STAGE)
     page.get_by_label("Speed").select_option("5")
     page.keyboard.press("k")
-    page.wait_for_timeout(WATCHED_MS / 2)  # until the resolution has settled
-    page.evaluate(_COUNT_LONG_TASKS)
+    page.wait_for_timeout(SETTLE_MS)
     stage = page.locator("[data-stage]")
     before, start = int(stage.get_attribute("data-pictures") or 0), page.evaluate("Date.now()")
-    page.wait_for_timeout(WATCHED_MS)
+    longest = _longest_task(page)
     after, end = int(stage.get_attribute("data-pictures") or 0), page.evaluate("Date.now()")
     scale = float(stage.get_attribute("data-scale") or 1)
-    return 1e3 * (after - before) / (end - start), scale, float(page.evaluate("window.longest"))
+    return 1e3 * (after - before) / (end - start), scale, longest
 
 
 @contextmanager

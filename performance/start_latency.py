@@ -1,4 +1,6 @@
-"""From submitting a run to its start, on an idle service with a real worker.
+"""From submitting a run to its start, on an idle service with a real worker, in both deployments.
+
+Embedded is SQLite and a broker on a socket; production is PostgreSQL and a broker over TCP.
 
 Each run is submitted when the one before it has ended. A Celery child is replaced after a thousand
 tasks, which this does not reach; with a hundred, some three runs at each replacement waited for 0.4
@@ -11,7 +13,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Iterator
-from contextlib import closing, contextmanager
+from contextlib import ExitStack, closing, contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -30,7 +32,7 @@ from seamark.server.runs.submission import UPLOAD, Submission
 from seamark.server.runs.views import RunView
 from seamark.server.settings import Settings
 from seamark.worker.service.command_line import worker_arguments
-from tests.services import valkey
+from tests.services import postgres, valkey
 
 RUNS = 150  # of each kind
 SHORT = {"levels": [0.0], "level_duration_s": 2.0, "settle_s": 1.0}
@@ -39,24 +41,40 @@ DEADLINE_S = 300.0  # of one run: the first start compiles the simulator
 
 
 def rows(runs: int = RUNS) -> list[Row]:
-    """Measure built-in controllers and uploads and return the rows."""
-    with tempfile.TemporaryDirectory() as folder, valkey.on_socket() as broker_url:
-        values = {"data": Path(folder), "broker_url": broker_url, "quota_day": 10**6}
-        settings = Settings.model_validate(values)
-        upgrade(settings)
-        with closing(Database(settings.database_url)) as database, _worker(settings):
-            with database.writing() as session:
-                user = accounts.sign_up(session, "ann", None)
-                viewer = Viewer(user_id=user.id, name=user.name)
-            program = _program(settings)
-            measured: dict[str, list[float]] = {"built-in": [], "upload": []}
-            _evaluate(database, settings, viewer, None)  # until the worker is warm
-            _evaluate(database, settings, viewer, program)
-            for _ in range(runs):
-                for kind, uploaded in (("built-in", None), ("upload", program)):
-                    run = _evaluate(database, settings, viewer, uploaded)
-                    measured[kind].append(1e3 * ((run.started_at or 0.0) - run.queued_at))
-    return [row for kind, times in measured.items() for row in _rows(kind, times)]
+    """Measure built-in controllers and uploads on both deployments and return the rows."""
+    found: list[Row] = []
+    for name in ("embedded", "production"):
+        with ExitStack() as stack:
+            folder = Path(stack.enter_context(tempfile.TemporaryDirectory()))
+            values: dict[str, object] = {"data": folder, "quota_day": 10**6}
+            if name == "production":
+                server = stack.enter_context(postgres.server())
+                database = postgres.database(server.folder, "latency")
+                values["database_url"] = stack.enter_context(database)
+                values["broker_url"] = stack.enter_context(valkey.on_port())
+            else:
+                values["broker_url"] = stack.enter_context(valkey.on_socket())
+            for kind, times in _times(Settings.model_validate(values), runs).items():
+                found += _rows(f"{name}, {kind}", times)
+    return found
+
+
+def _times(settings: Settings, runs: int) -> dict[str, list[float]]:
+    """Return the times from submitting to running [ms] of each kind of program."""
+    upgrade(settings)
+    with closing(Database(settings.database_url)) as database, _worker(settings):
+        with database.writing() as session:
+            user = accounts.sign_up(session, "ann", None)
+            viewer = Viewer(user_id=user.id, name=user.name)
+        program = _program(settings)
+        measured: dict[str, list[float]] = {"built-in": [], "upload": []}
+        _evaluate(database, settings, viewer, None)  # until the worker is warm
+        _evaluate(database, settings, viewer, program)
+        for _ in range(runs):
+            for kind, uploaded in (("built-in", None), ("upload", program)):
+                run = _evaluate(database, settings, viewer, uploaded)
+                measured[kind].append(1e3 * ((run.started_at or 0.0) - run.queued_at))
+    return measured
 
 
 def _rows(kind: str, times: list[float]) -> Iterator[Row]:

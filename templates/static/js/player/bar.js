@@ -13,7 +13,8 @@ export class Bar {
   // levelText: row -> what the level is called; moments: () -> promise of moments.json
   constructor(root, playhead, { levelLength, levelText, moments, step }) {
     Object.assign(this, { root, playhead, levelLength, levelText, moments, step });
-    this.part = (name) => root.querySelector(`[data-${name}]`);
+    const parts = new Map();
+    this.part = (name) => parts.get(name) ?? parts.set(name, root.querySelector(`[data-${name}]`)).get(name);
     this.slider = this.part("time");
     this.slider.max = String(playhead.duration);
     this.slider.step = String(step);

@@ -3,6 +3,7 @@ import { colour, LINES } from "./colours.js";
 
 const HEIGHT = 190;
 const WIDTH_MIN = 200;
+const READ_MS = 100; // between two values that a reader can take in
 const uPlot = window.uPlot;
 
 export function short(value) {
@@ -130,14 +131,17 @@ export class ChartPlot {
     this.mark(this.marked);
   }
 
-  // Moves the line of the playhead; the canvas is not drawn again.
+  // Moves the line of the playhead at once, the values soon after; the canvas is not drawn again.
   mark(t) {
     this.marked = t;
     if (t === null) return;
     const x = this.plot.valToPos(t, "x");
-    this.line.hidden = !(x >= 0 && x <= this.plot.over.clientWidth);
+    this.line.hidden = !(x >= 0 && x <= this.plot.bbox.width / uPlot.pxRatio);
     if (!this.line.hidden) this.line.style.transform = `translateX(${x}px)`;
-    this.showValues();
+    this.timer ??= setTimeout(() => {
+      this.timer = undefined;
+      this.showValues();
+    }, READ_MS);
   }
 
   // The values under the cursor, else those at the playhead.
@@ -168,6 +172,7 @@ export class ChartPlot {
   }
 
   destroy() {
+    clearTimeout(this.timer);
     this.plot.destroy();
     this.box.remove();
   }
