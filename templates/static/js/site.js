@@ -1,4 +1,4 @@
-// Behaviour of all pages: mobile menu, dark mode, copying links, confirmation dialogs.
+// Behaviour of all pages: dark mode, copying links, confirmation dialogs.
 
 const root = document.documentElement;
 
@@ -15,11 +15,6 @@ function switchTheme() {
     // Without storage, the choice applies to this page only.
   }
   document.dispatchEvent(new CustomEvent("themechange"));
-}
-
-function toggleMenu(button) {
-  const open = document.getElementById(button.getAttribute("aria-controls")).classList.toggle("open");
-  button.setAttribute("aria-expanded", String(open));
 }
 
 async function copy(button) {
@@ -44,7 +39,6 @@ document.addEventListener("click", (event) => {
   const button = event.target.closest("button");
   if (!button) return;
   if ("themeSwitch" in button.dataset) switchTheme();
-  if ("menu" in button.dataset) toggleMenu(button);
   if ("copy" in button.dataset) copy(button);
 });
 
