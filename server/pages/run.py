@@ -12,18 +12,13 @@ from seamark.server.accounts.permissions import Action, can, owns
 from seamark.server.pages import benchmarks, level_chart, link_previews, metric_tables
 from seamark.server.pages.player_data import player_data
 from seamark.server.pages.ranked_parts import ranked_parts
-from seamark.server.runs import cancellation, results, retention, submission
+from seamark.server.runs import cancellation, results, retention
 from seamark.server.runs.comparison import Comparison, comparisons
 from seamark.server.runs.files import RunFiles
-from seamark.server.runs.quota import QuotaExceeded
 from seamark.server.runs.states import RunKind
-from seamark.server.runs.submission import SubmissionRejected
 from seamark.server.runs.views import RunView
-from seamark.server.storage import StorageUnavailable
-from seamark.server.web import access, authentication, security_headers
-from seamark.server.web.rate_limits import SUBMISSIONS, client, limiter
+from seamark.server.web import access, security_headers
 from seamark.server.web.services import services
-from seamark.sim.settings.configuration import ConfigurationInvalid
 from seamark.sim.settings.grid import axes
 
 LOG_SHOWN = 64 * 1024  # [character] of the log on the page; the download has all
@@ -119,29 +114,6 @@ def delete_data(run_id: int) -> ResponseReturnValue:
     current = services()
     deleted = retention.delete(current.database, current.settings.data, [run_id])
     return _back(run_id, bool(deleted), "The data of the run are deleted.", retention.WHY_NOT)
-
-
-@page.post("/<row:run_id>/rerun")
-@limiter.limit(SUBMISSIONS, key_func=client)
-def rerun(run_id: int) -> ResponseReturnValue:
-    """Submit the same run again."""
-    access.known_run(run_id)
-    viewer = authentication.become_guest()
-    run = access.run_for(run_id, Action.RERUN)
-    try:
-        with services().database.writing() as session:
-            new_id = submission.rerun(session, run.id, viewer, services().settings)
-    except (
-        ConfigurationInvalid
-    ) as refusal:  # submitted to an earlier version: to be corrected in the form
-        flash(f"This configuration is no longer accepted. {refusal}", "bad")
-        form = url_for("submit.form", name=run.benchmark)
-        return redirect(f"{form}?from={run_id}", code=303)
-    except (SubmissionRejected, QuotaExceeded, StorageUnavailable) as refusal:
-        flash(str(refusal), "bad")
-        return redirect(url_for("run.show", run_id=run_id), code=303)
-    services().wake_worker()
-    return redirect(url_for("run.show", run_id=new_id), code=303)
 
 
 def _data_note(run: RunView) -> str:

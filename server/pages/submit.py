@@ -1,16 +1,16 @@
 """Submit a run: the form of a benchmark."""
 
-from flask import Blueprint, g, redirect, render_template, request, url_for
+from flask import Blueprint, g, redirect, render_template, url_for
 from flask.typing import ResponseReturnValue
 
 from seamark.sandbox.languages import DEFAULT_LANGUAGE, LANGUAGES, editor_starters
 from seamark.server import workers
 from seamark.server.accounts.permissions import Action, can
-from seamark.server.pages import benchmarks, form_fields, submitted_program
+from seamark.server.pages import benchmarks, form_fields, prefill, submitted_program
 from seamark.server.programs import archives
 from seamark.server.programs.preparation import TEXT_MAX_BYTES, UploadRejected
 from seamark.server.programs.store import StoredProgram
-from seamark.server.runs import quota, submission, trial_limits, views
+from seamark.server.runs import quota, submission, trial_limits
 from seamark.server.runs.quota import QuotaExceeded
 from seamark.server.runs.states import RunKind
 from seamark.server.runs.submission import UPLOAD, Submission, SubmissionRejected
@@ -18,7 +18,6 @@ from seamark.server.storage import StorageUnavailable
 from seamark.server.web import access, authentication, body_limits
 from seamark.server.web.rate_limits import SUBMISSIONS, client, limiter
 from seamark.server.web.services import services
-from seamark.server.web.url_converters import row_id
 from seamark.sim.benchmarks.benchmark import Benchmark
 from seamark.sim.settings.configuration import ConfigurationInvalid
 
@@ -36,7 +35,10 @@ def first() -> ResponseReturnValue:
 def form(name: str) -> ResponseReturnValue:
     """Show the form with the defaults, the presets in the URL, or the settings of a run."""
     benchmark = benchmarks.by_name(name)
-    return _show(benchmark, _initial_values(benchmark), posted={}, errors={})
+    first = prefill.initial(benchmark)
+    return _show(
+        benchmark, first.values, posted=first.posted, errors={}, kept=first.program, note=first.note
+    )
 
 
 @page.post("/<name>")
@@ -103,6 +105,7 @@ def _submission(
         seed=None if ranked else _whole(posted, "seed", "A seed"),
         trials=1 if trials is None else trials,
         title=posted.get("title", ""),
+        rerun_of=prefill.visible_run(posted.get("from", "")),
     )
 
 
@@ -115,27 +118,6 @@ def _whole(posted: dict[str, str], name: str, what: str) -> int | None:
     return int(text[:_DIGITS_MAX])  # more digits are outside of any range
 
 
-def _initial_values(benchmark: Benchmark) -> dict[str, object]:
-    """Return the settings of the run or the presets named in the URL."""
-    run_id = request.args.get("from", type=row_id)
-    if run_id is not None:
-        with services().database.reading() as session:
-            run = views.show(session, run_id)
-        if run is not None and run.benchmark == benchmark.name and can(g.viewer, Action.VIEW, run):
-            return dict(run.config)
-    return {
-        name: request.args[name]
-        for name, choices in benchmark.presets.items()
-        if request.args.get(name) in choices
-    }
-
-
-def _initial_controller(benchmark: Benchmark) -> str:
-    """Return the controller in the URL, or the first one."""
-    requested = request.args.get("controller", "")
-    return requested if requested in benchmark.built_in else next(iter(benchmark.built_in))
-
-
 def _show(
     benchmark: Benchmark,
     values: dict[str, object],
@@ -143,6 +125,7 @@ def _show(
     posted: dict[str, str],
     errors: dict[str, str],
     kept: StoredProgram | None = None,
+    note: str = "",
 ) -> str:
     settings = services().settings
     schema, starters = benchmark.schema(), editor_starters(benchmark.role)
@@ -166,7 +149,8 @@ def _show(
         groups=form_fields.groups(schema, values, errors, order=benchmark.groups),
         presets=schema.get("x-presets", {}),
         defaults={name: entry["default"] for name, entry in schema["properties"].items()},
-        posted=posted or {"controller": _initial_controller(benchmark)},
+        posted=posted,
+        note=note,
         errors=errors,
         kept=kept and {"program": kept, "token": submitted_program.token(benchmark, kept)},
         archives=archives.SUFFIXES,

@@ -17,14 +17,12 @@ OF_PRIVATE_RUN = {
     ("POST", "/runs/{}/publish"): (404, 404, 303, 303),
     ("POST", "/runs/{}/withdraw"): (404, 404, 303, 303),
     ("POST", "/runs/{}/cancel"): (404, 404, 303, 303),
-    ("POST", "/runs/{}/rerun"): (404, 404, 303, 403),
 }
 OF_PUBLIC_RUN = {
     ("GET", "/runs/{}"): (200, 200, 200, 200),
     ("POST", "/runs/{}/publish"): (403, 403, 303, 303),
     ("POST", "/runs/{}/withdraw"): (403, 403, 303, 303),
     ("POST", "/runs/{}/cancel"): (403, 403, 303, 303),
-    ("POST", "/runs/{}/rerun"): (303, 303, 303, 303),
 }
 
 
@@ -68,7 +66,7 @@ def test_a_private_run_answers_like_one_that_does_not_exist(site: Site) -> None:
     assert private == none
 
 
-@pytest.mark.parametrize("action", ["cancel", "publish", "withdraw", "rerun"])
+@pytest.mark.parametrize("action", ["cancel", "publish", "withdraw"])
 def test_nothing_is_changed_by_get(site: Site, action: str) -> None:
     run_id = site.succeeded("ann")
 
@@ -88,7 +86,7 @@ def test_a_post_without_the_csrf_token_is_refused(site: Site, path: str) -> None
     assert "has expired" in answer.text
 
 
-@pytest.mark.parametrize("name", ["cancel", "publish", "withdraw", "rerun"])
+@pytest.mark.parametrize("name", ["cancel", "publish", "withdraw"])
 def test_a_run_is_not_changed_without_the_csrf_token(site: Site, name: str) -> None:
     run_id = site.succeeded("ann")
 

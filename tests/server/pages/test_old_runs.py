@@ -47,18 +47,14 @@ def test_a_run_without_any_setting_of_today_is_shown(site: Site, path: str) -> N
     assert site.browser("ann").get(path.format(run_id)).status_code == 200
 
 
-def test_running_it_again_shows_the_form_with_what_is_no_longer_accepted(
-    site: Site, old_run: int
-) -> None:
+def test_running_it_again_shows_what_is_no_longer_accepted(site: Site, old_run: int) -> None:
     browser = site.browser("ann")
 
-    answer = browser.post(f"/runs/{old_run}/rerun")
-    form = browser.get(answer.headers["Location"])
+    form = browser.get(f"/submit/currents-v1?from={old_run}")
+    answer = browser.post("/submit/currents-v1", {"controller": "pi", "kp": "99"})
 
-    assert answer.status_code == 303
-    assert answer.headers["Location"] == f"/submit/currents-v1?from={old_run}"
-    assert "no longer accepted" in form.text
-    assert "Kp" in form.text
+    assert 'value="99"' in form.text
+    assert (answer.status_code, 'id="kp-error"' in answer.text) == (422, True)
 
 
 def test_running_it_again_through_the_api_names_the_settings(site: Site, old_run: int) -> None:

@@ -5,7 +5,6 @@ import re
 
 import pytest
 
-from seamark.server.runs.states import RunState
 from tests.server.pages.conftest import Browser, Site
 
 FORM = "/submit/currents-v1"
@@ -200,16 +199,6 @@ def test_an_exceeded_quota_is_reported_on_the_form(site: Site) -> None:
 
     assert answer.status_code == 429
     assert "which is the limit" in answer.text
-
-
-def test_a_rerun_has_the_same_configuration_and_seed(site: Site) -> None:
-    first = site.succeeded("ann", config={"kp": 0.4}, seed=11)
-
-    answer = site.browser("ann").post(f"/runs/{first}/rerun")
-
-    again = site.show(int(answer.headers["Location"].rsplit("/", 1)[-1]))
-    assert (again.rerun_of, again.config["kp"], again.seed) == (first, 0.4, 11)
-    assert again.state is RunState.QUEUED
 
 
 def _kept(text: str) -> str:

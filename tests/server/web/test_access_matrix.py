@@ -177,7 +177,7 @@ ROUTES: dict[tuple[str, str], Entry] = {
     ("GET", "/benchmarks/<name>"): Entry(everybody, path="/benchmarks/currents-v1"),
     ("GET", "/runs/<row:run_id>"): Entry(reads_run, path="/runs/{run}"),
     ("GET", "/runs/<row:run_id>/embed"): Entry(reads_run, path="/runs/{run}/embed"),
-    **_changing("/runs/", "<row:run_id>", 303, **ACTIONS, **DELETE_DATA, **RERUN),
+    **_changing("/runs/", "<row:run_id>", 303, **ACTIONS, **DELETE_DATA),
     ("GET", "/runs/"): Entry(lists),
     ("GET", "/runs/runs.csv"): Entry(lists),
     ("GET", "/leaderboards/"): Entry(everybody, 302),

@@ -1,0 +1,124 @@
+"""What the form of a new run shows at first: defaults, presets of the URL, or an earlier run."""
+
+from dataclasses import dataclass, field
+
+from flask import g, request
+
+from seamark.sandbox.languages import LANGUAGES, editor_starters
+from seamark.server.accounts.permissions import Action, can
+from seamark.server.programs import store
+from seamark.server.programs.store import StoredProgram
+from seamark.server.runs import views
+from seamark.server.runs.states import RunKind
+from seamark.server.runs.views import RunView
+from seamark.server.web.services import services
+from seamark.server.web.url_converters import row_id
+from seamark.sim.benchmarks.benchmark import Benchmark
+
+EDITED_MAX_BYTES = 256 * 1024  # a larger program is kept as a file, not shown in the editor
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Prefill:
+    """The initial contents of a form."""
+
+    values: dict[str, object]  # setting -> value; the others have their defaults
+    posted: dict[str, str] = field(default_factory=dict)  # the other fields of the form
+    program: StoredProgram | None = None  # kept, so that no file has to be chosen again
+    note: str = ""  # a sentence: where it is from, and what is missing
+
+
+def initial(benchmark: Benchmark) -> Prefill:
+    """Return what the URL asks for: `from=<run>`, or presets and a built-in controller."""
+    run = _requested_run(benchmark)
+    if run is not None:
+        return _from_run(benchmark, run)
+    controller = request.args.get("controller", "")
+    known = controller in benchmark.built_in
+    return Prefill(
+        values={
+            name: request.args[name]
+            for name, choices in benchmark.presets.items()
+            if request.args.get(name) in choices
+        },
+        posted={"controller": controller if known else next(iter(benchmark.built_in))},
+    )
+
+
+def visible_run(text: str) -> int | None:
+    """Return the id of a run in a form, if there is such a run and the viewer may see it."""
+    run = _run(text)
+    return None if run is None else run.id
+
+
+def _requested_run(benchmark: Benchmark) -> RunView | None:
+    run = _run(request.args.get("from", ""))
+    return run if run is not None and run.benchmark == benchmark.name else None
+
+
+def _run(text: str) -> RunView | None:
+    try:
+        run_id = row_id(text)
+    except ValueError:
+        return None
+    with services().database.reading() as session:
+        run = views.show(session, run_id)
+    return run if run is not None and can(g.viewer, Action.VIEW, run) else None
+
+
+def _from_run(benchmark: Benchmark, run: RunView) -> Prefill:
+    """Return the form of a run: the same program, configuration, kind and seed."""
+    ranked = run.kind is RunKind.RANKED and can(g.viewer, Action.SUBMIT_RANKED)
+    posted = {
+        "controller": run.controller,
+        "kind": RunKind.RANKED if ranked else RunKind.PRACTICE,
+        "seed": "" if run.seed is None else str(run.seed),
+        "trials": str(run.trials if run.kind is RunKind.PRACTICE else 1),
+        "title": run.title,
+        "from": str(run.id),
+    }
+    what = "configuration" if run.seed is None else "configuration and seed"
+    if run.program_sha256 is None:
+        if run.controller not in benchmark.built_in:  # a reference entry, such as the oracle
+            posted["controller"] = next(iter(benchmark.built_in))
+        return Prefill(
+            values=dict(run.config), posted=posted, note=f"With the {what} of run {run.id}."
+        )
+    program, why_not = _program(run)
+    if program is None:
+        posted["controller"] = next(iter(benchmark.built_in))
+        note = f"With the {what} of run {run.id}, but without its program: {why_not}."
+        return Prefill(values=dict(run.config), posted=posted, note=note)
+    return Prefill(
+        values=dict(run.config),
+        posted=posted | _in_editor(benchmark, program),
+        program=program,
+        note=f"With the program{', ' if run.seed is not None else ' and '}{what} of run {run.id}.",
+    )
+
+
+def _program(run: RunView) -> tuple[StoredProgram | None, str]:
+    """Return the program of a run, or why the viewer cannot run it again."""
+    if not can(g.viewer, Action.UPLOAD):
+        return None, "uploading one needs an account"
+    if not can(g.viewer, Action.VIEW_PROGRAM, run):
+        return None, "only its owner may read it"
+    sha256 = run.program_sha256 or ""
+    size = None if run.data_deleted_at else store.touch(services().settings.data, sha256)
+    if size is None:
+        return None, "it has been deleted"
+    return StoredProgram(sha256, run.program_name or "", run.language or "", size), ""
+
+
+def _in_editor(benchmark: Benchmark, program: StoredProgram) -> dict[str, str]:
+    """Return the fields of the editor with the source of a program; none if it is no text.
+
+    The editor is in front if the program was written there: its name says so.
+    """
+    starter = editor_starters(benchmark.role).get(program.language)
+    archive = not program.name.endswith(LANGUAGES[program.language].suffixes)
+    if starter is None or archive or program.size > EDITED_MAX_BYTES:
+        return {}
+    text = store.read(services().settings.data, program.sha256).decode("utf-8", "replace")
+    front = "editor" if program.name == starter.upload_name else "file"
+    return {"source": front, "language": program.language, "program_text": text}
