@@ -16,7 +16,7 @@ class Role(IntEnum):
     ANONYMOUS = 0
     GUEST = 1  # known by a cookie
     USER = 2
-    TEACHER = 3  # invites people to sign up
+    TEACHER = 3  # invites people to sign up, has classes and reads what pupils submit for them
     ORGANISER = 4  # takes published runs off the leaderboards
     ADMIN = 5
 
@@ -39,6 +39,10 @@ class Action(StrEnum):
     VIEW_ACCOUNT = "view_account"
     MANAGE_TOKENS = "manage_tokens"
     CHANGE_PASSWORD = "change_password"  # noqa: S105 - the name of an action
+    CLOSE_ACCOUNT = "close_account"
+    VIEW_CLASSES = "view_classes"
+    JOIN_CLASSES = "join_classes"
+    TEACH = "teach"
     INVITE = "invite"
     MODERATE = "moderate"  # withdraw the published runs of others
     ADMINISTER = "administer"
@@ -70,6 +74,10 @@ RULES: Mapping[Action, Rule] = {
     Action.VIEW_ACCOUNT: Rule(READ, Role.USER),
     Action.MANAGE_TOKENS: Rule(SUBMIT, Role.USER),
     Action.CHANGE_PASSWORD: Rule(SUBMIT, Role.USER, in_browser=True),
+    Action.CLOSE_ACCOUNT: Rule(SUBMIT, Role.USER, in_browser=True),
+    Action.VIEW_CLASSES: Rule(READ, Role.USER),
+    Action.JOIN_CLASSES: Rule(SUBMIT, Role.USER),
+    Action.TEACH: Rule(ADMIN, Role.TEACHER),
     Action.INVITE: Rule(ADMIN, Role.TEACHER),
     Action.MODERATE: Rule(ADMIN, Role.ORGANISER),
     Action.ADMINISTER: Rule(ADMIN, Role.ADMIN),
@@ -118,7 +126,7 @@ class Viewer:
 
 
 class Owned(Protocol):
-    """What `can` needs to know about a run; tables.Run and RunView provide it."""
+    """What `can` needs to know about a run; RunView provides it."""
 
     @property
     def user_id(self) -> int | None: ...  # noqa: D102 - the attribute of tables.Run
@@ -126,6 +134,8 @@ class Owned(Protocol):
     def guest(self) -> str | None: ...  # noqa: D102
     @property
     def public(self) -> bool: ...  # noqa: D102
+    @property
+    def teacher_id(self) -> int | None: ...  # noqa: D102 - of the class it was submitted for
 
 
 def can(viewer: Viewer, action: Action, run: Owned | None = None) -> bool:
@@ -156,7 +166,15 @@ def _may_on_run(viewer: Viewer, action: Action, run: Owned) -> bool:
         return run.public
     if action is Action.WITHDRAW and run.public and can(viewer, Action.MODERATE):
         return True
+    if action in _READS and run.teacher_id is not None and teaches(viewer, run.teacher_id):
+        return True
     return can(viewer, Action.ADMINISTER)
+
+
+def teaches(viewer: Viewer, teacher_id: int) -> bool:
+    """Return whether the viewer has the rights of this teacher: is it, or is an admin."""
+    own = viewer.user_id == teacher_id and can(viewer, Action.TEACH)
+    return own or can(viewer, Action.ADMINISTER)
 
 
 def owns(viewer: Viewer, run: Owned) -> bool:

@@ -13,6 +13,7 @@ from sqlalchemy import Connection, Engine
 from seamark import migrations
 from seamark.server.database import advisory_locks, data_folder
 from seamark.server.database.advisory_locks import AdvisoryLock
+from seamark.server.database.class_tables import Classroom
 from seamark.server.database.engine import Database
 from seamark.server.database.queue_tables import Turn
 from seamark.server.settings import Settings
@@ -20,6 +21,8 @@ from seamark.server.settings import Settings
 UPGRADE_S = 600.0  # a process waits this long for one that upgrades a large SQLite file
 
 _FOLDER = Path(migrations.__file__).parent
+# A table of each module of tables: its import declares the others of the module.
+_TABLES = (Turn, Classroom)
 
 
 class SchemaTooOld(Exception):
@@ -106,7 +109,7 @@ def run_environment(
     """Run migrations for Alembic's env.py; in batch mode, so that SQLite can alter its tables."""
     configure(
         connection=attributes["connection"],
-        target_metadata=Turn.metadata,  # of all tables, since its module imports the others
+        target_metadata=_TABLES[0].metadata,
         render_as_batch=True,
         compare_type=True,
     )

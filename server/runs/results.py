@@ -8,6 +8,7 @@ from typing import Any
 from sqlalchemy import and_, case, or_, select, update
 from sqlalchemy.orm import Session
 
+from seamark.server.classes import assignments
 from seamark.server.database.tables import Result, Run, User
 from seamark.server.runs import leaderboard, paces
 from seamark.server.runs.queue import Claim
@@ -80,6 +81,7 @@ def finish(session: Session, claim: Claim, report: Report) -> bool:
         )
     )
     session.flush()
+    assignments.score(session, claim.run_id, score)
     if report.state is RunState.SUCCEEDED:
         _record_pace(session, claim.run_id)
     leaderboard.recount(session, claim.run_id)

@@ -16,6 +16,8 @@ from seamark.sandbox.languages import role_refusal
 from seamark.sandbox.printable_text import visible_text
 from seamark.server import storage, workers
 from seamark.server.accounts.permissions import Action, Viewer, can
+from seamark.server.classes import assignments
+from seamark.server.classes.refusals import ClassRefused
 from seamark.server.database.advisory_locks import AdvisoryLock, acquire
 from seamark.server.database.tables import Run
 from seamark.server.programs import store
@@ -65,6 +67,7 @@ class Submission:
     title: str = ""
     notes: str = ""
     rerun_of: int | None = None
+    assignment: int | None = None  # of a class, for which the run is to count
     baseline: bool = False  # submitted by the service; may use the benchmark's reference solutions
 
 
@@ -141,6 +144,8 @@ def submit(session: Session, valid: ValidSubmission, settings: Settings) -> int:
         run.submission = submission_digest(run)
     session.add(run)
     session.flush()
+    if submission.assignment is not None:
+        _enter(session, submission.assignment, run)
     turns.refresh(session, run.owner)
     return run.id
 
@@ -196,6 +201,13 @@ def require_language(
     _check_language(benchmark, language)
     if refusal := workers.upload_refusal(session, language, settings):
         raise SubmissionRejected(refusal, field="program")
+
+
+def _enter(session: Session, assignment_id: int, run: Run) -> None:
+    try:
+        assignments.enter(session, assignment_id, run.user_id or 0, run.id)
+    except ClassRefused as refusal:
+        raise SubmissionRejected(str(refusal), field=refusal.field) from None
 
 
 def _check_language(benchmark: Benchmark, language: str) -> None:

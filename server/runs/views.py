@@ -9,6 +9,7 @@ from sqlalchemy.orm import Session, aliased, defer
 
 from seamark.sandbox.printable_text import printable_text
 from seamark.server.accounts.permissions import Action, Viewer, can
+from seamark.server.classes import classrooms
 from seamark.server.database.tables import Result, Run, User
 from seamark.server.runs import wait_estimate
 from seamark.server.runs.columns import PublicRun
@@ -33,6 +34,7 @@ class RunView(PublicRun):
     rankable: bool | None = None  # False: the rules of the benchmark keep it off the leaderboard
     digest: str | None = None
     manifest: dict[str, Any] | None = None
+    teacher_id: int | None = None  # of the class it was submitted for; not in lists
 
     @property
     def version(self) -> str:
@@ -67,11 +69,12 @@ def show(session: Session, run_id: int, settings: Settings | None = None) -> Run
     if rows is None:
         return None
     run, result, user = rows
+    teacher_id = classrooms.teacher_of(session, run_id)
     if settings is None or RunState(run.state).final:
-        return _view(run, result, user)
+        return _view(run, result, user, teacher_id=teacher_id)
     wait = wait_estimate.wait_of(session, run, settings)
     waiting = {"position": wait.position, "estimate_s": wait.estimate_s, "why_waiting": wait.why}
-    return _view(run, result, user, **waiting)
+    return _view(run, result, user, teacher_id=teacher_id, **waiting)
 
 
 def page(
@@ -141,9 +144,9 @@ def _select(run: type[Run] = Run) -> Select[Run, Result | None, User | None]:
     )
 
 
-def _view(run: Run, result: Result | None, user: User | None, /, **wait: object) -> RunView:
+def _view(run: Run, result: Result | None, user: User | None, /, **more: object) -> RunView:
     name, is_baseline = ("guest", False) if user is None else (user.name, user.is_baseline)
-    view = RunView.from_rows(result, run, user=name, is_baseline=is_baseline, **wait)
+    view = RunView.from_rows(result, run, user=name, is_baseline=is_baseline, **more)
     # Printable when it was stored by this version; not by an earlier one.
     detail = {name: _shown(value) for name, value in view.detail.items()}
     return view.model_copy(update={"detail": detail})

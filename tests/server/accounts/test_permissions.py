@@ -10,17 +10,21 @@ class Thing:
     user_id: int | None
     guest: str | None
     public: bool
+    teacher_id: int | None = None
 
 
 PRIVATE, PUBLIC = Thing(1, None, public=False), Thing(1, None, public=True)
+ASSIGNED = Thing(1, None, public=False, teacher_id=4)  # by TEACHER
 GUESTS = Thing(None, "g", public=False)
 OWNER, OTHER = Viewer(user_id=1), Viewer(user_id=2)
 ADMIN = Viewer(user_id=3, account_role=Role.ADMIN)
 TEACHER = Viewer(user_id=4, account_role=Role.TEACHER)
 ORGANISER = Viewer(user_id=5, account_role=Role.ORGANISER)
 GUEST, OTHER_GUEST, NOBODY = Viewer(guest="g"), Viewer(guest="h"), Viewer()
-READING = {"list", "view_account"}
-OF_USER = READING | {"submit", "upload", "submit_ranked", "manage_tokens"}
+READING = {"list", "view_account", "view_classes"}
+OF_USER = READING | {"submit", "upload", "submit_ranked", "manage_tokens", "join_classes"}
+IN_BROWSER = {"change_password", "close_account"}
+OF_TEACHER = {"invite", "teach"}
 LOOK = {Action.VIEW, Action.VIEW_PROGRAM, Action.VIEW_LOG}
 CHANGE = {Action.CANCEL, Action.PUBLISH, Action.WITHDRAW, Action.RERUN, Action.DELETE_DATA}
 ON_RUN = LOOK | CHANGE
@@ -48,6 +52,12 @@ ON_RUN = LOOK | CHANGE
         (Viewer(user_id=3, account_role=Role.ADMIN, scopes=frozenset({READ})), PRIVATE, set()),
         (TEACHER, PRIVATE, set()),
         (TEACHER, PUBLIC, LOOK | {Action.RERUN}),
+        (TEACHER, ASSIGNED, LOOK),
+        (replace(TEACHER, scopes=frozenset({READ, SUBMIT})), ASSIGNED, set()),
+        (replace(TEACHER, account_role=Role.USER), ASSIGNED, set()),
+        (replace(TEACHER, user_id=6), ASSIGNED, set()),
+        (OWNER, ASSIGNED, ON_RUN),
+        (ORGANISER, ASSIGNED, set()),
         (ORGANISER, PRIVATE, set()),
         (ORGANISER, GUESTS, set()),
         (ORGANISER, PUBLIC, LOOK | {Action.RERUN, Action.WITHDRAW}),
@@ -63,13 +73,13 @@ def test_a_viewer_may_do_to_a_run_exactly_what_the_table_allows(
 @pytest.mark.parametrize(
     ("viewer", "allowed"),
     [
-        (OWNER, OF_USER | {"change_password"}),
-        (TEACHER, OF_USER | {"change_password", "invite"}),
-        (ORGANISER, OF_USER | {"change_password", "invite", "moderate"}),
-        (ADMIN, OF_USER | {"change_password", "invite", "moderate", "administer"}),
+        (OWNER, OF_USER | IN_BROWSER),
+        (TEACHER, OF_USER | IN_BROWSER | OF_TEACHER),
+        (ORGANISER, OF_USER | IN_BROWSER | OF_TEACHER | {"moderate"}),
+        (ADMIN, OF_USER | IN_BROWSER | OF_TEACHER | {"moderate", "administer"}),
         (GUEST, {"list", "submit"}),
         (NOBODY, {"list"}),
-        (Viewer(user_id=1, scopes=frozenset({READ})), {"list", "view_account"}),
+        (Viewer(user_id=1, scopes=frozenset({READ})), READING),
         (Viewer(user_id=1, token_expires_at=1.0, scopes=frozenset({SUBMIT})), OF_USER - READING),
         (Viewer(user_id=1, token_expires_at=1.0), OF_USER),
         (Viewer(user_id=3, account_role=Role.ADMIN, scopes=frozenset({READ})), READING),

@@ -1,0 +1,1 @@
+"""Classes, their assignments and what the pupils made of them."""

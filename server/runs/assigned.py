@@ -1,0 +1,58 @@
+"""Runs for an assignment: what the assignment fixes, and what the pupil may choose."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+from sqlalchemy.orm import Session
+
+from seamark.server.classes import assignments
+from seamark.server.classes.assignments import AssignmentView
+from seamark.server.classes.refusals import ClassRefused
+from seamark.server.runs.states import RunKind
+from seamark.server.runs.submission import Submission, SubmissionRejected
+from seamark.sim import registry
+
+
+def for_assignment(session: Session, assignment_id: int, sent: Submission) -> Submission:
+    """Return a submission with the kind, the settings, the seed and the trials of an assignment.
+
+    The pupil chooses the program and the settings of a built-in solution.
+
+    Raises
+    ------
+    SubmissionRejected
+        The sender may not submit for it now, or sent something else than it asks for.
+    ConfigurationInvalid
+        The settings of the solution are wrong.
+    """
+    try:
+        found = assignments.open_for(session, assignment_id, sent.viewer.user_id)
+    except ClassRefused as refusal:
+        raise SubmissionRejected(str(refusal), field=refusal.field) from None
+    if sent.benchmark != found.benchmark:
+        raise SubmissionRejected(f"The assignment is about {found.benchmark}.", field="benchmark")
+    if found.is_ranked:
+        return replace(sent, assignment=found.id, kind=RunKind.RANKED, seed=None)
+    if found.seed is not None and sent.seed not in (None, found.seed):
+        raise SubmissionRejected(f"The assignment has the seed {found.seed}.", field="seed")
+    return replace(
+        sent,
+        assignment=found.id,
+        kind=RunKind.PRACTICE,
+        seed=sent.seed if found.seed is None else found.seed,
+        trials=found.trials,
+        config=_config(found, sent.config),
+    )
+
+
+def _config(found: AssignmentView, chosen: Mapping[str, object]) -> dict[str, object]:
+    """Return the settings of a run; raises SubmissionRejected if one is not the assignment's."""
+    declared = registry.benchmark(found.benchmark)
+    config = declared.read({**found.config, **chosen}).model_dump(mode="json")
+    for name, value in found.fixed().items():
+        if config[name] != value:
+            title = declared.configuration.model_fields[name].title or name
+            raise SubmissionRejected(
+                f"The assignment fixes this setting: {title} = {value}.", field=name
+            )
+    return config
