@@ -52,6 +52,11 @@ class User(Base):
     role: Mapped[str] = mapped_column(String(10), default="user", server_default="user")
     is_baseline: Mapped[bool] = mapped_column(default=False)
     created_at: Mapped[float]
+    # What the page of the user shows; empty: nothing.
+    public_name: Mapped[str] = mapped_column(String(80), default="", server_default="")
+    affiliation: Mapped[str] = mapped_column(String(120), default="", server_default="")
+    paper_url: Mapped[str] = mapped_column(String(300), default="", server_default="")
+    code_url: Mapped[str] = mapped_column(String(300), default="", server_default="")
 
     __table_args__ = (
         CheckConstraint("role IN ('user', 'teacher', 'organiser', 'admin')", name="role"),
@@ -259,10 +264,21 @@ class Best(Base):
     level_held: Mapped[float | None]
     submissions: Mapped[int] = mapped_column(default=1, server_default="1")  # ranked, that ended
     reached_at: Mapped[float]
+    # Copied from the run and its result: what rows are filtered and sorted by.
+    language: Mapped[str] = mapped_column(String(40), default="", server_default="")  # "": built in
+    vehicle: Mapped[str] = mapped_column(String(40), default="", server_default="")
+    tracker: Mapped[str] = mapped_column(String(40), default="", server_default="")
+    metrics: Mapped[dict[str, float] | None] = mapped_column(_Json)  # NULL: not computed yet
 
     __table_args__ = (
         CheckConstraint(_FINITE.format("score"), name="finite"),
         UniqueConstraint("run_id"),
+        Index(
+            "ix_best_without_metrics",
+            "run_id",
+            sqlite_where=text("metrics IS NULL"),
+            postgresql_where=text("metrics IS NULL"),
+        ),
         Index(
             "ix_best_rank",
             "benchmark",
@@ -278,6 +294,22 @@ class Best(Base):
             postgresql_where=text("is_baseline"),
         ),
     )
+
+
+class RankPoint(Base):
+    """The rank that a user had at a time: a point of its history (server/runs/rank_history.py)."""
+
+    __tablename__ = "rank_points"
+
+    id: Mapped[int] = mapped_column(_Id, primary_key=True)
+    user_id: Mapped[int] = mapped_column(ForeignKey("users.id", ondelete="CASCADE"))
+    benchmark: Mapped[str] = mapped_column(String(80))
+    at: Mapped[float]
+    rank: Mapped[int | None]  # NULL: no published ranked run since then
+    people: Mapped[int]  # on the leaderboard
+    score: Mapped[float | None]
+
+    __table_args__ = (Index("ix_rank_points_user_benchmark_id", "user_id", "benchmark", "id"),)
 
 
 class ScoreCount(Base):

@@ -5,6 +5,7 @@ A user has one row per benchmark: the best published ranked run.
 
 import math
 from collections import Counter
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Self
 
@@ -13,11 +14,13 @@ from sqlalchemy.orm import Session
 
 from seamark.server.database.advisory_locks import AdvisoryLock, acquire
 from seamark.server.database.tables import Best, Result, Run, User
-from seamark.server.runs import score_counts
+from seamark.server.runs import board_metrics, rank_history, score_counts
 from seamark.server.runs.quota import ranked_ended
 from seamark.server.runs.ranking import Estimate, Population
 from seamark.server.runs.states import RunKind, RunState
 from seamark.server.runs.trial_scores import error_of_score
+
+LABEL_MAX = 40  # [character] of a vehicle or tracker
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,6 +67,12 @@ class Rank:
     controller: str
     program_name: str | None
     title: str
+    notes: str  # of the run: how its author describes the method
+    affiliation: str  # of the user
+    language: str  # empty: a built-in solution
+    vehicle: str
+    tracker: str
+    metrics: Mapping[str, float]  # `Benchmark.board_metrics`
     score: float
     low: float
     high: float
@@ -84,8 +93,7 @@ def page(
     query = _rows(benchmark).order_by(*_ORDER).limit(limit)
     number = 0
     if after is not None:
-        # The first condition says less than the second, but databases find it in the index.
-        query = query.where(Best.score <= after.score, ~_not_below(after))
+        query = query.where(*_below(after))
         number = _people_down_to(session, benchmark, after)
     people = score_counts.population(session, benchmark)
     ranks: list[Rank] = []
@@ -93,6 +101,60 @@ def page(
         number += not best.is_baseline
         ranks.append(_rank(best, run, user, number, people))
     return ranks
+
+
+@dataclass(frozen=True, slots=True)
+class Key:
+    """What a row is filtered and sorted by; `number` is its rank, or that of the row above."""
+
+    number: int
+    user_id: int
+    is_baseline: bool
+    score: float
+    reached_at: float
+    language: str
+    vehicle: str
+    metrics: Mapping[str, float]
+
+    @property
+    def cursor(self) -> Cursor:
+        """Where to go on after this row."""
+        return Cursor(self.score, self.reached_at, self.user_id)
+
+
+def keys(
+    session: Session,
+    benchmark: str,
+    *,
+    after: Cursor | None = None,
+    limit: int,
+    only_baselines: bool = False,
+) -> list[Key]:
+    """Return the keys of the next rows, best first: a fraction of the work of whole rows."""
+    columns = (Best.user_id, Best.is_baseline, Best.score, Best.reached_at)
+    query = select(*columns, Best.language, Best.vehicle, Best.metrics)
+    query = query.where(Best.benchmark == benchmark).order_by(*_ORDER).limit(limit)
+    if only_baselines:
+        query = query.where(Best.is_baseline)
+    number = 0
+    if after is not None:
+        query = query.where(*_below(after))
+        number = _people_down_to(session, benchmark, after)
+    found: list[Key] = []
+    for row in session.execute(query):
+        number += not row.is_baseline
+        found.append(Key(number, *row[:-1], metrics=row.metrics or {}))
+    return found
+
+
+def rows_of(session: Session, benchmark: str, chosen: Sequence[Key]) -> list[Rank]:
+    """Return the whole rows of some keys, in their order."""
+    query = _rows(benchmark).where(Best.user_id.in_([key.user_id for key in chosen]))
+    found = {best.user_id: (best, run, user) for best, run, user in session.execute(query)}
+    people = score_counts.population(session, benchmark)
+    return [
+        _rank(*found[key.user_id], key.number, people) for key in chosen if key.user_id in found
+    ]
 
 
 def rank_of(session: Session, benchmark: str, user_id: int) -> Rank | None:
@@ -124,6 +186,7 @@ def refresh(session: Session, benchmark: str, user_id: int) -> None:
         _count_person(session, new, 1)
     session.flush()
     _count_submissions(session, *mine)
+    _record_rank(session, benchmark, user_id)
 
 
 def recount(session: Session, run_id: int) -> None:
@@ -135,6 +198,16 @@ def recount(session: Session, run_id: int) -> None:
     if run.kind == RunKind.RANKED and run.user_id is not None:
         acquire(session, AdvisoryLock.LEADERBOARD)
         _count_submissions(session, Best.benchmark == run.benchmark, Best.user_id == run.user_id)
+
+
+def complete_metrics(session: Session, limit: int = 200) -> int:
+    """Compute the metrics of some rows of an earlier version, and return their number."""
+    acquire(session, AdvisoryLock.LEADERBOARD)
+    missing = select(Best, Result.metrics).join(Result, Result.run_id == Best.run_id)
+    found = session.execute(missing.where(Best.metrics.is_(None)).limit(limit)).all()
+    for best, metrics in found:
+        best.metrics = board_metrics.values(best.benchmark, metrics)
+    return len(found)
 
 
 def rebuild(session: Session) -> int:
@@ -166,6 +239,17 @@ def _count_submissions(session: Session, *rows: ColumnElement[bool]) -> None:
         .where(Run.user_id == Best.user_id, Run.benchmark == Best.benchmark, ranked_ended())
     )
     session.execute(update(Best).where(*rows).values(submissions=ended.scalar_subquery()))
+
+
+def _record_rank(session: Session, benchmark: str, user_id: int) -> None:
+    """Add a point to the history of a user's rank."""
+    best = session.get(Best, (benchmark, user_id))
+    if best is None:
+        rank_history.record(session, user_id, benchmark, rank=None, score=None)
+    elif not best.is_baseline:
+        here = Cursor(best.score, best.reached_at, best.user_id)
+        number = _people_down_to(session, benchmark, here)
+        rank_history.record(session, user_id, benchmark, rank=number, score=best.score)
 
 
 def _count_person(session: Session, best: Best, by: int) -> None:
@@ -201,6 +285,10 @@ def _best(run: Run, result: Result, is_baseline: bool) -> Best:
         is_baseline=is_baseline,
         level_held=result.level_held,
         reached_at=run.finished_at,
+        language=run.language or "",
+        vehicle=str(run.config.get("vehicle", ""))[:LABEL_MAX],
+        tracker=str(run.config.get("tracker", ""))[:LABEL_MAX],
+        metrics=board_metrics.values(run.benchmark, result.metrics),
     )
 
 
@@ -211,6 +299,11 @@ def _rows(benchmark: str) -> Select[Best, Run, User]:
         .join(User, User.id == Best.user_id)
         .where(Best.benchmark == benchmark)
     )
+
+
+def _below(cursor: Cursor) -> tuple[ColumnElement[bool], ...]:
+    # The first condition says less than the second, but databases find it in the index.
+    return Best.score <= cursor.score, ~_not_below(cursor)
 
 
 def _not_below(cursor: Cursor) -> ColumnElement[bool]:
@@ -246,6 +339,12 @@ def _rank(best: Best, run: Run, user: User, number: int, people: Population) -> 
         controller=run.controller,
         program_name=run.program_name,
         title=run.title,
+        notes=run.notes,
+        affiliation=user.affiliation,
+        language=best.language,
+        vehicle=best.vehicle,
+        tracker=best.tracker,
+        metrics=best.metrics or {},
         score=best.score,
         low=best.score_low,
         high=best.score_high,

@@ -118,11 +118,16 @@ class Benchmark:
     headline: Metric
     score_bar_max: float  # right end of the score bars of the leaderboard
     level_held_unit: str  # of the highest level held
+    question: str = ""  # that its leaderboard answers, where the summary does not say it
     charts: tuple[Chart, ...]
     tables: tuple[Table, ...]
     key_metrics: tuple[Metric, ...]  # of the tables, for each trial and in short lists
     metric_groups: tuple[MetricGroup, ...]  # all metrics of a level, for the documentation
     overall: tuple[Metric, ...] = ()  # metrics over all levels
+    # by which the leaderboard can be sorted beside the score; of `overall` or of the levels
+    board_metrics: tuple[Metric, ...] = ()
+    # two of them: an error and what it costs, for the plot of entries that nobody beats in both
+    pareto: tuple[Metric, Metric] | None = None
     midpoint: Midpoint | None = None  # its metric is one of `overall`
     scale: tuple[float, float] | None = None  # scores of doing nothing and of the oracle
     baselines: Mapping[str, Baseline] = field(

@@ -19,6 +19,7 @@ from seamark.server.checks import queue
 from seamark.server.database.engine import Database
 from seamark.server.messaging import broker
 from seamark.server.programs import store
+from seamark.server.runs import leaderboard
 from seamark.server.runs import queue as run_queue
 from seamark.server.runs.retention import Sweep, trim
 from seamark.server.settings import Settings
@@ -30,6 +31,7 @@ POLL_S = 0.2  # [s] between two checks of what is due
 FORGET_EVERY_S = 3600.0
 SWEEP_EVERY_S = 30.0
 TRIM_EVERY_S = 60.0
+COMPLETE_EVERY_S = 60.0
 _log = structlog.get_logger()
 
 
@@ -98,6 +100,14 @@ def forget_programs(database: Database, settings: Settings) -> None:
         _log.info("programs_forgotten", count=count)
 
 
+def complete_leaderboards(database: Database) -> None:
+    """Compute the metrics of rows that an earlier version stored without them."""
+    with database.writing() as session:
+        count = leaderboard.complete_metrics(session)
+    if count:
+        _log.info("leaderboards_completed", rows=count)
+
+
 def main(parent: str) -> None:
     """Be the maintenance process of one worker."""
     stopping = follow_worker(int(parent))
@@ -113,6 +123,9 @@ def main(parent: str) -> None:
             "forget_programs", FORGET_EVERY_S, lambda: forget_programs(database, settings)
         ),
         PeriodicTask("sweep_data", SWEEP_EVERY_S, Sweep(database, settings).step),
+        PeriodicTask(
+            "complete_leaderboards", COMPLETE_EVERY_S, lambda: complete_leaderboards(database)
+        ),
         PeriodicTask("trim_data", TRIM_EVERY_S, lambda: trim(database, settings)),
     ]
     while not stopping.wait(POLL_S):

@@ -4,6 +4,8 @@ Five levels of 120 s each; at each the vehicle is reset and the tracker starts f
 corners.
 """
 
+from dataclasses import replace
+
 from seamark.sim.benchmarks.benchmark import Baseline
 from seamark.sim.benchmarks.station_keeping.definition import station_keeping_benchmark
 from seamark.sim.settings.station_keeping import StationKeepingSettings
@@ -13,7 +15,7 @@ class CurrentsConfiguration(StationKeepingSettings):
     """Settings of currents-v1. Seed, trials and controller are not part of it."""
 
 
-BENCHMARK = station_keeping_benchmark(
+_BENCHMARK = station_keeping_benchmark(
     name="currents-v1",
     title="Position controllers in changing currents",
     summary=(
@@ -26,4 +28,7 @@ BENCHMARK = station_keeping_benchmark(
         "pi": Baseline("PI, default settings", "pi"),
     },
     quick_settings={"levels": [0.1], "level_duration_s": 2.0, "settle_s": 1.0},
+)
+BENCHMARK = replace(
+    _BENCHMARK, question="Which position controller keeps station best while the current grows?"
 )

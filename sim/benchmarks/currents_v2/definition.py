@@ -22,6 +22,7 @@ MIDPOINT = Metric(
 )
 
 
+TOOL_RMSE = next(metric for metric in tool_point.METRICS if metric.name == "tool_rmse_m")
 # What the score counts beside the distance; not the RMSE, which the strongest currents decide.
 OVERALL = (
     tool_point.TRANSIENT,
@@ -58,6 +59,7 @@ _BENCHMARK = station_keeping_benchmark(
 )
 BENCHMARK = replace(
     _BENCHMARK,
+    question="Which position controller holds station in the strongest current?",
     headline=Metric("score", "Current held", "m/s", "higher"),
     score_bar_max=0.8,
     scale=(0.020, 0.652),  # python -m performance.headroom
@@ -71,6 +73,8 @@ BENCHMARK = replace(
         Table("Whole levels", METRICS, prefix=WHOLE),
     ),
     overall=(MIDPOINT, *OVERALL),
+    board_metrics=(MIDPOINT, TOOL_RMSE, *OVERALL),
+    pareto=(TOOL_RMSE, tool_point.POWER),
     midpoint=Midpoint(MIDPOINT, _point),
     key_metrics=(tool_point.QUALITY,),
     metric_groups=(tool_point.GROUP, *_BENCHMARK.metric_groups),

@@ -27,6 +27,7 @@ CHARTS = (
     Chart("Depth", "m", ("z",)),
     Chart("Attitude", "rad", ("roll", "pitch", "yaw")),
 )
+_BOARD = frozenset({"rmse_m", "p95_m", "heading_rmse_rad", "energy_n15_s", "lost_percent"})
 GROUPS = (
     "Experiment",
     "Position controller",
@@ -79,6 +80,8 @@ def station_keeping_benchmark(
             Table("Whole levels", (*METRICS, *metrics), prefix=WHOLE),
         ),
         key_metrics=KEY_METRICS[:1],
+        board_metrics=tuple(metric for metric in METRICS if metric.name in _BOARD),
+        pareto=(_named("rmse_m"), _named("energy_n15_s")),
         metric_groups=(GROUP, *((MetricGroup(title, metrics),) if metrics else ())),
         baselines=baselines,
         configuration=configuration,
@@ -88,6 +91,10 @@ def station_keeping_benchmark(
         },
         quick_settings=quick_settings,
     )
+
+
+def _named(name: str) -> Metric:
+    return next(metric for metric in METRICS if metric.name == name)
 
 
 def _labels(controllers: Mapping[str, str]) -> dict[str, str]:

@@ -50,6 +50,7 @@ BENCHMARK = Benchmark(
         "Track a box in the camera image while the optical depth of the water rises from 0 to 7, "
         "5 s per level, until the tracker fails."
     ),
+    question="Which tracker keeps its target longest while the water gets worse?",
     participants="trackers",
     role="tracker",
     built_in={"built-in": "Built-in tracker"},
@@ -95,6 +96,7 @@ BENCHMARK = Benchmark(
     key_metrics=METRICS[:1],
     metric_groups=(GROUP, LOSS_GROUP),
     overall=METRICS,
+    board_metrics=METRICS,
     baselines={
         f"{criterion}-{warp}": Baseline(
             f"Template tracker, {criterion.upper()}, {warp}",

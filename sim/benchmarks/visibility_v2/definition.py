@@ -112,6 +112,7 @@ BENCHMARK = Benchmark(
         "Track a target that nobody has seen before, in water of rising turbidity, in ever faster "
         "motion, and after single jumps."
     ),
+    question="Which tracker keeps its target in the most turbid water and the fastest motion?",
     participants="trackers",
     role="tracker",
     built_in={"built-in": "Built-in tracker"},
@@ -136,6 +137,7 @@ BENCHMARK = Benchmark(
     key_metrics=(P5,),
     metric_groups=(GROUP, LOSS_GROUP),
     overall=(MIDPOINT, MOTION_HELD, BASIN, *METRICS),
+    board_metrics=(MIDPOINT, MOTION_HELD, BASIN, *METRICS),
     curves=(
         _curve(TURBIDITY, SCORE, (P5, P1), followed_metrics),
         _curve(MOTION, MOTION_HELD, (P5, P1), followed_metrics),
