@@ -65,7 +65,8 @@ REMEDY = {
     "session Delegate=cpu memory pids in user@.service",
     "own uid": "run the worker as root, so that each box gets a uid of its own, or give it a "
     "delegated control group",
-    "compiled packages": "python -m compileall -q on the folders of numpy and scipy",
+    "compiled packages": "python -m compileall -q on the folders of numpy, scipy, cv2 and "
+    "onnxruntime",
 }
 
 UNEXPECTED = (  # if an attack succeeds that no setting of a host should permit

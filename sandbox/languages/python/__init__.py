@@ -1,4 +1,4 @@
-"""Python: the interpreter of this service, with its NumPy and SciPy."""
+"""Python: the interpreter of this service, with its NumPy, SciPy, OpenCV and ONNX Runtime."""
 
 from pathlib import Path
 

@@ -220,8 +220,9 @@ def test_checkout_and_packages_may_be_where_other_users_have_no_access(tmp_path,
     (home / "checkout" / "seamark").mkdir()
     (home / "checkout" / "seamark" / "__init__.py").touch()
     (home / "checkout" / "seamark" / "sandbox").symlink_to("../sandbox")
-    for name in PACKAGES:
-        for folder in (package_folder(name), package_folder(name).with_name(f"{name}.libs")):
+    for name, libraries in PACKAGES.items():
+        folders = (package_folder(name), package_folder(name).with_name(libraries or name))
+        for folder in dict.fromkeys(folders):
             copy = shutil.copytree if not _same_disk(folder, home) else _linked
             copy(folder, home / "packages" / folder.name)
 

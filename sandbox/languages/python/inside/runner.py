@@ -17,6 +17,7 @@ from typing import Any, NamedTuple, NoReturn
 
 from ...inside.connection import Connection, connected
 from ...inside.wire import COMMAND, HEADER, MAX_MESSAGE_BYTES, VERSION
+from . import quiet_import
 from .files import ArchiveUnusable, Files
 from .images import Images, as_detections, as_track, start_corners
 from .values import AnswerInvalid, Observation, as_command, set_layout
@@ -250,5 +251,6 @@ def main() -> None:
     sys.argv[:] = ["controller"]
     stdout: Any = sys.stdout
     stdout.reconfigure(line_buffering=True, errors="backslashreplace")
+    quiet_import.install()
     gc.freeze()  # what is imported so far stays: collections need not visit it
     Runner(connection).run()
