@@ -1,5 +1,7 @@
 """Leaderboards with filters, in other orders, and the history of ranks."""
 
+from typing import Any
+
 import pytest
 from sqlalchemy import select, update
 
@@ -45,7 +47,7 @@ def _mark(both: Backend, who: str, score: float) -> None:
     _entry(both, who, score)
 
 
-def _shown(both: Backend, limit: int = 50, **chosen: object) -> list[tuple[str, int | None]]:
+def _shown(both: Backend, limit: int = 50, **chosen: Any) -> list[tuple[str, int | None]]:
     """Return users and ranks of all pages."""
     found: list[Rank] = []
     after = None
@@ -89,7 +91,8 @@ def test_filters_keep_the_ranks_among_all_people(board: Backend) -> None:
 
 @pytest.mark.parametrize("limit", [1, 2])
 def test_the_pages_of_a_filter_are_all_rows_that_pass_it(board: Backend, limit: int) -> None:
-    for chosen in ({"vehicle": "other"}, {"baselines": "hide"}, {}):
+    filters: tuple[dict[str, Any], ...] = ({"vehicle": "other"}, {"baselines": "hide"}, {})
+    for chosen in filters:
         assert _shown(board, limit=limit, **chosen) == _shown(board, **chosen)
 
 
