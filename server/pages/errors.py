@@ -40,7 +40,7 @@ _MESSAGES = {
     404: (
         "Page not found",
         "This page does not exist, or it is private and belongs to someone else.",
-        "Check the address, or sign in.",
+        "",
     ),
     405: ("Method not allowed", "This address only accepts submitted forms.", ""),
     409: ("Conflict", "The state of the run has changed.", "Go back and reload the page."),
@@ -92,7 +92,7 @@ def _show_problem(problem: Problem) -> ResponseReturnValue:
         return problem.response()
     status = problem.type.status
     if status == 401 and request.method == "GET" and not authentication.by_token():
-        return redirect(url_for("account.sign_in", next=request.path))
+        return redirect(url_for("account.sign_in", next=_here()))
     if status == 404:  # the same for what is private and for what does not exist
         return _render(404, *_MESSAGES[404])
     return _render(status, problem.type.title, problem.detail, problem.type.remedy)
@@ -144,9 +144,17 @@ def _page(error: HTTPException) -> ResponseReturnValue:
     return _render(code, title, sentence, remedy)
 
 
+def _here() -> str:
+    """Return the address of this page on this site."""
+    return request.full_path if request.query_string else request.path
+
+
 def _render(code: int, title: str, sentence: str, remedy: str) -> tuple[str, int]:
     if "viewer" not in g:
         g.viewer = Viewer()
+    if code == 404:
+        signed_in = g.viewer.user_id is not None
+        remedy = "Check the address." if signed_in else "Check the address, or sign in."
     on_form = request.path.startswith("/submit")
     back = None if not on_form else url_for("submit.first") if code == 404 else request.path
     page = render_template(

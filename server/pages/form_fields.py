@@ -33,7 +33,7 @@ class Field:
     names: tuple[str, ...] = ()  # variables available in an expression
     applies: Mapping[str, Sequence[str]] = field(
         default_factory=dict
-    )  # see `setting_values.is_applicable`
+    )  # see `setting_values.in_effect`
     condition: str = ""  # `applies` in words
 
     @property

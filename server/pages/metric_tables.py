@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from seamark.server.pages import form_fields
-from seamark.server.runs.setting_values import SOLUTION, is_applicable, label_of, text_of
+from seamark.server.runs.setting_values import in_effect, label_of, text_of
 from seamark.server.web.template_filters import plain
 from seamark.sim.benchmarks import benchmark
 from seamark.sim.benchmarks.benchmark import Benchmark
@@ -81,15 +81,12 @@ def trials(metrics: Mapping[str, Any]) -> list[Mapping[str, Any]]:
 
 
 def settings(
-    schema: Mapping[str, Any], config: Mapping[str, Any], controller: str
+    benchmark: Benchmark, config: Mapping[str, Any], controller: str
 ) -> dict[str, list[SettingValue]]:
     """Return group -> settings of a run that have an effect with its solution."""
-    chosen = {**config, SOLUTION: controller}
-    preset = form_fields.preset_of(schema, config)
+    preset = form_fields.preset_of(benchmark.schema(), config)
     groups: dict[str, list[SettingValue]] = {}
-    for name, entry in schema["properties"].items():
-        if name not in config or not is_applicable(entry, chosen):
-            continue
+    for name, entry in in_effect(benchmark, config, controller).items():
         default = text_of(preset.get(name, entry.get("default")))
         changed = text_of(config[name]) != default
         label = label_of(entry, config[name])

@@ -15,13 +15,14 @@ from seamark.server.pages.ranked_parts import ranked_parts
 from seamark.server.runs import cancellation, results, retention
 from seamark.server.runs.comparison import Comparison, comparisons
 from seamark.server.runs.files import RunFiles
-from seamark.server.runs.states import RunKind
+from seamark.server.runs.states import RunKind, RunState
 from seamark.server.runs.views import RunView
 from seamark.server.web import access, security_headers
 from seamark.server.web.services import services
 from seamark.sim.settings.grid import axes
 
 LOG_SHOWN = 64 * 1024  # [character] of the log on the page; the download has all
+LAST_LINES = 40  # of the log, beside the cause of a failure
 _NOT_PUBLISHABLE = "Only a finished run that has its data can be published."
 page = Blueprint("run", __name__, url_prefix="/runs")
 
@@ -33,7 +34,7 @@ def show(run_id: int) -> ResponseReturnValue:
     benchmark = benchmarks.by_name(run.benchmark)
     config = benchmark.restore(run.config)
     files = RunFiles(services().settings.data, run_id)
-    may = {action.value for action in Action if can(g.viewer, action, run)}
+    may = {action for action in Action if can(g.viewer, action, run)}
     log = files.log_text()[-LOG_SHOWN:] if Action.VIEW_LOG in may else ""
     return render_template(
         "run/show.html",
@@ -41,6 +42,8 @@ def show(run_id: int) -> ResponseReturnValue:
         benchmark=benchmark,
         may=may,
         log=log,
+        has_log=Action.VIEW_LOG in may and bool(run.program_sha256 or log),
+        log_end=_last_lines(run, log),
         data_note=_data_note(run),
         has_rows=files.row_count() > 0,
         tables=metric_tables.tables(benchmark, run.config, run.metrics or {}),
@@ -54,7 +57,7 @@ def show(run_id: int) -> ResponseReturnValue:
         compared=_compared(run),
         protocol=benchmark.protocol if run.kind is RunKind.RANKED else None,
         curves=level_chart.curves(benchmark, config, run, files),
-        settings=metric_tables.settings(benchmark.schema(), run.config, run.controller),
+        settings=metric_tables.settings(benchmark, run.config, run.controller),
         page_data=player_data(run, files),
         preview=link_previews.of_run(run),
     )
@@ -114,6 +117,15 @@ def delete_data(run_id: int) -> ResponseReturnValue:
     current = services()
     deleted = retention.delete(current.database, current.settings.data, [run_id])
     return _back(run_id, bool(deleted), "The data of the run are deleted.", retention.WHY_NOT)
+
+
+def _last_lines(run: RunView, log: str) -> str:
+    """Return the end of the log of a failed run; of one without its data, what the row has kept."""
+    if run.state is not RunState.FAILED:
+        return ""
+    kept = run.detail.get("log_tail") or ""
+    text: str = log or (kept if isinstance(kept, str) else "\n".join(kept))
+    return "\n".join(text.rstrip().splitlines()[-LAST_LINES:])
 
 
 def _data_note(run: RunView) -> str:

@@ -3,18 +3,39 @@
 from collections.abc import Mapping
 from typing import Any
 
+from seamark.sim.benchmarks.benchmark import Benchmark
+from seamark.sim.settings.position_controllers import UPLOAD
+
 Schema = Mapping[str, Any]
 SOLUTION = "controller"  # the name under which conditions know the solution
+TRACKER = "tracker"  # the setting that chooses the built-in tracker; also a role of solutions
+
+
+def in_effect(
+    benchmark: Benchmark, config: Mapping[str, object], solution: str
+) -> dict[str, Schema]:
+    """Return name -> schema of the settings that have any effect in a run, in their order.
+
+    Parameters
+    ----------
+    solution
+        The name of a built-in controller or tracker, or UPLOAD.
+    """
+    chosen = {**config, SOLUTION: solution}
+    if benchmark.role == TRACKER and solution == UPLOAD:
+        chosen.pop(TRACKER, None)  # it replaces the built-in tracker, with all options of that one
+    properties: Mapping[str, Schema] = benchmark.schema()["properties"]
+    return {
+        name: entry
+        for name, entry in properties.items()
+        if name in chosen and is_applicable(entry, chosen)
+    }
 
 
 def is_applicable(entry: Schema, values: Mapping[str, object]) -> bool:
-    """Return whether a setting has any effect with these values of other settings.
-
-    `values` may have the name of the solution under SOLUTION.
-    """
-    return all(
-        str(values.get(other)) in allowed for other, allowed in entry.get("x-applies", {}).items()
-    )
+    """Return whether a setting has any effect with these values of other settings."""
+    conditions: Mapping[str, list[str]] = entry.get("x-applies", {})
+    return all(str(values.get(other)) in allowed for other, allowed in conditions.items())
 
 
 def text_of(value: object) -> str:

@@ -11,7 +11,7 @@ from seamark.server.runs.score_differences import (
     headline_of,
     score_difference,
 )
-from seamark.server.runs.setting_values import SOLUTION, is_applicable, label_of
+from seamark.server.runs.setting_values import in_effect, label_of
 from seamark.server.runs.solutions import solution
 from seamark.server.runs.views import RunView
 from seamark.server.settings import Settings
@@ -123,13 +123,10 @@ def _schema(run: RunView) -> Mapping[str, Any]:
 
 def _values(run: RunView) -> dict[str, str]:
     """Return name -> text of the settings that have an effect."""
-    config = registry.benchmark(run.benchmark).restore(run.config).model_dump()
-    chosen = {**config, SOLUTION: run.controller}
-    return {
-        name: label_of(entry, config[name])
-        for name, entry in _schema(run).items()
-        if is_applicable(entry, chosen)
-    }
+    benchmark = registry.benchmark(run.benchmark)
+    config = benchmark.restore(run.config).model_dump()
+    effective = in_effect(benchmark, config, run.controller)
+    return {name: label_of(entry, config[name]) for name, entry in effective.items()}
 
 
 # -- metrics ------------------------------------------------------------------------------------

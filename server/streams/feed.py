@@ -40,7 +40,7 @@ Result = TypeVar("Result")
 
 def state_values(view: RunView, *, viewers: int) -> dict[str, Any]:
     """Return the values of a state event."""
-    names = ("position", "progress", "t_simulated", "cause")
+    names = ("position", "estimate_s", "why_waiting", "progress", "t_simulated", "cause")
     values = {name: getattr(view, name) for name in names}
     return {"state": view.state.value} | values | {"viewers": viewers}
 

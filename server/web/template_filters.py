@@ -16,10 +16,18 @@ _STEPS = ((86_400, "day"), (3600, "hour"), (60, "minute"))
 
 def register(app: Flask) -> None:
     """Add the functions below, and `solution`, as filters."""
-    of_runs, of_scores = (solution, score_unit), (score, signed)
-    of_values = (number, plain, duration, size, words)
+    of_runs, of_scores = (solution, score_unit, changed_scenario), (score, signed)
+    of_values = (number, plain, duration, about, size, words)
     for function in (*of_runs, *of_scores, *of_values, utc, iso, ago):
         app.add_template_filter(function)
+
+
+def changed_scenario(run: RunView) -> bool:
+    """Return whether the score of a run measures another scenario than the leaderboard."""
+    if run.benchmark not in registry.BENCHMARKS:
+        return False
+    benchmark = registry.benchmark(run.benchmark)
+    return benchmark.changes_scenario(benchmark.restore(run.config))
 
 
 def score_unit(run: RunView) -> str:
@@ -97,14 +105,26 @@ def duration(seconds: float | None) -> str:
     """Return a duration in one or two units."""
     if seconds is None:
         return "–"
-    if seconds < 10:
+    if seconds < 9.95:
         return f"{seconds:.1f} s"
-    if seconds < 60:
+    if seconds < 59.5:
         return f"{seconds:.0f} s"
     minutes, rest = divmod(round(seconds), 60)
     if minutes < 60:
         return f"{minutes} min {rest} s" if rest else f"{minutes} min"
-    return f"{minutes // 60} h {minutes % 60} min"
+    hours, rest = divmod(minutes, 60)
+    return f"{hours} h {rest} min" if rest else f"{hours} h"
+
+
+def about(seconds: float) -> str:
+    """Return an estimated duration as precisely as an estimate deserves."""
+    if seconds < 55:
+        return f"{max(5, 5 * round(seconds / 5))} s"
+    minutes = max(1, round(seconds / 60))
+    if minutes < 60:
+        return f"{minutes} min"
+    hours, rest = divmod(5 * round(minutes / 5), 60)
+    return f"{hours} h {rest} min" if rest else f"{hours} h"
 
 
 def words(name: str) -> str:

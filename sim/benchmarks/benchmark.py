@@ -196,6 +196,18 @@ class Benchmark:
             raise ConfigurationInvalid(errors)
         return self.configuration.read(solution)
 
+    def changes_scenario(self, config: Configuration) -> bool:
+        """Return whether its scenario is another one than that of ranked runs."""
+        scenario = (
+            (name, field)
+            for name, field in self.configuration.model_fields.items()
+            if schema_extras(field)["x-role"] == "scenario"
+        )
+        return any(
+            getattr(config, name) != field.get_default(call_default_factory=True)
+            for name, field in scenario
+        )
+
     def charts_of(self, config: Configuration) -> tuple[Chart, ...]:
         """Return the charts of a run, without unused columns."""
         unused = config.unused_columns()

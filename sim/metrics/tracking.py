@@ -87,7 +87,7 @@ COMMON: tuple[LevelMetric[Images], ...] = (P5, P1, CORNER_PX)
 LOSSES: tuple[LevelMetric[Images], ...] = (
     LevelMetric(
         name="admitted_percent",
-        label="Lost and reported",
+        label="Reported loss",
         unit="%",
         better="lower",
         meaning="images in which the tracker reports that it lost the target",
@@ -96,7 +96,7 @@ LOSSES: tuple[LevelMetric[Images], ...] = (
     ),
     LevelMetric(
         name="not_admitted_percent",
-        label="Lost, not reported",
+        label="Unreported loss",
         unit="%",
         better="lower",
         meaning=f"images in which it reports the target and is more than {LOST_PX:g} px off",

@@ -21,7 +21,7 @@ from seamark.sim.recording.telemetry import Rows
 LOSSES: tuple[LevelMetric[Images], ...] = (
     LevelMetric(
         name="admitted_loss_percent",
-        label="Loss, admitted",
+        label="Reported loss",
         unit="%",
         better="lower",
         meaning=f"it reports a loss, and its last corners are more than {LOST_PX:g} px off",
@@ -41,7 +41,7 @@ LOSSES: tuple[LevelMetric[Images], ...] = (
     ),
     LevelMetric(
         name="unreported_loss_percent",
-        label="Loss, not reported",
+        label="Unreported loss",
         unit="%",
         better="lower",
         meaning=f"it reports corners that are more than {LOST_PX:g} px off",

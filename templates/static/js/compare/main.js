@@ -49,7 +49,7 @@ async function load() {
 
 function showMode() {
   const button = part("play");
-  button.setAttribute("aria-pressed", String(playhead.playing));
+  button.dataset.moving = String(playhead.playing);
   button.querySelector("[data-label]").textContent = playhead.playing ? "Pause" : "Play";
   part("speed").value = String(playhead.speed);
   before = null;

@@ -2,6 +2,7 @@
 // inserted as text only, never as markup.
 import { Player } from "../player/player.js";
 import { Curve } from "./curve.js";
+import { about, duration, Estimate } from "./estimate.js";
 import { listen, RowFeed } from "./live.js";
 
 const data = JSON.parse(document.getElementById("run-data").textContent);
@@ -10,15 +11,17 @@ const player = new Player(document.querySelector("[data-player]"), data);
 const feed = new RowFeed(player);
 const curves = [...document.querySelectorAll("[data-curve-plot]")].map((box) => new Curve(box));
 let refreshing = 0;
-let firstProgress = null; // first progress seen by this page, to estimate the remaining time
+let estimate = newEstimate();
 
-function queueSentence(position) {
-  return position ? `Position ${position} in the queue.` : "Waiting in the queue.";
+function newEstimate() {
+  return new Estimate(Number.parseFloat(part("progress")?.dataset.left));
 }
 
-function duration(seconds) {
-  if (seconds < 60) return `${seconds.toFixed(seconds < 10 ? 1 : 0)} s`;
-  return `${Math.floor(seconds / 60)} min ${Math.round(seconds % 60)} s`;
+// A state that was published knows only that the run waits; one that was read says also how long and why.
+function showQueue({ position, estimate_s: left, why_waiting: why }) {
+  if (!position) return;
+  const expected = typeof left === "number" ? `, expected to finish in about ${about(left)}` : "";
+  part("state-sentence").textContent = `Position ${position} in the queue${expected}. ${why ?? ""}`.trim();
 }
 
 function showState(state) {
@@ -28,7 +31,7 @@ function showState(state) {
     refresh(); // the server renders the new state: the reason of a failure, the actions
     return;
   }
-  if (badge && state.state === "queued") part("state-sentence").textContent = queueSentence(state.position);
+  if (badge && state.state === "queued") showQueue(state);
   if (typeof state.progress === "number") showProgress(state.progress, state.t_simulated);
 }
 
@@ -39,13 +42,8 @@ function showProgress(progress, simulated) {
   bar.value = progress;
   part("progress-text").textContent = `${Math.round(progress * 100)} %`;
   if (typeof simulated === "number") part("simulated").textContent = duration(simulated);
-  const now = performance.now() / 1000;
-  firstProgress ??= { at: now, progress };
-  const rate = (progress - firstProgress.progress) / Math.max(now - firstProgress.at, 1e-3);
-  if (now - firstProgress.at > 2 && rate > 0) {
-    const left = duration((1 - progress) / rate);
-    part("state-sentence").textContent = `Running, about ${left} left.`;
-  }
+  const left = estimate.update(progress, performance.now() / 1000);
+  if (left > 1) part("state-sentence").textContent = `Running, about ${about(left)} left.`;
 }
 
 function showTelemetryProgress(columns, row) {
@@ -63,6 +61,10 @@ function appendLog(text) {
   part("log-empty").hidden = true;
 }
 
+function showEndOfLog() {
+  for (const log of document.querySelectorAll(".log")) log.scrollTop = log.scrollHeight;
+}
+
 // Replaces the parts rendered by the server with those of a fresh copy of this page: all, or those
 // whose names begin alike.
 async function refresh(only = null) {
@@ -75,6 +77,8 @@ async function refresh(only = null) {
     if (next) old.replaceChildren(...next.childNodes);
   }
   document.title = fresh.title;
+  if (!only) estimate = newEstimate();
+  showEndOfLog();
   curves.forEach((curve) => curve.update());
 }
 
@@ -126,9 +130,11 @@ let logHasGap = false;
 async function loadLog() {
   const response = await fetch(`${data.api}/log`, { credentials: "same-origin" });
   if (!response.ok) return;
+  if (!part("log")) return; // it failed: the page shows the last lines beside the cause
   part("log").textContent = "";
   appendLog(await response.text());
 }
 
+showEndOfLog();
 await player.start();
 if (data.live) follow();
