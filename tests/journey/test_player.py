@@ -36,7 +36,7 @@ def finished(chromium: Browser, service: Service) -> Iterator[tuple[int, Any]]:
     run_id = answer.json()["id"]
     visitor.open(f"/runs/{run_id}")
     visitor.wait_for("succeeded")
-    visitor.page.get_by_role("button", name="Publish").click()
+    visitor.press_and_confirm("Publish")
     expect(visitor.page.get_by_text("The run is now public")).to_be_visible()
     yield run_id, context.storage_state()
     context.close()
@@ -170,7 +170,7 @@ def test_a_live_run_is_followed_then_watched_behind_its_newest_data_with_the_sam
     expect(live).to_have_attribute("aria-pressed", "true")
     while _time(page) <= t + 5:
         page.wait_for_timeout(100)
-    page.get_by_role("button", name="Cancel").click()
+    visitor.press_and_confirm("Cancel")
     visitor.wait_for("cancelled")
 
     page.locator("[data-time]").fill(str(t))

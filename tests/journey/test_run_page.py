@@ -52,7 +52,7 @@ def test_telemetry_can_be_downloaded_while_the_run_is_running(visitor: Visitor) 
     with page.expect_download() as download:
         page.get_by_role("link", name="telemetry.csv").click()
     visitor.wait_for("running")
-    page.get_by_role("button", name="Cancel").click()
+    visitor.press_and_confirm("Cancel")
     visitor.wait_for("cancelled")
 
     lines = download.value.path().read_text().splitlines()

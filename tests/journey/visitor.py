@@ -36,7 +36,6 @@ class Visitor:
         page.add_init_script(_COLLECT)
         page.on("pageerror", lambda error: self.errors.append(f"{page.url}: {error}"))
         page.on("console", self._on_console)
-        page.on("dialog", lambda dialog: dialog.accept())
 
     def _on_console(self, message: object) -> None:
         if getattr(message, "type", "") == "error":
@@ -61,6 +60,11 @@ class Visitor:
         self.page.get_by_label("Password").fill(PASSWORD)
         self.page.get_by_role("button", name="Create account").click()
         expect(self.page.get_by_role("link", name=name, exact=True)).to_be_visible()
+
+    def press_and_confirm(self, name: str) -> None:
+        """Press a button that asks first, and the one of the same name in the dialog."""
+        self.page.get_by_role("button", name=name).click()
+        self.page.get_by_role("dialog").get_by_role("button", name=name).click()
 
     def wait_for(self, state: str) -> None:
         badge = self.page.locator("[data-state-badge] .badge")

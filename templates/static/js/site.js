@@ -1,4 +1,5 @@
-// Behaviour of all pages: dark mode, copying links, confirmation dialogs.
+// Behaviour of all pages: dark mode, copying links, questions before changes.
+import { ask } from "./dialog.js";
 
 const root = document.documentElement;
 
@@ -42,9 +43,17 @@ document.addEventListener("click", (event) => {
   if ("copy" in button.dataset) copy(button);
 });
 
-document.addEventListener("submit", (event) => {
-  const question = event.submitter?.dataset.confirm;
-  if (question && !confirm(question)) event.preventDefault();
+// A button with data-confirm sends its form only after the question has been answered with yes.
+document.addEventListener("submit", async (event) => {
+  const { submitter, target: form } = event;
+  const question = submitter?.dataset.confirm;
+  if (!question || submitter.dataset.confirmed === question) return;
+  event.preventDefault();
+  const yes = submitter.textContent.trim();
+  if (!(await ask(question, { yes, danger: submitter.classList.contains("danger") }))) return;
+  submitter.dataset.confirmed = question;
+  form.requestSubmit(submitter);
+  delete submitter.dataset.confirmed;
 });
 
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {

@@ -1,4 +1,5 @@
 // A text area with line numbers, indentation by Tab and automatic indentation of new lines.
+import { ask } from "../dialog.js";
 
 const INDENT = "    ";
 
@@ -82,9 +83,9 @@ export function startEditor(form) {
   });
   const template = form.querySelector("[data-template]");
   template.hidden = false;
-  template.addEventListener("click", () => {
+  template.addEventListener("click", async () => {
     const text = templates.get(language.value);
-    if (area.value.trim() && area.value !== text && !confirm("Replace the contents of the editor?")) return;
+    if (area.value.trim() && area.value !== text && !(await ask("Replace the contents of the editor?", { yes: "Replace" }))) return;
     insertTemplate();
     area.focus();
   });
