@@ -17,6 +17,8 @@ from seamark.server.pages import (
     status,
     submit,
 )
+from seamark.server.pages.code_blocks import code_block
+from seamark.server.pages.docs_articles import article
 from seamark.server.web import template_filters, url_converters
 
 PAGES = (
@@ -41,4 +43,6 @@ def register(app: Flask) -> None:
     for page in PAGES:
         app.register_blueprint(page)
     template_filters.register(app)
+    app.add_template_filter(article)
+    app.add_template_filter(code_block, "code")
     errors.register(app)

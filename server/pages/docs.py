@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import asdict, dataclass
 from dataclasses import fields as fields_of
+from functools import lru_cache
 from typing import Any
 
 from flask import (
@@ -18,22 +19,22 @@ from flask.typing import ResponseReturnValue
 
 from seamark.sandbox.languages import (
     DEFAULT_LANGUAGE,
-    LANGUAGES,
     c_family,
     editor_starters,
     starters,
 )
 from seamark.sandbox.languages.language import CONTROLLER, TRACKER
 from seamark.sandbox.limits import COMPILING, MEANING, Limits
-from seamark.server.pages import benchmarks, guides
+from seamark.server.pages import benchmarks, docs_navigation, docs_search, guides
+from seamark.server.pages.docs_articles import sections_of
+from seamark.server.pages.docs_navigation import Entry
+from seamark.server.pages.docs_search import SearchIndex
 from seamark.server.runs import trial_limits
 from seamark.server.runs.failure_reasons import DESCRIPTIONS
 from seamark.server.web.services import services
 from seamark.sim import registry, vehicles
-from seamark.sim.benchmarks import metrics_documentation
 from seamark.sim.control import observation
 from seamark.sim.metrics import station_keeping, tracking
-from seamark.sim.metrics.score_expression import FUNCTIONS
 from seamark.sim.physics import constants
 from seamark.sim.recording import telemetry
 from seamark.sim.vehicles.urdf import urdf_of
@@ -101,19 +102,15 @@ def _tracker() -> dict[str, Any]:
     }
 
 
-def _native() -> dict[str, Any]:
+def _languages() -> dict[str, Any]:
+    examples = {name: starter.text() for name, starter in starters().items()}
     return {
+        "guide": guides.html("languages.md"),
+        "examples": examples,
         "header": c_family.HEADER.read_text("utf-8"),
-        "c": editor_starters(CONTROLLER)[c_family.C.name].text(),
-        "cpp": editor_starters(CONTROLLER)[c_family.CPP.name].text(),
         "compiling": COMPILING,
         "limits": Limits(),
     }
-
-
-def _languages() -> dict[str, Any]:
-    examples = {name: starter.text() for name, starter in starters().items()}
-    return {"examples": examples, "languages": LANGUAGES.values()}
 
 
 def _runs() -> dict[str, Any]:
@@ -131,22 +128,13 @@ def _physics() -> dict[str, Any]:
 
 def _metrics() -> dict[str, Any]:
     return {
-        "metrics": (*station_keeping.HEAD, *station_keeping.METRICS),
+        "guide": guides.html("measures.md"),
         "held_m": station_keeping.HELD_P95_M,
         "score_m": station_keeping.SCORE_LENGTH_M,
-        "of_trackers": tracking.METRICS,
         "far_px": tracking.FAR_PX,
         "near_px": tracking.NEAR_PX,
         "failed_percent": tracking.FAILED_PERCENT,
         "tracker_held_percent": tracking.HELD_PERCENT,
-    }
-
-
-def _measures() -> dict[str, Any]:
-    return {
-        "groups": metrics_documentation.metric_groups(),
-        "original": metrics_documentation.ORIGINAL,
-        "functions": FUNCTIONS,
     }
 
 
@@ -156,17 +144,17 @@ def _telemetry() -> dict[str, Any]:
 
 # name -> title, values for its template
 PAGES: Mapping[str, tuple[str, Callable[[], dict[str, Any]]]] = {
-    "start": ("Getting started", _start),
+    "start": ("Your first controller in five minutes", _start),
     "controller": ("Write a controller", _controller),
     "tracker": ("Write a tracker", _tracker),
-    "native": ("C and C++", _native),
-    "languages": ("MATLAB, FMU and other languages", _languages),
+    "languages": ("Languages", _languages),
     "runs": ("Runs and failures", _runs),
-    "metrics": ("Metrics and score", _metrics),
-    "measures": ("All metrics and formulas", _measures),
+    "metrics": ("Metrics and scores", _metrics),
     "telemetry": ("Telemetry", _telemetry),
     "physics": ("Physics and parameters", _physics),
 }
+# Addresses of earlier versions -> page and section that has their subject now
+MOVED = {"native": ("languages", "c-and-c"), "measures": ("metrics", "")}
 
 
 @page.get("/")
@@ -178,18 +166,21 @@ def index() -> ResponseReturnValue:
 @page.get("/<name>")
 def show(name: str) -> ResponseReturnValue:
     """Show one page of the documentation."""
+    if name in MOVED:
+        target, anchor = MOVED[name]
+        return redirect(url_for("docs.show", name=target, _anchor=anchor or None), code=301)
     if name not in PAGES:
         abort(404)
-    title, values = PAGES[name]
-    return _rendered(f"docs/{name}.html", title=title, here=name, **values())
+    return _page(name)
 
 
 @page.get("/guides/<path:name>")
 def guide(name: str) -> ResponseReturnValue:
     """Show a page of docs/, or a figure or text file that a page links to."""
+    if name in docs_navigation.MERGED:
+        return redirect(url_for("docs.show", name=docs_navigation.MERGED[name]), code=301)
     if name in guides.titles():
-        title, html = guides.titles()[name], guides.html(name)
-        return _rendered("docs/guide.html", title=title, here=name, html=html)
+        return _guide(name)
     if name not in guides.attachments():
         abort(404)
     data, media_type = guides.attachment(name)
@@ -199,10 +190,51 @@ def guide(name: str) -> ResponseReturnValue:
     return response.make_conditional(request)
 
 
+@page.get("/search")
+def search() -> ResponseReturnValue:
+    """Show the sections of all pages that have the words of the query."""
+    query = request.args.get("q", "").strip()[: docs_search.QUERY_MAX]
+    found = _index().find(query)
+    return _rendered("docs/search.html", title="Search", here="", query=query, found=found)
+
+
+@lru_cache(maxsize=1)
+def _index() -> SearchIndex:
+    """Return the search index, which the first search of a process makes."""
+    return SearchIndex(
+        (_address(entry), entry.title, sections_of(_article(entry)))
+        for entry in docs_navigation.entries(_titles())
+    )
+
+
+def _address(entry: Entry) -> str:
+    endpoint = "docs.guide" if entry.is_guide else "docs.show"
+    return url_for(endpoint, name=entry.name)
+
+
+def _article(entry: Entry) -> str:
+    shown = _guide(entry.name) if entry.is_guide else _page(entry.name)
+    return shown.partition("</h1>")[2].partition("</article>")[0]
+
+
+def _page(name: str) -> str:
+    title, values = PAGES[name]
+    return _rendered(f"docs/{name}.html", title=title, here=name, **values())
+
+
+def _guide(name: str) -> str:
+    title, html = guides.titles()[name], guides.html(name)
+    return _rendered("docs/guide.html", title=title, here=name, html=html)
+
+
+def _titles() -> dict[str, str]:
+    return {name: title for name, (title, _) in PAGES.items()}
+
+
 def _rendered(template: str, **values: Any) -> str:
     """Return a page with the navigation list of all pages."""
-    titles = {key: entry[0] for key, entry in PAGES.items()}
-    return render_template(template, titles=titles, guides=guides.titles(), **values)
+    groups = docs_navigation.groups(_titles())
+    return render_template(template, groups=groups, address=_address, **values)
 
 
 @page.get("/physics/<name>.urdf")

@@ -12,6 +12,9 @@ from markdown_it.common.utils import escapeHtml
 from markdown_it.renderer import RendererHTML
 from markdown_it.token import Token
 
+from seamark.server.pages.code_blocks import code_block
+from seamark.server.pages.docs_articles import anchor_of
+
 FOLDER = Path(__file__).resolve().parents[2] / "docs"
 # Suffix -> content type of files that a page may show or link to.
 ATTACHED = {".png": "image/png", ".txt": "text/plain; charset=utf-8"}
@@ -19,6 +22,7 @@ ADDRESS = "/docs/guides/"  # of the pages and of what they link to
 _TITLE = re.compile(r"\A# (.+)\n")
 _COMMENT = re.compile(r"<!--.*?-->\n?", re.DOTALL)  # marks between which a command writes
 _LINK = re.compile(r'(href|src)="([^"]+)"')
+_RELATIVE = re.compile(r'(href|src)="([^"#][^"]*)"')
 _SECTION_HEADING = re.compile(r'<h2 id="([^"]+)">([^<]+)</h2>')
 
 
@@ -42,11 +46,11 @@ def attachment(name: str) -> tuple[bytes, str]:
 
 @lru_cache(maxsize=32)
 def html(name: str) -> str:
-    """Return a page in `titles` as HTML, without its title.
+    """Return a page in `titles` as HTML, without its title; its links work from any address.
 
     Raw HTML in a page is shown as text, comments are left out.
     """
-    return str(_markdown().render(_TITLE.sub("", _text(name), count=1)))
+    return _linked(name, str(_markdown().render(_TITLE.sub("", _text(name), count=1))))
 
 
 @lru_cache(maxsize=32)
@@ -62,6 +66,11 @@ def section(name: str, title: str) -> tuple[str, Mapping[str, str]]:
     page = ADDRESS + name
     linked = _LINK.sub(lambda found: f'{found[1]}="{urljoin(page, found[2])}"', shown)
     return linked, dict(_SECTION_HEADING.findall(shown))
+
+
+def _linked(name: str, shown: str) -> str:
+    """Make the links to other pages absolute, and leave those within the page."""
+    return _RELATIVE.sub(lambda found: f'{found[1]}="{urljoin(ADDRESS + name, found[2])}"', shown)
 
 
 def _text(name: str) -> str:
@@ -99,15 +108,15 @@ def _cell(renderer: RendererHTML, tokens: Sequence[Token], index: int, *rest: An
 
 
 def _code(renderer: RendererHTML, tokens: Sequence[Token], index: int, *rest: Any) -> str:
-    """Make wide code scroll, also by keyboard."""
-    return renderer.fence(tokens, index, *rest).replace("<pre>", '<pre tabindex="0">', 1)
+    """Show code with colours and a button to copy it; wide code scrolls, also by keyboard."""
+    return code_block(tokens[index].content, tokens[index].info.strip())
 
 
 def _heading(
     renderer: RendererHTML, tokens: Sequence[Token], index: int, options: Any, env: Any
 ) -> str:
     """Give a heading the anchor that common Markdown viewers generate, numbered if repeated."""
-    words = re.sub(r"[^\w\- ]", "", tokens[index + 1].content.lower()).replace(" ", "-")
+    words = anchor_of(tokens[index + 1].content)
     times = env[words] = env.get(words, -1) + 1
     tokens[index].attrSet("id", f"{words}-{times}" if times else words)
     return renderer.renderToken(tokens, index, options, env)

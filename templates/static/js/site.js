@@ -1,4 +1,4 @@
-// Behaviour of all pages: dark mode, copying links, questions before changes.
+// Behaviour of all pages: dark mode, copying links and code, questions before changes.
 import { ask } from "./dialog.js";
 
 const root = document.documentElement;
@@ -28,6 +28,15 @@ async function copy(button) {
   }
 }
 
+async function copyCode(button) {
+  try {
+    await navigator.clipboard.writeText(button.parentElement.querySelector("pre").textContent);
+    announce(button, "Copied");
+  } catch {
+    announce(button, "Copy failed");
+  }
+}
+
 function announce(button, text) {
   const label = button.querySelector("[data-label]") ?? button;
   const before = label.textContent;
@@ -41,6 +50,7 @@ document.addEventListener("click", (event) => {
   if (!button) return;
   if ("themeSwitch" in button.dataset) switchTheme();
   if ("copy" in button.dataset) copy(button);
+  if ("copyCode" in button.dataset) copyCode(button);
 });
 
 // A button with data-confirm sends its form only after the question has been answered with yes.

@@ -196,6 +196,7 @@ ROUTES: dict[tuple[str, str], Entry] = {
     ("GET", "/invitations"): Entry(invites),
     ("POST", "/invitations"): Entry(invites, options={"data": {"count": "2"}}),
     ("GET", "/docs/"): Entry(everybody, 302),
+    ("GET", "/docs/search"): Entry(everybody),
     ("GET", "/docs/<name>"): Entry(everybody, path="/docs/start"),
     ("GET", "/docs/guides/<path:name>"): Entry(everybody, path="/docs/guides/benchmarks.md"),
     ("GET", "/docs/physics/<name>.urdf"): Entry(everybody, path="/docs/physics/girona500.urdf"),

@@ -1,0 +1,100 @@
+"""The text of a documentation page: anchors, its list of sections, its parts for the search."""
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from html import unescape
+from html.parser import HTMLParser
+
+from markupsafe import escape
+
+CONTENTS_FROM = 4  # sections: a shorter page needs no list of them
+_HEADING = re.compile(r"<h([23])(?: id=\"([^\"]*)\")?>(.*?)</h\1>", re.DOTALL)
+_TAG = re.compile(r"<[^>]+>")
+
+
+@dataclass(frozen=True, slots=True)
+class Section:
+    """A part of a page below one heading, as text."""
+
+    anchor: str  # empty: before the first heading
+    heading: str
+    text: str
+
+
+def anchor_of(heading: str) -> str:
+    """Return the anchor that common Markdown viewers give a heading."""
+    return re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-")
+
+
+def article(html: str) -> str:
+    """Return a page with an anchor on each heading, after a list of its sections if it is long."""
+    sections: dict[str, str] = {}
+
+    def anchored(found: re.Match[str]) -> str:
+        level, anchor, inside = found.groups()
+        words = _TAG.sub("", inside)
+        anchor = anchor or anchor_of(unescape(words))
+        if level == "2":
+            sections[anchor] = words
+        return f'<h{level} id="{anchor}">{inside}</h{level}>'
+
+    shown = _HEADING.sub(anchored, html)
+    return _contents(sections) + shown
+
+
+def sections_of(html: str) -> Iterator[Section]:
+    """Return the parts of a page that `article` has made, without its list of sections."""
+    reader = _Reader()
+    reader.feed(html.partition("</details><!--contents-->")[2] or html)
+    reader.close()
+    for part in reader.parts:
+        heading, text = (" ".join("".join(words).split()) for words in (part.heading, part.text))
+        if text or heading:
+            yield Section(part.anchor, heading, text)
+
+
+def _contents(sections: dict[str, str]) -> str:
+    if len(sections) < CONTENTS_FROM:
+        return ""
+    entries = "".join(
+        f'<li><a href="#{escape(anchor)}">{words}</a></li>' for anchor, words in sections.items()
+    )
+    return (
+        '<details class="page-contents"><summary>On this page</summary>'
+        f"<ul>{entries}</ul></details><!--contents-->"
+    )
+
+
+@dataclass
+class _Part:
+    anchor: str = ""
+    heading: list[str] = field(default_factory=list)
+    text: list[str] = field(default_factory=list)
+
+
+class _Reader(HTMLParser):
+    """Collects anchor, heading and text of each part; blocks are words apart."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.parts = [_Part()]
+        self._in_heading = False
+        self._in_button = False
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        if tag in {"h2", "h3"}:
+            self.parts.append(_Part(dict(attrs).get("id") or ""))
+            self._in_heading = True
+        self._in_button = tag == "button" or (self._in_button and tag == "span")
+
+    def handle_endtag(self, tag: str) -> None:
+        self._in_heading = self._in_heading and tag not in {"h2", "h3"}
+        self._in_button = self._in_button and tag != "button"
+        if tag not in {"code", "span", "a", "em", "strong", "sub", "sup"}:
+            self.parts[-1].text.append(" ")
+
+    def handle_data(self, data: str) -> None:
+        if not self._in_button:
+            part = self.parts[-1]
+            (part.heading if self._in_heading else part.text).append(data)

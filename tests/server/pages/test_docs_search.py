@@ -1,0 +1,82 @@
+"""Finding a section of the documentation by its words, and code that can be copied."""
+
+import re
+from html import unescape
+
+import pytest
+
+from seamark.server.pages.code_blocks import code_block
+from seamark.server.pages.docs_articles import article, sections_of
+from seamark.server.pages.docs_search import FOUND_MAX, SearchIndex
+from tests.server.pages.conftest import Site
+
+FOUND = re.compile(r'<ol class="docs-found">(.*?)</ol>', re.DOTALL)
+TAGS = re.compile(r"<[^>]+>")
+
+
+@pytest.mark.parametrize(
+    ("query", "address"),
+    [
+        ("workers alternate", "/docs/runs#the-queue"),
+        ("embedded coder", "/docs/languages#embedded-coder"),
+        ("confidence interval rank", "/docs/guides/ranking.md"),
+        ("tele", "/docs/telemetry"),
+    ],
+)
+def test_a_search_finds_the_section_of_its_words(site: Site, query: str, address: str) -> None:
+    page = site.browser().get("/docs/search", query_string={"q": query})
+
+    assert page.status_code == 200
+    found = FOUND.search(page.text)
+    assert found is not None
+    assert f'href="{address}' in found.group(1)
+
+
+@pytest.mark.parametrize("query", ["", " ", '"', "NEAR(", "a OR b*", "<b>", "x" * 5000])
+def test_any_text_is_a_query(site: Site, query: str) -> None:
+    page = site.browser().get("/docs/search", query_string={"q": query})
+
+    assert page.status_code == 200
+    assert "<b>" not in page.text
+
+
+def test_all_words_must_be_there_and_words_may_be_incomplete() -> None:
+    html = article("<p>Alpha current</p><h2>The <em>end</em></h2><p>beta &lt;i&gt; currents</p>")
+    index = SearchIndex([("/page", "Page", sections_of(html))])
+
+    assert [one.address for one in index.find("alpha")] == ["/page"]
+    assert [one.address for one in index.find("curr beta")] == ["/page#the-end"]
+    assert index.find("alpha beta") == []
+    (found,) = index.find("beta")
+    assert found.excerpt == "<mark>beta</mark> &lt;i&gt; currents"
+
+
+def test_a_search_shows_no_more_than_its_limit() -> None:
+    html = article("".join(f"<h2>Part {number}</h2><p>word</p>" for number in range(50)))
+
+    assert len(SearchIndex([("/page", "Page", sections_of(html))]).find("word")) == FOUND_MAX
+
+
+def test_code_is_coloured_without_a_change_of_its_text() -> None:
+    text = "def f(x):\n    return x < 1 and '<b>'  # &amp;\n"
+
+    shown = code_block(text, "python")
+
+    assert 'class="k"' in shown
+    assert "style=" not in shown
+    code = shown.partition("<code>")[2].partition("</code>")[0]
+    assert unescape(TAGS.sub("", code)) == text.rstrip("\n")
+
+
+@pytest.mark.parametrize(
+    "name", ["native", "measures", "guides/languages.md", "guides/measures.md"]
+)
+def test_an_address_of_an_earlier_version_leads_to_the_page_of_its_subject(
+    site: Site, name: str
+) -> None:
+    browser = site.browser()
+
+    moved = browser.get(f"/docs/{name}")
+
+    assert moved.status_code == 301
+    assert browser.get(moved.location).status_code == 200
