@@ -18,13 +18,12 @@ from seamark.server.checks import queue, report
 from seamark.server.checks.queue import CheckState, CheckView
 from seamark.server.programs import store
 from seamark.server.programs.preparation import PreparedProgram
-from seamark.server.runs import submission
+from seamark.server.runs import configurations, submission
 from seamark.server.runs.submission import SubmissionRejected
 from seamark.server.web import access, rate_limits
 from seamark.server.web.problems import Problem
 from seamark.server.web.services import services
 from seamark.sim.benchmarks.benchmark import Benchmark
-from seamark.sim.settings.configuration import Configuration
 
 POLL_S = (0.05, 0.05, 0.1, 0.1)  # [s] first intervals between polls of the table
 POLL_MAX_S = 0.2  # all further intervals
@@ -48,7 +47,8 @@ def create(query: CheckQuery) -> Response:
 
     The request body is that of `POST /runs`. The report with its `problems` has status 200; status
     202 means that it is not ready yet: poll `Location`. Checks do not count towards the quota; you
-    can run one at a time.
+    can run one at a time. The answer also has the `parameters` that the program declares; with
+    `run=false` it is only read, which takes no worker.
     """
     body, file = request_body.run_request()
     access.require_scope(Action.UPLOAD)
@@ -57,12 +57,14 @@ def create(query: CheckQuery) -> Response:
         if file is None:
             raise SubmissionRejected("Send the program to check.", field="program")
         benchmark = submission.find_benchmark(body.benchmark)
-        config = benchmark.read(body.config)
         prepared = _read_program(file, benchmark)
-        if prepared.diagnostics:
-            return jsonify(_rejected(benchmark.name, prepared))
-        check_id = _enqueue(benchmark, config, prepared)
-    return _response(_wait_for(check_id, query.wait))
+        declared = configurations.declared_in(benchmark, prepared.language, prepared.parameters)
+        shown = {"parameters": [one.to_json() for one in declared]}
+        if prepared.diagnostics or not query.run:
+            return jsonify(_only_read(benchmark.name, prepared) | shown)
+        values = configurations.read(benchmark, body.config, declared).document()
+        check_id = _enqueue(benchmark, values, prepared)
+    return _response(_wait_for(check_id, query.wait), shown)
 
 
 @api.get("/checks/<int:check_id>", responses={200: CheckResponse})
@@ -84,13 +86,12 @@ def _read_program(file: FileStorage, benchmark: Benchmark) -> PreparedProgram:
     return reader.read_upload(stream, name, owner=owner, limit=limit, role=benchmark.role)
 
 
-def _enqueue(benchmark: Benchmark, config: Configuration, prepared: PreparedProgram) -> int:
+def _enqueue(benchmark: Benchmark, values: dict[str, Any], prepared: PreparedProgram) -> int:
     """Queue a check and return its id; raises SubmissionRejected or CheckRefused."""
     current, user_id = services(), access.require_account(Action.UPLOAD)
     with current.database.reading() as session:
         submission.require_language(session, benchmark, prepared.language, current.settings)
     program = store.save(prepared, current.settings)
-    values = config.model_dump(mode="json")
     with current.database.writing() as session:
         check_id = queue.enqueue(session, user_id, benchmark.name, values, program)
     queue.wake_worker(current.redis)
@@ -120,8 +121,8 @@ def _view(check_id: int, user_id: int) -> CheckView:
     return view
 
 
-def _response(view: CheckView) -> Response:
-    response = jsonify(_document(view))
+def _response(view: CheckView, more: dict[str, Any]) -> Response:
+    response = jsonify(_document(view) | more)
     if view.state is not CheckState.DONE:
         response.status_code = 202
         response.headers["Location"] = f"/api/v1/checks/{view.id}"
@@ -135,8 +136,8 @@ def _document(view: CheckView) -> dict[str, Any]:
     return {name: getattr(view, name) for name in names} | {"state": view.state.value} | found
 
 
-def _rejected(benchmark: str, prepared: PreparedProgram) -> dict[str, Any]:
-    """Return the document of a program that is not run, since its source has errors."""
+def _only_read(benchmark: str, prepared: PreparedProgram) -> dict[str, Any]:
+    """Return the document of a program that is not run."""
     check = {
         "id": None,
         "benchmark": benchmark,

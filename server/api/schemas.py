@@ -239,11 +239,25 @@ class CheckPath(BaseModel):
 
 
 class CheckQuery(BaseModel):
-    """Time to wait for the report."""
+    """What is done, and how long the request waits for it."""
+
+    run: bool = Field(True, description="false: only read the program; nothing is compiled or run")
 
     wait: float = Field(
         15.0, ge=0, le=15, description="Seconds to wait for the report before the response is 202"
     )
+
+
+class ParameterResponse(ResponseModel):
+    """A parameter of a program."""
+
+    name: str
+    type: Literal["number", "integer", "boolean"]
+    default: float | int | bool
+    low: float | None
+    high: float | None
+    unit: str
+    description: str
 
 
 class CheckResponse(ResponseModel):
@@ -261,6 +275,9 @@ class CheckResponse(ResponseModel):
     t_simulated: float
     usage: dict[str, float] | None
     step_us: dict[str, float] | None
+    parameters: list[ParameterResponse] = Field(
+        default_factory=list, description="that the program declares; only in the answer to POST"
+    )
 
 
 class RunsResponse(ResponseModel):

@@ -121,6 +121,9 @@ class Run(Base):
     program_sha256: Mapped[str | None] = mapped_column(String(64))
     program_name: Mapped[str | None] = mapped_column(String(255))
     language: Mapped[str | None] = mapped_column(String(40))
+    program_parameters: Mapped[list[dict[str, Any]] | None] = mapped_column(
+        _Json, deferred=True
+    )  # that the program declares; their values are in `config`
     title: Mapped[str] = mapped_column(String(120), default="")
     notes: Mapped[str] = mapped_column(Text, default="")
     rerun_of: Mapped[int | None] = mapped_column(BigInteger)

@@ -173,7 +173,7 @@ def _field(name: str, entry: Schema, *, shown: object, default: object, error: s
         low=entry.get("minimum", entry.get("exclusiveMinimum")) if numeric else None,
         high=entry.get("maximum") if numeric else None,
         step="1" if entry["type"] == "integer" else "any",
-        range=_range(entry),
+        range=range_of(entry),
         tag=entry.get("x-tag", ""),
         source=entry.get("x-source", ""),
         advanced=bool(entry.get("x-advanced")),
@@ -190,11 +190,11 @@ def _type(entry: Schema) -> str:
     return types.get(entry["type"], "text")
 
 
-def _range(entry: Schema) -> str:
+def range_of(entry: Schema) -> str:
     """Return the allowed range in words, empty if there is none."""
     if entry["type"] == "array":
         count = f"{entry.get('minItems', 1)} to {entry.get('maxItems', '∞')} numbers"
-        inner = _range({"type": "number", **entry.get("items", {})})
+        inner = range_of({"type": "number", **entry.get("items", {})})
         return f"{count}, {inner}" if inner else count
     low, above, high = (entry.get(k) for k in ("minimum", "exclusiveMinimum", "maximum"))
     start = f"above {_short(above)}" if above is not None else _short(low)

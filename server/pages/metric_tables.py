@@ -5,7 +5,10 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from seamark.server.pages import form_fields
+from seamark.server.programs import parameters
+from seamark.server.programs.parameters import Parameter
 from seamark.server.runs.setting_values import in_effect, label_of, text_of
+from seamark.server.runs.views import RunView
 from seamark.server.web.template_filters import plain
 from seamark.sim.benchmarks import benchmark
 from seamark.sim.benchmarks.benchmark import Benchmark
@@ -93,6 +96,17 @@ def settings(
         value = SettingValue(entry["title"], label, entry.get("x-unit", ""), changed)
         groups.setdefault(entry.get("x-group", ""), []).append(value)
     return groups
+
+
+def program_parameters(run: RunView) -> list[SettingValue]:
+    """Return the parameters of a run's own program, with what it declares of them."""
+    declared = {one["name"]: Parameter.from_json(one) for one in run.program_parameters or ()}
+    found = []
+    for name, value in parameters.split(run.config)[1].items():
+        one, text = declared.get(name), text_of(value)
+        changed = one is not None and text != text_of(one.default)
+        found.append(SettingValue(name, text, "" if one is None else one.unit, changed))
+    return found
 
 
 def _table(

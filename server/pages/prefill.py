@@ -6,10 +6,12 @@ from flask import g, request
 
 from seamark.sandbox.languages import LANGUAGES, editor_starters
 from seamark.server.accounts.permissions import Action, can
+from seamark.server.database.tables import Run
 from seamark.server.programs import store
 from seamark.server.programs.store import StoredProgram
 from seamark.server.runs import views
 from seamark.server.runs.states import RunKind
+from seamark.server.runs.submission import SubmissionRejected, program_of
 from seamark.server.runs.views import RunView
 from seamark.server.web.services import services
 from seamark.server.web.url_converters import row_id
@@ -103,11 +105,11 @@ def _program(run: RunView) -> tuple[StoredProgram | None, str]:
         return None, "uploading one needs an account"
     if not can(g.viewer, Action.VIEW_PROGRAM, run):
         return None, "only its owner may read it"
-    sha256 = run.program_sha256 or ""
-    size = None if run.data_deleted_at else store.touch(services().settings.data, sha256)
-    if size is None:
+    try:
+        with services().database.reading() as session:
+            return program_of(session.get_one(Run, run.id), services().settings), ""
+    except SubmissionRejected:
         return None, "it has been deleted"
-    return StoredProgram(sha256, run.program_name or "", run.language or "", size), ""
 
 
 def _in_editor(benchmark: Benchmark, program: StoredProgram) -> dict[str, str]:

@@ -57,6 +57,7 @@ def show(run_id: int) -> ResponseReturnValue:
         compared=_compared(run),
         protocol=benchmark.protocol if run.kind is RunKind.RANKED else None,
         curves=level_chart.curves(benchmark, config, run, files),
+        parameters=metric_tables.program_parameters(run),
         settings=metric_tables.settings(benchmark, run.config, run.controller),
         page_data=player_data(run, files),
         preview=link_previews.of_run(run),

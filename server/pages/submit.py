@@ -6,7 +6,7 @@ from flask.typing import ResponseReturnValue
 from seamark.sandbox.languages import DEFAULT_LANGUAGE, LANGUAGES, editor_starters
 from seamark.server import workers
 from seamark.server.accounts.permissions import Action, can
-from seamark.server.pages import benchmarks, form_fields, prefill, submitted_program
+from seamark.server.pages import benchmarks, form_fields, own_parameters, prefill, submitted_program
 from seamark.server.programs import archives
 from seamark.server.programs.preparation import TEXT_MAX_BYTES, UploadRejected
 from seamark.server.programs.store import StoredProgram
@@ -37,7 +37,13 @@ def form(name: str) -> ResponseReturnValue:
     benchmark = benchmarks.by_name(name)
     first = prefill.initial(benchmark)
     return _show(
-        benchmark, first.values, posted=first.posted, errors={}, kept=first.program, note=first.note
+        benchmark,
+        first.values,
+        posted=first.posted,
+        errors={},
+        kept=first.program,
+        program=first.program,
+        note=first.note,
     )
 
 
@@ -69,7 +75,9 @@ def create(name: str) -> ResponseReturnValue:
         status, errors = 503, {"": str(refusal)}
     if errors:
         kept = program if posted.get("source") != "editor" else None
-        return _show(benchmark, values, posted=posted, errors=errors, kept=kept), status
+        return _show(
+            benchmark, values, posted=posted, errors=errors, kept=kept, program=program
+        ), status
     services().wake_worker()  # only after the commit: the worker must find the row
     return redirect(url_for("run.show", run_id=run_id), code=303)
 
@@ -98,7 +106,7 @@ def _submission(
     return Submission(
         viewer=authentication.become_guest(),
         benchmark=benchmark.name,
-        config=values,
+        config=values | own_parameters.read(posted),
         kind=RunKind.RANKED if ranked else RunKind.PRACTICE,
         controller=posted.get("controller", ""),
         program=program,
@@ -125,11 +133,15 @@ def _show(
     posted: dict[str, str],
     errors: dict[str, str],
     kept: StoredProgram | None = None,
+    program: StoredProgram | None = None,
     note: str = "",
 ) -> str:
     settings = services().settings
     schema, starters = benchmark.schema(), editor_starters(benchmark.role)
     fields = {*schema["properties"], "program", "seed", "trials"}
+    given = values | own_parameters.read(posted)
+    shown = own_parameters.fields(benchmark, program, given, errors)
+    fields |= {one.field for one in shown}
     general = [text for name, text in errors.items() if name not in fields]
     with services().database.reading() as session:
         refusals = {
@@ -152,6 +164,7 @@ def _show(
         posted=posted,
         note=note,
         errors=errors,
+        parameters=shown,
         kept=kept and {"program": kept, "token": submitted_program.token(benchmark, kept)},
         archives=archives.SUFFIXES,
         file_names={name: starter.upload_name for name, starter in starters.items()},

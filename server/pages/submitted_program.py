@@ -12,6 +12,7 @@ from itsdangerous import BadData, URLSafeTimedSerializer
 
 from seamark.sandbox.languages import DEFAULT_LANGUAGE, editor_starters
 from seamark.server.programs import store
+from seamark.server.programs.parameters import Parameter
 from seamark.server.programs.preparation import UploadRejected
 from seamark.server.programs.store import StoredProgram
 from seamark.server.runs import submission
@@ -48,7 +49,8 @@ def save(benchmark: Benchmark, posted: dict[str, str]) -> StoredProgram:
 def token(benchmark: Benchmark, program: StoredProgram) -> str:
     """Return the value of the hidden field for a stored program."""
     fields = [program.sha256, program.name, program.language, program.size]
-    return str(_signer().dumps([*fields, benchmark.role, g.viewer.user_id]))
+    declared = [one.to_json() for one in program.parameters]
+    return str(_signer().dumps([*fields, declared, benchmark.role, g.viewer.user_id]))
 
 
 def _save_text(benchmark: Benchmark, posted: dict[str, str]) -> StoredProgram:
@@ -67,14 +69,15 @@ def _save(benchmark: Benchmark, stream: BinaryIO, filename: str) -> StoredProgra
 def _kept(benchmark: Benchmark, text: str) -> StoredProgram | None:
     """Return the program of a hidden field if it belongs to this user and is still stored."""
     try:
-        sha256, name, language, size, role, user_id = _signer().loads(text, max_age=int(VALID_S))
+        found = _signer().loads(text, max_age=int(VALID_S))
+        sha256, name, language, size, declared, role, user_id = found
     except (BadData, ValueError):
         return None
     if (role, user_id) != (benchmark.role, g.viewer.user_id):
         return None
     if store.touch(services().settings.data, sha256) is None:
         return None
-    return StoredProgram(sha256, name, language, size)
+    return StoredProgram(sha256, name, language, size, tuple(map(Parameter.from_json, declared)))
 
 
 def _signer() -> URLSafeTimedSerializer:

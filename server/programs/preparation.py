@@ -4,15 +4,16 @@ The work on content that nobody trusts takes place in a limited process (`reader
 Python is quadratic in some sources, and an archive expands.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from seamark.sandbox.languages import LANGUAGES, language_of
 from seamark.sandbox.languages.python import PYTHON
 from seamark.sandbox.limits import Limits
 from seamark.sandbox.printable_text import visible_text
-from seamark.server.programs import archives, python_lint
+from seamark.server.programs import archives, declarations, python_lint
 from seamark.server.programs.archives import ArchiveRefused
 from seamark.server.programs.diagnostics import Diagnostic
+from seamark.server.programs.parameters import Parameter
 
 LINTERS = {PYTHON.name: python_lint.lint}  # what can be checked without running a program
 NAME_MAX = 120  # [character] of a file name, from its end
@@ -36,6 +37,7 @@ class PreparedProgram:
     language: str
     content: bytes  # source text, or a plain zip archive (see seamark.server.programs.archives)
     diagnostics: tuple[Diagnostic, ...] = ()
+    parameters: tuple[Parameter, ...] = ()  # that it declares
 
     def require_clean(self) -> None:
         """Raise UploadRejected with the first problems if there are any."""
@@ -59,7 +61,8 @@ def prepare(source: bytes, filename: str, *, role: str = "controller") -> Prepar
         return _prepare_archive(source, name, language, role)
     if language not in LINTERS:
         _check_format(name, source, language)
-    return PreparedProgram(name, language, source, _lint(language, {name: source}, name, role))
+    found = _lint(language, {name: source}, name, role)
+    return _declaring(PreparedProgram(name, language, source, found), source, name)
 
 
 def clean_name(filename: str) -> str:
@@ -86,9 +89,20 @@ def _prepare_archive(source: bytes, name: str, language: str | None, role: str) 
     except ArchiveRefused as reason:
         raise UploadRejected(f"{name}: {reason}") from None
     if language is not None:
-        return PreparedProgram(name, language, content)
+        return _declaring(PreparedProgram(name, language, content), content, name)
     language, main = _main_file(files, name)
-    return PreparedProgram(name, language, content, _lint(language, files, main, role))
+    found = _lint(language, files, main, role)
+    return _declaring(PreparedProgram(name, language, content, found), files[main], main)
+
+
+def _declaring(prepared: PreparedProgram, source: bytes, main: str) -> PreparedProgram:
+    """Return the program with the parameters that its main file declares."""
+    declared = declarations.read(prepared.language, source, main)
+    return replace(
+        prepared,
+        diagnostics=(*prepared.diagnostics, *declared.diagnostics),
+        parameters=tuple(declared.parameters),
+    )
 
 
 def _lint(language: str, files: dict[str, bytes], main: str, role: str) -> tuple[Diagnostic, ...]:

@@ -15,6 +15,7 @@ from seamark.sandbox.languages import LANGUAGES
 from seamark.server.programs import preparation
 from seamark.server.programs.diagnostics import Diagnostic, Stage
 from seamark.server.programs.fair_places import FairPlaces, PlacesBusy
+from seamark.server.programs.parameters import Parameter
 from seamark.server.programs.preparation import PreparedProgram, UploadRejected, UploadTooLarge
 
 PLACES = 2  # uploads of one web process that are read at the same time; the others wait
@@ -139,7 +140,8 @@ def _prepared(output: bytes) -> PreparedProgram:
     if "refused" in answer:
         raise UploadRejected(answer["refused"])
     diagnostics = tuple(_diagnostic(values) for values in answer["diagnostics"])
-    return PreparedProgram(answer["name"], answer["language"], content, diagnostics)
+    declared = tuple(map(Parameter.from_json, answer["parameters"]))
+    return PreparedProgram(answer["name"], answer["language"], content, diagnostics, declared)
 
 
 def _diagnostic(values: dict[str, Any]) -> Diagnostic:

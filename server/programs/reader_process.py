@@ -32,8 +32,9 @@ def _answer(source: bytes, filename: str, role: str) -> tuple[dict[str, Any], by
     except UploadRejected as reason:
         return {"refused": str(reason)}, b""
     diagnostics = [one.to_json() for one in prepared.diagnostics]
-    names = {"name": prepared.name, "language": prepared.language}
-    return names | {"diagnostics": diagnostics}, prepared.content
+    answer: dict[str, Any] = {"name": prepared.name, "language": prepared.language}
+    answer |= {"diagnostics": diagnostics}
+    return answer | {"parameters": [p.to_json() for p in prepared.parameters]}, prepared.content
 
 
 def _limit() -> None:

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from seamark.server import storage
+from seamark.server.programs.parameters import Parameter
 from seamark.server.programs.preparation import PreparedProgram
 from seamark.server.settings import Settings
 from seamark.server.storage import StorageUnavailable
@@ -30,6 +31,7 @@ class StoredProgram:
     name: str
     language: str
     size: int  # [B]
+    parameters: tuple[Parameter, ...] = ()  # that it declares
 
 
 def save(prepared: PreparedProgram, settings: Settings) -> StoredProgram:
@@ -44,7 +46,8 @@ def save(prepared: PreparedProgram, settings: Settings) -> StoredProgram:
     sha256 = hashlib.sha256(prepared.content).hexdigest()
     with _store_lock(settings.data, fcntl.LOCK_SH):
         _write(prepared.content, path(settings.data, sha256))
-    return StoredProgram(sha256, prepared.name, prepared.language, len(prepared.content))
+    names, size = (prepared.name, prepared.language), len(prepared.content)
+    return StoredProgram(sha256, *names, size=size, parameters=prepared.parameters)
 
 
 def path(data: Path, sha256: str) -> Path:

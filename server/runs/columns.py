@@ -32,7 +32,7 @@ class RunSpec(RowValues):
 
     benchmark: str
     kind: RunKind
-    config: dict[str, Any]
+    config: dict[str, Any]  # with the parameters of the program below `parameters`
     seed: int | None  # None: ranked
     trials: int
     controller: str
@@ -66,5 +66,6 @@ class PublicRun(RunSpec):
     data_bytes: int  # of its files and its program; an estimate from above until it has ended
     data_deleted_at: float | None  # telemetry, log and program are gone since then
     metrics: dict[str, Any] | None = None
+    program_parameters: list[dict[str, Any]] | None = None  # as the program declares them
     submission: str | None = None  # digest that the seeds of the fresh trials follow from
     not_ranked: str | None = None  # why it cannot be on the leaderboard, although it has a score

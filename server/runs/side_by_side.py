@@ -5,13 +5,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from seamark.server.programs.parameters import KEY, split
 from seamark.server.runs.score_differences import (
     ScoreDifference,
     differing_scenario,
     headline_of,
     score_difference,
 )
-from seamark.server.runs.setting_values import in_effect, label_of
+from seamark.server.runs.setting_values import in_effect, label_of, text_of
 from seamark.server.runs.solutions import solution
 from seamark.server.runs.views import RunView
 from seamark.server.settings import Settings
@@ -105,7 +106,21 @@ def _settings(runs: Sequence[RunView]) -> list[SettingRow]:
     for name, entry in entries.items():
         texts = tuple(each.get(name) for each in values)
         rows.append(SettingRow(name, entry["title"], entry.get("x-unit", ""), texts))
-    return rows
+    return rows + _parameters(runs)
+
+
+def _parameters(runs: Sequence[RunView]) -> list[SettingRow]:
+    """Return the parameters of the runs' own programs."""
+    values = [split(run.config)[1] for run in runs]
+    return [
+        SettingRow(
+            f"{KEY}.{name}",
+            name,
+            "",
+            tuple(text_of(each[name]) if name in each else None for each in values),
+        )
+        for name in dict.fromkeys(name for each in values for name in each)
+    ]
 
 
 def _program(run: RunView) -> str | None:

@@ -21,8 +21,10 @@ from seamark.server.classes.refusals import ClassRefused
 from seamark.server.database.advisory_locks import AdvisoryLock, acquire
 from seamark.server.database.tables import Run
 from seamark.server.programs import store
+from seamark.server.programs.parameters import Parameter
 from seamark.server.programs.store import StoredProgram
-from seamark.server.runs import paces, quota, run_size, turns
+from seamark.server.runs import configurations, paces, quota, run_size, turns
+from seamark.server.runs.configurations import RunConfiguration
 from seamark.server.runs.run_size import RunSize
 from seamark.server.runs.seeds import submission_digest
 from seamark.server.runs.states import RunKind, RunState
@@ -80,6 +82,7 @@ class ValidSubmission:
     config: Configuration
     trials: int
     size: RunSize  # what it may record
+    whole: RunConfiguration  # as it was sent, with the parameters of the program
 
 
 def validate(submission: Submission, settings: Settings) -> ValidSubmission:
@@ -93,7 +96,12 @@ def validate(submission: Submission, settings: Settings) -> ValidSubmission:
         Another rule is broken.
     """
     benchmark = find_benchmark(submission.benchmark)
-    config = benchmark.read(submission.config)
+    program = submission.program
+    declared: tuple[Parameter, ...] = ()
+    if program is not None:
+        declared = configurations.declared_in(benchmark, program.language, program.parameters)
+    whole = configurations.read(benchmark, submission.config, declared)
+    config = whole.settings
     require_permission(
         submission.viewer, kind=submission.kind, uploads=submission.program is not None
     )
@@ -110,13 +118,12 @@ def validate(submission: Submission, settings: Settings) -> ValidSubmission:
         _check_built_in(benchmark, submission.controller, baseline=submission.baseline)
     else:
         _check_language(benchmark, submission.program.language)
-    program = submission.program
     program_bytes = None if program is None else program.size
     size = run_size.estimate(config, trials=trials, program_bytes=program_bytes)
     refusal = size.refusal(settings.run_max_bytes)
     if refusal is not None and submission.kind is RunKind.PRACTICE:
         raise SubmissionRejected(refusal)
-    return ValidSubmission(submission, benchmark, config, trials, size)
+    return ValidSubmission(submission, benchmark, config, trials, size, whole)
 
 
 def submit(session: Session, valid: ValidSubmission, settings: Settings) -> int:
@@ -159,7 +166,7 @@ def rerun(session: Session, run_id: int, viewer: Viewer, settings: Settings) -> 
         config=old.config,
         kind=RunKind(old.kind),
         controller=old.controller,
-        program=_program_of(old, settings),
+        program=program_of(old, settings),
         seed=old.seed,
         trials=old.trials,
         title=old.title,
@@ -240,14 +247,22 @@ def _check_built_in(benchmark: Benchmark, controller: str, *, baseline: bool) ->
     raise SubmissionRejected(unknown + choice if controller else choice, field="controller")
 
 
-def _program_of(run: Run, settings: Settings) -> StoredProgram | None:
+def program_of(run: Run, settings: Settings) -> StoredProgram | None:
+    """Return the program of a run, to be run again; None if its solution is built in.
+
+    Raises
+    ------
+    SubmissionRejected
+        It has been deleted.
+    """
     if run.program_sha256 is None:
         return None
     size = store.touch(settings.data, run.program_sha256)
     if size is None:
         raise SubmissionRejected("The program of this run has been deleted.", field="program")
     names = (run.program_name or "", run.language or "")
-    return StoredProgram(run.program_sha256, *names, size=size)
+    declared = tuple(map(Parameter.from_json, run.program_parameters or ()))
+    return StoredProgram(run.program_sha256, *names, size=size, parameters=declared)
 
 
 def _row(valid: ValidSubmission) -> Run:
@@ -264,13 +279,14 @@ def _row(valid: ValidSubmission) -> Run:
         guest=None if viewer.user_id is not None else viewer.guest,
         benchmark=submission.benchmark,
         kind=submission.kind,
-        config=valid.config.model_dump(mode="json"),
+        config=valid.whole.document(valid.config),
         seed=None if ranked else drawn,
         trials=valid.trials,
         controller=submission.controller,
         program_sha256=program.sha256 if program else None,
         program_name=program.name if program else None,
         language=program.language if program else None,
+        program_parameters=[one.to_json() for one in valid.whole.declared] or None,
         title=visible_text(submission.title).strip()[:TITLE_MAX],
         notes=visible_text(submission.notes, keep="\n\t").strip()[:NOTES_MAX],
         rerun_of=submission.rerun_of,

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from sqlalchemy import ColumnElement, Select, func, select
-from sqlalchemy.orm import Session, aliased, defer
+from sqlalchemy.orm import Session, aliased, defer, undefer
 
 from seamark.sandbox.printable_text import printable_text
 from seamark.server.accounts.permissions import Action, Viewer, can
@@ -65,7 +65,8 @@ class RunPage:
 
 def show(session: Session, run_id: int, settings: Settings | None = None) -> RunView | None:
     """Return one run, or None. With settings also its position in the queue."""
-    rows = session.execute(_select().where(Run.id == run_id)).one_or_none()
+    whole = _select().options(undefer(Run.program_parameters))
+    rows = session.execute(whole.where(Run.id == run_id)).one_or_none()
     if rows is None:
         return None
     run, result, user = rows

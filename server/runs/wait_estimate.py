@@ -16,6 +16,7 @@ from seamark.server import workers
 from seamark.server.database import counters
 from seamark.server.database.queue_tables import Turn
 from seamark.server.database.tables import IS_QUEUED, IS_RUNNING, Run
+from seamark.server.programs import parameters
 from seamark.server.runs import forecast, paces, queue, turns
 from seamark.server.runs.forecast import Job, Places
 from seamark.server.runs.states import RunState
@@ -169,7 +170,7 @@ def _expected_s(session: Session, run: Run) -> float | None:
     if run.expected_s is not None:
         return run.expected_s
     try:  # it was submitted before anything was measured
-        config = registry.benchmark(run.benchmark).read(run.config)
+        config = registry.benchmark(run.benchmark).read(parameters.split(run.config)[0])
     except (ConfigurationInvalid, KeyError):  # most likely accepted by an older version
         return None
     return paces.expected_s(session, run, config.trial_duration_s())

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from seamark.sandbox.outcome import Outcome, ProgramEnded, Verdict
 from seamark.sandbox.pool import Pool
+from seamark.server.programs.parameters import KEY
 from seamark.server.runs.failure_reasons import FailureReason
 from seamark.sim import registry
 from seamark.sim.engine.summary import summarise
@@ -107,6 +108,7 @@ class Evaluation:
     def _manifest(self, digest: str) -> dict[str, Any]:
         """Return the manifest; seeds that concern other runs too stay hidden."""
         job, source = self._job, self._runner.source
+        own = {KEY: dict(self._runner.parameters)} if self._runner.parameters else {}
         disclosed = job.ranked and registry.benchmark(job.benchmark).protocol is not None
         return manifest(
             job.benchmark,
@@ -117,6 +119,7 @@ class Evaluation:
             controller=job.controller,
             program_sha256=hashlib.sha256(source).hexdigest() if source else None,
             digest=digest,
+            **own,
         )
 
 

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.languages import DEFAULT_LANGUAGE, language_of
 from seamark.server.checks import queue
+from seamark.server.programs import parameters
 from seamark.server.programs.preparation import PreparedProgram
 from seamark.sim import registry
 from seamark.sim.engine.warm_up import warm_up
@@ -84,7 +85,7 @@ def evaluate_locally(
         The configuration is wrong; the box failed, not the program.
     """
     entry = registry.benchmark(benchmark)
-    duration = entry.trial_duration_s(entry.read(config))
+    duration = entry.trial_duration_s(entry.read(parameters.split(config)[0]))
     listener = _CallbackListener(callbacks or Callbacks(), duration, trials)
     with job_of(benchmark, config, controller, seeds=(seed,) * trials) as job:
         shared_cores = tuple(sorted(os.sched_getaffinity(0))[:processes])

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from seamark.sandbox.limits import Limits
 from seamark.sandbox.outcome import ProgramEnded
+from seamark.server.programs import parameters
 from seamark.server.runs import trial_limits
 from seamark.sim import registry
 from seamark.sim.engine.closed_loop import StateInvalid
@@ -41,7 +42,8 @@ class TrialRunner:
         self._make_box = make_box
         self._compile = compile_program
         benchmark = registry.benchmark(job.benchmark)
-        self.config: Configuration = benchmark.read(job.config)
+        settings, self.parameters = parameters.split(job.config)
+        self.config: Configuration = benchmark.read(settings)
         self._experiment = benchmark.load()
         self._adapter = ADAPTERS[benchmark.role]
         trial_s = benchmark.trial_duration_s(self.config)
@@ -95,7 +97,8 @@ class TrialRunner:
         try:
             config = self.config.for_trial(trial)
             layout = self._experiment.layout(config)
-            box.load(self._compiled, self._job.filename, config.for_program(), layout)
+            given = {**config.for_program(), **self.parameters}
+            box.load(self._compiled, self._job.filename, given, layout)
         except ProgramEnded:
             _forward_output(box, listener)
             box.close()

@@ -13,7 +13,7 @@ from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.languages import DEFAULT_LANGUAGE
 from seamark.server import storage
 from seamark.server.database.engine import Database
-from seamark.server.programs import store
+from seamark.server.programs import parameters, store
 from seamark.server.runs import queue as run_queue
 from seamark.server.runs import results
 from seamark.server.runs.failure_reasons import FailureReason, describe
@@ -116,7 +116,8 @@ class RunDriver:
         self._files = RunFiles(context.settings.data, claim.run_id, claim.attempt)
         self._live = LivePublisher(context.redis, claim.run_id)
         benchmark = registry.benchmark(claim.benchmark)
-        self._trial_s = benchmark.trial_duration_s(benchmark.read(claim.config))
+        chosen, _ = parameters.split(claim.config)
+        self._trial_s = benchmark.trial_duration_s(benchmark.read(chosen))
         self._recorder = RunRecorder(self._files, trial_s=self._trial_s)
         self._poll_at = self._heartbeat_at = 0.0
         self._away = False  # the database

@@ -158,3 +158,45 @@ def test_an_upload_replaces_the_program_of_the_earlier_run(site: Site) -> None:
 
     again = site.show(int(answer.headers["Location"].rsplit("/", 1)[-1]))
     assert (again.program_name, again.rerun_of) == ("new.py", first)
+
+
+WITH_PARAMETERS = b"""
+PARAMETERS = {"gain": {"default": 0.5, "range": [0, 2], "unit": "1/s"}, "kp": 1.0}
+class Controller:
+    def __init__(self, config): ...
+    def step(self, observation): ...
+"""
+
+
+def test_parameters_of_the_program_are_in_the_form_and_part_of_the_configuration(
+    site: Site,
+) -> None:
+    program = site.store_program(WITH_PARAMETERS)
+    first = site.queue("ann", controller="upload", program=program, config={"gain": 1.5})
+
+    fields = _form(site, first, "ann")
+    again = _started(site, first, **{"parameters.gain": "0.25"})
+
+    assert (fields["parameters.gain"], fields["parameters.kp"]) == ("1.5", "1")
+    assert again.config["parameters"] == {"gain": 0.25, "kp": 1.0}
+    assert again.config["kp"] == site.show(first).config["kp"] != 1.0  # the benchmark's own
+    assert again.submission == site.show(first).submission
+
+
+def test_a_parameter_out_of_range_is_marked_at_its_field(site: Site) -> None:
+    first = site.queue("ann", controller="upload", program=site.store_program(WITH_PARAMETERS))
+
+    fields = _form(site, first, "ann") | {"parameters.gain": "7"}
+    answer = site.browser("ann").post(FORM, fields)
+
+    assert answer.status_code == 422
+    assert 'id="parameters.gain-error"' in answer.text
+    assert 'value="7"' in answer.text
+
+
+def test_a_built_in_controller_has_no_parameters_of_a_program(site: Site) -> None:
+    first = site.queue("ann", controller="upload", program=site.store_program(WITH_PARAMETERS))
+
+    again = _started(site, first, controller="pi")
+
+    assert "parameters" not in again.config

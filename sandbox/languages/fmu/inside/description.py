@@ -31,6 +31,7 @@ class Variable:
     type: str  # as FMI 3.0 names the types
     causality: str
     count: int  # 1, or the size of an array
+    attributes: dict[str, str]  # all of its XML element, such as start, min, max and unit
 
 
 @dataclass(slots=True)
@@ -96,8 +97,10 @@ def read(data: bytes) -> Description:
 def _variables_2(root: ElementTree.Element) -> dict[str, Variable]:
     found = {}
     for one in root.iterfind("ModelVariables/ScalarVariable"):
-        type_name = next((TYPES[child.tag] for child in one if child.tag in TYPES), "other")
-        found[one.get("name", "")] = _variable(one, type_name, 1)
+        typed = next((child for child in one if child.tag in TYPES), None)
+        type_name = "other" if typed is None else TYPES[typed.tag]
+        attributes = {} if typed is None else typed.attrib
+        found[one.get("name", "")] = _variable(one, type_name, 1, attributes)
     return found
 
 
@@ -107,15 +110,18 @@ def _variables_3(root: ElementTree.Element) -> dict[str, Variable]:
         count = 1
         for dimension in one.iterfind("Dimension"):
             count *= int(dimension.get("start", "0"))  # 0: its size is not fixed
-        found[one.get("name", "")] = _variable(one, one.tag, count)
+        found[one.get("name", "")] = _variable(one, one.tag, count, {})
     return found
 
 
-def _variable(one: ElementTree.Element, type_name: str, count: int) -> Variable:
+def _variable(
+    one: ElementTree.Element, type_name: str, count: int, attributes: dict[str, str]
+) -> Variable:
     name, reference = one.get("name", ""), one.get("valueReference", "")
     if not reference.isdecimal():
         raise Unusable(f"The variable {name} has no integer valueReference.")
-    return Variable(name, int(reference), type_name, one.get("causality", "local"), count)
+    causality = one.get("causality", "local")
+    return Variable(name, int(reference), type_name, causality, count, attributes | one.attrib)
 
 
 def _mapping(data: bytes, name: str) -> dict[str, Any]:

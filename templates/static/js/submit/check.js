@@ -15,7 +15,7 @@ function sleep(ms) {
 }
 
 // Returns the chosen file, or the text of the editor as a file.
-function programFile(form) {
+export function programFile(form) {
   if (form.elements.source.value !== "editor") return form.elements.program.files[0];
   const language = form.elements.language.value;
   const template = form.querySelector(`[data-program-template="${CSS.escape(language)}"]`);

@@ -1,8 +1,9 @@
 // The submit page. The form works without this script, which adds presets, the editor, drag and drop,
 // locking the scenario of ranked runs, and downloading the configuration.
-import { startCheck } from "./check.js";
+import { programFile, startCheck } from "./check.js";
 import { startDraft } from "./draft.js";
 import { startEditor } from "./editor.js";
+import { parameterValues, startParameters } from "./parameters.js";
 import { startUpload } from "./upload.js";
 
 const form = document.getElementById("run-form");
@@ -83,7 +84,7 @@ function configuration() {
       values[input.name] = Number(text);
     } else values[input.name] = text;
   }
-  return values;
+  return { ...values, ...parameterValues(form) };
 }
 
 function download(name) {
@@ -131,4 +132,5 @@ lockScenario();
 startEditor(form);
 startCheck(form, configuration);
 startUpload(form);
+startParameters(form, form.dataset.benchmark, programFile);
 document.getElementById("problems")?.focus();

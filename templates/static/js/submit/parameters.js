@@ -1,0 +1,114 @@
+// Parameters of one's own program: read from the chosen file or the editor, shown as fields. The server
+// reads the declarations (nothing is run); values that were typed stay where the name is the same.
+
+const URL_READ = "/api/v1/checks?run=false&wait=0";
+const PAUSE_MS = 1200; // after the last change in the editor
+const PREFIX = "parameters.";
+// Other programs are not sent: a declaration has one of these words; binaries and archives may.
+const DECLARES = /PARAMETERS|@parameter/;
+
+function element(tag, attributes = {}, ...children) {
+  const created = document.createElement(tag);
+  for (const [name, value] of Object.entries(attributes)) created.setAttribute(name, value);
+  created.append(...children);
+  return created;
+}
+
+function rangeOf({ low, high }) {
+  if (low === null && high === null) return "";
+  if (low === null) return `Range: up to ${high}.`;
+  return high === null ? `Range: from ${low}.` : `Range: ${low} to ${high}.`;
+}
+
+function helpOf(parameter) {
+  const description = parameter.description ? `${parameter.description.replace(/\.$/, "")}.` : "";
+  const shown = parameter.type === "boolean" ? (parameter.default ? "yes" : "no") : parameter.default;
+  return [description, rangeOf(parameter), `Default: ${shown}.`].filter(Boolean).join(" ");
+}
+
+function inputOf(parameter, id, value) {
+  const described = { id, name: id, "aria-describedby": `${id}-help` };
+  if (parameter.type !== "boolean") {
+    return element("input", { ...described, type: "text", inputmode: "decimal", value, autocomplete: "off", spellcheck: "false" });
+  }
+  const select = element("select", described, element("option", { value: "true" }, "yes"), element("option", { value: "false" }, "no"));
+  select.value = value;
+  return select;
+}
+
+function fieldOf(parameter, value) {
+  const id = PREFIX + parameter.name;
+  const label = element("label", { for: id, id: `${id}-label` }, parameter.name);
+  if (parameter.unit) label.append(" ", element("span", { class: "unit" }, `[${parameter.unit}]`));
+  return element("div", { class: "field", "data-parameter": parameter.name }, label, inputOf(parameter, id, value),
+    element("p", { class: "help", id: `${id}-help` }, helpOf(parameter)));
+}
+
+// Returns name -> text of the parameters in the form, as an entry of the configuration.
+export function parameterValues(form) {
+  const values = {};
+  for (const input of form.querySelectorAll(`[name^="${PREFIX}"]`)) {
+    if (input.value.trim() !== "") values[input.name.slice(PREFIX.length)] = input.value.trim();
+  }
+  return form.elements.controller.value === "upload" && Object.keys(values).length ? { parameters: values } : {};
+}
+
+// benchmark: name; programFile(form): the chosen file, or the editor's text as a file
+export function startParameters(form, benchmark, programFile) {
+  const box = form.querySelector("[data-own-parameters]");
+  if (!box || !form.querySelector("#own-program")) return;
+  const fields = box.querySelector("[data-fields]");
+  const card = box.closest("[data-own-program]");
+  let wanted = 0;
+  let pause = 0;
+
+  function showCard() {
+    box.hidden = fields.childElementCount === 0;
+    card.hidden = box.hidden || form.elements.controller.value !== "upload";
+    form.dispatchEvent(new CustomEvent("parameters"));
+  }
+
+  function show(parameters) {
+    const typed = new Map([...fields.querySelectorAll("[name]")].map((input) => [input.name, input]));
+    const changed = (name) => { const input = typed.get(PREFIX + name); return input?.dataset.touched ? input.value : null; };
+    fields.replaceChildren(...parameters.map((one) => fieldOf(one, changed(one.name) ?? String(one.default))));
+    for (const input of fields.querySelectorAll("[name]")) {
+      if (typed.get(input.name)?.dataset.touched) input.dataset.touched = "yes";
+    }
+    showCard();
+  }
+
+  async function read() {
+    const sequence = ++wanted;
+    const program = programFile(form);
+    if (!program) return;
+    const isText = program.size < 2 * 1024 * 1024 && !/\.(zip|tar|gz|tgz|fmu)$/i.test(program.name);
+    if (isText && !DECLARES.test(await program.text())) {
+      if (sequence === wanted) show([]);
+      return;
+    }
+    const body = new FormData();
+    body.set("run", JSON.stringify({ benchmark }));
+    body.set("program", program);
+    const headers = { "X-CSRFToken": form.elements.csrf_token.value, Accept: "application/json" };
+    const response = await fetch(URL_READ, { method: "POST", body, headers });
+    if (!response.ok || sequence !== wanted) return; // the check and the start say what is wrong
+    const answer = await response.json();
+    if (sequence === wanted) show(answer.parameters);
+  }
+
+  // What the run has that this form begins with counts as typed.
+  for (const input of fields.querySelectorAll("[name]")) input.dataset.touched = "yes";
+  fields.addEventListener("input", (event) => { event.target.dataset.touched = "yes"; });
+  form.addEventListener("change", (event) => {
+    if (event.target.name === "controller") showCard();
+    if (["program", "language"].includes(event.target.name)) read();
+    else if (event.target.name === "source" && programFile(form)) read();
+  });
+  form.elements.program_text?.addEventListener("input", () => {
+    clearTimeout(pause);
+    pause = setTimeout(read, PAUSE_MS);
+  });
+  if (form.elements.source?.value === "editor" && form.elements.controller.value === "upload") read();
+  showCard();
+}
