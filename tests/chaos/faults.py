@@ -20,6 +20,7 @@ from tests.chaos.installation import CHECK_LOOP, MAINTENANCE, WORKERS, Installat
 
 Fault = Callable[[Installation, Generator], None]
 HOUR_S = 3600.0
+TICKETS_MAX = 1000
 
 
 def kill_worker(service: Installation, chance: Generator) -> None:
@@ -87,9 +88,10 @@ def confuse_tickets(service: Installation, chance: Generator) -> None:
     for key in keys:
         redis.delete(key)
     time.sleep(chance.uniform(0.1, 1.0))
+    copies_max = 3 if len(taken) < TICKETS_MAX else 1  # each time more would fill the broker
     for at in chance.permutation(len(taken)):
         key, ticket = taken[at]
-        redis.rpush(key, *[ticket] * int(chance.integers(1, 4)))
+        redis.rpush(key, *[ticket] * int(chance.integers(1, copies_max + 1)))
 
 
 def pause_worker(service: Installation, chance: Generator) -> None:
