@@ -1,9 +1,9 @@
 // One chart: lines over simulated time with uPlot, the levels, and the playhead as a line on top.
 import { colour, LINES } from "./colours.js";
+import { paced } from "./paced.js";
 
 const HEIGHT = 190;
 const WIDTH_MIN = 200;
-const READ_MS = 100; // between two values that a reader can take in
 const uPlot = window.uPlot;
 
 export function short(value) {
@@ -63,6 +63,7 @@ export class ChartPlot {
   // owner: range(), levelAt(index), onSeek(t), onZoom(from, to), remove(chart)
   constructor(chart, data, owner) {
     Object.assign(this, { chart, data, owner, t: [], values: {}, marked: null });
+    this.writeValues = paced(() => this.showValues());
     this.box = document.createElement("div");
     this.box.className = "chart";
     const title = document.createElement("p");
@@ -138,10 +139,7 @@ export class ChartPlot {
     const x = this.plot.valToPos(t, "x");
     this.line.hidden = !(x >= 0 && x <= this.plot.bbox.width / uPlot.pxRatio);
     if (!this.line.hidden) this.line.style.transform = `translateX(${x}px)`;
-    this.timer ??= setTimeout(() => {
-      this.timer = undefined;
-      this.showValues();
-    }, READ_MS);
+    this.writeValues();
   }
 
   // The values under the cursor, else those at the playhead.
@@ -172,7 +170,6 @@ export class ChartPlot {
   }
 
   destroy() {
-    clearTimeout(this.timer);
     this.plot.destroy();
     this.box.remove();
   }

@@ -5,6 +5,7 @@ import { Charts } from "./charts.js";
 import { ChartTable } from "./chart_table.js";
 import { Memory } from "./memory.js";
 import { Numbers } from "./numbers.js";
+import { paced } from "./paced.js";
 import { Playhead } from "./playhead.js";
 import { rowColumns, Rows } from "./rows.js";
 import { SceneBox } from "./scene_box.js";
@@ -28,6 +29,11 @@ export class Player {
       levelLength: data.level_s, step: data.step_s,
       levelText: (row) => this.levelText(row), moments: () => this.moments(),
     });
+    this.write = paced(() => {
+      this.bar.show(this.playhead, this.row);
+      this.numbers.show(this.row);
+    });
+    this.writeTable = paced(() => this.table.show(), TABLE_MS);
     this.trial = root.querySelector("[data-trial]");
     this.trial?.addEventListener("change", () => {
       this.playhead.seek(0); // no longer the newest data
@@ -70,15 +76,11 @@ export class Player {
     const { playhead } = this;
     const found = this.rows.at(playhead.trial, playhead.t);
     this.row = found?.row ?? null;
-    this.bar.show(playhead, this.row);
+    this.write();
     this.charts.mark(playhead.t);
-    this.numbers.show(this.row);
     if (playhead.newest > 0) this.showCamera();
     if (found) this.scene.show(playhead, found, () => this.rows.before(playhead.trial, playhead.t, 20 * Math.max(playhead.speed, 1)));
-    this.tableTimer ??= setTimeout(() => {
-      this.tableTimer = undefined;
-      this.table.show();
-    }, TABLE_MS);
+    this.writeTable();
   }
 
   showCamera() {

@@ -1,5 +1,6 @@
 // The box of the 3-D scene on a page: loads three.js when it comes into sight, chooses the view, and says
 // so where there is no WebGL.
+import { paced } from "./paced.js";
 
 const MODES = ["follow", "target", "top", "camera"];
 const WATER_MAX = 40; // scenes of levels kept
@@ -10,6 +11,7 @@ export class SceneBox {
     this.stage = box.querySelector("[data-stage]");
     this.note = box.querySelector("[data-scene-note]");
     this.pose = box.querySelector("[data-pose]");
+    this.writePose = paced(() => this.showPose());
     this.radios = [...box.querySelectorAll('input[name="view"]')];
     this.fog = box.querySelector("[data-fog]");
     const mode = memory.get("view", "follow");
@@ -113,14 +115,19 @@ export class SceneBox {
     }
   }
 
-  // What the scene shows, read from its vehicle, in words.
-  drawn({ vehicle, scale }) {
-    const { position, rotation } = vehicle.group;
-    const metres = (value) => value.toFixed(3).replace("-", "−");
-    const heading = (((rotation.z * 180) / Math.PI) % 360 + 360) % 360;
-    if (this.pose) this.pose.textContent = `north ${metres(position.x)}, east ${metres(position.y)}, depth ${metres(position.z)} m, heading ${heading.toFixed(1)}°`;
+  drawn({ scale }) {
+    this.writePose();
     this.stage.dataset.scale = scale.toFixed(2);
     this.stage.dataset.pictures = String(Number(this.stage.dataset.pictures ?? 0) + 1);
+  }
+
+  // What the scene shows, read from its vehicle, in words.
+  showPose() {
+    if (!this.pose) return;
+    const { position, rotation } = this.view.vehicle.group;
+    const metres = (value) => value.toFixed(3).replace("-", "−");
+    const heading = (((rotation.z * 180) / Math.PI) % 360 + 360) % 360;
+    this.pose.textContent = `north ${metres(position.x)}, east ${metres(position.y)}, depth ${metres(position.z)} m, heading ${heading.toFixed(1)}°`;
   }
 }
 
