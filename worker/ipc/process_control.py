@@ -61,11 +61,13 @@ def run_forked(body: Callable[[], None], report_crash: Callable[[str], None]) ->
     finally:
         try:
             if status:
-                traceback.print_exc()
                 report_crash(traceback.format_exc())
+                traceback.print_exc()
         finally:
-            sys.stderr.flush()
-            os._exit(status)
+            try:
+                sys.stderr.flush()  # fails on a full disk
+            finally:
+                os._exit(status)
 
 
 @dataclass(slots=True)
