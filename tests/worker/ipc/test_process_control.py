@@ -36,7 +36,8 @@ reader, writer = os.pipe()
 child = os.fork()
 if not child:
     run_forked(lambda: 1 / 0, lambda text: os.write(writer, text.encode()))
-print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), os.read(reader, 10000).decode().splitlines()[-1])
+code = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+print(code, os.read(reader, 10000).decode().splitlines()[-1])
 """
 
 
