@@ -7,8 +7,10 @@ from flask import Flask
 from seamark.server.api import (
     account,
     actions,
+    assignments,
     benchmarks,
     checks,
+    classes,
     compare,
     datasets,
     events,
@@ -34,6 +36,8 @@ RESOURCES = (
     scene.api,
     leaderboards.api,
     account.api,
+    classes.api,
+    assignments.api,
 )
 
 

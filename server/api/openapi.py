@@ -8,7 +8,15 @@ from typing import Any
 
 from flask import Blueprint, Flask, Response, abort, current_app, jsonify, render_template
 from flask_openapi3.blueprint import APIBlueprint
+from pydantic import BaseModel
 
+from seamark.server.api.class_schemas import (
+    AssignmentChange,
+    AssignmentRequest,
+    ClassChange,
+    ClassRequest,
+    JoinRequest,
+)
 from seamark.server.api.schemas import InvitationsRequest, RunRequest, TokenRequest
 from seamark.server.web.problems import MEDIA_TYPE, PROBLEM_TYPES
 
@@ -18,6 +26,15 @@ _REF = "#/components/schemas/{model}"
 _SECURITY: list[dict[str, list[str]]] = [{}, {"token": []}, {"cookie": []}]
 _REFUSALS = (400, 401, 403, 404, 409, 410, 422, 500, 503)
 _REFUSALS_OF_CHANGES = (413, 415, 429)
+_JSON_BODIES: dict[tuple[str, str], type[BaseModel]] = {
+    ("post", "tokens"): TokenRequest,
+    ("post", "invitations"): InvitationsRequest,
+    ("post", "classes"): ClassRequest,
+    ("post", "classes/join"): JoinRequest,
+    ("patch", "classes/{class_id}"): ClassChange,
+    ("post", "classes/{class_id}/assignments"): AssignmentRequest,
+    ("patch", "assignments/{assignment_id}"): AssignmentChange,
+}
 PROBLEM_SCHEMA: dict[str, Any] = {
     "type": "object",
     "description": "RFC 9457",
@@ -58,8 +75,9 @@ def build(blueprints: Iterable[APIBlueprint]) -> dict[str, Any]:
         for tag in blueprint.tags:
             tags.setdefault(tag.name, _plain(tag))
     _add_bodies(paths, schemas)
-    ranks = paths["/api/v1/leaderboards/{benchmark}"]["get"]["responses"]["200"]["content"]
-    ranks["text/csv"] = {"schema": {"type": "string"}}
+    for path in ("leaderboards/{benchmark}", "assignments/{assignment_id}/pupils"):
+        table = paths[f"/api/v1/{path}"]["get"]["responses"]["200"]["content"]
+        table["text/csv"] = {"schema": {"type": "string"}}
     for operations in paths.values():
         for method, operation in operations.items():
             _complete(operation, changes=method != "get")
@@ -89,11 +107,12 @@ def _plain(model: Any) -> dict[str, Any]:
 
 def _add_bodies(paths: dict[str, Any], schemas: dict[str, Any]) -> None:
     """Describe the request bodies: flask-openapi3 supports a single media type only."""
-    for model in (RunRequest, TokenRequest, InvitationsRequest):
+    bodies: list[type[BaseModel]] = [RunRequest, *_JSON_BODIES.values()]
+    for model in bodies:
         schemas[model.__name__] = model.model_json_schema(ref_template=_REF)
-    for path, name in (("tokens", "TokenRequest"), ("invitations", "InvitationsRequest")):
-        as_json = {"application/json": {"schema": {"$ref": _REF.format(model=name)}}}
-        paths[f"/api/v1/{path}"]["post"]["requestBody"] = {"required": True, "content": as_json}
+    for (method, path), body in _JSON_BODIES.items():
+        as_json = {"application/json": {"schema": {"$ref": _REF.format(model=body.__name__)}}}
+        paths[f"/api/v1/{path}"][method]["requestBody"] = {"required": True, "content": as_json}
     run = {"$ref": _REF.format(model="RunRequest")}
     form = {
         "type": "object",

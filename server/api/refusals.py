@@ -1,4 +1,4 @@
-"""Maps each type of refusal (of a submission, upload, quota or check) to a problem document."""
+"""Maps refusals (of a submission, upload, quota, check or class) to a problem document."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 from seamark.server.checks.queue import CheckRefused
+from seamark.server.classes.refusals import ClassRefused
 from seamark.server.programs.preparation import UploadRejected, UploadTooLarge
 from seamark.server.runs.quota import QuotaExceeded
 from seamark.server.runs.submission import AccountNeeded, SignInNeeded, SubmissionRejected
@@ -20,6 +21,9 @@ def as_problems() -> Iterator[None]:
         yield
     except ConfigurationInvalid as refusal:
         raise Problem("invalid-configuration", str(refusal), errors=refusal.errors) from None
+    except ClassRefused as refusal:
+        errors = {refusal.field: str(refusal)} if refusal.field else {}
+        raise Problem("invalid-request", str(refusal), errors=errors) from None
     except SubmissionRejected as refusal:
         raise _of_submission(refusal) from None
     except UploadRejected as refusal:

@@ -20,7 +20,7 @@ from seamark.server.api.schemas import (
     run_answer,
 )
 from seamark.server.programs.store import StoredProgram
-from seamark.server.runs import submission, views
+from seamark.server.runs import assigned, submission, views
 from seamark.server.runs.states import RunKind, RunState
 from seamark.server.runs.submission import UPLOAD, Submission
 from seamark.server.runs.views import RunFilter, RunView
@@ -54,10 +54,11 @@ def create() -> Response:
         program = None if file is None else _store(file, submission.find_benchmark(run.benchmark))
         built_in = run.controller or (UPLOAD if program is not None else "")
         sent = run.model_dump(include={"benchmark", "config", "seed", "trials", "title", "notes"})
-        valid = submission.validate(
-            Submission(viewer=viewer, kind=kind, controller=built_in, program=program, **sent),
-            services().settings,
-        )
+        wanted = Submission(viewer=viewer, kind=kind, controller=built_in, program=program, **sent)
+        if run.assignment is not None:
+            with services().database.reading() as database:
+                wanted = assigned.for_assignment(database, run.assignment, wanted)
+        valid = submission.validate(wanted, services().settings)
         with services().database.writing() as database:
             run_id = submission.submit(database, valid, services().settings)
     return _accepted(run_id)

@@ -4,7 +4,9 @@ from flask import Flask
 
 from seamark.server.pages import (
     account,
+    assignments,
     benchmarks,
+    classes,
     compare,
     docs,
     errors,
@@ -32,6 +34,8 @@ PAGES = (
     link_previews.page,
     account.page,
     invitations.page,
+    classes.page,
+    assignments.page,
     docs.page,
     status.page,
 )

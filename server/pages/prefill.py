@@ -6,6 +6,9 @@ from flask import g, request
 
 from seamark.sandbox.languages import LANGUAGES, editor_starters
 from seamark.server.accounts.permissions import Action, can
+from seamark.server.classes import assignments
+from seamark.server.classes.assignments import AssignmentView
+from seamark.server.classes.refusals import ClassRefused
 from seamark.server.database.tables import Run
 from seamark.server.programs import store
 from seamark.server.programs.store import StoredProgram
@@ -31,8 +34,11 @@ class Prefill:
 
 
 def initial(benchmark: Benchmark) -> Prefill:
-    """Return what the URL asks for: `from=<run>`, or presets and a built-in controller."""
+    """Return what the URL asks for: an assignment, a run, or presets and a built-in controller."""
+    assignment = assignment_of(request.args.get("assignment", ""))
     run = _requested_run(benchmark)
+    if assignment is not None and assignment.benchmark == benchmark.name:
+        return _for_assignment(benchmark, assignment, run)
     if run is not None:
         return _from_run(benchmark, run)
     controller = request.args.get("controller", "")
@@ -45,6 +51,15 @@ def initial(benchmark: Benchmark) -> Prefill:
         },
         posted={"controller": controller if known else next(iter(benchmark.built_in))},
     )
+
+
+def assignment_of(text: str) -> AssignmentView | None:
+    """Return the assignment in a URL or form if the viewer may submit runs for it now."""
+    try:
+        with services().database.reading() as session:
+            return assignments.open_for(session, row_id(text), g.viewer.user_id)
+    except (ValueError, ClassRefused):
+        return None
 
 
 def visible_run(text: str) -> int | None:
@@ -96,6 +111,26 @@ def _from_run(benchmark: Benchmark, run: RunView) -> Prefill:
         posted=posted | _in_editor(benchmark, program),
         program=program,
         note=f"With the program{', ' if run.seed is not None else ' and '}{what} of run {run.id}.",
+    )
+
+
+def _for_assignment(
+    benchmark: Benchmark, assignment: AssignmentView, run: RunView | None
+) -> Prefill:
+    """Return the form of an assignment, with the program of a run if the URL has one too."""
+    first = None if run is None else _from_run(benchmark, run)
+    posted = {"controller": next(iter(benchmark.built_in))} if first is None else first.posted
+    solution = {} if first is None else first.values
+    return Prefill(
+        values={**assignment.config, **solution, **assignment.fixed()},
+        posted=posted
+        | {
+            "assignment": str(assignment.id),
+            "kind": RunKind.RANKED if assignment.is_ranked else RunKind.PRACTICE,
+            "seed": "" if assignment.seed is None else str(assignment.seed),
+            "trials": str(assignment.trials),
+        },
+        program=None if first is None else first.program,
     )
 
 

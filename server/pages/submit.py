@@ -10,7 +10,7 @@ from seamark.server.pages import benchmarks, form_fields, own_parameters, prefil
 from seamark.server.programs import archives
 from seamark.server.programs.preparation import TEXT_MAX_BYTES, UploadRejected
 from seamark.server.programs.store import StoredProgram
-from seamark.server.runs import quota, submission, trial_limits
+from seamark.server.runs import assigned, quota, submission, trial_limits
 from seamark.server.runs.quota import QuotaExceeded
 from seamark.server.runs.states import RunKind
 from seamark.server.runs.submission import UPLOAD, Submission, SubmissionRejected
@@ -103,7 +103,7 @@ def _submission(
     if ranked:  # a ranked run has the benchmark's own scenario: its fields do not matter
         values = form_fields.solution(benchmark.schema(), values)
     trials = _whole(posted, "trials", "The number of trials")
-    return Submission(
+    sent = Submission(
         viewer=authentication.become_guest(),
         benchmark=benchmark.name,
         config=values | own_parameters.read(posted),
@@ -115,6 +115,11 @@ def _submission(
         title=posted.get("title", ""),
         rerun_of=prefill.visible_run(posted.get("from", "")),
     )
+    assignment = _whole(posted, "assignment", "The number of an assignment")
+    if assignment is None:
+        return sent
+    with services().database.reading() as session:
+        return assigned.for_assignment(session, assignment, sent)
 
 
 def _whole(posted: dict[str, str], name: str, what: str) -> int | None:
@@ -162,6 +167,7 @@ def _show(
         presets=schema.get("x-presets", {}),
         defaults={name: entry["default"] for name, entry in schema["properties"].items()},
         posted=posted,
+        assignment=prefill.assignment_of(posted.get("assignment", "")),
         note=note,
         errors=errors,
         parameters=shown,

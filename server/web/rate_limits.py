@@ -17,6 +17,8 @@ CREDENTIAL_ATTEMPTS = "10 per minute; 100 per hour"
 SIGN_INS = "60 per minute; 600 per hour"  # also successful ones: a class may share one address
 # Wrong passwords for one account, from all addresses. Who is signed in stays signed in meanwhile.
 GUESSES = "20 per hour; 100 per day"
+# Wrong codes of classes: of one account, and from one address, which a school may share.
+CODES, CODES_OF_ADDRESS = "20 per hour; 100 per day", "300 per hour"
 SUBMISSIONS = "30 per minute; 300 per hour"
 CHECKS = "20 per minute; 300 per hour"
 

@@ -15,6 +15,8 @@ from flask.testing import FlaskClient
 from seamark.server.accounts import accounts
 from seamark.server.accounts.permissions import ACCOUNT_ROLES
 from seamark.server.app import create_app
+from seamark.server.classes import assignments, classrooms
+from seamark.server.classes.assignments import Draft
 from seamark.server.web import authentication
 from tests.cast import Backend
 from tests.server.api.conftest import Site
@@ -121,6 +123,18 @@ def invites(caller: Caller) -> bool:
     return caller.is_at_least("teacher")
 
 
+def teaches(caller: Caller) -> bool:
+    return caller.has(READ) and (caller.role == "tim" or caller.administers) and caller.has(ADMIN)
+
+
+def has_classes(caller: Caller) -> bool:
+    return caller.is_at_least("teacher")
+
+
+def sees_class(caller: Caller) -> bool:
+    return reads_its_own(caller) or teaches(caller)
+
+
 ORDER: dict[str, Any] = {"json": {"benchmark": "currents-v1", "controller": "pi"}}
 TOKEN: dict[str, Any] = {"json": {"name": "t", "scopes": ["submit"]}}
 FORM = {"controller": "pi", "kind": "practice"}
@@ -166,6 +180,50 @@ ACTIONS = {
 }
 DELETE_DATA = {"delete-data": (changes_run, "recorded")}
 RERUN = {"rerun": (changes_its_own, "recorded")}
+CODE: dict[str, Any] = {"code": "0000000000"}
+TASK = {"title": "Hold", "benchmark": "currents-v1"}
+A, AS = "/assignments/{assignment}", "/assignments/<row:assignment_id>"
+C, CS = "/classes/{class}", "/classes/<row:class_id>"
+API_A, API_AS = "/api/v1/assignments/{assignment}", "/api/v1/assignments/<int:assignment_id>"
+API_C, API_CS = "/api/v1/classes/{class}", "/api/v1/classes/<int:class_id>"
+CLASSES: dict[tuple[str, str], Entry] = {  # ann is in a class of tim
+    ("GET", "/classes/"): Entry(reads_account),
+    ("POST", "/classes/"): Entry(has_classes, 303, options={"data": {"name": "5b"}}),
+    ("POST", "/classes/join"): Entry(changes_tokens, 422, options={"data": CODE}),
+    ("GET", CS): Entry(sees_class, path=C),
+    ("POST", CS): Entry(teaches, 303, C, {"data": {"name": "5c"}}),
+    ("POST", f"{CS}/code"): Entry(teaches, 303, f"{C}/code"),
+    ("POST", f"{CS}/archive"): Entry(teaches, 303, f"{C}/archive"),
+    ("POST", f"{CS}/delete"): Entry(teaches, 303, f"{C}/delete"),
+    ("POST", f"{CS}/leave"): Entry(changes_its_own, 303, f"{C}/leave"),
+    ("GET", f"{CS}/pupils"): Entry(teaches, path=f"{C}/pupils"),
+    ("POST", f"{CS}/pupils/<row:user_id>/remove"): Entry(
+        teaches, 303, f"{C}/pupils/{{pupil}}/remove"
+    ),
+    ("GET", f"{CS}/assignments/new"): Entry(teaches, path=f"{C}/assignments/new"),
+    ("POST", f"{CS}/assignments"): Entry(teaches, 303, f"{C}/assignments", {"data": TASK}),
+    ("GET", AS): Entry(sees_class, path=A),
+    ("POST", AS): Entry(teaches, 303, A, {"data": TASK}),
+    ("POST", f"{AS}/delete"): Entry(teaches, 303, f"{A}/delete"),
+    ("GET", f"{AS}/pupils.csv"): Entry(teaches, path=f"{A}/pupils.csv"),
+    ("GET", "/api/v1/classes"): Entry(reads_account),
+    ("POST", "/api/v1/classes"): Entry(has_classes, 201, options={"json": {"name": "5b"}}),
+    ("POST", "/api/v1/classes/join"): Entry(changes_tokens, 422, options={"json": CODE}),
+    ("GET", API_CS): Entry(sees_class, path=API_C),
+    ("PATCH", API_CS): Entry(teaches, path=API_C, options={"json": {"name": "5c"}}),
+    ("DELETE", API_CS): Entry(teaches, 204, API_C),
+    ("POST", f"{API_CS}/leave"): Entry(changes_its_own, 204, f"{API_C}/leave"),
+    ("GET", f"{API_CS}/pupils"): Entry(teaches, path=f"{API_C}/pupils"),
+    ("DELETE", f"{API_CS}/pupils/<int:user_id>"): Entry(teaches, 204, f"{API_C}/pupils/{{pupil}}"),
+    ("GET", f"{API_CS}/assignments"): Entry(sees_class, path=f"{API_C}/assignments"),
+    ("POST", f"{API_CS}/assignments"): Entry(teaches, 201, f"{API_C}/assignments", {"json": TASK}),
+    ("GET", API_AS): Entry(sees_class, path=API_A),
+    ("PATCH", API_AS): Entry(teaches, path=API_A, options={"json": {"title": "Hold on"}}),
+    ("DELETE", API_AS): Entry(teaches, 204, API_A),
+    ("GET", f"{API_AS}/pupils"): Entry(teaches, path=f"{API_A}/pupils"),
+    ("GET", f"{API_AS}/runs"): Entry(sees_class, path=f"{API_A}/runs"),
+    ("GET", f"{API_AS}/ranking"): Entry(teaches, path=f"{API_A}/ranking"),
+}
 OPEN = Entry(everybody)
 ROUTES: dict[tuple[str, str], Entry] = {
     ("GET", "/static/<path:filename>"): Entry(everybody, path="/static/logo.svg"),
@@ -195,6 +253,7 @@ ROUTES: dict[tuple[str, str], Entry] = {
     ("POST", "/password"): Entry(changes_password, 422, options={"data": WRONG}),
     ("GET", "/invitations"): Entry(invites),
     ("POST", "/invitations"): Entry(invites, options={"data": {"count": "2"}}),
+    **CLASSES,
     ("GET", "/docs/"): Entry(everybody, 302),
     ("GET", "/docs/search"): Entry(everybody),
     ("GET", "/docs/<name>"): Entry(everybody, path="/docs/start"),
@@ -286,6 +345,8 @@ def path_of(site: Site, route: str, entry: Entry, recorded: int) -> str:
         path = path.replace("{run}", str(run_of(site, entry.run) if entry.run else recorded))
     if "{other}" in path:
         path = path.replace("{other}", str(run_of(site, "recorded")))
+    if "{class}" in path or "{assignment}" in path:
+        path = in_class(site, path)
     if "{check}" in path:
         path = path.replace("{check}", str(site.queue_check("ann")))
     if "{token}" in path:
@@ -294,6 +355,19 @@ def path_of(site: Site, route: str, entry: Entry, recorded: int) -> str:
             spare = accounts.tokens(session, site.user_id("ann"))[0].id
         path = path.replace("{token}", str(spare))
     return path
+
+
+def in_class(site: Site, path: str) -> str:
+    """Return an address of a new class of tim, in which ann is, with an assignment."""
+    with site.database.writing() as session:
+        class_id = classrooms.create(session, site.user_id("tim"), "5a")
+        room = classrooms.find(session, class_id)
+        assert room is not None
+        classrooms.join(session, site.user_id("ann"), room.code)
+        draft = Draft(title="Hold", benchmark="currents-v1", config={})
+        assignment = assignments.create(session, class_id, draft, trials_max=1)
+    values = {"class": class_id, "assignment": assignment, "pupil": site.user_id("ann")}
+    return path.format(**values)
 
 
 def run_of(site: Site, state: str) -> int:

@@ -1,0 +1,67 @@
+"""Access of the current request to classes and assignments, for pages and the API alike.
+
+Whoever neither teaches a class nor belongs to it gets the same answer as for one that is not there.
+"""
+
+from sqlalchemy.orm import Session
+
+from seamark.server.accounts.permissions import Action, teaches
+from seamark.server.classes import assignments, classrooms
+from seamark.server.classes.assignments import AssignmentView
+from seamark.server.classes.classrooms import ClassView
+from seamark.server.web import access
+from seamark.server.web.problems import Problem
+from seamark.server.web.services import services
+
+
+def class_for(class_id: int) -> ClassView:
+    """Return a class that the viewer teaches or belongs to."""
+    access.require(Action.VIEW_CLASSES)
+    with services().database.reading() as session:
+        found = classrooms.find(session, class_id)
+        if found is None or not _sees(session, found.id, found.teacher_id):
+            raise Problem("not-found", f"There is no class {class_id}, or you are not in it.")
+    return found
+
+
+def taught_class(class_id: int) -> ClassView:
+    """Return a class that the viewer teaches."""
+    access.require(Action.TEACH)
+    found = class_for(class_id)
+    _require_teacher(found.teacher_id)
+    return found
+
+
+def assignment_for(assignment_id: int) -> AssignmentView:
+    """Return an assignment of a class that the viewer teaches or belongs to."""
+    access.require(Action.VIEW_CLASSES)
+    with services().database.reading() as session:
+        found = assignments.find(session, assignment_id)
+        if found is None or not _sees(session, found.class_id, found.teacher_id):
+            raise Problem(
+                "not-found", f"There is no assignment {assignment_id}, or you are not in its class."
+            )
+    return found
+
+
+def taught_assignment(assignment_id: int) -> AssignmentView:
+    """Return an assignment of a class that the viewer teaches."""
+    access.require(Action.TEACH)
+    found = assignment_for(assignment_id)
+    _require_teacher(found.teacher_id)
+    return found
+
+
+def is_teacher(of: ClassView | AssignmentView) -> bool:
+    """Return whether the viewer has the rights of the teacher."""
+    return teaches(access.viewer(), of.teacher_id)
+
+
+def _sees(session: Session, class_id: int, teacher_id: int) -> bool:
+    viewer = access.viewer()
+    return teaches(viewer, teacher_id) or classrooms.has_member(session, class_id, viewer.user_id)
+
+
+def _require_teacher(teacher_id: int) -> None:
+    if not teaches(access.viewer(), teacher_id):
+        raise Problem("forbidden", "Only the teacher of the class may do this.")
