@@ -74,11 +74,7 @@ class RunRequest(BaseModel):
     title: Text = Field("", max_length=TITLE_MAX)
     notes: Text = Field("", max_length=NOTES_MAX)
     assignment: int | None = Field(
-        None,
-        ge=1,
-        le=ROW_ID_MAX,
-        description="Assignment of a class that the run is for; it fixes kind, scenario, seed and "
-        "trials",
+        None, ge=1, le=ROW_ID_MAX, description="It fixes kind, scenario, seed and trials"
     )
 
 

@@ -23,7 +23,7 @@ def for_assignment(session: Session, assignment_id: int, sent: Submission) -> Su
     SubmissionRejected
         The sender may not submit for it now, or sent something else than it asks for.
     ConfigurationInvalid
-        The settings of the solution are wrong.
+        A setting of the scenario has an invalid value.
     """
     try:
         found = assignments.open_for(session, assignment_id, sent.viewer.user_id)
@@ -47,12 +47,13 @@ def for_assignment(session: Session, assignment_id: int, sent: Submission) -> Su
 
 def _config(found: AssignmentView, chosen: Mapping[str, object]) -> dict[str, object]:
     """Return the settings of a run; raises SubmissionRejected if one is not the assignment's."""
-    declared = registry.benchmark(found.benchmark)
-    config = declared.read({**found.config, **chosen}).model_dump(mode="json")
-    for name, value in found.fixed().items():
+    benchmark, fixed = registry.benchmark(found.benchmark), found.fixed()
+    sent = {name: value for name, value in chosen.items() if name in fixed}
+    config = benchmark.read({**found.config, **sent}).model_dump(mode="json")
+    for name, value in fixed.items():
         if config[name] != value:
-            title = declared.configuration.model_fields[name].title or name
+            title = benchmark.configuration.model_fields[name].title or name
             raise SubmissionRejected(
                 f"The assignment fixes this setting: {title} = {value}.", field=name
             )
-    return config
+    return {**found.config, **chosen, **fixed}  # with the parameters of the pupil's program
