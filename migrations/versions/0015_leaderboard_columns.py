@@ -14,13 +14,19 @@ FILL = {
     "sqlite": """
         UPDATE best SET language = coalesce(r.language, ''),
             vehicle = substr(coalesce(json_extract(r.config, '$.vehicle'), ''), 1, 40),
-            tracker = substr(coalesce(json_extract(r.config, '$.tracker'), ''), 1, 40)
+            tracker = CASE
+                WHEN r.benchmark LIKE 'visibility%' AND r.controller <> 'built-in' THEN ''
+                ELSE substr(coalesce(json_extract(r.config, '$.tracker'), ''), 1, 40)
+            END
         FROM runs AS r WHERE r.id = best.run_id
     """,
     "postgresql": """
         UPDATE best SET language = coalesce(r.language, ''),
             vehicle = substr(coalesce(r.config ->> 'vehicle', ''), 1, 40),
-            tracker = substr(coalesce(r.config ->> 'tracker', ''), 1, 40)
+            tracker = CASE
+                WHEN r.benchmark LIKE 'visibility%' AND r.controller <> 'built-in' THEN ''
+                ELSE substr(coalesce(r.config ->> 'tracker', ''), 1, 40)
+            END
         FROM runs AS r WHERE r.id = best.run_id
     """,
 }

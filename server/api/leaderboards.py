@@ -2,35 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from flask import Response, jsonify, request
 from flask_openapi3.blueprint import APIBlueprint
 from flask_openapi3.models.tag import Tag
 
+from seamark.server.accounts.permissions import Action
 from seamark.server.api.benchmarks import check
 from seamark.server.api.schemas import BenchmarkPath, RankQuery, RanksResponse
 from seamark.server.database.engine import Database
-from seamark.server.runs import leaderboard
+from seamark.server.runs import leaderboard_filters
 from seamark.server.runs.leaderboard import Cursor, Rank
-from seamark.server.web import csv_export
+from seamark.server.runs.leaderboard_filters import BoardFilter, BoardPage
+from seamark.server.web import access, csv_export
 from seamark.server.web.problems import Problem
 from seamark.server.web.services import services
+from seamark.sim import registry
+from seamark.sim.metrics.metric import Metric
 
 COLUMNS = (
-    *(
-        "rank",
-        "rank_low",
-        "rank_high",
-        "user",
-        "controller",
-        "run",
-        "score",
-        "score_low",
-        "score_high",
-    ),
-    *("level_held", "submissions", "reached_at", "is_baseline", "title"),
+    *("rank", "rank_low", "rank_high", "user", "affiliation", "controller", "run"),
+    *("score", "score_low", "score_high", "level_held", "submissions", "reached_at"),
+    *("is_baseline", "title", "language", "vehicle", "tracker", "notes"),
 )
 PAGE = 50  # rows of a page by default
 CSV_PAGE = 500  # rows that are read at a time
@@ -47,36 +42,69 @@ api = APIBlueprint(
 def show(path: BenchmarkPath, query: RankQuery) -> Response:
     """Return the ranks of one benchmark, with their ranges and intervals, as JSON or CSV."""
     check(path.benchmark)
-    after = _cursor(query.after)
+    board = _Board(services().database, path.benchmark, _filter(query), _metric(path, query))
+    after = _cursor(query)
     if _wants_csv(query):
-        lines = _lines(services().database, path.benchmark, after, query.limit)
-        answer = Response(lines, content_type=csv_export.MEDIA_TYPE)
+        answer = Response(board.lines(after, query.limit), content_type=csv_export.MEDIA_TYPE)
     else:
-        limit = query.limit or PAGE
-        ranks = _page(services().database, path.benchmark, after, limit)
-        following = ranks[-1].cursor.text() if len(ranks) == limit else None
-        rows = [_row(rank) for rank in ranks]
+        page = board.page(after, query.limit or PAGE)
+        following = None if page.next is None else page.next.text()
+        rows = [_row(rank) for rank in page.ranks]
         answer = jsonify({"benchmark": path.benchmark, "ranks": rows, "next": following})
     answer.headers["Vary"] = "Accept"
     return answer
 
 
-def _page(database: Database, benchmark: str, after: Cursor | None, limit: int) -> list[Rank]:
-    with database.reading() as session:
-        return leaderboard.page(session, benchmark, after=after, limit=limit)
+class _Board:
+    """The rows that a request is about."""
+
+    def __init__(
+        self, database: Database, name: str, board_filter: BoardFilter, metric: Metric | None
+    ) -> None:
+        self._database, self._name = database, name
+        self._filter, self._metric = board_filter, metric
+
+    def page(self, after: Cursor | None, limit: int) -> BoardPage:
+        with self._database.reading() as session:
+            shown = (session, self._name)
+            if self._metric is None:
+                return leaderboard_filters.page(*shown, self._filter, after=after, limit=limit)
+            ranks = leaderboard_filters.by_metric(*shown, self._metric, self._filter, limit=limit)
+            return BoardPage(ranks, None)
+
+    def lines(self, after: Cursor | None, limit: int | None) -> Iterator[str]:
+        """Yield the CSV page by page: no transaction stays open while a slow client reads."""
+        metrics = [metric.name for metric in registry.benchmark(self._name).board_metrics]
+        columns = (*COLUMNS, *metrics)
+        yield csv_export.lines(columns, ())
+        while True:
+            page = self.page(after, limit or CSV_PAGE)
+            rows = (_flat(rank, metrics) for rank in page.ranks)
+            yield csv_export.lines(columns, rows, header=False)
+            after = page.next
+            if limit is not None or after is None:
+                return
 
 
-def _lines(
-    database: Database, benchmark: str, after: Cursor | None, limit: int | None
-) -> Iterator[str]:
-    """Yield the CSV page by page: no transaction stays open while a slow client reads."""
-    yield csv_export.lines(COLUMNS, ())
-    while True:
-        ranks = _page(database, benchmark, after, limit or CSV_PAGE)
-        yield csv_export.lines(COLUMNS, map(_row, ranks), header=False)
-        if limit is not None or len(ranks) < CSV_PAGE:
-            return
-        after = ranks[-1].cursor
+def _filter(query: RankQuery) -> BoardFilter:
+    return BoardFilter(
+        vehicle=query.vehicle,
+        tracker=query.tracker,
+        language=query.language,
+        program=query.program,
+        baselines=query.baselines,
+        user_id=access.require_account(Action.VIEW_ACCOUNT) if query.mine else None,
+    )
+
+
+def _metric(path: BenchmarkPath, query: RankQuery) -> Metric | None:
+    if not query.sort:
+        return None
+    known = {metric.name: metric for metric in registry.benchmark(path.benchmark).board_metrics}
+    if query.sort not in known:
+        hint = f"Choose one of {', '.join(known)}, or omit it to sort by score."
+        raise Problem("invalid-request", "There is no such metric.", errors={"sort": hint})
+    return known[query.sort]
 
 
 def _wants_csv(query: RankQuery) -> bool:
@@ -85,11 +113,11 @@ def _wants_csv(query: RankQuery) -> bool:
     return request.accept_mimetypes.best_match(["application/json", "text/csv"]) == "text/csv"
 
 
-def _cursor(text: str | None) -> Cursor | None:
-    if text is None:
+def _cursor(query: RankQuery) -> Cursor | None:
+    if query.after is None:
         return None
     try:
-        return Cursor.parse(text)
+        return Cursor.parse(query.after)
     except (ValueError, OverflowError):
         raise Problem(
             "invalid-request",
@@ -104,6 +132,7 @@ def _row(rank: Rank) -> dict[str, Any]:
         "rank_low": rank.rank_low,
         "rank_high": rank.rank_high,
         "user": rank.user,
+        "affiliation": rank.affiliation,
         "controller": rank.program_name or rank.controller,
         "run": rank.run_id,
         "score": rank.score,
@@ -114,4 +143,13 @@ def _row(rank: Rank) -> dict[str, Any]:
         "reached_at": rank.reached_at,
         "is_baseline": rank.is_baseline,
         "title": rank.title,
+        "language": rank.language,
+        "vehicle": rank.vehicle,
+        "tracker": rank.tracker,
+        "notes": rank.notes,
+        "metrics": dict(rank.metrics),
     }
+
+
+def _flat(rank: Rank, metrics: Sequence[str]) -> Mapping[str, Any]:
+    return _row(rank) | {name: rank.metrics.get(name) for name in metrics}

@@ -10,6 +10,7 @@ from seamark.server.accounts import invitations
 from seamark.server.accounts.accounts import TOKEN_DAYS, TOKEN_DAYS_MAX, TOKEN_NAME_MAX
 from seamark.server.programs.diagnostics import Diagnostic
 from seamark.server.runs.columns import PublicRun
+from seamark.server.runs.leaderboard_filters import SORTED_MAX
 from seamark.server.runs.submission import NOTES_MAX, TITLE_MAX
 from seamark.server.runs.views import RunView
 from seamark.server.web.url_converters import ROW_ID_MAX
@@ -167,8 +168,20 @@ class DatasetQuery(BaseModel):
 
 
 class RankQuery(BaseModel):
-    """Pagination and format of the leaderboard."""
+    """Filters, order, pagination and format of the leaderboard."""
 
+    vehicle: str = Field("", max_length=40, description="Vehicle of the run, such as girona500")
+    tracker: str = Field("", max_length=40, description="Built-in tracker of the run")
+    language: str = Field("", max_length=40, description="Language of an uploaded program")
+    program: Literal["", "uploaded", "built-in"] = Field("", description="Kind of program")
+    baselines: Literal["", "hide", "only"] = Field("", description="Without or only baselines")
+    mine: bool = Field(False, description="Only the row of the account")
+    sort: str = Field(
+        "",
+        max_length=80,
+        description=f"Metric by which the first {SORTED_MAX} rows by score are sorted; by score if "
+        "omitted. There is one page of such rows",
+    )
     after: str | None = Field(None, max_length=120, description="`next` of the previous page")
     limit: int | None = Field(
         None, ge=1, le=500, description="50 if omitted; for CSV, all following rows"
@@ -323,6 +336,13 @@ class RankResponse(ResponseModel):
     submissions: int = Field(description="ranked runs of this user in this benchmark that ended")
     reached_at: float
     is_baseline: bool
+    title: str = Field(description="of the run")
+    notes: str = Field(description="of the run: how its author describes the method")
+    affiliation: str = Field(description="of the user")
+    language: str = Field(description="of the uploaded program; empty for a built-in solution")
+    vehicle: str
+    tracker: str = Field(description="built-in tracker; empty if the program is the tracker")
+    metrics: dict[str, float] = Field(description="by name, such as the benchmark lists them")
 
 
 class RanksResponse(ResponseModel):

@@ -1,13 +1,26 @@
 """The leaderboard of a benchmark."""
 
+from typing import Any
+
 from flask import Blueprint, abort, g, redirect, render_template, request, url_for
 from flask.typing import ResponseReturnValue
+from sqlalchemy.orm import Session
 
-from seamark.server.pages import benchmarks, link_previews
-from seamark.server.runs import leaderboard, score_counts
+from seamark.sandbox.languages import LANGUAGES
+from seamark.server.pages import benchmarks, leader_replay, link_previews, plots
+from seamark.server.pages.player_data import player_data
+from seamark.server.pages.rank_plot import rank_plot
+from seamark.server.runs import leaderboard, leaderboard_filters, rank_history, score_counts
+from seamark.server.runs.leaderboard import Cursor, Rank
+from seamark.server.runs.leaderboard_filters import ONLY, SORTED_MAX, BoardFilter, BoardPage
 from seamark.server.web.services import services
+from seamark.sim.benchmarks.benchmark import Benchmark
+from seamark.sim.metrics.metric import Metric
+from seamark.sim.registry import TRUTH
+from seamark.sim.settings.setting import schema_extras
 
 SIZE = 50
+FILTERS = ("program", "language", "vehicle", "tracker", "baselines")
 page = Blueprint("leaderboard", __name__, url_prefix="/leaderboards")
 
 
@@ -21,27 +34,105 @@ def first() -> ResponseReturnValue:
 def show(name: str) -> ResponseReturnValue:
     """Show a page of the ranks of a benchmark."""
     benchmark = benchmarks.by_name(name)
-    after = None
-    if text := request.args.get("after"):
-        try:
-            after = leaderboard.Cursor.parse(text)
-        except (ValueError, OverflowError):
-            abort(404)
+    after, chosen = _after(), _filter()
+    metric = next((m for m in benchmark.board_metrics if m.name == request.args.get("sort")), None)
+    begin = after is None
     with services().database.reading() as session:
-        ranks = leaderboard.page(session, name, after=after, limit=SIZE + 1)
+        board = _page(session, benchmark, chosen, after, metric)
+        marks = leaderboard_filters.page(session, name, BoardFilter(baselines=ONLY)).ranks
+        leader = leader_replay.leader(session, board.ranks) if begin and not metric else None
+        own = _own(session, name)
         count = score_counts.size(session, name)
-        mine = None
-        if g.viewer.user_id is not None:
-            mine = leaderboard.rank_of(session, name, g.viewer.user_id)
-    shown = ranks[:SIZE]
     return render_template(
         "leaderboard/show.html",
         benchmark=benchmark,
         benchmarks=benchmarks.labels(),
-        ranks=shown,
-        next=shown[-1].cursor.text() if len(ranks) > SIZE else None,
-        first=after is None,
+        ranks=board.ranks,
+        next=board.next.text() if board.next else None,
+        first=begin,
         count=count,
-        mine=mine,
-        preview=link_previews.of_leaderboard(benchmark, shown if after is None else ()),
+        marks=marks,
+        chosen=chosen,
+        options=_options(benchmark),
+        query={key: value for key, value in request.args.items() if key != "after"},
+        metric=metric,
+        shown_metric=metric or next(iter(benchmark.board_metrics), None),
+        sorted_max=SORTED_MAX,
+        axis=plots.score_axis(board.ranks, marks, whole="whole" in request.args),
+        whole_axis=plots.score_axis(board.ranks[:1], marks, whole=True),
+        pareto=_pareto(benchmark, board.ranks, marks),
+        leader=leader,
+        replay=leader and player_data(leader, leader_replay.files(leader)),
+        preview=link_previews.of_leaderboard(benchmark, board.ranks if begin else ()),
+        **own,
     )
+
+
+def _after() -> Cursor | None:
+    text = request.args.get("after")
+    if not text:
+        return None
+    try:
+        return Cursor.parse(text)
+    except (ValueError, OverflowError):
+        abort(404)
+
+
+def _filter() -> BoardFilter:
+    values = {key: request.args.get(key, "") for key in FILTERS}
+    mine = g.viewer.user_id if request.args.get("mine") else None
+    return BoardFilter(**values, user_id=mine)
+
+
+def _page(
+    session: Session,
+    benchmark: Benchmark,
+    chosen: BoardFilter,
+    after: Cursor | None,
+    metric: Metric | None,
+) -> BoardPage:
+    if metric is None:
+        found = leaderboard_filters.page(session, benchmark.name, chosen, after=after, limit=SIZE)
+        return found
+    ranks = leaderboard_filters.by_metric(session, benchmark.name, metric, chosen, limit=SIZE)
+    return BoardPage(ranks, None)
+
+
+def _own(session: Session, name: str) -> dict[str, Any]:
+    """Return the viewer's own row and the history of its rank."""
+    user_id = g.viewer.user_id
+    if user_id is None:
+        return {"mine": None, "history": None}
+    mine = leaderboard.rank_of(session, name, user_id)
+    points = rank_history.of_user(session, user_id, name)
+    return {"mine": mine, "history": rank_plot(points, None if mine is None else mine.rank)}
+
+
+def _pareto(benchmark: Benchmark, ranks: list[Rank], marks: list[Rank]) -> plots.ParetoPlot | None:
+    """Return the plot of the rows of this page and of all marks."""
+    if benchmark.pareto is None:
+        return None
+    seen = {rank.run_id: rank for rank in (*ranks, *marks)}
+    shown = list(seen.values())
+    front = leaderboard_filters.undominated(shown, *benchmark.pareto)
+    return plots.pareto_plot(shown, front, benchmark.pareto)
+
+
+def _options(benchmark: Benchmark) -> dict[str, dict[str, str]]:
+    """Return filter -> its values with their labels."""
+    found = {
+        "program": {"uploaded": "Uploaded", "built-in": "Built in"},
+        "language": {name: each.label.partition(" (")[0] for name, each in LANGUAGES.items()},
+    }
+    settings = benchmark.configuration.model_fields
+    for name in ("vehicle", "tracker"):
+        if name in settings:
+            labels: dict[str, str] = schema_extras(settings[name]).get("x-labels", {})
+            found[name] = {key: _short(label) for key, label in labels.items() if key != TRUTH}
+    found["baselines"] = {"hide": "Without baselines", "only": "Baselines only"}
+    return found
+
+
+def _short(label: str) -> str:
+    """Return a label of the form without what it explains."""
+    return label.partition(";")[0].partition(" (")[0]

@@ -14,7 +14,7 @@ from sqlalchemy.orm import Session
 
 from seamark.server.database.advisory_locks import AdvisoryLock, acquire
 from seamark.server.database.tables import Best, Result, Run, User
-from seamark.server.runs import board_metrics, rank_history, score_counts
+from seamark.server.runs import board_metrics, rank_history, score_counts, solutions
 from seamark.server.runs.quota import ranked_ended
 from seamark.server.runs.ranking import Estimate, Population
 from seamark.server.runs.states import RunKind, RunState
@@ -114,6 +114,7 @@ class Key:
     reached_at: float
     language: str
     vehicle: str
+    tracker: str
     metrics: Mapping[str, float]
 
     @property
@@ -132,7 +133,7 @@ def keys(
 ) -> list[Key]:
     """Return the keys of the next rows, best first: a fraction of the work of whole rows."""
     columns = (Best.user_id, Best.is_baseline, Best.score, Best.reached_at)
-    query = select(*columns, Best.language, Best.vehicle, Best.metrics)
+    query = select(*columns, Best.language, Best.vehicle, Best.tracker, Best.metrics)
     query = query.where(Best.benchmark == benchmark).order_by(*_ORDER).limit(limit)
     if only_baselines:
         query = query.where(Best.is_baseline)
@@ -287,7 +288,7 @@ def _best(run: Run, result: Result, is_baseline: bool) -> Best:
         reached_at=run.finished_at,
         language=run.language or "",
         vehicle=str(run.config.get("vehicle", ""))[:LABEL_MAX],
-        tracker=str(run.config.get("tracker", ""))[:LABEL_MAX],
+        tracker=solutions.built_in_tracker(run)[:LABEL_MAX],
         metrics=board_metrics.values(run.benchmark, result.metrics),
     )
 

@@ -31,6 +31,8 @@ class Filtered(Protocol):
     def language(self) -> str: ...  # noqa: D102
     @property
     def vehicle(self) -> str: ...  # noqa: D102
+    @property
+    def tracker(self) -> str: ...  # noqa: D102
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -38,6 +40,7 @@ class BoardFilter:
     """Which rows of a leaderboard are shown; empty values show all."""
 
     vehicle: str = ""
+    tracker: str = ""  # built in
     language: str = ""  # of uploaded programs
     program: str = ""  # UPLOADED or BUILT_IN
     baselines: str = ""  # HIDE or ONLY
@@ -53,6 +56,7 @@ class BoardFilter:
         kind = UPLOADED if row.language else BUILT_IN
         return (
             self.vehicle in ("", row.vehicle)
+            and self.tracker in ("", row.tracker)
             and self.language in ("", row.language)
             and self.program in ("", kind)
             and self.baselines in ("", ONLY if row.is_baseline else HIDE)

@@ -19,6 +19,15 @@ class HasSolution(Protocol):
     def program_name(self) -> str | None: ...  # noqa: D102
 
 
+def built_in_tracker(run: HasSolution) -> str:
+    """Return the name of the built-in tracker of a run; empty if it is the program itself."""
+    benchmark = run.benchmark
+    if benchmark in registry.BENCHMARKS and registry.benchmark(benchmark).role == "tracker":
+        if run.controller not in registry.benchmark(benchmark).built_in:
+            return ""
+    return str(run.config.get("tracker", ""))
+
+
 def solution(run: HasSolution) -> str:
     """Return the name of the program, or the label of the built-in solution."""
     if run.program_name:

@@ -11,13 +11,14 @@ from seamark.server.runs.solutions import solution
 from seamark.server.runs.views import RunView
 from seamark.sim import registry
 
+_ENDINGS = {1: "st", 2: "nd", 3: "rd"}  # of places
 _STEPS = ((86_400, "day"), (3600, "hour"), (60, "minute"))
 
 
 def register(app: Flask) -> None:
     """Add the functions below, and `solution`, as filters."""
     of_runs, of_scores = (solution, score_unit, changed_scenario), (score, signed)
-    of_values = (number, plain, duration, about, size, words)
+    of_values = (number, plain, ordinal, duration, about, size, words)
     for function in (*of_runs, *of_scores, *of_values, utc, iso, ago):
         app.add_template_filter(function)
 
@@ -65,6 +66,12 @@ def number(value: object, digits: int = 3) -> str:
 def plain(value: float | None) -> str:
     """Return a number without trailing zeros."""
     return "–" if value is None else f"{value:g}".replace("-", "−")
+
+
+def ordinal(value: int) -> str:
+    """Return a number as a place: 1st, 2nd, 11th."""
+    tens = value // 10 % 10
+    return f"{value}{'th' if tens == 1 else _ENDINGS.get(value % 10, 'th')}"
 
 
 def _figures(value: float, digits: int) -> str:

@@ -1,0 +1,126 @@
+"""Axes of the small plots that pages draw as SVG: scores with intervals, ranks, Pareto fronts.
+
+Positions are percentages of the plot's width or height, so that a plot fits any screen while its
+text keeps its size.
+"""
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Self
+
+from seamark.server.runs.leaderboard import Rank
+from seamark.sim.metrics.metric import Metric
+
+TICKS = 5  # at most, on an axis
+_MARGIN = 2.0  # [%] free at both ends
+_STEPS = (1.0, 2.0, 5.0, 10.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Axis:
+    """A linear or logarithmic axis over the values it was made for."""
+
+    low: float
+    high: float
+    logarithmic: bool = False
+
+    @classmethod
+    def over(cls, values: Iterable[float], *, logarithmic: bool = False) -> Self:
+        """Return the axis from the least to the greatest of some values."""
+        known = [value for value in values if math.isfinite(value)]
+        positive = logarithmic and bool(known) and min(known) > 0.0
+        low, high = (min(known), max(known)) if known else (0.0, 1.0)
+        if low == high:
+            spare = 0.5 * abs(low) or 0.5
+            low, high = low - spare, high + spare
+        return cls(low, high, positive)
+
+    def at(self, value: float) -> float:
+        """Return the position of a value [%]; a value beyond an end is put there."""
+        low, high = self._scaled(self.low), self._scaled(self.high)
+        share = (self._scaled(value) - low) / (high - low)
+        inside = min(max(share, 0.0), 1.0)
+        return round(_MARGIN + (100.0 - 2.0 * _MARGIN) * inside, 2)
+
+    def up(self, value: float) -> float:
+        """Return the position on a vertical axis, from the top [%]."""
+        return round(100.0 - self.at(value), 2)
+
+    def has(self, value: float) -> bool:
+        """Return whether a value is on the axis."""
+        return self.low <= value <= self.high
+
+    def ticks(self) -> list[float]:
+        """Return some round values on the axis."""
+        if self.logarithmic:
+            return _powers(self.low, self.high)
+        step = _step((self.high - self.low) / TICKS)
+        first = math.ceil(self.low / step)
+        return [round(k * step, 12) + 0.0 for k in range(first, math.floor(self.high / step) + 1)]
+
+    def _scaled(self, value: float) -> float:
+        if not self.logarithmic:
+            return value
+        return math.log(value) if value > 0.0 else math.log(self.low)
+
+
+@dataclass(frozen=True, slots=True)
+class ParetoPlot:
+    """An error over its cost: all rows, and those of the front."""
+
+    error: Metric
+    cost: Metric
+    across: Axis  # of the cost
+    upward: Axis  # of the error
+    ranks: Sequence[Rank]
+    front: Sequence[Rank]
+
+
+def score_axis(ranks: Sequence[Rank], marks: Sequence[Rank], *, whole: bool) -> Axis:
+    """Return the axis of the intervals of a leaderboard.
+
+    It is zoomed to the rows of people; with `whole`, or without any, it has all marks too.
+    """
+    people = [rank for rank in ranks if not rank.is_baseline]
+    shown = [*ranks, *marks] if whole or not people else people
+    ends = [end for rank in shown for end in (rank.low, rank.high, rank.score)]
+    if not ends:
+        return Axis.over(())
+    spare = 0.04 * (max(ends) - min(ends))
+    return Axis.over([min(ends) - spare, max(ends) + spare])
+
+
+def pareto_plot(
+    ranks: Sequence[Rank], front: Sequence[Rank], pair: tuple[Metric, Metric]
+) -> ParetoPlot | None:
+    """Return the plot of the rows that have both metrics; None with fewer than two."""
+    error, cost = pair
+    known = [rank for rank in ranks if error.name in rank.metrics and cost.name in rank.metrics]
+    if len(known) < 2:
+        return None
+    return ParetoPlot(
+        error,
+        cost,
+        Axis.over((rank.metrics[cost.name] for rank in known), logarithmic=True),
+        Axis.over((rank.metrics[error.name] for rank in known), logarithmic=True),
+        known,
+        front,
+    )
+
+
+def _step(least: float) -> float:
+    """Return 1, 2 or 5 times a power of ten, at least so much."""
+    unit = 10.0 ** math.floor(math.log10(least))
+    return next(unit * factor for factor in _STEPS if unit * factor >= least * (1.0 - 1e-9))
+
+
+def _powers(low: float, high: float) -> list[float]:
+    """Return 1, 2 and 5 times powers of ten between two values; fewer if there are many."""
+    decades = range(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1)
+    for factors in ((1.0, 2.0, 5.0), (1.0,)):
+        found = [factor * 10.0**k for k in decades for factor in factors]
+        found = [float(f"{value:.3g}") for value in found if low <= value <= high]
+        if len(found) <= TICKS + 1:
+            return found
+    return found[:: math.ceil(len(found) / TICKS)]
