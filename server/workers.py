@@ -1,7 +1,8 @@
 """The workers of the service: which are alive, what their hosts can run, how they are doing."""
 
 import time
-from collections.abc import Collection, Mapping, Sequence
+from collections import Counter
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,6 +16,7 @@ from seamark.server.settings import Settings
 
 ALIVE_S = 35.0  # a worker counts as dead after this time without a heartbeat
 LISTED_S = 86_400.0  # dead workers stay listed for a day
+LISTED_MAX = 1000  # workers whose boxes are compared
 RUNNING = "running"  # state of a side process; any other text says what is wrong
 
 
@@ -96,6 +98,50 @@ def alive_count(session: Session) -> int:
 def slot_count(session: Session) -> int:
     """Return how many runs the living workers can run at the same time."""
     return session.scalar(select(func.sum(Worker.slots)).where(_is_alive())) or 0
+
+
+@dataclass(frozen=True, slots=True)
+class Found:
+    """A component of boxes: each of its versions with the number of workers that have it."""
+
+    kind: str
+    name: str
+    versions: Mapping[str, int]
+
+    def is_everywhere(self, count: int) -> bool:
+        """Return whether all of `count` workers have the same version."""
+        return list(self.versions.values()) == [count]
+
+
+@dataclass(frozen=True, slots=True)
+class Environment:
+    """What programs in one language find in the boxes of the living workers."""
+
+    language: str
+    workers: int  # that run programs in it
+    components: Sequence[Found]
+
+
+def environments(session: Session) -> list[Environment]:
+    """Return what programs find now, for each language that a worker can run."""
+    alive = list(session.scalars(select(Worker).where(_is_alive()).limit(LISTED_MAX)))
+    found = []
+    for language in LANGUAGES:
+        running = [worker for worker in alive if language in worker.languages]
+        if running:
+            reports = [worker.contents.get(language, []) for worker in running]
+            found.append(Environment(language, len(running), _merged(reports)))
+    return found
+
+
+def _merged(reports: Iterable[Sequence[Mapping[str, str]]]) -> list[Found]:
+    """Return the components of several workers, in the order of the first that has each."""
+    versions = dict[tuple[str, str], Counter[str]]()
+    for report in reports:
+        for component in report:
+            key = component["kind"], component["name"]
+            versions.setdefault(key, Counter())[component["version"]] += 1
+    return [Found(kind, name, dict(counts)) for (kind, name), counts in versions.items()]
 
 
 def finding_of(language: str) -> str:

@@ -16,6 +16,15 @@ class Finding:
 
 
 @dataclass(frozen=True, slots=True)
+class Component:
+    """An interpreter, a compiler or a library that programs find in a box."""
+
+    kind: str  # "interpreter", "compiler" or "library"
+    name: str
+    version: str
+
+
+@dataclass(frozen=True, slots=True)
 class IsolationReport:
     """The isolation level that this host reaches, with the findings that decided it."""
 

@@ -13,6 +13,7 @@ from seamark.server.api import (
     classes,
     compare,
     datasets,
+    environment,
     events,
     files,
     health,
@@ -25,6 +26,7 @@ from seamark.server.api import (
 
 RESOURCES = (
     benchmarks.api,
+    environment.api,
     runs.api,
     checks.api,
     actions.api,

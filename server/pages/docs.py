@@ -25,6 +25,7 @@ from seamark.sandbox.languages import (
 )
 from seamark.sandbox.languages.language import CONTROLLER, TRACKER
 from seamark.sandbox.limits import COMPILING, MEANING, Limits
+from seamark.server import workers
 from seamark.server.pages import benchmarks, docs_navigation, docs_search, guides
 from seamark.server.pages.docs_articles import sections_of
 from seamark.server.pages.docs_navigation import Entry
@@ -113,6 +114,16 @@ def _languages() -> dict[str, Any]:
     }
 
 
+def _box() -> dict[str, Any]:
+    with services().database.reading() as session:
+        found = workers.environments(session)
+    return {
+        "environments": [(LANGUAGES[one.language].label, one) for one in found],
+        "memory_mib": Limits().memory_mib,
+        "compiling": COMPILING,
+    }
+
+
 def _runs() -> dict[str, Any]:
     return {"reasons": DESCRIPTIONS, "settings": services().settings}
 
@@ -148,6 +159,7 @@ PAGES: Mapping[str, tuple[str, Callable[[], dict[str, Any]]]] = {
     "controller": ("Write a controller", _controller),
     "tracker": ("Write a tracker", _tracker),
     "languages": ("Languages", _languages),
+    "box": ("In the box", _box),
     "runs": ("Runs and failures", _runs),
     "metrics": ("Metrics and scores", _metrics),
     "telemetry": ("Telemetry", _telemetry),

@@ -18,7 +18,7 @@ from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.languages import LANGUAGES, language_of
 from seamark.sandbox.limits import COMPILING, Limits
 from seamark.sandbox.outcome import Outcome, ProgramEnded
-from seamark.sandbox.probing.self_test import why_not
+from seamark.sandbox.probing.self_test import tried
 from tests.hostile.conftest import LAYOUT, STEPS, limits_for
 from tests.sandbox.host_compiler import zipped
 from tests.sandbox.languages.folders import folder_of
@@ -76,7 +76,7 @@ def packed(folder: str, name: str) -> tuple[str, bytes]:
 
 @cache
 def missing(language: str, isolation: IsolationLevel) -> str:
-    return why_not(language, isolation)
+    return tried(language, isolation).why_not
 
 
 def stepped(

@@ -17,7 +17,7 @@ from seamark.sandbox.compilation import compiled
 from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.languages import language_of
 from seamark.sandbox.outcome import Outcome, ProgramEnded
-from seamark.sandbox.probing.self_test import why_not
+from seamark.sandbox.probing.self_test import tried
 from seamark.sandbox.protocol.answers import Loss
 from tests.hostile.conftest import limits_for
 
@@ -34,7 +34,7 @@ MEDIUM += ["resizes_images.c", "unprotects_image.c", "writes_image.c", "changes_
 
 @cache
 def missing(language: str, isolation: IsolationLevel) -> str:
-    return why_not(language, isolation)
+    return tried(language, isolation).why_not
 
 
 def shown(name: str, isolation: IsolationLevel) -> tuple[Outcome, list[object]]:

@@ -8,7 +8,7 @@ from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.languages import LANGUAGES, language_of
 from seamark.sandbox.limits import Limits
 from seamark.sandbox.outcome import Outcome, ProgramEnded, Verdict
-from seamark.sandbox.probing.self_test import why_not
+from seamark.sandbox.probing.self_test import tried
 
 pytestmark = pytest.mark.host
 
@@ -41,7 +41,7 @@ int seamark_step(const seamark_observation *observation, seamark_command *comman
 
 @pytest.fixture(autouse=True, scope="module")
 def _compiler(isolation: IsolationLevel) -> None:
-    if why := why_not("c++", isolation):
+    if why := tried("c++", isolation).why_not:
         pytest.skip(why)
 
 
@@ -61,7 +61,7 @@ def printed(
 
 @pytest.mark.parametrize("language", ["c", "c++"])
 def test_the_self_test_answers_half_the_error(language, isolation) -> None:
-    assert why_not(language, isolation) == ""
+    assert tried(language, isolation).why_not == ""
     assert LANGUAGES[language].compiler is not None
 
 

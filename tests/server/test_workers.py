@@ -97,3 +97,41 @@ def test_a_worker_that_starts_again_reports_its_side_processes_anew(both: Backen
     with both.database.reading() as session:
         (status,) = workers.listed(session)
     assert status.processes == {}
+
+
+def _reports(both: Backend, name: str, *components: tuple[str, str, str]) -> None:
+    """Register a worker that runs Python with these components."""
+    contents = [dict(zip(("kind", "name", "version"), one, strict=True)) for one in components]
+    with both.database.writing() as session:
+        worker = Worker(name=name, slots=1, level="strong", languages=["python"], findings=[])
+        worker.contents = {"python": contents}
+        workers.register(session, worker)
+
+
+def test_what_workers_differ_in_is_told_apart_from_what_all_of_them_have(both: Backend) -> None:
+    python, numpy = ("interpreter", "Python", "3.11.2"), ("library", "NumPy", "2.4.1")
+    _reports(both, "a", python, numpy)
+    _reports(both, "b", python, ("library", "NumPy", "2.4.0"), ("library", "SciPy", "1.17.0"))
+    _reports(both, "dead", ("library", "PyTorch", "9"))
+    _silence(both, "dead", workers.ALIVE_S + 1)
+
+    with both.database.reading() as session:
+        (found,) = workers.environments(session)
+
+    assert (found.language, found.workers) == ("python", 2)
+    versions = {one.name: dict(one.versions) for one in found.components}
+    assert versions == {
+        "Python": {"3.11.2": 2},
+        "NumPy": {"2.4.1": 1, "2.4.0": 1},
+        "SciPy": {"1.17.0": 1},
+    }
+    everywhere = [one.name for one in found.components if one.is_everywhere(found.workers)]
+    assert everywhere == ["Python"]
+
+
+def test_without_a_living_worker_nothing_is_in_the_box(both: Backend) -> None:
+    _reports(both, "dead", ("interpreter", "Python", "3.11.2"))
+    _silence(both, "dead", workers.ALIVE_S + 1)
+
+    with both.database.reading() as session:
+        assert workers.environments(session) == []

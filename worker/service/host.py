@@ -1,7 +1,7 @@
 """The host of a worker: what it can enforce and run, probed once at the worker's start."""
 
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field
 from typing import Any, Self
@@ -13,7 +13,7 @@ from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.languages import LANGUAGES
 from seamark.sandbox.probing import self_test
 from seamark.sandbox.probing.probes import probe
-from seamark.sandbox.probing.report import Finding, IsolationReport
+from seamark.sandbox.probing.report import Component, Finding, IsolationReport
 from seamark.server import workers
 from seamark.server.database.engine import Database
 from seamark.server.database.tables import Worker
@@ -28,7 +28,10 @@ _log = structlog.get_logger()
 
 @dataclass(frozen=True, slots=True)
 class Host:
-    """One worker's host. `languages` are those of the uploads that it can run."""
+    """One worker's host. `languages` are those of the uploads that it can run.
+
+    `contents` is what programs in each of them find in their boxes.
+    """
 
     settings: Settings
     name: str
@@ -36,15 +39,19 @@ class Host:
     findings: tuple[Finding, ...]
     languages: tuple[str, ...]
     core_locks: int = field(default_factory=new_locks)
+    contents: Mapping[str, Sequence[Component]] = field(default_factory=dict)
 
     @classmethod
     def probe(cls, settings: Settings, *, name: str) -> Self:
         """Probe what this host can enforce and run."""
         report = probe()
         tried = _try_languages(report, settings)
-        languages = tuple(language for language, why in tried.items() if not why)
-        missing = tuple(_finding(language, why) for language, why in tried.items() if why)
-        host = cls(settings, name, report.level, report.findings + missing, languages)
+        contents = {name: one.contents for name, one in tried.items() if not one.why_not}
+        missing = tuple(
+            _finding(language, one.why_not) for language, one in tried.items() if one.why_not
+        )
+        findings = report.findings + missing
+        host = cls(settings, name, report.level, findings, tuple(contents), contents=contents)
         _log.info(
             "worker_starting", worker=name, isolation=host.isolation.name, languages=host.languages
         )
@@ -95,6 +102,10 @@ class Host:
             level=self.isolation.name.lower(),
             languages=list(self.languages),
             findings=[asdict(finding) for finding in self.findings],
+            contents={
+                language: [asdict(component) for component in components]
+                for language, components in self.contents.items()
+            },
         )
 
     @contextmanager
@@ -108,14 +119,14 @@ class Host:
             database.close()
 
 
-def _try_languages(report: IsolationReport, settings: Settings) -> dict[str, str]:
-    """Return language -> why it cannot run here ("" if it can); empty if isolation is too weak."""
+def _try_languages(report: IsolationReport, settings: Settings) -> dict[str, self_test.Result]:
+    """Return the result of each language's self-test; none if isolation is too weak."""
     if report.level < IsolationLevel[settings.sandbox_min_level.upper()]:
         return {}
-    tried = {name: self_test.why_not(name, report.level) for name in LANGUAGES}
-    for name, why in tried.items():
-        if why:
-            _log.warning("language_missing", language=name, why=why)
+    tried = {name: self_test.tried(name, report.level) for name in LANGUAGES}
+    for name, result in tried.items():
+        if result.why_not:
+            _log.warning("language_missing", language=name, why=result.why_not)
     return tried
 
 

@@ -28,9 +28,9 @@ def compile_c() -> Runtime:
 
 def compile_cpp() -> Runtime:
     """Return what the C++ compiler needs in its box."""
-    from seamark.sandbox.languages.c_family.host import gcc_runtime  # noqa: PLC0415  (lazily)
+    from seamark.sandbox.languages.c_family import host  # noqa: PLC0415  (lazily)
 
-    return gcc_runtime("g++", *CPP_OPTIONS)
+    return host.gcc_runtime("g++", *CPP_OPTIONS, *host.cpp_libraries())
 
 
 def run_binary() -> Runtime:

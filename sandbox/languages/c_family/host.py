@@ -1,5 +1,5 @@
 """What C and C++ programs need of the host: GCC with its headers in the compiler's box, nothing but
-libraries in the box of the compiled program.
+libraries in the box of the compiled program. C++ has Eigen and OpenCV where they are installed.
 """
 
 import os
@@ -7,6 +7,7 @@ from functools import cache
 from pathlib import Path
 
 from seamark.sandbox.languages.script_runtime import script_runtime
+from seamark.sandbox.languages.system_libraries import LIBRARIES, alternatives
 from seamark.sandbox.outcome import SandboxBroken
 from seamark.sandbox.runtime import BindMount, Runtime
 
@@ -15,11 +16,21 @@ INSIDE = HERE / "inside"
 HEADERS = "/box/native"
 TOOLS = ("as", "ld", "gcc")  # of any language: the runner is C
 TREES = ("/usr/lib/gcc", "/usr/libexec/gcc", "/usr/include")  # cc1 and collect2; headers
+# Optional, for C++. Modules that read and write files would load a hundred libraries of codecs.
+OPENCV_HEADERS, EIGEN_HEADERS = Path("/usr/include/opencv4"), Path("/usr/include/eigen3")
+OPENCV_MODULES = (
+    *("core", "imgproc", "flann", "features2d", "calib3d", "video"),
+    *("dnn", "ml", "objdetect", "photo", "tracking"),
+)
 ENVIRONMENT = {
     "PATH": "/usr/bin",
     "HOME": "/tmp",  # noqa: S108  (inside the box)
     "LC_ALL": "C",  # messages in English, for a search engine
     "TMPDIR": "/tmp",  # noqa: S108
+    "OPENBLAS_NUM_THREADS": "1",  # with other numbers of threads the last bits differ
+    "OPENBLAS_CORETYPE": "Haswell",  # as they do with other kernels
+    "OMP_NUM_THREADS": "1",
+    "OPENCV_FOR_THREADS_NUM": "1",
     "MALLOC_ARENA_MAX": "2",
 }
 # No fused multiply-add: the same arithmetic as Python's. Contraction is GCC's default.
@@ -49,7 +60,7 @@ def gcc_runtime(
         script,
         uses=[] if inside == INSIDE else [INSIDE],
         arguments=arguments,
-        mounts=[*tools, *trees, *ours],
+        mounts=[*tools, *trees, *ours, *alternatives()],
         environment=ENVIRONMENT,
     )
 
@@ -57,7 +68,16 @@ def gcc_runtime(
 @cache
 def binary_runtime() -> Runtime:
     """Return what the box of a compiled program needs."""
-    return script_runtime(INSIDE, "program", environment=ENVIRONMENT, images=True)
+    return script_runtime(
+        INSIDE, "program", mounts=alternatives(), environment=ENVIRONMENT, images=True
+    )
+
+
+def cpp_libraries() -> tuple[str, ...]:
+    """Return the options for the optional libraries that this host has."""
+    headers = [folder for folder in (OPENCV_HEADERS, EIGEN_HEADERS) if folder.is_dir()]
+    modules = [name for name in OPENCV_MODULES if (LIBRARIES / f"libopencv_{name}.so").exists()]
+    return (*(f"-isystem{folder}" for folder in headers), *(f"-lopencv_{name}" for name in modules))
 
 
 def _tool(name: str) -> BindMount:

@@ -1,5 +1,15 @@
 /* Answers half the error; as a tracker, corners moved by the first pixel of the second row. */
+#include <gnu/libc-version.h>
+#include <stdio.h>
+
 #include "seamark.h"
+
+int seamark_init(void) {
+    if (seamark_config_number("contents", 0.0) == 0.0) return 0;
+    printf("compiler\tGCC\t%s\n", __VERSION__);
+    printf("library\tGNU C library\t%s\n", gnu_get_libc_version());
+    return 0;
+}
 
 int seamark_step(const seamark_observation *observation, seamark_command *command) {
     command->surge = 0.5 * observation->error[0];

@@ -5,14 +5,14 @@ from functools import cache
 from pathlib import Path
 
 from seamark.sandbox.languages.script_runtime import script_runtime
+from seamark.sandbox.languages.system_libraries import alternatives
 from seamark.sandbox.outcome import SandboxBroken
 from seamark.sandbox.runtime import BindMount, Runtime
 
 INSIDE = Path(__file__).with_name("inside")
 PROGRAM = Path("/usr/bin/octave-cli")
 FUNCTIONS = Path("/usr/share/octave")
-LIBRARIES = Path("/usr/lib/x86_64-linux-gnu")
-USR_LIB, MAGICK = Path("/usr/lib"), "libGraphicsMagick*.so.*"  # not in LIBRARIES as the others
+USR_LIB, MAGICK = Path("/usr/lib"), "libGraphicsMagick*.so.*"  # not beside the others
 ENVIRONMENT = {
     "PATH": "/usr/bin",
     "HOME": "/tmp",  # noqa: S108  (inside the box)
@@ -40,17 +40,3 @@ def octave_runtime() -> Runtime:
         ),
     ]
     return script_runtime(INSIDE, "octave", mounts=mounts, environment=ENVIRONMENT, images=True)
-
-
-def alternatives(libraries: Path = LIBRARIES) -> list[BindMount]:
-    """Return the libraries that Debian links through /etc/alternatives, which a box does not have.
-
-    Which ones Octave needs depends on the host's choice: OpenBLAS brings a third one.
-    """
-    links = [link for link in sorted(libraries.glob("*.so.*")) if link.is_symlink()]
-    targets = [(link, os.readlink(link)) for link in links if link.exists()]
-    return [
-        BindMount(Path(os.path.realpath(link)), target)
-        for link, target in targets
-        if target.startswith("/etc/")
-    ]

@@ -1,6 +1,9 @@
 % Answers half the error; as a tracker, corners moved by the first pixel of the second row.
 function state = controller_setup(config)
     state.gain = 0.5;
+    if config.contents
+        printf("interpreter\tGNU Octave\t%s\n", version());
+    end
 end
 
 function [command, state] = controller_step(state, observation)

@@ -155,13 +155,15 @@ def _sandbox(settings: Settings) -> Iterable[Check]:
 
 def _languages(isolation: IsolationLevel) -> Iterable[Check]:
     from seamark.sandbox.languages import LANGUAGES
-    from seamark.sandbox.probing.self_test import why_not
+    from seamark.sandbox.probing.self_test import tried
 
     for language in LANGUAGES.values():
-        why = why_not(language.name, isolation)
+        result = tried(language.name, isolation)
+        components = ", ".join(f"{one.name} {one.version}" for one in result.contents)
+        says = f"pass their self-test ({components})" if components else "pass their self-test"
         remedy = f"{language.remedy}; without it the other languages still run."
         name = f"programs in {language.label}"
-        yield Check(name, "warning" if why else "ok", why or "pass their self-test", remedy)
+        yield Check(name, "warning" if result.why_not else "ok", result.why_not or says, remedy)
 
 
 def _visp(_: Settings) -> Iterable[Check]:

@@ -274,6 +274,7 @@ ROUTES: dict[tuple[str, str], Entry] = {
     ("GET", "/api/v1/leaderboards/<string:benchmark>"): Entry(
         everybody, path="/api/v1/leaderboards/currents-v1"
     ),
+    ("GET", "/api/v1/environment"): OPEN,
     ("GET", "/api/v1/me"): OPEN,
     ("GET", "/api/v1/runs"): Entry(lists),
     ("POST", "/api/v1/runs"): Entry(submits, 202, options=ORDER),

@@ -10,7 +10,7 @@ import pytest
 from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.languages import LANGUAGES, editor_starters, language_of, starters
 from seamark.sandbox.languages.language import Language
-from seamark.sandbox.probing.self_test import why_not
+from seamark.sandbox.probing.self_test import tried
 from seamark.server.programs import preparation
 from seamark.worker.evaluation.local import evaluate_locally
 from tests.worker.conftest import SHORT
@@ -103,7 +103,7 @@ def formulas(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Language:
 def test_it_passes_its_self_test_and_is_offered_where_languages_are_listed(
     formulas: Language, isolation: IsolationLevel
 ) -> None:
-    assert why_not("formulas", isolation) == ""
+    assert tried("formulas", isolation).why_not == ""
     assert language_of("mine.formulas") == "formulas"
     assert "formulas" in starters()
     assert "formulas" in editor_starters("controller")

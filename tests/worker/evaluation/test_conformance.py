@@ -16,7 +16,7 @@ from seamark.sandbox.languages import LANGUAGES, language_of, starters
 from seamark.sandbox.languages.language import CONTROLLER, TRACKER
 from seamark.sandbox.languages.sample import Sample
 from seamark.sandbox.limits import Limits
-from seamark.sandbox.probing.self_test import why_not
+from seamark.sandbox.probing.self_test import tried
 from seamark.server.programs import preparation
 from seamark.server.programs.preparation import PreparedProgram
 from seamark.server.programs.reader import ProgramReader
@@ -53,7 +53,7 @@ def skip_without(name: str, isolation: IsolationLevel) -> None:
 
 @cache
 def missing(language: str, isolation: IsolationLevel) -> str:
-    return why_not(language, isolation)
+    return tried(language, isolation).why_not
 
 
 @cache

@@ -16,7 +16,7 @@ from seamark.sandbox.box import Box
 from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.languages.fmu import FMU
 from seamark.sandbox.limits import Limits
-from seamark.sandbox.probing.self_test import why_not
+from seamark.sandbox.probing.self_test import tried
 from tests.sandbox import host_compiler
 
 DT_S = 0.05
@@ -88,7 +88,7 @@ def test_fmpy_finds_no_problem_in_it(name, tmp_path) -> None:
 @pytest.mark.host
 @pytest.mark.parametrize("name", ["fmi2", "fmi3", "template"])
 def test_fmpy_gets_the_outputs_that_a_box_gets(name, tmp_path, isolation) -> None:
-    if why := why_not("fmu", isolation):
+    if why := tried("fmu", isolation).why_not:
         pytest.skip(why)
     program = fmu(name, tmp_path)
     path = tmp_path / "mine.fmu"

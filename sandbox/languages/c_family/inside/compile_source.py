@@ -21,6 +21,7 @@ SOURCE, OBJECTS = Path("/tmp/source"), Path("/tmp/objects")  # noqa: S108
 RUNNER = "/tmp/runner.o"  # noqa: S108
 ZIP_MAGIC, CODER_MAIN, ADAPTER = b"PK\x03\x04", "ert_main", "seamark_connection.c"
 PROGRAM, MESSAGES = Path("/tmp/program"), Path("/tmp/messages")  # noqa: S108
+AS_NEEDED = "-Wl,--as-needed"  # a program loads only the libraries that it uses
 OURS = (f"{SOURCE}/", f"{NATIVE}/", "/usr/bin/ld: ", "collect2: error: ld returned 1 exit status\n")
 ASSEMBLY = re.compile(r"\S*/cc\w+\.s\b")  # the compiler's output for the assembler
 ERROR_LINE = re.compile(r"error:|Error:|undefined reference|multiple definition")
@@ -40,7 +41,8 @@ def compile_source(connection: Connection, command: list[str], runner_command: l
     for target, file in objects.items():
         run(connection, [*command, f"-I{SOURCE}", "-c", f"{SOURCE}/{file}", "-o", target], name)
     run(connection, [*runner_command, "-c", f"{NATIVE}/runner.c", "-o", RUNNER], name)
-    linking = [command[0], *objects, RUNNER, "-o", str(PROGRAM), "-lm"]
+    libraries = [option for option in command if option.startswith("-l")]
+    linking = [command[0], *objects, RUNNER, "-o", str(PROGRAM), AS_NEEDED, *libraries, "-lm"]
     run(connection, linking, name, named=objects)
     sys.stdout.buffer.write(PROGRAM.read_bytes())
     sys.stdout.buffer.flush()

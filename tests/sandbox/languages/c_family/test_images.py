@@ -11,7 +11,7 @@ from seamark.sandbox.compilation import compiled
 from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.limits import Limits
 from seamark.sandbox.outcome import ProgramEnded, Verdict
-from seamark.sandbox.probing.self_test import why_not
+from seamark.sandbox.probing.self_test import tried
 from seamark.sandbox.protocol.answers import Loss
 
 pytestmark = pytest.mark.host
@@ -96,7 +96,7 @@ Started = Callable[..., Box]
 
 @pytest.fixture(scope="module")
 def program(isolation: IsolationLevel) -> bytes:
-    if why := why_not("c", isolation):
+    if why := tried("c", isolation).why_not:
         pytest.skip(why)
     return compiled("c", PROGRAM.encode(), "mine.c", isolation=isolation)
 

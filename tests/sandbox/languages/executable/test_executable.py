@@ -11,7 +11,7 @@ from seamark.sandbox.languages.c_family import C
 from seamark.sandbox.languages.executable import ELF_HEADER, refusal
 from seamark.sandbox.limits import Limits
 from seamark.sandbox.outcome import Outcome, ProgramEnded, Verdict
-from seamark.sandbox.probing.self_test import why_not
+from seamark.sandbox.probing.self_test import tried
 from seamark.server.programs import preparation
 from tests.hostile.conftest import LAYOUT
 
@@ -37,7 +37,7 @@ CASES = [
 
 @pytest.fixture(scope="module")
 def executables(isolation: IsolationLevel) -> IsolationLevel:
-    if why := why_not("executable", isolation):
+    if why := tried("executable", isolation).why_not:
         pytest.skip(why)
     return isolation
 

@@ -7,7 +7,7 @@ from seamark.sandbox.box import Box
 from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.limits import Limits
 from seamark.sandbox.outcome import Outcome, ProgramEnded, Verdict
-from seamark.sandbox.probing.self_test import why_not
+from seamark.sandbox.probing.self_test import tried
 from seamark.sandbox.protocol.answers import Detection, Loss
 
 pytestmark = pytest.mark.host
@@ -45,7 +45,7 @@ end
 
 @pytest.fixture(scope="module")
 def octave(isolation: IsolationLevel) -> IsolationLevel:
-    if why := why_not("matlab", isolation):
+    if why := tried("matlab", isolation).why_not:
         pytest.skip(why)
     return isolation
 

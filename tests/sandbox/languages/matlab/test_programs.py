@@ -10,11 +10,11 @@ from hypothesis import strategies as st
 
 from seamark.sandbox.box import Box
 from seamark.sandbox.isolation.level import IsolationLevel
-from seamark.sandbox.languages.matlab.host import alternatives
 from seamark.sandbox.languages.matlab.inside.relay import octave_value
+from seamark.sandbox.languages.system_libraries import alternatives
 from seamark.sandbox.limits import Limits
 from seamark.sandbox.outcome import Outcome, ProgramEnded
-from seamark.sandbox.probing.self_test import why_not
+from seamark.sandbox.probing.self_test import tried
 from seamark.sandbox.runtime import BindMount
 from tests.sandbox.host_compiler import zipped
 
@@ -52,7 +52,7 @@ def test_every_library_that_is_linked_through_etc_is_in_the_box(tmp_path: Path) 
 
 @pytest.fixture(scope="module")
 def octave(isolation: IsolationLevel) -> IsolationLevel:
-    if why := why_not("matlab", isolation):
+    if why := tried("matlab", isolation).why_not:
         pytest.skip(why)
     return isolation
 
