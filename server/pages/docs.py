@@ -19,6 +19,7 @@ from flask.typing import ResponseReturnValue
 
 from seamark.sandbox.languages import (
     DEFAULT_LANGUAGE,
+    LANGUAGES,
     c_family,
     editor_starters,
     starters,
