@@ -12,9 +12,10 @@ import urllib.request
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import pytest
-from playwright.sync_api import Browser, sync_playwright
+from playwright.sync_api import Browser, expect, sync_playwright
 
 from tests.journey.visitor import Visitor
 from tests.services.ports import free_port
@@ -23,6 +24,7 @@ from tests.services.processes import end
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
 START_S = 90.0
 ROOT = Path(__file__).parents[2]
+SHORT = {"levels": [0.0, 0.4], "level_duration_s": 20, "settle_s": 2}
 EMBEDDING_PORT = free_port()  # of the other site that may show runs in a frame
 # WebGL without a graphics card.
 SOFTWARE_RENDERING = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
@@ -124,4 +126,25 @@ def phone(chromium: Browser, service: Service) -> Iterator[Visitor]:
     """A visitor with a phone."""
     context = chromium.new_context(viewport={"width": 375, "height": 800}, is_mobile=True)
     yield Visitor(context.new_page(), service.url)
+    context.close()
+
+
+@pytest.fixture(scope="session")
+def finished(chromium: Browser, service: Service) -> Iterator[tuple[int, Any]]:
+    """A public run that has finished, and the cookies of its owner."""
+    context = chromium.new_context()
+    visitor = Visitor(context.new_page(), service.url)
+    visitor.sign_up("player")
+    visitor.open("/submit/currents-v1")
+    token = visitor.page.locator("input[name=csrf_token]").first.get_attribute("value")
+    run = {"benchmark": "currents-v1", "controller": "p", "config": SHORT, "seed": 3}
+    answer = visitor.page.request.post(
+        f"{service.url}/api/v1/runs", data=run, headers={"X-CSRFToken": str(token)}
+    )
+    run_id = answer.json()["id"]
+    visitor.open(f"/runs/{run_id}")
+    visitor.wait_for("succeeded")
+    visitor.press_and_confirm("Publish")
+    expect(visitor.page.get_by_text("The run is now public")).to_be_visible()
+    yield run_id, context.storage_state()
     context.close()

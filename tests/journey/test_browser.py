@@ -3,9 +3,8 @@
 import re
 
 import pytest
-from playwright.sync_api import Browser, FilePayload, expect
+from playwright.sync_api import FilePayload, expect
 
-from tests.journey.conftest import Service
 from tests.journey.visitor import PROGRAM, Visitor, shorten
 
 pytestmark = [pytest.mark.browser, pytest.mark.host, pytest.mark.slow]
@@ -118,22 +117,3 @@ def test_a_file_of_three_megabytes_is_refused_with_the_limit(visitor: Visitor) -
     page.get_by_role("button", name="Start run").click()
 
     expect(page.locator("#program-error")).to_contain_text("larger than 2 MiB")
-
-
-@pytest.mark.parametrize(
-    "path",
-    ["/", "/submit/currents-v1", "/runs/", "/leaderboards/currents-v1", "/sign-up", "/status",
-     "/docs/start", "/docs/controller", "/docs/physics", "/docs/telemetry", "/api/docs",
-     "/benchmarks/currents-v1"],
-)  # fmt: skip
-def test_no_page_scrolls_sideways_on_a_phone(
-    chromium: Browser, service: Service, path: str
-) -> None:
-    context = chromium.new_context(viewport={"width": 375, "height": 800})
-    page = context.new_page()
-    page.goto(service.url + path)
-
-    width = page.evaluate("document.documentElement.scrollWidth")
-    context.close()
-
-    assert width <= 375

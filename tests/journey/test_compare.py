@@ -4,7 +4,6 @@ import re
 from typing import Any
 
 import pytest
-from axe_playwright_python.sync_playwright import Axe
 from playwright.sync_api import Browser, Page, expect
 
 from tests.journey.conftest import Service
@@ -126,22 +125,3 @@ def test_a_comparison_fits_on_a_phone(phone: Visitor, run_ids: list[int]) -> Non
     assert whole <= 375
     assert 0 <= bar["x"] < bar["x"] + bar["width"] <= 375
     assert (phone.errors, phone.violations()) == ([], [])
-
-
-@pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_axe_finds_nothing_where_runs_are_chosen_and_compared(
-    chromium: Browser, service: Service, run_ids: list[int], scheme: Any
-) -> None:
-    context = chromium.new_context(color_scheme=scheme, viewport={"width": 1280, "height": 900})
-    visitor = Visitor(context.new_page(), service.url)
-    visitor.sign_in(OWNER)
-    every = ",".join(map(str, run_ids))
-
-    for path in (f"/compare?runs={every}", f"/compare?runs={run_ids[0]}", "/runs/"):
-        visitor.open(path)
-        visitor.page.evaluate(
-            "for (const part of document.querySelectorAll('details')) part.open = true"
-        )
-        found = Axe().run(visitor.page)
-        assert found.violations_count == 0, f"{path}\n{found.generate_report()}"
-    context.close()

@@ -8,7 +8,6 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from typing import Any
 
 import pytest
-from axe_playwright_python.sync_playwright import Axe
 from playwright.sync_api import Browser, Page, expect
 
 from tests.journey.conftest import EMBEDDING_PORT, Service
@@ -16,30 +15,8 @@ from tests.journey.visitor import RUN_MS, Visitor
 
 pytestmark = [pytest.mark.browser, pytest.mark.host, pytest.mark.slow]
 
-SHORT = {"levels": [0.0, 0.4], "level_duration_s": 20, "settle_s": 2}
 LONG = {"levels": [0.0, 0.1, 0.2, 0.3], "level_duration_s": 600}
 SCENE_MS = 60_000  # three.js and a first picture, on a machine with other work
-
-
-@pytest.fixture(scope="module")
-def finished(chromium: Browser, service: Service) -> Iterator[tuple[int, Any]]:
-    """A public run that has finished, and the cookies of its owner."""
-    context = chromium.new_context()
-    visitor = Visitor(context.new_page(), service.url)
-    visitor.sign_up("player")
-    visitor.open("/submit/currents-v1")
-    token = visitor.page.locator("input[name=csrf_token]").first.get_attribute("value")
-    run = {"benchmark": "currents-v1", "controller": "p", "config": SHORT, "seed": 3}
-    answer = visitor.page.request.post(
-        f"{service.url}/api/v1/runs", data=run, headers={"X-CSRFToken": str(token)}
-    )
-    run_id = answer.json()["id"]
-    visitor.open(f"/runs/{run_id}")
-    visitor.wait_for("succeeded")
-    visitor.press_and_confirm("Publish")
-    expect(visitor.page.get_by_text("The run is now public")).to_be_visible()
-    yield run_id, context.storage_state()
-    context.close()
 
 
 def _open(visitor: Visitor, path: str) -> Page:
@@ -254,21 +231,3 @@ def test_the_player_fits_a_phone_and_its_bar_stays_in_sight(
         expect(page.locator("[data-bar]")).to_be_in_viewport(ratio=0.9)
 
     assert page.evaluate("document.documentElement.scrollWidth") <= 375
-
-
-@pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_axe_finds_nothing_on_the_run_page_the_embedded_player_and_the_home_page(
-    chromium: Browser, service: Service, finished: tuple[int, Any], scheme: Any
-) -> None:
-    context = chromium.new_context(color_scheme=scheme, viewport={"width": 1280, "height": 900})
-    visitor = Visitor(context.new_page(), service.url)
-
-    for path in (f"/runs/{finished[0]}", f"/runs/{finished[0]}/embed", "/"):
-        visitor.open(path)
-        visitor.page.evaluate(
-            "for (const part of document.querySelectorAll('details')) part.open = true"
-        )
-        found = Axe().run(visitor.page)
-        assert found.violations_count == 0, f"{path}\n{found.generate_report()}"
-    assert visitor.errors == []
-    context.close()
