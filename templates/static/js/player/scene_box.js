@@ -36,6 +36,7 @@ export class SceneBox {
   async load() {
     const scene = await import("./scene/view.js").catch(() => null);
     const { canDraw, software } = scene?.graphics() ?? { canDraw: false };
+    document.documentElement.classList.toggle("software-rendering", Boolean(software));
     let view = null;
     if (canDraw) {
       try {
