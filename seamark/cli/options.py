@@ -68,9 +68,8 @@ def run_options(command: Command) -> Command:
             click.option(
                 "--trials",
                 type=click.IntRange(1, 100),
-                default=1,
-                show_default=True,
-                help="Number of trials; `seamark run` evaluates one per core at a time.",
+                help="Number of trials; `seamark run` evaluates one per core at a time.  "
+                "[default: 1]",
             ),
         )
     ):

@@ -68,9 +68,12 @@ class RunRequest(BaseModel):
     seed: int | None = Field(
         None, ge=0, le=SEED_MAX, description="Practice runs only; random if omitted"
     )
-    trials: int = Field(1, ge=1, le=100, description="Practice runs only; fixed for ranked runs")
+    trials: int | None = Field(
+        None, ge=1, le=100, description="Practice runs only, 1 if omitted; fixed for ranked runs"
+    )
     kind: Literal["practice", "ranked"] = Field(
-        "practice", description="ranked: the benchmark's scenario and seeds"
+        "practice",
+        description="ranked: the benchmark's scenario and seeds; other values are refused",
     )
     title: Text = Field("", max_length=TITLE_MAX)
     notes: Text = Field("", max_length=NOTES_MAX)

@@ -37,6 +37,11 @@ class Field:
     condition: str = ""  # `applies` in words
 
     @property
+    def changed(self) -> bool:
+        """Whether the value differs from the default."""
+        return self.value.strip() != self.default
+
+    @property
     def wide(self) -> bool:
         """Whether the label of an option is too long for one column."""
         return any(len(label) > _LABEL_MAX for _value, label in self.options)
@@ -52,9 +57,19 @@ class Group:
     advanced: tuple[Field, ...]
 
     @property
-    def advanced_error(self) -> bool:
-        """Whether an advanced field has an error, so that they have to be shown."""
-        return any(one.error for one in self.advanced)
+    def changed(self) -> int:
+        """How many fields differ from their defaults."""
+        return sum(one.changed for one in (*self.basic, *self.advanced))
+
+    @property
+    def error(self) -> bool:
+        """Whether a field has an error."""
+        return any(one.error for one in (*self.basic, *self.advanced))
+
+    @property
+    def advanced_open(self) -> bool:
+        """Whether an advanced field has to be shown: it differs, or has an error."""
+        return any(one.error or one.changed for one in self.advanced)
 
 
 def groups(
@@ -108,12 +123,6 @@ def read(schema: Schema, form: Mapping[str, str]) -> dict[str, object]:
         elif name in form:
             values[name] = _value(entry, form[name].strip())
     return values
-
-
-def solution(schema: Schema, values: Mapping[str, object]) -> dict[str, object]:
-    """Return the values of the participant's settings, without those of the scenario."""
-    entries = schema["properties"]
-    return {name: v for name, v in values.items() if entries[name].get("x-role") == "solution"}
 
 
 def preset_of(schema: Schema, values: Mapping[str, object]) -> Mapping[str, object]:

@@ -34,21 +34,23 @@ class Prefill:
 
 
 def initial(benchmark: Benchmark) -> Prefill:
-    """Return what the URL asks for: an assignment, a run, or presets and a built-in controller."""
+    """Return what the URL asks for: an assignment, a run, a preset, or vehicle and controller."""
     assignment = assignment_of(request.args.get("assignment", ""))
     run = _requested_run(benchmark)
     if assignment is not None and assignment.benchmark == benchmark.name:
         return _for_assignment(benchmark, assignment, run)
     if run is not None:
         return _from_run(benchmark, run)
-    controller = request.args.get("controller", "")
+    point = benchmark.starting_points.get(request.args.get("preset", ""))
+    controller = point.built_in if point is not None else request.args.get("controller", "")
     known = controller in benchmark.built_in
+    chosen = {
+        name: request.args[name]
+        for name, choices in benchmark.presets.items()
+        if request.args.get(name) in choices
+    }
     return Prefill(
-        values={
-            name: request.args[name]
-            for name, choices in benchmark.presets.items()
-            if request.args.get(name) in choices
-        },
+        values=chosen if point is None else dict(point.config),
         posted={"controller": controller if known else next(iter(benchmark.built_in))},
     )
 
@@ -90,7 +92,7 @@ def _from_run(benchmark: Benchmark, run: RunView) -> Prefill:
         "controller": run.controller,
         "kind": RunKind.RANKED if ranked else RunKind.PRACTICE,
         "seed": "" if run.seed is None else str(run.seed),
-        "trials": str(run.trials if run.kind is RunKind.PRACTICE else 1),
+        "trials": str(run.trials) if run.kind is RunKind.PRACTICE else "",
         "title": run.title,
         "from": str(run.id),
     }

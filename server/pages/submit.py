@@ -7,6 +7,7 @@ from seamark.sandbox.languages import DEFAULT_LANGUAGE, LANGUAGES, editor_starte
 from seamark.server import workers
 from seamark.server.accounts.permissions import Action, can
 from seamark.server.pages import benchmarks, form_fields, own_parameters, prefill, submitted_program
+from seamark.server.pages.prefill import Prefill
 from seamark.server.programs import archives
 from seamark.server.programs.preparation import TEXT_MAX_BYTES, UploadRejected
 from seamark.server.programs.store import StoredProgram
@@ -33,18 +34,9 @@ def first() -> ResponseReturnValue:
 
 @page.get("/<name>")
 def form(name: str) -> ResponseReturnValue:
-    """Show the form with the defaults, the presets in the URL, or the settings of a run."""
+    """Show the form with the defaults, a preset, or the settings of a run."""
     benchmark = benchmarks.by_name(name)
-    first = prefill.initial(benchmark)
-    return _show(
-        benchmark,
-        first.values,
-        posted=first.posted,
-        errors={},
-        kept=first.program,
-        program=first.program,
-        note=first.note,
-    )
+    return _show(benchmark, prefill.initial(benchmark), errors={})
 
 
 @page.post("/<name>")
@@ -74,10 +66,8 @@ def create(name: str) -> ResponseReturnValue:
     except StorageUnavailable as refusal:
         status, errors = 503, {"": str(refusal)}
     if errors:
-        kept = program if posted.get("source") != "editor" else None
-        return _show(
-            benchmark, values, posted=posted, errors=errors, kept=kept, program=program
-        ), status
+        shown = Prefill(values=values, posted=posted, program=program)
+        return _show(benchmark, shown, errors=errors, keep=posted.get("source") != "editor"), status
     services().wake_worker()  # only after the commit: the worker must find the row
     return redirect(url_for("run.show", run_id=run_id), code=303)
 
@@ -100,9 +90,6 @@ def _submission(
 ) -> Submission:
     """Return the submission in a posted form."""
     ranked = posted.get("kind") == RunKind.RANKED
-    if ranked:  # a ranked run has the benchmark's own scenario: its fields do not matter
-        values = form_fields.solution(benchmark.schema(), values)
-    trials = _whole(posted, "trials", "The number of trials")
     sent = Submission(
         viewer=authentication.become_guest(),
         benchmark=benchmark.name,
@@ -110,8 +97,8 @@ def _submission(
         kind=RunKind.RANKED if ranked else RunKind.PRACTICE,
         controller=posted.get("controller", ""),
         program=program,
-        seed=None if ranked else _whole(posted, "seed", "A seed"),
-        trials=1 if trials is None else trials,
+        seed=_whole(posted, "seed", "A seed"),
+        trials=_whole(posted, "trials", "The number of trials"),
         title=posted.get("title", ""),
         rerun_of=prefill.visible_run(posted.get("from", "")),
     )
@@ -132,22 +119,17 @@ def _whole(posted: dict[str, str], name: str, what: str) -> int | None:
 
 
 def _show(
-    benchmark: Benchmark,
-    values: dict[str, object],
-    *,
-    posted: dict[str, str],
-    errors: dict[str, str],
-    kept: StoredProgram | None = None,
-    program: StoredProgram | None = None,
-    note: str = "",
+    benchmark: Benchmark, prefilled: Prefill, *, errors: dict[str, str], keep: bool = True
 ) -> str:
-    settings = services().settings
+    settings, posted, program = services().settings, prefilled.posted, prefilled.program
+    kept = program if keep else None
     schema, starters = benchmark.schema(), editor_starters(benchmark.role)
     fields = {*schema["properties"], "program", "seed", "trials"}
-    given = values | own_parameters.read(posted)
+    given = {**prefilled.values, **own_parameters.read(posted)}
     shown = own_parameters.fields(benchmark, program, given, errors)
     fields |= {one.field for one in shown}
     general = [text for name, text in errors.items() if name not in fields]
+    groups = form_fields.groups(schema, prefilled.values, errors, order=benchmark.groups)
     with services().database.reading() as session:
         refusals = {
             language.name: workers.upload_refusal(session, language.name, settings)
@@ -163,12 +145,16 @@ def _show(
         text_max=TEXT_MAX_BYTES,
         title_max=submission.TITLE_MAX,
         benchmarks=benchmarks.labels(),
-        groups=form_fields.groups(schema, values, errors, order=benchmark.groups),
+        groups=groups,
+        changed=sum(group.changed for group in groups),
+        run_changed=any(posted.get(name) for name in ("title", "seed"))
+        or posted.get("trials", "1") not in {"", "1"},
+        starting_points=benchmark.starting_points,
         presets=schema.get("x-presets", {}),
         defaults={name: entry["default"] for name, entry in schema["properties"].items()},
         posted=posted,
         assignment=prefill.assignment_of(posted.get("assignment", "")),
-        note=note,
+        note=prefilled.note,
         errors=errors,
         parameters=shown,
         kept=kept and {"program": kept, "token": submitted_program.token(benchmark, kept)},

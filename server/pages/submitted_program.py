@@ -35,11 +35,11 @@ def save(benchmark: Benchmark, posted: dict[str, str]) -> StoredProgram:
         A quota is used up, or there is no room.
     """
     submission.require_permission(g.viewer, uploads=True)
+    file = request.files.get("program")
+    if file is not None and file.filename:  # without scripts, whichever source is selected
+        return _save(benchmark, cast(BinaryIO, file.stream), file.filename)
     if posted.get("source") == "editor":
         return _save_text(benchmark, posted)
-    file = request.files.get("program")
-    if file is not None and file.filename:
-        return _save(benchmark, cast(BinaryIO, file.stream), file.filename)
     kept = _kept(benchmark, posted.get(FIELD, ""))
     if kept is None:
         raise UploadRejected("Choose a file, or write the program in the editor.")

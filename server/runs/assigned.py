@@ -32,7 +32,7 @@ def for_assignment(session: Session, assignment_id: int, sent: Submission) -> Su
     if sent.benchmark != found.benchmark:
         raise SubmissionRejected(f"The assignment is about {found.benchmark}.", field="benchmark")
     if found.is_ranked:
-        return replace(sent, assignment=found.id, kind=RunKind.RANKED, seed=None)
+        return replace(sent, assignment=found.id, kind=RunKind.RANKED, seed=None, trials=None)
     if found.seed is not None and sent.seed not in (None, found.seed):
         raise SubmissionRejected(f"The assignment has the seed {found.seed}.", field="seed")
     return replace(

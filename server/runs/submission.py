@@ -23,7 +23,7 @@ from seamark.server.database.tables import Run
 from seamark.server.programs import store
 from seamark.server.programs.parameters import Parameter
 from seamark.server.programs.store import StoredProgram
-from seamark.server.runs import configurations, paces, quota, run_size, turns
+from seamark.server.runs import configurations, paces, quota, ranked_scenario, run_size, turns
 from seamark.server.runs.configurations import RunConfiguration
 from seamark.server.runs.run_size import RunSize
 from seamark.server.runs.seeds import submission_digest
@@ -65,7 +65,7 @@ class Submission:
     controller: str = UPLOAD
     program: StoredProgram | None = None
     seed: int | None = None  # practice only; None: drawn
-    trials: int = 1  # practice only
+    trials: int | None = None  # practice only; None: one
     title: str = ""
     notes: str = ""
     rerun_of: int | None = None
@@ -106,10 +106,10 @@ def validate(submission: Submission, settings: Settings) -> ValidSubmission:
         submission.viewer, kind=submission.kind, uploads=submission.program is not None
     )
     if submission.kind is RunKind.RANKED:
-        config, trials = benchmark.ranked(config), ranked_trials(benchmark, settings)
+        config = ranked_scenario.apply(benchmark, submission.config, config)
+        trials = _ranked_trials(submission, benchmark, settings)
     else:
-        _check_practice(submission, settings)
-        trials = submission.trials
+        trials = _practice_trials(submission, settings)
     if (submission.controller == UPLOAD) != (submission.program is not None):
         raise SubmissionRejected(
             f"Choose either a built-in {benchmark.role} or your own program.", field="controller"
@@ -223,12 +223,25 @@ def _check_language(benchmark: Benchmark, language: str) -> None:
         raise SubmissionRejected(sentence, field="program")
 
 
-def _check_practice(submission: Submission, settings: Settings) -> None:
-    trials_max = settings.practice_trials_max
-    if not 1 <= submission.trials <= trials_max:
+def _ranked_trials(submission: Submission, benchmark: Benchmark, settings: Settings) -> int:
+    trials = ranked_trials(benchmark, settings)
+    if submission.seed is not None:
+        raise SubmissionRejected(ranked_scenario.SEED_REFUSAL, field="seed")
+    if submission.trials not in (None, trials):
+        raise SubmissionRejected(ranked_scenario.trials_refusal(trials), field="trials")
+    return trials
+
+
+def _practice_trials(submission: Submission, settings: Settings) -> int:
+    trials, trials_max = (
+        1 if submission.trials is None else submission.trials,
+        settings.practice_trials_max,
+    )
+    if not 1 <= trials <= trials_max:
         raise SubmissionRejected(f"A practice run has 1 to {trials_max} trials.", field="trials")
     if submission.seed is not None and not 0 <= submission.seed <= SEED_MAX:
         raise SubmissionRejected(f"A seed is a whole number from 0 to {SEED_MAX}.", field="seed")
+    return trials
 
 
 def _check_built_in(benchmark: Benchmark, controller: str, *, baseline: bool) -> None:

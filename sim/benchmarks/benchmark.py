@@ -65,6 +65,19 @@ class Baseline:
 
 
 @dataclass(frozen=True, slots=True)
+class StartingPoint:
+    """A preset of the form: fills in several settings at once. It has no part in any score.
+
+    `built_in` is the solution that it selects; empty: it leaves the user's choice.
+    """
+
+    title: str
+    summary: str
+    config: Mapping[str, object] = field(default_factory=dict)
+    built_in: str = ""
+
+
+@dataclass(frozen=True, slots=True)
 class Table:
     """A table of the run page: metrics by level; `prefix` is that of their names in metrics.json.
 
@@ -139,6 +152,7 @@ class Benchmark:
     groups: tuple[str, ...]  # of settings, in the form's order
     # setting -> its value -> values of other settings that come with it; later ones win
     presets: Mapping[str, Mapping[str, Mapping[str, object]]] = field(default_factory=dict)
+    starting_points: Mapping[str, StartingPoint] = field(default_factory=dict)  # by name
     quick_settings: Mapping[str, object] = field(
         default_factory=dict
     )  # settings of the shortest run

@@ -49,7 +49,7 @@ def run(  # noqa: PLR0913  # one argument per option
     pairs: tuple[str, ...],
     config: Path | None,
     seed: int | None,
-    trials: int,
+    trials: int | None,
     out: Path | None,
     score: str | None,
     as_json: bool,
@@ -70,11 +70,13 @@ def run(  # noqa: PLR0913  # one argument per option
 
     if score is not None:
         pairs = (*pairs, f"score={score}")
-    local_run = _local_run(benchmark, controller, pairs, config, trials=trials, seed=seed)
+    local_run = _local_run(benchmark, controller, pairs, config, trials=trials or 1, seed=seed)
     output = OutputFolder(out)
     output.comments = _header_comments(local_run)
     if not as_json:
-        click.echo(f"{benchmark}, {local_run.controller}, seed {local_run.seed}, trials {trials}")
+        click.echo(
+            f"{benchmark}, {local_run.controller}, seed {local_run.seed}, trials {local_run.trials}"
+        )
     try:
         outcome = _evaluate(local_run, output, quiet=as_json)
     except KeyboardInterrupt:

@@ -29,7 +29,7 @@ def submit(  # noqa: PLR0913 (one argument per option is click's way)
     pairs: tuple[str, ...],
     config: Path | None,
     seed: int | None,
-    trials: int,
+    trials: int | None,
     ranked: bool,
     title: str,
     wait: bool,
@@ -54,7 +54,7 @@ def submit(  # noqa: PLR0913 (one argument per option is click's way)
         "config": _typed(benchmark, read_settings(config, pairs)),
         "kind": "ranked" if ranked else "practice",
         "seed": seed,
-        "trials": trials,
+        **({} if trials is None else {"trials": trials}),
         "title": title,
     }
     try:

@@ -8,6 +8,7 @@ from dataclasses import replace
 
 from seamark.sim.benchmarks.benchmark import Baseline
 from seamark.sim.benchmarks.station_keeping.definition import station_keeping_benchmark
+from seamark.sim.benchmarks.station_keeping.starting_points import PAPER
 from seamark.sim.settings.station_keeping import StationKeepingSettings
 
 
@@ -30,5 +31,7 @@ _BENCHMARK = station_keeping_benchmark(
     quick_settings={"levels": [0.1], "level_duration_s": 2.0, "settle_s": 1.0},
 )
 BENCHMARK = replace(
-    _BENCHMARK, question="Which position controller keeps station best while the current grows?"
+    _BENCHMARK,
+    question="Which position controller keeps station best while the current grows?",
+    starting_points=PAPER | _BENCHMARK.starting_points,
 )

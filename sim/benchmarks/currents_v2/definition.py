@@ -4,7 +4,13 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
-from seamark.sim.benchmarks.benchmark import Baseline, Midpoint, RankedProtocol, Table
+from seamark.sim.benchmarks.benchmark import (
+    Baseline,
+    Midpoint,
+    RankedProtocol,
+    StartingPoint,
+    Table,
+)
 from seamark.sim.benchmarks.currents_v2.settings import CurrentsConfiguration
 from seamark.sim.benchmarks.station_keeping.definition import station_keeping_benchmark
 from seamark.sim.metrics import tool_point
@@ -65,6 +71,13 @@ BENCHMARK = replace(
     scale=(0.020, 0.652),  # python -m performance.headroom
     groups=(*_BENCHMARK.groups, GROUP),
     presets={},
+    starting_points={
+        "paper-pi": StartingPoint(
+            "Paper's PI", "PI with the published gains.", {"kp": 0.5, "ki": 0.02}, "pi"
+        ),
+        "paper-p": StartingPoint("Paper's P", "P with the published gain.", {"kp": 0.5}, "p"),
+    }
+    | dict(_BENCHMARK.starting_points),
     # Metres first: the strongest currents carry the vehicle off, thousands of pixels away.
     charts=tuple(sorted(_BENCHMARK.charts, key=lambda chart: chart.unit != "m")),
     tables=(

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from pkgutil import resolve_name
 
 from seamark.sim.benchmarks.benchmark import Baseline, Benchmark, Chart, Table
+from seamark.sim.benchmarks.station_keeping.starting_points import HARDER
 from seamark.sim.metrics.metric import LevelMetric, Metric, MetricGroup
 from seamark.sim.metrics.station_keeping import GROUP, HEAD, KEY_METRICS, METRICS, WHOLE
 from seamark.sim.metrics.windows import Window
@@ -90,6 +91,7 @@ def station_keeping_benchmark(
             "vehicle": {name: load(name).defaults for name in VEHICLES if load(name).defaults}
         },
         quick_settings=quick_settings,
+        starting_points=HARDER,
     )
 
 

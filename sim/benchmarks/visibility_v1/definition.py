@@ -9,7 +9,7 @@ independent of earlier levels. By default the optical depth tau = c Z rises from
 
 from collections.abc import Mapping
 
-from seamark.sim.benchmarks.benchmark import Baseline, Benchmark, Chart, Curve, Table
+from seamark.sim.benchmarks.benchmark import Baseline, Benchmark, Chart, Curve, StartingPoint, Table
 from seamark.sim.benchmarks.visibility_v1.settings import SWEEP_PRESETS, VisibilityConfiguration
 from seamark.sim.metrics.metric import Metric
 from seamark.sim.metrics.tracking import (
@@ -107,5 +107,30 @@ BENCHMARK = Benchmark(
     },
     solution_label=solution_label,
     presets={"sweep": SWEEP_PRESETS},
+    starting_points={
+        "paper-fog": StartingPoint(
+            "Paper's fog",
+            "The published experiment: the fog of UWSim becomes denser from level to level.",
+            {"sweep": "fog"},
+        ),
+        "light": StartingPoint(
+            "Fading light", "The light decreases from level to level.", {"sweep": "light"}
+        ),
+        "klt": StartingPoint(
+            "Optical flow",
+            "Corners tracked by optical flow instead of a template.",
+            {"tracker": "klt"},
+        ),
+        "closed-loop": StartingPoint(
+            "Closed loop",
+            "The vehicle keeps station by what the tracker reports, instead of following a path.",
+            {"mode": "free"},
+        ),
+        "bluerov2": StartingPoint(
+            "BlueROV2",
+            "The BlueROV2 Heavy keeps station by what the tracker reports.",
+            {"mode": "free", "vehicle": "bluerov2-heavy"},
+        ),
+    },
     quick_settings={"sweep_to": 0.25, "level_duration_s": 2.0},
 )

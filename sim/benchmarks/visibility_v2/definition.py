@@ -17,6 +17,7 @@ from seamark.sim.benchmarks.benchmark import (
     Curve,
     Midpoint,
     RankedProtocol,
+    StartingPoint,
     Table,
 )
 from seamark.sim.benchmarks.visibility_v1.definition import solution_label
@@ -152,6 +153,23 @@ BENCHMARK = Benchmark(
         "level_duration_s": 2.0,
     },
     baselines=MARKS,
+    starting_points={
+        "klt": StartingPoint(
+            "Optical flow",
+            "Corners tracked by optical flow instead of a template.",
+            {"tracker": "klt"},
+        ),
+        "ssd": StartingPoint(
+            "Squared differences",
+            "The template tracker compares grey levels directly, which changes of light disturb.",
+            {"criterion": "ssd"},
+        ),
+        "turbid": StartingPoint(
+            "Turbid water",
+            "The motion axis runs in more turbid water.",
+            {"motion_depth": 3.0},
+        ),
+    },
     reference_built_in={name: MARKS[name].title for name in ("nothing", "blind", "oracle")},
     scale=(0.42, 7.0),  # nothing: mean of 96 trials
     protocol=RankedProtocol(reference_trials=8, fresh_trials=24),

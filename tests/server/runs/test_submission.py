@@ -41,12 +41,42 @@ def test_a_wrong_configuration_is_refused_by_field(both: Backend) -> None:
 
 
 def test_a_ranked_run_gets_the_scenario_of_the_benchmark(both: Backend) -> None:
-    changes = {"levels": [0.0], "kp": 0.9}
-    run_id = both.queue("ann", config=changes, kind=RunKind.RANKED)
+    run_id = both.queue("ann", config={"kp": 0.9}, kind=RunKind.RANKED)
 
     view = both.show(run_id)
     assert len(view.config["levels"]) > 1
     assert view.config["kp"] == 0.9
+
+
+def test_a_ranked_run_refuses_each_setting_that_differs_from_the_scenario(both: Backend) -> None:
+    changes = {"levels": [0.0], "level_duration_s": 120.0, "vehicle": "bluerov2-heavy", "kp": 0.9}
+
+    with pytest.raises(ConfigurationInvalid) as refusal:
+        both.queue("ann", config=changes, kind=RunKind.RANKED)
+
+    assert set(refusal.value.errors) == {"levels", "vehicle"}
+    assert refusal.value.errors["levels"] == (
+        "levels (Current levels) is fixed at 0, 0.1, 0.2, 0.3, 0.4 m/s in ranked runs. "
+        "Leave it out, or start a practice run."
+    )
+
+
+def test_the_scenario_itself_may_be_sent_with_a_ranked_run(both: Backend) -> None:
+    first = both.show(both.queue("ann", kind=RunKind.RANKED))
+
+    again = both.queue("ann", config=first.config, trials=first.trials, kind=RunKind.RANKED)
+
+    assert both.show(again).config == first.config
+
+
+@pytest.mark.parametrize(("field", "value"), [("seed", 7), ("trials", 1)])
+def test_a_ranked_run_refuses_a_seed_and_a_number_of_trials(
+    both: Backend, field: str, value: int
+) -> None:
+    with pytest.raises(SubmissionRejected, match="practice run") as refusal:
+        both.queue("ann", kind=RunKind.RANKED, **{"seed": None, field: value})
+
+    assert refusal.value.field == field
 
 
 @pytest.mark.parametrize(

@@ -29,9 +29,9 @@ async function readJson(response) {
   throw new Error([...new Set(details.filter(Boolean))].join(" "));
 }
 
-async function requestCheck(form, benchmark, configuration, program) {
+async function requestCheck(form, benchmark, config, program) {
   const body = new FormData();
-  body.set("run", JSON.stringify({ benchmark, config: configuration() }));
+  body.set("run", JSON.stringify({ benchmark, config }));
   body.set("program", program);
   const headers = { "X-CSRFToken": form.elements.csrf_token.value, Accept: "application/json" };
   let check = await readJson(await fetch(URL_CHECKS, { method: "POST", body, headers }));
@@ -44,23 +44,13 @@ async function requestCheck(form, benchmark, configuration, program) {
   return check;
 }
 
-function goToLine(form, line) {
-  const area = form.elements.program_text;
-  const lines = area.value.split("\n");
-  const start = lines.slice(0, line - 1).join("\n").length + (line > 1 ? 1 : 0);
-  area.focus();
-  area.setSelectionRange(start, start + (lines[line - 1] ?? "").length);
-  const height = parseFloat(getComputedStyle(area).lineHeight) || 20;
-  area.scrollTop = Math.max(0, (line - 5) * height);
-}
-
-function problemItem(form, problem, inEditor) {
+function problemItem(problem, editor) {
   const item = element("li");
   const location = [problem.file, problem.line && `line ${problem.line}`].filter(Boolean).join(", ");
-  if (location && inEditor && problem.line) {
+  if (location && editor && problem.line) {
     const button = element("button", "check-line", location);
     button.type = "button";
-    button.addEventListener("click", () => goToLine(form, problem.line));
+    button.addEventListener("click", () => editor.goTo(problem.line));
     item.append(button, " ");
   } else if (location) item.append(element("strong", "", location), " ");
   item.append((problem.warning ? "Warning: " : "") + problem.sentence);
@@ -82,15 +72,14 @@ function verdict(check) {
   return `The program runs. ${time}${check.problems.length ? "Warnings:" : ""}`;
 }
 
-function showReport(container, form, check) {
-  const inEditor = form.elements.source.value === "editor";
+function showReport(container, check, editor) {
   const type = check.ok ? (check.problems.length ? "warn" : "good") : "bad";
   const box = element("div", `notice ${type}`);
   const inner = element("div");
   inner.append(element("p", "check-verdict", `${check.program_name}: ${verdict(check)}`));
   if (check.problems.length) {
     const list = element("ul");
-    list.append(...check.problems.map((problem) => problemItem(form, problem, inEditor)));
+    list.append(...check.problems.map((problem) => problemItem(problem, editor)));
     inner.append(list);
   }
   if (check.traceback) inner.append(details("Traceback", check.traceback));
@@ -99,7 +88,7 @@ function showReport(container, form, check) {
   container.replaceChildren(box);
 }
 
-export function startCheck(form, configuration) {
+export function startCheck(form, settings, openEditor) {
   const bar = form.querySelector("[data-check-bar]");
   if (!bar) return;
   const button = bar.querySelector("[data-check]");
@@ -126,7 +115,11 @@ export function startCheck(form, configuration) {
     label.textContent = "Checking…";
     container.replaceChildren(element("p", "small muted", "Compiling and starting the program. This takes a few seconds."));
     try {
-      showReport(container, form, await requestCheck(form, bar.dataset.benchmark, configuration, program));
+      const editor = await openEditor();
+      editor?.mark([]);
+      const check = await requestCheck(form, bar.dataset.benchmark, settings.configuration(), program);
+      showReport(container, check, editor);
+      editor?.mark(check.problems.filter((problem) => problem.line));
     } catch (error) {
       showNotice(error.message || "The check failed.", "bad");
     }

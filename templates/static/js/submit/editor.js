@@ -1,93 +1,192 @@
-// A text area with line numbers, indentation by Tab and automatic indentation of new lines.
-import { ask } from "../dialog.js";
+// The editor: CodeMirror in the place of the text area, which stays in the form and keeps the text.
+//
+// The editor lives in a shadow tree: there CodeMirror adopts its style sheets instead of adding style
+// elements, which the content security policy does not allow.
 
-const INDENT = "    ";
+const LIBRARY = new URL("../../vendor/codemirror/codemirror.min.js", import.meta.url);
+const ESCAPED_MS = 60_000; // for which Tab leaves the editor after Escape
 
-function replaceSelection(area, text) {
-  // execCommand instead of value=... keeps the browser's undo history.
-  if (!document.execCommand("insertText", false, text)) {
-    area.setRangeText(text, area.selectionStart, area.selectionEnd, "end");
+const COLOURS = {
+  "&": { height: "100%", color: "var(--text)", backgroundColor: "transparent", fontSize: ".86rem" },
+  "&.cm-focused": { outline: "none" },
+  ".cm-scroller": { fontFamily: "var(--mono)", lineHeight: "1.5" },
+  ".cm-content": { caretColor: "var(--text)", padding: ".6rem 0" },
+  ".cm-gutters": { backgroundColor: "transparent", color: "var(--text-2)", border: "0", borderRight: "1px solid var(--line)" },
+  ".cm-activeLine, .cm-activeLineGutter": { backgroundColor: "color-mix(in srgb, var(--accent-soft) 45%, transparent)" },
+  ".cm-matchingBracket, &.cm-focused .cm-matchingBracket": { backgroundColor: "var(--accent-soft)", outline: "1px solid var(--accent)" },
+  ".cm-selectionMatch": { backgroundColor: "var(--warn-soft)" },
+  ".cm-panels": { backgroundColor: "var(--surface-2)", color: "var(--text)", borderColor: "var(--line)" },
+  ".cm-textfield, .cm-button": { backgroundColor: "var(--surface)", backgroundImage: "none", color: "var(--text)", border: "1px solid var(--line-strong)", borderRadius: "4px", fontSize: ".8rem" },
+  ".cm-problem": { backgroundColor: "var(--bad-soft)" },
+  ".cm-problem.warning": { backgroundColor: "var(--warn-soft)" },
+  ".cm-problem-text": { padding: ".15rem .6rem .25rem", borderLeft: "3px solid var(--bad)", backgroundColor: "var(--bad-soft)", color: "var(--bad)", fontFamily: "var(--sans)", whiteSpace: "normal" },
+  ".cm-problem-text.warning": { borderColor: "var(--warn)", backgroundColor: "var(--warn-soft)", color: "var(--warn)" },
+};
+
+function highlighting({ HighlightStyle, syntaxHighlighting, tags }) {
+  return syntaxHighlighting(HighlightStyle.define([
+    { tag: [tags.keyword, tags.modifier, tags.operatorKeyword, tags.self], color: "var(--accent-strong)", fontWeight: "600" },
+    { tag: [tags.string, tags.character, tags.special(tags.string)], color: "var(--good)" },
+    { tag: [tags.number, tags.bool, tags.null, tags.atom], color: "var(--chart-3)" },
+    { tag: [tags.comment, tags.docString], color: "var(--text-2)", fontStyle: "italic" },
+    { tag: [tags.definition(tags.variableName), tags.function(tags.definition(tags.variableName)), tags.className], color: "var(--chart-4)" },
+    { tag: [tags.typeName, tags.processingInstruction, tags.meta], color: "var(--warn)" },
+  ]));
+}
+
+function languageOf(library, name) {
+  if (name === "c" || name === "c++") return library.cppLanguage;
+  if (name === "matlab") return library.StreamLanguage.define(library.octave);
+  return library.pythonLanguage;
+}
+
+// Lines with problems are coloured, with the sentence below them.
+function problemMarks({ Decoration, EditorView, StateEffect, StateField, WidgetType }) {
+  class Sentence extends WidgetType {
+    constructor(problem) {
+      super();
+      this.problem = problem;
+    }
+
+    toDOM() {
+      const box = document.createElement("div");
+      box.className = `cm-problem-text${this.problem.warning ? " warning" : ""}`;
+      box.textContent = this.problem.sentence;
+      return box;
+    }
   }
-}
-
-function selectWholeLines(area) {
-  const start = area.value.lastIndexOf("\n", area.selectionStart - 1) + 1;
-  let end = area.selectionEnd;
-  if (end > start && area.value[end - 1] === "\n") end -= 1;
-  const next = area.value.indexOf("\n", end);
-  area.setSelectionRange(start, next < 0 ? area.value.length : next);
-}
-
-function indent(area, back) {
-  if (area.selectionStart === area.selectionEnd && !back) {
-    replaceSelection(area, INDENT);
-    return;
+  const setProblems = StateEffect.define();
+  function decorations(state, problems) {
+    const marks = problems.filter(({ line }) => line >= 1 && line <= state.doc.lines).flatMap((problem) => {
+      const line = state.doc.line(problem.line);
+      const className = `cm-problem${problem.warning ? " warning" : ""}`;
+      return [
+        Decoration.line({ class: className }).range(line.from),
+        Decoration.widget({ widget: new Sentence(problem), block: true, side: 1 }).range(line.to),
+      ];
+    });
+    return Decoration.set(marks, true);
   }
-  selectWholeLines(area);
-  const from = area.selectionStart;
-  const lines = area.value.slice(from, area.selectionEnd).split("\n");
-  const changed = lines.map((line) => (back ? line.replace(/^ {1,4}|^\t/, "") : line && INDENT + line));
-  replaceSelection(area, changed.join("\n"));
-  area.setSelectionRange(from, from + changed.join("\n").length);
+  const field = StateField.define({
+    create: () => Decoration.none,
+    update(marks, transaction) {
+      const effect = transaction.effects.find((one) => one.is(setProblems));
+      return effect ? decorations(transaction.state, effect.value) : marks.map(transaction.changes);
+    },
+    provide: (one) => EditorView.decorations.from(one),
+  });
+  return { field, setProblems };
 }
 
-function newLine(area) {
-  const start = area.value.lastIndexOf("\n", area.selectionStart - 1) + 1;
-  const line = area.value.slice(start, area.selectionStart);
-  const spaces = line.match(/^[ \t]*/)[0];
-  replaceSelection(area, "\n" + spaces + (line.trimEnd().match(/[:{]$/) ? INDENT : ""));
+function extensions(library, language, marks, area) {
+  const { EditorView, keymap } = library;
+  return [
+    library.lineNumbers(), library.history(), library.highlightActiveLine(),
+    library.highlightActiveLineGutter(), library.bracketMatching(), library.indentOnInput(),
+    library.indentUnit.of("    "), library.highlightSelectionMatches(), highlighting(library),
+    language, marks.field, EditorView.theme(COLOURS),
+    keymap.of([...library.defaultKeymap, ...library.historyKeymap, ...library.searchKeymap, library.indentWithTab]),
+    EditorView.contentAttributes.of({
+      "aria-label": "Your program",
+      "aria-description": "Tab indents. To leave the editor, press Escape, then Tab.",
+    }),
+    EditorView.domEventHandlers({
+      keyup(event, view) { // longer than CodeMirror's own two seconds
+        if (event.key === "Escape") view.setTabFocusMode(ESCAPED_MS);
+      },
+    }),
+    EditorView.updateListener.of((update) => {
+      if (!update.docChanged) return;
+      area.value = update.state.doc.toString();
+      area.dispatchEvent(new Event("input", { bubbles: true }));
+    }),
+  ];
 }
 
+// Mounts CodeMirror and returns its view, with the functions that this page needs.
+async function mount(form, area) {
+  const library = await import(LIBRARY);
+  const host = document.createElement("div");
+  host.className = "editor-host";
+  area.after(host);
+  area.hidden = true;
+  form.querySelector("label[for=program_text]").remove(); // the name of the text area
+  form.querySelector("[data-editor-keys]").hidden = false;
+  const root = host.attachShadow({ mode: "open" });
+  const marks = problemMarks(library);
+  const language = new library.Compartment();
+  const selected = () => languageOf(library, form.elements.language.value);
+  const state = library.EditorState.create({
+    doc: area.value,
+    extensions: extensions(library, language.of(selected()), marks, area),
+  });
+  const view = new library.EditorView({ state, root, parent: root });
+  return {
+    setText(text) {
+      view.dispatch({ changes: { from: 0, to: view.state.doc.length, insert: text } });
+    },
+    setLanguage() {
+      view.dispatch({ effects: language.reconfigure(selected()) });
+    },
+    mark(problems) {
+      view.dispatch({ effects: marks.setProblems.of(problems) });
+    },
+    goTo(number) {
+      const line = view.state.doc.line(Math.min(Math.max(number, 1), view.state.doc.lines));
+      view.focus();
+      view.dispatch({
+        selection: { anchor: line.from, head: line.to },
+        effects: library.EditorView.scrollIntoView(line.from, { y: "center" }),
+      });
+    },
+    focus: () => view.focus(),
+  };
+}
+
+// The problem that the server found in the text when the form was sent.
+function refusedLine(form) {
+  const found = document.getElementById("program-error")?.textContent.match(/line (\d+): (.*)/s);
+  return found && form.elements.source.value === "editor"
+    ? [{ line: Number(found[1]), sentence: found[2], warning: false }] : [];
+}
+
+// Returns a function that gives the mounted editor, or null if the page has none or it did not load.
 export function startEditor(form) {
-  const area = form.querySelector(".editor textarea");
-  if (!area) return;
-  const gutter = form.querySelector(".editor .lines");
-  let leaving = false; // Escape, then Tab leaves the editor, for keyboard users
-
-  function numberLines() {
-    const count = area.value.split("\n").length;
-    gutter.textContent = Array.from({ length: count }, (_, i) => i + 1).join("\n");
-    gutter.scrollTop = area.scrollTop;
-  }
-
-  area.addEventListener("keydown", (event) => {
-    if (event.key === "Escape") {
-      leaving = true;
-      return;
-    }
-    if (event.key === "Tab" && !leaving && !event.ctrlKey && !event.altKey) {
-      event.preventDefault();
-      indent(area, event.shiftKey);
-    } else if (event.key === "Enter" && !event.isComposing && !event.shiftKey) {
-      event.preventDefault();
-      newLine(area);
-    }
-    if (event.key !== "Shift") leaving = false;
-  });
-  area.addEventListener("input", numberLines);
-  area.addEventListener("scroll", () => { gutter.scrollTop = area.scrollTop; });
-
-  const language = form.querySelector("#language");
-  const templates = new Map();
-  for (const each of form.querySelectorAll("[data-program-template]")) {
-    templates.set(each.dataset.programTemplate, each.content.textContent);
-  }
-
-  function insertTemplate() {
-    area.value = templates.get(language.value);
-    numberLines();
-  }
-
-  language.addEventListener("change", () => { // keep the user's own text
-    if (!area.value.trim() || [...templates.values()].includes(area.value)) insertTemplate();
-  });
+  const area = form.elements.program_text;
+  if (!area) return async () => null;
+  let editor = null;
+  const { language } = form.elements;
   const template = form.querySelector("[data-template]");
-  template.hidden = false;
-  template.addEventListener("click", async () => {
-    const text = templates.get(language.value);
-    if (area.value.trim() && area.value !== text && !(await ask("Replace the contents of the editor?", { yes: "Replace" }))) return;
-    insertTemplate();
-    area.focus();
+  const templates = new Map([...form.querySelectorAll("[data-program-template]")]
+    .map((each) => [each.dataset.programTemplate, each.content.textContent]));
+
+  async function open() {
+    if (form.elements.controller.value !== "upload" || form.elements.source.value !== "editor") return null;
+    editor ??= mount(form, area).then((mounted) => {
+      mounted.mark(refusedLine(form));
+      return mounted;
+    });
+    return editor.catch(() => null); // the text area stays
+  }
+
+  async function setText(text) {
+    const mounted = await open();
+    if (mounted) mounted.setText(text);
+    else area.value = text;
+  }
+
+  form.addEventListener("change", async (event) => {
+    if (["controller", "source"].includes(event.target.name)) await open();
+    if (event.target !== language) return;
+    // The user's own text is kept.
+    if (!area.value.trim() || [...templates.values()].includes(area.value)) await setText(templates.get(language.value));
+    (await open())?.setLanguage();
   });
-  numberLines();
+  template.hidden = false;
+  template.addEventListener("click", async () => { // no question: undo brings the text back
+    await setText(templates.get(language.value));
+    (await open())?.focus();
+  });
+  open();
+  return open;
 }

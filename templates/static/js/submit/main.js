@@ -1,136 +1,86 @@
-// The submit page. The form works without this script, which adds presets, the editor, drag and drop,
-// locking the scenario of ranked runs, and downloading the configuration.
+// The form of a new run. It works without this script, which adds presets, the editor, the check, drag
+// and drop, hiding what a ranked run does not use, and downloading the configuration.
 import { programFile, startCheck } from "./check.js";
 import { startDraft } from "./draft.js";
 import { startEditor } from "./editor.js";
-import { parameterValues, startParameters } from "./parameters.js";
+import { startParameters } from "./parameters.js";
+import { Settings } from "./settings.js";
 import { startUpload } from "./upload.js";
 
+const SENDING_MS = 4000; // for which a second click on the button is ignored
+
 const form = document.getElementById("run-form");
-const presets = JSON.parse(document.getElementById("presets").textContent);
-const inputs = [...form.querySelectorAll("[data-default]")];
-const defaults = JSON.parse(document.getElementById("defaults").textContent);
+const settings = new Settings(form);
 
-function textOf(value) {
-  return Array.isArray(value) ? value.join(", ") : String(value);
-}
-
-function valueOf(input) {
-  return input.type === "checkbox" ? String(input.checked) : input.value;
-}
-
-function setValue(input, text) {
-  if (input.type === "checkbox") input.checked = text === "true";
-  else input.value = text;
-}
-
-function markChanged(input) {
-  const label = document.getElementById(`${input.name}-label`);
-  label?.classList.toggle("changed", valueOf(input).trim() !== input.dataset.default);
-}
-
-// Unchanged fields follow the presets of other choices, such as the vehicle; changed fields keep
-// their values. The values of a restored draft are all kept.
-function applyPresets({ keepValues = false } = {}) {
-  const preset = {};
-  for (const [name, choices] of Object.entries(presets)) {
-    Object.assign(preset, choices[valueOf(form.elements[name])] ?? {});
+function showKind() {
+  const { ranked } = settings;
+  for (const field of form.querySelectorAll("[data-practice]")) {
+    field.hidden = ranked;
+    field.querySelector("input").disabled = ranked;
   }
-  for (const input of inputs) {
-    if (input.name in presets) continue;
-    const before = input.dataset.default;
-    const unchanged = !keepValues && valueOf(input).trim() === before;
-    input.dataset.default = textOf(preset[input.name] ?? defaults[input.name]);
-    if (unchanged) setValue(input, input.dataset.default);
-    markChanged(input);
+  const note = form.querySelector("[data-ranked-note]");
+  if (note) {
+    note.hidden = !ranked;
+    const titles = settings.unused().map((input) => settings.titleOf(input));
+    note.querySelector("[data-ranked-unused]").textContent = titles.length === 0 ? ""
+      : `Your change${titles.length === 1 ? "" : "s"} of ${titles.join(", ")} will not be used.`;
   }
-  showApplicable();
-}
-
-// Hides settings that have no effect with the other choices, unless they have an error.
-function showApplicable() {
-  for (const field of form.querySelectorAll("[data-applies]")) {
-    const applies = Object.entries(JSON.parse(field.dataset.applies))
-      .every(([name, values]) => values.includes(valueOf(form.elements[name])));
-    field.hidden = !applies && !field.querySelector(".error");
-    field.querySelector("[data-only]").hidden = applies;
-  }
-  for (const section of form.querySelectorAll("details.advanced, fieldset.group")) {
-    const count = section.querySelectorAll("[data-field]:not([hidden])").length;
-    section.hidden = count === 0;
-    if (section.tagName === "DETAILS") section.querySelector("[data-count]").textContent = count;
-  }
-}
-
-function lockScenario() {
-  const ranked = form.elements.kind.value === "ranked";
-  for (const group of form.querySelectorAll('[data-role="scenario"]')) {
-    group.disabled = ranked;
-    group.querySelector("[data-lock]").hidden = !ranked;
-  }
-  const practice = form.querySelector("[data-practice]");
-  practice.hidden = ranked;
   form.querySelector("[data-submit-label]").textContent = ranked ? "Start ranked run" : "Start run";
-}
-
-function configuration() {
-  const values = {};
-  for (const input of inputs) {
-    const text = valueOf(input).trim();
-    if (input.type === "checkbox") values[input.name] = input.checked;
-    else if (input.dataset.list !== undefined) {
-      values[input.name] = text.split(/[\s,;]+/).filter(Boolean).map(Number);
-    } else if (input.inputMode === "decimal" && text !== "" && Number.isFinite(Number(text))) {
-      values[input.name] = Number(text);
-    } else values[input.name] = text;
-  }
-  return { ...values, ...parameterValues(form) };
+  const solution = form.querySelector("[name=controller]:checked")?.nextElementSibling.textContent ?? "";
+  const parts = [solution, ranked ? "ranked" : "practice", settings.summary()];
+  form.querySelector("[data-summary]").textContent = parts.filter(Boolean).join(" · ");
 }
 
 function download(name) {
-  const blob = new Blob([JSON.stringify(configuration(), null, 2) + "\n"], { type: "application/json" });
+  const text = `${JSON.stringify(settings.configuration(), null, 2)}\n`;
   const link = document.createElement("a");
-  link.href = URL.createObjectURL(blob);
+  link.href = URL.createObjectURL(new Blob([text], { type: "application/json" }));
   link.download = name;
   link.click();
   URL.revokeObjectURL(link.href);
 }
 
-function resetAll() {
-  for (const input of inputs) {
-    if (!(input.name in presets)) setValue(input, input.dataset.default);
-    markChanged(input);
-  }
-  showApplicable();
-}
-
-form.addEventListener("input", (event) => {
-  if (event.target.dataset.default !== undefined) markChanged(event.target);
+form.addEventListener("input", () => {
+  settings.update();
+  showKind();
 });
 form.addEventListener("change", (event) => {
-  if (event.target.name in presets) applyPresets();
-  else if (event.target.dataset.default !== undefined || event.target.name === "controller") showApplicable();
-  if (event.target.name === "kind") lockScenario();
+  if (event.target.name in settings.presets) settings.applyPresets();
+  else settings.update();
+  showKind();
 });
-form.addEventListener("submit", () => {
+form.addEventListener("submit", (event) => {
   const button = form.querySelector("button[type=submit]");
+  if (button.getAttribute("aria-disabled") === "true") event.preventDefault();
   button.setAttribute("aria-disabled", "true");
-  setTimeout(() => button.removeAttribute("aria-disabled"), 4000);
+  setTimeout(() => button.removeAttribute("aria-disabled"), SENDING_MS);
 });
 
 for (const button of form.querySelectorAll("[data-reset], [data-download-config]")) {
   button.hidden = false;
   button.addEventListener("click", () => {
-    if ("reset" in button.dataset) resetAll();
-    else download(button.dataset.downloadConfig);
+    if ("reset" in button.dataset) {
+      settings.reset();
+      showKind();
+    } else download(button.dataset.downloadConfig);
   });
 }
-if (startDraft(form)) applyPresets({ keepValues: true });
-for (const input of inputs) markChanged(input);
-showApplicable();
-lockScenario();
-startEditor(form);
-startCheck(form, configuration);
+const points = form.querySelector("[data-starting-points]");
+if (points) {
+  points.hidden = false;
+  points.addEventListener("click", ({ target }) => {
+    const name = target.dataset.startingPoint;
+    if (!name) return;
+    points.querySelector("[data-preset-note]").textContent = settings.togglePoint(name);
+    showKind();
+  });
+}
+if (startDraft(form)) settings.applyPresets({ keepValues: true });
+settings.update();
+settings.fold();
+showKind();
+const editor = startEditor(form);
+startCheck(form, settings, editor);
 startUpload(form);
 startParameters(form, form.dataset.benchmark, programFile);
 document.getElementById("problems")?.focus();

@@ -19,6 +19,7 @@ export function startUpload(form) {
     for (const part of section.querySelectorAll("[data-source]")) {
       part.hidden = part.dataset.source !== form.elements.source.value;
     }
+    input.disabled = form.elements.source.value !== "file"; // a file that is sent has precedence
   }
 
   function describe() {

@@ -1,0 +1,208 @@
+// The settings of the form: presets, what differs from the defaults, and what has an effect.
+
+import { parameterValues } from "./parameters.js";
+
+function textOf(value) {
+  return Array.isArray(value) ? value.join(", ") : String(value);
+}
+
+export function valueOf(input) {
+  return input.type === "checkbox" ? String(input.checked) : input.value;
+}
+
+function setValue(input, text) {
+  if (input.type === "checkbox") input.checked = text === "true";
+  else input.value = text;
+}
+
+function json(id) {
+  return JSON.parse(document.getElementById(id).textContent);
+}
+
+function changedText(count) {
+  return `${count} ${count === 1 ? "setting" : "settings"} changed`;
+}
+
+export class Settings {
+  constructor(form) {
+    this.form = form;
+    this.inputs = [...form.querySelectorAll("[data-default]")];
+    this.defaults = json("defaults");
+    this.presets = json("presets");
+    this.points = json("starting-points");
+    this.groups = [...form.querySelectorAll("details.group")];
+    form.classList.add("brief");
+    for (const button of form.querySelectorAll("[data-more]")) {
+      button.addEventListener("click", () => {
+        const group = button.closest(".group");
+        group.classList.remove("partial");
+        button.hidden = true;
+        group.querySelector(".field:not([hidden]) :is(input, select)")?.focus();
+      });
+    }
+  }
+
+  differs(input) {
+    return valueOf(input).trim() !== input.dataset.default;
+  }
+
+  // Inputs that differ from their defaults, have an effect, and are sent.
+  changed(within = this.form) {
+    return this.inputs.filter((input) => within.contains(input) && this.differs(input)
+      && !input.closest("[data-field]").hidden);
+  }
+
+  // Unchanged inputs follow the presets of other choices, such as the vehicle; changed ones keep
+  // their values. The values of a restored draft are all kept.
+  applyPresets({ keepValues = false } = {}) {
+    const preset = {};
+    for (const [name, choices] of Object.entries(this.presets)) {
+      Object.assign(preset, choices[valueOf(this.form.elements[name])] ?? {});
+    }
+    for (const input of this.inputs) {
+      if (input.name in this.presets) continue;
+      const unchanged = !keepValues && !this.differs(input);
+      input.dataset.default = textOf(preset[input.name] ?? this.defaults[input.name]);
+      if (unchanged) setValue(input, input.dataset.default);
+    }
+    this.update();
+  }
+
+  // Opens the groups with changed settings, and shows only those in them.
+  fold() {
+    for (const field of this.form.querySelectorAll("[data-field]")) {
+      const input = field.querySelector("[data-default]");
+      field.classList.toggle("shown", this.differs(input) || Boolean(field.querySelector(".error")));
+    }
+    for (const group of this.groups) {
+      const shown = group.querySelectorAll(".field.shown:not([hidden])").length;
+      const all = group.querySelectorAll("[data-field]:not([hidden])").length;
+      const more = group.querySelector("[data-more]");
+      group.open = shown > 0;
+      group.classList.toggle("partial", shown > 0 && shown < all);
+      more.hidden = shown === 0 || shown === all;
+      more.textContent = `Show all ${all} settings of this group`;
+      const advanced = group.querySelector("details.advanced");
+      if (advanced) advanced.open = advanced.querySelector(".field.shown") !== null;
+    }
+  }
+
+  // Hides settings that have no effect with the other choices, unless they have an error.
+  showApplicable() {
+    for (const field of this.form.querySelectorAll("[data-applies]")) {
+      const applies = Object.entries(JSON.parse(field.dataset.applies))
+        .every(([name, values]) => values.includes(valueOf(this.form.elements[name])));
+      field.hidden = !applies && !field.querySelector(".error");
+      field.querySelector("[data-only]").hidden = applies;
+    }
+    for (const section of this.form.querySelectorAll("details.advanced, details.group")) {
+      const count = section.querySelectorAll("[data-field]:not([hidden])").length;
+      section.hidden = count === 0 || (section.dataset.role === "scenario" && this.ranked);
+      if (section.classList.contains("advanced")) section.querySelector("[data-count]").textContent = count;
+    }
+  }
+
+  get ranked() {
+    return this.form.elements.kind.value === "ranked";
+  }
+
+  // Ranked runs have the benchmark's own scenario, so its settings are neither shown nor sent.
+  update() {
+    for (const group of this.groups) {
+      const unused = this.ranked && group.dataset.role === "scenario";
+      group.querySelector("fieldset").disabled = unused;
+    }
+    this.showApplicable();
+    for (const input of this.inputs) {
+      document.getElementById(`${input.name}-label`)?.classList.toggle("changed", this.differs(input));
+    }
+    for (const group of this.groups) {
+      const count = this.changed(group).length;
+      const badge = group.querySelector("[data-group-count]");
+      badge.hidden = count === 0;
+      badge.textContent = `${count} changed`;
+    }
+    const total = this.used().length;
+    const badge = this.form.querySelector("[data-changed-count]");
+    badge.hidden = total === 0;
+    badge.textContent = changedText(total);
+    this.markPoints();
+  }
+
+  used() {
+    return this.changed().filter((input) => !input.matches(":disabled"));
+  }
+
+  unused() {
+    return this.changed().filter((input) => input.matches(":disabled"));
+  }
+
+  titleOf(input) {
+    return document.getElementById(`${input.name}-label`).firstChild.textContent.trim();
+  }
+
+  summary() {
+    const total = this.used().length;
+    return total === 0 ? "default settings" : changedText(total);
+  }
+
+  isApplied(point) {
+    const { controller } = this.form.elements;
+    return (!point.built_in || controller.value === point.built_in)
+      && Object.entries(point.config).every(([name, value]) => valueOf(this.form.elements[name]).trim() === textOf(value));
+  }
+
+  markPoints() {
+    for (const button of this.form.querySelectorAll("[data-starting-point]")) {
+      const point = this.points[button.dataset.startingPoint];
+      button.setAttribute("aria-pressed", String(this.isApplied(point)));
+      button.hidden = this.ranked && Object.keys(point.config).some(
+        (name) => this.form.elements[name].closest("[data-role]").dataset.role === "scenario");
+    }
+  }
+
+  // Fills in a preset, or takes it back if it is applied already.
+  togglePoint(name) {
+    const point = this.points[name];
+    const applied = this.isApplied(point);
+    const isDefault = Object.keys(point.config).every((setting) => !this.differs(this.form.elements[setting]));
+    if (applied && isDefault) return `${point.title}: these are the defaults.`;
+    for (const [setting, value] of Object.entries(point.config)) {
+      const input = this.form.elements[setting];
+      setValue(input, applied ? textOf(this.defaults[setting]) : textOf(value));
+      if (setting in this.presets) this.applyPresets();
+    }
+    if (point.built_in && !applied) {
+      this.form.elements.controller.value = point.built_in;
+      this.form.querySelector("[name=controller]:checked").dispatchEvent(new Event("change", { bubbles: true }));
+    }
+    this.update();
+    this.fold();
+    return applied ? `${point.title}: removed.` : `${point.title}: ${point.summary}`;
+  }
+
+  reset() {
+    for (const input of this.inputs) {
+      if (input.name in this.presets) setValue(input, textOf(this.defaults[input.name]));
+    }
+    this.applyPresets({ keepValues: true });
+    for (const input of this.inputs) setValue(input, input.dataset.default);
+    this.update();
+    this.fold();
+  }
+
+  configuration() {
+    const values = {};
+    for (const input of this.inputs) {
+      if (input.matches(":disabled")) continue;
+      const text = valueOf(input).trim();
+      if (input.type === "checkbox") values[input.name] = input.checked;
+      else if (input.dataset.list !== undefined) {
+        values[input.name] = text.split(/[\s,;]+/).filter(Boolean).map(Number);
+      } else if (input.inputMode === "decimal" && text !== "" && Number.isFinite(Number(text))) {
+        values[input.name] = Number(text);
+      } else values[input.name] = text;
+    }
+    return { ...values, ...parameterValues(this.form) };
+  }
+}
