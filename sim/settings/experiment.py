@@ -26,7 +26,7 @@ class ExperimentSettings(ControlLoopSettings, SceneSettings, FaultSettings):
     vehicle: str = experiment_setting(
         "girona500",
         title="Vehicle",
-        help="The plant; choosing it also sets its own defaults.",
+        help="Vehicle model, sets its own defaults.",
         choices={name: load(name).title for name in VEHICLES},
     )
     level_duration_s: float = experiment_setting(

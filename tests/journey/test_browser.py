@@ -5,7 +5,14 @@ import re
 import pytest
 from playwright.sync_api import FilePayload, expect
 
-from tests.journey.visitor import PROGRAM, Visitor, shorten
+from tests.journey.visitor import (
+    PROGRAM,
+    Visitor,
+    choose_file,
+    customise,
+    shorten,
+    write_program,
+)
 
 pytestmark = [pytest.mark.browser, pytest.mark.host, pytest.mark.slow]
 
@@ -29,9 +36,8 @@ def test_an_uploaded_controller_goes_from_sign_up_to_the_leaderboard(visitor: Vi
     page = visitor.page
     visitor.sign_up("journey")
     visitor.open("/submit/currents-v1")
-    page.get_by_text("My own program").click()
     file = FilePayload(name="mine.py", mimeType="text/x-python", buffer=PROGRAM.encode())
-    page.locator("#program").set_input_files(file)
+    choose_file(page, file)
     page.get_by_text("Ranked", exact=True).click()
     expect(page.get_by_label("Level duration")).to_be_disabled()
 
@@ -56,9 +62,7 @@ def test_a_program_that_divides_by_zero_fails_with_its_error_on_the_page(visitor
     visitor.sign_up("zero")
     visitor.open("/submit/currents-v1")
     shorten(page)
-    page.get_by_text("My own program").click()
-    page.get_by_role("radio", name="Editor").check()
-    page.get_by_label("Your program").fill(PROGRAM.replace("return [", "return [1 / 0, "))
+    write_program(page, PROGRAM.replace("return [", "return [1 / 0, "))
 
     page.get_by_role("button", name="Start run").click()
     visitor.wait_for("failed")
@@ -71,6 +75,7 @@ def test_a_program_that_divides_by_zero_fails_with_its_error_on_the_page(visitor
 def test_an_invalid_gain_is_marked_at_its_field_and_other_values_are_kept(visitor: Visitor) -> None:
     page = visitor.page
     visitor.open("/submit/currents-v1")
+    customise(page, "Position controller")
     page.get_by_label("Proportional gain Kp").fill("99")
     page.get_by_label("Integral gain Ki").fill("0.03")
 
@@ -84,8 +89,10 @@ def test_an_invalid_gain_is_marked_at_its_field_and_other_values_are_kept(visito
 def test_choosing_a_vehicle_sets_its_defaults_and_keeps_other_values(visitor: Visitor) -> None:
     page = visitor.page
     visitor.open("/submit/currents-v1")
+    customise(page, "Position controller")
     page.get_by_label("Proportional gain Kp").fill("0.8")
 
+    customise(page, "Experiment")
     page.get_by_label("Vehicle", exact=True).select_option("girona500-uwsim")
 
     expect(page.get_by_label("Current model")).to_have_value("force")
@@ -95,14 +102,15 @@ def test_choosing_a_vehicle_sets_its_defaults_and_keeps_other_values(visitor: Vi
 def test_steering_settings_are_shown_only_if_the_tracker_steers(visitor: Visitor) -> None:
     page = visitor.page
     visitor.open("/submit/visibility-v1")
-    sensors = page.get_by_role("group", name="Sensors")
-    expect(page.get_by_role("group", name="Water and camera")).to_be_visible()
-    expect(sensors).to_be_hidden()
+    customise(page, "Motion")
+    groups = page.locator("details.group > summary")
+    expect(groups.filter(has_text="Water and camera")).to_be_visible()
+    expect(groups.filter(has_text="Sensors")).to_be_hidden()
 
     page.get_by_label("Vehicle motion").select_option("free")
 
-    expect(sensors).to_be_visible()
-    expect(page.get_by_label("Proportional gain Kp")).to_be_visible()
+    expect(groups.filter(has_text="Sensors")).to_be_visible()
+    expect(groups.filter(has_text="Position controller")).to_be_visible()
     assert visitor.violations() == []
 
 
@@ -110,9 +118,8 @@ def test_a_file_of_three_megabytes_is_refused_with_the_limit(visitor: Visitor) -
     page = visitor.page
     visitor.sign_up("heavy")
     visitor.open("/submit/currents-v1")
-    page.get_by_text("My own program").click()
     file = FilePayload(name="big.py", mimeType="text/x-python", buffer=b"#" * 3_000_000)
-    page.locator("#program").set_input_files(file)
+    choose_file(page, file)
 
     page.get_by_role("button", name="Start run").click()
 

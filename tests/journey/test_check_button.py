@@ -3,7 +3,7 @@
 import pytest
 from playwright.sync_api import Page, expect
 
-from tests.journey.visitor import PROGRAM, RUN_MS, Visitor
+from tests.journey.visitor import PROGRAM, RUN_MS, Visitor, write_program
 
 pytestmark = [pytest.mark.browser, pytest.mark.host, pytest.mark.slow]
 
@@ -12,9 +12,7 @@ def _write(visitor: Visitor, text: str) -> Page:
     """Open the editor and put a program into it."""
     page = visitor.page
     visitor.open("/submit/currents-v1")
-    page.get_by_text("My own program").click()
-    page.get_by_role("radio", name="Editor").check()
-    page.get_by_label("Your program").fill(text)
+    write_program(page, text)
     return page
 
 
@@ -31,7 +29,9 @@ def test_the_check_button_appears_with_a_program_and_reports_that_it_runs(visito
     assert (visitor.errors, visitor.violations()) == ([], [])
 
 
-def test_clicking_the_line_of_an_error_selects_it_in_the_editor(visitor: Visitor) -> None:
+def test_the_line_of_an_error_is_marked_and_a_click_selects_it(
+    visitor: Visitor,
+) -> None:
     visitor.sign_up("careless")
     wrong = PROGRAM.replace("x, y, _ = observation.error", "x, y, _ = observation.eror")
     line = next(at for at, text in enumerate(wrong.splitlines(), 1) if "eror" in text)
@@ -42,10 +42,7 @@ def test_clicking_the_line_of_an_error_selects_it_in_the_editor(visitor: Visitor
     expect(link).to_be_visible(timeout=RUN_MS)
     link.click()
 
-    selected = page.evaluate("""() => {
-      const area = document.activeElement;
-      return area.value.slice(area.selectionStart, area.selectionEnd);
-    }""")
-    assert selected == wrong.splitlines()[line - 1]
+    assert page.evaluate("getSelection().toString()") == wrong.splitlines()[line - 1]
+    expect(page.locator(".cm-problem")).to_have_text(wrong.splitlines()[line - 1])
     expect(page.locator("#check-report .notice.bad")).to_be_visible()
     assert (visitor.errors, visitor.violations()) == ([], [])

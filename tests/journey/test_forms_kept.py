@@ -3,7 +3,7 @@
 import pytest
 from playwright.sync_api import expect
 
-from tests.journey.visitor import Visitor
+from tests.journey.visitor import Visitor, customise
 
 pytestmark = [pytest.mark.browser, pytest.mark.host, pytest.mark.slow]
 
@@ -11,10 +11,11 @@ pytestmark = [pytest.mark.browser, pytest.mark.host, pytest.mark.slow]
 def test_form_entries_are_restored_after_signing_up(visitor: Visitor) -> None:
     page = visitor.page
     visitor.open("/submit/visibility-v1")
+    customise(page)
     page.get_by_label("Run title").fill("mine")
     page.locator("#seed").fill("42")
 
-    page.locator("main").get_by_role("link", name="sign up").first.click()
+    page.locator("main").get_by_role("link", name="create one").click()
     visitor.fill_in_account("keeper")
 
     expect(page.get_by_text("Your previous input has been restored")).to_be_visible()
@@ -30,6 +31,7 @@ def test_the_form_is_empty_after_an_accepted_run_and_restored_after_a_refused_on
 ) -> None:
     page = visitor.page
     visitor.open("/submit/currents-v1")
+    customise(page)
     page.locator("#seed").fill("7")
     token = page.locator("#run-form input[name=csrf_token]")
     token.evaluate("input => { input.value = 'expired'; }")
@@ -37,6 +39,7 @@ def test_the_form_is_empty_after_an_accepted_run_and_restored_after_a_refused_on
     page.get_by_role("link", name="Back to the form").click()
     expect(page.locator("#seed")).to_have_value("7")
 
+    customise(page, "Experiment")
     page.get_by_label("Current levels").fill("0")
     page.get_by_label("Level duration").fill("4")
     page.get_by_label("Settle window").fill("1")

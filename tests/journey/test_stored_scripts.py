@@ -3,7 +3,7 @@
 import pytest
 from playwright.sync_api import FilePayload, expect
 
-from tests.journey.visitor import RUN_MS, Visitor, shorten
+from tests.journey.visitor import RUN_MS, Visitor, choose_file, shorten
 
 pytestmark = [pytest.mark.browser, pytest.mark.host, pytest.mark.slow]
 
@@ -29,12 +29,11 @@ def test_markup_of_a_user_is_shown_as_text_on_every_page(visitor: Visitor) -> No
     page.on("dialog", lambda dialog: dialogs.append(dialog.message))
     visitor.sign_up("scripter")
     visitor.open("/submit/currents-v1")
-    page.get_by_text("My own program").click()
     name = "<img src=x onerror=alert(1)>.py"
     file = FilePayload(name=name, mimeType="text/x-python", buffer=PROGRAM.encode())
-    page.locator("#program").set_input_files(file)
-    page.locator("[name=title]").fill(MARKUP)
+    choose_file(page, file)
     shorten(page)
+    page.locator("[name=title]").fill(MARKUP)
 
     page.get_by_role("button", name="Check program").click()
     expect(page.locator("main")).to_contain_text("onerror=", timeout=RUN_MS)

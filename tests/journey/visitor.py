@@ -2,7 +2,7 @@
 
 import re
 
-from playwright.sync_api import Page, expect
+from playwright.sync_api import FilePayload, Locator, Page, expect
 
 RUN_MS = 120_000
 PASSWORD = "correct horse battery"
@@ -75,8 +75,34 @@ class Visitor:
         return found
 
 
+def customise(page: Page, group: str = "") -> None:
+    """Unfold the settings of the form, and one of their groups."""
+    settings = page.locator("#customise")
+    _unfold(settings)
+    if group:
+        _unfold(settings.locator(f"details.group:has(> summary:has-text('{group}'))").first)
+
+
+def _unfold(details: Locator) -> None:
+    details.evaluate("one => { one.open = true; one.classList.remove('partial'); }")
+
+
+def write_program(page: Page, text: str) -> None:
+    """Replace the text of the editor."""
+    page.locator("label", has_text="My own program").click()
+    page.get_by_role("textbox", name="Your program").fill(text)
+
+
+def choose_file(page: Page, file: FilePayload) -> None:
+    """Choose a file as one's own program."""
+    page.locator("label", has_text="My own program").click()
+    page.locator("label", has_text="Upload a file").click()
+    page.locator("#program").set_input_files(file)
+
+
 def shorten(page: Page) -> None:
     """Fill in an experiment of a few seconds."""
+    customise(page, "Experiment")
     page.get_by_label("Current levels").fill("0, 0.1")
     page.get_by_label("Level duration").fill("10")
     page.get_by_label("Settle window").fill("2")

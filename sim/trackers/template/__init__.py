@@ -42,9 +42,9 @@ TRACKER = TrackerDeclaration(
             0.5,
             low=0.0001,
             high=2,
-            title="Stop below",
-            help="The iteration stops after a step that moves every corner less; with ssd and mi, "
-            "less than a fifth of it.",
+            title="Convergence threshold",
+            help="The iteration stops once a step moves every corner by less than this; with ssd and "
+            "mi, by less than a fifth of it.",
             unit="px",
         ),
         SAMPLING_PX,
@@ -56,16 +56,17 @@ TRACKER = TrackerDeclaration(
             0,
             low=0,
             high=400,
-            title="Search radius after a loss",
-            help="How far a lost target is searched, growing with each image; 0: no search.",
+            title="Re-acquisition radius",
+            help="How far away a lost target is searched for, at most; the radius grows with each "
+            "image. 0: no search.",
             unit="px",
         ),
         Option(
             name="smoothing",
             default="patch",
             title="Smoothing",
-            help="What the 3x3 binomial mask is applied to. Interpolation errs less between smooth "
-            "pixels.",
+            help="What the 3x3 binomial filter is applied to. Interpolation is more accurate between "
+            "smooth pixels.",
             choices={"patch": "The sampled template", "image": "The image before sampling"},
             advanced=True,
         ),
@@ -73,7 +74,8 @@ TRACKER = TrackerDeclaration(
             name="second_search",
             default=False,
             title="Second search",
-            help="Whether a doubtful result is searched for again, from coarser pyramid levels on.",
+            help="Whether a doubtful result is searched for again, starting from coarser pyramid "
+            "levels.",
             advanced=True,
         ),
         MAX_JUMP,

@@ -109,6 +109,29 @@ def test_a_form_can_start_from_the_configuration_of_a_run(site: Site) -> None:
     assert 'name="kp" value="1.25"' not in foreign
 
 
+def test_a_preset_of_the_url_fills_in_its_settings_and_opens_them_without_scripts(
+    site: Site,
+) -> None:
+    page = site.browser().get(f"{FORM}?preset=paper-p").text
+    plain = site.browser().get(FORM).text
+
+    assert re.search(r'name="controller" value="p" checked', page)
+    assert re.search(r'<option value="girona500-uwsim" selected', page)
+    assert re.search(r'<details class="customise" id="customise" open>', page)
+    assert '<span class="count" data-changed-count>1 setting changed</span>' in page
+    assert re.search(r'<details class="customise" id="customise">', plain)
+    assert not re.search(r'<details class="group"[^>]* open', plain)
+
+
+def test_a_file_wins_over_the_untouched_editor_without_scripts(site: Site) -> None:
+    file = (io.BytesIO(PROGRAM.encode()), "mine.py")
+    fields = {"controller": "upload", "source": "editor", "program_text": "not Python"}
+
+    run_id = _new_run(site.browser("ann"), program=file, **fields)
+
+    assert site.show(run_id).program_name == "mine.py"
+
+
 def test_an_uploaded_file_is_queued(site: Site) -> None:
     file = (io.BytesIO(PROGRAM.encode()), "mine.py")
 
@@ -183,8 +206,18 @@ def test_an_upload_of_nine_megabytes_is_refused_with_the_limit(site: Site) -> No
     assert "up to 8 MiB" in answer.text
 
 
+def test_a_ranked_run_refuses_other_settings_at_their_fields(site: Site) -> None:
+    answer = site.browser("ann").post(
+        FORM, {"controller": "pi", "kind": "ranked", "level_duration_s": "60"}
+    )
+
+    assert answer.status_code == 422
+    assert "Level duration) is fixed at 120 s in ranked runs" in answer.text
+    assert 'id="level_duration_s-error"' in answer.text
+
+
 def test_a_ranked_run_has_the_scenario_of_the_benchmark(site: Site) -> None:
-    run_id = _new_run(site.browser("ann"), kind="ranked", kp="0.9", level_duration_s="10")
+    run_id = _new_run(site.browser("ann"), kind="ranked", kp="0.9", level_duration_s="120")
 
     run = site.show(run_id)
     assert (run.kind, run.seed, run.trials) == ("ranked", None, site.settings.ranked_trials)

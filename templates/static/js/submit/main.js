@@ -67,7 +67,6 @@ for (const button of form.querySelectorAll("[data-reset], [data-download-config]
 }
 const points = form.querySelector("[data-starting-points]");
 if (points) {
-  points.hidden = false;
   points.addEventListener("click", ({ target }) => {
     const name = target.dataset.startingPoint;
     if (!name) return;

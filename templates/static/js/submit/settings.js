@@ -159,6 +159,8 @@ export class Settings {
       button.hidden = this.ranked && Object.keys(point.config).some(
         (name) => this.form.elements[name].closest("[data-role]").dataset.role === "scenario");
     }
+    const presets = this.form.querySelector("[data-starting-points]");
+    if (presets) presets.hidden = !presets.querySelector("[data-starting-point]:not([hidden])");
   }
 
   // Fills in a preset, or takes it back if it is applied already.
