@@ -44,7 +44,7 @@ def initial(benchmark: Benchmark) -> Prefill:
     point = benchmark.starting_points.get(request.args.get("preset", ""))
     controller = point.built_in if point is not None else request.args.get("controller", "")
     known = controller in benchmark.built_in
-    chosen = {
+    chosen: dict[str, object] = {
         name: request.args[name]
         for name, choices in benchmark.presets.items()
         if request.args.get(name) in choices

@@ -33,5 +33,5 @@ _BENCHMARK = station_keeping_benchmark(
 BENCHMARK = replace(
     _BENCHMARK,
     question="Which position controller keeps station best while the current grows?",
-    starting_points=PAPER | _BENCHMARK.starting_points,
+    starting_points={**PAPER, **_BENCHMARK.starting_points},
 )

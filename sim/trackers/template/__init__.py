@@ -43,8 +43,8 @@ TRACKER = TrackerDeclaration(
             low=0.0001,
             high=2,
             title="Convergence threshold",
-            help="The iteration stops once a step moves every corner by less than this; with ssd and "
-            "mi, by less than a fifth of it.",
+            help="The iteration stops once a step moves every corner by less than this; with "
+            "ssd and mi, by less than a fifth of it.",
             unit="px",
         ),
         SAMPLING_PX,
@@ -65,8 +65,8 @@ TRACKER = TrackerDeclaration(
             name="smoothing",
             default="patch",
             title="Smoothing",
-            help="What the 3x3 binomial filter is applied to. Interpolation is more accurate between "
-            "smooth pixels.",
+            help="What the 3x3 binomial filter is applied to. Interpolation is more accurate "
+            "between smooth pixels.",
             choices={"patch": "The sampled template", "image": "The image before sampling"},
             advanced=True,
         ),
