@@ -12,6 +12,8 @@ _ADDRESSES = {
     "/benchmarks/<name>": f"/benchmarks/{BENCHMARK}",
     "/leaderboards/<name>": f"/leaderboards/{BENCHMARK}",
     "/leaderboards/<name>/preview.jpg": f"/leaderboards/{BENCHMARK}/preview.jpg",
+    "/users/<name>": "/users/many5",
+    "/api/v1/users/<string:name>": "/api/v1/users/many5",
     "/docs/<name>": "/docs/start",
     "/docs/guides/<path:name>": "/docs/guides/benchmarks.md",
     "/docs/physics/<name>.urdf": "/docs/physics/girona500.urdf",
@@ -34,6 +36,9 @@ _MORE = (
     "/api/v1/runs?which=all&limit=200&after={run}",
     "/api/v1/leaderboards/currents-v2?limit=500",
     "/leaderboards/currents-v2?after={half}",
+    "/leaderboards/currents-v2?language=python&after={half}",
+    "/leaderboards/currents-v2?baselines=only",
+    "/leaderboards/currents-v2?sort=power_share",
 )
 _WHOLE_FILES = frozenset({"/runs/runs.csv"})  # of any length, streamed page by page
 

@@ -40,6 +40,7 @@ class Action(StrEnum):
     MANAGE_TOKENS = "manage_tokens"
     CHANGE_PASSWORD = "change_password"  # noqa: S105 - the name of an action
     CLOSE_ACCOUNT = "close_account"
+    EDIT_PROFILE = "edit_profile"
     VIEW_CLASSES = "view_classes"
     JOIN_CLASSES = "join_classes"
     TEACH = "teach"
@@ -81,6 +82,7 @@ RULES: Mapping[Action, Rule] = {
     Action.INVITE: Rule(ADMIN, Role.TEACHER),
     Action.MODERATE: Rule(ADMIN, Role.ORGANISER),
     Action.ADMINISTER: Rule(ADMIN, Role.ADMIN),
+    Action.EDIT_PROFILE: Rule(SUBMIT, Role.USER),
     Action.VIEW: Rule(READ, Role.ANONYMOUS),
     Action.VIEW_PROGRAM: Rule(READ, Role.ANONYMOUS),
     Action.VIEW_LOG: Rule(READ, Role.ANONYMOUS),

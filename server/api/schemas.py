@@ -6,8 +6,8 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
-from seamark.server.accounts import invitations
-from seamark.server.accounts.accounts import TOKEN_DAYS, TOKEN_DAYS_MAX, TOKEN_NAME_MAX
+from seamark.server.accounts import invitations, profiles
+from seamark.server.accounts.accounts import NAME_MAX, TOKEN_DAYS, TOKEN_DAYS_MAX, TOKEN_NAME_MAX
 from seamark.server.programs.diagnostics import Diagnostic
 from seamark.server.runs.columns import PublicRun
 from seamark.server.runs.leaderboard_filters import SORTED_MAX
@@ -354,6 +354,45 @@ class RanksResponse(ResponseModel):
     benchmark: str
     ranks: list[RankResponse]
     next: str | None
+
+
+class UserPath(BaseModel):
+    """Path parameter of a user."""
+
+    name: str = Field(min_length=1, max_length=NAME_MAX, description="Name of the account")
+
+
+class UserQuery(BaseModel):
+    """Pagination of the published runs of a user."""
+
+    after: int | None = Field(None, ge=1, le=ROW_ID_MAX, description="`next` of the previous page")
+    limit: int = Field(50, ge=1, le=200)
+
+
+class ProfileBody(BaseModel):
+    """What a user says about themselves; empty values are not shown."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    public_name: Text = Field("", max_length=profiles.NAME_MAX)
+    affiliation: Text = Field("", max_length=profiles.AFFILIATION_MAX)
+    paper_url: Text = Field("", max_length=profiles.URL_MAX, description="http or https")
+    code_url: Text = Field("", max_length=profiles.URL_MAX, description="http or https")
+
+
+class UserResponse(ResponseModel):
+    """The public side of a user: profile, ranks, ids of published runs, newest first."""
+
+    name: str
+    public_name: str
+    affiliation: str
+    paper_url: str
+    code_url: str
+    ranks: list[dict[str, Any]] = Field(
+        description="per benchmark: rank with its range, score, run, and `history` of the rank"
+    )
+    runs: list[int]
+    next: int | None
 
 
 class TokenResponse(ResponseModel):

@@ -202,6 +202,7 @@ class Run(Base):
             postgresql_where=text("data_bytes > 0"),
         ),
         Index("ix_runs_public_id", "public", "id"),
+        Index("ix_runs_owner_public_id", "owner", "public", "id"),
         Index("ix_runs_program_sha256", "program_sha256"),  # for finding unused programs
         Index("ix_runs_benchmark_state_id", "benchmark", "state", "id"),
         Index("ix_runs_user_benchmark_kind_queued", "user_id", "benchmark", "kind", "queued_at"),
