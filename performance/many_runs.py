@@ -22,7 +22,7 @@ from performance.requests import BENCHMARK, addresses
 from performance.runs_table import fill
 from seamark.server.accounts import accounts
 from seamark.server.accounts.permissions import Role, Viewer
-from seamark.server.app import create_app
+from seamark.server.app import create_app, prepare
 from seamark.server.database.engine import Database
 from seamark.server.database.schema import upgrade
 from seamark.server.database.tables import Run
@@ -195,6 +195,7 @@ def tables(runs: int = RUNS, queued: int = QUEUED, repeats: int = REPEATS) -> It
                 service = Service.start(settings, runs=size, queued=waiting)
                 stack.enter_context(closing(service.app.extensions["seamark"]))
                 pair.append(service)
+            prepare()
             yield f"\n{name}: {runs} runs, {queued} queued\n{_HEAD}"
             yield from lines(pair[0], pair[1], repeats)
 

@@ -1,6 +1,8 @@
 """The web application: created once per process from the settings."""
 
 import atexit
+import gc
+import threading
 from datetime import timedelta
 from functools import partial
 from importlib.metadata import version
@@ -58,8 +60,17 @@ def create_app(settings: Settings) -> OpenAPI:
     pages.register(app)
     api.register(app)
     app.context_processor(_common)
-    camera_view.warm_up()
     return app
+
+
+def prepare() -> None:
+    """Load and compile what requests need, and keep it from the garbage collector.
+
+    A full collection stopped all requests for 0.14 s to look at 300,000 objects that stay.
+    """
+    camera_view.warm_up()
+    gc.collect()
+    gc.freeze()
 
 
 class WebApplication(AsgiApplication):
@@ -69,6 +80,7 @@ class WebApplication(AsgiApplication):
         app = create_app(settings)
         super().__init__(app, partial(body_limits.body_max, settings))
         self._services: Services = app.extensions["seamark"]
+        threading.Thread(target=prepare, name="prepare", daemon=True).start()
 
     def end_streams(self) -> None:
         """End all live streams; their clients connect again."""

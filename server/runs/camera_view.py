@@ -1,7 +1,7 @@
 """Images of the vehicle's camera, re-rendered from the telemetry: no video is stored.
 
 The only part of the server that loads the simulator's camera (OpenCV, compiled code), lazily: with
-the first image or in the background thread of `warm_up`.
+the first image or in `warm_up`.
 """
 
 import json
@@ -86,14 +86,7 @@ def camera_of(settings: Settings, run: RunView, *, trial: int, level: int) -> "I
         yield _replay(run.benchmark, config, trial_seeds(run, settings)).camera(trial, level)
 
 
-def warm_up() -> threading.Thread:
-    """Load and compile the camera in the background, so that the first visitor need not wait."""
-    thread = threading.Thread(target=_warm_up, name="warm-camera", daemon=True)
-    thread.start()
-    return thread
-
-
-def _warm_up() -> None:
+def warm_up() -> None:
     """Render one image of each benchmark, so that everything is loaded and compiled."""
     from seamark.sim.engine.replay import Replay  # noqa: PLC0415 - loads OpenCV
 
