@@ -153,10 +153,11 @@ def _metrics(runs: Sequence[RunView], levels: Sequence[str], *, marked: bool) ->
     rows: list[MetricRow] = []
     if len({headline_of(run).label for run in runs}) == 1:
         rows.append(_row(headline_of(runs[0]), [run.score for run in runs], marked=marked))
+    main = [metric for table in benchmark.tables[:2] for metric in table.metrics]
     overall = [(run.metrics or {}).get("overall") or {} for run in runs]
     rows += [
         _row(metric, [values.get(metric.name) for values in overall], marked=marked)
-        for metric in benchmark.overall or benchmark.tables[0].metrics
+        for metric in benchmark.overall or main
     ]
     rows = [row for at, row in enumerate(rows) if at == 0 or row.values != rows[0].values]
     for index, level in enumerate(levels):

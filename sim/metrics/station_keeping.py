@@ -319,7 +319,7 @@ SETTLING: LevelMetric[Level] = LevelMetric(
     label=f"Settling time to {SETTLED_M:g} m",
     unit="s",
     better="lower",
-    meaning=f"time from which the distance stays within {SETTLED_M:g} m",
+    meaning=f"time from the start of the level until the distance stays within {SETTLED_M:g} m",
     formula=f"first time from which d <= {SETTLED_M:g} m until the end; none if it ends outside",
     over=MAX,
     compute=lambda level: settling_time(level.whole.distance_m, level.whole.dt),
