@@ -47,6 +47,7 @@ def show(path: BenchmarkPath) -> dict[str, Any]:
             for chart in found.charts
         ],
         "role": found.role,
+        "starting_points": {name: asdict(point) for name, point in found.starting_points.items()},
         "controllers": dict(found.built_in),
         "ranked_trials": submission.ranked_trials(found, services().settings),
         "protocol": None if found.protocol is None else asdict(found.protocol),
