@@ -9,6 +9,7 @@ import numpy as np
 
 from seamark.sandbox.printable_text import printable_text
 from seamark.server.programs.diagnostics import Diagnostic, Stage
+from seamark.server.runs.failure_hints import hint
 from seamark.server.runs.failure_reasons import DESCRIPTIONS, FailureReason
 
 OUTPUT_MAX = 8000  # [character] of the output, from its end
@@ -105,9 +106,11 @@ def _from_failure(outcome: CheckOutcome) -> list[Diagnostic]:
             return diagnostics
     location = _LOCATION.search(outcome.sentence)
     sentence = outcome.sentence[: location.start()] if location else outcome.sentence
+    sentence = sentence or DESCRIPTIONS[FailureReason(outcome.verdict)].sentence
+    remedy = hint(outcome.sentence).remedy
     return [
         Diagnostic(
-            sentence=sentence or DESCRIPTIONS[FailureReason(outcome.verdict)].sentence,
+            sentence=f"{sentence.rstrip('.')}. {remedy}" if remedy else sentence,
             stage=_stage(outcome),
             file=location[2] if location else None,
             line=int(location[1]) if location else None,

@@ -7,15 +7,23 @@ Python is quadratic in some sources, and an archive expands.
 from dataclasses import dataclass, replace
 
 from seamark.sandbox.languages import LANGUAGES, language_of
+from seamark.sandbox.languages.matlab import MATLAB
 from seamark.sandbox.languages.python import PYTHON
 from seamark.sandbox.limits import Limits
 from seamark.sandbox.printable_text import visible_text
-from seamark.server.programs import archives, declarations, python_lint
+from seamark.server.programs import (
+    archives,
+    declarations,
+    file_types,
+    matlab_lint,
+    python_lint,
+)
 from seamark.server.programs.archives import ArchiveRefused
 from seamark.server.programs.diagnostics import Diagnostic
 from seamark.server.programs.parameters import Parameter
 
-LINTERS = {PYTHON.name: python_lint.lint}  # what can be checked without running a program
+# what can be checked without running a program
+LINTERS = {PYTHON.name: python_lint.lint, MATLAB.name: matlab_lint.lint}
 NAME_MAX = 120  # [character] of a file name, from its end
 TEXT_MAX_BYTES = 2 * 2**20  # of a source file; archives may be larger
 _LIMITS = Limits()
@@ -59,7 +67,7 @@ def prepare(source: bytes, filename: str, *, role: str = "controller") -> Prepar
         raise UploadRejected(f"{name} is empty.")
     if language is None or LANGUAGES[language].is_archive:
         return _prepare_archive(source, name, language, role)
-    if language not in LINTERS:
+    if language != PYTHON.name:  # its linter reports wrong bytes itself
         _check_format(name, source, language)
     found = _lint(language, {name: source}, name, role)
     return _declaring(PreparedProgram(name, language, source, found), source, name)
@@ -78,7 +86,7 @@ def language_by_suffix(name: str) -> str | None:
     """Return the language; None for an archive, where the main file decides."""
     language = language_of(name)
     if language is None and not archives.is_archive(name):
-        raise UploadRejected(f"{name}: this file type is not supported.")
+        raise UploadRejected(file_types.refusal(name))
     return language
 
 

@@ -5,6 +5,7 @@ from enum import StrEnum
 from typing import Any
 
 from seamark.sandbox.outcome import Verdict
+from seamark.server.runs.failure_hints import hint
 
 
 class FailureReason(StrEnum):
@@ -79,20 +80,17 @@ DESCRIPTIONS: dict[FailureReason, Description] = {
 }
 # The owner did nothing wrong: these runs do not count against the quota.
 UNCHARGED = (FailureReason.BENCHMARK_ERROR, FailureReason.PLATFORM_ERROR)
-# What a program raises when it accesses something outside of its sandbox.
-_ACCESS_ERRORS = ("PermissionError", "FileNotFoundError", "ConnectionError", "gaierror")
-_NO_ACCESS = (
-    "A program runs in a sandbox: it has no network and sees no files except its own in /tmp. "
-    "Put everything it needs into the program itself."
-)
 
 
 def describe(reason: FailureReason, *, sentence: str = "") -> dict[str, Any]:
-    """Return title, sentence and remedy for a run's `detail`; `sentence` replaces the general."""
-    description = DESCRIPTIONS[reason]
-    no_access = reason is FailureReason.USER_ERROR and sentence.startswith(_ACCESS_ERRORS)
+    """Return title, sentence, remedy and the address of a page about it for a run's `detail`.
+
+    `sentence` replaces the general one.
+    """
+    description, special = DESCRIPTIONS[reason], hint(sentence)
     return {
         "title": description.title,
         "sentence": sentence or description.sentence,
-        "remedy": _NO_ACCESS if no_access else description.remedy,
+        "remedy": special.remedy or description.remedy,
+        "page": special.page,
     }

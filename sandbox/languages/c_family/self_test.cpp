@@ -22,34 +22,34 @@ static const std::string opencv_modules = ""
     " core"
 #endif
 #if __has_include(<opencv2/imgproc.hpp>)
-    " imgproc"
+    ", imgproc"
 #endif
 #if __has_include(<opencv2/flann.hpp>)
-    " flann"
+    ", flann"
 #endif
 #if __has_include(<opencv2/features2d.hpp>)
-    " features2d"
+    ", features2d"
 #endif
 #if __has_include(<opencv2/calib3d.hpp>)
-    " calib3d"
+    ", calib3d"
 #endif
 #if __has_include(<opencv2/video.hpp>)
-    " video"
+    ", video"
 #endif
 #if __has_include(<opencv2/dnn.hpp>)
-    " dnn"
+    ", dnn"
 #endif
 #if __has_include(<opencv2/ml.hpp>)
-    " ml"
+    ", ml"
 #endif
 #if __has_include(<opencv2/objdetect.hpp>)
-    " objdetect"
+    ", objdetect"
 #endif
 #if __has_include(<opencv2/photo.hpp>)
-    " photo"
+    ", photo"
 #endif
 #if __has_include(<opencv2/tracking.hpp>)
-    " tracking"
+    ", tracking"
 #endif
     ;
 

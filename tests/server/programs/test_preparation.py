@@ -20,7 +20,7 @@ def _clean(source: bytes, name: str = "mine.py") -> PreparedProgram:
     [
         (b"", "a.py", "empty"),
         (b" \n", "a.py", "empty"),
-        (GOOD, "a.exe", "not supported"),
+        (GOOD, "a.exe", r"\.exe is not a type of program. Executables .* 64-bit Linux"),
         (GOOD, "", "no name"),
         (GOOD, "a/..", "no name"),
         (b"\n\xff" + GOOD, "a.py", "line 2.*UTF-8"),
@@ -30,6 +30,12 @@ def _clean(source: bytes, name: str = "mine.py") -> PreparedProgram:
         (b"\n", "a.cpp", "empty"),
         (b"\0" + GOOD, "a.py", "cannot be parsed"),
         (b"(" * 900 + GOOD, "a.py", "line 1|cannot be parsed"),
+        (GOOD, "a.txt", r"\.txt is not a type of program.*\.py"),
+        (GOOD, "a.ipynb", "notebook"),
+        (b"PK", "a.slx", "FMU"),
+        (b"08", "policy.onnx", "main.py"),
+        (b"// h", "a.hpp", "archive"),
+        (b"% x\n classdef Mine < handle\nend\n", "a.m", "line 2: .*controller_step"),
     ],
 )
 def test_an_upload_that_breaks_a_rule_is_refused_with_a_message(

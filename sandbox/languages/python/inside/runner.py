@@ -23,6 +23,7 @@ from .images import Images, as_detections, as_track, start_corners
 from .values import AnswerInvalid, Observation, as_command, set_layout
 
 MAX_FRAMES = 30  # of a traceback
+PACKAGES = "/box/packages"
 
 
 class Role(NamedTuple):
@@ -205,6 +206,8 @@ class Runner:
             code = getattr(self.program, name).__code__
             where = f"{name} begins in line {code.co_firstlineno} of {code.co_filename}"
             return b"p", f"{error}; {self.role.answer} ({where})"
+        if isinstance(error, ModuleNotFoundError):
+            what += there_is_instead(error.name or "")
         if what == "MemoryError":
             what = "MemoryError: the program asked for more memory than it may use"
         if not own.stack:
@@ -229,6 +232,15 @@ def letter_of(error: BaseException) -> bytes:
     if no_process or (isinstance(error, RuntimeError) and "start new thread" in str(error)):
         return b"r"
     return b"u"
+
+
+def there_is_instead(name: str) -> str:
+    """Return which packages there are, unless the missing module belongs to one of them."""
+    names = sorted(entry for entry in os.listdir(PACKAGES) if entry.isidentifier())
+    packages = [entry for entry in names if entry != __name__.partition(".")[0]]
+    if name.partition(".")[0] in packages:
+        return ""
+    return f"; beside the standard library, the box has {', '.join(packages)}"
 
 
 def trace_text(own: traceback.TracebackException) -> str:

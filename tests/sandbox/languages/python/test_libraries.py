@@ -11,7 +11,7 @@ import scipy.linalg
 from seamark.sandbox.box import Box
 from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.limits import Limits
-from seamark.sandbox.outcome import Verdict
+from seamark.sandbox.outcome import ProgramEnded, Verdict
 from seamark.server.programs.archives import normal_form
 from tests.sandbox.languages.python.networks import policy, weights
 
@@ -171,3 +171,13 @@ def test_the_packages_of_a_box_are_only_those_for_programs(box: Box) -> None:
     found = {name for name in box.take_output().decode().split() if not name.endswith(".libs")}
     assert found == expected
     assert not Path("/box").exists()  # a folder of the box, not of the host
+
+
+def test_the_error_about_a_missing_module_names_the_packages_that_are_there(box: Box) -> None:
+    with pytest.raises(ProgramEnded) as end:
+        box.load(b"import torch.nn\n", "mine.py", {}, LAYOUT)
+
+    assert end.value.outcome.sentence == (
+        "ModuleNotFoundError: No module named 'torch'; beside the standard library, the box has "
+        "cv2, numpy, onnxruntime, scipy (line 1 of mine.py)"
+    )

@@ -1,0 +1,42 @@
+"""What to upload instead of a file that is no program."""
+
+from pathlib import PurePosixPath
+
+from seamark.sandbox.languages import LANGUAGES
+from seamark.server.programs.archives import SUFFIXES
+
+_HEADER = "A header goes into an archive with the program that includes it."
+_MODEL = "Export the model as an FMU, or generate C with Embedded Coder."
+_NETWORK = "Put the network into an archive with a main.py that runs it."
+_INSTEAD = {
+    ".ipynb": "Export the notebook as a script (.py) first.",
+    ".slx": _MODEL,
+    ".mdl": _MODEL,
+    ".mlx": "Save the live script as a plain .m file.",
+    ".p": "MATLAB's encrypted files cannot be read; upload the .m file.",
+    ".onnx": _NETWORK,
+    ".pt": "PyTorch is in no box. Export the network to ONNX. " + _NETWORK,
+    ".pth": "PyTorch is in no box. Export the network to ONNX. " + _NETWORK,
+    ".h5": "Keras is in no box. Export the network to ONNX. " + _NETWORK,
+    ".h": _HEADER,
+    ".hpp": _HEADER,
+    ".pyc": "Upload the source (.py).",
+    ".exe": "Executables have to be for 64-bit Linux.",
+    ".rs": "Compile it for 64-bit Linux and upload the executable.",
+    ".go": "Compile it for 64-bit Linux and upload the executable.",
+}
+
+
+def refusal(name: str) -> str:
+    """Return why a file of this name cannot be a program, and which ones can."""
+    suffix = PurePosixPath(name).suffix.lower()
+    types = ", ".join(
+        f"{' or '.join(filter(None, language.suffixes))} ({language.label.partition(' (')[0]})"
+        for language in LANGUAGES.values()
+        if language.binary_refusal is None
+    )
+    instead = _INSTEAD.get(suffix, "Rename the file if it is one of these.")
+    return (
+        f"{name}: {suffix} is not a type of program. {instead} Programs end in {types}, archives "
+        f"in {' or '.join(SUFFIXES)}; executables for Linux have no suffix."
+    )
