@@ -1,8 +1,10 @@
-"""`python -m performance.reference_results`: compute the results of the reference entries to ship.
+"""`python -m performance.reference_results [NAME ...]`: compute the reference results to ship.
 
 Takes about ten minutes on two cores. Run it when a benchmark or a reference entry is added.
 """
 
+import sys
+from collections.abc import Sequence
 from importlib.metadata import version
 from multiprocessing import get_context
 from typing import NamedTuple
@@ -24,8 +26,8 @@ class Job(NamedTuple):
     trial: int
 
 
-def measure(job: Job) -> tuple[float, str]:
-    """Return score and digest of the telemetry of a trial on the benchmark's public seed."""
+def measure(job: Job) -> float:
+    """Return the score of a trial on the benchmark's public seed."""
     definition = benchmark(job.benchmark)
     entry = definition.baselines[job.entry]
     config = definition.ranked(definition.read(entry.config))
@@ -34,29 +36,27 @@ def measure(job: Job) -> tuple[float, str]:
     result = run_trial(
         job.benchmark, config, solution, seed=seed, trial=job.trial, on_rows=lambda _rows: None
     )
-    return result.score, result.digest
+    return result.score
 
 
-def main() -> None:
-    """Compute all entries of all benchmarks and store them."""
-    results: dict[str, dict[str, ReferenceResult]] = {}
+def main(names: Sequence[str]) -> None:
+    """Compute the entries of these benchmarks, or of all, and store them beside the others."""
+    results = {name: dict(reference_results.of_benchmark(benchmark(name))) for name in BENCHMARKS}
     with get_context("spawn").Pool(PROCESSES, initializer=warm_up) as pool:
-        for definition in map(benchmark, BENCHMARKS):
+        for definition in map(benchmark, names or BENCHMARKS):
             seed, trials = reference_results.trials_of(definition)
-            entries = results[definition.name] = {}
             for name in definition.baselines:
                 jobs = [Job(definition.name, name, trial) for trial in range(trials)]
-                scores, digests = zip(*pool.map(measure, jobs, chunksize=1), strict=True)
-                entries[name] = ReferenceResult(
+                result = ReferenceResult(
                     version=version("seamark"),
                     seed=seed,
                     configuration=reference_results.configuration_digest(definition, name),
-                    telemetry=reference_results.telemetry_digest(digests),
-                    scores=scores,
+                    scores=pool.map(measure, jobs, chunksize=1),
                 )
-                print(f"{definition.name} {name}: {entries[name].score:.3f}", flush=True)
+                results[definition.name][name] = result
+                print(f"{definition.name} {name}: {result.score:.3f}", flush=True)
     reference_results.write(results)
 
 
 if __name__ == "__main__":
-    main()
+    main(sys.argv[1:])

@@ -1,6 +1,6 @@
 """The run of a leader that a page replays."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 from flask import g
 from sqlalchemy.orm import Session
@@ -15,8 +15,14 @@ from seamark.server.web.services import services
 
 def leader(session: Session, ranks: Sequence[Rank]) -> RunView | None:
     """Return the run of the first of these ranks that can be replayed, marks last; else None."""
-    for rank in sorted(ranks, key=lambda one: one.is_baseline):
-        run = views.show(session, rank.run_id)
+    best_first = sorted(ranks, key=lambda one: one.is_baseline)
+    return first_replayable(session, [rank.run_id for rank in best_first])
+
+
+def first_replayable(session: Session, run_ids: Iterable[int]) -> RunView | None:
+    """Return the first of these runs that the viewer can replay; None if there is none."""
+    for run_id in run_ids:
+        run = views.show(session, run_id)
         if run is not None and can(g.viewer, Action.VIEW, run) and files(run).row_count():
             return run
     return None

@@ -5,7 +5,7 @@ service must agree with them bit for bit wherever both met the same water: in th
 """
 
 import json
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import lru_cache
 from hashlib import sha256
@@ -27,7 +27,6 @@ class ReferenceResult:
     version: str  # of Seamark, that computed it
     seed: int
     configuration: str  # SHA-256 of what was evaluated
-    telemetry: str  # SHA-256 over the digests of the trials
     scores: Sequence[float]  # of the trials, in the benchmark's unit
 
     @property
@@ -60,11 +59,6 @@ def configuration_digest(benchmark: Benchmark, name: str) -> str:
     config = benchmark.ranked(benchmark.read(entry.config)).model_dump(mode="json")
     evaluated = {"solution": entry.built_in, "configuration": config}
     return sha256(json.dumps(evaluated, sort_keys=True).encode()).hexdigest()
-
-
-def telemetry_digest(trials: Iterable[str]) -> str:
-    """Return the SHA-256 over the digests of trials in their order."""
-    return sha256("".join(trials).encode()).hexdigest()
 
 
 def write(results: Mapping[str, Mapping[str, ReferenceResult]]) -> None:

@@ -1,0 +1,108 @@
+"""The reference entries of a benchmark: what this service has computed, else what Seamark ships."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+from sqlalchemy import func, or_, select
+from sqlalchemy.orm import Session
+
+from seamark.server.accounts.accounts import RESERVED_PREFIX
+from seamark.server.database.tables import IS_QUEUED, IS_RUNNING, Best, Result, Run, User
+from seamark.sim import registry
+from seamark.sim.benchmarks import reference_results
+from seamark.sim.benchmarks.benchmark import Benchmark
+from seamark.sim.benchmarks.reference_results import ReferenceResult
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ReferenceEntry:
+    """A mark on the scale of a benchmark."""
+
+    title: str
+    score: float
+    low: float  # 95 % interval of the score
+    high: float
+    is_bound: bool  # doing nothing, the oracle and the like: no solution that a run may use
+    run_id: int | None = None  # None: shipped, and being recomputed here
+
+
+def entries(session: Session, benchmark: Benchmark) -> list[ReferenceEntry]:
+    """Return the reference entries of a benchmark, the best first.
+
+    A shipped result is over the trials on the public seed, one of this service over its own.
+    """
+    here = {
+        user.removeprefix(f"{RESERVED_PREFIX}-"): (best, run_id)
+        for user, best, run_id in session.execute(
+            select(User.name, Best, Best.run_id)
+            .join(User, User.id == Best.user_id)
+            .where(Best.benchmark == benchmark.name, Best.is_baseline)
+        )
+    }
+    shipped = reference_results.of_benchmark(benchmark)
+    found = [
+        _computed(benchmark, name, *here[name])
+        if name in here
+        else _shipped(benchmark, name, shipped[name])
+        for name in benchmark.baselines
+        if name in here or name in shipped
+    ]
+    return sorted(found, key=lambda entry: entry.score, reverse=True)
+
+
+def live_count(session: Session) -> int:
+    """Return how many runs of reference entries are queued or running."""
+    names = {
+        f"{RESERVED_PREFIX}-{name}"
+        for benchmark in map(registry.benchmark, registry.BENCHMARKS)
+        for name in benchmark.baselines
+    }
+    owners = session.scalars(select(User.id).where(User.name_key.in_(names))).all()
+    live = select(func.count()).where(Run.user_id.in_(owners), or_(IS_QUEUED, IS_RUNNING))
+    return session.scalar(live) or 0
+
+
+def deviations(session: Session) -> Iterator[tuple[str, int]]:
+    """Iterate over title and run of the entries that differ from the shipped results.
+
+    The water of the reference trials is the same everywhere, so any difference means that this
+    service computes something else than the version that shipped the results.
+    """
+    query = (
+        select(Best.benchmark, User.name, Best.run_id, Result.reference_scores)
+        .join(User, User.id == Best.user_id)
+        .join(Result, Result.run_id == Best.run_id)
+        .where(Best.is_baseline)
+    )
+    for name, user, run_id, scores in session.execute(query):
+        if name not in registry.BENCHMARKS or scores is None:
+            continue
+        benchmark = registry.benchmark(name)
+        entry = user.removeprefix(f"{RESERVED_PREFIX}-")
+        known: Mapping[str, ReferenceResult] = reference_results.of_benchmark(benchmark)
+        if entry in known and list(known[entry].scores) != list(scores):
+            yield f"{benchmark.title}: {benchmark.baselines[entry].title}", run_id
+
+
+def _computed(benchmark: Benchmark, name: str, best: Best, run_id: int) -> ReferenceEntry:
+    baseline = benchmark.baselines[name]
+    return ReferenceEntry(
+        title=baseline.title,
+        score=best.score,
+        low=best.score_low,
+        high=best.score_high,
+        is_bound=baseline.built_in in benchmark.reference_built_in,
+        run_id=run_id,
+    )
+
+
+def _shipped(benchmark: Benchmark, name: str, result: ReferenceResult) -> ReferenceEntry:
+    baseline = benchmark.baselines[name]
+    low, high = result.interval(benchmark)
+    return ReferenceEntry(
+        title=baseline.title,
+        score=result.score,
+        low=low,
+        high=high,
+        is_bound=baseline.built_in in benchmark.reference_built_in,
+    )
