@@ -9,6 +9,8 @@ from tests.journey.visitor import (
     Visitor,
     choose_file,
     customise,
+    editor_of,
+    replace_program,
     shorten,
     write_program,
 )
@@ -31,7 +33,7 @@ def test_a_newcomer_checks_and_runs_the_example_as_it_is(visitor: Visitor) -> No
     visitor.sign_up("newcomer")
     visitor.open(FORM)
     page.locator("label", has_text="My own program").click()
-    editor = page.get_by_role("textbox", name="Your program")
+    editor = editor_of(page)
     expect(editor).to_contain_text("class Controller")
     keyword = editor.get_by_text("class", exact=True).first
     assert keyword.evaluate("word => getComputedStyle(word).fontWeight") == "600"
@@ -60,7 +62,7 @@ def test_an_error_in_a_program_is_shown_at_its_line_and_repaired_in_place(
     page.get_by_role("button", name=START).click()
     expect(page.locator("#program-error")).to_contain_text("controller.py, line 9")
     expect(page.locator(".cm-problem")).to_have_text("    def step(self, observation)")
-    page.get_by_role("textbox", name="Your program").fill(PROGRAM)
+    replace_program(page, PROGRAM)
     shorten(page)
     page.get_by_role("button", name=START).click()
     page.wait_for_url("**/runs/*")
@@ -125,7 +127,7 @@ def test_a_run_can_be_written_checked_and_started_by_keyboard_alone(visitor: Vis
     keyboard = page.keyboard
     page.get_by_role("radio", name="PI", exact=True).focus()
     keyboard.press("ArrowUp")  # the last choice: one's own program
-    editor = page.get_by_role("textbox", name="Your program")
+    editor = editor_of(page)
     expect(editor).to_be_visible()
     for _ in range(12):
         keyboard.press("Tab")
@@ -158,7 +160,7 @@ def test_start_is_in_sight_on_a_phone_wherever_one_scrolls(phone: Visitor) -> No
     phone.open(FORM)
     assert _in_sight(page)
     page.locator("label", has_text="My own program").click()
-    expect(page.get_by_role("textbox", name="Your program")).to_be_visible()
+    expect(editor_of(page)).to_be_visible()
     page.get_by_role("button", name="Weak thruster").click()
     customise(page, "Experiment")
 

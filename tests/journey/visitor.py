@@ -87,10 +87,22 @@ def _unfold(details: Locator) -> None:
     details.evaluate("one => { one.open = true; one.classList.remove('partial'); }")
 
 
+def editor_of(page: Page) -> Locator:
+    """Return the editor that takes the place of the text area."""
+    return page.locator(".cm-content[aria-label='Your program']")
+
+
 def write_program(page: Page, text: str) -> None:
-    """Replace the text of the editor."""
+    """Choose one's own program and replace its text in the editor."""
     page.locator("label", has_text="My own program").click()
-    page.get_by_role("textbox", name="Your program").fill(text)
+    replace_program(page, text)
+
+
+def replace_program(page: Page, text: str) -> None:
+    """Replace the text of the editor as somebody who pastes."""
+    editor_of(page).focus()  # not fill(): its command inserts inline styles
+    page.keyboard.press("Control+a")
+    page.keyboard.insert_text(text)
 
 
 def choose_file(page: Page, file: FilePayload) -> None:

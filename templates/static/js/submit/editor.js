@@ -91,6 +91,12 @@ function extensions(library, language, marks, area) {
       "aria-description": "Tab indents. To leave the editor, press Escape, then Tab.",
     }),
     EditorView.domEventHandlers({
+      // Chromium would join the selected lines with inline styles, which the policy does not allow.
+      beforeinput(event, view) {
+        if (event.inputType !== "insertText" || view.composing || view.state.selection.main.empty) return false;
+        view.dispatch({ ...view.state.replaceSelection(event.data), userEvent: "input.type", scrollIntoView: true });
+        return true;
+      },
       keyup(event, view) { // longer than CodeMirror's own two seconds
         if (event.key === "Escape") view.setTabFocusMode(ESCAPED_MS);
       },
@@ -106,6 +112,7 @@ function extensions(library, language, marks, area) {
 // Mounts CodeMirror and returns its view, with the functions that this page needs.
 async function mount(form, area) {
   const library = await import(LIBRARY);
+  const focused = document.activeElement === area;
   const host = document.createElement("div");
   host.className = "editor-host";
   area.after(host);
@@ -121,6 +128,7 @@ async function mount(form, area) {
     extensions: extensions(library, language.of(selected()), marks, area),
   });
   const view = new library.EditorView({ state, root, parent: root });
+  if (focused) view.focus();
   return {
     setText(text) {
       view.dispatch({ changes: { from: 0, to: view.state.doc.length, insert: text } });
