@@ -1,5 +1,8 @@
 """Programs in C and C++: compiler messages, inputs and output."""
 
+import platform
+
+import numpy as np
 import pytest
 
 from seamark.sandbox.box import Box
@@ -162,3 +165,14 @@ def test_no_program_larger_than_the_limit_is_started(isolation) -> None:
         box.load(b"x" * (1 << 21), "mine.c", {}, LAYOUT)
 
     assert "limit is 1024 KiB" in end.value.outcome.sentence
+
+
+def test_the_self_tests_report_what_programs_find(isolation: IsolationLevel) -> None:
+    python = {one.name: one.version for one in tried("python", isolation).contents}
+    cpp = {one.name: one.kind for one in tried("c++", isolation).contents}
+
+    assert python["Python"] == platform.python_version()
+    assert python["NumPy"] == np.__version__
+    assert {"SciPy", "OpenCV", "ONNX Runtime"} <= set(python)
+    assert cpp["GCC"] == "compiler"
+    assert cpp["GNU C library"] == "library"

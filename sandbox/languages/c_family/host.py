@@ -30,7 +30,6 @@ ENVIRONMENT = {
     "OPENBLAS_NUM_THREADS": "1",  # with other numbers of threads the last bits differ
     "OPENBLAS_CORETYPE": "Haswell",  # as they do with other kernels
     "OMP_NUM_THREADS": "1",
-    "OPENCV_FOR_THREADS_NUM": "1",
     "MALLOC_ARENA_MAX": "2",
 }
 # No fused multiply-add: the same arithmetic as Python's. Contraction is GCC's default.
