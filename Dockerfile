@@ -1,6 +1,7 @@
 FROM debian:12-slim
 RUN apt-get update \
     && apt-get install -y --no-install-recommends python3.11 python3-venv bubblewrap util-linux gcc g++ libc6-dev octave \
+       libeigen3-dev libopencv-core-dev libopencv-imgproc-dev libopencv-video-dev \
     && rm -rf /var/lib/apt/lists/*
 WORKDIR /srv/seamark
 COPY pyproject.toml uv.lock LICENSE README.md ./
