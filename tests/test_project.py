@@ -1,5 +1,6 @@
 """Rules for the whole tree that no linter checks."""
 
+import os
 import re
 import shutil
 import subprocess
@@ -119,3 +120,26 @@ def test_every_runner_command_in_the_documents_exists() -> None:
     }
 
     assert {"", "test"} <= named <= known
+
+
+def test_the_script_writes_where_it_is_called(tmp_path: Path) -> None:
+    required = re.search(r"^UV_VERSION=(.+)$", (ROOT / "run").read_text("utf-8"), re.MULTILINE)
+    assert required is not None
+    synced = tmp_path / "bin" / "uv"  # what it installs is there already
+    synced.parent.mkdir()
+    synced.write_text(f"#!/bin/sh\necho uv {required[1]}\n", encoding="utf-8")
+    synced.chmod(0o755)
+    command = [str(ROOT / "run"), "seamark", "init", "mine"]
+
+    answer = subprocess.run(
+        command,
+        cwd=tmp_path,
+        env=os.environ | {"PATH": f"{synced.parent}:{os.environ['PATH']}"},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+
+    assert answer.returncode == 0, answer.stderr
+    assert (tmp_path / "mine" / "controller.py").is_file()
+    assert not (ROOT / "mine").exists()

@@ -110,6 +110,18 @@ def settings_of(data: Path | None, **chosen: object) -> Settings:
         ) from None
 
 
+def existing_database_of(settings: Settings) -> Database:
+    """Return the database of a service; refuses to make one, which no service would ever read."""
+    sqlite = "sqlite:///"
+    file = Path(settings.database_url.removeprefix(sqlite))
+    if settings.database_url.startswith(sqlite) and not file.exists():
+        raise UsageRefused(
+            f"There is no service in {settings.data}. Name its folder with --data or SEAMARK_DATA; "
+            "with Docker Compose, run `docker compose exec -T web seamark ...`."
+        )
+    return database_of(settings)
+
+
 def database_of(settings: Settings) -> Database:
     """Return the database, upgraded to the tables of this version if they are older."""
     from sqlalchemy.exc import SQLAlchemyError

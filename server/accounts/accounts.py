@@ -90,9 +90,7 @@ def change_password(session: Session, name: str, old: str | None, new: str) -> U
     """
     if old is not None and authenticate(session, name, old) is None:
         raise AccountRejected("The current password is incorrect.")
-    user = session.scalar(select(User).where(User.name_key == name.casefold()))
-    if user is None or user.is_baseline:
-        raise AccountRejected(f"There is no account {name}.")
+    user = person(session, name)
     _check_password(new)
     user.password_hash = _hasher.hash(new)
     # Whoever changes it may do so because somebody else knows the old one.
@@ -103,10 +101,16 @@ def change_password(session: Session, name: str, old: str | None, new: str) -> U
 
 def set_role(session: Session, name: str, role: Role) -> User:
     """Give an account another role; raises AccountRejected if there is no such account."""
+    user = person(session, name)
+    user.role = role.label
+    return user
+
+
+def person(session: Session, name: str) -> User:
+    """Return the account of a person; raises AccountRejected if there is none with this name."""
     user = session.scalar(select(User).where(User.name_key == name.casefold()))
     if user is None or user.is_baseline:
         raise AccountRejected(f"There is no account {name}.")
-    user.role = role.label
     return user
 
 

@@ -2,6 +2,7 @@
 
 import secrets
 import time
+from dataclasses import dataclass
 
 from sqlalchemy import delete, select
 from sqlalchemy.orm import Session
@@ -13,6 +14,7 @@ from seamark.server.database.tables import BrowserSession, User
 SESSION_DAYS = 30
 SESSIONS_MAX = 20  # per account; a further sign-in ends the oldest
 _DAY_S = 86_400.0
+_HANDLE = 16  # [character] of the hash: enough to tell 20 browsers apart
 
 
 def begin(session: Session, user_id: int) -> str:
@@ -37,6 +39,34 @@ def begin(session: Session, user_id: int) -> str:
 def end(session: Session, text: str) -> None:
     """Sign a browser out."""
     session.execute(delete(BrowserSession).where(BrowserSession.hash == accounts.secret_hash(text)))
+
+
+@dataclass(frozen=True, slots=True)
+class SignedIn:
+    """A browser that is signed in."""
+
+    handle: str  # names it in a form; says nothing about its cookie
+    since: float
+    is_this: bool
+
+
+def of_account(session: Session, user_id: int, text: str) -> list[SignedIn]:
+    """Return the browsers of an account, the latest first; `text` is of the present one."""
+    own = (BrowserSession.user_id == user_id, BrowserSession.expires_at > time.time())
+    query = select(BrowserSession).where(*own).order_by(BrowserSession.created_at.desc())
+    present = accounts.secret_hash(text)
+    return [
+        SignedIn(row.hash[:_HANDLE], row.created_at, row.hash == present)
+        for row in session.scalars(query.limit(SESSIONS_MAX))
+    ]
+
+
+def end_by_handle(session: Session, user_id: int, handle: str) -> bool:
+    """Sign out one browser of an account; False if there is none with this handle."""
+    own = select(BrowserSession.hash).where(BrowserSession.user_id == user_id)
+    named = [found for found in session.scalars(own) if found[:_HANDLE] == handle]
+    session.execute(delete(BrowserSession).where(BrowserSession.hash.in_(named)))
+    return bool(named)
 
 
 def viewer_of(session: Session, text: str) -> Viewer | None:

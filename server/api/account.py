@@ -13,6 +13,7 @@ from flask_wtf.csrf import generate_csrf
 from seamark.server.accounts import accounts, invitations
 from seamark.server.accounts.permissions import Action, grantable
 from seamark.server.api import request_body
+from seamark.server.api.class_schemas import ExportQuery
 from seamark.server.api.schemas import (
     InvitationsRequest,
     InvitationsResponse,
@@ -23,8 +24,8 @@ from seamark.server.api.schemas import (
     TokensResponse,
 )
 from seamark.server.database.tables import Token
-from seamark.server.runs import quota
-from seamark.server.web import access
+from seamark.server.runs import export, quota
+from seamark.server.web import access, rate_limits
 from seamark.server.web.problems import Problem
 from seamark.server.web.services import services
 
@@ -34,6 +35,7 @@ api = APIBlueprint(
     url_prefix="/api/v1",
     abp_tags=[Tag(name="Account", description="The authenticated user and API tokens.")],
 )
+_ZIP: Any = {200: {"content": {"application/zip": {"schema": {"type": "string"}}}}}
 
 
 @api.get("/me", responses={200: MeResponse})
@@ -57,6 +59,18 @@ def me() -> Response:
         }
     )
     response.headers["Cache-Control"] = "no-store"
+    return response
+
+
+@api.get("/me/data.zip", responses=_ZIP)
+@rate_limits.limiter.limit(rate_limits.EXPORTS, key_func=rate_limits.client)
+def data(query: ExportQuery) -> Response:
+    """Download all that is stored of your account: runs with configuration, result, program."""
+    access.require(Action.VIEW_ACCOUNT)
+    current, viewer = services(), access.viewer()
+    pieces = export.archive(current.database, current.settings, viewer, telemetry=query.telemetry)
+    response = Response(pieces, content_type="application/zip")
+    response.headers.set("Content-Disposition", "attachment", filename="seamark-account.zip")
     return response
 
 

@@ -1,4 +1,4 @@
-"""Request and response models of classes and assignments."""
+"""Request and response models of classes, assignments and the data of an account."""
 
 from __future__ import annotations
 
@@ -42,6 +42,12 @@ class ProgressQuery(PupilsQuery):
     """Pagination and format of what the pupils made of an assignment."""
 
     format: Literal["json", "csv"] = Field("json", description="csv: all pupils, with metrics")
+
+
+class ExportQuery(BaseModel):
+    """What the archive of an account has."""
+
+    telemetry: bool = Field(False, description="Include the recorded rows of all runs")
 
 
 class ClassRequest(BaseModel):

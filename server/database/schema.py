@@ -12,6 +12,7 @@ from sqlalchemy import Connection, Engine
 
 from seamark import migrations
 from seamark.server.database import advisory_locks, data_folder
+from seamark.server.database.account_tables import AccountDeletion
 from seamark.server.database.advisory_locks import AdvisoryLock
 from seamark.server.database.class_tables import Classroom
 from seamark.server.database.engine import Database
@@ -22,7 +23,7 @@ UPGRADE_S = 600.0  # a process waits this long for one that upgrades a large SQL
 
 _FOLDER = Path(migrations.__file__).parent
 # A table of each module of tables: its import declares the others of the module.
-_TABLES = (Turn, Classroom)
+_TABLES = (Turn, Classroom, AccountDeletion)
 
 
 class SchemaTooOld(Exception):

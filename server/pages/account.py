@@ -1,4 +1,4 @@
-"""Account pages: signing up, in and out, password, API tokens."""
+"""Signing up, in and out; API tokens."""
 
 from urllib.parse import urlsplit
 
@@ -6,7 +6,7 @@ from flask import Blueprint, abort, flash, g, redirect, render_template, request
 from flask.typing import ResponseReturnValue
 
 from seamark.server.accounts import accounts, invitations
-from seamark.server.accounts.permissions import Action, can, grantable
+from seamark.server.accounts.permissions import Action, grantable
 from seamark.server.web import access, authentication
 from seamark.server.web.rate_limits import (
     CREDENTIAL_ATTEMPTS,
@@ -66,7 +66,7 @@ def check_credentials() -> ResponseReturnValue:
     with services().database.reading() as session:
         user = accounts.authenticate(session, name, password)
     if user is None:
-        return _form("account/sign_in.html", "The name or the password is incorrect."), 422
+        return _form("account/sign_in.html", "Incorrect name or password."), 422
     _flash_adopted(authentication.sign_in(user.id))
     return redirect(_next())
 
@@ -105,23 +105,6 @@ def create_token() -> ResponseReturnValue:
     return _tokens(new=text)
 
 
-@page.post("/password")
-@limiter.limit(CREDENTIAL_ATTEMPTS, key_func=client)
-@limiter.limit(GUESSES, key_func=account, deduct_when=failed)
-def change_password() -> ResponseReturnValue:
-    """Change the password, which signs out all other browsers and revokes the tokens."""
-    access.require(Action.CHANGE_PASSWORD)
-    old, new = request.form.get("old", ""), request.form.get("new", "")
-    try:
-        with services().database.writing() as session:
-            user_id = accounts.change_password(session, g.viewer.name, old, new).id
-    except accounts.AccountRejected as reason:
-        return _tokens(password_error=str(reason)), 422
-    authentication.sign_in(user_id)
-    flash("Your password has been changed. Other browsers are signed out, tokens revoked.", "good")
-    return redirect(url_for("account.tokens"))
-
-
 @page.post("/tokens/<row:token_id>/revoke")
 def revoke_token(token_id: int) -> ResponseReturnValue:
     """Revoke one of the account's tokens."""
@@ -154,7 +137,7 @@ def _form(template: str, error: str = "") -> str:
     )
 
 
-def _tokens(*, new: str = "", error: str = "", password_error: str = "") -> str:
+def _tokens(*, new: str = "", error: str = "") -> str:
     with services().database.reading() as session:
         tokens = accounts.tokens(session, g.viewer.user_id)
     return render_template(
@@ -163,11 +146,7 @@ def _tokens(*, new: str = "", error: str = "", password_error: str = "") -> str:
         token_name_max=accounts.TOKEN_NAME_MAX,
         new=new,
         error=error,
-        password_error=password_error,
-        password_min=accounts.PASSWORD_MIN,
-        password_max=accounts.PASSWORD_MAX,
         scopes=grantable(g.viewer),
-        may_invite=can(g.viewer, Action.INVITE),
         days=accounts.TOKEN_DAYS,
         days_max=accounts.PAGE_TOKEN_DAYS_MAX,
     )

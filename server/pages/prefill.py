@@ -130,7 +130,7 @@ def _for_assignment(
             "assignment": str(assignment.id),
             "kind": RunKind.RANKED if assignment.is_ranked else RunKind.PRACTICE,
             "seed": "" if assignment.seed is None else str(assignment.seed),
-            "trials": str(assignment.trials),
+            "trials": "" if assignment.is_ranked else str(assignment.trials),
         },
         program=None if first is None else first.program,
     )

@@ -48,6 +48,11 @@ def cookie_of(user_id: int) -> dict[str, object]:
         return {_SESSION: browser_sessions.begin(database, user_id)}
 
 
+def session_text() -> str:
+    """Return what the cookie of this browser holds; empty if it is not signed in."""
+    return str(session.get(_SESSION, ""))
+
+
 def sign_out() -> None:
     """Sign the browser out; its cookie is worth nothing afterwards, wherever it was copied to."""
     text = session.get(_SESSION)

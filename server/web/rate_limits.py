@@ -19,6 +19,7 @@ SIGN_INS = "60 per minute; 600 per hour"  # also successful ones: a class may sh
 GUESSES = "20 per hour; 100 per day"
 # Wrong codes of classes: of one account, and from one address, which a school may share.
 CODES, CODES_OF_ADDRESS = "20 per hour; 100 per day", "300 per hour"
+EXPORTS = "10 per hour"  # of all data of an account
 SUBMISSIONS = "30 per minute; 300 per hour"
 CHECKS = "20 per minute; 300 per hour"
 

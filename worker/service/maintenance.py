@@ -14,12 +14,12 @@ import structlog
 from celery import Celery
 from redis import Redis
 
-from seamark.server import log
+from seamark.server import log, storage
 from seamark.server.checks import queue
 from seamark.server.database.engine import Database
 from seamark.server.messaging import broker
 from seamark.server.programs import store
-from seamark.server.runs import leaderboard
+from seamark.server.runs import account_deletion, leaderboard
 from seamark.server.runs import queue as run_queue
 from seamark.server.runs.retention import Sweep, trim
 from seamark.server.settings import Settings
@@ -108,6 +108,12 @@ def complete_leaderboards(database: Database) -> None:
         _log.info("leaderboards_completed", rows=count)
 
 
+def delete_accounts(database: Database, settings: Settings) -> None:
+    """Delete a batch of the runs of closed accounts."""
+    if not storage.is_away(settings.data) and account_deletion.step(database, settings.data):
+        _log.info("account_deletion_step")
+
+
 def main(parent: str) -> None:
     """Be the maintenance process of one worker."""
     stopping = follow_worker(int(parent))
@@ -126,6 +132,7 @@ def main(parent: str) -> None:
         PeriodicTask(
             "complete_leaderboards", COMPLETE_EVERY_S, lambda: complete_leaderboards(database)
         ),
+        PeriodicTask("delete_accounts", SWEEP_EVERY_S, lambda: delete_accounts(database, settings)),
         PeriodicTask("trim_data", TRIM_EVERY_S, lambda: trim(database, settings)),
     ]
     while not stopping.wait(POLL_S):

@@ -9,7 +9,13 @@ from typing import TextIO
 import click
 
 from seamark.cli.console import print_json
-from seamark.cli.options import data_option, database_of, json_option, settings_of
+from seamark.cli.options import (
+    data_option,
+    database_of,
+    existing_database_of,
+    json_option,
+    settings_of,
+)
 from seamark.failures import UsageRefused
 
 # seamark.server.accounts.permissions.ACCOUNT_ROLES; a test holds them equal
@@ -68,13 +74,14 @@ def import_names(file: TextIO, data: Path | None) -> None:
     each new account, or the reason why it was refused. The passwords are not shown again.
 
     \b
-    Example:
+    Examples:
       seamark user import pupils.txt > passwords.csv
+      docker compose exec -T web seamark user import - < pupils.txt > passwords.csv
     """
     from seamark.server.accounts import accounts
     from seamark.server.web import csv_export
 
-    database = database_of(settings_of(data))
+    database = existing_database_of(settings_of(data))
     columns = ("name", "password", "refused")
     click.echo(csv_export.lines(columns, ()), nl=False)
     for name in filter(None, (line.partition(",")[0].strip() for line in file)):
@@ -127,7 +134,7 @@ def show_all(data: Path | None, as_json: bool) -> None:
     """List all accounts with their roles, oldest first."""
     from seamark.server.accounts import accounts
 
-    with database_of(settings_of(data)).reading() as session:
+    with existing_database_of(settings_of(data)).reading() as session:
         listed = [
             {"id": each.id, "name": each.name, "role": each.role, "created_at": each.created_at}
             for each in accounts.people(session)
@@ -154,11 +161,74 @@ def set_role(name: str, role: str, data: Path | None) -> None:
     from seamark.server.accounts.permissions import Role
 
     try:
-        with database_of(settings_of(data)).writing() as session:
+        with existing_database_of(settings_of(data)).writing() as session:
             changed = accounts.set_role(session, name, Role[role.upper()]).name
     except accounts.AccountRejected as reason:
         raise UsageRefused(str(reason)) from None
     click.echo(f"{changed} has the role {role}.")
+
+
+@user.command("reset")
+@click.argument("name")
+@data_option
+@json_option
+def reset(name: str, data: Path | None, as_json: bool) -> None:
+    """Print a link by which the account NAME gets a new password, once, within 24 hours.
+
+    The password, browsers and tokens stay as they are until the link is used. A further link
+    replaces it.
+
+    \b
+    Example:
+      seamark user reset ana
+    """
+    from seamark.server.accounts import accounts, password_resets
+
+    settings = settings_of(data)
+    try:
+        with existing_database_of(settings).writing() as session:
+            text = password_resets.create(session, name)
+    except accounts.AccountRejected as reason:
+        raise UsageRefused(str(reason)) from None
+    link = f"{settings.url}/reset?link={text}"
+    if as_json:
+        print_json({"name": name, "link": link, "hours": password_resets.HOURS})
+        return
+    click.echo(link)
+
+
+@user.command("delete")
+@click.argument("name")
+@click.option("--keep-published", is_flag=True, help="Leave published runs, without the name.")
+@click.confirmation_option(prompt="Delete the account with its runs? This cannot be undone.")
+@data_option
+@json_option
+def delete(name: str, keep_published: bool, data: Path | None, as_json: bool) -> None:
+    """Delete the account NAME with its runs, files, classes and tokens.
+
+    Without --keep-published, its published runs are deleted as well.
+
+    \b
+    Example:
+      seamark user delete ana --yes
+    """
+    from seamark.server.accounts import accounts
+    from seamark.server.runs import account_deletion
+
+    settings = settings_of(data)
+    database = existing_database_of(settings)
+    try:
+        with database.writing() as session:
+            user_id = accounts.person(session, name).id
+            account_deletion.close(session, user_id, keep_published=keep_published)
+    except accounts.AccountRejected as reason:
+        raise UsageRefused(str(reason)) from None
+    while account_deletion.step(database, settings.data):
+        pass
+    if as_json:
+        print_json({"deleted": name, "id": user_id})
+        return
+    click.echo(f"Deleted the account {name}.")
 
 
 @user.command("password")
@@ -176,7 +246,7 @@ def set_password(name: str, password: str | None, data: Path | None, as_json: bo
     from seamark.server.accounts import accounts
 
     drawn = None if password is not None else secrets.token_urlsafe(12)
-    database = database_of(settings_of(data))
+    database = existing_database_of(settings_of(data))
     try:
         with database.writing() as session:
             accounts.change_password(session, name, None, password or drawn or "")

@@ -137,6 +137,7 @@ def test_an_account_gets_a_token_and_its_name_cannot_be_taken_twice(tmp_path: Pa
 def test_accounts_are_imported_from_a_file_and_each_refusal_has_its_reason(tmp_path: Path) -> None:
     data, names = ("--data", str(tmp_path / "data")), tmp_path / "names.txt"
     names.write_text("ann, class 7\nbob\n\nnot a name\nBob\n=1+1\n", encoding="utf-8")
+    seamark("db", "upgrade", *data)
 
     lines = seamark("user", "import", str(names), *data).output.splitlines()
     rows = {row["name"]: row for row in csv.DictReader(lines)}
@@ -145,6 +146,31 @@ def test_accounts_are_imported_from_a_file_and_each_refusal_has_its_reason(tmp_p
     assert made == {"ann": True, "bob": True, "not a name": False, "Bob": False, "'=1+1": False}
     assert rows["Bob"]["refused"] == "The name Bob is taken."
     assert rows["not a name"]["refused"].startswith("A name consists of")
+
+
+def test_accounts_are_never_imported_into_a_folder_without_a_service(tmp_path: Path) -> None:
+    names = tmp_path / "names.txt"
+    names.write_text("ann\n", encoding="utf-8")
+
+    refused = seamark("user", "import", str(names), "--data", str(tmp_path / "elsewhere"))
+
+    assert refused.exit_code == 2
+    assert "docker compose exec" in refused.output
+    assert not (tmp_path / "elsewhere" / "seamark.db").exists()
+
+
+def test_an_account_is_deleted_and_its_name_is_free_again(tmp_path: Path) -> None:
+    data = ("--data", str(tmp_path / "data"))
+    seamark("user", "add", "ann", *data)
+
+    link = seamark("user", "reset", "ann", *data)
+    deleted = seamark("user", "delete", "ann", "--yes", *data)
+    listed = seamark("user", "list", *data)
+
+    assert link.output.startswith("/reset?link=")
+    assert deleted.output == "Deleted the account ann.\n"
+    assert (listed.exit_code, listed.output) == (0, "")
+    assert seamark("user", "add", "ann", *data).exit_code == 0
 
 
 def test_each_printed_invitation_makes_one_account(tmp_path: Path) -> None:

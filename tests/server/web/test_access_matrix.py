@@ -256,6 +256,12 @@ ROUTES: dict[tuple[str, str], Entry] = {
     ("POST", "/tokens/<row:token_id>/revoke"): Entry(
         changes_its_own, 302, "/tokens/{token}/revoke"
     ),
+    ("GET", "/account"): Entry(reads_account),
+    ("GET", "/account/data.zip"): Entry(reads_account),
+    ("POST", "/account/browsers/sign-out"): Entry(changes_password, 404),
+    ("POST", "/account/delete"): Entry(changes_password, 422, options={"data": WRONG}),
+    ("GET", "/reset"): OPEN,
+    ("POST", "/reset"): Entry(everybody, 422, options={"data": WRONG}),
     ("POST", "/password"): Entry(changes_password, 422, options={"data": WRONG}),
     ("GET", "/invitations"): Entry(invites),
     ("POST", "/invitations"): Entry(invites, options={"data": {"count": "2"}}),
@@ -282,6 +288,7 @@ ROUTES: dict[tuple[str, str], Entry] = {
     ),
     ("GET", "/api/v1/environment"): OPEN,
     ("GET", "/api/v1/me"): OPEN,
+    ("GET", "/api/v1/me/data.zip"): Entry(reads_account),
     ("GET", "/api/v1/runs"): Entry(lists),
     ("POST", "/api/v1/runs"): Entry(submits, 202, options=ORDER),
     ("POST", "/api/v1/checks"): Entry(uploads, 422, options=UPLOAD),  # there is no worker

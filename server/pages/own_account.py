@@ -1,0 +1,153 @@
+"""The account page: password, browsers, tokens, one's data, deletion; and the links for resets."""
+
+from flask import (
+    Blueprint,
+    Response,
+    flash,
+    g,
+    redirect,
+    render_template,
+    request,
+    session,
+    url_for,
+)
+from flask.typing import ResponseReturnValue
+
+from seamark.server.accounts import accounts, browser_sessions, password_resets, profiles
+from seamark.server.accounts.accounts import AccountRejected
+from seamark.server.accounts.permissions import Action, can
+from seamark.server.runs import account_deletion, export
+from seamark.server.web import access, authentication
+from seamark.server.web.problems import Problem
+from seamark.server.web.rate_limits import (
+    CREDENTIAL_ATTEMPTS,
+    EXPORTS,
+    GUESSES,
+    account,
+    client,
+    failed,
+    limiter,
+)
+from seamark.server.web.services import services
+
+page = Blueprint("own_account", __name__)
+
+
+@page.get("/account")
+def show() -> ResponseReturnValue:
+    """Show the account."""
+    access.require(Action.VIEW_ACCOUNT)
+    return _page()
+
+
+@page.post("/password")
+@limiter.limit(CREDENTIAL_ATTEMPTS, key_func=client)
+@limiter.limit(GUESSES, key_func=account, deduct_when=failed)
+def change_password() -> ResponseReturnValue:
+    """Change the password, which signs out all other browsers and revokes the tokens."""
+    access.require(Action.CHANGE_PASSWORD)
+    old, new = request.form.get("old", ""), request.form.get("new", "")
+    try:
+        with services().database.writing() as database:
+            user_id = accounts.change_password(database, g.viewer.name, old, new).id
+    except AccountRejected as reason:
+        return _page(password_error=str(reason)), 422
+    authentication.sign_in(user_id)
+    flash("Your password has been changed. Other browsers are signed out, tokens revoked.", "good")
+    return redirect(url_for("own_account.show"))
+
+
+@page.post("/account/browsers/sign-out")
+def sign_out_browser() -> ResponseReturnValue:
+    """Sign out one of the account's browsers."""
+    user_id = access.require_account(Action.CHANGE_PASSWORD)
+    with services().database.writing() as database:
+        handle = request.form.get("browser", "")
+        if not browser_sessions.end_by_handle(database, user_id, handle):
+            raise Problem("not-found", "This browser is not signed in.")
+    flash("The browser has been signed out.", "good")
+    return redirect(url_for("own_account.show"), code=303)
+
+
+@page.get("/account/data.zip")
+@limiter.limit(EXPORTS, key_func=client)
+def download() -> ResponseReturnValue:
+    """Download all data of the account."""
+    access.require(Action.VIEW_ACCOUNT)
+    current = services()
+    telemetry = request.args.get("telemetry") == "on"
+    pieces = export.archive(current.database, current.settings, g.viewer, telemetry=telemetry)
+    answer = Response(pieces, content_type="application/zip")
+    answer.headers.set("Content-Disposition", "attachment", filename="seamark-account.zip")
+    return answer
+
+
+@page.post("/account/delete")
+@limiter.limit(CREDENTIAL_ATTEMPTS, key_func=client)
+@limiter.limit(GUESSES, key_func=account, deduct_when=failed)
+def delete() -> ResponseReturnValue:
+    """Delete the account, after its name and password have been typed to confirm it."""
+    user_id = access.require_account(Action.CLOSE_ACCOUNT)
+    if request.form.get("confirm", "").strip() != g.viewer.name:
+        return _page(delete_error="Type the name of your account to confirm."), 422
+    with services().database.reading() as database:
+        password = request.form.get("password", "")
+        if accounts.authenticate(database, g.viewer.name, password) is None:
+            return _page(delete_error="The current password is incorrect."), 422
+    kept = request.form.get("published") == "keep"
+    with services().database.writing() as database:
+        account_deletion.close(database, user_id, keep_published=kept)
+    session.clear()
+    flash("Your account has been deleted.", "good")
+    return redirect(url_for("home.show"), code=303)
+
+
+@page.get("/reset")
+def reset() -> ResponseReturnValue:
+    """Show the form for a new password of the account in a link."""
+    return _reset_form()
+
+
+@page.post("/reset")
+@limiter.limit(CREDENTIAL_ATTEMPTS)
+def set_password() -> ResponseReturnValue:
+    """Set a new password by a link, which then no longer works."""
+    text, new = request.form.get("link", ""), request.form.get("new", "")
+    try:
+        with services().database.writing() as database:
+            user_id = password_resets.use(database, text, new).id
+    except AccountRejected as reason:
+        return _reset_form(str(reason)), 422
+    authentication.sign_in(user_id)
+    flash("Your password has been changed. You are signed in.", "good")
+    return redirect(url_for("own_account.show"), code=303)
+
+
+def _page(*, password_error: str = "", delete_error: str = "") -> str:
+    with services().database.reading() as database:
+        text = authentication.session_text()
+        browsers = browser_sessions.of_account(database, g.viewer.user_id, text)
+        tokens = len(accounts.tokens(database, g.viewer.user_id))
+        profile = profiles.of(accounts.person(database, g.viewer.name))
+    return render_template(
+        "account/show.html",
+        browsers=browsers,
+        tokens=tokens,
+        profile=profile,
+        may_invite=can(g.viewer, Action.INVITE),
+        password_error=password_error,
+        delete_error=delete_error,
+        password_min=accounts.PASSWORD_MIN,
+        password_max=accounts.PASSWORD_MAX,
+        name_max=accounts.NAME_MAX,
+    )
+
+
+def _reset_form(error: str = "") -> str:
+    return render_template(
+        "account/reset.html",
+        error=error,
+        link=request.values.get("link", ""),
+        password_min=accounts.PASSWORD_MIN,
+        password_max=accounts.PASSWORD_MAX,
+    )
