@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, Any
 from seamark.failures import UsageRefused
 
 if TYPE_CHECKING:
+    from seamark.server.programs.parameters import Parameter
+    from seamark.server.programs.preparation import PreparedProgram
     from seamark.sim.benchmarks.benchmark import Benchmark
     from seamark.sim.settings.configuration import Configuration
 
@@ -47,6 +49,30 @@ def configuration_of(name: str, file: Path | None, pairs: Sequence[str]) -> Conf
     benchmark = benchmark_of(name)
     try:
         return benchmark.read(typed(read_settings(file, pairs), benchmark.schema()))
+    except ConfigurationInvalid as error:
+        raise UsageRefused(str(error)) from None
+
+
+def run_configuration_of(
+    name: str, file: Path | None, pairs: Sequence[str], program: PreparedProgram | None
+) -> dict[str, Any]:
+    """Return the validated configuration of a run, with the parameters of its program.
+
+    Raises
+    ------
+    UsageRefused
+        There is no such benchmark, or a setting or parameter is invalid.
+    """
+    from seamark.server.runs import configurations
+    from seamark.sim.settings.configuration import ConfigurationInvalid
+
+    benchmark = benchmark_of(name)
+    declared: Sequence[Parameter] = ()
+    if program is not None:
+        declared = configurations.declared_in(benchmark, program.language, program.parameters)
+    try:
+        given = typed(read_settings(file, pairs), benchmark.schema())
+        return configurations.read(benchmark, given, declared).document()
     except ConfigurationInvalid as error:
         raise UsageRefused(str(error)) from None
 

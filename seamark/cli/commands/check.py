@@ -39,12 +39,12 @@ def check(
       seamark check my_controller.zip --set vehicle=girona500-uwsim
       seamark check controller.c --json
     """
-    from seamark.cli.configuration import configuration_of
+    from seamark.cli.configuration import run_configuration_of
     from seamark.cli.solutions import prepare
     from seamark.server.checks import report
 
-    values = configuration_of(benchmark, config, pairs).model_dump(mode="json")
     prepared = prepare(file, benchmark=benchmark)
+    values = run_configuration_of(benchmark, config, pairs, prepared)
     if prepared.diagnostics:
         found = report.from_diagnostics(prepared.diagnostics)
     else:

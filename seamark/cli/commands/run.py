@@ -14,6 +14,7 @@ from seamark.cli.options import json_option, run_options
 
 if TYPE_CHECKING:
     from seamark.cli.output_folder import OutputFolder
+    from seamark.server.programs.preparation import PreparedProgram
     from seamark.worker.ipc.outcomes import RunOutcome
 
 INTERRUPTED = 130  # 128 + SIGINT, as shells have it
@@ -27,7 +28,7 @@ class LocalRun:
     config: dict[str, Any]
     controller: str
     role: str
-    program: Path | None
+    program: PreparedProgram | None
     seed: int
     trials: int
 
@@ -97,16 +98,17 @@ def _local_run(
     trials: int,
     seed: int | None,
 ) -> LocalRun:
-    from seamark.cli.configuration import configuration_of
-    from seamark.cli.solutions import choose
+    from seamark.cli.configuration import benchmark_of, run_configuration_of
+    from seamark.cli.solutions import choose, prepare_valid
     from seamark.sim import registry
     from seamark.sim.engine.seeds import SEED_MAX
 
-    config = configuration_of(benchmark, file, pairs)
-    name, program = choose(controller, benchmark)
+    benchmark_of(benchmark)  # first: the message about an unknown one has the names of all
+    name, path = choose(controller, benchmark)
+    program = None if path is None else prepare_valid(path, benchmark=benchmark)
     return LocalRun(
         benchmark=benchmark,
-        config=config.model_dump(mode="json"),
+        config=run_configuration_of(benchmark, file, pairs, program),
         controller=name,
         role=registry.benchmark(benchmark).role,
         program=program,
@@ -130,26 +132,18 @@ def _header_comments(local_run: LocalRun) -> list[str]:
     )
     return [
         f"{local_run.role} {solution}, seed {local_run.seed}, trials {local_run.trials}",
-        *grid.level_comments(benchmark.read(local_run.config)),
+        *grid.level_comments(benchmark.restore(local_run.config)),
         telemetry.units(),
     ]
 
 
 def _evaluate(local_run: LocalRun, output: OutputFolder, *, quiet: bool) -> RunOutcome:
     from seamark.cli.console import Progress
-    from seamark.cli.solutions import (
-        isolation_level,
-        prepare_valid,
-        sandbox_failures_explained,
-    )
+    from seamark.cli.solutions import isolation_level, sandbox_failures_explained
     from seamark.sandbox.isolation.level import IsolationLevel
     from seamark.worker.evaluation.local import Callbacks, evaluate_locally
 
-    program = (
-        None
-        if local_run.program is None
-        else prepare_valid(local_run.program, benchmark=local_run.benchmark)
-    )
+    program = local_run.program
     isolation = IsolationLevel.NONE if program is None else isolation_level()
     with sandbox_failures_explained(), Progress(local_run.benchmark, quiet=quiet) as bar:
         callbacks = Callbacks(
