@@ -81,10 +81,28 @@ class Client:
         """
         run: dict[str, object] = {"benchmark": benchmark, "config": dict(config or {})}
         run |= {name: value for name, value in more.items() if value is not None}
-        if program is None:
-            return self._json("POST", "/api/v1/runs", json=run | {"controller": controller})
-        files = {"program": (program.name, program.read_bytes())}
-        return self._json("POST", "/api/v1/runs", data={"run": json.dumps(run)}, files=files)
+        return self._post_run("/api/v1/runs", run, controller, program)
+
+    def sweep(
+        self,
+        benchmark: str,
+        axes: Mapping[str, str],
+        *,
+        controller: str | None = None,
+        program: Path | None = None,
+        config: Mapping[str, object] | None = None,
+        **more: object,
+    ) -> dict[str, Any]:
+        """Start a sweep and return it; `axes` has what is swept with its values as a text.
+
+        Raises
+        ------
+        ServerRefused, ServerUnavailable
+        """
+        swept = [{"name": name, "values": values} for name, values in axes.items()]
+        run: dict[str, object] = {"benchmark": benchmark, "config": dict(config or {})}
+        run |= {name: value for name, value in more.items() if value is not None}
+        return self._post_run("/api/v1/sweeps", run | {"sweep": swept}, controller, program)
 
     def run(self, run_id: int) -> dict[str, Any]:
         """Return a run in its present state."""
@@ -121,6 +139,15 @@ class Client:
             if on_change is not None:
                 on_change(last)
         return last
+
+    def _post_run(
+        self, path: str, run: dict[str, object], controller: str | None, program: Path | None
+    ) -> dict[str, Any]:
+        """Post a run or a sweep: of a built-in solution, or with a program."""
+        if program is None:
+            return self._json("POST", path, json=run | {"controller": controller})
+        files = {"program": (program.name, program.read_bytes())}
+        return self._json("POST", path, data={"run": json.dumps(run)}, files=files)
 
     def _json(self, method: str, path: str, **options: Any) -> dict[str, Any]:
         response = self._send(method, path, **options)

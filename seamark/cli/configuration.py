@@ -77,13 +77,17 @@ def run_configuration_of(
         raise UsageRefused(str(error)) from None
 
 
-def read_settings(file: Path | None, pairs: Sequence[str]) -> dict[str, Any]:
+def read_settings(
+    file: Path | None, pairs: Sequence[str], *, option: str = "--set"
+) -> dict[str, Any]:
     """Return the settings of a TOML or JSON file, overridden by `key=value` pairs."""
     values = {} if file is None else _read_file(file)
     for pair in pairs:
         key, equals, text = pair.partition("=")
         if not equals or not key.strip():
-            raise UsageRefused(f"--set {pair}: write it as key=value, for example --set kp=0.5.")
+            raise UsageRefused(
+                f"{option} {pair}: write it as key=value, for example {option} kp=0.5."
+            )
         values[key.strip()] = text.strip()
     return values
 

@@ -23,12 +23,14 @@ from seamark.server.api import (
     runs,
     scene,
     series,
+    sweeps,
 )
 
 RESOURCES = (
     benchmarks.api,
     environment.api,
     runs.api,
+    sweeps.api,
     checks.api,
     actions.api,
     events.api,

@@ -13,7 +13,7 @@ from werkzeug.datastructures import FileStorage
 from seamark.server import workers
 from seamark.server.accounts.permissions import Action
 from seamark.server.api import refusals, request_body
-from seamark.server.api.schemas import CheckPath, CheckQuery, CheckResponse
+from seamark.server.api.schemas import CheckPath, CheckQuery, CheckResponse, RunRequest
 from seamark.server.checks import queue, report
 from seamark.server.checks.queue import CheckState, CheckView
 from seamark.server.programs import store
@@ -50,7 +50,7 @@ def create(query: CheckQuery) -> Response:
     can run one at a time. The answer also has the `parameters` that the program declares; with
     `run=false` it is only read, which takes no worker.
     """
-    body, file = request_body.run_request()
+    body, file = request_body.run_request(RunRequest)
     access.require_scope(Action.UPLOAD)
     with refusals.as_problems():
         submission.require_permission(access.viewer(), uploads=True)

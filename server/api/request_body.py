@@ -15,6 +15,7 @@ from seamark.server.web.problems import Problem, from_validation_error
 from seamark.server.web.services import services
 
 Model = TypeVar("Model", bound=BaseModel)
+Run = TypeVar("Run", bound=RunRequest)
 
 
 def json_body(model: type[Model]) -> Model:
@@ -24,10 +25,10 @@ def json_body(model: type[Model]) -> Model:
     return _parse(model, request.get_data(cache=False))
 
 
-def run_request() -> tuple[RunRequest, FileStorage | None]:
+def run_request(model: type[Run]) -> tuple[Run, FileStorage | None]:
     """Return the validated run and, from a multipart form, its program; raises Problem."""
     if request.is_json:
-        return json_body(RunRequest), None
+        return json_body(model), None
     if request.mimetype != "multipart/form-data":
         raise Problem("unsupported-media-type")
     program_max_bytes = services().settings.upload_max_bytes
@@ -41,7 +42,7 @@ def run_request() -> tuple[RunRequest, FileStorage | None]:
     program = request.files.get("program")
     if program is not None:
         _check_size(program, program_max_bytes)
-    return _parse(RunRequest, text.encode("utf-8", "surrogatepass")), program
+    return _parse(model, text.encode("utf-8", "surrogatepass")), program
 
 
 def _parse(model: type[Model], data: bytes) -> Model:

@@ -14,6 +14,7 @@ from seamark.server.accounts.permissions import Action
 from seamark.server.api import refusals, request_body
 from seamark.server.api.schemas import (
     RunPath,
+    RunRequest,
     RunResponse,
     RunsQuery,
     RunsResponse,
@@ -46,22 +47,33 @@ def create() -> Response:
 
     Guests may try built-in controllers; programs and ranked runs need an account.
     """
-    run, file = request_body.run_request()
+    run, file = request_body.run_request(RunRequest)
     access.require_scope(Action.SUBMIT)
-    viewer, kind = authentication.become_guest(), RunKind(run.kind)
     with refusals.as_problems():
-        submission.require_permission(viewer, kind=kind, uploads=file is not None)
-        program = None if file is None else _store(file, submission.find_benchmark(run.benchmark))
-        built_in = run.controller or (UPLOAD if program is not None else "")
-        sent = run.model_dump(include={"benchmark", "config", "seed", "trials", "title", "notes"})
-        wanted = Submission(viewer=viewer, kind=kind, controller=built_in, program=program, **sent)
-        if run.assignment is not None:
-            with services().database.reading() as database:
-                wanted = assigned.for_assignment(database, run.assignment, wanted)
-        valid = submission.validate(wanted, services().settings)
+        valid = submission.validate(submission_of(run, file), services().settings)
         with services().database.writing() as database:
             run_id = submission.submit(database, valid, services().settings)
     return _accepted(run_id)
+
+
+def submission_of(run: RunRequest, file: FileStorage | None) -> Submission:
+    """Return the submission in a request, whose program is stored.
+
+    Raises
+    ------
+    SubmissionRejected, UploadRejected, QuotaExceeded, StorageUnavailable
+        It is not permitted, or the program cannot be stored.
+    """
+    viewer, kind = authentication.become_guest(), RunKind(run.kind)
+    submission.require_permission(viewer, kind=kind, uploads=file is not None)
+    program = None if file is None else _store(file, submission.find_benchmark(run.benchmark))
+    built_in = run.controller or (UPLOAD if program is not None else "")
+    sent = run.model_dump(include={"benchmark", "config", "seed", "trials", "title", "notes"})
+    wanted = Submission(viewer=viewer, kind=kind, controller=built_in, program=program, **sent)
+    if run.assignment is None:
+        return wanted
+    with services().database.reading() as database:
+        return assigned.for_assignment(database, run.assignment, wanted)
 
 
 def _store(file: FileStorage, benchmark: Benchmark) -> StoredProgram:

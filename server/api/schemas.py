@@ -9,6 +9,7 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 from seamark.server.accounts import invitations, profiles
 from seamark.server.accounts.accounts import NAME_MAX, TOKEN_DAYS, TOKEN_DAYS_MAX, TOKEN_NAME_MAX
 from seamark.server.programs.diagnostics import Diagnostic
+from seamark.server.runs import sweep_axes
 from seamark.server.runs.columns import PublicRun
 from seamark.server.runs.leaderboard_filters import SORTED_MAX
 from seamark.server.runs.submission import NOTES_MAX, TITLE_MAX
@@ -80,6 +81,32 @@ class RunRequest(BaseModel):
     assignment: int | None = Field(
         None, ge=1, le=ROW_ID_MAX, description="It fixes kind, scenario, seed and trials"
     )
+
+
+class SweepAxis(BaseModel):
+    """What is swept."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    name: Text = Field(min_length=1, max_length=80, description="A setting or parameter")
+    values: (
+        Annotated[str, Field(max_length=sweep_axes.TEXT_MAX)]
+        | Annotated[
+            list[
+                Annotated[bool, Field(strict=True)]
+                | Annotated[int, Field(strict=True)]
+                | Annotated[float, Field(strict=True)]
+                | Annotated[str, Field(max_length=80)]
+            ],
+            Field(max_length=sweep_axes.RUNS_MAX),
+        ]
+    ) = Field(description='A list, or a text: "0.1, 0.2, 0.5", or "from:to:count"')
+
+
+class SweepPath(BaseModel):
+    """Path parameter of a sweep."""
+
+    sweep_id: int = Field(ge=1, le=ROW_ID_MAX, description="Id of the sweep")
 
 
 class RunsQuery(BaseModel):

@@ -20,7 +20,7 @@ from sqlalchemy import (
 from sqlalchemy.orm import DeclarativeBase, Mapped, mapped_column
 
 # SQLite autoincrements only columns of exactly this type.
-_Id = BigInteger().with_variant(Integer(), "sqlite")
+RowId = BigInteger().with_variant(Integer(), "sqlite")
 _Json = JSON(none_as_null=True)
 # PostgreSQL stores NaN and sorts it above every number: the bounds reject it, and infinity.
 _FINITE = "{0} > -1e300 AND {0} < 1e300"
@@ -45,7 +45,7 @@ class User(Base):
 
     __tablename__ = "users"
 
-    id: Mapped[int] = mapped_column(_Id, primary_key=True)
+    id: Mapped[int] = mapped_column(RowId, primary_key=True)
     name: Mapped[str] = mapped_column(String(40))
     name_key: Mapped[str] = mapped_column(String(80), unique=True)  # case-folded
     password_hash: Mapped[str | None] = mapped_column(Text)
@@ -68,7 +68,7 @@ class Token(Base):
 
     __tablename__ = "tokens"
 
-    id: Mapped[int] = mapped_column(_Id, primary_key=True)
+    id: Mapped[int] = mapped_column(RowId, primary_key=True)
     user_id: Mapped[int] = mapped_column(ForeignKey("users.id", ondelete="CASCADE"), index=True)
     name: Mapped[str] = mapped_column(String(80))
     hash: Mapped[str] = mapped_column(String(64), unique=True)
@@ -107,7 +107,7 @@ class Run(Base):
 
     __tablename__ = "runs"
 
-    id: Mapped[int] = mapped_column(_Id, primary_key=True)
+    id: Mapped[int] = mapped_column(RowId, primary_key=True)
     owner: Mapped[str] = mapped_column(String(80))  # "user:7" or "guest:<network>"
     user_id: Mapped[int | None] = mapped_column(ForeignKey("users.id"))
     guest: Mapped[str | None] = mapped_column(String(64))  # hash of the cookie
@@ -127,6 +127,8 @@ class Run(Base):
     title: Mapped[str] = mapped_column(String(120), default="")
     notes: Mapped[str] = mapped_column(Text, default="")
     rerun_of: Mapped[int | None] = mapped_column(BigInteger)
+    sweep_id: Mapped[int | None] = mapped_column(BigInteger)
+    sweep_cell: Mapped[int | None]  # from 0, row by row (server/runs/sweeps.py)
     expected_s: Mapped[float | None]  # wall time of its evaluation, estimated when submitted
 
     state: Mapped[str] = mapped_column(String(10))
@@ -203,6 +205,13 @@ class Run(Base):
         ),
         Index("ix_runs_public_id", "public", "id"),
         Index("ix_runs_owner_public_id", "owner", "public", "id"),
+        Index(
+            "ix_runs_sweep",
+            "sweep_id",
+            "sweep_cell",
+            sqlite_where=text("sweep_id IS NOT NULL"),
+            postgresql_where=text("sweep_id IS NOT NULL"),
+        ),
         Index("ix_runs_program_sha256", "program_sha256"),  # for finding unused programs
         Index("ix_runs_benchmark_state_id", "benchmark", "state", "id"),
         Index("ix_runs_user_benchmark_kind_queued", "user_id", "benchmark", "kind", "queued_at"),
@@ -305,7 +314,7 @@ class RankPoint(Base):
 
     __tablename__ = "rank_points"
 
-    id: Mapped[int] = mapped_column(_Id, primary_key=True)
+    id: Mapped[int] = mapped_column(RowId, primary_key=True)
     user_id: Mapped[int] = mapped_column(ForeignKey("users.id", ondelete="CASCADE"))
     benchmark: Mapped[str] = mapped_column(String(80))
     at: Mapped[float]
@@ -333,7 +342,7 @@ class Check(Base):
 
     __tablename__ = "checks"
 
-    id: Mapped[int] = mapped_column(_Id, primary_key=True)
+    id: Mapped[int] = mapped_column(RowId, primary_key=True)
     user_id: Mapped[int] = mapped_column(ForeignKey("users.id", ondelete="CASCADE"), index=True)
     benchmark: Mapped[str] = mapped_column(String(80))
     config: Mapped[dict[str, Any]] = mapped_column(_Json)

@@ -20,6 +20,7 @@ from seamark.server.pages import (
     runs,
     status,
     submit,
+    sweep,
 )
 from seamark.server.pages.code_blocks import code_block
 from seamark.server.pages.docs_articles import article
@@ -31,6 +32,7 @@ PAGES = (
     benchmarks.page,
     run.page,
     runs.page,
+    sweep.page,
     compare.page,
     leaderboard.page,
     link_previews.page,

@@ -6,12 +6,19 @@ from flask.typing import ResponseReturnValue
 from seamark.sandbox.languages import DEFAULT_LANGUAGE, LANGUAGES, editor_starters
 from seamark.server import workers
 from seamark.server.accounts.permissions import Action, can
-from seamark.server.pages import benchmarks, form_fields, own_parameters, prefill, submitted_program
+from seamark.server.pages import (
+    benchmarks,
+    form_fields,
+    own_parameters,
+    prefill,
+    submitted_program,
+    sweep_fields,
+)
 from seamark.server.pages.prefill import Prefill
 from seamark.server.programs import archives
 from seamark.server.programs.preparation import TEXT_MAX_BYTES, UploadRejected
 from seamark.server.programs.store import StoredProgram
-from seamark.server.runs import assigned, quota, submission, trial_limits
+from seamark.server.runs import assigned, quota, submission, sweeps, trial_limits
 from seamark.server.runs.quota import QuotaExceeded
 from seamark.server.runs.states import RunKind
 from seamark.server.runs.submission import UPLOAD, Submission, SubmissionRejected
@@ -53,10 +60,7 @@ def create(name: str) -> ResponseReturnValue:
     try:
         if posted.get("controller") == UPLOAD:
             program, errors = _program(benchmark, posted)
-        sent = _submission(benchmark, values, posted, program)
-        valid = submission.validate(sent, services().settings)
-        with services().database.writing() as session:
-            run_id = submission.submit(session, valid, services().settings)
+        address = _start(_submission(benchmark, values, posted, program), posted)
     except ConfigurationInvalid as refusal:
         errors = refusal.errors | errors
     except SubmissionRejected as refusal:
@@ -69,7 +73,21 @@ def create(name: str) -> ResponseReturnValue:
         shown = Prefill(values=values, posted=posted, program=program)
         return _show(benchmark, shown, errors=errors, keep=posted.get("source") != "editor"), status
     services().wake_worker()  # only after the commit: the worker must find the row
-    return redirect(url_for("run.show", run_id=run_id), code=303)
+    return redirect(address, code=303)
+
+
+def _start(sent: Submission, posted: dict[str, str]) -> str:
+    """Submit the run of a form, or its sweep, and return the address of its page."""
+    settings, database = services().settings, services().database
+    axes = sweep_fields.read(posted)
+    if not axes:
+        valid = submission.validate(sent, settings)
+        with database.writing() as session:
+            return url_for("run.show", run_id=submission.submit(session, valid, settings))
+    planned = sweeps.plan(sent, axes, settings)
+    with database.writing() as session:
+        sweep_id = sweeps.submit(session, planned, axes, settings, title=sent.title)
+    return url_for("sweep.show", sweep_id=sweep_id)
 
 
 def _program(
@@ -124,7 +142,7 @@ def _show(
     settings, posted, program = services().settings, prefilled.posted, prefilled.program
     kept = program if keep else None
     schema, starters = benchmark.schema(), editor_starters(benchmark.role)
-    fields = {*schema["properties"], "program", "seed", "trials"}
+    fields = {*schema["properties"], "program", "seed", "trials", "sweep"}
     given = {**prefilled.values, **own_parameters.read(posted)}
     shown = own_parameters.fields(benchmark, program, given, errors)
     fields |= {one.field for one in shown}
@@ -157,6 +175,7 @@ def _show(
         note=prefilled.note,
         errors=errors,
         parameters=shown,
+        sweep=sweep_fields.shown(benchmark, program, posted),
         kept=kept and {"program": kept, "token": submitted_program.token(benchmark, kept)},
         archives=archives.SUFFIXES,
         file_names={name: starter.upload_name for name, starter in starters.items()},

@@ -6,7 +6,7 @@ from redis.exceptions import RedisError
 
 from seamark.server.database.engine import Database
 from seamark.server.messaging import live_events
-from seamark.server.runs import results
+from seamark.server.runs import results, sweeps
 from seamark.server.runs.states import RunState
 
 _log = structlog.get_logger()
@@ -25,3 +25,10 @@ def cancel(database: Database, redis: "Redis", run_id: int) -> bool:
         except RedisError as error:  # open streams also poll the database, only less often
             _log.warning("state_not_published", run=run_id, error=str(error))
     return before is not None
+
+
+def cancel_sweep(database: Database, redis: "Redis", sweep_id: int) -> int:
+    """Cancel the runs of a sweep that have not ended; return how many."""
+    with database.reading() as session:
+        ids = sweeps.live_runs(session, sweep_id)
+    return sum(cancel(database, redis, run_id) for run_id in ids)

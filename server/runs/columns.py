@@ -49,6 +49,7 @@ class PublicRun(RunSpec):
     title: str
     notes: str
     rerun_of: int | None
+    sweep_id: int | None = None  # the sweep that it belongs to
     state: RunState
     cause: str | None  # a FailureReason, when failed
     queued_at: float

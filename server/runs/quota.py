@@ -34,7 +34,7 @@ class QuotaExceeded(Exception):
 class Quota:
     """What an owner has used and may use; without cancelled runs and platform failures."""
 
-    live: int
+    live: int  # all runs of a sweep count as one here
     live_max: int
     day: int
     day_max: int
@@ -49,11 +49,12 @@ def used_by(session: Session, viewer: Viewer, settings: Settings) -> Quota:
     # Naming the states lets an index find the last day among thousands of runs of one owner.
     ended = (Run.owner == viewer.owner, Run.state.in_((RunState.SUCCEEDED, RunState.FAILED)))
     recent = (*ended, Run.finished_at > time.time() - _DAY_S, charged)
-    live_now = session.scalar(select(func.count()).select_from(Run).where(*live)) or 0
-    day = live_now + (session.scalar(select(func.count()).select_from(Run).where(*recent)) or 0)
+    counts = (func.count(), func.count(Run.sweep_id), func.count(Run.sweep_id.distinct()))
+    runs, in_sweeps, sweeps = session.execute(select(*counts).select_from(Run).where(*live)).one()
+    day = runs + (session.scalar(select(func.count()).select_from(Run).where(*recent)) or 0)
     is_user = viewer.user_id is not None
     return Quota(
-        live=live_now,
+        live=runs - in_sweeps + sweeps,
         live_max=settings.quota_live,
         day=day,
         day_max=settings.quota_day if is_user else settings.guest_quota_day,
@@ -68,13 +69,17 @@ def bytes_of(owner: str | None) -> Select[int]:
     return select(func.sum(Run.data_bytes)).where(*with_data)
 
 
-def enforce(session: Session, viewer: Viewer, settings: Settings, *, new_bytes: int) -> None:
-    """Raise QuotaExceeded if the viewer may not submit another run now; baselines always may.
+def enforce(
+    session: Session, viewer: Viewer, settings: Settings, *, new_bytes: int, new_runs: int = 1
+) -> None:
+    """Raise QuotaExceeded if the viewer may not submit a run or a sweep; baselines always may.
 
     Parameters
     ----------
     new_bytes
-        What the run may record (`run_size.estimate`).
+        What all of it may record (`run_size.estimate`).
+    new_runs
+        Number of runs of the sweep.
     """
     if _is_baseline(session, viewer):
         return
@@ -84,6 +89,12 @@ def enforce(session: Session, viewer: Viewer, settings: Settings, *, new_bytes: 
             f"You already have {used.live} runs waiting or running, which is the limit. "
             "Wait for one to finish, or cancel one.",
             retry_after_s=60,
+        )
+    if new_runs > 1 and used.day < used.day_max < used.day + new_runs:
+        raise QuotaExceeded(
+            f"This sweep has {new_runs} runs, but only {used.day_max - used.day} of the "
+            f"{used.day_max} runs of 24 hours are left. Choose fewer values.",
+            retry_after_s=3600,
         )
     if used.day >= used.day_max:
         raise QuotaExceeded(

@@ -7,7 +7,7 @@
 
 import secrets
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from sqlalchemy.orm import Session
@@ -127,25 +127,50 @@ def validate(submission: Submission, settings: Settings) -> ValidSubmission:
 
 
 def submit(session: Session, valid: ValidSubmission, settings: Settings) -> int:
-    """Insert a queued run and return its id.
+    """Insert a queued run and return its id; raises as `submit_all`."""
+    return submit_all(session, [valid], settings)[0]
+
+
+def submit_all(
+    session: Session,
+    valids: Sequence[ValidSubmission],
+    settings: Settings,
+    *,
+    sweep_id: int | None = None,
+) -> list[int]:
+    """Insert queued runs of one viewer and one program, all or none, and return their ids.
 
     Raises
     ------
     SubmissionRejected, QuotaExceeded
         No worker can run the program, or a quota is used up.
     StorageUnavailable
-        There is no room for what it may record, or the data folder is away.
+        There is no room for what they may record, or the data folder is away.
     """
+    valid = valids[0]
     submission = valid.submission
     if submission.program is not None:
         require_language(session, valid.benchmark, submission.program.language, settings)
     storage.require(settings)
     # Two submissions at once must not both see the last free run of a quota.
     acquire(session, AdvisoryLock.SUBMISSION)
-    quota.enforce(session, submission.viewer, settings, new_bytes=valid.size.bytes)
+    new_bytes = sum(each.size.bytes for each in valids)
+    quota.enforce(session, submission.viewer, settings, new_bytes=new_bytes, new_runs=len(valids))
     if submission.kind is RunKind.RANKED:
         quota.enforce_ranked(session, submission.viewer, submission.benchmark, settings)
-    run = _row(valid)
+    ids: list[int] = []
+    for cell, each in enumerate(valids):
+        run = _row(each)
+        if sweep_id is not None:
+            run.sweep_id, run.sweep_cell = sweep_id, cell
+        ids.append(_insert(session, each, run))
+    turns.refresh(session, submission.viewer.owner or "")
+    return ids
+
+
+def _insert(session: Session, valid: ValidSubmission, run: Run) -> int:
+    """Insert one row and return its id: in the order of the queue."""
+    submission = valid.submission
     run.expected_s = paces.expected_s(session, run, valid.config.trial_duration_s())
     if submission.kind is RunKind.RANKED and valid.benchmark.protocol is not None:
         run.submission = submission_digest(run)
@@ -153,7 +178,6 @@ def submit(session: Session, valid: ValidSubmission, settings: Settings) -> int:
     session.flush()
     if submission.assignment is not None:
         _enter(session, submission.assignment, run)
-    turns.refresh(session, run.owner)
     return run.id
 
 

@@ -26,6 +26,7 @@ class RunView(PublicRun):
     user_id: int | None
     guest: str | None
     program_sha256: str | None
+    sweep_cell: int | None = None
     detail: dict[str, Any]  # title, sentence, remedy, traceback, log_tail, t_reached; when failed
     score: float | None = None
     score_low: float | None = None
@@ -76,6 +77,13 @@ def show(session: Session, run_id: int, settings: Settings | None = None) -> Run
     wait = wait_estimate.wait_of(session, run, settings)
     waiting = {"position": wait.position, "estimate_s": wait.estimate_s, "why_waiting": wait.why}
     return _view(run, result, user, teacher_id=teacher_id, **waiting)
+
+
+def of_sweep(session: Session, sweep_id: int) -> list[RunView]:
+    """Return the runs of a sweep, cell by cell, without metrics."""
+    query = _select().where(Run.sweep_id == sweep_id).order_by(Run.sweep_cell)
+    query = query.options(defer(Result.metrics), defer(Result.manifest))
+    return [_view(*row) for row in session.execute(query)]
 
 
 def page(

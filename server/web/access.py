@@ -11,9 +11,10 @@ from datetime import UTC, datetime
 from flask import g
 
 from seamark.server import storage
-from seamark.server.accounts.permissions import READ, RULES, Action, Role, Viewer, can
-from seamark.server.runs import views
+from seamark.server.accounts.permissions import READ, RULES, Action, Owned, Role, Viewer, can
+from seamark.server.runs import sweeps, views
 from seamark.server.runs.files import RunFiles
+from seamark.server.runs.sweeps import SweepView
 from seamark.server.runs.views import RunView
 from seamark.server.web.problems import Problem
 from seamark.server.web.services import services
@@ -84,6 +85,17 @@ def known_run(run_id: int) -> RunView:
     return run
 
 
+def sweep_for(sweep_id: int, action: Action = Action.VIEW) -> SweepView:
+    """Return the sweep if the viewer may perform `action` on it; raises as `run_for`."""
+    with services().database.reading() as database:
+        sweep = sweeps.show(database, sweep_id)
+    if sweep is None or not _may_know_of(sweep):
+        raise Problem("not-found", f"There is no sweep {sweep_id}, or it belongs to someone else.")
+    if not can(viewer(), action, sweep):
+        raise _refusal(action)
+    return sweep
+
+
 def files_of(run: RunView) -> RunFiles:
     """Return the files of the latest attempt. Raises as `require_data`."""
     require_data(run)
@@ -106,7 +118,7 @@ def require_data(run: RunView) -> None:
     storage.require_readable(services().settings)
 
 
-def _may_know_of(run: RunView) -> bool:
+def _may_know_of(run: Owned) -> bool:
     return can(replace(viewer(), scopes=viewer().scopes | {READ}), Action.VIEW, run)
 
 

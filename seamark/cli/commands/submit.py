@@ -19,6 +19,14 @@ from seamark.sandbox.printable_text import printable_text
 @run_options
 @click.option("--ranked", is_flag=True, help="Run on the benchmark's scenario and seeds, to rank.")
 @click.option("--title", default="", help="Title in the list of runs.")
+@click.option(
+    "--sweep",
+    "swept",
+    metavar="KEY=VALUES",
+    multiple=True,
+    help="Start a run for each value of a setting or parameter: a list with commas, or "
+    "FROM:TO:COUNT. Twice: for each combination.",
+)
 @click.option("--wait", is_flag=True, help="Wait until the run has ended.")
 @server_options
 @json_option
@@ -32,6 +40,7 @@ def submit(  # noqa: PLR0913 (one argument per option is click's way)
     trials: int | None,
     ranked: bool,
     title: str,
+    swept: tuple[str, ...],
     wait: bool,
     server: str,
     token: str | None,
@@ -44,6 +53,7 @@ def submit(  # noqa: PLR0913 (one argument per option is click's way)
       seamark submit currents-v1 --controller my_controller.py --token $TOKEN --wait
       seamark submit currents-v1 --controller pi --set kp=0.6 --seed 7
       seamark submit currents-v1 --controller my_controller.py --ranked --token $TOKEN
+      seamark submit currents-v1 --controller pi --sweep kp=0.1:1.0:5 --sweep ki=0,0.02,0.05
     """
     from seamark.cli.configuration import read_settings
     from seamark.cli.solutions import choose
@@ -57,8 +67,17 @@ def submit(  # noqa: PLR0913 (one argument per option is click's way)
         **({} if trials is None else {"trials": trials}),
         "title": title,
     }
+    axes = read_settings(None, swept, option="--sweep")
+    if axes and wait:
+        raise UsageRefused("--wait follows one run; a sweep has a page that shows its runs.")
     try:
         with Client(server, token) as client:
+            if axes:
+                sweep = client.sweep(
+                    benchmark, axes, controller=name, program=program, **submission
+                )
+                _announce_sweep(sweep, server, as_json=as_json)
+                return
             run = client.submit(benchmark, controller=name, program=program, **submission)
             _announce(run, server, as_json=as_json)
             if wait:
@@ -90,6 +109,14 @@ def _announce(run: dict[str, Any], server: str, *, as_json: bool) -> None:
     if not as_json:
         page = server.rstrip("/") + run["links"]["page"]
         click.echo(printable_text(f"Run {run['id']} is {run['state']}: {page}"))
+
+
+def _announce_sweep(sweep: dict[str, Any], server: str, *, as_json: bool) -> None:
+    if as_json:
+        print_json(sweep)
+        return
+    page = server.rstrip("/") + sweep["links"]["page"]
+    click.echo(printable_text(f"Sweep {sweep['id']} has {len(sweep['cells'])} runs: {page}"))
 
 
 def _follow(client: Any, run: dict[str, Any], *, quiet: bool) -> dict[str, Any]:

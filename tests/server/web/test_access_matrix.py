@@ -17,6 +17,7 @@ from seamark.server.accounts.permissions import ACCOUNT_ROLES
 from seamark.server.app import create_app
 from seamark.server.classes import assignments, classrooms
 from seamark.server.classes.assignments import Draft
+from seamark.server.database.sweep_tables import Sweep
 from seamark.server.web import authentication
 from tests.cast import Backend
 from tests.server.api.conftest import Site
@@ -138,6 +139,11 @@ def sees_class(caller: Caller) -> bool:
 ORDER: dict[str, Any] = {"json": {"benchmark": "currents-v1", "controller": "pi"}}
 TOKEN: dict[str, Any] = {"json": {"name": "t", "scopes": ["submit"]}}
 FORM = {"controller": "pi", "kind": "practice"}
+SWEEP: dict[str, Any] = {
+    "benchmark": "currents-v1",
+    "controller": "pi",
+    "sweep": [{"name": "kp", "values": [0.2, 0.4]}],
+}
 UPLOAD: dict[str, Any] = {"json": {"benchmark": "currents-v1"}}
 NEW_NAME = {"name": "someone", "password": "a long pass phrase"}
 WRONG = {"old": "not the password", "new": "a long pass phrase"}
@@ -238,6 +244,13 @@ ROUTES: dict[tuple[str, str], Entry] = {
     ("GET", "/runs/<row:run_id>/embed"): Entry(reads_run, path="/runs/{run}/embed"),
     **_changing("/runs/", "<row:run_id>", 303, **ACTIONS, **DELETE_DATA),
     ("GET", "/runs/"): Entry(lists),
+    ("GET", "/sweeps/<row:sweep_id>"): Entry(reads_run, path="/sweeps/{sweep}"),
+    ("POST", "/sweeps/<row:sweep_id>/cancel"): Entry(changes_run, 303, "/sweeps/{sweep}/cancel"),
+    ("POST", "/api/v1/sweeps"): Entry(submits, 202, options={"json": SWEEP}),
+    ("GET", "/api/v1/sweeps/<int:sweep_id>"): Entry(reads_run, path="/api/v1/sweeps/{sweep}"),
+    ("POST", "/api/v1/sweeps/<int:sweep_id>/cancel"): Entry(
+        changes_run, 200, "/api/v1/sweeps/{sweep}/cancel"
+    ),
     ("GET", "/runs/runs.csv"): Entry(lists),
     ("GET", "/leaderboards/"): Entry(everybody, 302),
     ("GET", "/leaderboards/<name>"): Entry(everybody, path="/leaderboards/currents-v1"),
@@ -363,6 +376,13 @@ def path_of(site: Site, route: str, entry: Entry, recorded: int) -> str:
         path = in_class(site, path)
     if "{check}" in path:
         path = path.replace("{check}", str(site.queue_check("ann")))
+    if "{sweep}" in path:
+        with site.database.writing() as session:
+            sweep = Sweep(user_id=site.user_id("ann"), benchmark="currents-v1", created_at=0.0)
+            sweep.axes = [{"name": "kp", "values": [0.2, 0.4]}]
+            session.add(sweep)
+            session.flush()
+            path = path.replace("{sweep}", str(sweep.id))
     if "{token}" in path:
         with site.database.writing() as session:
             accounts.new_token(session, site.user_id("ann"), "spare", [READ])

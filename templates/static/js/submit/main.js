@@ -5,6 +5,7 @@ import { startDraft } from "./draft.js";
 import { startEditor } from "./editor.js";
 import { startParameters } from "./parameters.js";
 import { Settings } from "./settings.js";
+import { startSweep } from "./sweep.js";
 import { startUpload } from "./upload.js";
 
 const SENDING_MS = 4000; // for which a second click on the button is ignored
@@ -81,5 +82,6 @@ showKind();
 const editor = startEditor(form);
 startCheck(form, settings, editor);
 startUpload(form);
+startSweep(form);
 startParameters(form, form.dataset.benchmark, programFile);
 document.getElementById("problems")?.focus();

@@ -1,0 +1,52 @@
+"""The sweep in the form of a run: the fields `sweep-0-name`, `sweep-0-values` and so on."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from seamark.server.programs.parameters import Parameter
+from seamark.server.programs.store import StoredProgram
+from seamark.server.runs import configurations, sweeps
+from seamark.server.runs.sweep_axes import AXES_MAX, RUNS_MAX, TEXT_MAX, Axis, read_axis
+from seamark.sim.benchmarks.benchmark import Benchmark
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """The fields of one axis."""
+
+    name: str
+    values: str
+
+
+def read(posted: Mapping[str, str]) -> list[Axis]:
+    """Return the axes of a posted form; none if it is no sweep. Raises SubmissionRejected."""
+    rows = [row for row in _rows(posted) if row.name and row.values]
+    return [read_axis(row.name, row.values) for row in rows]
+
+
+def shown(
+    benchmark: Benchmark, program: StoredProgram | None, posted: Mapping[str, str]
+) -> dict[str, Any]:
+    """Return what the template shows."""
+    declared: tuple[Parameter, ...] = ()
+    if program is not None:
+        declared = configurations.declared_in(benchmark, program.language, program.parameters)
+    rows = _rows(posted)
+    return {
+        "rows": rows,
+        "open": any(row.name for row in rows),
+        "choices": sweeps.sweepable(benchmark, declared),
+        "runs_max": RUNS_MAX,
+        "text_max": TEXT_MAX,
+    }
+
+
+def _rows(posted: Mapping[str, str]) -> list[Row]:
+    return [
+        Row(
+            posted.get(f"sweep-{index}-name", "").strip(),
+            posted.get(f"sweep-{index}-values", "").strip(),
+        )
+        for index in range(AXES_MAX)
+    ]

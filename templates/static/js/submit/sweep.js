@@ -1,0 +1,50 @@
+// The sweep in the form: how many runs it has, and the program's parameters among what can be swept.
+
+function countOf(text) {
+  const range = text.split(":");
+  if (range.length === 3) return Number.parseInt(range[2], 10) || 0;
+  return text.split(",").filter((part) => part.trim()).length;
+}
+
+export function startSweep(form) {
+  const box = form.querySelector("[data-sweep]");
+  if (!box) return;
+  const rows = [0, 1].map((index) => ({
+    name: form.elements[`sweep-${index}-name`], values: form.elements[`sweep-${index}-values`],
+  }));
+
+  function showCount() {
+    const used = rows.filter(({ name, values }) => name.value && values.value.trim());
+    const count = used.reduce((product, { values }) => product * countOf(values.value), 1);
+    box.querySelector("[data-sweep-count]").textContent = used.length ? `This sweep has ${count} runs.` : "";
+  }
+
+  function showParameters() {
+    const names = [...form.querySelectorAll("[data-parameter]")].map((field) => field.dataset.parameter);
+    for (const { name } of rows) {
+      const chosen = name.value;
+      for (const option of name.querySelectorAll("[data-own]")) option.remove();
+      for (const parameter of names) {
+        for (const option of name.options) if (option.value === parameter) option.remove();
+        const option = new Option(`${parameter} (parameter)`, parameter);
+        option.dataset.own = "";
+        name.options.add(option, 1);
+      }
+      name.value = chosen;
+      if (name.selectedIndex < 0) name.value = "";
+    }
+    showCount();
+  }
+
+  function showKind() {
+    box.hidden = form.elements.kind.value === "ranked";
+    for (const { name, values } of rows) name.disabled = values.disabled = box.hidden;
+  }
+
+  box.addEventListener("input", showCount);
+  form.addEventListener("parameters", showParameters);
+  form.addEventListener("change", (event) => { if (event.target.name === "kind") showKind(); });
+  if (location.hash === "#sweep") box.open = true;
+  showParameters();
+  showKind();
+}
