@@ -15,7 +15,7 @@ def upgrade() -> None:
     op.create_table(
         "sweeps",
         sa.Column("id", row_id, nullable=False),
-        sa.Column("user_id", sa.BigInteger(), nullable=True),
+        sa.Column("user_id", row_id, nullable=True),
         sa.Column("guest", sa.String(64), nullable=True),
         sa.Column("benchmark", sa.String(80), nullable=False),
         sa.Column("title", sa.String(120), nullable=False),

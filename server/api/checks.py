@@ -13,7 +13,8 @@ from werkzeug.datastructures import FileStorage
 from seamark.server import workers
 from seamark.server.accounts.permissions import Action
 from seamark.server.api import refusals, request_body
-from seamark.server.api.schemas import CheckPath, CheckQuery, CheckResponse, RunRequest
+from seamark.server.api.check_schemas import CheckPath, CheckQuery, CheckResponse
+from seamark.server.api.schemas import RunRequest
 from seamark.server.checks import queue, report
 from seamark.server.checks.queue import CheckState, CheckView
 from seamark.server.programs import store

@@ -8,8 +8,6 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
 from seamark.server.accounts import invitations, profiles
 from seamark.server.accounts.accounts import NAME_MAX, TOKEN_DAYS, TOKEN_DAYS_MAX, TOKEN_NAME_MAX
-from seamark.server.programs.diagnostics import Diagnostic
-from seamark.server.runs import sweep_axes
 from seamark.server.runs.columns import PublicRun
 from seamark.server.runs.leaderboard_filters import SORTED_MAX
 from seamark.server.runs.submission import NOTES_MAX, TITLE_MAX
@@ -81,32 +79,6 @@ class RunRequest(BaseModel):
     assignment: int | None = Field(
         None, ge=1, le=ROW_ID_MAX, description="It fixes kind, scenario, seed and trials"
     )
-
-
-class SweepAxis(BaseModel):
-    """What is swept."""
-
-    model_config = ConfigDict(extra="forbid")
-
-    name: Text = Field(min_length=1, max_length=80, description="A setting or parameter")
-    values: (
-        Annotated[str, Field(max_length=sweep_axes.TEXT_MAX)]
-        | Annotated[
-            list[
-                Annotated[bool, Field(strict=True)]
-                | Annotated[int, Field(strict=True)]
-                | Annotated[float, Field(strict=True)]
-                | Annotated[str, Field(max_length=80)]
-            ],
-            Field(max_length=sweep_axes.RUNS_MAX),
-        ]
-    ) = Field(description='A list, or a text: "0.1, 0.2, 0.5", or "from:to:count"')
-
-
-class SweepPath(BaseModel):
-    """Path parameter of a sweep."""
-
-    sweep_id: int = Field(ge=1, le=ROW_ID_MAX, description="Id of the sweep")
 
 
 class RunsQuery(BaseModel):
@@ -276,54 +248,6 @@ class RunResponse(PublicRun, ResponseModel):
     result: dict[str, Any] | None
     failure: dict[str, Any] | None
     links: dict[str, str]
-
-
-class CheckPath(BaseModel):
-    """Path parameter of a check."""
-
-    check_id: int = Field(ge=1, le=ROW_ID_MAX, description="Id of the check")
-
-
-class CheckQuery(BaseModel):
-    """What is done, and how long the request waits for it."""
-
-    run: bool = Field(True, description="false: only read the program; nothing is compiled or run")
-
-    wait: float = Field(
-        15.0, ge=0, le=15, description="Seconds to wait for the report before the response is 202"
-    )
-
-
-class ParameterResponse(ResponseModel):
-    """A parameter of a program."""
-
-    name: str
-    type: Literal["number", "integer", "boolean"]
-    default: float | int | bool
-    low: float | None
-    high: float | None
-    unit: str
-    description: str
-
-
-class CheckResponse(ResponseModel):
-    """A check. The report is complete when `state` is done; `id` is null if nothing was run."""
-
-    id: int | None
-    state: Literal["queued", "running", "done"]
-    benchmark: str
-    program_name: str
-    language: str
-    ok: bool | None
-    problems: list[Diagnostic]
-    traceback: str
-    output: str
-    t_simulated: float
-    usage: dict[str, float] | None
-    step_us: dict[str, float] | None
-    parameters: list[ParameterResponse] = Field(
-        default_factory=list, description="that the program declares; only in the answer to POST"
-    )
 
 
 class RunsResponse(ResponseModel):

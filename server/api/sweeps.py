@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Annotated, Any
 
 from flask import Response, jsonify
 from flask_openapi3.blueprint import APIBlueprint
 from flask_openapi3.models.tag import Tag
-from pydantic import Field
+from pydantic import BaseModel, ConfigDict, Field
 
 from seamark.server.accounts.permissions import Action
 from seamark.server.api import refusals, request_body
@@ -16,14 +16,14 @@ from seamark.server.api.schemas import (
     ResponseModel,
     RunRequest,
     RunResponse,
-    SweepAxis,
-    SweepPath,
+    Text,
     run_answer,
 )
 from seamark.server.runs import cancellation, sweep_axes, sweeps
 from seamark.server.runs.sweeps import SweepView
 from seamark.server.web import access, rate_limits
 from seamark.server.web.services import services
+from seamark.server.web.url_converters import ROW_ID_MAX
 
 RETRY_S = 2  # [s] until a client should ask again
 
@@ -33,6 +33,32 @@ api = APIBlueprint(
     url_prefix="/api/v1",
     abp_tags=[Tag(name="Sweeps", description="Runs over a range of settings or parameters.")],
 )
+
+
+class SweepAxis(BaseModel):
+    """What is swept."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    name: Text = Field(min_length=1, max_length=80, description="A setting or parameter")
+    values: (
+        Annotated[str, Field(max_length=sweep_axes.TEXT_MAX)]
+        | Annotated[
+            list[
+                Annotated[bool, Field(strict=True)]
+                | Annotated[int, Field(strict=True)]
+                | Annotated[float, Field(strict=True)]
+                | Annotated[str, Field(max_length=80)]
+            ],
+            Field(max_length=sweep_axes.RUNS_MAX),
+        ]
+    ) = Field(description='A list, or a text: "0.1, 0.2, 0.5", or "from:to:count"')
+
+
+class SweepPath(BaseModel):
+    """Path parameter of a sweep."""
+
+    sweep_id: int = Field(ge=1, le=ROW_ID_MAX, description="Id of the sweep")
 
 
 class SweepRequest(RunRequest):
