@@ -1,10 +1,13 @@
 """The pages of the benchmarks: what each measures and how, then all its parameters."""
 
-from flask import Blueprint, abort, redirect, render_template, url_for
+from flask import Blueprint, abort, render_template
 from flask.typing import ResponseReturnValue
+from sqlalchemy.orm import Session
 
-from seamark.server.pages import form_fields, guides
-from seamark.server.runs import submission
+from seamark.server.pages import form_fields, guides, plots
+from seamark.server.runs import leaderboard_filters, score_counts, submission
+from seamark.server.runs.leaderboard import Rank
+from seamark.server.runs.leaderboard_filters import HIDE, ONLY, BoardFilter
 from seamark.server.web.services import services
 from seamark.sim import registry, vehicles
 from seamark.sim.benchmarks.benchmark import Benchmark
@@ -16,8 +19,17 @@ _GUIDE = "benchmarks.md"  # a section for each benchmark
 
 @page.get("/")
 def index() -> ResponseReturnValue:
-    """Redirect to the first benchmark."""
-    return redirect(url_for("benchmark.show", name=first().name))
+    """Show all benchmarks with their questions and leaders."""
+    with services().database.reading() as session:
+        found = [
+            {
+                "benchmark": registry.benchmark(name),
+                "leader": _leader(session, name),
+                "people": score_counts.size(session, name),
+            }
+            for name in registry.BENCHMARKS
+        ]
+    return render_template("benchmark/index.html", found=found)
 
 
 @page.get("/<name>")
@@ -26,12 +38,20 @@ def show(name: str) -> ResponseReturnValue:
     benchmark = by_name(name)
     config = benchmark.read({})
     explanation, contents = guides.section(_GUIDE, name)
+    with services().database.reading() as session:
+        leader, people = _leader(session, name), score_counts.size(session, name)
+        marks = leaderboard_filters.page(session, name, BoardFilter(baselines=ONLY)).ranks
+    rows = sorted([*marks, *([leader] if leader else [])], key=lambda rank: -rank.score)
     return render_template(
         "benchmark/show.html",
         benchmark=benchmark,
         ranked_trials=submission.ranked_trials(benchmark, services().settings),
         benchmarks=labels(),
-        explanation=explanation,
+        sections=guides.folded(explanation),
+        leader=leader,
+        people=people,
+        rows=rows,
+        axis=plots.score_axis(rows, (), whole=True),
         contents=contents,
         levels=len(config.level_values()),
         duration_s=config.trial_duration_s(),
@@ -40,6 +60,12 @@ def show(name: str) -> ResponseReturnValue:
         vehicles=[vehicles.load(entry) for entry in registry.VEHICLES],
         constants_of=constants.GROUPS,
     )
+
+
+def _leader(session: Session, name: str) -> Rank | None:
+    """Return the first row of a leaderboard that is not a baseline; None if people are missing."""
+    people = leaderboard_filters.page(session, name, BoardFilter(baselines=HIDE), limit=1).ranks
+    return people[0] if people else None
 
 
 def first() -> Benchmark:

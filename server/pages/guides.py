@@ -73,6 +73,13 @@ def _linked(name: str, shown: str) -> str:
     return _RELATIVE.sub(lambda found: f'{found[1]}="{urljoin(ADDRESS + name, found[2])}"', shown)
 
 
+@lru_cache(maxsize=32)
+def folded(shown: str) -> Sequence[tuple[str, str, str]]:
+    """Return anchor, title and HTML of each part of a `section` that has a heading."""
+    parts = _SECTION_HEADING.split(shown)[1:]
+    return list(zip(parts[::3], parts[1::3], parts[2::3], strict=True))
+
+
 def _text(name: str) -> str:
     return _COMMENT.sub("", (FOLDER / name).read_text(encoding="utf-8"))
 

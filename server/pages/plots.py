@@ -13,6 +13,7 @@ from seamark.server.runs.leaderboard import Rank
 from seamark.sim.metrics.metric import Metric
 
 TICKS = 5  # at most, on an axis
+_POWERS_MIN = 3  # on a logarithmic axis; a shorter one is nearly linear
 _MARGIN = 2.0  # [%] free at both ends
 _STEPS = (1.0, 2.0, 5.0, 10.0)
 
@@ -53,8 +54,9 @@ class Axis:
 
     def ticks(self) -> list[float]:
         """Return some round values on the axis."""
-        if self.logarithmic:
-            return _powers(self.low, self.high)
+        powers = _powers(self.low, self.high) if self.logarithmic else []
+        if len(powers) >= _POWERS_MIN:
+            return powers
         step = _step((self.high - self.low) / TICKS)
         first = math.ceil(self.low / step)
         return [round(k * step, 12) + 0.0 for k in range(first, math.floor(self.high / step) + 1)]

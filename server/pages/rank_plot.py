@@ -16,6 +16,7 @@ class RankPlot:
     """Steps of a rank over time, in percent of the plot."""
 
     ranks: Axis  # downwards
+    ticks: Sequence[int]
     steps: Sequence[Step]
     begin: float  # [s since 1970]
     sentence: str
@@ -39,7 +40,8 @@ def rank_plot(points: Sequence[RankPoint], rank: int | None) -> RankPlot | None:
         return None
     times = Axis.over(at for at, _ in known)
     ranks = Axis(min(held), max(held)) if min(held) < max(held) else Axis(held[0] - 1, held[0] + 1)
-    return RankPlot(ranks, _steps(known, times, ranks), known[0][0], _sentence(held))
+    ticks = [int(tick) for tick in ranks.ticks() if tick >= 1.0 and tick.is_integer()]
+    return RankPlot(ranks, ticks, _steps(known, times, ranks), known[0][0], _sentence(held))
 
 
 def _steps(known: Sequence[tuple[float, int | None]], times: Axis, ranks: Axis) -> list[Step]:

@@ -29,16 +29,17 @@ def text_of(site: Site, name: str) -> str:
 
 @pytest.mark.parametrize("name", registry.BENCHMARKS)
 def test_a_benchmark_is_explained_by_all_sections_of_a_paper(site: Site, name: str) -> None:
-    headings = re.findall(r"<h2[^>]*>([^<]+)</h2>", text_of(site, name))
+    inside = text_of(site, name).partition('<article class="prose folded">')[2]
+    headings = re.findall(r"<h2[^>]*>([^<]+)</h2>", inside.partition("</article>")[0])
 
-    assert headings[: len(SECTIONS)] == SECTIONS
+    assert headings == SECTIONS
 
 
 @pytest.mark.parametrize("name", registry.BENCHMARKS)
 def test_every_link_and_figure_of_the_explanation_is_there(site: Site, name: str) -> None:
     address = f"/benchmarks/{name}"
     page = site.browser().get(address).text
-    inside = page.partition('<article class="prose">')[2].partition("</article>")[0]
+    inside = page.partition('<article class="prose folded">')[2].partition("</article>")[0]
     assert inside
 
     links = {urljoin(address, unescape(one)) for one in LINK.findall(inside) if "://" not in one}
@@ -81,3 +82,24 @@ def test_repeated_headings_get_numbered_anchors() -> None:
 
 def test_a_benchmark_without_a_text_has_an_empty_explanation() -> None:
     assert guides.section("benchmarks.md", "not-there") == ("", {})
+
+
+def test_all_benchmarks_are_listed_with_picture_question_and_leader(site: Site) -> None:
+    site.published("ann", kind="ranked")
+    page = unescape(site.browser().get("/benchmarks/").text)
+
+    for name in registry.BENCHMARKS:
+        assert f'href="/benchmarks/{name}"' in page
+        assert registry.benchmark(name).question in page
+        assert site.browser().get(f"/static/benchmarks/{name}.jpg").status_code == 200
+    assert page.count("Leader: <strong>ann</strong>") == 1
+
+
+def test_the_page_of_a_benchmark_names_its_leader_and_marks_beside(site: Site) -> None:
+    assert "Nobody has published a ranked run yet." in text_of(site, "currents-v1")
+
+    site.published("ben", kind="ranked", title="Steady hand")
+    page = text_of(site, "currents-v1")
+
+    assert "Steady hand" in page
+    assert "is ranked 1st of 1" in page

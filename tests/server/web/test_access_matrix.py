@@ -238,7 +238,7 @@ ROUTES: dict[tuple[str, str], Entry] = {
     ("GET", "/submit/<name>"): Entry(everybody, path="/submit/currents-v1"),
     ("POST", "/submit/<name>"): Entry(submits, 303, "/submit/currents-v1", {"data": FORM}),
     ("POST", "/demo"): Entry(submits, 303),
-    ("GET", "/benchmarks/"): Entry(everybody, 302),
+    ("GET", "/benchmarks/"): OPEN,
     ("GET", "/benchmarks/<name>"): Entry(everybody, path="/benchmarks/currents-v1"),
     ("GET", "/runs/<row:run_id>"): Entry(reads_run, path="/runs/{run}"),
     ("GET", "/runs/<row:run_id>/embed"): Entry(reads_run, path="/runs/{run}/embed"),
