@@ -113,6 +113,10 @@ class Client:
         params = {"runs": ",".join(map(str, run_ids))} | query
         return self._json("GET", "/api/v1/compare", params=params)
 
+    def leaderboard(self, benchmark: str, **query: object) -> dict[str, Any]:
+        """Return a page of a leaderboard. `query` may hold its filters, sort, after and limit."""
+        return self._json("GET", f"/api/v1/leaderboards/{benchmark}", params=dict(query))
+
     def follow(self, run_id: int) -> Iterator[dict[str, Any]]:
         """Yield the run each time it changes, until it has ended."""
         version, wait_s = "", 0.2

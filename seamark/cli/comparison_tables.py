@@ -19,10 +19,10 @@ def tables(found: Mapping[str, Any]) -> str:
         rows = [
             [_title(row), *(value or "-" for value in row["values"])] for row in found["settings"]
         ]
-        blocks.append(_table("Settings that differ", heads, rows))
+        blocks.append(table("Settings that differ", heads, rows))
     if found["metrics"]:
         rows = [[_label(row), *_values(row)] for row in found["metrics"]]
-        blocks.append(_table(f"Metrics ({BEST} best)", heads, rows))
+        blocks.append(table(f"Metrics ({BEST} best)", heads, rows))
     return "\n\n".join(blocks)
 
 
@@ -52,7 +52,8 @@ def _values(row: Mapping[str, Any]) -> list[str]:
     ]
 
 
-def _table(title: str, heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+def table(title: str, heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """Return a table with a title: the first column to the left, the others to the right."""
     lines = [heads, *rows]
     widths = [max(cell_len(row[at]) for row in lines) for at in range(len(heads))]
     return "\n".join([title, *(_line(row, widths) for row in lines)])

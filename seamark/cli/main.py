@@ -15,6 +15,7 @@ COMMANDS = {  # name -> module:attribute, help; with the help here, --help impor
     "run": ("run:run", "Evaluate a controller or tracker locally."),
     "submit": ("submit:submit", "Submit a run to a server."),
     "compare": ("compare:compare", "Compare runs of a server side by side."),
+    "leaderboard": ("leaderboard:leaderboard", "Show a leaderboard of a server."),
     "dataset": ("dataset:dataset", "Render images with ground truth for offline work."),
     "benchmarks": ("benchmarks:benchmarks", "List the benchmarks and their settings."),
     "doctor": ("doctor:doctor", "Check this machine and say how to fix what is missing."),

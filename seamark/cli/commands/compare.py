@@ -6,7 +6,6 @@ import click
 
 from seamark.cli.console import print_json
 from seamark.cli.options import json_option, server_options
-from seamark.failures import PlatformFailed, UsageRefused
 
 
 @click.command()
@@ -24,17 +23,12 @@ def compare(runs: tuple[int, ...], *, server: str, token: str | None, as_json: b
       seamark compare 12 17 23 --json --token $TOKEN
     """
     from seamark.cli.comparison_tables import tables
-    from seamark.client import Client, ServerRefused, ServerUnavailable
+    from seamark.cli.server_answers import refusals_shown
+    from seamark.client import Client
     from seamark.sandbox.printable_text import printable_text
 
-    try:
-        with Client(server, token) as client:
-            found = client.compare(runs)
-    except ServerUnavailable as error:
-        raise PlatformFailed(str(error)) from None
-    except ServerRefused as refusal:
-        failure = PlatformFailed if refusal.status >= 500 else UsageRefused
-        raise failure(printable_text(str(refusal))) from None
+    with refusals_shown(), Client(server, token) as client:
+        found = client.compare(runs)
     if as_json:
         print_json(found)
         return

@@ -1,4 +1,4 @@
-"""`seamark compare`: the same as the page, as tables or as the document of the API."""
+"""`seamark compare` and `leaderboard`: as the pages, as tables or as the document of the API."""
 
 import json
 import subprocess
@@ -84,3 +84,20 @@ def test_a_server_that_does_not_answer_is_a_failure_of_the_platform(tmp_path: Pa
     answer = CliRunner().invoke(cli, ["compare", "1", "2", "--server", "http://127.0.0.1:9"])
 
     assert answer.exit_code == 3
+
+
+def test_leaderboard_prints_the_rows_of_the_page(backend: Backend, address: str) -> None:
+    backend.published("eva", kind="ranked", title="Steady \x1b[31mhand")
+    arguments = ("leaderboard", "currents-v1", *_options(backend, address))
+
+    shown = CliRunner().invoke(cli, [*arguments, "--program", "built-in"], prog_name="seamark")
+    none = CliRunner().invoke(cli, [*arguments, "--mine"], prog_name="seamark")
+    wrong = CliRunner().invoke(cli, [*arguments, "--sort", "nothing"], prog_name="seamark")
+
+    assert (shown.exit_code, none.exit_code) == (0, 0)
+    assert "eva" in shown.output
+    assert "45 to 55" in shown.output
+    assert "\x1b" not in shown.output
+    assert "eva" not in none.output
+    assert wrong.exit_code != 0
+    assert "rmse_m" in wrong.output

@@ -1,0 +1,64 @@
+"""`seamark leaderboard`: a leaderboard of a server."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import click
+
+from seamark.cli.console import print_json
+from seamark.cli.options import json_option, server_options
+
+
+@click.command()
+@click.argument("benchmark")
+@click.option("--program", type=click.Choice(["uploaded", "built-in"]), help="Kind of program.")
+@click.option("--language", help="Language of uploaded programs.")
+@click.option("--vehicle", help="Vehicle of the runs.")
+@click.option("--tracker", help="Built-in tracker of the runs.")
+@click.option("--baselines", type=click.Choice(["hide", "only"]), help="Without or only baselines.")
+@click.option("--mine", is_flag=True, help="Only the row of the account; needs a token.")
+@click.option("--sort", metavar="METRIC", help="Sort the first rows by another metric.")
+@click.option("--limit", type=click.IntRange(1, 500), default=20, show_default=True)
+@server_options
+@json_option
+def leaderboard(
+    benchmark: str, *, server: str, token: str | None, as_json: bool, **query: object
+) -> None:
+    """Show the leaderboard of a BENCHMARK, with the filters of its page.
+
+    The range of a rank is in brackets; baselines have none.
+
+    \b
+    Examples:
+      seamark leaderboard currents-v2
+      seamark leaderboard currents-v2 --program uploaded --language python
+      seamark leaderboard currents-v2 --sort power_share --json
+    """
+    from seamark.cli.comparison_tables import table
+    from seamark.cli.server_answers import refusals_shown
+    from seamark.client import Client
+    from seamark.sandbox.printable_text import printable_text
+
+    with refusals_shown(), Client(server, token) as client:
+        chosen = {name: value for name, value in query.items() if value not in (None, False)}
+        found = client.leaderboard(benchmark, **chosen)
+    if as_json:
+        print_json(found)
+        return
+    sort = query["sort"]
+    heads = ["Rank", "User", "Entry", "Language", "Tracker", "Score", "95 % interval", "Run"]
+    heads += [str(sort)] if sort else []
+    rows = [_cells(row, sort) for row in found["ranks"]]
+    click.echo(printable_text(table(f"Leaderboard of {benchmark}", heads, rows)))
+
+
+def _cells(row: Mapping[str, Any], sort: object) -> list[str]:
+    rank = "-" if row["rank"] is None else str(row["rank"])
+    if row["rank_low"] != row["rank_high"]:
+        rank += f" ({row['rank_low']}-{row['rank_high']})"
+    cells = [rank, row["user"], row["title"] or row["controller"], row["language"] or "built-in"]
+    cells += [row["tracker"] or "-", f"{row['score']:.4g}"]
+    cells += [f"{row['score_low']:.4g} to {row['score_high']:.4g}", str(row["run"])]
+    return [*cells, f"{row['metrics'][sort]:.4g}"] if sort else cells
