@@ -17,13 +17,14 @@ from seamark.server.database.advisory_locks import AdvisoryLock
 from seamark.server.database.class_tables import Classroom
 from seamark.server.database.engine import Database
 from seamark.server.database.queue_tables import Turn
+from seamark.server.database.sweep_tables import Sweep
 from seamark.server.settings import Settings
 
 UPGRADE_S = 600.0  # a process waits this long for one that upgrades a large SQLite file
 
 _FOLDER = Path(migrations.__file__).parent
 # A table of each module of tables: its import declares the others of the module.
-_TABLES = (Turn, Classroom, AccountDeletion)
+_TABLES = (Turn, Classroom, AccountDeletion, Sweep)
 
 
 class SchemaTooOld(Exception):

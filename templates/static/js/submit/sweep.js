@@ -24,7 +24,7 @@ export function startSweep(form) {
     for (const { name } of rows) {
       const chosen = name.value;
       for (const option of name.querySelectorAll("[data-own]")) option.remove();
-      for (const parameter of names) {
+      for (const parameter of names.toReversed()) {
         for (const option of name.options) if (option.value === parameter) option.remove();
         const option = new Option(`${parameter} (parameter)`, parameter);
         option.dataset.own = "";
@@ -37,8 +37,9 @@ export function startSweep(form) {
   }
 
   function showKind() {
-    box.hidden = form.elements.kind.value === "ranked";
-    for (const { name, values } of rows) name.disabled = values.disabled = box.hidden;
+    const card = box.closest(".card");
+    card.hidden = form.elements.kind.value === "ranked";
+    for (const { name, values } of rows) name.disabled = values.disabled = card.hidden;
   }
 
   box.addEventListener("input", showCount);
