@@ -2,6 +2,7 @@
 
 import io
 import json
+import re
 import zipfile
 from pathlib import Path
 
@@ -140,3 +141,15 @@ def test_an_unreadable_model_description_is_left_to_the_box() -> None:
     found = _fmu(modelDescription_xml="<not")
 
     assert (found.parameters, found.diagnostics) == ((), ())
+
+
+def test_the_samples_of_the_documentation_declare_what_it_says() -> None:
+    text = (Path(__file__).parents[3] / "docs/languages.md").read_text()
+    section = text[text.index("## Parameters") : text.index("### Sweeps")]
+    python, c = re.findall(r"```(?:python|c)\n(.*?)```", section, re.DOTALL)
+
+    found = [prepare(python.encode(), "mine.py"), prepare(c.encode(), "mine.c")]
+
+    assert [one.diagnostics for one in found] == [(), ()]
+    assert found[0].parameters == found[1].parameters
+    assert [one.name for one in found[0].parameters] == ["gain", "use_heave"]
