@@ -56,6 +56,8 @@ class Action(StrEnum):
     WITHDRAW = "withdraw"
     RERUN = "rerun"
     DELETE_DATA = "delete_data"
+    EDIT = "edit"  # title and notes
+    DELETE = "delete"
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,9 +93,14 @@ RULES: Mapping[Action, Rule] = {
     Action.WITHDRAW: Rule(SUBMIT, Role.GUEST),
     Action.RERUN: Rule(SUBMIT, Role.GUEST),
     Action.DELETE_DATA: Rule(SUBMIT, Role.GUEST),
+    Action.EDIT: Rule(SUBMIT, Role.GUEST),
+    Action.DELETE: Rule(SUBMIT, Role.GUEST),
 }
 _READS = {Action.VIEW, Action.VIEW_PROGRAM, Action.VIEW_LOG}
-_CHANGES = {Action.CANCEL, Action.PUBLISH, Action.WITHDRAW, Action.RERUN, Action.DELETE_DATA}
+_CHANGES = {
+    *(Action.CANCEL, Action.PUBLISH, Action.WITHDRAW, Action.RERUN),
+    *(Action.EDIT, Action.DELETE, Action.DELETE_DATA),
+}
 _ON_RUN = _READS | _CHANGES
 
 

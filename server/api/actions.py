@@ -1,17 +1,19 @@
-"""Actions that change a run: cancel, publish, withdraw, delete its data. Never by GET."""
+"""Actions that change a run: rename, cancel, publish, withdraw, delete. Never by GET."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from typing import Any
 
+from flask import Response
 from flask_openapi3.blueprint import APIBlueprint
 from flask_openapi3.models.tag import Tag
 from sqlalchemy.orm import Session
 
 from seamark.server.accounts.permissions import Action
+from seamark.server.api.run_lists import RunEdit
 from seamark.server.api.schemas import RunPath, RunResponse, run_answer
-from seamark.server.runs import cancellation, results, retention, views
+from seamark.server.runs import cancellation, deletion, results, retention, run_notes, views
 from seamark.server.web import access
 from seamark.server.web.problems import Problem
 from seamark.server.web.services import services
@@ -52,6 +54,28 @@ def withdraw(path: RunPath) -> dict[str, Any]:
     access.run_for(path.run_id, Action.WITHDRAW)
     _change(path.run_id, results.withdraw, "The run is not public.")
     return _answer(path.run_id)
+
+
+@api.patch("/runs/<int:run_id>", responses={200: RunResponse})
+def edit(path: RunPath, body: RunEdit) -> dict[str, Any]:
+    """Change the title or the notes of a run, in any of its states."""
+    access.run_for(path.run_id, Action.EDIT)
+    with services().database.writing() as database:
+        run_notes.annotate(database, path.run_id, **body.model_dump())
+    return _answer(path.run_id)
+
+
+@api.delete("/runs/<int:run_id>", responses={204: None})
+def delete(path: RunPath) -> Response:
+    """Delete a run with its data. It must have ended and be private. This cannot be undone.
+
+    Quotas still count it, and so does the number of ranked submissions on the leaderboard.
+    """
+    access.run_for(path.run_id, Action.DELETE)
+    current = services()
+    if not deletion.delete(current.database, current.settings.data, [path.run_id]):
+        raise Problem("conflict", deletion.WHY_NOT)
+    return Response(status=204)
 
 
 @api.delete("/runs/<int:run_id>/data", responses={200: RunResponse})

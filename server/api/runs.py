@@ -12,19 +12,20 @@ from werkzeug.datastructures import FileStorage
 
 from seamark.server.accounts.permissions import Action
 from seamark.server.api import refusals, request_body
+from seamark.server.api.run_lists import RunsQuery
 from seamark.server.api.schemas import (
     RunPath,
     RunRequest,
     RunResponse,
-    RunsQuery,
     RunsResponse,
     run_answer,
 )
 from seamark.server.programs.store import StoredProgram
-from seamark.server.runs import assigned, submission, views
+from seamark.server.runs import assigned, run_lists, submission, views
+from seamark.server.runs.run_lists import Place, RunFilter
 from seamark.server.runs.states import RunKind, RunState
 from seamark.server.runs.submission import UPLOAD, Submission
-from seamark.server.runs.views import RunFilter, RunView
+from seamark.server.runs.views import RunView
 from seamark.server.web import access, authentication, caching, rate_limits, uploads
 from seamark.server.web.problems import Problem
 from seamark.server.web.services import services
@@ -109,7 +110,11 @@ def rerun(path: RunPath) -> Response:
 
 @api.get("/runs", responses={200: RunsResponse})
 def list_some(query: RunsQuery) -> dict[str, Any]:
-    """List runs, newest first; pages are followed by `after` = `next`."""
+    """List runs; pages are followed by `after` = `next`, and `skip` = `next_skip` if it is sorted.
+
+    Newest and oldest first, a list goes through all runs. Any other order sorts the newest 1000
+    runs, then the 1000 before them.
+    """
     access.require(Action.LIST)
     if query.which == "all":
         access.require(Action.ADMINISTER)
@@ -119,11 +124,21 @@ def list_some(query: RunsQuery) -> dict[str, Any]:
             states=[RunState(state) for state in query.state],
             benchmark=query.benchmark,
             kind=query.kind,
+            program=query.program,
+            text=query.q,
         )
-        page = views.page(
-            database, access.viewer(), run_filter, after=query.after, limit=query.limit
+        page = run_lists.page(
+            database,
+            access.viewer(),
+            run_filter,
+            order=query.sort,
+            start=Place(query.after, query.skip),
+            limit=query.limit,
         )
-    return {"runs": [run_answer(view, whole=False) for view in page.runs], "next": page.next}
+    found = [run_answer(view, whole=False) for view in page.runs]
+    if page.next is None:
+        return {"runs": found, "next": None, "next_skip": 0}
+    return {"runs": found, "next": page.next.after, "next_skip": page.next.skip}
 
 
 @api.get("/runs/<int:run_id>", responses={200: RunResponse, 304: None})

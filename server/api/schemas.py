@@ -10,7 +10,7 @@ from seamark.server.accounts import invitations, profiles
 from seamark.server.accounts.accounts import NAME_MAX, TOKEN_DAYS, TOKEN_DAYS_MAX, TOKEN_NAME_MAX
 from seamark.server.runs.columns import PublicRun
 from seamark.server.runs.leaderboard_filters import SORTED_MAX
-from seamark.server.runs.submission import NOTES_MAX, TITLE_MAX
+from seamark.server.runs.run_notes import NOTES_MAX, TITLE_MAX
 from seamark.server.runs.views import RunView
 from seamark.server.web.url_converters import ROW_ID_MAX
 from seamark.sim.engine.seeds import SEED_MAX
@@ -79,19 +79,6 @@ class RunRequest(BaseModel):
     assignment: int | None = Field(
         None, ge=1, le=ROW_ID_MAX, description="It fixes kind, scenario, seed and trials"
     )
-
-
-class RunsQuery(BaseModel):
-    """Filters and pagination of the list of runs."""
-
-    which: Literal["mine", "public", "all"] = Field("mine", description="`all` is for admins only")
-    state: list[Literal["queued", "running", "succeeded", "failed", "cancelled"]] = Field(
-        default_factory=list, description="Can be repeated"
-    )
-    benchmark: str | None = Field(None, max_length=80)
-    kind: Literal["practice", "ranked"] | None = None
-    after: int | None = Field(None, ge=1, le=ROW_ID_MAX, description="`next` of the previous page")
-    limit: int = Field(50, ge=1, le=200)
 
 
 class TelemetryQuery(BaseModel):
@@ -251,10 +238,11 @@ class RunResponse(PublicRun, ResponseModel):
 
 
 class RunsResponse(ResponseModel):
-    """A page of runs, newest first; with filters it may be short or empty before the last one."""
+    """A page of runs; with filters it may be short or empty before the last one."""
 
     runs: list[RunResponse]
     next: int | None
+    next_skip: int = Field(description="0 unless the list is sorted by something else than time")
 
 
 class SeriesResponse(ResponseModel):
@@ -408,5 +396,5 @@ def run_answer(view: RunView, *, whole: bool = True) -> dict[str, Any]:
 def _result(view: RunView) -> dict[str, Any] | None:
     if view.score is None and view.digest is None:
         return None
-    names = ("score", "score_low", "score_high", "level_held", "digest")
+    names = ("score", "score_low", "score_high", "level_held", "digest", "error_curve")
     return {name: getattr(view, name) for name in names}

@@ -18,10 +18,10 @@ from seamark.server.api.schemas import (
     TrialQuery,
 )
 from seamark.server.runs.downsampling import BLOCK_ROWS, extremes_of_rows
+from seamark.server.runs.error_curve import error_column
 from seamark.server.runs.moments import moments as find_moments
 from seamark.server.web import access
 from seamark.server.web.problems import Problem
-from seamark.sim import registry
 from seamark.sim.recording.telemetry import INDEX
 
 if TYPE_CHECKING:
@@ -75,8 +75,7 @@ def moments(path: RunPath, query: TrialQuery) -> dict[str, Any]:
     The error is that of the tracker where trackers are compared, else the distance to the station.
     """
     view = access.run_for(path.run_id)
-    error = "tracker_error" if registry.benchmark(view.benchmark).role == "tracker" else "distance"
-    return find_moments(access.files_of(view), query.trial, error)
+    return find_moments(access.files_of(view), query.trial, error_column(view.benchmark))
 
 
 def _numbers(values: Rows) -> list[float | None]:

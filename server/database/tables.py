@@ -151,6 +151,7 @@ class Run(Base):
     data_bytes: Mapped[int] = mapped_column(BigInteger, default=0, server_default="0")
     data_measured: Mapped[bool] = mapped_column(default=False, server_default=false())
     data_deleted_at: Mapped[float | None]  # telemetry, log and program; the row stays
+    deleted_at: Mapped[float | None]  # an empty row stays (server/runs/deletion.py)
 
     __table_args__ = (
         CheckConstraint(
@@ -187,7 +188,13 @@ class Run(Base):
             postgresql_where=text("finished_at IS NOT NULL"),
         ),
         Index("ix_runs_state_id", "state", "id"),
-        Index("ix_runs_owner_id", "owner", "id"),
+        Index(
+            "ix_runs_owner_id",
+            "owner",
+            "id",
+            sqlite_where=text("deleted_at IS NULL"),
+            postgresql_where=text("deleted_at IS NULL"),
+        ),
         Index("ix_runs_owner_state_finished", "owner", "state", "finished_at"),  # the quota
         Index(
             "ix_runs_guest_id",
@@ -246,6 +253,7 @@ class Result(Base):
     rankable: Mapped[bool] = mapped_column(default=False)  # by the rules of the benchmark
     not_ranked: Mapped[str | None] = mapped_column(Text)  # a sentence: why it is not rankable
     reference_scores: Mapped[list[float] | None] = mapped_column(_Json)  # of a ranked run's trials
+    error_curve: Mapped[list[float | None] | None] = mapped_column(_Json)
     metrics: Mapped[dict[str, Any] | None] = mapped_column(_Json)
     manifest: Mapped[dict[str, Any] | None] = mapped_column(_Json)
     created_at: Mapped[float]

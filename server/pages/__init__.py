@@ -18,6 +18,7 @@ from seamark.server.pages import (
     profile,
     run,
     runs,
+    sparkline,
     status,
     submit,
     sweep,
@@ -55,4 +56,5 @@ def register(app: Flask) -> None:
     template_filters.register(app)
     app.add_template_filter(article)
     app.add_template_filter(code_block, "code")
+    app.add_template_filter(sparkline.segments)
     errors.register(app)

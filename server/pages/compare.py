@@ -8,8 +8,9 @@ from flask.typing import ResponseReturnValue
 
 from seamark.server.accounts.permissions import Action, can
 from seamark.server.pages import benchmarks, link_previews
-from seamark.server.runs import leaderboard, views
+from seamark.server.runs import leaderboard, run_lists
 from seamark.server.runs.comparison import reference_entries
+from seamark.server.runs.run_lists import RunFilter
 from seamark.server.runs.side_by_side import (
     COLUMNS_MAX,
     RUNS_MAX,
@@ -18,7 +19,7 @@ from seamark.server.runs.side_by_side import (
     side_by_side,
 )
 from seamark.server.runs.solutions import solution
-from seamark.server.runs.views import RunFilter, RunView
+from seamark.server.runs.views import RunView
 from seamark.server.web import compared_runs
 from seamark.server.web.services import services
 from seamark.sim import registry
@@ -80,7 +81,7 @@ def _offered(benchmark: Benchmark, ids: Sequence[int]) -> dict[str, list[dict[st
         mine = []
         if can(g.viewer, Action.LIST):
             run_filter = RunFilter(benchmark=benchmark.name)
-            mine = views.page(session, g.viewer, run_filter, limit=OFFERED + len(ids)).runs
+            mine = run_lists.page(session, g.viewer, run_filter, limit=OFFERED + len(ids)).runs
     lists = {
         "Reference entries": [_choice(each.run_id, each.title, each.score) for each in marks],
         "My newest runs": [

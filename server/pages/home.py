@@ -11,13 +11,14 @@ from seamark.server import workers
 from seamark.server.accounts.permissions import Action
 from seamark.server.pages import benchmarks, leader_replay
 from seamark.server.pages.player_data import player_data
-from seamark.server.runs import leaderboard, reference_entries, submission, totals, views
+from seamark.server.runs import leaderboard, reference_entries, run_lists, submission, totals
 from seamark.server.runs.leaderboard import Rank
 from seamark.server.runs.quota import QuotaExceeded
 from seamark.server.runs.reference_entries import ReferenceEntry
+from seamark.server.runs.run_lists import RunFilter
 from seamark.server.runs.states import LIVE, RunKind, RunState
 from seamark.server.runs.submission import Submission
-from seamark.server.runs.views import RunFilter, RunView
+from seamark.server.runs.views import RunView
 from seamark.server.storage import StorageUnavailable
 from seamark.server.web import access, authentication
 from seamark.server.web.rate_limits import SUBMISSIONS, client, limiter
@@ -45,7 +46,7 @@ class Board:
 def show() -> ResponseReturnValue:
     """Show the home page."""
     with services().database.reading() as session:
-        public = views.page(session, g.viewer, RunFilter(which="public"), limit=NEWEST)
+        public = run_lists.page(session, g.viewer, RunFilter(which="public"), limit=NEWEST)
         boards = [_board(session, registry.benchmark(name)) for name in registry.BENCHMARKS]
         replay = _replay(session, boards)
         counts, simulated_s = totals.counts(session), totals.simulated_s(session)

@@ -46,7 +46,7 @@ def show(name: str) -> ResponseReturnValue:
             for one in found
         ],
         runs=runs.runs,
-        next=runs.next,
+        next=None if runs.next is None else runs.next.after,
     )
 
 

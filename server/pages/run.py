@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from datetime import UTC, datetime
 
-from flask import Blueprint, flash, g, make_response, redirect, render_template, url_for
+from flask import Blueprint, flash, g, make_response, redirect, render_template, request, url_for
 from flask.typing import ResponseReturnValue
 from sqlalchemy.orm import Session
 
@@ -12,7 +12,7 @@ from seamark.server.accounts.permissions import Action, can, owns
 from seamark.server.pages import benchmarks, level_chart, link_previews, metric_tables
 from seamark.server.pages.player_data import player_data
 from seamark.server.pages.ranked_parts import ranked_parts
-from seamark.server.runs import cancellation, results, retention
+from seamark.server.runs import cancellation, deletion, results, retention, run_notes
 from seamark.server.runs.comparison import Comparison, comparisons
 from seamark.server.runs.files import RunFiles
 from seamark.server.runs.states import RunKind, RunState
@@ -45,6 +45,8 @@ def show(run_id: int) -> ResponseReturnValue:
         has_log=Action.VIEW_LOG in may and bool(run.program_sha256 or log),
         log_end=_last_lines(run, log),
         data_note=_data_note(run),
+        title_max=run_notes.TITLE_MAX,
+        notes_max=run_notes.NOTES_MAX,
         has_rows=files.row_count() > 0,
         tables=metric_tables.tables(benchmark, run.config, run.metrics or {}),
         overall=metric_tables.overall(benchmark, run.metrics or {}),
@@ -109,6 +111,27 @@ def withdraw(run_id: int) -> ResponseReturnValue:
     if can(g.viewer, Action.VIEW, run.model_copy(update={"public": False})):
         return answer
     return redirect(url_for("leaderboard.show", name=run.benchmark), code=303)
+
+
+@page.post("/<row:run_id>/edit")
+def edit(run_id: int) -> ResponseReturnValue:
+    """Change the title and the notes of a run."""
+    access.run_for(run_id, Action.EDIT)
+    title, notes = request.form.get("title", ""), request.form.get("notes", "")
+    with services().database.writing() as session:
+        run_notes.annotate(session, run_id, title=title, notes=notes)
+    return _back(run_id, True, "Title and notes have been saved.", "")
+
+
+@page.post("/<row:run_id>/delete")
+def delete(run_id: int) -> ResponseReturnValue:
+    """Delete a run with its data."""
+    access.run_for(run_id, Action.DELETE)
+    current = services()
+    if not deletion.delete(current.database, current.settings.data, [run_id]):
+        return _back(run_id, False, "", deletion.WHY_NOT)
+    flash(f"Run {run_id} has been deleted.", "good")
+    return redirect(url_for("runs.mine"), code=303)
 
 
 @page.post("/<row:run_id>/delete-data")

@@ -18,7 +18,7 @@ from seamark.server.pages.prefill import Prefill
 from seamark.server.programs import archives
 from seamark.server.programs.preparation import TEXT_MAX_BYTES, UploadRejected
 from seamark.server.programs.store import StoredProgram
-from seamark.server.runs import assigned, quota, submission, sweeps, trial_limits
+from seamark.server.runs import assigned, quota, run_notes, submission, sweeps, trial_limits
 from seamark.server.runs.quota import QuotaExceeded
 from seamark.server.runs.states import RunKind
 from seamark.server.runs.submission import UPLOAD, Submission, SubmissionRejected
@@ -161,7 +161,7 @@ def _show(
         "submit/form.html",
         benchmark=benchmark,
         text_max=TEXT_MAX_BYTES,
-        title_max=submission.TITLE_MAX,
+        title_max=run_notes.TITLE_MAX,
         benchmarks=benchmarks.labels(),
         groups=groups,
         changed=sum(group.changed for group in groups),

@@ -78,7 +78,7 @@ def _runs() -> Select[Run, list[float] | None]:
         select(Run, Result.reference_scores)
         .join(Result, Result.run_id == Run.id)
         .where(Run.kind == RunKind.RANKED, Run.state == RunState.SUCCEEDED)
-        .where(Result.reference_scores.is_not(None))
+        .where(Result.reference_scores.is_not(None), Run.deleted_at.is_(None))
     )
 
 

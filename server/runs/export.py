@@ -14,9 +14,10 @@ from seamark.server.classes import classrooms
 from seamark.server.database.engine import Database
 from seamark.server.database.tables import User
 from seamark.server.programs import store
-from seamark.server.runs import views
+from seamark.server.runs import run_lists, views
 from seamark.server.runs.files import RunFiles
-from seamark.server.runs.views import RunFilter, RunView
+from seamark.server.runs.run_lists import FIRST, Place, RunFilter
+from seamark.server.runs.views import RunView
 from seamark.server.settings import Settings
 
 PAGE = 50  # runs that are read from the database at a time
@@ -65,14 +66,12 @@ def _account(database: Database, viewer: Viewer) -> dict[str, Any]:
 
 
 def _run_ids(database: Database, viewer: Viewer) -> Iterator[int]:
-    after: int | None = None
-    while True:
+    start: Place | None = FIRST
+    while start is not None:
         with database.reading() as session:
-            page = views.page(session, viewer, RunFilter(), after=after, limit=PAGE)
+            page = run_lists.page(session, viewer, RunFilter(), start=start, limit=PAGE)
         yield from (run.id for run in page.runs)
-        after = page.next
-        if after is None:
-            return
+        start = page.next
 
 
 def _write_run(

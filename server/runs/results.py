@@ -11,6 +11,7 @@ from sqlalchemy.orm import Session
 from seamark.server.classes import assignments
 from seamark.server.database.tables import Result, Run, User
 from seamark.server.runs import leaderboard, paces
+from seamark.server.runs.error_curve import Curve
 from seamark.server.runs.queue import Claim
 from seamark.server.runs.quota import ranked_ended
 from seamark.server.runs.states import LIVE, RunKind, RunState, move
@@ -32,6 +33,7 @@ class Report:
     t_simulated: float = 0.0
     isolation: str | None = None
     data_bytes: int = 0  # of its files and its program
+    error_curve: Curve | None = None
 
 
 class ResultInvalid(Exception):
@@ -75,6 +77,7 @@ def finish(session: Session, claim: Claim, report: Report) -> bool:
             rankable=score is not None and allowed and refusal is None,
             not_ranked=refusal,
             reference_scores=trial_scores(metrics, REFERENCE) or None,
+            error_curve=report.error_curve,
             metrics=report.metrics,
             manifest=report.manifest,
             created_at=time.time(),

@@ -39,7 +39,7 @@ def delete(database: Database, data: Path, run_ids: Collection[int]) -> list[int
     with database.writing() as session:
         marked = mark(session, run_ids)
     for run_id in marked:
-        _remove(data, run_id)
+        remove_files(data, run_id)
     return marked
 
 
@@ -138,9 +138,9 @@ class Sweep:
         run_id = int(folder.name)
         if row is None:
             if _older_than(folder, ORPHAN_KEPT_S):
-                _remove(self._data, run_id)
+                remove_files(self._data, run_id)
         elif row.data_deleted_at is not None:
-            _remove(self._data, run_id)
+            remove_files(self._data, run_id)
         else:
             RunFiles(self._data, run_id, _kept_attempt(row)).remove_earlier_attempts()
 
@@ -202,6 +202,7 @@ def _best(session: Session, user_id: int, benchmark: str) -> int | None:
         select(Run.id)
         .join(Result, Result.run_id == Run.id)
         .where(Run.user_id == user_id, Run.benchmark == benchmark, *ranked)
+        .where(Run.deleted_at.is_(None))
         .order_by(Result.score.desc(), Run.id)
         .limit(1)
     )
@@ -222,7 +223,8 @@ def _older_than(folder: Path, seconds: float) -> bool:
         return False
 
 
-def _remove(data: Path, run_id: int) -> None:
+def remove_files(data: Path, run_id: int) -> None:
+    """Remove all files of a run; a later sweep removes what could not be removed now."""
     shutil.rmtree(RunFiles(data, run_id).root, ignore_errors=True)
 
 

@@ -9,9 +9,9 @@ from seamark.server.accounts import profiles
 from seamark.server.accounts.permissions import Viewer
 from seamark.server.accounts.profiles import Profile
 from seamark.server.database.tables import RankPoint, User
-from seamark.server.runs import leaderboard, rank_history, score_counts, views
+from seamark.server.runs import leaderboard, rank_history, run_lists, score_counts
 from seamark.server.runs.leaderboard import Rank
-from seamark.server.runs.views import RunFilter, RunPage
+from seamark.server.runs.run_lists import Place, RunFilter, RunPage
 from seamark.sim import registry
 
 
@@ -41,7 +41,7 @@ def published(
 ) -> RunPage:
     """Return public runs of a user, newest first."""
     run_filter = RunFilter(which="public", user=user.name)
-    return views.page(session, Viewer(), run_filter, after=after, limit=limit)
+    return run_lists.page(session, Viewer(), run_filter, start=Place(after), limit=limit)
 
 
 def is_known(session: Session, user: User) -> bool:

@@ -13,7 +13,6 @@ from dataclasses import dataclass
 from sqlalchemy.orm import Session
 
 from seamark.sandbox.languages import role_refusal
-from seamark.sandbox.printable_text import visible_text
 from seamark.server import storage, workers
 from seamark.server.accounts.permissions import Action, Viewer, can
 from seamark.server.classes import assignments
@@ -25,6 +24,7 @@ from seamark.server.programs.parameters import Parameter
 from seamark.server.programs.store import StoredProgram
 from seamark.server.runs import configurations, paces, quota, ranked_scenario, run_size, turns
 from seamark.server.runs.configurations import RunConfiguration
+from seamark.server.runs.run_notes import clean_notes, clean_title
 from seamark.server.runs.run_size import RunSize
 from seamark.server.runs.seeds import submission_digest
 from seamark.server.runs.states import RunKind, RunState
@@ -35,7 +35,6 @@ from seamark.sim.engine.seeds import SEED_MAX
 from seamark.sim.settings.configuration import Configuration
 
 UPLOAD = "upload"  # the controller of a run whose program was uploaded
-TITLE_MAX, NOTES_MAX = 120, 4000  # [character]
 
 
 class SubmissionRejected(Exception):
@@ -324,8 +323,8 @@ def _row(valid: ValidSubmission) -> Run:
         program_name=program.name if program else None,
         language=program.language if program else None,
         program_parameters=[one.to_json() for one in valid.whole.declared] or None,
-        title=visible_text(submission.title).strip()[:TITLE_MAX],
-        notes=visible_text(submission.notes, keep="\n\t").strip()[:NOTES_MAX],
+        title=clean_title(submission.title),
+        notes=clean_notes(submission.notes),
         rerun_of=submission.rerun_of,
         state=RunState.QUEUED,
         queued_at=time.time(),

@@ -15,15 +15,14 @@ from typing import Any
 from sqlalchemy import select
 from sqlalchemy.orm import Session
 
-from seamark.sandbox.printable_text import visible_text
 from seamark.server.database.sweep_tables import Sweep
 from seamark.server.database.tables import Run
 from seamark.server.programs.parameters import KEY, Parameter
 from seamark.server.runs import configurations, submission, views
+from seamark.server.runs.run_notes import clean_title
 from seamark.server.runs.setting_values import text_of
 from seamark.server.runs.states import LIVE, RunKind
 from seamark.server.runs.submission import (
-    TITLE_MAX,
     Submission,
     SubmissionRejected,
     ValidSubmission,
@@ -133,7 +132,7 @@ def submit(
         user_id=sent.viewer.user_id,
         guest=None if sent.viewer.user_id is not None else sent.viewer.guest,
         benchmark=sent.benchmark,
-        title=visible_text(title).strip()[:TITLE_MAX],
+        title=clean_title(title),
         axes=[{"name": axis.name, "values": list(axis.values)} for axis in axes],
         created_at=time.time(),
     )

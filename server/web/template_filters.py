@@ -6,6 +6,7 @@ from datetime import UTC, datetime
 
 from flask import Flask
 
+from seamark.server.runs.error_curve import UNITS, error_column
 from seamark.server.runs.run_size import size
 from seamark.server.runs.solutions import solution
 from seamark.server.runs.views import RunView
@@ -17,7 +18,7 @@ _STEPS = ((86_400, "day"), (3600, "hour"), (60, "minute"))
 
 def register(app: Flask) -> None:
     """Add the functions below, and `solution`, as filters."""
-    of_runs, of_scores = (solution, score_unit, changed_scenario), (score, signed)
+    of_runs, of_scores = (solution, score_unit, error_unit, changed_scenario), (score, signed)
     of_values = (number, plain, ordinal, duration, about, size, words)
     for function in (*of_runs, *of_scores, *of_values, utc, iso, ago):
         app.add_template_filter(function)
@@ -29,6 +30,12 @@ def changed_scenario(run: RunView) -> bool:
         return False
     benchmark = registry.benchmark(run.benchmark)
     return benchmark.changes_scenario(benchmark.restore(run.config))
+
+
+def error_unit(run: RunView) -> str:
+    """Return the unit of the curve of the error of a run."""
+    known = run.benchmark in registry.BENCHMARKS
+    return UNITS[error_column(run.benchmark)] if known else ""
 
 
 def score_unit(run: RunView) -> str:

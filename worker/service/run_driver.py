@@ -16,6 +16,7 @@ from seamark.server.database.engine import Database
 from seamark.server.programs import parameters, store
 from seamark.server.runs import queue as run_queue
 from seamark.server.runs import results
+from seamark.server.runs.error_curve import error_curve
 from seamark.server.runs.failure_reasons import FailureReason, describe
 from seamark.server.runs.files import RunFiles, StorageFailed
 from seamark.server.runs.queue import AttemptEnd, Claim, LeaseStatus
@@ -298,6 +299,7 @@ class RunDriver:
             progress=1.0 if failure is None else self._progress(),
             t_simulated=self._recorder.t_simulated,
             isolation=self._isolation(),
+            error_curve=error_curve(self._files, self._claim.benchmark),
         )
 
 

@@ -84,6 +84,10 @@ def submits(caller: Caller) -> bool:
     return caller.has(SUBMIT)
 
 
+def submits_as_somebody(caller: Caller) -> bool:
+    return caller.has(SUBMIT) and caller.role != "anonymous"
+
+
 def uploads(caller: Caller) -> bool:
     return caller.signed_in and caller.has(SUBMIT)
 
@@ -185,6 +189,7 @@ ACTIONS = {
     "withdraw": (withdraws, "public"),
 }
 DELETE_DATA = {"delete-data": (changes_run, "recorded")}
+EDIT = {"edit": (changes_run, "recorded"), "delete": (changes_run, "recorded")}
 RERUN = {"rerun": (changes_its_own, "recorded")}
 CODE: dict[str, Any] = {"code": "0000000000"}
 TASK = {"title": "Hold", "benchmark": "currents-v1"}
@@ -242,7 +247,7 @@ ROUTES: dict[tuple[str, str], Entry] = {
     ("GET", "/benchmarks/<name>"): Entry(everybody, path="/benchmarks/currents-v1"),
     ("GET", "/runs/<row:run_id>"): Entry(reads_run, path="/runs/{run}"),
     ("GET", "/runs/<row:run_id>/embed"): Entry(reads_run, path="/runs/{run}/embed"),
-    **_changing("/runs/", "<row:run_id>", 303, **ACTIONS, **DELETE_DATA),
+    **_changing("/runs/", "<row:run_id>", 303, **ACTIONS, **DELETE_DATA, **EDIT),
     ("GET", "/runs/"): Entry(lists),
     ("GET", "/sweeps/<row:sweep_id>"): Entry(reads_run, path="/sweeps/{sweep}"),
     ("POST", "/sweeps/<row:sweep_id>/cancel"): Entry(changes_run, 303, "/sweeps/{sweep}/cancel"),
@@ -252,6 +257,7 @@ ROUTES: dict[tuple[str, str], Entry] = {
         changes_run, 200, "/api/v1/sweeps/{sweep}/cancel"
     ),
     ("GET", "/runs/runs.csv"): Entry(lists),
+    ("POST", "/runs/selected"): Entry(submits_as_somebody, 303),
     ("GET", "/leaderboards/"): Entry(everybody, 302),
     ("GET", "/leaderboards/<name>"): Entry(everybody, path="/leaderboards/currents-v1"),
     ("GET", "/users/<name>"): Entry(everybody, 404, "/users/nobody-there"),
@@ -320,6 +326,12 @@ ROUTES: dict[tuple[str, str], Entry] = {
     ("GET", "/api/v1/compare"): Entry(reads_run, path="/api/v1/compare?runs={run},{other}"),
     **_changing("/api/v1/runs/", "<int:run_id>", 200, **ACTIONS),
     **_changing("/api/v1/runs/", "<int:run_id>", 202, **RERUN),
+    ("PATCH", "/api/v1/runs/<int:run_id>"): Entry(
+        changes_run, path="/api/v1/runs/{run}", options={"json": {"title": "t"}}, run="recorded"
+    ),
+    ("DELETE", "/api/v1/runs/<int:run_id>"): Entry(
+        changes_run, 204, "/api/v1/runs/{run}", run="recorded"
+    ),
     ("DELETE", "/api/v1/runs/<int:run_id>/data"): Entry(
         changes_run, path="/api/v1/runs/{run}/data", run="recorded"
     ),

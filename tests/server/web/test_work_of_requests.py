@@ -13,10 +13,10 @@ from performance.requests import BENCHMARK, addresses
 from performance.runs_table import fill
 from seamark.server.accounts.permissions import Viewer
 from seamark.server.app import create_app
-from seamark.server.runs import leaderboard, views
+from seamark.server.runs import leaderboard, run_lists
 from seamark.server.runs import queue as run_queue
+from seamark.server.runs.run_lists import Place, RunFilter
 from seamark.server.runs.states import RunState
-from seamark.server.runs.views import RunFilter
 from seamark.server.web import authentication
 from tests.cast import Backend
 from tests.server.api.conftest import Site
@@ -105,14 +105,14 @@ def work(both: Backend) -> Iterator[Work]:
 
 def _all_failed(session: Session, viewer: Viewer) -> list[int]:
     """Return the failed runs by following a list with a filter that few runs pass."""
-    found, after = list[int](), None
+    found, start = list[int](), Place()
     run_filter = RunFilter(which="all", states=(RunState.FAILED, RunState.CANCELLED))
     while True:
-        page = views.page(session, viewer, run_filter, after=after)
+        page = run_lists.page(session, viewer, run_filter, start=start)
         found += [run.id for run in page.runs]
         if page.next is None:
             return found
-        after = page.next
+        start = page.next
 
 
 def test_no_request_and_no_step_of_the_queue_scans_the_runs(work: Work) -> None:
