@@ -39,7 +39,7 @@ def show(path: UserPath, query: UserQuery) -> dict[str, Any]:
             **asdict(profiles.of(user)),
             "ranks": [_standing(one) for one in standings.of_user(session, user.id)],
             "runs": [run.id for run in runs.runs],
-            "next": runs.next,
+            "next": None if runs.next is None else runs.next.after,
         }
 
 
