@@ -1,6 +1,7 @@
 """The list of runs in a browser: selecting, comparing and deleting, by keyboard and on a phone."""
 
 import re
+from itertools import pairwise
 
 import pytest
 from playwright.sync_api import expect
@@ -64,7 +65,7 @@ def test_the_time_left_counts_down_and_is_written_without_sixty_seconds(visitor:
     }""")
 
     left = found["left"]
-    steps = [after - before for before, after in zip(left, left[1:], strict=False)]
+    steps = [after - before for before, after in pairwise(left)]
     assert found["texts"] == ["10 min", "1 min", "1 h"]
     assert found["about"] == "1 min"
     assert max(abs(step) for step in steps) < 6
