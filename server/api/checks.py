@@ -47,7 +47,7 @@ def create(query: CheckQuery) -> Response:
     """Check a program: read it, compile it and run it for two simulated seconds.
 
     The request body is that of `POST /runs`. The report with its `problems` has status 200; status
-    202 means that it is not ready yet: poll `Location`. Checks do not count towards the quota; you
+    202 means that it is not ready yet: poll `Location`. Checks do not count against your quota; you
     can run one at a time. The answer also has the `parameters` that the program declares; with
     `run=false` it is only read, which takes no worker.
     """

@@ -31,6 +31,7 @@ from seamark.server.pages import benchmarks, docs_navigation, docs_search, guide
 from seamark.server.pages.docs_articles import sections_of
 from seamark.server.pages.docs_navigation import Entry
 from seamark.server.pages.docs_search import SearchIndex
+from seamark.server.programs.preparation import TEXT_MAX_BYTES
 from seamark.server.runs import trial_limits
 from seamark.server.runs.failure_reasons import DESCRIPTIONS
 from seamark.server.web.services import services
@@ -70,6 +71,7 @@ def _controller() -> dict[str, Any]:
         "limits": list(limits_of(trial_limits.for_trial(_usual_duration_s()))),
         "duration_s": _usual_duration_s(),
         "per_simulated_s": trial_limits.CPU_PER_SIMULATED_S,
+        "text_max": TEXT_MAX_BYTES,
         "upload_max": services().settings.upload_max_bytes,
     }
 

@@ -5,7 +5,7 @@ from flask.typing import ResponseReturnValue
 
 from seamark.sandbox.languages import DEFAULT_LANGUAGE, LANGUAGES
 from seamark.server import storage, workers
-from seamark.server.runs import totals
+from seamark.server.runs import reference_entries, totals
 from seamark.server.web.services import services
 
 page = Blueprint("status", __name__)
@@ -18,11 +18,13 @@ def show() -> ResponseReturnValue:
     with app_services.database.reading() as session:
         listed = workers.listed(session)
         counts, oldest = totals.counts(session), totals.oldest_queued_at(session)
+        deviations = list(reference_entries.deviations(session))
         refusal = workers.upload_refusal(session, DEFAULT_LANGUAGE, app_services.settings)
     return render_template(
         "status/show.html",
         workers=listed,
         labels={name: language.label for name, language in LANGUAGES.items()},
+        deviations=deviations,
         counts={state.value: number for state, number in counts.items()},
         oldest=oldest,
         refusal=storage.refusal(app_services.settings) or refusal,

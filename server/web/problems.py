@@ -71,8 +71,8 @@ PROBLEM_TYPES: Mapping[str, ProblemType] = {
             "account-needed",
             403,
             "This requires an account",
-            "Without an account you can try the built-in programs. Sign up to upload programs, "
-            "start ranked runs and publish.",
+            "Without an account you can try the built-in programs. Create an account to upload "
+            "programs, start ranked runs and publish.",
         ),
         (
             "not-found",

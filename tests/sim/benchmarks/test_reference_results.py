@@ -1,0 +1,42 @@
+"""The shipped results of the reference entries are what the simulator computes."""
+
+import pytest
+
+from performance.reference_results import Job, measure
+from seamark.sim.benchmarks import reference_results
+from seamark.sim.registry import BENCHMARKS, benchmark
+
+ENTRIES = [
+    (name, entry)
+    for name in BENCHMARKS
+    for entry in reference_results.of_benchmark(benchmark(name))
+]
+
+
+@pytest.mark.parametrize(("name", "entry"), ENTRIES)
+def test_a_shipped_result_is_of_the_entry_as_it_is_now(name: str, entry: str) -> None:
+    definition = benchmark(name)
+    seed, trials = reference_results.trials_of(definition)
+
+    result = reference_results.of_benchmark(definition)[entry]
+
+    assert result.configuration == reference_results.configuration_digest(definition, entry)
+    assert (result.seed, len(result.scores)) == (seed, trials)
+    low, high = result.interval(definition)
+    assert low <= result.score <= high
+
+
+@pytest.mark.parametrize("name", [name for name in BENCHMARKS if benchmark(name).protocol])
+def test_all_entries_of_the_current_versions_are_shipped(name: str) -> None:
+    definition = benchmark(name)
+
+    assert set(reference_results.of_benchmark(definition)) == set(definition.baselines)
+
+
+@pytest.mark.parametrize(
+    ("name", "entry"), [("visibility-v2", "nothing"), ("currents-v2", "nothing")]
+)
+def test_the_simulator_computes_the_shipped_score_to_the_bit(name: str, entry: str) -> None:
+    shipped = reference_results.of_benchmark(benchmark(name))[entry]
+
+    assert measure(Job(name, entry, 0)) == shipped.scores[0]
