@@ -1,0 +1,68 @@
+"""A class in a real browser: a teacher assigns, a pupil hands in, the teacher sees the result."""
+
+import csv
+from typing import Any
+
+import pytest
+from playwright.sync_api import expect
+from sqlalchemy import update
+
+from seamark.server.database.engine import Database
+from seamark.server.database.tables import User
+from tests.journey.conftest import Service
+from tests.journey.visitor import Visitor
+
+pytestmark = [pytest.mark.browser, pytest.mark.host, pytest.mark.slow]
+
+
+def make_teacher(service: Service, name: str) -> None:
+    database = Database(f"sqlite:///{service.data / 'seamark.db'}")
+    with database.writing() as session:
+        session.execute(update(User).where(User.name == name).values(role="teacher"))
+    database.close()
+
+
+def test_a_pupil_hands_in_a_run_and_the_teacher_sees_it(
+    service: Service, visitor: Visitor, phone: Visitor, finished: tuple[int, Any]
+) -> None:
+    page, pupil = visitor.page, phone.page
+    visitor.sign_up("teacher")
+    make_teacher(service, "teacher")
+    visitor.open("/classes/")
+    page.get_by_label("Name").fill("Robotics 5b")
+    page.get_by_role("button", name="Create class").click()
+    code = page.locator("#class-code").inner_text()
+    page.get_by_role("link", name="New assignment").click()
+    page.get_by_label("Title").fill("Hold still")
+    page.get_by_label("Practice runs with my settings").check()
+    page.get_by_label("Run with the settings").fill(str(finished[0]))
+    page.get_by_label("Seed").fill("5")
+    page.get_by_label("Deadline").fill("2099-01-01T12:00")
+    page.get_by_role("button", name="Create assignment").click()
+    assignment = page.url.removeprefix(visitor.url)
+
+    phone.open("/sign-up")
+    pupil.get_by_label("Name").fill("pupil")
+    pupil.get_by_label("Password").fill("correct horse battery")
+    pupil.get_by_role("button", name="Create account").click()
+    phone.open("/classes/")
+    pupil.get_by_label("Class code").fill(code.lower())
+    pupil.get_by_role("button", name="Join class").click()
+    pupil.get_by_role("link", name="Hold still").click()
+    pupil.get_by_role("link", name="Start").click()
+    expect(pupil.locator("#assignment")).to_contain_text("Robotics 5b")
+    pupil.get_by_role("button", name="Start run").click()
+    phone.wait_for("succeeded")
+    phone.open(assignment)
+    expect(pupil.get_by_role("region", name="Your runs")).to_contain_text("succeeded")
+
+    visitor.open(assignment)
+    row = page.get_by_role("region", name="Pupils").get_by_role("row", name="pupil")
+    with page.expect_download() as download:
+        page.get_by_role("link", name="CSV").click()
+    (line,) = csv.DictReader(download.value.path().read_text().splitlines())
+    assert (line["pupil"], line["runs"], line["seed"]) == ("pupil", "1", "5")
+    row.get_by_role("link").click()
+    expect(page.get_by_role("button", name="Publish")).to_have_count(0)
+    assert (visitor.errors, phone.errors) == ([], [])
+    assert (visitor.violations(), phone.violations()) == ([], [])
