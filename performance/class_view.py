@@ -98,7 +98,7 @@ def queries(database: Database, call: Callable[[Session], None]) -> int:
 def measure(pupils: int, runs: int) -> tuple[int, float, float]:
     """Return the queries of the page, and the CPU time [us] of the page and of the CSV."""
     with tempfile.TemporaryDirectory() as folder:
-        settings = Settings(data=Path(folder))
+        settings = Settings.model_validate({"data": Path(folder)})
         upgrade(settings)
         database = Database(settings.database_url)
         fill(database, pupils, runs)
