@@ -195,6 +195,12 @@ export function startEditor(form) {
     await setText(templates.get(language.value));
     (await open())?.focus();
   });
+  document.querySelector('#problems a[href="#program"]')?.addEventListener("click", async (event) => {
+    const [problem] = refusedLine(form);
+    if (!problem) return; // a file: the link leads to its field
+    event.preventDefault();
+    (await open())?.goTo(problem.line);
+  });
   open();
   return open;
 }
