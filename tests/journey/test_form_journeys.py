@@ -154,10 +154,11 @@ def test_a_run_can_be_written_checked_and_started_by_keyboard_alone(visitor: Vis
     assert visitor.violations() == []
 
 
-def test_start_is_in_sight_on_a_phone_wherever_one_scrolls(phone: Visitor) -> None:
-    page = phone.page
-    phone.sign_up("walker")
-    phone.open(FORM)
+def test_start_is_in_sight_on_a_phone_wherever_one_scrolls(visitor: Visitor) -> None:
+    page = visitor.page
+    visitor.sign_up("walker")
+    page.set_viewport_size({"width": 375, "height": 800})
+    visitor.open(FORM)
     assert _in_sight(page)
     page.locator("label", has_text="My own program").click()
     expect(editor_of(page)).to_be_visible()
@@ -173,4 +174,4 @@ def test_start_is_in_sight_on_a_phone_wherever_one_scrolls(phone: Visitor) -> No
 
     assert seen == [True] * 4
     assert page.evaluate("document.documentElement.scrollWidth") == 375
-    assert (phone.errors, phone.violations()) == ([], [])
+    assert (visitor.errors, visitor.violations()) == ([], [])
