@@ -45,8 +45,8 @@ _HINTS = (  # the first one whose pattern is in the sentence
     (
         re.compile(r"^The program was ended by SIGSEGV"),
         Hint(
-            "Look for an index outside of an array and a pointer to nothing. On your own machine, "
-            "`gcc -g -fsanitize=address` finds the line."
+            "Look for an index outside of an array, a pointer to nothing and endless recursion. On "
+            "your own machine, `gcc -g -fsanitize=address` says more."
         ),
     ),
 )

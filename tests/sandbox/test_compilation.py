@@ -176,3 +176,34 @@ def test_the_self_tests_report_what_programs_find(isolation: IsolationLevel) -> 
     assert {"SciPy", "OpenCV", "ONNX Runtime"} <= set(python)
     assert cpp["GCC"] == "compiler"
     assert cpp["GNU C library"] == "library"
+
+
+CRASHES = {
+    "SIGSEGV": "int *nowhere = 0;\n    *(volatile int *)nowhere = 3;",
+    "SIGFPE": "volatile int zero = 0;\n    command->surge = 7 / zero;",
+    "SIGABRT": "(void)0;\n    abort();",
+}
+
+
+@pytest.mark.parametrize(
+    ("signal", "name"), [("SIGSEGV", "mine.c"), ("SIGFPE", "mine.c"), ("SIGABRT", "mine.cpp")]
+)
+def test_a_crash_is_reported_with_its_line(
+    signal: str, name: str, isolation: IsolationLevel
+) -> None:
+    with pytest.raises(ProgramEnded) as end:
+        printed(isolation, before="#include <stdlib.h>", step=CRASHES[signal], name=name)
+
+    assert end.value.outcome.verdict is Verdict.USER_ERROR
+    assert end.value.outcome.sentence.startswith(f"The program was ended by {signal}")
+    assert end.value.outcome.sentence.endswith(f"in seamark_step (line 7 of {name})")
+
+
+def test_endless_recursion_is_reported_with_its_line(isolation: IsolationLevel) -> None:
+    deep = "int deep(int n) { volatile int a[500] = {n}; return a[0] ? deep(n + 1) + a[1] : 0; }"
+
+    with pytest.raises(ProgramEnded) as end:
+        printed(isolation, before=deep, step="command->surge = deep(1);")
+
+    assert "SIGSEGV" in end.value.outcome.sentence
+    assert end.value.outcome.sentence.endswith("in deep (line 3 of mine.c)")

@@ -14,6 +14,7 @@ from seamark.sandbox.runtime import BindMount, Runtime
 HERE = Path(__file__).parent
 INSIDE = HERE / "inside"
 HEADERS = "/box/native"
+OURS = ("runner.c", "crash.c", "seamark.h")
 TOOLS = ("as", "ld", "gcc")  # of any language: the runner is C
 TREES = ("/usr/lib/gcc", "/usr/libexec/gcc", "/usr/include")  # cc1 and collect2; headers
 # Optional, for C++. Modules that read and write files would load a hundred libraries of codecs.
@@ -35,6 +36,7 @@ ENVIRONMENT = {
 # No fused multiply-add: the same arithmetic as Python's. Contraction is GCC's default.
 OPTIONS = (
     "-O2",
+    "-g1",  # so that a crash can be reported with its line
     "-ffp-contract=off",
     "-fmax-errors=20",
     "-fdiagnostics-color=never",
@@ -53,7 +55,7 @@ def gcc_runtime(
     tools = [_tool(name) for name in dict.fromkeys((*TOOLS, compiler))]
     trees = [BindMount(Path(tree), tree) for tree in TREES if Path(tree).is_dir()]
     arguments = (f"/usr/bin/{compiler}", *OPTIONS, *options)
-    ours = [BindMount(HERE / name, f"{HEADERS}/{name}") for name in ("runner.c", "seamark.h")]
+    ours = [BindMount(HERE / name, f"{HEADERS}/{name}") for name in OURS]
     return script_runtime(
         inside,
         script,

@@ -59,6 +59,8 @@ struct copy {
     int count;
 };
 
+void seamark_report_crashes(void (*reporter)(const char *sentence)); /* crash.c */
+
 static int connection;
 static uint32_t sequence;
 static char *configuration;
@@ -78,18 +80,25 @@ static void send_message(char type, const void *body, size_t size) {
     if (write(connection, message, HEADER_BYTES + size) < 0) _exit(DISCONNECTED);
 }
 
-/* Report in one sentence why the run cannot continue, and exit. `verdict` is u (user error), p
- * (protocol error), s (compile error) or m (memory limit). */
-static void give_up(char verdict, const char *sentence) {
+static void end_with(char verdict, const char *sentence) {
     unsigned char body[3 + MAX_SENTENCE];
     uint16_t length = (uint16_t)strnlen(sentence, MAX_SENTENCE);
     body[0] = (unsigned char)verdict;
     memcpy(body + 1, &length, sizeof length);
     memcpy(body + 3, sentence, length);
-    fflush(NULL);
     send_message('x', body, 3 + (size_t)length);
     _exit(1);
 }
+
+/* Report in one sentence why the run cannot continue, and exit. `verdict` is u (user error), p
+ * (protocol error), s (compile error) or m (memory limit). */
+static void give_up(char verdict, const char *sentence) {
+    fflush(NULL);
+    end_with(verdict, sentence);
+}
+
+/* Nothing is flushed: the crashed code may hold the lock of a stream. */
+static void end_crashed(const char *sentence) { end_with('u', sentence); }
 
 /* For the adapter of a model's code (inside/embedded_coder.py); not part of seamark.h. */
 void seamark_refuse(const char *sentence) { give_up('p', sentence); }
@@ -341,6 +350,7 @@ int main(int count, char **arguments) {
     begin(arguments[3]);
     check_role(arguments[0]);
     setvbuf(stdout, NULL, _IOLBF, 4096); /* each line is logged as soon as it is printed */
+    seamark_report_crashes(end_crashed);
     int code = seamark_init ? seamark_init() : 0;
     if (code) end_with_code("seamark_init", code);
     send_message('k', NULL, 0);

@@ -18,7 +18,8 @@ from .embedded_coder import Unfit, adapter, looks_generated
 
 NATIVE = Path("/box/native")
 SOURCE, OBJECTS = Path("/tmp/source"), Path("/tmp/objects")  # noqa: S108
-RUNNER = "/tmp/runner.o"  # noqa: S108
+RUNNER = {"/tmp/runner.o": "runner.c", "/tmp/crash.o": "crash.c"}  # noqa: S108
+BACKTRACE = Path("/usr/lib/gcc"), "*/*/libbacktrace.a"
 ZIP_MAGIC, CODER_MAIN, ADAPTER = b"PK\x03\x04", "ert_main", "seamark_connection.c"
 PROGRAM, MESSAGES = Path("/tmp/program"), Path("/tmp/messages")  # noqa: S108
 AS_NEEDED = "-Wl,--as-needed"  # a program loads only the libraries that it uses
@@ -40,9 +41,11 @@ def compile_source(connection: Connection, command: list[str], runner_command: l
     objects = {f"{OBJECTS}/{index}.o": file for index, file in enumerate(files)}
     for target, file in objects.items():
         run(connection, [*command, f"-I{SOURCE}", "-c", f"{SOURCE}/{file}", "-o", target], name)
-    run(connection, [*runner_command, "-c", f"{NATIVE}/runner.c", "-o", RUNNER], name)
+    for target, file in RUNNER.items():
+        run(connection, [*runner_command, "-c", f"{NATIVE}/{file}", "-o", target], name)
     libraries = [option for option in command if option.startswith("-l")]
-    linking = [command[0], *objects, RUNNER, "-o", str(PROGRAM), AS_NEEDED, *libraries, "-lm"]
+    libraries += [str(path) for path in BACKTRACE[0].glob(BACKTRACE[1])]
+    linking = [command[0], *objects, *RUNNER, "-o", str(PROGRAM), AS_NEEDED, *libraries, "-lm"]
     run(connection, linking, name, named=objects)
     sys.stdout.buffer.write(PROGRAM.read_bytes())
     sys.stdout.buffer.flush()
@@ -107,7 +110,7 @@ def run(
         text = messages.read(MAX_TEXT_BYTES).decode("utf-8", "replace")
     for ours in OURS:
         text = text.replace(ours, "")
-    for path, file in {**named, RUNNER: "runner.c"}.items():
+    for path, file in {**named, **RUNNER}.items():
         text = text.replace(path, file)
     text = ASSEMBLY.sub(f"{name} (assembly)", text)
     if "Killed signal" in text:
