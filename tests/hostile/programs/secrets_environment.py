@@ -18,6 +18,8 @@ class Controller:
                     "OPENBLAS_NUM_THREADS",
                     "OPENBLAS_CORETYPE",
                     "OMP_NUM_THREADS",
+                    "OPENCV_FOR_THREADS_NUM",
+                    "ORT_DISABLE_TELEMETRY",
                     "MALLOC_ARENA_MAX",
                     "PWD",
                     "LC_CTYPE",
