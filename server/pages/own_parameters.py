@@ -7,7 +7,7 @@ from seamark.server.pages import form_fields
 from seamark.server.programs.parameters import KEY, Parameter
 from seamark.server.programs.store import StoredProgram
 from seamark.server.runs import configurations
-from seamark.server.runs.setting_values import text_of
+from seamark.server.runs.setting_values import label_of, text_of
 from seamark.server.runs.submission import UPLOAD
 from seamark.sim.benchmarks.benchmark import Benchmark
 
@@ -29,7 +29,7 @@ class ParameterField:
         parts = [
             self.parameter.description.rstrip(".") + "." if self.parameter.description else "",
             f"Range: {range_of}." if range_of else "",
-            f"Default: {text_of(self.parameter.default)}.",
+            f"Default: {label_of(self.parameter.entry(), self.parameter.default)}.",
         ]
         return " ".join(part for part in parts if part)
 
