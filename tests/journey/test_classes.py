@@ -1,6 +1,7 @@
 """A class in a real browser: a teacher assigns, a pupil hands in, the teacher sees the result."""
 
 import csv
+from datetime import UTC, datetime, timedelta
 from typing import Any
 
 import pytest
@@ -37,14 +38,17 @@ def test_a_pupil_hands_in_a_run_and_the_teacher_sees_it(
     page.get_by_label("Practice runs with my settings").check()
     page.get_by_label("Run with the settings").fill(str(finished[0]))
     page.get_by_label("Seed").fill("5")
-    page.get_by_label("Deadline").fill("2099-01-01T12:00")
+    next_week = datetime.now(UTC) + timedelta(days=7)
+    page.get_by_label("Deadline").fill(next_week.strftime("%Y-%m-%dT%H:%M"))
     page.get_by_role("button", name="Create assignment").click()
+    expect(page.get_by_role("heading", name="Task")).to_be_visible()
     assignment = page.url.removeprefix(visitor.url)
 
     phone.open("/sign-up")
     pupil.get_by_label("Name").fill("pupil")
     pupil.get_by_label("Password").fill("correct horse battery")
     pupil.get_by_role("button", name="Create account").click()
+    expect(pupil.get_by_text("Welcome, pupil")).to_be_visible()
     phone.open("/classes/")
     pupil.get_by_label("Class code").fill(code.lower())
     pupil.get_by_role("button", name="Join class").click()

@@ -161,7 +161,7 @@ def set_role(name: str, role: str, data: Path | None) -> None:
     from seamark.server.accounts.permissions import Role
 
     try:
-        with existing_database_of(settings_of(data)).writing() as session:
+        with database_of(settings_of(data)).writing() as session:
             changed = accounts.set_role(session, name, Role[role.upper()]).name
     except accounts.AccountRejected as reason:
         raise UsageRefused(str(reason)) from None
@@ -246,7 +246,7 @@ def set_password(name: str, password: str | None, data: Path | None, as_json: bo
     from seamark.server.accounts import accounts
 
     drawn = None if password is not None else secrets.token_urlsafe(12)
-    database = existing_database_of(settings_of(data))
+    database = database_of(settings_of(data))
     try:
         with database.writing() as session:
             accounts.change_password(session, name, None, password or drawn or "")
