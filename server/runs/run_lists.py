@@ -10,7 +10,8 @@ from enum import StrEnum
 from typing import Any, Literal
 
 from sqlalchemy import ColumnElement, Select, false, func, or_, select
-from sqlalchemy.orm import InstrumentedAttribute, Session, aliased, defer
+from sqlalchemy.orm import Session, defer
+from sqlalchemy.sql.base import ReadOnlyColumnCollection
 
 from seamark.sandbox.languages import LANGUAGES
 from seamark.server.accounts.permissions import Action, Viewer, can
@@ -23,6 +24,12 @@ LIMIT_MAX = 200
 SEEN_MAX = 1000  # runs that a page of a list looks at
 SEARCH_MAX, WORDS_MAX = 80, 8  # [character], [1] of a search
 BUILT_IN, UPLOADED = "built-in", "uploaded"
+Columns = ReadOnlyColumnCollection[str, ColumnElement[Any]]
+# What filters and orders look at: a window of whole rows would cost several times as much.
+_NEEDED = (
+    *(Run.id, Run.state, Run.benchmark, Run.kind, Run.language, Run.title),
+    *(Run.program_name, Run.controller, Run.started_at, Run.finished_at),
+)
 PROGRAMS: Sequence[str] = (BUILT_IN, UPLOADED, *LANGUAGES)
 
 
@@ -114,7 +121,8 @@ def page(
     skip = 0 if order.by_id else max(0, min(start.skip, SEEN_MAX))
     all_seen = order.by_id and not run_filter.narrows
     window = _window(session, viewer, run_filter, order, start.after)
-    seen = aliased(Run, window.limit(limit + 1 if all_seen else SEEN_MAX).subquery())
+    window = window.limit(limit + 1 if all_seen else SEEN_MAX)
+    seen = window.with_only_columns(*_NEEDED).subquery().c
     found = select(seen.id).outerjoin(Result, Result.run_id == seen.id)
     found = found.where(*_conditions(seen, run_filter)).order_by(*_keys(seen, order))
     ids = list(session.scalars(found.limit(limit + 1).offset(skip)))
@@ -139,7 +147,7 @@ def _window(
     return runs.order_by(Run.id.desc())
 
 
-def _within(session: Session, seen: type[Run], start: Place, skip: int) -> Place:
+def _within(session: Session, seen: Columns, start: Place, skip: int) -> Place:
     """Return a place in the same window, which begins at the newest run unless `start` says more.
 
     Then runs that are submitted meanwhile do not move the pages.
@@ -150,7 +158,7 @@ def _within(session: Session, seen: type[Run], start: Place, skip: int) -> Place
     return Place(after, skip)
 
 
-def _window_after(session: Session, seen: type[Run], order: RunOrder) -> Place | None:
+def _window_after(session: Session, seen: Columns, order: RunOrder) -> Place | None:
     edge = func.max(seen.id) if order is RunOrder.OLDEST else func.min(seen.id)
     last = session.scalar(select(edge).having(func.count() == SEEN_MAX))
     return None if last is None else Place(last)
@@ -165,7 +173,7 @@ def _views(session: Session, ids: Sequence[int]) -> list[RunView]:
     return [found[number] for number in ids if number in found]
 
 
-def _keys(run: type[Run], order: RunOrder) -> tuple[ColumnElement[Any], ...]:
+def _keys(run: Columns, order: RunOrder) -> tuple[ColumnElement[Any], ...]:
     if order is RunOrder.OLDEST:
         return (run.id.asc(),)
     keys: dict[RunOrder, tuple[ColumnElement[Any], ...]] = {
@@ -178,7 +186,7 @@ def _keys(run: type[Run], order: RunOrder) -> tuple[ColumnElement[Any], ...]:
     return (*keys.get(order, ()), run.id.desc())
 
 
-def _conditions(run: type[Run], run_filter: RunFilter) -> list[ColumnElement[bool]]:
+def _conditions(run: Columns, run_filter: RunFilter) -> list[ColumnElement[bool]]:
     conditions: list[ColumnElement[bool]] = []
     if run_filter.states:
         conditions.append(run.state.in_(run_filter.states))
@@ -194,14 +202,14 @@ def _conditions(run: type[Run], run_filter: RunFilter) -> list[ColumnElement[boo
     return conditions
 
 
-def _is_program(run: type[Run], program: str) -> ColumnElement[bool]:
+def _is_program(run: Columns, program: str) -> ColumnElement[bool]:
     if program == BUILT_IN:
         return run.language.is_(None)
     return run.language.is_not(None) if program == UPLOADED else run.language == program
 
 
 def _contains(
-    run: type[Run], columns: Sequence[InstrumentedAttribute[Any]], word: str
+    run: Columns, columns: Sequence[ColumnElement[Any]], word: str
 ) -> ColumnElement[bool]:
     """Return whether a word is in one of the columns, or is the number of the run."""
     number = word.removeprefix("#")
