@@ -40,7 +40,7 @@ def test_markup_of_a_user_is_shown_as_text_on_every_page(visitor: Visitor) -> No
     found = [page.evaluate("window.ran")]
     page.get_by_role("button", name="Start run").click()
     visitor.wait_for("failed")
-    expect(page.locator("[data-log]")).to_contain_text("<script>window.ran = 1</script>")
+    expect(page.locator("main")).to_contain_text("<script>window.ran = 1</script>")
     run = page.url.removeprefix(visitor.url)
     for path in (run, "/runs/", "/", f"/submit/currents-v1?from={run.rsplit('/', 1)[1]}"):
         visitor.open(path)
