@@ -23,6 +23,18 @@ def make_teacher(service: Service, name: str) -> None:
     database.close()
 
 
+def join_class(phone: Visitor, code: str) -> None:
+    """Create the account of a pupil and join by the code, typed in lower case."""
+    phone.open("/sign-up")
+    phone.page.get_by_label("Name").fill("pupil")
+    phone.page.get_by_label("Password").fill("correct horse battery")
+    phone.page.get_by_role("button", name="Create account").click()
+    expect(phone.page.get_by_text("Welcome, pupil")).to_be_visible()
+    phone.open("/classes/")
+    phone.page.get_by_label("Class code").fill(code.lower())
+    phone.page.get_by_role("button", name="Join class").click()
+
+
 def test_a_pupil_hands_in_a_run_and_the_teacher_sees_it(
     service: Service, visitor: Visitor, phone: Visitor, finished: tuple[int, Any]
 ) -> None:
@@ -44,14 +56,7 @@ def test_a_pupil_hands_in_a_run_and_the_teacher_sees_it(
     expect(page.get_by_role("heading", name="Task")).to_be_visible()
     assignment = page.url.removeprefix(visitor.url)
 
-    phone.open("/sign-up")
-    pupil.get_by_label("Name").fill("pupil")
-    pupil.get_by_label("Password").fill("correct horse battery")
-    pupil.get_by_role("button", name="Create account").click()
-    expect(pupil.get_by_text("Welcome, pupil")).to_be_visible()
-    phone.open("/classes/")
-    pupil.get_by_label("Class code").fill(code.lower())
-    pupil.get_by_role("button", name="Join class").click()
+    join_class(phone, code)
     pupil.get_by_role("link", name="Hold still").click()
     pupil.get_by_role("link", name="Start").click()
     expect(pupil.locator("#assignment")).to_contain_text("Robotics 5b")
