@@ -22,8 +22,9 @@ from performance.table import text as text_of
 from seamark.server.database.engine import Database
 from seamark.server.database.schema import upgrade
 from seamark.server.database.tables import Best
-from seamark.server.runs import leaderboard, score_counts
+from seamark.server.runs import leaderboard, leaderboard_filters, score_counts
 from seamark.server.runs.leaderboard import Cursor
+from seamark.server.runs.leaderboard_filters import ONLY, BoardFilter
 from seamark.server.runs.ranking import Estimate, Population
 from seamark.server.settings import Settings
 
@@ -98,6 +99,10 @@ def measure(session: Session, people: int) -> list[Row]:
     calls: dict[str, Callable[[], object]] = {
         "first page of 50 rows": lambda: leaderboard.page(session, NAME),
         "page in the middle": lambda: leaderboard.page(session, NAME, after=half),
+        "page with a filter that nobody passes": lambda: leaderboard_filters.page(
+            session, NAME, BoardFilter(language="fmu"), after=half
+        ),
+        "baselines": lambda: leaderboard_filters.page(session, NAME, BoardFilter(baselines=ONLY)),
         "own rank": lambda: leaderboard.rank_of(session, NAME, people // 2),
         "number of people": lambda: score_counts.size(session, NAME),
     }

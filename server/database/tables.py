@@ -317,6 +317,10 @@ class Best(Base):
     )
 
 
+# As the partial index has it: SQLite does not find it by `is_baseline = 1`.
+IS_BASELINE = text("best.is_baseline")
+
+
 class RankPoint(Base):
     """The rank that a user had at a time: a point of its history (server/runs/rank_history.py)."""
 

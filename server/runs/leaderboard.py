@@ -9,11 +9,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Self
 
-from sqlalchemy import ColumnElement, Select, and_, delete, func, or_, select, update
+from sqlalchemy import ColumnElement, Row, Select, and_, delete, func, or_, select, update
 from sqlalchemy.orm import Session
 
 from seamark.server.database.advisory_locks import AdvisoryLock, acquire
-from seamark.server.database.tables import Best, Result, Run, User
+from seamark.server.database.tables import IS_BASELINE, Best, Result, Run, User
 from seamark.server.runs import board_metrics, rank_history, score_counts, solutions
 from seamark.server.runs.quota import ranked_ended
 from seamark.server.runs.ranking import Estimate, Population
@@ -117,26 +117,20 @@ class Key:
     tracker: str
     metrics: Mapping[str, float]
 
+    @classmethod
+    def of(cls, number: int, row: Row[*tuple[Any, ...]]) -> Self:
+        """Return the key of a row that `_keys` selects."""
+        return cls(**row._asdict() | {"number": number, "metrics": row.metrics or {}})
+
     @property
     def cursor(self) -> Cursor:
         """Where to go on after this row."""
         return Cursor(self.score, self.reached_at, self.user_id)
 
 
-def keys(
-    session: Session,
-    benchmark: str,
-    *,
-    after: Cursor | None = None,
-    limit: int,
-    only_baselines: bool = False,
-) -> list[Key]:
+def keys(session: Session, benchmark: str, *, after: Cursor | None = None, limit: int) -> list[Key]:
     """Return the keys of the next rows, best first: a fraction of the work of whole rows."""
-    columns = (Best.user_id, Best.is_baseline, Best.score, Best.reached_at)
-    query = select(*columns, Best.language, Best.vehicle, Best.tracker, Best.metrics)
-    query = query.where(Best.benchmark == benchmark).order_by(*_ORDER).limit(limit)
-    if only_baselines:
-        query = query.where(Best.is_baseline)
+    query = _keys(benchmark).order_by(*_ORDER).limit(limit)
     number = 0
     if after is not None:
         query = query.where(*_below(after))
@@ -144,8 +138,19 @@ def keys(
     found: list[Key] = []
     for row in session.execute(query):
         number += not row.is_baseline
-        found.append(Key(number, *row[:-1], metrics=row.metrics or {}))
+        found.append(Key.of(number, row))
     return found
+
+
+def baseline_keys(session: Session, benchmark: str, *, after: Cursor | None = None) -> list[Key]:
+    """Return the keys of all baselines, or of those after a row, best first. They are few.
+
+    Sorted here: with ORDER BY, SQLite would look for them among all rows in that order.
+    """
+    rows = session.execute(_keys(benchmark).where(IS_BASELINE))
+    found = [Key.of(0, row) for row in rows]
+    found.sort(key=lambda key: _place(key.cursor))
+    return [key for key in found if after is None or _place(key.cursor) > _place(after)]
 
 
 def rows_of(session: Session, benchmark: str, chosen: Sequence[Key]) -> list[Rank]:
@@ -300,6 +305,17 @@ def _rows(benchmark: str) -> Select[Best, Run, User]:
         .join(User, User.id == Best.user_id)
         .where(Best.benchmark == benchmark)
     )
+
+
+def _keys(benchmark: str) -> Select[*tuple[Any, ...]]:
+    columns = (Best.user_id, Best.is_baseline, Best.score, Best.reached_at)
+    query = select(*columns, Best.language, Best.vehicle, Best.tracker, Best.metrics)
+    return query.where(Best.benchmark == benchmark)
+
+
+def _place(cursor: Cursor) -> tuple[float, float, int]:
+    """Return what sorts as `_ORDER` does."""
+    return -cursor.score, cursor.reached_at, cursor.user_id
 
 
 def _below(cursor: Cursor) -> tuple[ColumnElement[bool], ...]:

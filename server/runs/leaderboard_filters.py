@@ -88,10 +88,10 @@ def page(
     if board_filter.user_id is not None:
         own = leaderboard.rank_of(session, benchmark, board_filter.user_id)
         return BoardPage([own] if own and after is None and board_filter.passes(own) else [], None)
-    only_baselines = board_filter.baselines == ONLY
-    seen = leaderboard.keys(
-        session, benchmark, after=after, limit=SEEN_MAX, only_baselines=only_baselines
-    )
+    if board_filter.baselines == ONLY:
+        seen = leaderboard.baseline_keys(session, benchmark, after=after)
+    else:
+        seen = leaderboard.keys(session, benchmark, after=after, limit=SEEN_MAX)
     shown = [key for key in seen if board_filter.passes(key)]
     following = seen[-1].cursor if len(seen) == SEEN_MAX else None
     if len(shown) > limit:
