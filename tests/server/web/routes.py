@@ -1,0 +1,228 @@
+"""Every route of the service, with who may call it. A route without an entry fails a test."""
+
+from dataclasses import dataclass
+from typing import Any
+
+from tests.server.web.callers import (
+    Allows,
+    changes_its_own,
+    changes_password,
+    changes_run,
+    changes_tokens,
+    everybody,
+    has_classes,
+    invites,
+    lists,
+    reads_account,
+    reads_its_own,
+    reads_run,
+    sees_class,
+    submits,
+    submits_as_somebody,
+    teaches,
+    uploads,
+    withdraws,
+)
+
+ORDER: dict[str, Any] = {"json": {"benchmark": "currents-v1", "controller": "pi"}}
+TOKEN: dict[str, Any] = {"json": {"name": "t", "scopes": ["submit"]}}
+FORM = {"controller": "pi", "kind": "practice"}
+SWEEP: dict[str, Any] = {
+    "benchmark": "currents-v1",
+    "controller": "pi",
+    "sweep": [{"name": "kp", "values": [0.2, 0.4]}],
+}
+UPLOAD: dict[str, Any] = {"json": {"benchmark": "currents-v1"}}
+NEW_NAME = {"name": "someone", "password": "a long pass phrase"}
+WRONG = {"old": "not the password", "new": "a long pass phrase"}
+
+
+@dataclass(frozen=True)
+class Entry:
+    """Who may call a route, how it is called, and the status for who may."""
+
+    allows: Allows
+    status: int = 200
+    path: str = ""  # the route itself if it has no variable part
+    options: Any = None
+    run: str = ""  # the state of ann's new run whose number replaces {run}; empty: an old one
+
+
+def _reading(*names: str) -> dict[tuple[str, str], Entry]:
+    root = "/api/v1/runs/"
+    return {
+        ("GET", f"{root}<int:run_id>{name}"): Entry(reads_run, path=f"{root}{{run}}{name}")
+        for name in names
+    }
+
+
+def _changing(
+    root: str, variable: str, status: int, **entries: tuple[Allows, str]
+) -> dict[tuple[str, str], Entry]:
+    return {
+        ("POST", f"{root}{variable}/{name}"): Entry(
+            allows, status, f"{root}{{run}}/{name}", run=run
+        )
+        for name, (allows, run) in entries.items()
+    }
+
+
+ACTIONS = {
+    "cancel": (changes_run, "queued"),
+    "publish": (changes_run, "recorded"),
+    "withdraw": (withdraws, "public"),
+}
+DELETE_DATA = {"delete-data": (changes_run, "recorded")}
+EDIT = {"edit": (changes_run, "recorded"), "delete": (changes_run, "recorded")}
+RERUN = {"rerun": (changes_its_own, "recorded")}
+CODE: dict[str, Any] = {"code": "0000000000"}
+TASK = {"title": "Hold", "benchmark": "currents-v1"}
+A, AS = "/assignments/{assignment}", "/assignments/<row:assignment_id>"
+C, CS = "/classes/{class}", "/classes/<row:class_id>"
+API_A, API_AS = "/api/v1/assignments/{assignment}", "/api/v1/assignments/<int:assignment_id>"
+API_C, API_CS = "/api/v1/classes/{class}", "/api/v1/classes/<int:class_id>"
+CLASSES: dict[tuple[str, str], Entry] = {  # ann is in a class of tim
+    ("GET", "/classes/"): Entry(reads_account),
+    ("POST", "/classes/"): Entry(has_classes, 303, options={"data": {"name": "5b"}}),
+    ("POST", "/classes/join"): Entry(changes_tokens, 422, options={"data": CODE}),
+    ("GET", CS): Entry(sees_class, path=C),
+    ("POST", CS): Entry(teaches, 303, C, {"data": {"name": "5c"}}),
+    ("POST", f"{CS}/code"): Entry(teaches, 303, f"{C}/code"),
+    ("POST", f"{CS}/archive"): Entry(teaches, 303, f"{C}/archive"),
+    ("POST", f"{CS}/delete"): Entry(teaches, 303, f"{C}/delete"),
+    ("POST", f"{CS}/leave"): Entry(changes_its_own, 303, f"{C}/leave"),
+    ("GET", f"{CS}/pupils"): Entry(teaches, path=f"{C}/pupils"),
+    ("POST", f"{CS}/pupils/<row:user_id>/remove"): Entry(
+        teaches, 303, f"{C}/pupils/{{pupil}}/remove"
+    ),
+    ("GET", f"{CS}/assignments/new"): Entry(teaches, path=f"{C}/assignments/new"),
+    ("POST", f"{CS}/assignments"): Entry(teaches, 303, f"{C}/assignments", {"data": TASK}),
+    ("GET", AS): Entry(sees_class, path=A),
+    ("POST", AS): Entry(teaches, 303, A, {"data": TASK}),
+    ("POST", f"{AS}/delete"): Entry(teaches, 303, f"{A}/delete"),
+    ("GET", f"{AS}/pupils.csv"): Entry(teaches, path=f"{A}/pupils.csv"),
+    ("GET", "/api/v1/classes"): Entry(reads_account),
+    ("POST", "/api/v1/classes"): Entry(has_classes, 201, options={"json": {"name": "5b"}}),
+    ("POST", "/api/v1/classes/join"): Entry(changes_tokens, 422, options={"json": CODE}),
+    ("GET", API_CS): Entry(sees_class, path=API_C),
+    ("PATCH", API_CS): Entry(teaches, path=API_C, options={"json": {"name": "5c"}}),
+    ("DELETE", API_CS): Entry(teaches, 204, API_C),
+    ("POST", f"{API_CS}/leave"): Entry(changes_its_own, 204, f"{API_C}/leave"),
+    ("GET", f"{API_CS}/pupils"): Entry(teaches, path=f"{API_C}/pupils"),
+    ("DELETE", f"{API_CS}/pupils/<int:user_id>"): Entry(teaches, 204, f"{API_C}/pupils/{{pupil}}"),
+    ("GET", f"{API_CS}/assignments"): Entry(sees_class, path=f"{API_C}/assignments"),
+    ("POST", f"{API_CS}/assignments"): Entry(teaches, 201, f"{API_C}/assignments", {"json": TASK}),
+    ("GET", API_AS): Entry(sees_class, path=API_A),
+    ("PATCH", API_AS): Entry(teaches, path=API_A, options={"json": {"title": "Hold on"}}),
+    ("DELETE", API_AS): Entry(teaches, 204, API_A),
+    ("GET", f"{API_AS}/pupils"): Entry(teaches, path=f"{API_A}/pupils"),
+    ("GET", f"{API_AS}/runs"): Entry(sees_class, path=f"{API_A}/runs"),
+    ("GET", f"{API_AS}/ranking"): Entry(teaches, path=f"{API_A}/ranking"),
+}
+OPEN = Entry(everybody)
+ROUTES: dict[tuple[str, str], Entry] = {
+    ("GET", "/static/<path:filename>"): Entry(everybody, path="/static/logo.svg"),
+    ("GET", "/"): OPEN,
+    ("GET", "/submit/"): Entry(everybody, 302),
+    ("GET", "/submit/<name>"): Entry(everybody, path="/submit/currents-v1"),
+    ("POST", "/submit/<name>"): Entry(submits, 303, "/submit/currents-v1", {"data": FORM}),
+    ("POST", "/demo"): Entry(submits, 303),
+    ("GET", "/benchmarks/"): OPEN,
+    ("GET", "/benchmarks/<name>"): Entry(everybody, path="/benchmarks/currents-v1"),
+    ("GET", "/runs/<row:run_id>"): Entry(reads_run, path="/runs/{run}"),
+    ("GET", "/runs/<row:run_id>/embed"): Entry(reads_run, path="/runs/{run}/embed"),
+    **_changing("/runs/", "<row:run_id>", 303, **ACTIONS, **DELETE_DATA, **EDIT),
+    ("GET", "/runs/"): Entry(lists),
+    ("GET", "/sweeps/<row:sweep_id>"): Entry(reads_run, path="/sweeps/{sweep}"),
+    ("POST", "/sweeps/<row:sweep_id>/cancel"): Entry(changes_run, 303, "/sweeps/{sweep}/cancel"),
+    ("POST", "/api/v1/sweeps"): Entry(submits, 202, options={"json": SWEEP}),
+    ("GET", "/api/v1/sweeps/<int:sweep_id>"): Entry(reads_run, path="/api/v1/sweeps/{sweep}"),
+    ("POST", "/api/v1/sweeps/<int:sweep_id>/cancel"): Entry(
+        changes_run, 200, "/api/v1/sweeps/{sweep}/cancel"
+    ),
+    ("GET", "/runs/runs.csv"): Entry(lists),
+    ("POST", "/runs/selected"): Entry(submits_as_somebody, 303),
+    ("GET", "/leaderboards/"): Entry(everybody, 302),
+    ("GET", "/leaderboards/<name>"): Entry(everybody, path="/leaderboards/currents-v1"),
+    ("GET", "/users/<name>"): Entry(everybody, 404, "/users/nobody-there"),
+    ("GET", "/api/v1/users/<string:name>"): Entry(everybody, 404, "/api/v1/users/nobody-there"),
+    ("GET", "/profile"): Entry(reads_account),
+    ("POST", "/profile"): Entry(changes_tokens, 303, options={"data": {"affiliation": "A"}}),
+    ("PUT", "/api/v1/me/profile"): Entry(changes_tokens, options={"json": {"affiliation": "A"}}),
+    ("GET", "/sign-up"): OPEN,
+    ("POST", "/sign-up"): Entry(everybody, 302, options={"data": NEW_NAME}),
+    ("GET", "/sign-in"): OPEN,
+    ("POST", "/sign-in"): Entry(everybody, 422, options={"data": WRONG}),
+    ("POST", "/sign-out"): Entry(everybody, 302),
+    ("GET", "/tokens"): Entry(reads_account),
+    ("POST", "/tokens"): Entry(changes_tokens, options={"data": {"scopes": "submit"}}),
+    ("POST", "/tokens/<row:token_id>/revoke"): Entry(
+        changes_its_own, 302, "/tokens/{token}/revoke"
+    ),
+    ("GET", "/account"): Entry(reads_account),
+    ("GET", "/account/data.zip"): Entry(reads_account),
+    ("POST", "/account/browsers/sign-out"): Entry(changes_password, 404),
+    ("POST", "/account/delete"): Entry(changes_password, 422, options={"data": WRONG}),
+    ("GET", "/reset"): OPEN,
+    ("POST", "/reset"): Entry(everybody, 422, options={"data": WRONG}),
+    ("POST", "/password"): Entry(changes_password, 422, options={"data": WRONG}),
+    ("GET", "/invitations"): Entry(invites),
+    ("POST", "/invitations"): Entry(invites, options={"data": {"count": "2"}}),
+    **CLASSES,
+    ("GET", "/docs/"): Entry(everybody, 302),
+    ("GET", "/docs/search"): Entry(everybody),
+    ("GET", "/docs/<name>"): Entry(everybody, path="/docs/start"),
+    ("GET", "/docs/guides/<path:name>"): Entry(everybody, path="/docs/guides/benchmarks.md"),
+    ("GET", "/docs/physics/<name>.urdf"): Entry(everybody, path="/docs/physics/girona500.urdf"),
+    ("GET", "/status"): OPEN,
+    ("GET", "/problems"): OPEN,
+    ("GET", "/problems/<slug>"): Entry(everybody, path="/problems/not-found"),
+    ("GET", "/healthz"): OPEN,
+    ("GET", "/readyz"): Entry(everybody, 503),  # there is no worker
+    ("GET", "/metrics"): OPEN,
+    ("GET", "/api/docs"): OPEN,
+    ("GET", "/api/v1/openapi.json"): OPEN,
+    ("GET", "/api/v1/benchmarks"): OPEN,
+    ("GET", "/api/v1/benchmarks/<string:benchmark>"): Entry(
+        everybody, path="/api/v1/benchmarks/currents-v1"
+    ),
+    ("GET", "/api/v1/leaderboards/<string:benchmark>"): Entry(
+        everybody, path="/api/v1/leaderboards/currents-v1"
+    ),
+    ("GET", "/api/v1/environment"): OPEN,
+    ("GET", "/api/v1/me"): OPEN,
+    ("GET", "/api/v1/me/data.zip"): Entry(reads_account),
+    ("GET", "/api/v1/runs"): Entry(lists),
+    ("POST", "/api/v1/runs"): Entry(submits, 202, options=ORDER),
+    ("POST", "/api/v1/checks"): Entry(uploads, 422, options=UPLOAD),  # there is no worker
+    ("GET", "/api/v1/checks/<int:check_id>"): Entry(reads_its_own, path="/api/v1/checks/{check}"),
+    **_reading("", "/events", "/telemetry.csv", "/telemetry.f64", "/series.json", "/metrics.json"),
+    **_reading("/manifest.json", "/config.json", "/log", "/program", "/camera.jpg", "/dataset.zip"),
+    **_reading("/scene.json", "/texture.jpg", "/moments.json"),
+    ("GET", "/compare"): Entry(reads_run, path="/compare?runs={run},{other}"),
+    ("GET", "/compare/preview.jpg"): Entry(
+        reads_run, path="/compare/preview.jpg?runs={run},{other}"
+    ),
+    ("GET", "/runs/<row:run_id>/preview.jpg"): Entry(reads_run, path="/runs/{run}/preview.jpg"),
+    ("GET", "/leaderboards/<name>/preview.jpg"): Entry(
+        everybody, path="/leaderboards/currents-v1/preview.jpg"
+    ),
+    ("GET", "/api/v1/compare"): Entry(reads_run, path="/api/v1/compare?runs={run},{other}"),
+    **_changing("/api/v1/runs/", "<int:run_id>", 200, **ACTIONS),
+    **_changing("/api/v1/runs/", "<int:run_id>", 202, **RERUN),
+    ("PATCH", "/api/v1/runs/<int:run_id>"): Entry(
+        changes_run, path="/api/v1/runs/{run}", options={"json": {"title": "t"}}, run="recorded"
+    ),
+    ("DELETE", "/api/v1/runs/<int:run_id>"): Entry(
+        changes_run, 204, "/api/v1/runs/{run}", run="recorded"
+    ),
+    ("DELETE", "/api/v1/runs/<int:run_id>/data"): Entry(
+        changes_run, path="/api/v1/runs/{run}/data", run="recorded"
+    ),
+    ("GET", "/api/v1/tokens"): Entry(reads_account),
+    ("POST", "/api/v1/tokens"): Entry(changes_tokens, 201, options=TOKEN),
+    ("POST", "/api/v1/invitations"): Entry(invites, 201, options={"json": {"count": 2}}),
+    ("DELETE", "/api/v1/tokens/<int:token_id>"): Entry(
+        changes_its_own, 204, "/api/v1/tokens/{token}"
+    ),
+}
