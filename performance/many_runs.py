@@ -18,7 +18,7 @@ from flask import Flask
 from flask.testing import FlaskClient
 from sqlalchemy import Engine, event, update
 
-from performance.requests import BENCHMARK, addresses
+from performance.requests import BENCHMARK, addresses, create_first
 from performance.runs_table import fill
 from seamark.server.accounts import accounts
 from seamark.server.accounts.permissions import Role, Viewer
@@ -62,6 +62,7 @@ class Service:
         with database.writing() as session:
             user = accounts.sign_up(session, "root", None, role=Role.ADMIN)
             viewer = Viewer(user_id=user.id, name=user.name, account_role=Role.ADMIN)
+            create_first(session, user.id)
         made = cls(app, settings, database, app.test_client(), viewer, 0)
         made.run_id = made.submit()
         with database.writing() as session:

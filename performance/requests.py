@@ -3,6 +3,11 @@
 from collections.abc import Iterator
 
 from flask import Flask
+from sqlalchemy.orm import Session
+
+from seamark.server.classes import assignments, classrooms
+from seamark.server.classes.assignments import Draft
+from seamark.server.database.sweep_tables import Sweep
 
 BENCHMARK = "currents-v2"
 # Rule with variables -> its address; {run} is the number of a run with files.
@@ -23,6 +28,9 @@ _ADDRESSES = {
     "/api/v1/checks/<int:check_id>": "/api/v1/checks/1",
 }
 _RUN = ("<row:run_id>", "<int:run_id>")
+_FIRST = tuple(  # the rows of `create_first`
+    f"<{kind}:{name}_id>" for kind in ("row", "int") for name in ("class", "assignment", "sweep")
+)
 # With what slows down lists: filters, and pages far from the start.
 _MORE = (
     "/compare?runs={run}",
@@ -46,6 +54,15 @@ _MORE = (
 _WHOLE_FILES = frozenset({"/runs/runs.csv"})  # of any length, streamed page by page
 
 
+def create_first(session: Session, user_id: int) -> None:
+    """Create the first class, assignment and sweep of a service, which `addresses` name."""
+    class_id = classrooms.create(session, user_id, "Marine robotics")
+    draft = Draft(title="Hold position", benchmark=BENCHMARK, config={})
+    assignments.create(session, class_id, draft, trials_max=1)
+    axes = [{"name": "kp", "values": [0.2, 0.4]}]
+    session.add(Sweep(user_id=user_id, benchmark=BENCHMARK, axes=axes, created_at=0.0))
+
+
 def addresses(app: Flask, *, run_id: int, half: str) -> Iterator[str]:
     """Yield the addresses of all routes that answer GET; raises KeyError for an unknown variable.
 
@@ -64,6 +81,8 @@ def addresses(app: Flask, *, run_id: int, half: str) -> Iterator[str]:
             address = _ADDRESSES[address]
         for variable in _RUN:
             address = address.replace(variable, str(run_id))
+        for variable in _FIRST:
+            address = address.replace(variable, "1")
         if "<" in address:
             raise KeyError(f"performance/requests.py has no address for {rule.rule}")
         yield address.format(run=run_id)

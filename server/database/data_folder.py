@@ -6,11 +6,20 @@ new one would draw another key for the seeds, and write into the wrong disk.
 
 import secrets
 
-from sqlalchemy import Connection, insert, select
+from sqlalchemy import Connection, String, insert, select
+from sqlalchemy.orm import Mapped, mapped_column
 
 from seamark.server import storage
-from seamark.server.database.tables import DataFolder
+from seamark.server.database.tables import Base
 from seamark.server.settings import Settings
+
+
+class DataFolder(Base):
+    """The mark of the data folder: one row."""
+
+    __tablename__ = "data_folder"
+
+    mark: Mapped[str] = mapped_column(String(64), primary_key=True)
 
 
 class WrongDataFolder(Exception):

@@ -377,14 +377,6 @@ class Check(Base):
     )
 
 
-class DataFolder(Base):
-    """The mark of the data folder: one row (server/database/data_folder.py)."""
-
-    __tablename__ = "data_folder"
-
-    mark: Mapped[str] = mapped_column(String(64), primary_key=True)
-
-
 class Worker(Base):
     """A worker and what its host can enforce; alive while `seen_at` is recent."""
 

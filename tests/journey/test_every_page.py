@@ -7,7 +7,7 @@ import pytest
 from axe_playwright_python.sync_playwright import Axe
 from playwright.sync_api import Browser, Page
 
-from performance.requests import addresses
+from performance.requests import addresses, create_first
 from seamark.server.accounts import accounts
 from seamark.server.accounts.permissions import Role
 from seamark.server.app import create_app
@@ -30,7 +30,8 @@ def paths(service: Service, finished: tuple[int, Any]) -> list[str]:
     values = {"data": service.data, "secret_key": "x", "broker_url": "redis://127.0.0.1:1/0"}
     app = create_app(Settings.model_validate(values))
     with app.extensions["seamark"].database.writing() as session:
-        accounts.sign_up(session, ADMIN, PASSWORD, role=Role.ADMIN)
+        admin = accounts.sign_up(session, ADMIN, PASSWORD, role=Role.ADMIN)
+        create_first(session, admin.id)
     found = addresses(app, run_id=finished[0], half="")
     pages = {path.replace("?after=", "") for path in found if not path.startswith(NOT_PAGES)}
     app.extensions["seamark"].close()

@@ -9,7 +9,7 @@ import pytest
 from sqlalchemy import Connection, event
 from sqlalchemy.orm import Session
 
-from performance.requests import BENCHMARK, addresses
+from performance.requests import BENCHMARK, addresses, create_first
 from performance.runs_table import fill
 from seamark.server.accounts.permissions import Viewer
 from seamark.server.app import create_app
@@ -119,6 +119,8 @@ def test_no_request_and_no_step_of_the_queue_scans_the_runs(work: Work) -> None:
     site = work.site
     recorded = site.recorded()
     fill(site.database, runs=RUNS, queued=QUEUED)
+    with site.database.writing() as session:
+        create_first(session, site.user_id("root"))
     waiting = site.queue("ann")
     with site.database.reading() as session:
         half = leaderboard.page(session, BENCHMARK, limit=200)[-1].cursor.text()
