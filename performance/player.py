@@ -35,6 +35,7 @@ BENCHMARK, CONTROLLER, SEED = "currents-v1", "pi", 1
 LONG = {"levels": [0.05 * level for level in range(10)], "level_duration_s": 600.0}  # 6000 s
 SHORT = {"levels": [0.0, 0.4], "level_duration_s": 20.0, "settle_s": 5.0}
 WATCHED_MS = 8000
+_FIRST_CONTENT = "performance.getEntriesByName('first-contentful-paint')"
 SETTLE_MS = 5000  # until the resolution has settled
 WIDTH, HEIGHT = 1280, 720
 SOFTWARE = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--no-sandbox"]
@@ -75,7 +76,7 @@ def rows() -> list[Row]:
                 executable_path=shutil.which("chromium"), args=SOFTWARE
             )
             found = _measured(browser, f"{url}/runs/{short}", f"{url}/runs/{long}")
-            found.append(_live(browser))
+            found += [_live(browser), *_first_content(browser, url, f"/runs/{long}")]
             browser.close()
     return found
 
@@ -93,6 +94,16 @@ def _live(browser: Browser) -> Row:
         longest = _longest_task(page)
         page.close()
     return Row(what="longest task while live (0: below 50)", value=longest, unit="ms")
+
+
+def _first_content(browser: Browser, url: str, run: str) -> Iterator[Row]:
+    """Yield the time [ms] from asking for a page to the first text in it."""
+    page = browser.new_page()
+    for path in ("/", run, f"/leaderboards/{BENCHMARK}", f"/submit/{BENCHMARK}"):
+        page.goto(url + path)
+        page.wait_for_function(f"{_FIRST_CONTENT}.length")
+        shown = float(page.evaluate(f"{_FIRST_CONTENT}[0].startTime"))
+        yield Row(what=f"first content of {path}", value=shown, unit="ms")
 
 
 def _measured(browser: Browser, short: str, long: str) -> list[Row]:

@@ -46,11 +46,11 @@ def _draw(page: Page) -> None:
     page.locator("[data-time]").blur()
     page.evaluate("scrollTo(0, document.querySelector('[data-player]').offsetTop - 70)")
     page.wait_for_timeout(SETTLED_MS)
-    _picture(page.screenshot()).save(FIGURES / "run-page.webp", quality=QUALITY)
+    picture(page.screenshot()).save(FIGURES / "run-page.webp", quality=QUALITY)
     frames = []
     for number in range(FRAMES):
         _go_to(page, FIRST_S + STEP_S * number)
-        frame = _picture(page.locator("[data-stage]").screenshot())
+        frame = picture(page.locator("[data-stage]").screenshot())
         frames.append(frame.resize((WIDTH, WIDTH * frame.height // frame.width)))
     first, *rest = frames
     first.save(
@@ -64,7 +64,8 @@ def _go_to(page: Page, seconds: float) -> None:
     page.wait_for_timeout(SETTLED_MS)
 
 
-def _picture(png: bytes) -> Image.Image:
+def picture(png: bytes) -> Image.Image:
+    """Return a screenshot as a picture."""
     return Image.open(io.BytesIO(png)).convert("RGB")
 
 

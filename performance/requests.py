@@ -52,6 +52,8 @@ _MORE = (
     "/leaderboards/currents-v2?sort=power_share",
 )
 _WHOLE_FILES = frozenset({"/runs/runs.csv"})  # of any length, streamed page by page
+_NOT_PAGES = ("/api/v1", "/static", "/metrics", "/healthz", "/readyz")
+_FILES = (".jpg", ".urdf", ".csv", ".zip")
 
 
 def create_first(session: Session, user_id: int) -> None:
@@ -88,3 +90,10 @@ def addresses(app: Flask, *, run_id: int, half: str) -> Iterator[str]:
         yield address.format(run=run_id)
     for address in _MORE:
         yield address.format(run=run_id, half=half)
+
+
+def pages(app: Flask, *, run_id: int) -> list[str]:
+    """Return the addresses of all pages that a browser can open, in alphabetical order."""
+    found = {path.replace("?after=", "") for path in addresses(app, run_id=run_id, half="")}
+    found = {path.replace("&after=", "") for path in found if not path.startswith(_NOT_PAGES)}
+    return sorted(path for path in found if not path.endswith(_FILES))

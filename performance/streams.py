@@ -5,10 +5,7 @@ timed by another process; those without streams, in the same service and minute,
 """
 
 import asyncio
-import os
 import statistics
-import subprocess
-import sys
 import tempfile
 import time
 from collections.abc import AsyncIterator, Iterator
@@ -22,7 +19,7 @@ from pathlib import Path
 from seamark.client import Client
 from seamark.server.accounts import accounts
 from seamark.server.database.engine import Database
-from tests.services.embedded import address_of
+from tests.services.embedded import started
 
 VIEWERS = (10, 50, 200)
 SLOW = 300  # connections that send a byte every five seconds
@@ -84,25 +81,11 @@ def service() -> Iterator[Service]:
     """Start the embedded service and a run."""
     with tempfile.TemporaryDirectory(prefix="seamark-streams-") as folder:
         data = Path(folder) / "data"
-        command = [sys.executable, "-m", "seamark.cli.main", "up", "--port", "0", "--json"]
-        environ = {k: v for k, v in os.environ.items() if not k.startswith("SEAMARK_")}
-        environ |= {"SEAMARK_RANKED_TRIALS": "1"}  # of the built-in entries, which run first
-        up = subprocess.Popen(
-            [*command, "--workers", "1", "--data", str(data)],
-            env=environ,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.DEVNULL,
-            text=True,
-        )
-        try:
-            address = address_of(up)
+        with started(data) as (address, pid):
             token = _token(data)
             with Client(address, token) as client:
                 run_id = _start_run(client)
-            yield Service(int(address.rsplit(":", 1)[1].strip("/")), up.pid, run_id, token)
-        finally:
-            up.terminate()
-            up.wait()
+            yield Service(int(address.rsplit(":", 1)[1].strip("/")), pid, run_id, token)
 
 
 def _token(data: Path) -> str:

@@ -7,7 +7,7 @@ import pytest
 from axe_playwright_python.sync_playwright import Axe
 from playwright.sync_api import Browser, Page
 
-from performance.requests import addresses, create_first
+from performance.requests import create_first, pages
 from seamark.server.accounts import accounts
 from seamark.server.accounts.permissions import Role
 from seamark.server.app import create_app
@@ -20,7 +20,6 @@ pytestmark = [pytest.mark.browser, pytest.mark.host, pytest.mark.slow]
 ADMIN = "sees-all"
 LIGHT_KB = 300  # of a page with all that it loads but three.js, compressed
 PHONE_PX = 375
-NOT_PAGES = ("/api/v1", "/static", "/metrics", "/healthz", "/readyz")
 OPEN_DETAILS = "for (const part of document.querySelectorAll('details')) part.open = true"
 
 
@@ -32,10 +31,9 @@ def paths(service: Service, finished: tuple[int, Any]) -> list[str]:
     with app.extensions["seamark"].database.writing() as session:
         admin = accounts.sign_up(session, ADMIN, PASSWORD, role=Role.ADMIN)
         create_first(session, admin.id)
-    found = addresses(app, run_id=finished[0], half="")
-    pages = {path.replace("?after=", "") for path in found if not path.startswith(NOT_PAGES)}
+    found = pages(app, run_id=finished[0])
     app.extensions["seamark"].close()
-    return sorted(path for path in pages if not path.endswith((".jpg", ".urdf", ".csv")))
+    return found
 
 
 @pytest.fixture
