@@ -2,14 +2,12 @@
 
 1. `close` removes name, password, tokens, browsers, classes and memberships, cancels what is live
    and, if asked, withdraws what is published. It takes a bounded time, however many runs there are.
-2. `step` deletes private runs, a batch at a time: rows, files and, with the next sweep, programs.
-3. When none is left, the account goes too, unless it still has published runs: they stay with the
-   name `Deleted user <number>`.
+2. `step` deletes private runs as their owner would (deletion.py), a batch at a time.
+3. When none is left, the account and the empty rows go too, unless it still has published runs:
+   they stay with the name `Deleted user <number>`.
 """
 
-import shutil
 import time
-from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 
@@ -30,11 +28,11 @@ from seamark.server.database.tables import (
     Token,
     User,
 )
-from seamark.server.runs import leaderboard, results
-from seamark.server.runs.files import RunFiles
+from seamark.server.runs import deletion, leaderboard, results
 from seamark.server.runs.states import LIVE
 
-BATCH = 50  # runs that one transaction deletes
+BATCH = 50  # runs that one transaction deletes, with their files
+ROWS = 500  # empty rows that one transaction deletes
 
 
 def close(session: Session, user_id: int, *, keep_published: bool) -> None:
@@ -64,16 +62,14 @@ def step(database: Database, data: Path) -> bool:
         )
         if user_id is None:
             return False
-        private = select(Run.id).where(_own(user_id), Run.public.is_(False))
-        ended = private.where(Run.state.not_in(LIVE)).order_by(Run.id).limit(BATCH)
-        run_ids = list(session.scalars(ended))
-        _delete_rows(session, run_ids)
-        done = session.scalar(private.limit(1)) is None
+        private = (_own(user_id), Run.public.is_(False), Run.deleted_at.is_(None))
+        ended = select(Run.id).where(*private, Run.state.not_in(LIVE)).order_by(Run.id)
+        emptied = deletion.empty(session, session.scalars(ended.limit(BATCH)).all())
+        done = session.scalar(select(Run.id).where(*private).limit(1)) is None
         if done:
             _complete(session, user_id)
-    for run_id in run_ids:
-        shutil.rmtree(RunFiles(data, run_id).root, ignore_errors=True)
-    return done or bool(run_ids)
+    deletion.remove_files(data, emptied)
+    return done or bool(emptied)
 
 
 def _own(user_id: int) -> ColumnElement[bool]:
@@ -89,28 +85,25 @@ def _withdraw_all(session: Session, user_id: int) -> None:
         leaderboard.refresh(session, benchmark, user_id)
 
 
-def _delete_rows(session: Session, run_ids: Sequence[int]) -> None:
-    newest = session.scalar(select(func.max(Run.id)))
-    session.execute(delete(Run).where(Run.id.in_(run_ids), Run.id != newest))
-    # SQLite would give its number to the next run, so the newest stays as an empty row.
-    kept = update(Run).where(Run.id.in_(run_ids))
-    session.execute(
-        kept.values(
-            owner="deleted",
-            user_id=None,
-            title="",
-            notes="",
-            program_name=None,
-            program_sha256=None,
-            data_bytes=0,
-            data_measured=True,
-            data_deleted_at=time.time(),
-        )
-    )
-
-
 def _complete(session: Session, user_id: int) -> None:
-    """End a deletion; the account goes with it unless published runs need their owner."""
-    session.execute(delete(AccountDeletion).where(AccountDeletion.user_id == user_id))
-    if session.scalar(select(Run.id).where(_own(user_id)).limit(1)) is None:
+    """End a deletion; unless published runs need their owner, the account and all rows go too.
+
+    Of an account that stays, empty rows stay as well: the leaderboard tells how many ranked runs
+    were made for its entry.
+    """
+    if session.scalar(select(Run.id).where(_own(user_id), Run.public).limit(1)) is None:
+        _delete_rows(session, user_id)
+        if session.scalar(select(Run.id).where(_own(user_id)).limit(1)) is not None:
+            return  # the next step goes on
         session.execute(delete(User).where(User.id == user_id))
+    session.execute(delete(AccountDeletion).where(AccountDeletion.user_id == user_id))
+
+
+def _delete_rows(session: Session, user_id: int) -> None:
+    """Delete the next of the empty rows of an account."""
+    newest = session.scalar(select(func.max(Run.id)))
+    empty = select(Run.id).where(_own(user_id), Run.id != newest).limit(ROWS)
+    session.execute(delete(Run).where(Run.id.in_(session.scalars(empty).all())))
+    # SQLite would give its number to the next run, so the newest stays, as nobody's.
+    kept = update(Run).where(_own(user_id), Run.id == newest)
+    session.execute(kept.values(owner="deleted", user_id=None, program_sha256=None))

@@ -1,5 +1,6 @@
 """Deleting runs: nobody sees them again, their files go, and an empty row stays.
 
+It is the only way in which a run is deleted, also that of a closed account (account_deletion.py).
 The row keeps when and by whom it was submitted and how it ended. Quotas, the number of ranked
 submissions and the rule that the first run of a submission counts need no more, and must not be
 evaded by deleting runs; nor is a number ever given to a second run.
@@ -25,14 +26,19 @@ WHY_NOT = "Only private runs that have ended can be deleted: cancel a run or mak
 def delete(database: Database, data: Path, run_ids: Collection[int]) -> list[int]:
     """Delete those of these runs that have ended and are private; return which."""
     with database.writing() as session:
-        deleted = _empty(session, run_ids)
-    for run_id in deleted:
-        retention.remove_files(data, run_id)
+        deleted = empty(session, run_ids)
+    remove_files(data, deleted)
     return deleted
 
 
-def _empty(session: Session, run_ids: Collection[int]) -> list[int]:
-    """Empty the rows, where that is allowed; an assignment no longer counts them."""
+def remove_files(data: Path, run_ids: Collection[int]) -> None:
+    """Remove the files of deleted runs, after the transaction that emptied their rows."""
+    for run_id in run_ids:
+        retention.remove_files(data, run_id)
+
+
+def empty(session: Session, run_ids: Collection[int]) -> list[int]:
+    """Empty the rows, where that is allowed, and return which; no assignment counts them then."""
     now = time.time()
     deletable = (Run.state.in_(FINAL), Run.public.is_(False), Run.deleted_at.is_(None))
     change = update(Run).where(Run.id.in_(run_ids), *deletable)

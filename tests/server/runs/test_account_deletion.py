@@ -5,7 +5,7 @@ from sqlalchemy import select
 
 from seamark.server.accounts import accounts
 from seamark.server.database.tables import Best, Run, User
-from seamark.server.runs import account_deletion, leaderboard, views
+from seamark.server.runs import account_deletion, leaderboard, score_counts, views
 from seamark.server.runs.states import RunState
 from tests.cast import Backend
 
@@ -50,9 +50,30 @@ def test_the_number_of_a_deleted_run_is_not_given_to_another_one(both: Backend) 
 
     assert both.queue("ben") > newest
     with both.database.reading() as session:
-        left = views.show(session, newest)
-    assert left is not None
-    assert (left.user_id, left.title, left.public) == (None, "", False)
+        left = session.get_one(Run, newest)
+        assert (left.owner, left.user_id, left.title, left.public) == ("deleted", None, "", False)
+        assert views.show(session, newest) is None
+
+
+@pytest.mark.parametrize(("keep", "expected"), [(True, [(50.0, 3)]), (False, [])])
+def test_leaderboard_and_score_counts_are_right_after_the_deletion_of_ranked_runs(
+    both: Backend, keep: bool, expected: list[tuple[float, int]]
+) -> None:
+    both.published("ann", kind="ranked")
+    both.succeeded("ann", kind="ranked")
+    both.succeeded("ann", kind="ranked")
+    both.queue("ben")
+
+    delete_account(both, "ann", keep=keep)
+
+    with both.database.writing() as session:
+        kept = [(rank.score, rank.submissions) for rank in leaderboard.page(session, "currents-v1")]
+        assert score_counts.size(session, "currents-v1") == len(expected)
+        leaderboard.rebuild(session)
+        again = leaderboard.page(session, "currents-v1")
+        assert score_counts.size(session, "currents-v1") == len(expected)
+    assert kept == expected
+    assert [(rank.score, rank.submissions) for rank in again] == expected
 
 
 def test_a_deletion_waits_for_no_batch_of_somebody_elses(both: Backend) -> None:

@@ -5,7 +5,15 @@ import pytest
 from sqlalchemy import select
 
 from seamark.server.database.tables import Result, Run
-from seamark.server.runs import deletion, quota, retention, views
+from seamark.server.runs import (
+    deletion,
+    leaderboard,
+    quota,
+    results,
+    retention,
+    score_counts,
+    views,
+)
 from seamark.server.runs.files import RunFiles
 from seamark.server.runs.quota import QuotaExceeded
 from seamark.sim.recording.telemetry import WIDTH
@@ -52,6 +60,25 @@ def test_deleting_runs_gives_back_neither_ranked_submissions_nor_quota(backend: 
             quota.enforce_ranked(session, ann, "currents-v1", settings)
         with pytest.raises(QuotaExceeded):
             quota.enforce(session, ann, settings, new_bytes=0)
+
+
+def test_after_the_deletion_of_the_best_run_the_next_one_ranks(both: Backend) -> None:
+    entry = both.published("ann", kind="ranked")
+    claim = both.running("ann", kind="ranked")
+    assert both.finish(claim, score=90.0)
+    both.publish(claim.run_id)
+    with both.database.writing() as session:
+        assert results.withdraw(session, claim.run_id)
+
+    _delete(both, claim.run_id)
+
+    with both.database.writing() as session:
+        (kept,) = leaderboard.page(session, "currents-v1")
+        assert score_counts.size(session, "currents-v1") == 1
+        leaderboard.rebuild(session)
+        assert leaderboard.page(session, "currents-v1") == [kept]
+        assert score_counts.size(session, "currents-v1") == 1
+    assert (kept.run_id, kept.rank, kept.submissions) == (entry, 1, 2)
 
 
 def test_a_number_is_not_given_to_a_second_run(backend: Backend) -> None:
