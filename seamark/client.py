@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from types import TracebackType
-from typing import Any, Self
+from typing import Any, Self, cast
 
 import httpx
 
@@ -79,8 +79,7 @@ class Client:
         ------
         ServerRefused, ServerUnavailable
         """
-        run: dict[str, object] = {"benchmark": benchmark, "config": dict(config or {})}
-        run |= {name: value for name, value in more.items() if value is not None}
+        run = more | {"benchmark": benchmark, "config": config}
         return self._post_run("/api/v1/runs", run, controller, program)
 
     def sweep(
@@ -90,19 +89,19 @@ class Client:
         *,
         controller: str | None = None,
         program: Path | None = None,
-        config: Mapping[str, object] | None = None,
         **more: object,
     ) -> dict[str, Any]:
         """Start a sweep and return it; `axes` has what is swept with its values as a text.
+
+        `more` may hold config and what `submit` takes.
 
         Raises
         ------
         ServerRefused, ServerUnavailable
         """
         swept = [{"name": name, "values": values} for name, values in axes.items()]
-        run: dict[str, object] = {"benchmark": benchmark, "config": dict(config or {})}
-        run |= {name: value for name, value in more.items() if value is not None}
-        return self._post_run("/api/v1/sweeps", run | {"sweep": swept}, controller, program)
+        run = more | {"benchmark": benchmark, "sweep": swept}
+        return self._post_run("/api/v1/sweeps", run, controller, program)
 
     def run(self, run_id: int) -> dict[str, Any]:
         """Return a run in its present state."""
@@ -145,9 +144,11 @@ class Client:
         return last
 
     def _post_run(
-        self, path: str, run: dict[str, object], controller: str | None, program: Path | None
+        self, path: str, sent: Mapping[str, object], controller: str | None, program: Path | None
     ) -> dict[str, Any]:
         """Post a run or a sweep: of a built-in solution, or with a program."""
+        run = {name: value for name, value in sent.items() if value is not None}
+        run["config"] = dict(cast("Mapping[str, object]", run.get("config", {})))
         if program is None:
             return self._json("POST", path, json=run | {"controller": controller})
         files = {"program": (program.name, program.read_bytes())}
