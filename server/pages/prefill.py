@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from flask import g, request
 
 from seamark.sandbox.languages import LANGUAGES, editor_starters
-from seamark.server.accounts.permissions import Action, can
+from seamark.server.accounts.permissions import Action, can, owns
 from seamark.server.classes import assignments
 from seamark.server.classes.assignments import AssignmentView
 from seamark.server.classes.refusals import ClassRefused
@@ -16,6 +16,7 @@ from seamark.server.runs import views
 from seamark.server.runs.states import RunKind
 from seamark.server.runs.submission import SubmissionRejected, program_of
 from seamark.server.runs.views import RunView
+from seamark.server.web import class_access
 from seamark.server.web.services import services
 from seamark.server.web.url_converters import row_id
 from seamark.sim.benchmarks.benchmark import Benchmark
@@ -35,8 +36,8 @@ class Prefill:
 
 def initial(benchmark: Benchmark) -> Prefill:
     """Return what the URL asks for: an assignment, a run, a preset, or vehicle and controller."""
-    assignment = assignment_of(request.args.get("assignment", ""))
     run = _requested_run(benchmark)
+    assignment = _assignment(run)
     if assignment is not None and assignment.benchmark == benchmark.name:
         return _for_assignment(benchmark, assignment, run)
     if run is not None:
@@ -62,6 +63,16 @@ def assignment_of(text: str) -> AssignmentView | None:
             return assignments.open_for(session, row_id(text), g.viewer.user_id)
     except (ValueError, ClassRefused):
         return None
+
+
+def _assignment(run: RunView | None) -> AssignmentView | None:
+    """Return the assignment of the URL, or else the one of the viewer's own run; None if closed."""
+    if "assignment" in request.args:
+        return assignment_of(request.args["assignment"])
+    if run is None or not owns(g.viewer, run):
+        return None
+    handed_in = class_access.assignment_of_run(run)
+    return None if handed_in is None else assignment_of(str(handed_in.id))
 
 
 def visible_run(text: str) -> int | None:
@@ -123,16 +134,18 @@ def _for_assignment(
     first = None if run is None else _from_run(benchmark, run)
     posted = {"controller": next(iter(benchmark.built_in))} if first is None else first.posted
     solution = {} if first is None else first.values
+    seed = posted.get("seed", "") if assignment.seed is None else str(assignment.seed)
     return Prefill(
         values={**assignment.config, **solution, **assignment.fixed()},
         posted=posted
         | {
             "assignment": str(assignment.id),
             "kind": RunKind.RANKED if assignment.is_ranked else RunKind.PRACTICE,
-            "seed": "" if assignment.seed is None else str(assignment.seed),
+            "seed": "" if assignment.is_ranked else seed,
             "trials": "" if assignment.is_ranked else str(assignment.trials),
         },
         program=None if first is None else first.program,
+        note="" if first is None else first.note,
     )
 
 

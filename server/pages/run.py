@@ -17,7 +17,7 @@ from seamark.server.runs.comparison import Comparison, comparisons
 from seamark.server.runs.files import RunFiles
 from seamark.server.runs.states import RunKind, RunState
 from seamark.server.runs.views import RunView
-from seamark.server.web import access, security_headers
+from seamark.server.web import access, class_access, security_headers
 from seamark.server.web.services import services
 from seamark.sim.settings.grid import axes
 
@@ -63,6 +63,7 @@ def show(run_id: int) -> ResponseReturnValue:
         settings=metric_tables.settings(benchmark, run.config, run.controller),
         page_data=player_data(run, files),
         preview=link_previews.of_run(run),
+        assignment=class_access.assignment_of_run(run),
     )
 
 

@@ -5,10 +5,11 @@ Whoever neither teaches a class nor belongs to it gets the same answer as for on
 
 from sqlalchemy.orm import Session
 
-from seamark.server.accounts.permissions import Action, teaches
+from seamark.server.accounts.permissions import Action, can, owns, teaches
 from seamark.server.classes import assignments, classrooms
 from seamark.server.classes.assignments import AssignmentView
 from seamark.server.classes.classrooms import ClassView
+from seamark.server.runs.views import RunView
 from seamark.server.web import access
 from seamark.server.web.problems import Problem
 from seamark.server.web.services import services
@@ -42,6 +43,20 @@ def assignment_for(assignment_id: int) -> AssignmentView:
                 "not-found", f"There is no assignment {assignment_id}, or you are not in its class."
             )
     return found
+
+
+def assignment_of_run(run: RunView) -> AssignmentView | None:
+    """Return the assignment that a run was handed in for, to its owner and the teacher alone.
+
+    None also if the owner has left the class.
+    """
+    viewer, teacher_id = access.viewer(), run.teacher_id
+    if teacher_id is None or not can(viewer, Action.VIEW_CLASSES):
+        return None
+    if not (owns(viewer, run) or teaches(viewer, teacher_id)):
+        return None
+    with services().database.reading() as session:
+        return assignments.of_run(session, run.id)
 
 
 def taught_assignment(assignment_id: int) -> AssignmentView:

@@ -8,7 +8,6 @@ from sqlalchemy import update
 
 from seamark.server.accounts.permissions import Action, Viewer, can
 from seamark.server.classes import assignments, classrooms, progress
-from seamark.server.classes.assignments import Draft
 from seamark.server.classes.progress import PupilProgress
 from seamark.server.classes.refusals import ClassRefused
 from seamark.server.database.class_tables import Assignment
@@ -16,34 +15,10 @@ from seamark.server.runs import assigned, submission
 from seamark.server.runs.states import RunKind
 from seamark.server.runs.submission import Submission, SubmissionRejected
 from tests.cast import PI_RUN, Backend
+from tests.server.classes.class_cast import assign, classroom, hand_in
 
 SHORT: dict[str, Any] = {"levels": [0.1, 0.2]}
 GAIN = {"kp": 0.7}
-
-
-def classroom(both: Backend, *pupils: str) -> int:
-    with both.database.writing() as session:
-        class_id = classrooms.create(session, both.user_id("tim"), "5b")
-        found = classrooms.find(session, class_id)
-        assert found is not None
-        for name in pupils:
-            classrooms.join(session, both.user_id(name), found.code.lower())
-    return class_id
-
-
-def assign(both: Backend, class_id: int, **changes: Any) -> int:
-    values: dict[str, Any] = {"title": "Hold still", "benchmark": "currents-v1", "config": {}}
-    with both.database.writing() as session:
-        draft = Draft(**(values | changes))
-        return assignments.create(session, class_id, draft, trials_max=10)
-
-
-def hand_in(both: Backend, who: str, assignment: int, **changes: Any) -> int:
-    wanted = PI_RUN | {"viewer": both.viewers[who]} | changes
-    with both.database.writing() as session:
-        sent = assigned.for_assignment(session, assignment, Submission(**wanted))
-        valid = submission.validate(sent, both.settings)
-        return submission.submit(session, valid, both.settings)
 
 
 def score(both: Backend, who: str, assignment: int, value: float) -> int:

@@ -4,8 +4,13 @@ import io
 import re
 from html.parser import HTMLParser
 
+from sqlalchemy import update
+
+from seamark.server.classes import assignments
+from seamark.server.database.class_tables import Assignment
 from seamark.server.runs.states import RunKind
 from seamark.server.runs.views import RunView
+from tests.server.classes.class_cast import assign, classroom, hand_in
 from tests.server.pages.conftest import Site
 
 FORM = "/submit/currents-v1"
@@ -200,3 +205,43 @@ def test_a_built_in_controller_has_no_parameters_of_a_program(site: Site) -> Non
     again = _started(site, first, controller="pi")
 
     assert "parameters" not in again.config
+
+
+def test_run_again_keeps_the_assignment_while_it_is_open(site: Site) -> None:
+    assignment = assign(site, classroom(site, "ann"), config={"levels": [0.1, 0.2]})
+    first = hand_in(site, "ann", assignment, config={"kp": 0.7}, seed=5)
+
+    again = _started(site, first)
+
+    with site.database.writing() as session:
+        handed_in = assignments.of_run(session, again.id)
+        assert handed_in is not None
+        session.execute(update(Assignment).values(deadline=1.0))
+    assert handed_in.id == assignment
+    assert _same(site.show(first), again)
+    assert "assignment" not in _form(site, first, "ann")
+
+
+def test_run_again_of_a_classmates_run_hands_nothing_in(site: Site) -> None:
+    assignment = assign(site, classroom(site, "ann", "ben"))
+    run_id = hand_in(site, "ann", assignment)
+    assert site.finish(site.claim_next())
+    site.publish(run_id)
+
+    assert "assignment" not in _form(site, run_id, "ben")
+
+
+def test_a_run_names_its_assignment_to_its_owner_and_the_teacher_alone(site: Site) -> None:
+    assignment = assign(site, classroom(site, "ann", "ben"), title="Hold <still>")
+    run_id = hand_in(site, "ann", assignment)
+    assert site.finish(site.claim_next())
+    site.publish(run_id)
+    link = f'for the assignment <a href="/assignments/{assignment}"><bdi>Hold &lt;still&gt;</bdi>'
+
+    pages = {
+        who: site.browser(who).get(f"/runs/{run_id}").text
+        for who in ("ann", "tim", "ben", "stranger")
+    }
+
+    assert [who for who, page in pages.items() if link in page] == ["ann", "tim"]
+    assert [who for who, page in pages.items() if "Hold &lt;still" in page] == ["ann", "tim"]
