@@ -11,9 +11,10 @@ from flask_openapi3.models.tag import Tag
 
 from seamark.server.accounts.permissions import Action
 from seamark.server.api.benchmarks import check
-from seamark.server.api.schemas import BenchmarkPath, RankQuery, RanksResponse
+from seamark.server.api.leaderboard_schemas import RankQuery, RanksResponse
+from seamark.server.api.schemas import BenchmarkPath
 from seamark.server.database.engine import Database
-from seamark.server.runs import leaderboard_filters
+from seamark.server.runs import leaderboard_filters, reference_entries
 from seamark.server.runs.leaderboard import Cursor, Rank
 from seamark.server.runs.leaderboard_filters import BoardFilter, BoardPage
 from seamark.server.web import access, csv_export
@@ -50,7 +51,9 @@ def show(path: BenchmarkPath, query: RankQuery) -> Response:
         page = board.page(after, query.limit or PAGE)
         following = None if page.next is None else page.next.text()
         rows = [_row(rank) for rank in page.ranks]
-        answer = jsonify({"benchmark": path.benchmark, "ranks": rows, "next": following})
+        marks = _reference_entries(path.benchmark)
+        found = {"ranks": rows, "reference_entries": marks, "next": following}
+        answer = jsonify({"benchmark": path.benchmark} | found)
     answer.headers["Vary"] = "Accept"
     return answer
 
@@ -149,6 +152,22 @@ def _row(rank: Rank) -> dict[str, Any]:
         "notes": rank.notes,
         "metrics": dict(rank.metrics),
     }
+
+
+def _reference_entries(name: str) -> list[dict[str, Any]]:
+    with services().database.reading() as session:
+        found = reference_entries.entries(session, registry.benchmark(name))
+    return [
+        {
+            "title": entry.title,
+            "score": entry.score,
+            "score_low": entry.low,
+            "score_high": entry.high,
+            "is_bound": entry.is_bound,
+            "run": entry.run_id,
+        }
+        for entry in found
+    ]
 
 
 def _flat(rank: Rank, metrics: Sequence[str]) -> Mapping[str, Any]:

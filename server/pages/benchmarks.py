@@ -5,9 +5,10 @@ from flask.typing import ResponseReturnValue
 from sqlalchemy.orm import Session
 
 from seamark.server.pages import form_fields, guides, plots
-from seamark.server.runs import leaderboard_filters, score_counts, submission
+from seamark.server.pages.plots import OnAxis
+from seamark.server.runs import leaderboard_filters, reference_entries, score_counts, submission
 from seamark.server.runs.leaderboard import Rank
-from seamark.server.runs.leaderboard_filters import HIDE, ONLY, BoardFilter
+from seamark.server.runs.leaderboard_filters import HIDE, BoardFilter
 from seamark.server.web.services import services
 from seamark.sim import registry, vehicles
 from seamark.sim.benchmarks.benchmark import Benchmark
@@ -40,8 +41,8 @@ def show(name: str) -> ResponseReturnValue:
     explanation, contents = guides.section(_GUIDE, name)
     with services().database.reading() as session:
         leader, people = _leader(session, name), score_counts.size(session, name)
-        marks = leaderboard_filters.page(session, name, BoardFilter(baselines=ONLY)).ranks
-    rows = sorted([*marks, *([leader] if leader else [])], key=lambda rank: -rank.score)
+        marks = reference_entries.entries(session, benchmark)
+    rows: list[OnAxis] = sorted([*marks, *([leader] if leader else [])], key=lambda row: -row.score)
     return render_template(
         "benchmark/show.html",
         benchmark=benchmark,

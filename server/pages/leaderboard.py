@@ -10,7 +10,13 @@ from seamark.sandbox.languages import LANGUAGES
 from seamark.server.pages import benchmarks, leader_replay, link_previews, plots
 from seamark.server.pages.player_data import player_data
 from seamark.server.pages.rank_plot import rank_plot
-from seamark.server.runs import leaderboard, leaderboard_filters, rank_history, score_counts
+from seamark.server.runs import (
+    leaderboard,
+    leaderboard_filters,
+    rank_history,
+    reference_entries,
+    score_counts,
+)
 from seamark.server.runs.leaderboard import Cursor, Rank
 from seamark.server.runs.leaderboard_filters import ONLY, SORTED_MAX, BoardFilter, BoardPage
 from seamark.server.web.services import services
@@ -39,7 +45,8 @@ def show(name: str) -> ResponseReturnValue:
     begin = after is None
     with services().database.reading() as session:
         board = _page(session, benchmark, chosen, after, metric)
-        marks = leaderboard_filters.page(session, name, BoardFilter(baselines=ONLY)).ranks
+        marks = reference_entries.entries(session, benchmark)
+        baselines = leaderboard_filters.page(session, name, BoardFilter(baselines=ONLY)).ranks
         leader = leader_replay.leader(session, board.ranks) if begin and not metric else None
         own = _own(session, name)
         count = score_counts.size(session, name)
@@ -60,7 +67,7 @@ def show(name: str) -> ResponseReturnValue:
         sorted_max=SORTED_MAX,
         axis=plots.score_axis(board.ranks, marks, whole="whole" in request.args),
         whole_axis=plots.score_axis(board.ranks[:1], marks, whole=True),
-        pareto=_pareto(benchmark, board.ranks, marks),
+        pareto=_pareto(benchmark, board.ranks, baselines),
         leader=leader,
         replay=leader and player_data(leader, leader_replay.files(leader)),
         preview=link_previews.of_leaderboard(benchmark, board.ranks if begin else ()),
@@ -108,11 +115,13 @@ def _own(session: Session, name: str) -> dict[str, Any]:
     return {"mine": mine, "history": rank_plot(points, None if mine is None else mine.rank)}
 
 
-def _pareto(benchmark: Benchmark, ranks: list[Rank], marks: list[Rank]) -> plots.ParetoPlot | None:
-    """Return the plot of the rows of this page and of all marks."""
+def _pareto(
+    benchmark: Benchmark, ranks: list[Rank], baselines: list[Rank]
+) -> plots.ParetoPlot | None:
+    """Return the plot of the rows of this page and of all baselines with a run."""
     if benchmark.pareto is None:
         return None
-    seen = {rank.run_id: rank for rank in (*ranks, *marks)}
+    seen = {rank.run_id: rank for rank in (*ranks, *baselines)}
     shown = list(seen.values())
     front = leaderboard_filters.undominated(shown, *benchmark.pareto)
     return plots.pareto_plot(shown, front, benchmark.pareto)

@@ -7,7 +7,7 @@ text keeps its size.
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Self
+from typing import Protocol, Self
 
 from seamark.server.runs.leaderboard import Rank
 from seamark.sim.metrics.metric import Metric
@@ -67,6 +67,19 @@ class Axis:
         return math.log(value) if value > 0.0 else math.log(self.low)
 
 
+class OnAxis(Protocol):
+    """A score with its interval; rows of a leaderboard and reference entries have it."""
+
+    @property
+    def score(self) -> float: ...  # noqa: D102 - the attribute of Rank
+    @property
+    def low(self) -> float: ...  # noqa: D102
+    @property
+    def high(self) -> float: ...  # noqa: D102
+    @property
+    def is_baseline(self) -> bool: ...  # noqa: D102
+
+
 @dataclass(frozen=True, slots=True)
 class ParetoPlot:
     """An error over its cost: all rows, and those of the front."""
@@ -79,7 +92,7 @@ class ParetoPlot:
     front: Sequence[Rank]
 
 
-def score_axis(ranks: Sequence[Rank], marks: Sequence[Rank], *, whole: bool) -> Axis:
+def score_axis(ranks: Sequence[OnAxis], marks: Sequence[OnAxis], *, whole: bool) -> Axis:
     """Return the axis of the intervals of a leaderboard.
 
     It is zoomed to the rows of people; with `whole`, or without any, it has all marks too.

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from sqlalchemy import Select, select
 from sqlalchemy.orm import Session
 
-from seamark.server.database.tables import Best, Result, Run
+from seamark.server.database.tables import IS_BASELINE, Best, Result, Run
 from seamark.server.runs.states import RunKind, RunState
 from seamark.server.runs.trial_scores import block_of
 from seamark.sim.benchmarks.benchmark import Benchmark
@@ -41,7 +41,7 @@ class ReferenceEntry:
 def reference_entries(session: Session, benchmark: Benchmark) -> list[ReferenceEntry]:
     """Return the reference entries of a benchmark that are public, in their declared order."""
     query = select(Best, Run).join(Run, Run.id == Best.run_id)
-    query = query.where(Best.benchmark == benchmark.name, Best.is_baseline)
+    query = query.where(Best.benchmark == benchmark.name, IS_BASELINE)
     found = {run.title: (best, run) for best, run in session.execute(query)}
     titles = [baseline.title for baseline in benchmark.baselines.values()]
     order = sorted(found, key=lambda title: titles.index(title) if title in titles else len(titles))
@@ -63,7 +63,7 @@ def comparisons(session: Session, run_id: int, *, with_previous: bool) -> list[C
     baselines = (
         _runs()
         .join(Best, Best.run_id == Run.id)
-        .where(Best.benchmark == run.benchmark, Best.is_baseline, Run.id != run.id)
+        .where(Best.benchmark == run.benchmark, IS_BASELINE, Run.id != run.id)
         .order_by(Best.score.desc())
     )
     compared = [_comparison(run, own, other, its) for other, its in session.execute(baselines)]

@@ -2,16 +2,28 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from typing import Literal
 
 from sqlalchemy import func, or_, select
 from sqlalchemy.orm import Session
 
 from seamark.server.accounts.accounts import RESERVED_PREFIX
-from seamark.server.database.tables import IS_QUEUED, IS_RUNNING, Best, Result, Run, User
+from seamark.server.database.tables import (
+    IS_BASELINE,
+    IS_QUEUED,
+    IS_RUNNING,
+    Best,
+    Result,
+    Run,
+    User,
+)
+from seamark.server.runs.solutions import solution
 from seamark.sim import registry
 from seamark.sim.benchmarks import reference_results
 from seamark.sim.benchmarks.benchmark import Benchmark
 from seamark.sim.benchmarks.reference_results import ReferenceResult
+
+_ORACLE = "oracle"  # in the names of built-in solutions with perfect knowledge
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -23,7 +35,9 @@ class ReferenceEntry:
     low: float  # 95 % interval of the score
     high: float
     is_bound: bool  # doing nothing, the oracle and the like: no solution that a run may use
+    is_oracle: bool = False
     run_id: int | None = None  # None: shipped, and being recomputed here
+    is_baseline: Literal[True] = True  # as rows of the leaderboard beside it
 
 
 def entries(session: Session, benchmark: Benchmark) -> list[ReferenceEntry]:
@@ -31,23 +45,22 @@ def entries(session: Session, benchmark: Benchmark) -> list[ReferenceEntry]:
 
     A shipped result is over the trials on the public seed, one of this service over its own.
     """
+    query = (
+        select(User.name, Best, Run)
+        .join(User, User.id == Best.user_id)
+        .join(Run, Run.id == Best.run_id)
+        .where(Best.benchmark == benchmark.name, IS_BASELINE)
+    )
     here = {
-        user.removeprefix(f"{RESERVED_PREFIX}-"): (best, run_id)
-        for user, best, run_id in session.execute(
-            select(User.name, Best, Best.run_id)
-            .join(User, User.id == Best.user_id)
-            .where(Best.benchmark == benchmark.name, Best.is_baseline)
-        )
+        user.removeprefix(f"{RESERVED_PREFIX}-"): _computed(benchmark, best, run)
+        for user, best, run in session.execute(query)
     }
-    shipped = reference_results.of_benchmark(benchmark)
-    found = [
-        _computed(benchmark, name, *here[name])
-        if name in here
-        else _shipped(benchmark, name, shipped[name])
-        for name in benchmark.baselines
-        if name in here or name in shipped
-    ]
-    return sorted(found, key=lambda entry: entry.score, reverse=True)
+    shipped = {
+        name: _shipped(benchmark, name, result)
+        for name, result in reference_results.of_benchmark(benchmark).items()
+        if name in benchmark.baselines
+    }
+    return sorted((shipped | here).values(), key=lambda entry: entry.score, reverse=True)
 
 
 def live_count(session: Session) -> int:
@@ -72,7 +85,7 @@ def deviations(session: Session) -> Iterator[tuple[str, int]]:
         select(Best.benchmark, User.name, Best.run_id, Result.reference_scores)
         .join(User, User.id == Best.user_id)
         .join(Result, Result.run_id == Best.run_id)
-        .where(Best.is_baseline)
+        .where(IS_BASELINE)
     )
     for name, user, run_id, scores in session.execute(query):
         if name not in registry.BENCHMARKS or scores is None:
@@ -84,15 +97,15 @@ def deviations(session: Session) -> Iterator[tuple[str, int]]:
             yield f"{benchmark.title}: {benchmark.baselines[entry].title}", run_id
 
 
-def _computed(benchmark: Benchmark, name: str, best: Best, run_id: int) -> ReferenceEntry:
-    baseline = benchmark.baselines[name]
+def _computed(benchmark: Benchmark, best: Best, run: Run) -> ReferenceEntry:
     return ReferenceEntry(
-        title=baseline.title,
+        title=run.title or solution(run),
         score=best.score,
         low=best.score_low,
         high=best.score_high,
-        is_bound=baseline.built_in in benchmark.reference_built_in,
-        run_id=run_id,
+        is_bound=run.controller in benchmark.reference_built_in,
+        is_oracle=_ORACLE in run.controller,
+        run_id=run.id,
     )
 
 
@@ -105,4 +118,5 @@ def _shipped(benchmark: Benchmark, name: str, result: ReferenceResult) -> Refere
         low=low,
         high=high,
         is_bound=baseline.built_in in benchmark.reference_built_in,
+        is_oracle=_ORACLE in baseline.built_in,
     )

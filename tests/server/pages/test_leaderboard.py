@@ -6,15 +6,19 @@ from html import unescape
 import pytest
 from sqlalchemy import update
 
+from seamark.server.accounts.accounts import RESERVED_PREFIX
 from seamark.server.database.tables import User
 from seamark.server.pages.plots import Axis
 from seamark.server.runs import leaderboard, results
 from seamark.server.runs.failure_reasons import FailureReason
 from seamark.server.runs.states import RunState
+from seamark.sim.benchmarks import reference_results
+from seamark.sim.registry import benchmark
 from tests.cast import Backend
 from tests.server.pages.conftest import Site
 
 PAGE = "/leaderboards/currents-v1"
+RECOMPUTED = "being recomputed here"
 API = f"/api/v1{PAGE}"
 
 
@@ -46,6 +50,35 @@ def test_a_row_says_what_it_is_and_how_it_was_made(site: Site) -> None:
     assert 'href="/users/ben">ben</a>' in page
     assert "Python" in page
     assert page.count('<line class="mark"') == 2 * 1 + 1  # in each row: the baseline
+
+
+def test_shipped_reference_entries_are_shown_until_the_service_has_its_own(site: Site) -> None:
+    browser = site.browser()
+    pages = ("/leaderboards/currents-v2", "/benchmarks/currents-v2")
+    shipped = reference_results.of_benchmark(benchmark("currents-v2"))
+
+    before = [browser.get(page).text for page in pages]
+    listed = browser.get(f"/api/v1{pages[0]}").get_json()
+    with site.database.writing() as session:
+        name = f"{RESERVED_PREFIX}-p"
+        change = update(User).where(User.id == site.user_id("eva"))
+        session.execute(change.values(is_baseline=True, name=name, name_key=name))
+    own = site.succeeded("eva", kind="ranked", benchmark="currents-v2", title="P of this service")
+    after = [browser.get(page).text for page in pages]
+    found = browser.get(f"/api/v1{pages[0]}?program=uploaded").get_json()
+
+    assert [page.count(f"reference, {RECOMPUTED}</small>") for page in before] == [len(shipped)] * 2
+    assert listed["ranks"] == []
+    assert [entry["run"] for entry in listed["reference_entries"]] == [None] * len(shipped)
+    assert sorted(entry["score"] for entry in listed["reference_entries"]) == sorted(
+        result.score for result in shipped.values()
+    )
+    for page in after:
+        assert page.count(f"reference, {RECOMPUTED}</small>") == len(shipped) - 1
+        assert f'<a href="/runs/{own}"><bdi>P of this service</bdi>' in page
+    assert after[0].count(f", {RECOMPUTED}</title>") == len(shipped) - 1  # marks in its only row
+    assert [one["run"] for one in found["reference_entries"] if one["run"]] == [own]
+    assert len(found["reference_entries"]) == len(shipped)
 
 
 def test_filters_of_page_and_api_agree(site: Site) -> None:
