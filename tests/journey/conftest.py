@@ -17,7 +17,7 @@ from typing import Any
 import pytest
 from playwright.sync_api import Browser, expect, sync_playwright
 
-from tests.journey.visitor import Visitor
+from tests.journey.visitor import RUN_MS, Visitor
 from tests.services.ports import free_port
 from tests.services.processes import end
 
@@ -26,6 +26,8 @@ START_S = 90.0
 ROOT = Path(__file__).parents[2]
 SHORT = {"levels": [0.0, 0.4], "level_duration_s": 20, "settle_s": 2}
 EMBEDDING_PORT = free_port()  # of the other site that may show runs in a frame
+PAGE_MS = 30_000  # most that a page takes to change on a loaded machine; Playwright's own is 5 s
+expect.set_options(timeout=PAGE_MS)
 # WebGL without a graphics card.
 SOFTWARE_RENDERING = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
 
@@ -68,6 +70,7 @@ def running(**settings: str) -> Iterator[Service]:
                 env={
                     **os.environ,
                     "SEAMARK_RANKED_TRIALS": "1",
+                    "SEAMARK_SIGN_UPS_PER_HOUR": "1000",  # all tests sign up from one address
                     "SEAMARK_EMBED_ORIGINS": f"http://localhost:{EMBEDDING_PORT}",
                     **settings,
                 },
@@ -135,16 +138,11 @@ def finished(chromium: Browser, service: Service) -> Iterator[tuple[int, Any]]:
     context = chromium.new_context()
     visitor = Visitor(context.new_page(), service.url)
     visitor.sign_up("player")
-    visitor.open("/submit/currents-v1")
-    token = visitor.page.locator("input[name=csrf_token]").first.get_attribute("value")
     run = {"benchmark": "currents-v1", "controller": "p", "config": SHORT, "seed": 3}
-    answer = visitor.page.request.post(
-        f"{service.url}/api/v1/runs", data=run, headers={"X-CSRFToken": str(token)}
-    )
-    run_id = answer.json()["id"]
+    run_id = visitor.submit(run)
     visitor.open(f"/runs/{run_id}")
     visitor.wait_for("succeeded")
     visitor.press_and_confirm("Publish")
-    expect(visitor.page.get_by_text("The run is now public")).to_be_visible()
+    expect(visitor.page.get_by_text("The run is now public")).to_be_visible(timeout=RUN_MS)
     yield run_id, context.storage_state()
     context.close()

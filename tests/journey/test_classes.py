@@ -25,11 +25,7 @@ def make_teacher(service: Service, name: str) -> None:
 
 def join_class(phone: Visitor, code: str) -> None:
     """Create the account of a pupil and join by the code, typed in lower case."""
-    phone.open("/sign-up")
-    phone.page.get_by_label("Name").fill("pupil")
-    phone.page.get_by_label("Password").fill("correct horse battery")
-    phone.page.get_by_role("button", name="Create account").click()
-    expect(phone.page.get_by_text("Welcome, pupil")).to_be_visible()
+    phone.sign_up("pupil")
     phone.open("/classes/")
     phone.page.get_by_label("Class code").fill(code.lower())
     phone.page.get_by_role("button", name="Join class").click()

@@ -129,10 +129,7 @@ def test_a_run_can_be_written_checked_and_started_by_keyboard_alone(visitor: Vis
     keyboard.press("ArrowUp")  # the last choice: one's own program
     editor = editor_of(page)
     expect(editor).to_be_visible()
-    for _ in range(12):
-        keyboard.press("Tab")
-        if editor.evaluate("box => box.getRootNode().activeElement === box"):
-            break
+    visitor.tab_to(editor)
     keyboard.press("Control+a")
     keyboard.insert_text("def f():")
     keyboard.press("Enter")

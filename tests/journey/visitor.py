@@ -1,6 +1,7 @@
 """A visitor of the pages in a real browser."""
 
 import re
+from typing import Any
 
 from playwright.sync_api import FilePayload, Locator, Page, expect
 
@@ -59,12 +60,29 @@ class Visitor:
         self.page.get_by_label("Name").fill(name)
         self.page.get_by_label("Password").fill(PASSWORD)
         self.page.get_by_role("button", name="Create account").click()
-        expect(self.page.get_by_role("link", name=name, exact=True)).to_be_visible()
+        expect(self.page.get_by_text(f"Welcome, {name}.")).to_be_visible(timeout=RUN_MS)
+
+    def submit(self, run: dict[str, Any]) -> int:
+        """Queue a run through the API and return its number."""
+        request, api = self.page.request, f"{self.url}/api/v1"
+        token = request.get(f"{api}/me").json()["csrf_token"] or ""
+        response = request.post(f"{api}/runs", data=run, headers={"X-CSRFToken": token})
+        expect(response).to_be_ok()
+        number: int = response.json()["id"]
+        return number
 
     def press_and_confirm(self, name: str) -> None:
         """Press a button that asks first, and the one of the same name in the dialog."""
         self.page.get_by_role("button", name=name).click()
         self.page.get_by_role("dialog").get_by_role("button", name=name).click()
+
+    def tab_to(self, control: Locator, most: int = 12) -> None:
+        """Move the focus to a control with the Tab key."""
+        for _ in range(most):
+            self.page.keyboard.press("Tab")
+            if control.evaluate("one => one.getRootNode().activeElement === one"):
+                return
+        expect(control).to_be_focused()
 
     def wait_for(self, state: str) -> None:
         badge = self.page.locator("[data-state-badge] .badge")
