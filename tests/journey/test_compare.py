@@ -59,8 +59,8 @@ def test_two_runs_of_the_list_are_compared_and_the_address_shows_the_same(
     visitor.sign_in(OWNER)
     visitor.open("/runs/")
     for run_id in run_ids:
-        page.get_by_label(f"Compare run {run_id}").check()
-    page.get_by_role("button", name="Compare selected").click()
+        page.get_by_label(f"Select run {run_id}", exact=True).check()
+    page.get_by_role("button", name="Compare").click()
     expect(page.get_by_role("heading", name="Compare 2 runs")).to_be_visible()
     _views(page, run_ids)
 
