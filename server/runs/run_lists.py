@@ -123,8 +123,7 @@ def page(
     window = _window(session, viewer, run_filter, order, start.after)
     window = window.limit(limit + 1 if all_seen else SEEN_MAX)
     seen = window.with_only_columns(*_NEEDED).subquery().c
-    found = select(seen.id).outerjoin(Result, Result.run_id == seen.id)
-    found = found.where(*_conditions(seen, run_filter)).order_by(*_keys(seen, order))
+    found = select(seen.id).where(*_conditions(seen, run_filter)).order_by(*_keys(seen, order))
     ids = list(session.scalars(found.limit(limit + 1).offset(skip)))
     following: Place | None = None
     if len(ids) > limit and order.by_id:
@@ -176,9 +175,11 @@ def _views(session: Session, ids: Sequence[int]) -> list[RunView]:
 def _keys(run: Columns, order: RunOrder) -> tuple[ColumnElement[Any], ...]:
     if order is RunOrder.OLDEST:
         return (run.id.asc(),)
+    # Not a join: PostgreSQL would read all results for it.
+    score = select(Result.score).where(Result.run_id == run.id).scalar_subquery()
     keys: dict[RunOrder, tuple[ColumnElement[Any], ...]] = {
-        RunOrder.HIGHEST: (Result.score.desc().nulls_last(),),
-        RunOrder.LOWEST: (Result.score.asc().nulls_last(),),
+        RunOrder.HIGHEST: (score.desc().nulls_last(),),
+        RunOrder.LOWEST: (score.asc().nulls_last(),),
         RunOrder.TITLE: ((run.title == "").asc(), func.lower(run.title).asc()),
         RunOrder.PROGRAM: (func.lower(func.coalesce(run.program_name, run.controller)).asc(),),
         RunOrder.LONGEST: ((run.finished_at - run.started_at).desc().nulls_last(),),

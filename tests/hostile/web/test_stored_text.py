@@ -148,7 +148,7 @@ def test_text_of_a_user_does_not_turn_round_what_stands_beside_it(site: Site) ->
 
     for path in (f"/runs/{run_id}", "/runs/"):
         page = site.browser("ann").get(path).text
-        shown = page[page.index("<main") :]
+        shown = page[page.index("<main") :].replace(f'value="{title}"', "")  # alone in a field
         assert shown.count(title) == shown.count(f"<bdi>{title}</bdi>") > 0
 
 

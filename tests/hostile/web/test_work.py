@@ -143,8 +143,9 @@ def _patterns() -> dict[str, "re.Pattern[str]"]:
 
 
 def _search_s(pattern: "re.Pattern[str]", text: str) -> float:
+    searched = text.encode() if isinstance(pattern.pattern, bytes) else text
     begin = time.process_time()
-    pattern.search(text)
+    pattern.search(searched)
     pattern.fullmatch(text)
     return time.process_time() - begin
 

@@ -26,9 +26,9 @@ def leaderboard(settings: Settings, database: Database, monkeypatch: pytest.Monk
     return backend
 
 
-def _rows(backend: Backend) -> set[tuple[object, ...]]:
+def _rows(backend: Backend) -> set[tuple[str, ...]]:
     with backend.database.reading() as session:
-        return {tuple(row) for row in session.execute(select(*BEST))}
+        return {tuple(map(repr, row)) for row in session.execute(select(*BEST))}
 
 
 @pytest.mark.parametrize("damage", ["none", "one", "all"])

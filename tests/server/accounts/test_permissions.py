@@ -22,7 +22,9 @@ TEACHER = Viewer(user_id=4, account_role=Role.TEACHER)
 ORGANISER = Viewer(user_id=5, account_role=Role.ORGANISER)
 GUEST, OTHER_GUEST, NOBODY = Viewer(guest="g"), Viewer(guest="h"), Viewer()
 READING = {"list", "view_account", "view_classes"}
-OF_USER = READING | {"submit", "upload", "submit_ranked", "manage_tokens", "join_classes"}
+OF_USER = READING | {
+    "submit", "upload", "submit_ranked", "manage_tokens", "edit_profile", "join_classes"
+}  # fmt: skip
 IN_BROWSER = {"change_password", "close_account"}
 OF_TEACHER = {"invite", "teach"}
 LOOK = {Action.VIEW, Action.VIEW_PROGRAM, Action.VIEW_LOG}

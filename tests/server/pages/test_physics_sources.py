@@ -36,12 +36,6 @@ def test_a_benchmark_shows_every_setting_with_its_source(site: Site, name: str) 
     assert {source for source in sources if source not in page} == set()
 
 
-def test_the_address_of_benchmarks_redirects_to_the_first_one(site: Site) -> None:
-    answer = site.browser().get("/benchmarks/")
-
-    assert answer.location == f"/benchmarks/{next(iter(registry.BENCHMARKS))}"
-
-
 def test_a_vehicle_can_be_downloaded_as_urdf(site: Site) -> None:
     answer = site.browser().get("/docs/physics/bluerov2-heavy.urdf")
 
