@@ -20,7 +20,7 @@ pytestmark = [pytest.mark.browser, pytest.mark.host, pytest.mark.slow]
 def test_a_visitor_without_an_account_can_run_the_pi_controller(visitor: Visitor) -> None:
     page = visitor.page
     visitor.open("/")
-    page.get_by_role("link", name="Start a run").click()
+    page.get_by_role("link", name="New run").click()
     shorten(page)
 
     page.get_by_role("button", name="Start run").click()

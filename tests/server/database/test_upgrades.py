@@ -18,7 +18,7 @@ from seamark.server.accounts import accounts, browser_sessions, invitations
 from seamark.server.checks import queue as check_queue
 from seamark.server.classes import classrooms
 from seamark.server.database.account_tables import AccountDeletion, PasswordReset
-from seamark.server.database.class_tables import AssignedRun
+from seamark.server.database.class_tables import AssignedRun, Classroom
 from seamark.server.database.engine import Database
 from seamark.server.database.schema import check, config, upgrade
 from seamark.server.database.tables import Worker
@@ -80,7 +80,8 @@ def _fill(backend: Backend) -> None:
         worker = Worker(name="w", slots=1, level="strong", languages=[], findings=[])
         workers.register(session, worker)
         create_first(session, ann)
-        classrooms.join(session, backend.user_id("ben"), classrooms.find(session, 1).code)
+        code = session.scalars(select(Classroom.code)).one()
+        classrooms.join(session, backend.user_id("ben"), code)
         session.add(AssignedRun(run_id=1, assignment_id=1, user_id=ann, score=None))
         session.add(PasswordReset(hash="h", user_id=ann, expires_at=1.0))
         session.add(AccountDeletion(user_id=backend.user_id("eva"), requested_at=1.0))
