@@ -17,8 +17,8 @@ _ADDRESSES = {
     "/benchmarks/<name>": f"/benchmarks/{BENCHMARK}",
     "/leaderboards/<name>": f"/leaderboards/{BENCHMARK}",
     "/leaderboards/<name>/preview.jpg": f"/leaderboards/{BENCHMARK}/preview.jpg",
-    "/users/<name>": "/users/many5",
-    "/api/v1/users/<string:name>": "/api/v1/users/many5",
+    "/users/<name>": "/users/{user}",
+    "/api/v1/users/<string:name>": "/api/v1/users/{user}",
     "/docs/<name>": "/docs/start",
     "/docs/guides/<path:name>": "/docs/guides/benchmarks.md",
     "/docs/physics/<name>.urdf": "/docs/physics/girona500.urdf",
@@ -65,7 +65,7 @@ def create_first(session: Session, user_id: int) -> None:
     session.add(Sweep(user_id=user_id, benchmark=BENCHMARK, axes=axes, created_at=0.0))
 
 
-def addresses(app: Flask, *, run_id: int, half: str) -> Iterator[str]:
+def addresses(app: Flask, *, run_id: int, half: str, user: str = "many5") -> Iterator[str]:
     """Yield the addresses of all routes that answer GET; raises KeyError for an unknown variable.
 
     Parameters
@@ -74,6 +74,8 @@ def addresses(app: Flask, *, run_id: int, half: str) -> Iterator[str]:
         A run that ended, with files.
     half
         A cursor in the middle of the leaderboard.
+    user
+        Somebody with a published run.
     """
     for rule in app.url_map.iter_rules():
         if "GET" not in (rule.methods or ()) or rule.rule in _WHOLE_FILES:
@@ -87,13 +89,17 @@ def addresses(app: Flask, *, run_id: int, half: str) -> Iterator[str]:
             address = address.replace(variable, "1")
         if "<" in address:
             raise KeyError(f"performance/requests.py has no address for {rule.rule}")
-        yield address.format(run=run_id)
+        yield address.format(run=run_id, user=user)
     for address in _MORE:
         yield address.format(run=run_id, half=half)
 
 
-def pages(app: Flask, *, run_id: int) -> list[str]:
+def pages(app: Flask, *, run_id: int, user: str) -> list[str]:
     """Return the addresses of all pages that a browser can open, in alphabetical order."""
-    found = {path.replace("?after=", "") for path in addresses(app, run_id=run_id, half="")}
-    found = {path.replace("&after=", "") for path in found if not path.startswith(_NOT_PAGES)}
-    return sorted(path for path in found if not path.endswith(_FILES))
+    lists = ("/leaderboards/", "/runs/?")  # once each is enough for what they look like
+    found = {
+        path
+        for path in addresses(app, run_id=run_id, half="", user=user)
+        if not path.startswith(_NOT_PAGES) and not path.endswith(_FILES)
+    }
+    return sorted(path for path in found if not (path.startswith(lists) and "?" in path))

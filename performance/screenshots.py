@@ -32,7 +32,7 @@ from seamark.server.settings import Settings
 from tests.services.embedded import started
 
 FOLDER = Path(__file__).parents[1] / "docs" / "screenshots"
-NAME = "ada"
+NAME, BASELINE = "ada", "seamark-pi"
 SHORT = {"levels": [0.0, 0.4], "level_duration_s": 40.0, "settle_s": 5.0}
 BROKEN = b"""class Controller:
     def __init__(self, config):
@@ -97,7 +97,7 @@ def filled() -> Iterator[Filled]:
                 _wait(database)
             values = {"data": data, "secret_key": "x", "broker_url": "redis://127.0.0.1:1/0"}
             app = create_app(Settings.model_validate(values))
-            paths = [*pages(app, run_id=run_id), f"/runs/{failed}", "/nowhere"]
+            paths = [*pages(app, run_id=run_id, user=BASELINE), f"/runs/{failed}", "/nowhere"]
             app.extensions["seamark"].close()
             yield Filled(address, password, paths)
 

@@ -8,6 +8,7 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from typing import Any
 
 import pytest
+from axe_playwright_python.sync_playwright import Axe
 from playwright.sync_api import Browser, Page, expect
 
 from tests.journey.conftest import EMBEDDING_PORT, Service
@@ -231,3 +232,21 @@ def test_the_player_fits_a_phone_and_its_bar_stays_in_sight(
         expect(page.locator("[data-bar]")).to_be_in_viewport(ratio=0.9)
 
     assert page.evaluate("document.documentElement.scrollWidth") <= 375
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_axe_finds_nothing_on_the_run_page_and_the_embedded_player(
+    chromium: Browser, service: Service, finished: tuple[int, Any], scheme: Any
+) -> None:
+    context = chromium.new_context(color_scheme=scheme, viewport={"width": 1280, "height": 900})
+    visitor = Visitor(context.new_page(), service.url)
+
+    for path in (f"/runs/{finished[0]}", f"/runs/{finished[0]}/embed"):
+        visitor.open(path)
+        visitor.page.evaluate(
+            "for (const part of document.querySelectorAll('details')) part.open = true"
+        )
+        found = Axe().run(visitor.page)
+        assert found.violations_count == 0, f"{path}\n{found.generate_report()}"
+    assert visitor.errors == []
+    context.close()
