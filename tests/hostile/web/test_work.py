@@ -146,7 +146,7 @@ def _search_s(pattern: "re.Pattern[str]", text: str) -> float:
     searched = text.encode() if isinstance(pattern.pattern, bytes) else text
     begin = time.process_time()
     pattern.search(searched)
-    pattern.fullmatch(text)
+    pattern.fullmatch(searched)
     return time.process_time() - begin
 
 
