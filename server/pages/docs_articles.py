@@ -10,7 +10,7 @@ from markupsafe import escape
 
 CONTENTS_FROM = 4  # sections: a shorter page needs no list of them
 _HEADING = re.compile(r"<h([23])(?: id=\"([^\"]*)\")?>(.*?)</h\1>", re.DOTALL)
-_TAG = re.compile(r"<[^>]+>")
+_TAG = re.compile(r"<[^<>]+>")
 
 
 @dataclass(frozen=True, slots=True)

@@ -16,7 +16,7 @@ _LINE_MAX = 500  # [character]
 _MARK = re.compile(r"^\s*(?://+|/\*+|\*+|%+|#+)[ \t]*@parameter\b(.*)$")
 _NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 _DECLARATION = re.compile(
-    rf"\s+(?P<name>\w+)\s+(?P<default>{_NUMBER}|true|false)"
+    rf"\A\s++(?P<name>\w+)\s+(?P<default>{_NUMBER}|true|false)"
     rf"(?:\s*\[\s*(?P<low>{_NUMBER})?\s*,\s*(?P<high>{_NUMBER})?\s*\])?"
     r"(?:\s*\((?P<unit>[^()]*)\))?(?:\s+(?P<description>[^\s\[(].*))?\s*"
 )
