@@ -12,6 +12,11 @@ def value(session: Session, name: str) -> float:
     return session.scalar(select(Counter.value).where(Counter.name == name)) or 0.0
 
 
+def add(session: Session, name: str, number: float) -> None:
+    """Add to a number; one that was never stored is 0."""
+    upsert(session, Counter, {"name": name, "value": number}, {"value": Counter.value + number})
+
+
 def store(session: Session, name: str, number: float) -> None:
     """Store a number. The caller has a lock that all who store it take."""
     upsert(session, Counter, {"name": name, "value": number}, {"value": number})

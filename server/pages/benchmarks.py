@@ -6,9 +6,8 @@ from sqlalchemy.orm import Session
 
 from seamark.server.pages import form_fields, guides, plots
 from seamark.server.pages.plots import OnAxis
-from seamark.server.runs import leaderboard_filters, reference_entries, score_counts, submission
+from seamark.server.runs import leaderboard, reference_entries, score_counts, submission
 from seamark.server.runs.leaderboard import Rank
-from seamark.server.runs.leaderboard_filters import HIDE, BoardFilter
 from seamark.server.web.services import services
 from seamark.sim import registry, vehicles
 from seamark.sim.benchmarks.benchmark import Benchmark
@@ -24,11 +23,11 @@ def index() -> ResponseReturnValue:
     with services().database.reading() as session:
         found = [
             {
-                "benchmark": registry.benchmark(name),
-                "leader": _leader(session, name),
-                "people": score_counts.size(session, name),
+                "benchmark": benchmark,
+                "leader": _leader(session, benchmark),
+                "people": score_counts.size(session, benchmark.name),
             }
-            for name in registry.BENCHMARKS
+            for benchmark in map(registry.benchmark, registry.BENCHMARKS)
         ]
     return render_template("benchmark/index.html", found=found)
 
@@ -40,7 +39,7 @@ def show(name: str) -> ResponseReturnValue:
     config = benchmark.read({})
     explanation, contents = guides.section(_GUIDE, name)
     with services().database.reading() as session:
-        leader, people = _leader(session, name), score_counts.size(session, name)
+        leader, people = _leader(session, benchmark), score_counts.size(session, name)
         marks = reference_entries.entries(session, benchmark)
     rows: list[OnAxis] = sorted([*marks, *([leader] if leader else [])], key=lambda row: -row.score)
     return render_template(
@@ -63,10 +62,9 @@ def show(name: str) -> ResponseReturnValue:
     )
 
 
-def _leader(session: Session, name: str) -> Rank | None:
+def _leader(session: Session, benchmark: Benchmark) -> Rank | None:
     """Return the first row of a leaderboard that is not a baseline; None if people are missing."""
-    people = leaderboard_filters.page(session, name, BoardFilter(baselines=HIDE), limit=1).ranks
-    return people[0] if people else None
+    return next(iter(leaderboard.leaders(session, benchmark, 1)), None)
 
 
 def first() -> Benchmark:

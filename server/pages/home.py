@@ -49,7 +49,7 @@ def show() -> ResponseReturnValue:
         public = run_lists.page(session, g.viewer, RunFilter(which="public"), limit=NEWEST)
         boards = [_board(session, registry.benchmark(name)) for name in registry.BENCHMARKS]
         replay = _replay(session, boards)
-        counts, simulated_s = totals.counts(session), totals.simulated_s(session)
+        counts, simulated_s = totals.counts_and_simulated_s(session)
         live = sum(counts[state] for state in LIVE) - reference_entries.live_count(session)
         alive = workers.alive_count(session)
     return render_template(
@@ -57,7 +57,7 @@ def show() -> ResponseReturnValue:
         public=public.runs,
         boards=boards,
         replayed=replay,
-        replay=None if replay is None else player_data(replay, leader_replay.files(replay)),
+        replay=None if replay is None else player_data(replay, leader_replay.files(replay.id)),
         done=counts[RunState.SUCCEEDED],
         live=max(0, live),
         simulated_h=simulated_s / 3600,
@@ -105,11 +105,10 @@ def _start_demo() -> int:
 
 
 def _board(session: Session, benchmark: Benchmark) -> Board:
-    ranks = leaderboard.page(session, benchmark.name, limit=BEST + len(benchmark.baselines))
     references = reference_entries.entries(session, benchmark)
     return Board(
         benchmark,
-        [rank for rank in ranks if not rank.is_baseline][:BEST],
+        leaderboard.leaders(session, benchmark, BEST),
         [entry for entry in references if not entry.is_bound][:BEST],
     )
 

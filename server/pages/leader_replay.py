@@ -1,6 +1,7 @@
 """The run of a leader that a page replays."""
 
 from collections.abc import Iterable, Sequence
+from itertools import islice
 
 from flask import g
 from sqlalchemy.orm import Session
@@ -12,6 +13,8 @@ from seamark.server.runs.leaderboard import Rank
 from seamark.server.runs.views import RunView
 from seamark.server.web.services import services
 
+_SEEN_MAX = 10  # runs that are looked at; storage can be away, or their data deleted
+
 
 def leader(session: Session, ranks: Sequence[Rank]) -> RunView | None:
     """Return the run of the first of these ranks that can be replayed, marks last; else None."""
@@ -20,14 +23,15 @@ def leader(session: Session, ranks: Sequence[Rank]) -> RunView | None:
 
 
 def first_replayable(session: Session, run_ids: Iterable[int]) -> RunView | None:
-    """Return the first of these runs that the viewer can replay; None if there is none."""
-    for run_id in run_ids:
-        run = views.show(session, run_id)
-        if run is not None and can(g.viewer, Action.VIEW, run) and files(run).row_count():
-            return run
+    """Return the first of these runs that the viewer can replay; None if the first few cannot."""
+    for run_id in islice(run_ids, _SEEN_MAX):
+        if files(run_id).row_count():
+            run = views.show(session, run_id)
+            if run is not None and can(g.viewer, Action.VIEW, run):
+                return run
     return None
 
 
-def files(run: RunView) -> RunFiles:
+def files(run_id: int) -> RunFiles:
     """Return the files of a run."""
-    return RunFiles(services().settings.data, run.id)
+    return RunFiles(services().settings.data, run_id)

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import Any, Self
 
 from sqlalchemy import ColumnElement, Row, Select, and_, delete, func, or_, select, update
-from sqlalchemy.orm import Session
+from sqlalchemy.orm import Session, load_only
 
 from seamark.server.database.advisory_locks import AdvisoryLock, acquire
 from seamark.server.database.tables import IS_BASELINE, Best, Result, Run, User
@@ -19,6 +19,7 @@ from seamark.server.runs.quota import ranked_ended
 from seamark.server.runs.ranking import Estimate, Population
 from seamark.server.runs.states import RunKind, RunState
 from seamark.server.runs.trial_scores import error_of_score
+from seamark.sim.benchmarks.benchmark import Benchmark
 
 LABEL_MAX = 40  # [character] of a vehicle or tracker
 
@@ -46,6 +47,9 @@ class Cursor:
 
 
 _ORDER = (Best.score.desc(), Best.reached_at, Best.user_id)
+# What a `Rank` shows of its run and user:
+_RUN_COLUMNS = (Run.benchmark, Run.config, Run.controller, Run.program_name, Run.title, Run.notes)
+_USER_COLUMNS = (User.name, User.affiliation)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -101,6 +105,12 @@ def page(
         number += not best.is_baseline
         ranks.append(_rank(best, run, user, number, people))
     return ranks
+
+
+def leaders(session: Session, benchmark: Benchmark, count: int) -> list[Rank]:
+    """Return the first rows of a leaderboard without baselines."""
+    ranks = page(session, benchmark.name, limit=count + len(benchmark.baselines))
+    return [rank for rank in ranks if not rank.is_baseline][:count]
 
 
 @dataclass(frozen=True, slots=True)
@@ -303,6 +313,9 @@ def _rows(benchmark: str) -> Select[Best, Run, User]:
         select(Best, Run, User)
         .join(Run, Run.id == Best.run_id)
         .join(User, User.id == Best.user_id)
+        .options(
+            load_only(*_RUN_COLUMNS, raiseload=True), load_only(*_USER_COLUMNS, raiseload=True)
+        )
         .where(Best.benchmark == benchmark)
     )
 

@@ -94,11 +94,12 @@ def claim(
         Of the uploads that this worker can run; empty: built-in programs only.
     """
     acquire(session, AdvisoryLock.CLAIM)
-    run_id = _next_in_turn(session, languages, running_limit(session, settings))
+    passed_over = int(counters.value(session, PASSED_OVER))
+    limit = running_limit(session, settings)
+    run_id = _next_in_turn(session, languages, limit, guests_first=passed_over >= GUEST_SHARE)
     if run_id is None:
         return None
     now = time.time()
-    run = session.get_one(Run, run_id)
     lease: dict[str, Any] = {
         "worker": worker,
         "started_at": now,
@@ -107,9 +108,9 @@ def claim(
     reset: dict[str, Any] = {"attempt": Run.attempt + 1, "progress": 0.0, "t_simulated": 0.0}
     if not move(session, run_id, RunState.QUEUED, RunState.RUNNING, **lease, **reset):
         return None  # cancelled, on PostgreSQL, between the two statements
+    run = session.get_one(Run, run_id)
     turns.serve(session, run.owner)
-    _count_passed_over(session, run.owner)
-    session.refresh(run)
+    _count_passed_over(session, run.owner, passed_over)
     return Claim.from_rows(run, run_id=run.id, lease_s=settings.lease_s)
 
 
@@ -242,9 +243,11 @@ def _requeue_or_fail(
     return new
 
 
-def _next_in_turn(session: Session, languages: Collection[str], limit: int) -> int | None:
+def _next_in_turn(
+    session: Session, languages: Collection[str], limit: int, *, guests_first: bool
+) -> int | None:
     order = list(Priority)
-    if counters.value(session, PASSED_OVER) >= GUEST_SHARE:
+    if guests_first:
         order.sort(key=lambda priority: priority is not Priority.GUEST)
     for priority in order:
         if priority is Priority.BASELINE and _baseline_runs(session):
@@ -275,10 +278,9 @@ def _baseline_runs(session: Session) -> bool:
     return session.scalar(running.limit(1)) is not None
 
 
-def _count_passed_over(session: Session, owner: str) -> None:
+def _count_passed_over(session: Session, owner: str, before: int) -> None:
     """Count how many runs of accounts have started since guests wait."""
     guests = select(Turn.owner).where(turns.IS_WAITING, Turn.priority == int(Priority.GUEST))
-    before = counters.value(session, PASSED_OVER)
     waiting = session.scalar(guests.limit(1)) is not None
     now = min(before + 1, GUEST_SHARE) if waiting and not owner.startswith(GUESTS) else 0
     if now != before:

@@ -16,24 +16,29 @@ from seamark.server.runs.states import FINAL, RunState
 
 SIMULATED, UNTIL = "simulated_s", "counted_until"
 ENDED = "ended:"  # and a state
+EVERY_S = 60.0  # at least between two countings
 LATE_S = 60.0  # a transaction that is open meanwhile may store an earlier time of its end
 
 
 def counts(session: Session) -> dict[RunState, int]:
     """Return how many runs there are in each state; ended ones that were deleted count too."""
     recent, _ = _ended_after(session, counters.value(session, UNTIL))
+    return _counts(session, recent)
+
+
+def counts_and_simulated_s(session: Session) -> tuple[dict[RunState, int], float]:
+    """Return `counts`, and the simulated time [s] of all runs, also of those that are running."""
+    recent, recent_s = _ended_after(session, counters.value(session, UNTIL))
+    running = session.scalar(select(func.sum(Run.t_simulated)).where(IS_RUNNING)) or 0.0
+    return _counts(session, recent), counters.value(session, SIMULATED) + running + recent_s
+
+
+def _counts(session: Session, recent: dict[RunState, int]) -> dict[RunState, int]:
     live = {RunState.QUEUED: IS_QUEUED, RunState.RUNNING: IS_RUNNING}
     return {
         state: session.scalar(select(func.count()).where(condition)) or 0
         for state, condition in live.items()
     } | {state: int(counters.value(session, ENDED + state)) + recent[state] for state in FINAL}
-
-
-def simulated_s(session: Session) -> float:
-    """Return the simulated time of all runs, also of those that are running."""
-    _, recent_s = _ended_after(session, counters.value(session, UNTIL))
-    running = session.scalar(select(func.sum(Run.t_simulated)).where(IS_RUNNING)) or 0.0
-    return counters.value(session, SIMULATED) + running + recent_s
 
 
 def oldest_queued_at(session: Session) -> float | None:
@@ -44,12 +49,12 @@ def oldest_queued_at(session: Session) -> float | None:
 def count_ended(session: Session) -> None:
     """Add the runs that have ended since the last time to the counters. One process at a time."""
     since, until = counters.value(session, UNTIL), time.time() - LATE_S
-    if until <= since:  # the clock was changed
+    if until - since < EVERY_S:  # just counted, or the clock was changed
         return
     ended, simulated = _ended_after(session, since, until)
     for state, number in ended.items():
-        counters.store(session, ENDED + state, counters.value(session, ENDED + state) + number)
-    counters.store(session, SIMULATED, counters.value(session, SIMULATED) + simulated)
+        counters.add(session, ENDED + state, number)
+    counters.add(session, SIMULATED, simulated)
     counters.store(session, UNTIL, until)
 
 

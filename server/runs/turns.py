@@ -70,6 +70,8 @@ def forget_idle(session: Session) -> None:
 
 def _lock(session: Session, owner: str) -> None:
     """Lock the row of an owner until the end of the transaction; insert it if it is missing."""
+    if session.scalar(select(Turn.owner).where(Turn.owner == owner).with_for_update()) is not None:
+        return
     priority = int(_priority(session, owner))
     row = {"owner": owner, "priority": priority, "served_at": 0.0}
     upsert(session, Turn, row, {"priority": priority})

@@ -25,8 +25,9 @@ def _age(both: Backend, run_id: int, ended_s_ago: float) -> None:
 
 def _totals(both: Backend) -> tuple[dict[str, int], float]:
     with both.database.reading() as session:
-        counts = {str(state): number for state, number in totals.counts(session).items() if number}
-        return counts, totals.simulated_s(session)
+        counts, simulated_s = totals.counts_and_simulated_s(session)
+        assert totals.counts(session) == counts
+        return {str(state): number for state, number in counts.items() if number}, simulated_s
 
 
 def test_every_run_is_counted_once_before_and_after_maintenance(both: Backend) -> None:

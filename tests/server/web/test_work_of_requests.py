@@ -23,6 +23,7 @@ from tests.server.api.conftest import Site
 
 RUNS, QUEUED = 30_000, 1_000
 ROWS_MAX = 5_000  # rows of all tables that one statement reads on PostgreSQL
+STATEMENTS_MAX = 40  # of one answer
 STEPS_MAX = 75_000  # steps of SQLite's virtual machine; a scan of `runs` takes more
 _STEPS = 500  # between two calls of its handler
 
@@ -130,10 +131,11 @@ def test_no_request_and_no_step_of_the_queue_scans_the_runs(work: Work) -> None:
     with client.session_transaction() as session:
         session.update(cookie)
 
-    heavy = {}
+    heavy, many = {}, {}
     for address in addresses(site.app, run_id=recorded, half=half):
         with work.recorded(), client.get(address) as answer:
             answer.get_data()
+        many[address] = len(work.found)
         heavy[address] = work.heavy()
     with work.recorded():
         site.show(waiting)
@@ -144,6 +146,7 @@ def test_no_request_and_no_step_of_the_queue_scans_the_runs(work: Work) -> None:
     assert len(failed) == len(set(failed)) == (RUNS - QUEUED) // 100
     assert failed == sorted(failed, reverse=True)
     assert {what: statements for what, statements in heavy.items() if statements} == {}
+    assert {what: count for what, count in many.items() if count > STATEMENTS_MAX} == {}
 
 
 def test_claims_submissions_and_sweeps_cost_the_same_at_any_depth(work: Work) -> None:
