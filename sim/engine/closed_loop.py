@@ -57,7 +57,7 @@ class ClosedLoop:
         self._motion_blur = world.camera.effects.exposure_s > 0.0
         self._thrusters = len(world.plant.vehicle.thrusters)
         self._pose = np.zeros(6)
-        self._observation = empty(self._thrusters)
+        self.observation = empty(self._thrusters)
         self._constant_arguments = self._perception_arguments()
         self._step_us = 0.0
 
@@ -84,7 +84,9 @@ class ClosedLoop:
         recorder = Recorder(on_rows, thrusters=self._thrusters)
         try:
             for step in range(self._steps):
-                self._step(step, recorder.next_row())
+                row = recorder.next_row()
+                self.sense(step, row)
+                self.act(step, row)
                 recorder.commit()
         finally:
             recorder.flush()
@@ -93,20 +95,36 @@ class ClosedLoop:
         """Release what the world holds."""
         self._world.close()
 
-    def _step(self, step: int, row: Row) -> None:
-        world, t = self._world, self._start_s + step * self._dt
-        if not world.plant.read_pose(self._pose):
-            raise _invalid(t, "the vehicle's state")
+    def sense(self, step: int, row: Row) -> None:
+        """Fill `observation` and the row, but for what the program decides at this control step.
+
+        Raises
+        ------
+        StateInvalid
+            The vehicle's state is no longer finite.
+        """
+        if not self._world.plant.read_pose(self._pose):
+            raise _invalid(self._start_s + step * self._dt, "the vehicle's state")
         self._track(step)
-        self._perceive(step, t, row)
+        self._perceive(step, self._start_s + step * self._dt, row)
+
+    def act(self, step: int, row: Row) -> None:
+        """Ask the program, complete the row, and advance the vehicle to the next control step.
+
+        Raises
+        ------
+        StateInvalid
+            A command of a thruster is not finite.
+        """
         if step == 0:
             self._reset()
         row[_REFERENCE] = reference = self._program_step()
         row[STEP_US] = self._step_us
-        commands = self._commands(reference)
+        commands = self.commands(reference)
         if not all(map(math.isfinite, commands.tolist())):
-            raise _invalid(t, "the thrusters' command")
-        world.plant.advance(step * self._physics_steps, commands, self._physics_steps)
+            raise _invalid(self._start_s + step * self._dt, "the thrusters' command")
+        plant, steps = self._world.plant, self._physics_steps
+        plant.advance(step * steps, commands, steps)
 
     def _track(self, step: int) -> None:
         pose, tracking = self._pose, self._world.tracking
@@ -123,7 +141,7 @@ class ClosedLoop:
         contact_n = world.plant.contact_force()
         seen = (world.tracking.ok, self._seen.ok)
         now = (step * self._physics_steps, t, *seen, altitude, echoes, contact_n)
-        outputs = (row, self._observation, world.velocity_controller.measured)
+        outputs = (row, self.observation, world.velocity_controller.measured)
         perceive(now, *self._constant_arguments, outputs)
 
     def _reset(self) -> None:
@@ -142,7 +160,7 @@ class ClosedLoop:
             }
         )
 
-    def _commands(self, reference: Command) -> NDArray[np.float64]:
+    def commands(self, reference: Command) -> NDArray[np.float64]:
         """Return the thrusters' commands, (n,) in [-1, 1]."""
         if self._oracle is not None:
             return self._oracle.commands()
@@ -150,6 +168,6 @@ class ClosedLoop:
 
     def _program_step(self) -> Command:
         before = time.perf_counter_ns()
-        reference = self._program.step(self._observation)
+        reference = self._program.step(self.observation)
         self._step_us = (time.perf_counter_ns() - before) * 1e-3
         return reference

@@ -76,17 +76,28 @@ class OpenLoop:
         recorder = Recorder(on_rows, thrusters=0)
         try:
             for step in range(self._steps):
-                self._step(step, recorder.next_row())
+                self.step(step, recorder.next_row())
                 recorder.commit()
         finally:
             recorder.flush()
 
-    def _step(self, step: int, row: Row) -> None:
-        tracking = self._tracking
-        pose, velocity = self._path.pose_and_velocity(step * self._dt)
-        motion = np.array([*pose, *velocity])
-        track = tracking.update if step % self._start_every else tracking.start
-        track(motion, self._first_frame + step)
+    def motion(self, step: int) -> NDArray[np.float64]:
+        """Return pose and velocity, (12,), at an image of the level."""
+        return np.concatenate(self._path.pose_and_velocity(step * self._dt))
+
+    def starts(self, step: int) -> bool:
+        """Return whether the tracker is started at this image rather than asked."""
+        return step % self._start_every == 0
+
+    def frame(self, step: int) -> int:
+        """Return the number of an image in the trial; the noise of its pixels depends on it."""
+        return self._first_frame + step
+
+    def step(self, step: int, row: Row) -> None:
+        """Start the tracker or give it the image, and fill the row."""
+        tracking, motion = self._tracking, self.motion(step)
+        track = tracking.start if self.starts(step) else tracking.update
+        track(motion, self.frame(step))
         row[:] = 0.0
         row[_TIME] = self._trial, self._level, self._start_s + step * self._dt
         row[_MOTION] = motion
