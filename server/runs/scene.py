@@ -89,10 +89,10 @@ def _seabed(ground: str) -> bytes:
     import cv2  # noqa: PLC0415 - loads OpenCV
 
     from seamark.sim.camera import pictures, seabed  # noqa: PLC0415 - loads OpenCV
-    from seamark.sim.camera.camera import SAND, SEABED_SEED  # noqa: PLC0415 - loads OpenCV
+    from seamark.sim.camera.camera import SAND  # noqa: PLC0415 - loads OpenCV
 
     if ground == SAND:
-        planes = [seabed.texels(SEABED_SEED, channel) for channel in (2, 1, 0)]
+        planes = [seabed.texels(seabed.SEABED_SEED, channel) for channel in (2, 1, 0)]
     else:
         planes = [pictures.tile(ground)] * 3
     small = cv2.resize(np.dstack(planes), (TEXTURE_PX, TEXTURE_PX), interpolation=cv2.INTER_AREA)

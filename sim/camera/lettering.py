@@ -58,6 +58,16 @@ def _distance(
     return distance
 
 
+def _around(
+    u: NDArray[np.float64], v: NDArray[np.float64], stroke: Segment, half: float
+) -> tuple[slice, slice]:
+    """Return the rows and columns that hold all samples nearer than `half` to a line segment."""
+    x0, y0, x1, y1 = stroke
+    left, right = np.searchsorted(u[0], (min(x0, x1) - 2.0 * half, max(x0, x1) + 2.0 * half))
+    upper, lower = np.searchsorted(v[:, 0], (min(y0, y1) - 2.0 * half, max(y0, y1) + 2.0 * half))
+    return slice(upper, lower), slice(left, right)
+
+
 def _grid(length: float, width: float, columns: int, rows: int) -> tuple[NDArray[np.float64], ...]:
     """Return sample positions in units of the face's width, the origin at the upper left."""
     u = (np.arange(columns * OVERSAMPLING) + 0.5) / (columns * OVERSAMPLING) * (length / width)
@@ -128,7 +138,8 @@ def face(
     if wide < 2:
         return _smoothed(_smoothed(_averaged(out)))
     for stroke in _segments(TEXT, x=0.32, y=0.26, height=0.44, pitch=0.345):
-        out = _painted(out, _distance(u, v, stroke), 0.042, WHITE)
+        near = _around(u, v, stroke, 0.042)
+        out[near] = _painted(out[near], _distance(u[near], v[near], stroke), 0.042, WHITE)
     mark = (u > wide - 0.48) & (u < wide - 0.29) & (v > 0.26) & (v < 0.74)
     stripe = (u + v) * 4.2
     out = np.where(mark & (stripe - np.floor(stripe) < 0.5), AMBER[channel], out)

@@ -1,18 +1,25 @@
 """Procedural seabed: rippled sand with pebbles and shells, as a tile that repeats seamlessly.
 
 Only an integer hash and + - * / sqrt are used, so every processor gives the same bytes: no FFT, no
-blur and no noise of a library.
+blur and no noise of a library. The one tile that every run needs, the green channel of SEABED_SEED,
+is also stored as a file, because painting it takes half a second.
 """
 
+import hashlib
 from functools import lru_cache
+from pathlib import Path
 
+import cv2
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+SEABED_SEED = 7  # the same seabed in all runs, so that it is not part of a trial's luck
 TILE = 1024  # [texel] a power of two: the ray-caster wraps with a mask
 STRIDE = TILE + 16  # [texel] from a row to the next in memory
 TEXEL_M = 0.005  # about one pixel of both benchmarks' cameras, so no mipmaps are needed
+STORED_TILE = Path(__file__).with_name("textures") / "sand.png"  # textures/LICENSE.md
+_STORED_SHA256 = "9c48c4e7492ea2bd3adbf1733b676c661942fc2c9fb4dbf1d3c6ef691a69730a"  # of the file
 SAND_TINT = (1.20, 1.0, 0.74)  # E: red, green, blue of quartz sand relative to its grey
 
 
@@ -172,12 +179,30 @@ def _albedo(seed: int) -> NDArray[np.float64]:
     return tile
 
 
-def texels(seed: int, channel: int) -> NDArray[np.uint8]:
-    """Return the tile (TILE, TILE) of one channel (0 red, 1 green, 2 blue) in 255ths."""
+def painted(seed: int, channel: int) -> NDArray[np.uint8]:
+    """Paint the tile (TILE, TILE) of one channel (0 red, 1 green, 2 blue) in 255ths."""
     albedo = _albedo(seed)
     if channel != 1:
         albedo = _tinted(albedo, channel, SAND_TINT[channel], seed)
     return quantise(albedo)
+
+
+def texels(seed: int, channel: int) -> NDArray[np.uint8]:
+    """Return what `painted` returns, from the stored tile if it is that one."""
+    stored = _stored() if (seed, channel) == (SEABED_SEED, 1) else None
+    return painted(seed, channel) if stored is None else stored
+
+
+def _stored() -> NDArray[np.uint8] | None:
+    """Return the stored tile; None if the file is missing or damaged."""
+    try:
+        content = STORED_TILE.read_bytes()
+    except OSError:
+        return None
+    if hashlib.sha256(content).hexdigest() != _STORED_SHA256:
+        return None
+    image = cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_GRAYSCALE)
+    return np.asarray(image, np.uint8)
 
 
 @lru_cache(maxsize=6)

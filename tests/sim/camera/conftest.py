@@ -17,8 +17,7 @@ from seamark.sim.camera import (
     lettering,
     start_pose,
 )
-from seamark.sim.camera.camera import SEABED_SEED
-from seamark.sim.camera.seabed import TEXEL_M
+from seamark.sim.camera.seabed import SEABED_SEED, TEXEL_M
 from seamark.sim.camera.seabed import texels as seabed_texels
 from seamark.sim.camera.target import SHADES
 from seamark.sim.camera.target import TEXEL_M as FACE_TEXEL_M
