@@ -37,7 +37,6 @@ _FALL_BACK = "numba-all-"
 CACHE_INTERNALS = (
     "numba.core.config:CACHE_LOCATOR_CLASSES",  # the variable, as Numba has read it
     "numba.core.caching:CacheImpl",  # calls the locators
-    "modulefinder:ModuleFinder.scan_opcodes",  # names in the import statements of a file
 )
 SIMD_INTERNALS = (
     "numba.core.cgutils:unpack_tuple",  # shape of an array

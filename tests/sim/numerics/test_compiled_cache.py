@@ -1,12 +1,18 @@
 """Compiled code is never used after a change of the sources that it was compiled from."""
 
+import ast
 from pathlib import Path
 
 import pytest
 
 from seamark.sim.camera import raycast
 from seamark.sim.numerics import libm
-from seamark.sim.numerics.compiled_cache import ROOT, SourceStampLocator, stamp
+from seamark.sim.numerics.compiled_cache import (
+    ROOT,
+    SourceStampLocator,
+    imported_names,
+    stamp,
+)
 from seamark.sim.physics.plant import Plant
 
 SOURCES = {
@@ -54,6 +60,42 @@ def test_compiled_functions_are_kept_under_the_stamp_of_their_sources() -> None:
         assert (
             Path(function._cache.cache_path).name == f"numba-{path.stem}-{stamp(path, ROOT)[:16]}"
         )
+
+
+def _by_syntax(source: str) -> set[str]:
+    """Return the names in the import statements of a file, from its syntax tree."""
+    names: set[str] = set()
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.Import):
+            names |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            names |= {node.module or "", *(f"{node.module}.{alias.name}" for alias in node.names)}
+    return {name for name in names if name.startswith("seamark")}
+
+
+def test_no_import_of_any_source_is_overlooked() -> None:
+    sources = [path.read_text("utf-8") for path in (ROOT / "sim").rglob("*.py")]
+
+    assert sum(map(len, map(_by_syntax, sources))) > 500
+    for source in sources:
+        assert _by_syntax(source) <= set(imported_names(source))
+
+
+@pytest.mark.parametrize(
+    ("source", "names"),
+    [
+        ("import os, seamark.sim.drag as d\n", {"seamark.sim.drag"}),
+        ("if yes: from seamark.sim import drag\n", {"seamark.sim", "seamark.sim.drag"}),
+        (
+            "def f():\n    from seamark.sim import (  # drag (all)\n        drag,\n    )\n",
+            {"seamark.sim", "seamark.sim.drag"},
+        ),
+        ("x = 1; import seamark.sim.drag; y = 2\n", {"seamark.sim.drag"}),
+        ("import numpy\nfrom numba import njit\n", set()),
+    ],
+)
+def test_imports_are_found_in_every_form(source: str, names: set[str]) -> None:
+    assert set(imported_names(source)) == names
 
 
 def test_code_outside_the_simulator_is_left_to_numba() -> None:
