@@ -29,7 +29,7 @@ EMBEDDING_PORT = free_port()  # of the other site that may show runs in a frame
 PAGE_MS = 30_000  # most that a page takes to change on a loaded machine; Playwright's own is 5 s
 expect.set_options(timeout=PAGE_MS)
 # WebGL without a graphics card.
-SOFTWARE_RENDERING = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
+SOFTWARE_RENDERING = ["--enable-unsafe-swiftshader"]
 
 
 @dataclass(frozen=True)

@@ -67,3 +67,17 @@ def test_a_new_sqlite_file_that_another_process_writes_to_is_waited_for(tmp_path
     writer.close()
     database.close()
     assert mode == "wal"
+
+
+def test_a_postgresql_host_that_vanishes_is_noticed_within_a_minute(postgres_url: str) -> None:
+    database = Database(postgres_url)
+    with database.reading() as session:
+        driver = session.connection().connection.driver_connection
+        assert driver is not None
+        chosen = {name: int(value) for name, value in driver.info.get_parameters().items()
+                  if name.startswith(("keepalives", "tcp_user"))}  # fmt: skip
+    database.close()
+
+    quiet_s = chosen["keepalives_idle"] + chosen["keepalives_interval"] * chosen["keepalives_count"]
+    assert quiet_s < 60
+    assert 1000 < chosen["tcp_user_timeout"] < 60_000
