@@ -1,0 +1,215 @@
+"""Station keeping as a Gymnasium environment: one vehicle, one level per episode."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import gymnasium
+import numpy as np
+from numpy.typing import NDArray
+
+from seamark.gym.episodes import Episode, Episodes
+from seamark.gym.spaces import THRUSTERS, VELOCITY, action_space, observation_space
+from seamark.sim import registry
+from seamark.sim.benchmarks.station_keeping.experiment import StationKeeping
+from seamark.sim.engine.closed_loop import ClosedLoop, StateInvalid
+from seamark.sim.engine.delay import STILL
+from seamark.sim.engine.program import Command
+from seamark.sim.engine.reward import goal, reward_of
+from seamark.sim.engine.seeds import SEED_MAX
+from seamark.sim.engine.world import World
+from seamark.sim.recording.telemetry import INDEX, STEP_US, width_for
+
+Observation = NDArray[np.float64]
+_TRUTH: dict[str, Any] = {  # name in `info` -> columns of the telemetry
+    "pose": slice(INDEX["x"], INDEX["yaw"] + 1),
+    "velocity": slice(INDEX["u"], INDEX["r"] + 1),
+    "current": slice(INDEX["current_x"], INDEX["current_z"] + 1),
+    "distance": INDEX["distance"],
+    "tracker_error": INDEX["tracker_error"],
+}
+
+
+def truth_of(rows: NDArray[np.float64]) -> dict[str, Any]:
+    """Return what `info` has of rows of telemetry, (..., WIDTH or more), in new arrays."""
+    return {name: rows[..., columns] + 0.0 for name, columns in _TRUTH.items()}
+
+
+class _Held:
+    """The program in the loop: returns the action of the present step."""
+
+    def __init__(self) -> None:
+        self.command: Command = STILL
+
+    def reset(self, level: Mapping[str, float | int]) -> None:
+        """Do nothing: a policy is reset by who owns it."""
+
+    def step(self, values: Observation) -> Command:
+        """Return the action."""
+        return self.command
+
+
+class _ThrusterLoop(ClosedLoop):
+    """A loop without the velocity controller; commands arrive as late as those of a controller."""
+
+    def __init__(self, world: World, **place: int) -> None:
+        super().__init__(world, _Held(), **place)
+        self.thrust_commands = np.zeros(len(world.plant.vehicle.thrusters))
+        late = world.conditions.command_delay_steps
+        self._pending = [np.zeros_like(self.thrust_commands)] * late
+
+    def commands(self, reference: Command) -> NDArray[np.float64]:
+        """Return the thrusters' commands that arrive now."""
+        self._pending.append(self.thrust_commands.copy())
+        return self._pending.pop(0)
+
+
+class StationKeepingEnv(gymnasium.Env[Observation, Observation]):
+    """One vehicle above its target.
+
+    An episode is one level, truncated at its end. `reset(seed=N)` begins the run with seed N, the
+    same as `seamark run --seed N`; each further `reset()` is the next level of that run.
+    `reset(options={"trial": 1, "level": 0})` goes on from there. The docs have all else.
+    """
+
+    metadata = {"render_modes": ["rgb_array"], "render_fps": 20}  # noqa: RUF012  # as Gymnasium's
+
+    def __init__(
+        self,
+        *,
+        benchmark: str,
+        settings: Mapping[str, object] | None = None,
+        action: str = VELOCITY,
+        render_mode: str | None = None,
+    ) -> None:
+        """Set up the environment.
+
+        Parameters
+        ----------
+        settings
+            Of the benchmark, such as `{"tracker": "truth", "vehicle": "girona500"}`; see
+            `seamark benchmarks NAME`.
+        action
+            "velocity": what a controller returns; "thrusters": commands of the thrusters.
+
+        Raises
+        ------
+        ConfigurationInvalid
+            A setting is not valid.
+        ValueError
+            There is no such action or render mode.
+        """
+        if render_mode not in (None, *self.metadata["render_modes"]):
+            raise ValueError(f"render_mode must be rgb_array, not {render_mode!r}")
+        self.render_mode = render_mode
+        entry = registry.benchmark(benchmark)
+        config: Any = entry.read(settings or {})
+        self._config = config
+        self._experiment: StationKeeping[Any] = entry.load()  # type: ignore[assignment]
+        space = observation_space(config)
+        self._observed = space.shape
+        self.observation_space: gymnasium.Space[Any] = space
+        self.action_space: gymnasium.Space[Any] = action_space(config, action)
+        self.metadata = self.metadata | {"render_fps": round(1.0 / config.control_period_s)}
+        self._by_thrusters = action == THRUSTERS
+        self._episodes: Episodes | None = None
+        self._loop: ClosedLoop | None = None
+        self._held = _Held()
+        self._step = 0
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Observation, dict[str, Any]]:
+        """Begin the next level; with a seed, the first one of the run with that seed."""
+        super().reset(seed=seed)
+        if seed is not None or self._episodes is None:
+            run = int(self.np_random.integers(SEED_MAX + 1)) if seed is None else seed
+            self._episodes = Episodes(self._experiment, self._config, run)
+        self._episodes.go_to(options or {})
+        self._begin(episode := self._episodes.next())
+        self._sense()
+        return self._observation(), episode.info() | self._truth()
+
+    def _begin(self, episode: Episode) -> None:
+        self.close()
+        place = {"trial": episode.trial, "level": episode.level}
+        self._world = self._experiment.world(self._config, seed=episode.seed, **place)
+        place["position"] = episode.position
+        self._loop = (
+            _ThrusterLoop(self._world, **place)
+            if self._by_thrusters
+            else ClosedLoop(self._world, self._held, **place)
+        )
+        config, vehicle = self._world.config, self._world.plant.vehicle
+        self._steps, self._first_frame = config.control_steps_per_level, episode.position
+        self._first_frame *= self._steps
+        mount = self._world.camera.optics.mount_m
+        self._goal: Any = tuple(goal(vehicle, self._world.station, mount, self._world.tool_m))
+        self._step, self._row = 0, np.zeros(width_for(len(vehicle.thrusters)))
+
+    def _sense(self) -> None:
+        self._running.sense(self._step, self._row)
+
+    @property
+    def _running(self) -> ClosedLoop:
+        if self._loop is None:
+            raise gymnasium.error.ResetNeeded("call reset() before step() and render()")
+        return self._loop
+
+    def step(self, action: Observation) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
+        """Simulate one control period.
+
+        The reward is that of the state in which it ends: see `sim/engine/reward.py`. An episode is
+        terminated only if the simulation diverges, such as by an action that is not a number.
+        """
+        loop = self._running
+        self._hold(np.asarray(action, dtype=np.float64))
+        try:
+            loop.act(self._step, self._row)
+            self._step += 1
+            self._sense()
+        except StateInvalid:
+            return self._observation(), 0.0, True, False, self._truth()
+        reward = float(reward_of(self._row, self._goal))
+        return self._observation(), reward, False, self._step >= self._steps, self._truth()
+
+    def _hold(self, action: Observation) -> None:
+        """Take an action for the next control step."""
+        if action.shape != self.action_space.shape:
+            raise ValueError(f"an action has shape {self.action_space.shape}, not {action.shape}")
+        if isinstance(self._loop, _ThrusterLoop):
+            self._loop.thrust_commands[:] = action[: len(self._loop.thrust_commands)]
+        else:
+            surge, sway, heave, yaw_rate = action.tolist()
+            self._held.command = (surge, sway, heave, yaw_rate)
+
+    def _observation(self) -> Observation:
+        values = self._running.observation
+        observation = np.zeros(self._observed)
+        observation[: len(values)] = values
+        return observation
+
+    def _truth(self) -> dict[str, Any]:
+        return truth_of(self._row)
+
+    @property
+    def telemetry(self) -> Observation:
+        """The row of telemetry of the present state, without what follows from the next action."""
+        row = self._row.copy()
+        row[INDEX["ref_u"] : INDEX["ref_r"] + 1] = 0.0
+        row[STEP_US] = 0.0
+        return row
+
+    def render(self) -> NDArray[np.uint8] | None:
+        """Return what the camera sees, (H, W, 3) red, green, blue."""
+        if self.render_mode is None:
+            return None
+        plant = self._world.plant
+        motion = np.concatenate([plant.pose(), plant.velocity()])
+        image = self._world.camera.colour(motion, self._first_frame + self._step)
+        return np.ascontiguousarray(image[..., ::-1])
+
+    def close(self) -> None:
+        """Release what the present level holds."""
+        if self._loop is not None:
+            self._loop.close()
+            self._loop = None

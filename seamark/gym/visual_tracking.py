@@ -1,0 +1,184 @@
+"""Visual tracking as a Gymnasium environment: find the target in one image after the other."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import gymnasium
+import numpy as np
+from gymnasium.spaces import Box, Dict, Discrete
+from numpy.typing import NDArray
+
+from seamark.gym.episodes import Episode, Episodes
+from seamark.sim import registry
+from seamark.sim.engine.open_loop import OpenLoop
+from seamark.sim.engine.seeds import SEED_MAX
+from seamark.sim.metrics.tracking import FAR_PX
+from seamark.sim.recording.telemetry import INDEX, WIDTH
+from seamark.sim.trackers import Corners, Track, Window
+
+Observation = dict[str, Any]
+CORNERS = 8  # numbers of an action that are corners; the last one tells whether there is a target
+_CORNER_ERROR, _OK = INDEX["tracker_error"], INDEX["tracker_ok"]
+
+
+class _Held:
+    """The tracker in the loop: keeps what it is started with, and answers with the action."""
+
+    def __init__(self) -> None:
+        self.image: NDArray[np.uint8] = np.zeros((0, 0), np.uint8)
+        self.corners: Corners = np.zeros((4, 2))
+        self.answer = Track(self.corners, False, 0.0, 0)
+
+    def start(self, image: NDArray[np.uint8], corners: Corners) -> None:
+        """Keep the image from which a tracker learns the target."""
+        self.image, self.corners = image.copy(), corners.copy()
+
+    def window(self) -> Window:
+        """Return an empty window: the environment renders the image beforehand."""
+        return 0, 0, 0, 0
+
+    def update(self, image: NDArray[np.uint8]) -> Track:
+        """Return the action."""
+        return self.answer
+
+
+class VisualTrackingEnv(gymnasium.Env[Observation, NDArray[np.float64]]):
+    """The target in the images of a vehicle that moves along a given path.
+
+    An episode is one level; `reset` counts them as in station keeping. An observation has the next
+    image, and the last one in which the target was shown with its corners. An action is what a
+    tracker returns for the image: eight numbers x0 y0 to x3 y3 [px], and one that tells whether it
+    has the target (from 0.5 on) or not.
+    """
+
+    metadata = {"render_modes": ["rgb_array"], "render_fps": 20}  # noqa: RUF012  # as Gymnasium's
+
+    def __init__(
+        self,
+        *,
+        benchmark: str,
+        settings: Mapping[str, object] | None = None,
+        render_mode: str | None = None,
+    ) -> None:
+        """Set up the environment; `settings` are the benchmark's.
+
+        Raises
+        ------
+        ConfigurationInvalid
+            A setting is not valid.
+        ValueError
+            There is no such render mode, or the images depend on the tracker (mode free).
+        """
+        if render_mode not in (None, *self.metadata["render_modes"]):
+            raise ValueError(f"render_mode must be rgb_array, not {render_mode!r}")
+        self.render_mode = render_mode
+        entry = registry.benchmark(benchmark)
+        config: Any = entry.read(settings or {})
+        if getattr(config, "mode", "") == "free":
+            raise ValueError("the environment needs a prescribed path: mode must not be free")
+        self._config, self._experiment = config, entry.load()
+        shape = (config.camera_height_px, config.camera_width_px)
+        image = Box(0, 255, shape, np.uint8)
+        points = Box(-np.inf, np.inf, (4, 2), np.float64)
+        self.observation_space: gymnasium.Space[Any] = Dict(
+            image=image, start_image=image, start_corners=points, started=Discrete(2)
+        )
+        far = 10.0 * max(shape)
+        low, high = np.array([-far] * CORNERS + [0.0]), np.array([far] * CORNERS + [1.0])
+        self.action_space: gymnasium.Space[Any] = Box(low, high, dtype=np.float64)
+        self.metadata = self.metadata | {"render_fps": round(1.0 / config.control_period_s)}
+        self._episodes: Episodes | None = None
+        self._loop: OpenLoop | None = None
+        self._row = np.zeros(WIDTH)
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Observation, dict[str, Any]]:
+        """Begin the next level; with a seed, the first one of the run with that seed."""
+        super().reset(seed=seed)
+        if seed is not None or self._episodes is None:
+            run = int(self.np_random.integers(SEED_MAX + 1)) if seed is None else seed
+            self._episodes = Episodes(self._experiment, self._config, run)
+        self._episodes.go_to(options or {})
+        self._begin(episode := self._episodes.next())
+        return self._observation(), episode.info() | self._truth()
+
+    def _begin(self, episode: Episode) -> None:
+        place = {"seed": episode.seed, "trial": episode.trial, "level": episode.level}
+        self._held, self._step = _Held(), 0
+        self._loop = self._experiment.level(  # type: ignore[assignment]  # mode is not free
+            self._config, self._held, **place
+        )
+        self._camera = self._experiment.camera(self._config, **place)
+        self._show()
+
+    def _show(self) -> None:
+        """Start the tracker if that is due, and render the image that comes next."""
+        loop = self._running
+        self._started = loop.starts(self._step)
+        if self._started:
+            loop.step(self._step, self._row)
+            self._step += 1
+        self._image = self._camera.grey(loop.motion(self._step), loop.frame(self._step))
+
+    @property
+    def _running(self) -> OpenLoop:
+        if self._loop is None:
+            raise gymnasium.error.ResetNeeded("call reset() before step() and render()")
+        return self._loop
+
+    def step(
+        self, action: NDArray[np.float64]
+    ) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
+        """Take the corners in the present image and show the next one.
+
+        The reward is 1 if they are within 5 px of the true ones, else 0: its mean over the images
+        of a level is the benchmark's p@5.
+
+        Raises
+        ------
+        ValueError
+            The action is not nine finite numbers.
+        """
+        numbers = np.asarray(action, dtype=np.float64)
+        if numbers.shape != self.action_space.shape or not np.isfinite(numbers).all():
+            raise ValueError(f"an action is {CORNERS + 1} finite numbers, not {action!r}")
+        corners = numbers[:CORNERS].reshape(4, 2).copy()
+        self._held.answer = Track(corners, bool(numbers[CORNERS] >= 0.5), 0.0, 0)
+        self._running.step(self._step, self._row)
+        self._step += 1
+        found = self._row[_OK] and self._row[_CORNER_ERROR] <= FAR_PX
+        truth, over = self._truth(), self._step >= self._config.control_steps_per_level
+        if not over:
+            self._show()
+        return self._observation(), float(bool(found)), False, over, truth
+
+    def _observation(self) -> Observation:
+        return {
+            "image": self._image.copy(),
+            "start_image": self._held.image.copy(),
+            "start_corners": self._held.corners.copy(),
+            "started": int(self._started),
+        }
+
+    def _truth(self) -> dict[str, Any]:
+        """Return the truth of the last image that was answered, or that started the tracker."""
+        row = self._row
+        return {
+            "pose": row[INDEX["x"] : INDEX["yaw"] + 1].copy(),
+            "target": row[INDEX["target_x"] : INDEX["target_y"] + 1].copy(),
+            "tracker_error": float(row[_CORNER_ERROR]),
+        }
+
+    @property
+    def telemetry(self) -> NDArray[np.float64]:
+        """The row of telemetry of the last image that was answered."""
+        return self._row.copy()
+
+    def render(self) -> NDArray[np.uint8] | None:
+        """Return the present image in colour, (H, W, 3) red, green, blue."""
+        if self.render_mode is None:
+            return None
+        loop = self._running
+        image = self._camera.colour(loop.motion(self._step), loop.frame(self._step))
+        return np.ascontiguousarray(image[..., ::-1])
