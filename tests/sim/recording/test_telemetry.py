@@ -54,6 +54,33 @@ def test_csv_reads_back_as_the_same_bits(rows: Rows) -> None:
     assert np.array_equal(back, rows)
 
 
+def _python_text(rows: Rows) -> str:
+    """Return rows as CSV by Python's own text of each float."""
+    lines = ([repr(value).removesuffix(".0") for value in row] for row in rows.tolist())
+    return "".join(",".join(line) + "\n" for line in lines)
+
+
+@pytest.mark.parametrize(
+    "numbers",
+    [
+        np.random.default_rng(5).integers(0, 2**64, 50_000, np.uint64).view(np.float64),
+        np.random.default_rng(6).standard_normal(50_000),
+        np.random.default_rng(7).standard_normal(50_000).astype(np.float32).astype(np.float64),
+        2.0 ** np.arange(-1074, 1024),
+        np.nextafter(2.0 ** np.arange(-1074, 1024), 0.0),
+        10.0 ** np.arange(-20, 20),
+        np.nextafter(10.0 ** np.arange(-20, 20), 0.0),
+        np.array([0.0, -0.0, 1.0, -1.0, 2.0**53, np.nan, np.inf, -np.inf, 9e15, 1e22]),
+    ],
+    ids="bits normal single powers-2 below-2 powers-10 below-10 special".split(),
+)
+def test_csv_has_the_bytes_of_pythons_shortest_text(numbers: Rows) -> None:
+    for width in (1, 2):
+        rows = numbers[: len(numbers) // width * width].reshape(-1, width)
+        assert telemetry.csv_lines(rows) == _python_text(rows)
+        assert telemetry.csv_lines(-rows) == _python_text(-rows)
+
+
 def test_csv_begins_with_comments_and_the_header_row() -> None:
     lines = telemetry.header(["seed 5"]).splitlines()
 
