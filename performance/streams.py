@@ -81,11 +81,11 @@ def service() -> Iterator[Service]:
     """Start the embedded service and a run."""
     with tempfile.TemporaryDirectory(prefix="seamark-streams-") as folder:
         data = Path(folder) / "data"
-        with started(data) as (address, pid):
+        with started(data) as (address, service):
             token = _token(data)
             with Client(address, token) as client:
                 run_id = _start_run(client)
-            yield Service(int(address.rsplit(":", 1)[1].strip("/")), pid, run_id, token)
+            yield Service(int(address.rsplit(":", 1)[1].strip("/")), service.pid, run_id, token)
 
 
 def _token(data: Path) -> str:

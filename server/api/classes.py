@@ -59,10 +59,7 @@ def create_class() -> Response:
     body = request_body.json_body(ClassRequest)
     with refusals.as_problems(), services().database.writing() as database:
         class_id = classrooms.create(database, user_id, body.name)
-        made = classrooms.find(database, class_id)
-    if made is None:
-        raise Problem("not-found")
-    answer = jsonify(class_answer(made))
+    answer = jsonify(class_answer(class_access.class_for(class_id)))
     answer.status_code = 201
     answer.headers["Location"] = f"/api/v1/classes/{class_id}"
     return answer
@@ -80,10 +77,7 @@ def join() -> dict[str, Any]:
     body = request_body.json_body(JoinRequest)
     with refusals.as_problems(), services().database.writing() as database:
         class_id = classrooms.join(database, user_id, body.code)
-        joined = classrooms.find(database, class_id)
-    if joined is None:
-        raise Problem("not-found")
-    return class_answer(joined)
+    return class_answer(class_access.class_for(class_id))
 
 
 @api.get("/classes/<int:class_id>", responses={200: ClassResponse})

@@ -68,7 +68,7 @@ class ReferenceEntryResponse(ResponseModel):
     score_high: float
     is_bound: bool = Field(description="such as doing nothing or the oracle: no run may use it")
     run: int | None = Field(
-        description="null: a result that Seamark ships, and that is being recomputed here"
+        description="null: a result that Seamark ships, not computed by this service"
     )
 
 

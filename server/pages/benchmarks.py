@@ -41,6 +41,7 @@ def show(name: str) -> ResponseReturnValue:
     with services().database.reading() as session:
         leader, people = _leader(session, benchmark), score_counts.size(session, name)
         marks = reference_entries.entries(session, benchmark)
+        pending = reference_entries.are_pending(session, benchmark)
     rows: list[OnAxis] = sorted([*marks, *([leader] if leader else [])], key=lambda row: -row.score)
     return render_template(
         "benchmark/show.html",
@@ -51,6 +52,7 @@ def show(name: str) -> ResponseReturnValue:
         leader=leader,
         people=people,
         rows=rows,
+        pending=pending,
         axis=plots.score_axis(rows, (), whole=True),
         contents=contents,
         levels=len(config.level_values()),

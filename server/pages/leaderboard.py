@@ -18,7 +18,14 @@ from seamark.server.runs import (
     score_counts,
 )
 from seamark.server.runs.leaderboard import Cursor, Rank
-from seamark.server.runs.leaderboard_filters import ONLY, SORTED_MAX, BoardFilter, BoardPage
+from seamark.server.runs.leaderboard_filters import (
+    ONLY,
+    SORTED_MAX,
+    BoardFilter,
+    BoardPage,
+    Measured,
+)
+from seamark.server.runs.reference_entries import ReferenceEntry
 from seamark.server.web.services import services
 from seamark.sim.benchmarks.benchmark import Benchmark
 from seamark.sim.metrics.metric import Metric
@@ -46,6 +53,7 @@ def show(name: str) -> ResponseReturnValue:
     with services().database.reading() as session:
         board = _page(session, benchmark, chosen, after, metric)
         marks = reference_entries.entries(session, benchmark)
+        pending = reference_entries.are_pending(session, benchmark)
         baselines = leaderboard_filters.page(session, name, BoardFilter(baselines=ONLY)).ranks
         leader = leader_replay.leader(session, board.ranks) if begin and not metric else None
         own = _own(session, name)
@@ -59,6 +67,7 @@ def show(name: str) -> ResponseReturnValue:
         first=begin,
         count=count,
         marks=marks,
+        pending=pending,
         chosen=chosen,
         options=_options(benchmark),
         query={key: value for key, value in request.args.items() if key != "after"},
@@ -67,7 +76,7 @@ def show(name: str) -> ResponseReturnValue:
         sorted_max=SORTED_MAX,
         axis=plots.score_axis(board.ranks, marks, whole="whole" in request.args),
         whole_axis=plots.score_axis(board.ranks[:1], marks, whole=True),
-        pareto=_pareto(benchmark, board.ranks, baselines),
+        pareto=_pareto(benchmark, board.ranks, baselines, marks),
         leader=leader,
         replay=leader and player_data(leader, leader_replay.files(leader.id)),
         preview=link_previews.of_leaderboard(benchmark, board.ranks if begin else ()),
@@ -116,13 +125,17 @@ def _own(session: Session, name: str) -> dict[str, Any]:
 
 
 def _pareto(
-    benchmark: Benchmark, ranks: list[Rank], baselines: list[Rank]
+    benchmark: Benchmark,
+    ranks: list[Rank],
+    baselines: list[Rank],
+    marks: list[ReferenceEntry],
 ) -> plots.ParetoPlot | None:
-    """Return the plot of the rows of this page and of all baselines with a run."""
+    """Return the plot of the rows of this page and of all reference entries."""
     if benchmark.pareto is None:
         return None
     seen = {rank.run_id: rank for rank in (*ranks, *baselines)}
-    shown = list(seen.values())
+    shipped = (mark for mark in marks if mark.run_id is None)
+    shown: list[Measured] = [*seen.values(), *shipped]
     front = leaderboard_filters.undominated(shown, *benchmark.pareto)
     return plots.pareto_plot(shown, front, benchmark.pareto)
 

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Protocol, Self
 
-from seamark.server.runs.leaderboard import Rank
+from seamark.server.runs.leaderboard_filters import Measured
 from seamark.sim.metrics.metric import Metric
 
 TICKS = 5  # at most, on an axis
@@ -88,8 +88,8 @@ class ParetoPlot:
     cost: Metric
     across: Axis  # of the cost
     upward: Axis  # of the error
-    ranks: Sequence[Rank]
-    front: Sequence[Rank]
+    ranks: Sequence[Measured]
+    front: Sequence[Measured]
 
 
 def score_axis(ranks: Sequence[OnAxis], marks: Sequence[OnAxis], *, whole: bool) -> Axis:
@@ -107,7 +107,7 @@ def score_axis(ranks: Sequence[OnAxis], marks: Sequence[OnAxis], *, whole: bool)
 
 
 def pareto_plot(
-    ranks: Sequence[Rank], front: Sequence[Rank], pair: tuple[Metric, Metric]
+    ranks: Sequence[Measured], front: Sequence[Measured], pair: tuple[Metric, Metric]
 ) -> ParetoPlot | None:
     """Return the plot of the rows that have both metrics; None with fewer than two."""
     error, cost = pair

@@ -6,7 +6,7 @@ short and yet have a next one; another order is that of the first `SORTED_MAX` r
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, TypeVar
 
 from sqlalchemy.orm import Session
 
@@ -33,6 +33,17 @@ class Filtered(Protocol):
     def vehicle(self) -> str: ...  # noqa: D102
     @property
     def tracker(self) -> str: ...  # noqa: D102
+
+
+class Measured(Protocol):
+    """An entry with metrics: a row, or a reference entry."""
+
+    @property
+    def metrics(self) -> Mapping[str, float]:
+        """Name -> value; of `Benchmark.board_metrics`."""
+
+
+Entry = TypeVar("Entry", bound=Measured)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -112,17 +123,17 @@ def by_metric(
     return leaderboard.rows_of(session, benchmark, measured[:limit])
 
 
-def undominated(ranks: Sequence[Rank], first: Metric, second: Metric) -> list[Rank]:
+def undominated(ranks: Sequence[Entry], first: Metric, second: Metric) -> list[Entry]:
     """Return the Pareto front: the rows that no other one beats in both metrics.
 
     They are sorted by the first metric, best first; rows without one of them are left out.
     """
 
-    def key(rank: Rank) -> tuple[float, float]:
+    def key(rank: Entry) -> tuple[float, float]:
         return _cost(first, rank.metrics), _cost(second, rank.metrics)
 
     measured = [r for r in ranks if first.name in r.metrics and second.name in r.metrics]
-    front: list[Rank] = []
+    front: list[Entry] = []
     for rank in sorted(measured, key=key):
         if not front or key(rank)[1] < key(front[-1])[1]:
             front.append(rank)

@@ -1,10 +1,10 @@
 """The reference entries of a benchmark: what this service has computed, else what Seamark ships."""
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
 from typing import Literal
 
-from sqlalchemy import func, or_, select
+from sqlalchemy import Select, func, or_, select
 from sqlalchemy.orm import Session
 
 from seamark.server.accounts.accounts import RESERVED_PREFIX
@@ -36,7 +36,8 @@ class ReferenceEntry:
     high: float
     is_bound: bool  # doing nothing, the oracle and the like: no solution that a run may use
     is_oracle: bool = False
-    run_id: int | None = None  # None: shipped, and being recomputed here
+    run_id: int | None = None  # None: shipped, and not computed by this service
+    metrics: Mapping[str, float] = field(default_factory=dict)  # as a rank has them
     is_baseline: Literal[True] = True  # as rows of the leaderboard beside it
 
 
@@ -65,14 +66,15 @@ def entries(session: Session, benchmark: Benchmark) -> list[ReferenceEntry]:
 
 def live_count(session: Session) -> int:
     """Return how many runs of reference entries are queued or running."""
-    names = {
-        f"{RESERVED_PREFIX}-{name}"
-        for benchmark in map(registry.benchmark, registry.BENCHMARKS)
-        for name in benchmark.baselines
-    }
-    owners = session.scalars(select(User.id).where(User.name_key.in_(names))).all()
-    live = select(func.count()).where(Run.user_id.in_(owners), or_(IS_QUEUED, IS_RUNNING))
-    return session.scalar(live) or 0
+    every = map(registry.benchmark, registry.BENCHMARKS)
+    names = {name for benchmark in every for name in benchmark.baselines}
+    return session.scalar(_live(session, names)) or 0
+
+
+def are_pending(session: Session, benchmark: Benchmark) -> bool:
+    """Return whether this service still computes reference entries of a benchmark itself."""
+    live = _live(session, benchmark.baselines).where(Run.benchmark == benchmark.name)
+    return bool(session.scalar(live))
 
 
 def deviations(session: Session) -> Iterator[tuple[str, int]]:
@@ -97,6 +99,13 @@ def deviations(session: Session) -> Iterator[tuple[str, int]]:
             yield f"{benchmark.title}: {benchmark.baselines[entry].title}", run_id
 
 
+def _live(session: Session, names: Iterable[str]) -> Select[int]:
+    """Return the query for the number of queued and running runs of some entries."""
+    keys = [f"{RESERVED_PREFIX}-{name}" for name in names]
+    owners = session.scalars(select(User.id).where(User.name_key.in_(keys))).all()
+    return select(func.count()).where(Run.user_id.in_(owners), or_(IS_QUEUED, IS_RUNNING))
+
+
 def _computed(benchmark: Benchmark, best: Best, run: Run) -> ReferenceEntry:
     return ReferenceEntry(
         title=run.title or solution(run),
@@ -106,6 +115,7 @@ def _computed(benchmark: Benchmark, best: Best, run: Run) -> ReferenceEntry:
         is_bound=run.controller in benchmark.reference_built_in,
         is_oracle=_ORACLE in run.controller,
         run_id=run.id,
+        metrics=best.metrics or {},
     )
 
 
@@ -119,4 +129,5 @@ def _shipped(benchmark: Benchmark, name: str, result: ReferenceResult) -> Refere
         high=high,
         is_bound=baseline.built_in in benchmark.reference_built_in,
         is_oracle=_ORACLE in baseline.built_in,
+        metrics=result.metrics,
     )

@@ -6,7 +6,7 @@ service must agree with them bit for bit wherever both met the same water: in th
 
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from functools import lru_cache
 from hashlib import sha256
 from pathlib import Path
@@ -28,6 +28,7 @@ class ReferenceResult:
     seed: int
     configuration: str  # SHA-256 of what was evaluated
     scores: Sequence[float]  # of the trials, in the benchmark's unit
+    metrics: Mapping[str, float] = field(default_factory=dict)  # of the benchmark's Pareto plot
 
     @property
     def score(self) -> float:

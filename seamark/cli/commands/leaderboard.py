@@ -10,6 +10,8 @@ import click
 from seamark.cli.console import print_json
 from seamark.cli.options import json_option, server_options
 
+SHIPPED = "Reference entries that Seamark ships"
+
 
 @click.command()
 @click.argument("benchmark")
@@ -17,7 +19,11 @@ from seamark.cli.options import json_option, server_options
 @click.option("--language", help="Language of uploaded programs.")
 @click.option("--vehicle", help="Vehicle of the runs.")
 @click.option("--tracker", help="Built-in tracker of the runs.")
-@click.option("--baselines", type=click.Choice(["hide", "only"]), help="Without or only baselines.")
+@click.option(
+    "--baselines",
+    type=click.Choice(["hide", "only"]),
+    help="Hide the reference entries, or show nothing else.",
+)
 @click.option("--mine", is_flag=True, help="Only the row of the account; needs a token.")
 @click.option("--sort", metavar="METRIC", help="Sort the first rows by another metric.")
 @click.option("--limit", type=click.IntRange(1, 500), default=20, show_default=True)
@@ -28,7 +34,7 @@ def leaderboard(
 ) -> None:
     """Show the leaderboard of a BENCHMARK, with the filters of its page.
 
-    The range of a rank is in brackets; baselines have none.
+    The range of a rank is in brackets; reference entries have no rank.
 
     \b
     Examples:
@@ -52,6 +58,11 @@ def leaderboard(
     heads += [str(sort)] if sort else []
     rows = [_cells(row, sort) for row in found["ranks"]]
     click.echo(printable_text(table(f"Leaderboard of {benchmark}", heads, rows)))
+    shipped = [entry for entry in found["reference_entries"] if entry["run"] is None]
+    if shipped and query["baselines"] != "hide":
+        marks = [[entry["title"], f"{entry['score']:.4g}", _interval(entry)] for entry in shipped]
+        shown = table(SHIPPED, ["Entry", "Score", "95 % interval"], marks)
+        click.echo(f"\n{printable_text(shown)}")
 
 
 def _cells(row: Mapping[str, Any], sort: object) -> list[str]:
@@ -60,5 +71,9 @@ def _cells(row: Mapping[str, Any], sort: object) -> list[str]:
         rank += f" ({row['rank_low']}-{row['rank_high']})"
     cells = [rank, row["user"], row["title"] or row["controller"], row["language"] or "built-in"]
     cells += [row["tracker"] or "-", f"{row['score']:.4g}"]
-    cells += [f"{row['score_low']:.4g} to {row['score_high']:.4g}", str(row["run"])]
+    cells += [_interval(row), str(row["run"])]
     return [*cells, f"{row['metrics'][sort]:.4g}"] if sort else cells
+
+
+def _interval(row: Mapping[str, Any]) -> str:
+    return f"{row['score_low']:.4g} to {row['score_high']:.4g}"

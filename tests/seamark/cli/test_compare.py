@@ -91,12 +91,15 @@ def test_leaderboard_prints_the_rows_of_the_page(backend: Backend, address: str)
     arguments = ("leaderboard", "currents-v1", *_options(backend, address))
 
     shown = CliRunner().invoke(cli, [*arguments, "--program", "built-in"], prog_name="seamark")
+    hidden = CliRunner().invoke(cli, [*arguments, "--baselines", "hide"], prog_name="seamark")
     none = CliRunner().invoke(cli, [*arguments, "--mine"], prog_name="seamark")
     wrong = CliRunner().invoke(cli, [*arguments, "--sort", "nothing"], prog_name="seamark")
 
     assert (shown.exit_code, none.exit_code) == (0, 0)
     assert "eva" in shown.output
     assert "45 to 55" in shown.output
+    assert "PI, default settings" in shown.output  # a shipped reference entry
+    assert "PI, default settings" not in hidden.output
     assert "\x1b" not in shown.output
     assert "eva" not in none.output
     assert wrong.exit_code != 0

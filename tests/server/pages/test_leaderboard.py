@@ -9,7 +9,7 @@ from sqlalchemy import update
 from seamark.server.accounts.accounts import RESERVED_PREFIX
 from seamark.server.database.tables import User
 from seamark.server.pages.plots import Axis
-from seamark.server.runs import leaderboard, results
+from seamark.server.runs import baselines, leaderboard, results
 from seamark.server.runs.failure_reasons import FailureReason
 from seamark.server.runs.states import RunState
 from seamark.sim.benchmarks import reference_results
@@ -18,7 +18,8 @@ from tests.cast import Backend
 from tests.server.pages.conftest import Site
 
 PAGE = "/leaderboards/currents-v1"
-RECOMPUTED = "being recomputed here"
+SHIPPED = "Entries without a link are results that Seamark ships."
+PENDING = "This service is computing its own."
 API = f"/api/v1{PAGE}"
 
 
@@ -67,18 +68,39 @@ def test_shipped_reference_entries_are_shown_until_the_service_has_its_own(site:
     after = [browser.get(page).text for page in pages]
     found = browser.get(f"/api/v1{pages[0]}?program=uploaded").get_json()
 
-    assert [page.count(f"reference, {RECOMPUTED}</small>") for page in before] == [len(shipped)] * 2
+    assert [page.count('<li class="mark"><span>') for page in before] == [len(shipped)] * 2
     assert listed["ranks"] == []
     assert [entry["run"] for entry in listed["reference_entries"]] == [None] * len(shipped)
     assert sorted(entry["score"] for entry in listed["reference_entries"]) == sorted(
         result.score for result in shipped.values()
     )
     for page in after:
-        assert page.count(f"reference, {RECOMPUTED}</small>") == len(shipped) - 1
+        assert page.count('<li class="mark"><span>') == len(shipped) - 1
         assert f'<a href="/runs/{own}"><bdi>P of this service</bdi>' in page
-    assert after[0].count(f", {RECOMPUTED}</title>") == len(shipped) - 1  # marks in its only row
     assert [one["run"] for one in found["reference_entries"] if one["run"]] == [own]
     assert len(found["reference_entries"]) == len(shipped)
+
+
+def test_reference_entries_are_being_computed_only_as_long_as_their_runs_are_live(
+    site: Site,
+) -> None:
+    addresses = ("/leaderboards/currents-v2", "/benchmarks/currents-v2")
+    browser = site.browser()
+
+    def shown() -> list[tuple[bool, bool]]:
+        found = [browser.get(address).text for address in addresses]
+        return [(SHIPPED in page, PENDING in page) for page in found]
+
+    before = shown()
+    with site.database.writing() as session:
+        submitted = baselines.ensure(session, site.settings)
+    waiting = shown()
+    for run_id in submitted:
+        assert site.cancel(run_id)
+    after = shown()
+
+    assert before == after == [(True, False)] * 2
+    assert waiting == [(True, True)] * 2
 
 
 def test_filters_of_page_and_api_agree(site: Site) -> None:
