@@ -25,6 +25,7 @@ COMMANDS = {  # name -> module:attribute, help; with the help here, --help impor
     "web": ("service:web", "Run only the web server."),
     "worker": ("service:worker", "Run only a worker."),
 }
+SERVICE = frozenset(("up", "user", "token", "db", "web", "worker"))  # need the extra `server`
 
 
 class LazyGroup(click.Group):
@@ -42,6 +43,10 @@ class LazyGroup(click.Group):
         loaded: click.Command = getattr(
             importlib.import_module(f"seamark.cli.commands.{module}"), attribute
         )
+        if cmd_name in SERVICE:
+            from seamark.cli.extras import refuse_without_server
+
+            refuse_without_server(loaded)
         return loaded
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:

@@ -29,7 +29,6 @@ CLAIMS_MAX = 6  # among them those of workers that were stopped or died
 WAITING_MAX = 20
 DONE_KEPT_S = 3600.0  # until a finished check is deleted
 QUEUED_KEPT_S = 600.0  # until a check that no worker claimed is deleted
-SEED = 1  # the same for all checks, so that they are repeatable
 _log = structlog.get_logger()
 
 

@@ -17,7 +17,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Self
 
-from seamark.sim.numerics.numba_internals import SOURCES, cache_folder
+from seamark.sim.numerics.numba_internals import SOURCES, numba_folder
 
 ROOT = SOURCES.parent
 _COMMENT = re.compile(r"#.*")
@@ -37,7 +37,7 @@ class SourceStampLocator:
     def __init__(self, file: Path, line: int) -> None:
         self._stamp = stamp(file, ROOT)
         self._line = line
-        self._folder = cache_folder(os.environ) / f"numba-{file.stem}-{self._stamp[:16]}"
+        self._folder = numba_folder(os.environ) / f"numba-{file.stem}-{self._stamp[:16]}"
 
     @classmethod
     def from_function(cls, function: Callable[..., object], file: str) -> Self | None:

@@ -21,17 +21,17 @@ Importing this module loads neither Numba nor NumPy.
 import hashlib
 import importlib
 import importlib.metadata
-import os
 import warnings
-from collections.abc import Iterable, MutableMapping
+from collections.abc import Iterable, Mapping, MutableMapping
 from pathlib import Path
+
+from seamark.sim.numerics.cache_folder import cache_folder
 
 TESTED_NUMBA = "0.68"  # minor version; the same as in pyproject.toml
 LOCATORS = (
     "seamark.sim.numerics.compiled_cache.SourceStampLocator,InTreeCacheLocator,UserWideCacheLocator"
 )
 SOURCES = Path(__file__).resolve().parents[1]  # the folder `sim`
-USER_CACHE = Path.home() / ".cache" / "seamark"
 _FALL_BACK = "numba-all-"
 
 CACHE_INTERNALS = (
@@ -89,7 +89,7 @@ def configure_cache(environ: MutableMapping[str, str], numba_version: str) -> No
     if numba_version.startswith(f"{TESTED_NUMBA}."):
         environ.setdefault("NUMBA_CACHE_LOCATOR_CLASSES", LOCATORS)
         return
-    folder = _shared_folder(environ.get("NUMBA_CACHE_DIR"))
+    folder = _shared_folder(environ)
     environ["NUMBA_CACHE_DIR"] = str(folder)
     environ.pop("NUMBA_CACHE_LOCATOR_CLASSES", None)
     warnings.warn(
@@ -100,14 +100,16 @@ def configure_cache(environ: MutableMapping[str, str], numba_version: str) -> No
     )
 
 
-def cache_folder(environ: MutableMapping[str, str]) -> Path:
-    """Return the folder for compiled code: as set, else beside the sources or in the user's own."""
-    beside = SOURCES / "__pycache__" if os.access(SOURCES, os.W_OK) else USER_CACHE
-    return Path(environ.get("NUMBA_CACHE_DIR") or beside)
+def numba_folder(environ: Mapping[str, str]) -> Path:
+    """Return the folder of Numba's compiled code: as set, else as `cache_folder` finds it."""
+    if configured := environ.get("NUMBA_CACHE_DIR"):
+        return Path(configured)
+    folder = cache_folder(SOURCES, environ)
+    return folder / "__pycache__" if folder == SOURCES else folder
 
 
-def _shared_folder(configured: str | None) -> Path:
-    base = cache_folder({"NUMBA_CACHE_DIR": configured or ""})
+def _shared_folder(environ: Mapping[str, str]) -> Path:
+    base = numba_folder(environ)
     if base.name.startswith(_FALL_BACK):  # set by the process that started this one
         base = base.parent
     return base / f"{_FALL_BACK}{_stamp_of_all_sources()[:16]}"

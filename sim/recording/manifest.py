@@ -2,6 +2,7 @@
 
 import hashlib
 import importlib.metadata
+import importlib.util
 import platform
 from collections.abc import Mapping, Sequence
 from functools import cache
@@ -77,6 +78,7 @@ def manifest(
         "digest": digest,
         "code_sha256": code_sha256(),
         "versions": versions(),
+        "contacts": contacts(),
         "cpu": cpu_class(),
         "same_bits_on_every_cpu": program_sha256 is None and config.exact(),
     } | more
@@ -103,6 +105,11 @@ def versions() -> dict[str, str]:
         except importlib.metadata.PackageNotFoundError:
             found[name] = "not installed"
     return found
+
+
+def contacts() -> str:
+    """Return whether touching the bottom or the target is simulated: "simulated" or "off"."""
+    return "off" if importlib.util.find_spec("pybullet") is None else "simulated"
 
 
 @cache

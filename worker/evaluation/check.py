@@ -19,6 +19,7 @@ from seamark.worker.evaluation.trial import StopTrial, TrialRunner
 from seamark.worker.ipc.listener import Listener
 from seamark.worker.ipc.outcomes import RunOutcome, TrialOutcome
 
+SEED = 1  # the same for all checks, so that they are repeatable
 # [s] rows come once per simulated second, so that those of two seconds end just above this
 SIMULATED_S = 1.9
 LOG_MAX = 64 * 1024  # [B] kept of what the program prints

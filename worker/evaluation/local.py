@@ -16,13 +16,12 @@ from numpy.typing import NDArray
 
 from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.languages import DEFAULT_LANGUAGE, language_of
-from seamark.server.checks import queue
 from seamark.server.programs import parameters
 from seamark.server.programs.preparation import PreparedProgram
 from seamark.sim import registry
 from seamark.sim.engine.warm_up import warm_up
 from seamark.sim.recording.telemetry import INDEX
-from seamark.worker.evaluation.check import CheckRecorder, check
+from seamark.worker.evaluation.check import SEED, CheckRecorder, check
 from seamark.worker.evaluation.evaluation import Evaluation
 from seamark.worker.evaluation.job import Job
 from seamark.worker.evaluation.program_adapters import box_pool, sandboxed_compiler
@@ -119,7 +118,7 @@ def check_locally(
         The box failed, not the program.
     """
     slot, recorder = WorkerSlot(isolation, None), CheckRecorder()
-    with job_of(benchmark, config, program, seeds=(queue.SEED,)) as job:
+    with job_of(benchmark, config, program, seeds=(SEED,)) as job:
         outcome = check(job, recorder, box_pool(slot).take, sandboxed_compiler(slot))
     return recorder.report(job, outcome)
 

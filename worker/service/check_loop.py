@@ -21,7 +21,7 @@ from seamark.server.database.engine import Database
 from seamark.server.messaging import broker
 from seamark.server.programs import store
 from seamark.server.settings import Settings
-from seamark.worker.evaluation.check import CheckRecorder
+from seamark.worker.evaluation.check import SEED, CheckRecorder
 from seamark.worker.evaluation.job import Job
 from seamark.worker.evaluation.worker_slot import WorkerSlot
 from seamark.worker.ipc.messages import StreamBroken
@@ -128,7 +128,7 @@ class CheckLoop:
         job = Job(
             benchmark=claim.benchmark,
             config=claim.config,
-            seeds=(queue.SEED,),
+            seeds=(SEED,),
             controller="upload",
             program=store.path(self._settings.data, claim.program_sha256),
             filename=claim.program_name,

@@ -13,7 +13,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Self
 
-from seamark import sim
+from seamark.sim.numerics.numba_internals import numba_folder
 from seamark.worker.evaluation.job import Job
 from seamark.worker.evaluation.worker_slot import WorkerSlot
 from seamark.worker.ipc.listener import Listener, deliver
@@ -110,9 +110,11 @@ class Simulator:
 
 
 def _compiled_code_cache(cache: Path) -> dict[str, str]:
-    """Return Numba's setting where it cannot keep its code beside the sources."""
-    beside = Path(sim.__file__).parent
-    return {} if os.access(beside, os.W_OK) else {"NUMBA_CACHE_DIR": str(cache)}
+    """Return Numba's setting where it cannot keep its code in its folder."""
+    folder = numba_folder(os.environ)
+    with contextlib.suppress(OSError):
+        folder.mkdir(parents=True, exist_ok=True)
+    return {} if os.access(folder, os.W_OK) else {"NUMBA_CACHE_DIR": str(cache)}
 
 
 class Simulation:

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import click
 
 from seamark.cli.console import exit_with, print_json
+from seamark.cli.extras import SERVER, missing
 from seamark.cli.options import data_option, json_option, settings_of
 
 if TYPE_CHECKING:
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
     from seamark.server.settings import Settings
 
 DISK_LOW_GIB = 2.0
-PACKAGES = ("numpy", "numba", "cv2", "scipy", "pybullet", "flask", "sqlalchemy", "celery")
+PACKAGES = ("numpy", "numba", "cv2", "scipy", "pydantic", "httpx", "rich")
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,7 +47,7 @@ def doctor(data: Path | None, as_json: bool) -> None:
       seamark doctor
       seamark doctor --json
     """
-    settings = settings_of(data)
+    settings = None if missing(SERVER) else settings_of(data)
     checks = [check for probe in PROBES for check in probe(settings)]
     bad = any(check.state == "bad" for check in checks)
     if as_json:
@@ -63,27 +64,34 @@ def doctor(data: Path | None, as_json: bool) -> None:
     exit_with(3 if bad else 0)
 
 
-def _python(_: Settings) -> Iterable[Check]:
-    good = sys.version_info[:2] == (3, 11)
-    version = sys.version.split()[0]
-    yield Check(
-        "python",
-        "ok" if good else "bad",
-        f"{version}, {sys.executable}",
-        "Use Python 3.11: PyBullet has wheels for no other version. `./run` sets it up.",
-    )
+def _python(_: Settings | None) -> Iterable[Check]:
+    yield Check("python", "ok", f"{sys.version.split()[0]}, {sys.executable}")
 
 
-def _packages(_: Settings) -> Iterable[Check]:
-    import importlib.util
-
-    missing = [name for name in PACKAGES if importlib.util.find_spec(name) is None]
+def _packages(_: Settings | None) -> Iterable[Check]:
+    lacking = missing(PACKAGES)
     yield Check(
         "packages",
-        "bad" if missing else "ok",
-        f"missing: {', '.join(missing)}" if missing else "all installed",
-        "`./run` installs them, with the versions of uv.lock.",
+        "bad" if lacking else "ok",
+        f"missing: {', '.join(lacking)}" if lacking else "all installed",
+        "`pip install seamark` installs them; in a checkout, `./run` does.",
     )
+    without = missing(("pybullet",))
+    yield Check(
+        "contacts",
+        "warning" if without else "ok",
+        "off: PyBullet is not installed" if without else "computed by PyBullet",
+        "Use Python 3.11: PyBullet has wheels for no other version.",
+    )
+
+
+def _service(settings: Settings | None) -> Iterable[Check]:
+    if settings is None:
+        says = 'not installed; only a service needs more: pip install "seamark[server]"'
+        yield Check("server", "ok", says)
+        return
+    yield from _database(settings)
+    yield from _broker(settings)
 
 
 def _database(settings: Settings) -> Iterable[Check]:
@@ -136,15 +144,16 @@ def _broker(settings: Settings) -> Iterable[Check]:
         client.close()
 
 
-def _sandbox(settings: Settings) -> Iterable[Check]:
+def _sandbox(settings: Settings | None) -> Iterable[Check]:
     from seamark.sandbox.isolation.level import IsolationLevel
     from seamark.sandbox.probing.probes import probe
 
     found = probe()
-    needed = IsolationLevel[settings.sandbox_min_level.upper()]
+    least = settings.sandbox_min_level if settings else "medium"
+    needed = IsolationLevel[least.upper()]
     name = found.level.name.lower()
     good = found.level >= needed and found.level > IsolationLevel.NONE
-    says = f"level {name}; uploads need {settings.sandbox_min_level}"
+    says = f"level {name}; uploads need {least}"
     yield Check("isolation", "ok" if good else "bad", says, "See the findings below.")
     for finding in found.findings:
         state = "ok" if finding.ok else "warning"
@@ -166,7 +175,7 @@ def _languages(isolation: IsolationLevel) -> Iterable[Check]:
         yield Check(name, "warning" if result.why_not else "ok", result.why_not or says, remedy)
 
 
-def _visp(_: Settings) -> Iterable[Check]:
+def _visp(_: Settings | None) -> Iterable[Check]:
     from seamark.sim.trackers.visp.installation import (
         REMEDY,
         bridge_path,
@@ -177,24 +186,25 @@ def _visp(_: Settings) -> Iterable[Check]:
     yield Check("tracker visp", "warning" if why else "ok", why or bridge_path().name, f"{REMEDY}.")
 
 
-def _machine(settings: Settings) -> Iterable[Check]:
+def _machine(settings: Settings | None) -> Iterable[Check]:
     cores = len(os.sched_getaffinity(0))
-    yield Check("cores", "ok", f"{cores}, so {settings.workers} runs at the same time")
-    free = shutil.disk_usage(settings.data).free / 2**30
+    parallel = f"{settings.workers} runs" if settings else f"{cores} trials"
+    yield Check("cores", "ok", f"{cores}, so {parallel} at the same time")
+    folder = settings.data if settings else Path.cwd()
+    free = shutil.disk_usage(folder).free / 2**30
     low = free < DISK_LOW_GIB
     yield Check(
         "disk",
         "warning" if low else "ok",
-        f"{free:.1f} GiB free in {settings.data}",
+        f"{free:.1f} GiB free in {folder}",
         "A run of 600 s takes about 5 MB. Choose another folder with --data.",
     )
 
 
-PROBES: tuple[Callable[[Settings], Iterable[Check]], ...] = (
+PROBES: tuple[Callable[[Settings | None], Iterable[Check]], ...] = (
     _python,
     _packages,
-    _database,
-    _broker,
+    _service,
     _sandbox,
     _visp,
     _machine,

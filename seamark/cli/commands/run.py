@@ -18,6 +18,10 @@ if TYPE_CHECKING:
     from seamark.worker.ipc.outcomes import RunOutcome
 
 INTERRUPTED = 130  # 128 + SIGINT, as shells have it
+WITHOUT_CONTACTS = (
+    "Contacts are off, because PyBullet is not installed (it needs Python 3.11): a vehicle passes "
+    "through the bottom and the target. Runs that touch neither are not affected."
+)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -166,6 +170,7 @@ def _evaluate(local_run: LocalRun, output: OutputFolder, *, quiet: bool) -> RunO
 def _report(local_run: LocalRun, outcome: RunOutcome, out: Path | None, *, as_json: bool) -> None:
     from seamark.cli.run_summary import custom_score, level_table
     from seamark.sandbox.printable_text import printable_text
+    from seamark.sim.recording.manifest import contacts
 
     metrics = outcome.metrics or {}
     if as_json:
@@ -181,6 +186,7 @@ def _report(local_run: LocalRun, outcome: RunOutcome, out: Path | None, *, as_js
                 "score": metrics.get("score"),
                 "own_score": metrics.get("own_score"),
                 "metrics": outcome.metrics,
+                "contacts": contacts(),
                 "digest": outcome.digest,
                 "out": str(out) if out else None,
             }
@@ -195,6 +201,8 @@ def _report(local_run: LocalRun, outcome: RunOutcome, out: Path | None, *, as_js
         click.echo(f"score   {metrics['score']:.4g}")
         for line in custom_score(metrics):
             click.echo(line)
+        if contacts() == "off":
+            click.echo(WITHOUT_CONTACTS, err=True)
     click.echo(f"digest  {outcome.digest}")
     if out is not None:
         click.echo(f"data    {out}")

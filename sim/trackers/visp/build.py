@@ -20,6 +20,7 @@ def build() -> str:
     compiler = shutil.which("g++")
     if compiler is None:
         return "g++ is missing: apt-get install g++"
+    bridge_path().parent.mkdir(parents=True, exist_ok=True)
     made = bridge_path().with_suffix(".new")
     command = [compiler, "-O2", "-std=c++17", "-w", "-o", str(made), str(SOURCE), *_LIBRARIES]
     try:
@@ -34,7 +35,7 @@ def build() -> str:
         first = next(iter(done.stderr.splitlines()), "g++ said nothing")
         return f"ViSP's headers are missing or of another version ({first}): {PACKAGE}"
     made.replace(bridge_path())
-    for old in SOURCE.parent.glob("bridge-*"):
+    for old in SOURCE.parent.glob("*bridge-*"):  # none in a cache folder
         if old != bridge_path():
             old.unlink()
     return ""

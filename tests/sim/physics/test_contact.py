@@ -264,3 +264,41 @@ def test_bullet_is_loaded_only_where_something_can_touch_and_prints_nothing() ->
     )
 
     assert done.stdout.split() == ["False", "True"]
+
+
+SINKING_RUN = """
+import numpy as np
+from seamark.sim.physics.contact import Contact
+from seamark.sim.physics.current import Current
+from seamark.sim.physics.plant import Plant
+from seamark.sim.physics.terrain import Bottom
+from seamark.sim.vehicles import load
+
+vehicle = load("girona500")
+plant = Plant(vehicle, Current(0.0), contact=Contact(vehicle, Bottom(4.785)))
+plant.reset(np.array([0.0, 0.0, 1.0, 0.0, 0.0, 0.0]))
+plant.advance(0, np.full(5, 0.2), 100)
+print(plant.state.tobytes().hex())
+plant.reset(np.array([0.0, 0.0, 4.0, 0.0, 0.0, 0.0]))
+plant.state[9] = 2.0  # down
+felt = 0.0
+for step in range(200):
+    plant.advance(step, np.zeros(5), 1)
+    felt = max(felt, plant.contact_force())
+print(felt, plant.state[2])
+"""
+
+
+def test_without_pybullet_nothing_is_felt_and_a_run_that_touches_nothing_is_the_same() -> None:
+    printed = []
+    for start in ("import sys\n", "import sys\nsys.modules['pybullet'] = None\n"):
+        done = subprocess.run(
+            [sys.executable, "-c", start + SINKING_RUN], capture_output=True, text=True, check=True
+        )
+        printed.append(done.stdout.split())
+
+    (free, felt, depth), (free_without, felt_without, depth_without) = printed
+    assert free == free_without
+    assert float(felt) > 0.0
+    assert float(felt_without) == 0.0
+    assert float(depth_without) > SEABED_Z > float(depth)

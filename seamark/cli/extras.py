@@ -1,0 +1,44 @@
+"""Packages that only a part of the commands needs: those of the extra `server`."""
+
+from __future__ import annotations
+
+import importlib.util
+from collections.abc import Iterable
+
+import click
+
+from seamark.failures import UsageRefused
+
+# What `import` calls the packages of the extra in pyproject.toml that a service cannot do without,
+# and PyBullet: the runs of a service have contacts.
+SERVER = (
+    *("alembic", "argon2", "celery", "flask", "flask_limiter", "flask_login", "flask_openapi3"),
+    *("flask_wtf", "gunicorn", "markdown_it", "prometheus_client", "psycopg", "pybullet"),
+    *("pygments", "redis", "sqlalchemy", "structlog", "uvicorn", "uvicorn_worker"),
+)
+
+
+def missing(packages: Iterable[str]) -> list[str]:
+    """Return those packages that cannot be imported, without importing them."""
+    return [name for name in packages if importlib.util.find_spec(name) is None]
+
+
+def refuse_without_server(command: click.Command) -> None:
+    """Make a command and those below it say what to install, if it is not; --help still works."""
+    if missing(SERVER):
+        _refuse(command)
+
+
+def _refuse(command: click.Command) -> None:
+    if isinstance(command, click.Group):
+        for below in command.commands.values():
+            _refuse(below)
+    else:
+        command.callback = _say_what_to_install
+
+
+def _say_what_to_install(**_: object) -> None:
+    raise UsageRefused(
+        "This command belongs to the service, which needs further packages on Python 3.11: "
+        'pip install "seamark[server]".'
+    )
