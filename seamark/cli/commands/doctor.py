@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from seamark.server.settings import Settings
 
 DISK_LOW_GIB = 2.0
-PACKAGES = ("numpy", "numba", "cv2", "scipy", "pydantic", "httpx", "rich")
+PACKAGES = ("numpy", "numba", "cv2", "scipy", "orjson", "pydantic", "httpx", "rich")
 
 
 @dataclass(frozen=True, slots=True)
