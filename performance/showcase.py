@@ -122,8 +122,7 @@ def _people(database: Database, password: str) -> dict[str, str]:
 
 
 def _submit(client: Client, **run: Any) -> int:
-    number: int = client.submit(BENCHMARK, **run)["id"]
-    return number
+    return client.submit(BENCHMARK, **run).id
 
 
 def _wait(database: Database) -> None:

@@ -99,10 +99,10 @@ def _token(data: Path) -> str:
 
 
 def _start_run(client: Client) -> int:
-    run_id: int = client.submit("currents-v1", controller="pi", config=RUN, trials=TRIALS)["id"]
-    while client.run(run_id)["state"] == "queued":
+    run = client.submit("currents-v1", controller="pi", config=RUN, trials=TRIALS)
+    while run.refresh().state == "queued":
         time.sleep(0.5)
-    return run_id
+    return run.id
 
 
 def _web_processes(pid: int) -> list[int]:

@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     from seamark.server.database.engine import Database
     from seamark.server.settings import Settings
 
+OF_CLIENTS = frozenset({"SEAMARK_SERVER", "SEAMARK_TOKEN"})  # no settings of a service
+
 Command = TypeVar("Command", bound=Callable[..., Any])
 
 
@@ -34,13 +36,16 @@ def server_options(command: Command) -> Command:
         "--token",
         metavar="T",
         envvar="SEAMARK_TOKEN",
+        show_envvar=True,
         help="API token of your account; see the account page or `seamark token new`.",
     )(command)
     return click.option(
         "--server",
         metavar="URL",
+        envvar="SEAMARK_SERVER",
         default="http://127.0.0.1:8000",
         show_default=True,
+        show_envvar=True,
         help="Address of the server.",
     )(command)
 
@@ -93,7 +98,7 @@ def settings_of(data: Path | None, **chosen: object) -> Settings:
     """Return the settings of the environment, overridden by options of the command line."""
     from seamark.server.settings import PREFIX, Settings, SettingsInvalid
 
-    environ = {key: value for key, value in os.environ.items() if key != "SEAMARK_TOKEN"}
+    environ = {key: value for key, value in os.environ.items() if key not in OF_CLIENTS}
     overrides: Mapping[str, object] = {"data": data, **chosen}
     for name, value in overrides.items():
         if value is not None:

@@ -11,9 +11,10 @@ from typing import TYPE_CHECKING
 import click
 
 from seamark.cli.configuration import configuration_of
-from seamark.cli.console import Progress, print_json
+from seamark.cli.console import print_json
 from seamark.cli.options import configuration_options, json_option
 from seamark.failures import UsageRefused
+from seamark.progress import Progress
 
 if TYPE_CHECKING:
     from seamark.sim.recording.telemetry import Rows

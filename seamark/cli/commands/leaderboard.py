@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any, cast
 
 import click
 
 from seamark.cli.console import print_json
 from seamark.cli.options import json_option, server_options
+
+if TYPE_CHECKING:
+    from seamark.client.documents import LeaderboardQuery
 
 SHIPPED = "Reference entries that Seamark ships"
 
@@ -47,9 +50,9 @@ def leaderboard(
     from seamark.client import Client
     from seamark.sandbox.printable_text import printable_text
 
+    chosen = {name: value for name, value in query.items() if value not in (None, False)}
     with refusals_shown(), Client(server, token) as client:
-        chosen = {name: value for name, value in query.items() if value not in (None, False)}
-        found = client.leaderboard(benchmark, **chosen)
+        found = client.leaderboard(benchmark, **cast("LeaderboardQuery", chosen))
     if as_json:
         print_json(found)
         return

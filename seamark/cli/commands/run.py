@@ -142,8 +142,8 @@ def _header_comments(local_run: LocalRun) -> list[str]:
 
 
 def _evaluate(local_run: LocalRun, output: OutputFolder, *, quiet: bool) -> RunOutcome:
-    from seamark.cli.console import Progress
     from seamark.cli.solutions import isolation_level, sandbox_failures_explained
+    from seamark.progress import Progress
     from seamark.sandbox.isolation.level import IsolationLevel
     from seamark.worker.evaluation.local import Callbacks, evaluate_locally
 

@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from seamark.cli.console import exit_with, print_json
 from seamark.cli.options import json_option, run_options, server_options
 from seamark.cli.run_summary import summary
-from seamark.failures import PlatformFailed, UsageRefused
+from seamark.failures import UsageRefused
 from seamark.sandbox.printable_text import printable_text
+
+if TYPE_CHECKING:
+    from seamark.client import Run, Sweep
+    from seamark.client.documents import SubmissionOptions
 
 
 @click.command()
@@ -27,7 +31,8 @@ from seamark.sandbox.printable_text import printable_text
     help="Start a run for each value of a setting or parameter: a list with commas, or "
     "FROM:TO:COUNT. Twice: for each combination.",
 )
-@click.option("--wait", is_flag=True, help="Wait until the run has ended.")
+@click.option("--wait", is_flag=True, help="Wait until the run, or the sweep, has ended.")
+@click.option("--publish", is_flag=True, help="Wait, and make the run public if it succeeds.")
 @server_options
 @json_option
 def submit(  # noqa: PLR0913 (one argument per option is click's way)
@@ -42,6 +47,7 @@ def submit(  # noqa: PLR0913 (one argument per option is click's way)
     title: str,
     swept: tuple[str, ...],
     wait: bool,
+    publish: bool,
     server: str,
     token: str | None,
     as_json: bool,
@@ -52,43 +58,39 @@ def submit(  # noqa: PLR0913 (one argument per option is click's way)
     Examples:
       seamark submit currents-v1 --controller my_controller.py --token $TOKEN --wait
       seamark submit currents-v1 --controller pi --set kp=0.6 --seed 7
-      seamark submit currents-v1 --controller my_controller.py --ranked --token $TOKEN
+      seamark submit currents-v2 --controller my_controller.py --ranked --publish --token $TOKEN
       seamark submit currents-v1 --controller pi --sweep kp=0.1:1.0:5 --sweep ki=0,0.02,0.05
     """
     from seamark.cli.configuration import read_settings
+    from seamark.cli.server_answers import refusals_shown
     from seamark.cli.solutions import choose
-    from seamark.client import Client, ServerRefused, ServerUnavailable
+    from seamark.client import Client
 
     name, program = choose(controller, benchmark)
-    submission: dict[str, Any] = {
+    submission: SubmissionOptions = {
+        "controller": name,
+        "program": program,
         "config": _typed(benchmark, read_settings(config, pairs)),
         "kind": "ranked" if ranked else "practice",
         "seed": seed,
-        **({} if trials is None else {"trials": trials}),
+        "trials": trials,
         "title": title,
     }
     axes = read_settings(None, swept, option="--sweep")
-    if axes and wait:
-        raise UsageRefused("--wait follows one run; a sweep has a page that shows its runs.")
-    try:
-        with Client(server, token) as client:
+    if axes and publish:
+        raise UsageRefused("--publish is for one run; publish those of a sweep on their pages.")
+    with refusals_shown(), Client(server, token) as client:
+        try:
             if axes:
-                sweep = client.sweep(
-                    benchmark, axes, controller=name, program=program, **submission
-                )
-                _announce_sweep(sweep, server, as_json=as_json)
-                return
-            run = client.submit(benchmark, controller=name, program=program, **submission)
-            _announce(run, server, as_json=as_json)
-            if wait:
-                run = _follow(client, run, quiet=as_json)
-    except ServerUnavailable as error:
-        raise PlatformFailed(str(error)) from None
-    except ServerRefused as refusal:
-        raise _failure(refusal.status)(printable_text(str(refusal))) from None
-    except OSError as error:
-        raise UsageRefused(f"{name} cannot be read: {error.strerror}.") from None
-    _finish(run, waited=wait, as_json=as_json)
+                sweep = client.sweep(benchmark, axes, **submission)
+            else:
+                run = client.submit(benchmark, **submission)
+        except OSError as error:
+            raise UsageRefused(f"{program} cannot be read: {error.strerror}.") from None
+        if axes:
+            _finish_sweep(sweep, wait=wait, as_json=as_json)
+        else:
+            _finish_run(run, wait=wait or publish, publish=publish, as_json=as_json)
 
 
 def _typed(benchmark: str, values: dict[str, Any]) -> dict[str, Any]:
@@ -101,44 +103,37 @@ def _typed(benchmark: str, values: dict[str, Any]) -> dict[str, Any]:
     return typed(values, registry.benchmark(benchmark).schema())
 
 
-def _failure(status: int) -> type[UsageRefused] | type[PlatformFailed]:
-    return PlatformFailed if status >= 500 else UsageRefused
-
-
-def _announce(run: dict[str, Any], server: str, *, as_json: bool) -> None:
+def _finish_sweep(sweep: Sweep, *, wait: bool, as_json: bool) -> None:
     if not as_json:
-        page = server.rstrip("/") + run["links"]["page"]
-        click.echo(printable_text(f"Run {run['id']} is {run['state']}: {page}"))
-
-
-def _announce_sweep(sweep: dict[str, Any], server: str, *, as_json: bool) -> None:
+        runs = len(sweep.document["cells"])
+        click.echo(printable_text(f"Sweep {sweep.id} has {runs} runs: {sweep.page}"))
+    if wait:
+        sweep.wait(progress=not as_json)
     if as_json:
-        print_json(sweep)
-        return
-    page = server.rstrip("/") + sweep["links"]["page"]
-    click.echo(printable_text(f"Sweep {sweep['id']} has {len(sweep['cells'])} runs: {page}"))
+        print_json(sweep.document)
+    elif wait:
+        best = "No run succeeded." if sweep.best is None else _best(sweep.best)
+        click.echo(printable_text(best))
 
 
-def _follow(client: Any, run: dict[str, Any], *, quiet: bool) -> dict[str, Any]:
-    from seamark.cli.console import Progress
-
-    with Progress(f"run {run['id']}", quiet=quiet) as progress:
-
-        def show(now: dict[str, Any]) -> None:
-            position = now["position"]
-            note = f"queued, position {position}" if position else printable_text(now["state"])
-            progress.show(now["progress"], note, state=note)
-
-        ended: dict[str, Any] = client.wait(run["id"], show)
-    return ended
+def _best(run: Run) -> str:
+    return f"Best: run {run.id} with score {run.score:.4g}, {run.page}"
 
 
-def _finish(run: dict[str, Any], *, waited: bool, as_json: bool) -> None:
+def _finish_run(run: Run, *, wait: bool, publish: bool, as_json: bool) -> None:
+    if not as_json:
+        click.echo(printable_text(f"Run {run.id} is {run.state}: {run.page}"))
+    if wait:
+        run.wait(progress=not as_json)
+    if publish and run.state == "succeeded":
+        run.publish()
     if as_json:
-        print_json(run)
-    elif waited:
-        click.echo(summary(run))
-    if not waited or run["state"] == "succeeded":
+        print_json(run.document)
+    elif wait:
+        click.echo(summary(run.document))
+        if run.public:
+            click.echo(printable_text(f"Published: {run.page}"))
+    if not wait or run.state == "succeeded":
         exit_with(0)
-    cause = (run["failure"] or {}).get("cause")
+    cause = (run.failure or {}).get("cause")
     exit_with(3 if cause == "platform_error" else 1)

@@ -3,60 +3,37 @@
 import json
 import subprocess
 import sys
-from collections.abc import Iterator
 from pathlib import Path
-from threading import Thread
 
 import pytest
 from click.testing import CliRunner, Result
-from werkzeug.serving import make_server
 
 from seamark.cli.main import cli
-from seamark.server.accounts import accounts
-from seamark.server.app import create_app
 from tests.cast import Backend
 
 
-@pytest.fixture
-def address(backend: Backend) -> Iterator[str]:
-    """The address of a service with the cast."""
-    app = create_app(backend.settings)
-    server = make_server("127.0.0.1", 0, app)
-    thread = Thread(target=server.serve_forever)
-    thread.start()
-    yield f"http://127.0.0.1:{server.server_port}"
-    server.shutdown()
-    thread.join()
-    server.server_close()
-    app.extensions["seamark"].close()
+@pytest.fixture(autouse=True)
+def _environment(address: str, token: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("SEAMARK_SERVER", address)
+    monkeypatch.setenv("SEAMARK_TOKEN", token)
 
 
-def _options(backend: Backend, address: str) -> tuple[str, ...]:
-    with backend.database.writing() as session:
-        token = accounts.new_token(session, backend.user_id("ann"), "t", ["read"], days=1.0)
-    return ("--server", address, "--token", token)
+def _compare(*arguments: str) -> Result:
+    return CliRunner().invoke(cli, ["compare", *arguments], prog_name="seamark")
 
 
-def _compare(backend: Backend, address: str, *arguments: str) -> Result:
-    options = _options(backend, address)
-    return CliRunner().invoke(cli, ["compare", *arguments, *options], prog_name="seamark")
-
-
-def _in_a_process(backend: Backend, address: str, *arguments: str) -> bytes:
+def _in_a_process(*arguments: str) -> bytes:
     """Return what the command alone prints, without what the server logs in this process."""
     command = [sys.executable, "-m", "seamark.cli.main", "compare", *arguments]
-    done = subprocess.run(
-        [*command, *_options(backend, address)], capture_output=True, check=True, timeout=60
-    )
-    return done.stdout
+    return subprocess.run(command, capture_output=True, check=True, timeout=60).stdout
 
 
 def test_compare_prints_what_differs_and_where_to_look(backend: Backend, address: str) -> None:
     first = backend.succeeded(seed=7, config={"kp": 0.4})
     second = backend.succeeded(seed=7, config={"kp": 0.6})
 
-    tables = _compare(backend, address, str(first), str(second))
-    document = _in_a_process(backend, address, str(first), str(second), "--json")
+    tables = _compare(str(first), str(second))
+    document = _in_a_process(str(first), str(second), "--json")
 
     assert tables.exit_code == 0, tables.output
     (row,) = [line for line in tables.output.splitlines() if line.endswith("0.4    0.6")]
@@ -69,12 +46,10 @@ def test_compare_prints_what_differs_and_where_to_look(backend: Backend, address
 @pytest.mark.parametrize(
     ("runs", "message"), [(("1",), "2 to 5 different runs"), (("1", "999"), "There is no run 999")]
 )
-def test_compare_says_what_is_wrong(
-    backend: Backend, address: str, runs: tuple[str, ...], message: str
-) -> None:
+def test_compare_says_what_is_wrong(backend: Backend, runs: tuple[str, ...], message: str) -> None:
     assert backend.succeeded() == 1
 
-    answer = _compare(backend, address, *runs)
+    answer = _compare(*runs)
 
     assert answer.exit_code == 2
     assert message in answer.output
@@ -86,9 +61,9 @@ def test_a_server_that_does_not_answer_is_a_failure_of_the_platform(tmp_path: Pa
     assert answer.exit_code == 3
 
 
-def test_leaderboard_prints_the_rows_of_the_page(backend: Backend, address: str) -> None:
+def test_leaderboard_prints_the_rows_of_the_page(backend: Backend) -> None:
     backend.published("eva", kind="ranked", title="Steady \x1b[31mhand")
-    arguments = ("leaderboard", "currents-v1", *_options(backend, address))
+    arguments = ("leaderboard", "currents-v1")
 
     shown = CliRunner().invoke(cli, [*arguments, "--program", "built-in"], prog_name="seamark")
     hidden = CliRunner().invoke(cli, [*arguments, "--baselines", "hide"], prog_name="seamark")

@@ -15,6 +15,9 @@ ESCAPES = "\x1b]0;title\x07\x1b]52;c;cm0gLXJm\x07\x1b[2J\x9b31m\r\u202e"
 ACTING = frozenset("\x1b\x07\x9b\r\u202e")
 RUN: dict[str, Any] = {
     "id": 1,
+    "benchmark": f"currents-v1{ESCAPES}",
+    "title": ESCAPES,
+    "public": True,
     "state": "queued",
     "position": None,
     "progress": 0.5,

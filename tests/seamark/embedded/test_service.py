@@ -28,15 +28,16 @@ def test_up_evaluates_a_run_refuses_a_second_instance_and_leaves_no_process(
     data, config = tmp_path / "data", {"levels": [0.0], "level_duration_s": 40.0}
     with started(data) as (address, service):
         with Client(address) as client:
-            ordered = client.submit("currents-v1", controller="p", config=config, seed=7)
-            ended = client.wait(ordered["id"])
+            ended = client.submit("currents-v1", controller="p", config=config, seed=7).wait()
+            rows = ended.telemetry()
         second = subprocess.run(up(data), capture_output=True, text=True, check=False)
         children = below(service.pid)
         service.send_signal(signal.SIGTERM)
         service.communicate(timeout=END_S)
 
-    assert ended["state"] == "succeeded"
-    assert ended["result"]["digest"]
+    assert ended.state == "succeeded"
+    assert ended.digest
+    assert len(rows) == 800  # 40 s at 20 Hz
     assert second.returncode == 2
     assert f"Seamark is already running on {data}" in second.stderr
     assert len(children) > 4  # broker, web, worker and their children

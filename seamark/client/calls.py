@@ -1,0 +1,183 @@
+"""The calls of the API as generators, for both clients (`seamark.client.exchange`)."""
+
+from __future__ import annotations
+
+import json
+import secrets
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, Final, cast
+
+import httpx
+
+from seamark.client import exchange
+from seamark.client.documents import (
+    BenchmarkDocument,
+    ComparisonDocument,
+    LeaderboardDocument,
+    RunDocument,
+    SubmissionOptions,
+    SweepDocument,
+    Values,
+)
+from seamark.client.exchange import Call, Request
+
+API: Final = "/api/v1"
+PAGE_MAX = 200  # runs, the largest page of the API
+# Without these an answer is not that of a Seamark server; a newer or older one may have others.
+RUN_KEYS = (
+    "id",
+    "benchmark",
+    "title",
+    "state",
+    "progress",
+    "position",
+    "public",
+    "result",
+    "failure",
+    "links",
+)
+SWEEP_KEYS = ("id", "live", "best", "cells", "links")
+
+
+class Calls:
+    """The calls of one server.
+
+    Parameters
+    ----------
+    server
+        Its address.
+    signed_in
+        Whether requests carry a token. Without one the server knows nobody, so that it cannot
+        recognise a submission that is repeated.
+    patience_s
+        How long the pauses between the attempts of one request may last in total.
+    """
+
+    def __init__(self, server: str, *, signed_in: bool, patience_s: float) -> None:
+        self.server = server
+        self._signed_in = signed_in
+        self._patience_s = patience_s
+
+    def send(self, method: str, path: str, **options: Any) -> Call[httpx.Response]:
+        """Return the response to a request below /api/v1."""
+        request = Request(method, API + path, options)
+        return exchange.exchange(self.server, request, patience_s=self._patience_s)
+
+    def document(
+        self, method: str, path: str, *, needs: Sequence[str] = (), **options: Any
+    ) -> Call[Any]:
+        """Return the JSON object that answers a request below /api/v1."""
+        response = yield from self.send(method, path, **options)
+        return exchange.document(self.server, response, needs)
+
+    def submit(self, benchmark: str, options: SubmissionOptions) -> Call[RunDocument]:
+        """Submit a run."""
+        return self._post_run("/runs", benchmark, options, needs=RUN_KEYS)
+
+    def sweep(
+        self, benchmark: str, axes: Mapping[str, Values], options: SubmissionOptions
+    ) -> Call[SweepDocument]:
+        """Start a sweep."""
+        swept = [
+            {"name": name, "values": values if isinstance(values, str) else list(values)}
+            for name, values in axes.items()
+        ]
+        return self._post_run("/sweeps", benchmark, options, needs=SWEEP_KEYS, sweep=swept)
+
+    def run(self, run_id: int) -> Call[RunDocument]:
+        """Return a run in its present state."""
+        return self.document("GET", f"/runs/{run_id}", needs=RUN_KEYS)
+
+    def runs_page(
+        self, query: Mapping[str, object], after: int | None, limit: int | None
+    ) -> Call[tuple[list[RunDocument], int | None]]:
+        """Return a page of the list of runs, of `limit` at most, and where the next one starts."""
+        size = PAGE_MAX if limit is None else min(limit, PAGE_MAX)
+        params = dict(query) | {"limit": size} | ({} if after is None else {"after": after})
+        page = yield from self.document("GET", "/runs", params=params, needs=("runs", "next"))
+        return page["runs"], page["next"]
+
+    def show_sweep(self, sweep_id: int) -> Call[SweepDocument]:
+        """Return a sweep in its present state."""
+        return self.document("GET", f"/sweeps/{sweep_id}", needs=SWEEP_KEYS)
+
+    def cancel_sweep(self, sweep_id: int) -> Call[SweepDocument]:
+        """Cancel the runs of a sweep that have not ended."""
+        return self.document("POST", f"/sweeps/{sweep_id}/cancel", needs=SWEEP_KEYS)
+
+    def act(self, run_id: int, action: str) -> Call[RunDocument]:
+        """Change a run: cancel, publish or withdraw it."""
+        return self.document("POST", f"/runs/{run_id}/{action}", needs=RUN_KEYS)
+
+    def compare(
+        self, run_ids: Sequence[int], query: Mapping[str, object]
+    ) -> Call[ComparisonDocument]:
+        """Return two to five runs side by side."""
+        params = {"runs": ",".join(map(str, run_ids))} | dict(query)
+        return self.document("GET", "/compare", params=params, needs=("runs", "scores"))
+
+    def leaderboard(self, benchmark: str, query: Mapping[str, object]) -> Call[LeaderboardDocument]:
+        """Return a page of a leaderboard."""
+        path = f"/leaderboards/{benchmark}"
+        return self.document("GET", path, params=dict(query), needs=("ranks", "next"))
+
+    def benchmarks(self) -> Call[list[BenchmarkDocument]]:
+        """Return all benchmarks."""
+        found = yield from self.document("GET", "/benchmarks", needs=("benchmarks",))
+        return cast("list[BenchmarkDocument]", found["benchmarks"])
+
+    def telemetry(self, run_id: int) -> Call[tuple[list[str], bytes]]:
+        """Return the names of the columns and all rows so far as little-endian float64."""
+        response = yield from self.send("GET", f"/runs/{run_id}/telemetry.f64")
+        names = [name for name in response.headers.get("X-Columns", "").split(",") if name]
+        if not names or len(response.content) % (8 * len(names)):
+            raise exchange.not_seamark(self.server)
+        return names, response.content
+
+    def benchmark(self, name: str) -> Call[dict[str, Any]]:
+        """Return a benchmark with the schema of its settings."""
+        return self.document("GET", f"/benchmarks/{name}", needs=("schema",))
+
+    def account(self) -> Call[dict[str, Any]]:
+        """Return the account of the token."""
+        return self.document("GET", "/me", needs=("name", "quota"))
+
+    def file(self, run_id: int, name: str) -> Call[dict[str, Any]]:
+        """Return a JSON file of a run."""
+        return self.document("GET", f"/runs/{run_id}/{name}")
+
+    def text(self, run_id: int, name: str) -> Call[str]:
+        """Return a text of a run."""
+        response = yield from self.send("GET", f"/runs/{run_id}/{name}")
+        return response.text
+
+    def data(self, run_id: int, name: str) -> Call[bytes]:
+        """Return a file of a run."""
+        response = yield from self.send("GET", f"/runs/{run_id}/{name}")
+        return response.content
+
+    def _post_run(
+        self,
+        path: str,
+        benchmark: str,
+        options: SubmissionOptions,
+        *,
+        needs: Sequence[str],
+        **more: object,
+    ) -> Call[Any]:
+        """Post a run or a sweep: of a built-in solution, or with a program."""
+        sent = {name: value for name, value in options.items() if value is not None}
+        program = sent.pop("program", None)
+        body = sent | {"benchmark": benchmark} | more
+        if program is None:
+            content: dict[str, Any] = {"json": body}
+        else:
+            file = Path(cast("str | Path", program))
+            parts = {"program": (file.name, file.read_bytes())}
+            content = {"data": {"run": json.dumps(body)}, "files": parts}
+        # The server starts one run for a key, so that a request without an answer can be repeated.
+        headers = {"Idempotency-Key": secrets.token_hex(16)} if self._signed_in else {}
+        request = Request("POST", API + path, content | {"headers": headers}, self._signed_in)
+        response = yield from exchange.exchange(self.server, request, patience_s=self._patience_s)
+        return exchange.document(self.server, response, needs)

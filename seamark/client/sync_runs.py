@@ -1,0 +1,149 @@
+"""A run and a sweep of the blocking client."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import TYPE_CHECKING, Any, Literal, Self, overload
+
+from seamark.client import plots, tables
+from seamark.client.documents import RunDocument, SweepDocument
+from seamark.client.run_view import RunView, SweepView
+from seamark.client.sessions import Session
+from seamark.client.watch import watch_run, watch_sweep
+
+if TYPE_CHECKING:
+    import numpy as np
+    from matplotlib.figure import Figure
+    from numpy.typing import NDArray
+
+
+class Run(RunView):
+    """A run on a server. Its properties are those of the last answer; `refresh` asks again."""
+
+    def __init__(self, session: Session, document: RunDocument) -> None:
+        super().__init__(session.server, document)
+        self._session, self._calls = session, session.calls
+
+    def refresh(self) -> Self:
+        """Ask the server for the present state."""
+        self.document = self._session.do(self._calls.run(self.id))
+        return self
+
+    def follow(self, *, timeout_s: float | None = None) -> Iterator[Self]:
+        """Yield the run at once and each time it has changed, until it has ended.
+
+        Raises
+        ------
+        StillRunning
+            After `timeout_s`, if it is not None.
+        """
+        watch = watch_run(self._calls, self.id, timeout_s=timeout_s)
+        while (document := self._session.do(watch.next_change())) is not None:
+            self.document = document
+            yield self
+
+    def wait(
+        self,
+        *,
+        timeout_s: float | None = None,
+        progress: bool = True,
+        on_change: Callable[[Run], object] | None = None,
+    ) -> Self:
+        """Return the run once it has ended, however it did.
+
+        Shows a bar on a terminal, or lines in a pipe, on standard error. `on_change` is called with
+        the run each time it has changed.
+
+        Raises
+        ------
+        StillRunning
+            After `timeout_s`, if it is not None.
+        """
+        with self._progress(quiet=not progress) as bar:
+            for run in self.follow(timeout_s=timeout_s):
+                self._show(bar)
+                if on_change is not None:
+                    on_change(run)
+        return self
+
+    @overload
+    def telemetry(self, kind: Literal["numpy"] = "numpy") -> NDArray[np.void]: ...
+    @overload
+    def telemetry(self, kind: Literal["pandas", "polars", "arrow"]) -> Any: ...
+    def telemetry(self, kind: tables.TableKind = "numpy") -> Any:
+        """Return all rows so far, one per control step; also while the run is under way.
+
+        A structured NumPy array (`rows["distance"]` is a column), or a data frame of `pandas` or
+        `polars`, or an `arrow` table, where these are installed.
+        """
+        return tables.table(kind, *self._session.do(self._calls.telemetry(self.id)))
+
+    def plot(self) -> Figure:
+        """Return a figure of distance, current and path; needs Matplotlib."""
+        return plots.figure(self.telemetry(), title=self.heading)
+
+    def metrics(self) -> dict[str, Any]:
+        """Return the metrics; raises NotFound while there are none."""
+        found: dict[str, Any] = self._session.do(self._calls.file(self.id, "metrics.json"))
+        return found
+
+    def manifest(self) -> dict[str, Any]:
+        """Return versions, configuration, seeds and digest; raises NotFound before the end."""
+        found: dict[str, Any] = self._session.do(self._calls.file(self.id, "manifest.json"))
+        return found
+
+    def log(self) -> str:
+        """Return what the program has printed so far, without the middle of very long output."""
+        return self._session.do(self._calls.text(self.id, "log"))
+
+    def program(self) -> bytes:
+        """Return the uploaded program; raises NotFound if there is none."""
+        return self._session.do(self._calls.data(self.id, "program"))
+
+    def publish(self) -> Self:
+        """Make the run public; a ranked one enters the leaderboard."""
+        return self._act("publish")
+
+    def withdraw(self) -> Self:
+        """Make the run private again and take it off the leaderboard."""
+        return self._act("withdraw")
+
+    def cancel(self) -> Self:
+        """Cancel the run; what it recorded so far is kept."""
+        return self._act("cancel")
+
+    def _act(self, action: str) -> Self:
+        self.document = self._session.do(self._calls.act(self.id, action))
+        return self
+
+
+class Sweep(SweepView):
+    """A sweep on a server. Its properties are those of the last answer."""
+
+    def __init__(self, session: Session, document: SweepDocument) -> None:
+        super().__init__(session.server, document)
+        self._session, self._calls = session, session.calls
+
+    @property
+    def runs(self) -> list[Run]:
+        """The runs, in the order of the combinations; those that were deleted are missing."""
+        return [Run(self._session, document) for document in self._documents()]
+
+    @property
+    def best(self) -> Run | None:
+        """The run with the highest score so far."""
+        return next((run for run in self.runs if run.id == self.document["best"]), None)
+
+    def wait(self, *, timeout_s: float | None = None, progress: bool = True) -> Self:
+        """Return the sweep once all of its runs have ended; as `Run.wait`."""
+        watch = watch_sweep(self._calls, self.id, timeout_s=timeout_s)
+        with self._progress(quiet=not progress) as bar:
+            while (document := self._session.do(watch.next_change())) is not None:
+                self.document = document
+                self._show(bar)
+        return self
+
+    def cancel(self) -> Self:
+        """Cancel the runs that have not ended."""
+        self.document = self._session.do(self._calls.cancel_sweep(self.id))
+        return self
