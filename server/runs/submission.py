@@ -195,8 +195,20 @@ def rerun(session: Session, run_id: int, viewer: Viewer, settings: Settings) -> 
         title=old.title,
         notes=old.notes,
         rerun_of=old.id,
+        assignment=_open_assignment(session, old, viewer),
     )
     return submit(session, validate(submission, settings), settings)
+
+
+def _open_assignment(session: Session, run: Run, viewer: Viewer) -> int | None:
+    """Return the assignment that a run of the viewer was for, if it still accepts runs."""
+    found = assignments.of_run(session, run.id)
+    if found is None or viewer.user_id is None or run.user_id != viewer.user_id:
+        return None
+    try:
+        return assignments.open_for(session, found.id, viewer.user_id).id
+    except ClassRefused:
+        return None
 
 
 def find_benchmark(name: str) -> Benchmark:

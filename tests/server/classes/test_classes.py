@@ -118,6 +118,21 @@ def test_what_counts_is_the_submission_before_the_deadline_not_the_end_after_it(
     assert (ann.runs, ann.best and ann.best.score) == (1, 40.0)
 
 
+def test_a_run_submitted_again_counts_for_its_assignment_until_the_deadline(both: Backend) -> None:
+    room = classroom(both, "ann")
+    assignment = assign(both, room, deadline=time.time() + 1000.0)
+    first = hand_in(both, "ann", assignment)
+
+    both.rerun(first, "ann")
+    both.rerun(first, "root")
+    with both.database.writing() as session:
+        session.execute(update(Assignment).values(deadline=time.time() - 1.0))
+    late = both.show(both.rerun(first, "ann"))
+
+    (ann,) = teachers_page(both, room, assignment)
+    assert (ann.runs, late.teacher_id) == (2, None)
+
+
 def test_a_run_validated_before_the_deadline_is_refused_when_it_is_inserted_after_it(
     both: Backend,
 ) -> None:
