@@ -1,0 +1,154 @@
+"""`seamark tune`: search for the best gains of a controller, and check them in fresh water."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from seamark.cli.console import exit_with, print_json
+from seamark.cli.options import configuration_options, json_option
+
+if TYPE_CHECKING:
+    from seamark.cli.tuning_report import Report
+    from seamark.cli.tuning_task import TuningTask
+    from seamark.tuning.search import Search
+    from seamark.tuning.validation import Validation
+
+INTERRUPTED = 130  # 128 + SIGINT, as shells have it
+
+
+@click.command()
+@click.argument("benchmark")
+@click.option(
+    "--controller",
+    metavar="FILE|NAME",
+    help="A file or a built-in solution.  [default: the benchmark's first]",
+)
+@click.option(
+    "--param",
+    "params",
+    metavar="NAME[=RANGE]",
+    multiple=True,
+    help="What to tune: NAME=LOW:HIGH, NAME=LOW:HIGH:log, NAME=VALUE,VALUE or NAME for its "
+    "declared range; repeatable.  [default: all parameters with a range that the program declares]",
+)
+@click.option(
+    "--method",
+    type=click.Choice(("bayesian", "cma-es", "random", "grid")),
+    default="bayesian",
+    show_default=True,
+    help="How candidates are chosen.",
+)
+@click.option(
+    "--candidates",
+    type=click.IntRange(1, 10_000),
+    default=40,
+    show_default=True,
+    help="How many to try beside the defaults; for a grid at most.",
+)
+@click.option(
+    "--batch",
+    type=click.IntRange(1, 256),
+    default=8,
+    show_default=True,
+    help="How many are chosen at a time. The result depends on it, and not on --jobs.",
+)
+@click.option(
+    "--trials",
+    type=click.IntRange(1, 100),
+    default=4,
+    show_default=True,
+    help="Trials of each candidate, the same water for all.",
+)
+@click.option(
+    "--seed",
+    type=click.IntRange(0, 2**31 - 2),
+    default=1,
+    show_default=True,
+    help="Seed of the water and of the search.",
+)
+@click.option(
+    "--validate",
+    type=click.IntRange(0, 100),
+    default=24,
+    show_default=True,
+    help="Trials of the best and of the defaults in fresh water; 0: none.",
+)
+@configuration_options
+@click.option("--jobs", type=click.IntRange(1), help="Processes.  [default: one per core]")
+@click.option(
+    "--out",
+    type=click.Path(dir_okay=False, path_type=Path),
+    metavar="FILE",
+    default=Path("tuned.toml"),
+    show_default=True,
+    help="File for the best configuration; the history gets the same name with .csv.",
+)
+@click.option("--resume", is_flag=True, help="Go on with the history of an earlier call.")
+@json_option
+def tune(benchmark: str, **options: Any) -> None:
+    """Search for the best settings of a controller or parameters of a program.
+
+    All candidates meet the same water. At the end the best and the defaults meet fresh water, which
+    shows whether the best is better or was lucky. Ctrl-C keeps what is there; --resume goes on.
+
+    \b
+    Examples:
+      seamark tune currents-v2 --controller pi --param kp=0.1:2 --param ki=0:0.5:log
+      seamark tune currents-v2 --controller mine.py --method cma-es --candidates 80
+      seamark tune currents-v2 --controller pi --param kp --param ki --resume
+      seamark run currents-v2 --controller pi --config tuned.toml
+    """
+    from seamark.cli.tuning_report import Report
+    from seamark.cli.tuning_task import Options, task_of
+
+    task = task_of(benchmark, Options(**options))
+    report = Report(task, quiet=options["as_json"])
+    try:
+        search, validation = _tune(task, report)
+    except KeyboardInterrupt:
+        report.interrupted()
+        exit_with(INTERRUPTED)
+    if options["as_json"]:
+        print_json(report.document(search, validation))
+    else:
+        report.finish(search, validation)
+    exit_with(0 if search.best() else 1)
+
+
+def _tune(task: TuningTask, report: Report) -> tuple[Search, Validation | None]:
+    """Search, write the best configuration, and validate it."""
+    from seamark.cli.solutions import sandbox_failures_explained
+    from seamark.tuning.candidates import DEFAULTS
+    from seamark.tuning.search import Search
+    from seamark.tuning.validation import fresh_seed, validate
+
+    method, history = task.method(), task.history()
+    with sandbox_failures_explained(), task.evaluator(report.show_validation) as evaluator:
+        search = Search(
+            method=method,
+            evaluator=evaluator,
+            configure=task.configuration,
+            history=history,
+            on_end=report.candidate_ended,
+        )
+        with report:
+            search.run(task.defaults, limit=task.options.candidates, batch=task.options.batch)
+        best = search.best()
+        if best is None:
+            return search, None
+        task.write(best[0].values)
+        if not task.options.validate or best[0].number == DEFAULTS:
+            return search, None
+        seed = fresh_seed(task.options.seed)
+        with report.validating():
+            return search, validate(
+                evaluator,
+                task.configuration(best[0].values),
+                task.configuration(task.defaults),
+                seed=seed,
+                trials=task.options.validate,
+                block=task.block,
+            )
