@@ -74,7 +74,7 @@ class Report:
 
     def validating(self) -> AbstractContextManager[Any]:
         """Return a context manager with the progress of the runs in fresh water."""
-        from seamark.cli.console import Progress
+        from seamark.progress import Progress
 
         self._validation = Progress("Fresh water", quiet=self._quiet)
         bar: AbstractContextManager[Any] = self._validation
