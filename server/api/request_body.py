@@ -6,16 +6,43 @@ import json
 from typing import TypeVar
 
 from flask import request
-from pydantic import BaseModel, ValidationError
+from pydantic import BaseModel, Field, ValidationError
 from werkzeug.datastructures import FileStorage
 
 from seamark.server.api.schemas import RunRequest
+from seamark.server.runs.submission import Submission
+from seamark.server.runs.submission_keys import SubmissionKey
 from seamark.server.web.body_limits import JSON_MAX_BYTES
 from seamark.server.web.problems import Problem, from_validation_error
 from seamark.server.web.services import services
 
+KEY_MAX = 200  # [character] of an Idempotency-Key
+
 Model = TypeVar("Model", bound=BaseModel)
 Run = TypeVar("Run", bound=RunRequest)
+
+
+class SubmissionHeaders(BaseModel):
+    """Headers of a submission."""
+
+    key: str | None = Field(
+        None,
+        alias="Idempotency-Key",
+        min_length=1,
+        max_length=KEY_MAX,
+        pattern=r"^[\x21-\x7e]*$",
+        description="A text of the client's own, new for each submission. Sent again with the same "
+        "one within a day, a submission of an account is answered as before and starts nothing.",
+    )
+
+    def submission_key(self, request: RunRequest, submission: Submission) -> SubmissionKey | None:
+        """Return the key of a submission; None without one, and for a guest."""
+        user_id = submission.viewer.user_id
+        if self.key is None or user_id is None:
+            return None
+        program = None if submission.program is None else submission.program.sha256
+        content = request.model_dump(mode="json") | {"kind of request": type(request).__name__}
+        return SubmissionKey.of(user_id, self.key, request=content | {"program": program})
 
 
 def json_body(model: type[Model]) -> Model:

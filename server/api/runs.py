@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import time
 from typing import Any, BinaryIO, cast
 
 from flask import Response, jsonify
@@ -12,6 +13,7 @@ from werkzeug.datastructures import FileStorage
 
 from seamark.server.accounts.permissions import Action
 from seamark.server.api import refusals, request_body
+from seamark.server.api.request_body import SubmissionHeaders
 from seamark.server.api.run_lists import RunsQuery
 from seamark.server.api.schemas import (
     RunPath,
@@ -21,7 +23,7 @@ from seamark.server.api.schemas import (
     run_answer,
 )
 from seamark.server.programs.store import StoredProgram
-from seamark.server.runs import assigned, run_lists, submission, views
+from seamark.server.runs import assigned, run_lists, submission, submission_keys, views
 from seamark.server.runs.run_lists import Place, RunFilter
 from seamark.server.runs.states import RunKind, RunState
 from seamark.server.runs.submission import UPLOAD, Submission
@@ -43,7 +45,7 @@ api = APIBlueprint(
 
 @api.post("/runs", responses={202: RunResponse})
 @rate_limits.limiter.limit(rate_limits.SUBMISSIONS, key_func=rate_limits.client)
-def create() -> Response:
+def create(header: SubmissionHeaders) -> Response:
     """Submit a run of a built-in controller (JSON) or of a program (multipart).
 
     Guests may try built-in controllers; programs and ranked runs need an account.
@@ -51,9 +53,12 @@ def create() -> Response:
     run, file = request_body.run_request(RunRequest)
     access.require_scope(Action.SUBMIT)
     with refusals.as_problems():
-        valid = submission.validate(submission_of(run, file), services().settings)
+        sent, settings = submission_of(run, file), services().settings
+        valid, key = submission.validate(sent, settings), header.submission_key(run, sent)
         with services().database.writing() as database:
-            run_id = submission.submit(database, valid, services().settings)
+            run_id = submission_keys.once(
+                database, key, lambda: submission.submit(database, valid, settings), now=time.time()
+            )
     return _accepted(run_id)
 
 

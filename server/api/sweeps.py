@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from typing import Annotated, Any
 
 from flask import Response, jsonify
@@ -11,6 +12,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from seamark.server.accounts.permissions import Action
 from seamark.server.api import refusals, request_body
+from seamark.server.api.request_body import SubmissionHeaders
 from seamark.server.api.runs import submission_of
 from seamark.server.api.schemas import (
     ResponseModel,
@@ -19,7 +21,7 @@ from seamark.server.api.schemas import (
     Text,
     run_answer,
 )
-from seamark.server.runs import cancellation, sweep_axes, sweeps
+from seamark.server.runs import cancellation, submission_keys, sweep_axes, sweeps
 from seamark.server.runs.sweeps import SweepView
 from seamark.server.web import access, rate_limits
 from seamark.server.web.services import services
@@ -90,7 +92,7 @@ class SweepResponse(ResponseModel):
 
 @api.post("/sweeps", responses={202: SweepResponse})
 @rate_limits.limiter.limit(rate_limits.SUBMISSIONS, key_func=rate_limits.client)
-def create() -> Response:
+def create(header: SubmissionHeaders) -> Response:
     """Start a sweep: a practice run for each combination of values, all of them or none.
 
     The request body is that of `POST /runs` with `sweep`. All runs have the same seed.
@@ -100,9 +102,15 @@ def create() -> Response:
     settings = services().settings
     with refusals.as_problems():
         axes = [sweep_axes.read_axis(axis.name, axis.values) for axis in body.sweep]
-        planned = sweeps.plan(submission_of(body, file), axes, settings)
+        sent = submission_of(body, file)
+        planned, key = sweeps.plan(sent, axes, settings), header.submission_key(body, sent)
         with services().database.writing() as database:
-            sweep_id = sweeps.submit(database, planned, axes, settings, title=body.title)
+            sweep_id = submission_keys.once(
+                database,
+                key,
+                lambda: sweeps.submit(database, planned, axes, settings, title=body.title),
+                now=time.time(),
+            )
     services().wake_worker()
     with services().database.reading() as database:
         view = sweeps.show(database, sweep_id)

@@ -17,6 +17,7 @@ from seamark.server.database.advisory_locks import AdvisoryLock
 from seamark.server.database.class_tables import Classroom
 from seamark.server.database.engine import Database
 from seamark.server.database.queue_tables import Turn
+from seamark.server.database.submission_tables import KeyOfSubmission
 from seamark.server.database.sweep_tables import Sweep
 from seamark.server.settings import Settings
 
@@ -24,7 +25,7 @@ UPGRADE_S = 600.0  # a process waits this long for one that upgrades a large SQL
 
 _FOLDER = Path(migrations.__file__).parent
 # A table of each module of tables: its import declares the others of the module.
-_TABLES = (Turn, Classroom, AccountDeletion, Sweep)
+_TABLES = (Turn, Classroom, AccountDeletion, Sweep, KeyOfSubmission)
 
 
 class SchemaTooOld(Exception):

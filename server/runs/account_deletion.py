@@ -19,6 +19,7 @@ from seamark.server.accounts.profiles import Profile
 from seamark.server.database.account_tables import AccountDeletion, PasswordReset
 from seamark.server.database.class_tables import Classroom, Membership
 from seamark.server.database.engine import Database
+from seamark.server.database.submission_tables import KeyOfSubmission
 from seamark.server.database.tables import (
     Best,
     BrowserSession,
@@ -42,7 +43,8 @@ def close(session: Session, user_id: int, *, keep_published: bool) -> None:
         results.cancel(session, run_id)
     if not keep_published:
         _withdraw_all(session, user_id)
-    for table in (Token, BrowserSession, Invitation, Check, Membership, PasswordReset):
+    secrets = (Token, BrowserSession, Invitation, PasswordReset, KeyOfSubmission)
+    for table in (*secrets, Check, Membership):
         session.execute(delete(table).where(table.user_id == user_id))
     session.execute(delete(Classroom).where(Classroom.teacher_id == user_id))
     # No name that a person may choose has a space, so nobody can have this one.
