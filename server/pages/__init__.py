@@ -9,6 +9,7 @@ from seamark.server.pages import (
     classes,
     compare,
     docs,
+    download,
     errors,
     home,
     invitations,
@@ -24,7 +25,7 @@ from seamark.server.pages import (
     sweep,
 )
 from seamark.server.pages.code_blocks import code_block
-from seamark.server.pages.docs_articles import article
+from seamark.server.pages.docs_articles import article, with_way_to_install
 from seamark.server.web import template_filters, url_converters
 
 PAGES = (
@@ -44,6 +45,7 @@ PAGES = (
     classes.page,
     assignments.page,
     docs.page,
+    download.page,
     status.page,
 )
 
@@ -55,6 +57,7 @@ def register(app: Flask) -> None:
         app.register_blueprint(page)
     template_filters.register(app)
     app.add_template_filter(article)
+    app.add_template_filter(with_way_to_install)
     app.add_template_filter(code_block, "code")
     app.add_template_filter(sparkline.segments)
     errors.register(app)

@@ -1,5 +1,6 @@
 """The documentation: text in templates, tables from the objects that the code uses."""
 
+import importlib.metadata
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import asdict, dataclass
 from dataclasses import fields as fields_of
@@ -34,6 +35,7 @@ from seamark.server.pages.docs_search import SearchIndex
 from seamark.server.programs.preparation import TEXT_MAX_BYTES
 from seamark.server.runs import trial_limits
 from seamark.server.runs.failure_reasons import DESCRIPTIONS
+from seamark.server.web import own_wheel
 from seamark.server.web.services import services
 from seamark.sim import registry, vehicles
 from seamark.sim.control import observation
@@ -44,6 +46,10 @@ from seamark.sim.vehicles.urdf import urdf_of
 
 page = Blueprint("docs", __name__, url_prefix="/docs")
 _FIGURE_MAX_AGE_S = 3600
+EXTRAS = {  # of pyproject.toml
+    "server": "the service: seamark up, web, worker, db, user and token",
+    "gym": "environments for Gymnasium",
+}
 _UNITS = {"_s": "s", "_mib": "MiB", "_kib": "KiB"}
 
 
@@ -59,6 +65,18 @@ class Limit:
 
 def _start() -> dict[str, Any]:
     return {}
+
+
+def _install() -> dict[str, Any]:
+    host = services().settings.url or request.host_url.rstrip("/")
+    path = url_for("download.wheel", name=own_wheel.name())
+    return {
+        "version": importlib.metadata.version("seamark"),
+        "wheel": f"seamark @ {host}{path}",
+        "server": host,
+        "path": path,
+        "extras": EXTRAS,
+    }
 
 
 def _controller() -> dict[str, Any]:
@@ -159,6 +177,7 @@ def _telemetry() -> dict[str, Any]:
 # name -> title, values for its template
 PAGES: Mapping[str, tuple[str, Callable[[], dict[str, Any]]]] = {
     "start": ("Your first controller in five minutes", _start),
+    "install": ("Install the command line", _install),
     "controller": ("Write a controller", _controller),
     "tracker": ("Write a tracker", _tracker),
     "languages": ("Languages", _languages),

@@ -10,6 +10,7 @@ from markupsafe import escape
 
 CONTENTS_FROM = 4  # sections: a shorter page needs no list of them
 _HEADING = re.compile(r"<h([23])(?: id=\"([^\"]*)\")?>(.*?)</h\1>", re.DOTALL)
+_COMMAND = re.compile(r"(?<![\w./-])seamark [a-z]")
 _TAG = re.compile(r"<[^<>]+>")
 
 
@@ -41,6 +42,16 @@ def article(html: str) -> str:
 
     shown = _HEADING.sub(anchored, html)
     return _contents(sections) + shown
+
+
+def with_way_to_install(html: str, address: str) -> str:
+    """Return a page, with a link to `address` if it names commands and does not link there yet."""
+    if not _COMMAND.search(html) or f'href="{address}"' in html:
+        return html
+    return (
+        f'{html}<p class="small muted">Commands that start with <code>seamark</code> run on your '
+        f'own computer: <a href="{escape(address)}">install the command line</a>.</p>'
+    )
 
 
 def sections_of(html: str) -> Iterator[Section]:

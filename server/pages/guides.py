@@ -12,10 +12,11 @@ from markdown_it.common.utils import escapeHtml
 from markdown_it.renderer import RendererHTML
 from markdown_it.token import Token
 
+from seamark import server
 from seamark.server.pages.code_blocks import code_block
 from seamark.server.pages.docs_articles import anchor_of
 
-FOLDER = Path(__file__).resolve().parents[2] / "docs"
+FOLDER = Path(server.__file__).parents[1] / "docs"
 # Suffix -> content type of files that a page may show or link to.
 ATTACHED = {".png": "image/png", ".txt": "text/plain; charset=utf-8"}
 ADDRESS = "/docs/guides/"  # of the pages and of what they link to

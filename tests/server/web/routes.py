@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from typing import Any
 
+from seamark.server.web import own_wheel
 from tests.server.web.callers import (
     Allows,
     changes_its_own,
@@ -174,6 +175,7 @@ ROUTES: dict[tuple[str, str], Entry] = {
     ("GET", "/docs/<name>"): Entry(everybody, path="/docs/start"),
     ("GET", "/docs/guides/<path:name>"): Entry(everybody, path="/docs/guides/benchmarks.md"),
     ("GET", "/docs/physics/<name>.urdf"): Entry(everybody, path="/docs/physics/girona500.urdf"),
+    ("GET", "/download/<name>"): Entry(everybody, path=f"/download/{own_wheel.name()}"),
     ("GET", "/status"): OPEN,
     ("GET", "/problems"): OPEN,
     ("GET", "/problems/<slug>"): Entry(everybody, path="/problems/not-found"),

@@ -1,0 +1,162 @@
+"""The wheel that the service offers has the files of its version, and nothing else."""
+
+import base64
+import csv
+import hashlib
+import io
+import subprocess
+import sys
+import tomllib
+import zipfile
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from seamark.server.pages.docs import EXTRAS
+from seamark.server.web.own_wheel import OwnWheel, Wheel
+
+ROOT = Path(__file__).parents[3]
+NEEDED = {  # read while the service or a run is under way
+    "seamark/docs/benchmarks.md",
+    "seamark/docs/figures/p-and-pi.png",
+    "seamark/migrations/env.py",
+    "seamark/sandbox/languages/c_family/runner.c",
+    "seamark/sandbox/languages/c_family/seamark.h",
+    "seamark/sandbox/languages/matlab/inside/runner.m",
+    "seamark/sandbox/languages/python/starter/controller.py",
+    "seamark/sandbox/isolation/launcher.py",
+    "seamark/sim/benchmarks/reference_results.json",
+    "seamark/sim/camera/textures/grass.png",
+    "seamark/sim/trackers/visp/bridge.cpp",
+    "seamark/templates/layout/base.html",
+    "seamark/templates/static/vendor/three/three.min.js",
+}
+
+
+@pytest.fixture(scope="module")
+def own() -> Wheel:
+    return OwnWheel().get()
+
+
+@pytest.fixture(scope="module")
+def names(own: Wheel) -> list[str]:
+    return zipfile.ZipFile(io.BytesIO(own.content)).namelist()
+
+
+@pytest.fixture(scope="module")
+def installed(own: Wheel, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A virtual environment with the wheel; of the other packages it sees those of the tests."""
+    folder = tmp_path_factory.mktemp("installed")
+    subprocess.run([sys.executable, "-m", "venv", "--without-pip", folder], check=True)
+    (packages,) = (folder / "lib").glob("python*/site-packages")
+    zipfile.ZipFile(io.BytesIO(own.content)).extractall(packages)
+    (others,) = {path for path in map(Path, sys.path) if path.name == "site-packages"}
+    (packages / "others.pth").write_text(f"{others}\n")
+    return folder / "bin/python"
+
+
+def _tracked(folder: str) -> Iterator[str]:
+    listing = subprocess.run(
+        ["git", "ls-files", folder], cwd=ROOT, capture_output=True, text=True, check=True
+    )
+    return (f"seamark/{name.removeprefix('seamark/')}" for name in listing.stdout.splitlines())
+
+
+def test_only_the_name_seamark_is_taken(names: list[str]) -> None:
+    tops = {name.partition("/")[0] for name in names}
+
+    assert {top for top in tops if not top.endswith(".dist-info")} == {"seamark"}
+    assert len(tops) == 2
+
+
+def test_it_has_what_is_read_at_run_time_and_nothing_that_was_made_here(names: list[str]) -> None:
+    assert sorted(NEEDED - set(names)) == []
+    assert [name for name in names if "__pycache__" in name or "bridge-" in name] == []
+    assert len(names) == len(set(names))
+
+
+@pytest.mark.parametrize(
+    "folder", ["migrations", "sandbox", "server", "sim", "templates", "worker"]
+)
+def test_it_has_every_file_of_the_sources(names: list[str], folder: str) -> None:
+    assert sorted(set(_tracked(folder)) - set(names)) == []
+
+
+def test_its_record_lists_each_file_with_its_hash(own: Wheel, names: list[str]) -> None:
+    archive = zipfile.ZipFile(io.BytesIO(own.content))
+    (record,) = (name for name in names if name.endswith("/RECORD"))
+    rows = list(csv.reader(archive.read(record).decode().splitlines()))
+
+    assert [row[0] for row in rows] == names
+    for path, digest, size in rows[:-1]:
+        data = archive.read(path)
+        found = base64.urlsafe_b64encode(hashlib.sha256(data).digest()).rstrip(b"=").decode()
+        assert (digest, int(size)) == (f"sha256={found}", len(data))
+    assert rows[-1] == [record, "", ""]
+
+
+def test_it_is_the_same_each_time(own: Wheel) -> None:
+    assert OwnWheel().get() == own
+
+
+def test_the_build_leaves_out_the_same(names: list[str]) -> None:
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))
+    build = project["tool"]["hatch"]["build"]["targets"]["wheel"]
+
+    assert build["packages"] == ["seamark"]
+    assert build["exclude"] == ["__pycache__", "screenshots", "visp-bridge-*"]
+
+
+def test_the_page_about_installing_explains_every_extra() -> None:
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))
+
+    assert set(EXTRAS) == set(project["project"]["optional-dependencies"])
+
+
+@pytest.mark.slow
+def test_it_runs_beside_folders_with_the_names_of_the_checkout(
+    installed: Path, tmp_path: Path
+) -> None:
+    for name in ("sim", "server", "worker", "sandbox", "templates"):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "__init__.py").write_text("raise RuntimeError('the wrong package')\n")
+    settings = ("levels=0", "level_duration_s=2", "settle_s=1")
+    options = [part for setting in settings for part in ("--set", setting)]
+
+    done = subprocess.run(
+        [installed, "-m", "seamark.cli.main", "run", "currents-v1", "--seed", "7", *options],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+
+    assert done.returncode == 0, done.stderr
+    assert "digest" in done.stdout
+
+
+def test_an_installed_package_keeps_compiled_code_in_the_cache_folder(
+    installed: Path, tmp_path: Path
+) -> None:
+    code = (
+        "from seamark.server.pages import guides\n"
+        "from seamark.sim.numerics import numba_internals\n"
+        "from seamark.sim.trackers.visp.installation import bridge_path\n"
+        "print(numba_internals.numba_folder({'XDG_CACHE_HOME': '/big'}))\n"
+        "print(bridge_path().parent)\n"
+        "print(guides.FOLDER, len(guides.titles()) > 10)\n"
+    )
+
+    done = subprocess.run(
+        [installed, "-c", code],
+        cwd=tmp_path,
+        env={"XDG_CACHE_HOME": str(tmp_path)},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+
+    numba, bridge, docs = done.stdout.splitlines()
+    assert (numba, bridge) == ("/big/seamark", str(tmp_path / "seamark"))
+    assert docs.endswith("site-packages/seamark/docs True")
