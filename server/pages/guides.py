@@ -98,11 +98,17 @@ def _markdown() -> MarkdownIt:
     return markdown
 
 
-def _table(renderer: RendererHTML, tokens: Sequence[Token], index: int, *rest: Any) -> str:
-    """Make a wide table scroll within the page, also by keyboard."""
-    if tokens[index].nesting > 0:
-        return '<div class="table-wrap" tabindex="0" role="region" aria-label="Table"><table>\n'
-    return "</table></div>\n"
+def _table(
+    renderer: RendererHTML, tokens: Sequence[Token], index: int, options: Any, env: Any
+) -> str:
+    """Make a wide table scroll within the page, also by keyboard; its heading is its name."""
+    if tokens[index].nesting < 0:
+        return "</table></div>\n"
+    above = [at for at, token in enumerate(tokens[:index]) if token.type == "heading_open"]
+    heading = tokens[above[-1] + 1].content.replace("`", "") if above else ""
+    number = env[_TABLES] = env.get(_TABLES, 0) + 1
+    label = escapeHtml(f"Table {number}: {heading}")
+    return f'<div class="table-wrap" tabindex="0" role="region" aria-label="{label}"><table>\n'
 
 
 def _cell(renderer: RendererHTML, tokens: Sequence[Token], index: int, *rest: Any) -> str:
@@ -132,10 +138,12 @@ def _heading(
 
 def _image(renderer: RendererHTML, tokens: Sequence[Token], index: int, *rest: Any) -> str:
     """Link a figure to its file: on a phone its text is too small to read in the page."""
+    tokens[index].attrSet("loading", "lazy")
     shown = renderer.image(tokens, index, *rest)
     return f'<a href="{escapeHtml(str(tokens[index].attrs["src"]))}">{shown}</a>'
 
 
+_TABLES = "number of tables"  # in the environment of a rendering, beside the anchors of headings
 _RULES = {
     "heading_open": _heading,
     "image": _image,
