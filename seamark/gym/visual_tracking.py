@@ -77,7 +77,8 @@ class VisualTrackingEnv(gymnasium.Env[Observation, NDArray[np.float64]]):
         if getattr(config, "mode", "") == "free":
             raise ValueError("the environment needs a prescribed path: mode must not be free")
         self._config, self._experiment = config, entry.load()
-        shape = (config.camera_height_px, config.camera_width_px)
+        optics = self._experiment.camera(config, seed=0, trial=0, level=0).optics
+        shape = (optics.height, optics.width)
         image = Box(0, 255, shape, np.uint8)
         points = Box(-np.inf, np.inf, (4, 2), np.float64)
         self.observation_space: gymnasium.Space[Any] = Dict(
