@@ -20,6 +20,7 @@ from seamark.sim.engine.world import World
 from seamark.sim.recording.telemetry import INDEX, STEP_US, width_for
 
 Observation = NDArray[np.float64]
+REFERENCE = slice(INDEX["ref_u"], INDEX["ref_r"] + 1)  # columns that an action decides
 _TRUTH: dict[str, Any] = {  # name in `info` -> columns of the telemetry
     "pose": slice(INDEX["x"], INDEX["yaw"] + 1),
     "velocity": slice(INDEX["u"], INDEX["r"] + 1),
@@ -195,7 +196,7 @@ class StationKeepingEnv(gymnasium.Env[Observation, Observation]):
     def telemetry(self) -> Observation:
         """The row of telemetry of the present state, without what follows from the next action."""
         row = self._row.copy()
-        row[INDEX["ref_u"] : INDEX["ref_r"] + 1] = 0.0
+        row[REFERENCE] = 0.0
         row[STEP_US] = 0.0
         return row
 

@@ -64,6 +64,14 @@ class VelocityController:
         self._out = (self._thrust, self._command)
         self.measured = np.zeros(1, law.MEASURED)
 
+    def records(self) -> tuple[law.Records, law.Records, law.Records]:
+        """Return settings (1,), axes (3,) and holds (4,), for compiled code."""
+        return self._settings_record, self._axes, self._holds
+
+    def thrusters(self) -> tuple[Array, Array, Array]:
+        """Return allocator (n, 6), directions (n, 3) and efforts (n, 3), for compiled code."""
+        return self._vehicle[:3]
+
     def reset(self) -> None:
         """Hold the measured depth and heading, and zero tilt."""
         measured = self.measured[0]

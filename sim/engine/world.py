@@ -1,6 +1,6 @@
 """The world of one level, built from configuration, conditions and random streams alone."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -66,8 +66,8 @@ class Conditions:
 
 
 @dataclass(slots=True, kw_only=True)
-class World:
-    """Everything that moves or measures during one level."""
+class Craft:
+    """The vehicle of one level with its sensors and controllers, without the camera's images."""
 
     config: ExperimentSettings
     station: NDArray[np.float64]  # (6,) pose [m, rad] that the camera should keep
@@ -75,10 +75,9 @@ class World:
     conditions: TrialConditions
     tool_m: tuple[float, float] | None
     target: Target
-    camera: Camera
+    optics: Optics
     plant: Plant
     sensors: Sensors
-    tracking: TrackerInLoop
     keeper: StationKeeper
     velocity_controller: VelocityController
     bottom: Bottom
@@ -88,6 +87,14 @@ class World:
         """Release what the contact engine holds."""
         if self.contact is not None:
             self.contact.close()
+
+
+@dataclass(slots=True, kw_only=True)
+class World(Craft):
+    """Everything that moves or measures during one level."""
+
+    camera: Camera
+    tracking: TrackerInLoop
 
 
 def target_and_optics(config: ExperimentSettings) -> tuple[Target, Optics]:
@@ -148,12 +155,20 @@ def build_world(
     tracker
         Used instead of the configured one.
     """
+    craft = build_craft(config, conditions, random)
     noise_seed = draw_noise_seed(random)
     camera = build_camera(config, conditions.water, noise_seed=noise_seed)
     reference = None
     if conditions.reference is not None:
         reference = build_camera(config, conditions.reference, noise_seed=noise_seed)
-    optics, target = camera.optics, camera.target
+    tracking = build_tracking(config, camera, random, tracker=tracker, reference=reference)
+    parts = {part.name: getattr(craft, part.name) for part in fields(Craft)}
+    return World(**parts, camera=camera, tracking=tracking)
+
+
+def build_craft(config: ExperimentSettings, conditions: Conditions, random: Streams) -> Craft:
+    """Return the vehicle of one level at its start, without its camera."""
+    target, optics = target_and_optics(config)
     station, trial = start_pose(optics, target, config.altitude_m), conditions.trial
     start = _start(optics, station, trial)
     nominal = load(config.vehicle)  # all that the velocity controller knows
@@ -170,17 +185,16 @@ def build_world(
         thruster_gains=trial.thruster_gains,
     )
     plant.reset(start)
-    return World(
+    return Craft(
         config=config,
         station=station,
         start=start,
         conditions=trial,
         tool_m=conditions.tool_m,
         target=target,
-        camera=camera,
+        optics=optics,
         plant=plant,
         sensors=_sensors(config, trial, random),
-        tracking=build_tracking(config, camera, random, tracker=tracker, reference=reference),
         keeper=StationKeeper(
             Geometry(
                 focal_px=optics.focal_px,
@@ -244,18 +258,31 @@ def configured_water(config: ExperimentSettings) -> Water:
     return replace(water, read_sigma_grey=config.camera_noise_grey)
 
 
-def _sensors(config: ExperimentSettings, trial: TrialConditions, random: Streams) -> Sensors:
+def _periods(config: ExperimentSettings) -> tuple[int, int]:
+    """Return the physics steps between two readings: of depth or altitude, and of the AHRS."""
     slow, fast = (
         max(1, round(period.scalar / config.physics_step_s))
         for period in (constants.DEPTH_PERIOD_S, constants.AHRS_PERIOD_S)
     )
+    return slow, fast
+
+
+def readings_of(config: ExperimentSettings) -> tuple[int, int, int, int]:
+    """Return how many readings a level has: of DVL, depth gauge, AHRS and altimeter."""
     steps = config.control_steps_per_level * config.physics_steps_per_control_step
-    few, many = steps // slow + 1, steps // fast + 1
+    slow, fast = _periods(config)
+    few = steps // slow + 1
+    return steps // config.dvl_period_steps + 1, few, steps // fast + 1, few
+
+
+def _sensors(config: ExperimentSettings, trial: TrialConditions, random: Streams) -> Sensors:
+    slow, fast = _periods(config)
+    velocities, few, many, _few = readings_of(config)
     u, v, w = (config.dvl_bias_m_s + bias for bias in trial.dvl_bias_m_s)
     return Sensors(
         dvl=Dvl(
             random.dvl,
-            readings=steps // config.dvl_period_steps + 1,
+            readings=velocities,
             period_steps=config.dvl_period_steps,
             sigma=config.dvl_sigma_m_s,
             bias=(u, v, w),

@@ -146,7 +146,7 @@ class Current:
         over = shear or Shear(exponent=0.0, bottom_m=0.0, height_m=1.0)
         drawn = rng is not None or bool(law.changes)
         self.duration_s = duration_s if drawn else float("inf")
-        drift = np.zeros((2, _grid_points(duration_s) if drawn else 2))
+        drift = np.zeros((2, grid_points(duration_s) if drawn else 2))
         if rng is not None:
             drift[0] = _gust(rng, law.gust_share * level, law.gust_time_s, duration_s)
         for change in law.changes:
@@ -181,20 +181,21 @@ class Current:
         return np.array([share * x, share * y, 0.0])
 
 
-def _grid_points(duration_s: float) -> int:
+def grid_points(duration_s: float) -> int:
+    """Return how many points a gust of this length has."""
     return int(duration_s / GUST_GRID_S) + 3
 
 
 def _ramp(at_s: float, duration_s: float) -> Array:
     """Return the share of a change that has taken place, (k,) on the grid, from 0 to 1."""
-    times = GUST_GRID_S * np.arange(_grid_points(duration_s))
+    times = GUST_GRID_S * np.arange(grid_points(duration_s))
     share: Array = np.clip((times - at_s) / CHANGE_S, 0.0, 1.0)
     return share
 
 
 def _gust(rng: np.random.Generator, sigma: float, time_s: float, duration_s: float) -> Array:
     """Return an Ornstein-Uhlenbeck process on the grid, (k,) [m/s], by its exact transition."""
-    count = _grid_points(duration_s)
+    count = grid_points(duration_s)
     normals = rng.standard_normal(count)
     keep = exp(-GUST_GRID_S / time_s)
     renew = sigma * float(np.sqrt(1.0 - keep * keep))

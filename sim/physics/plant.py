@@ -152,6 +152,16 @@ class Plant:
         return finite
 
     @property
+    def body(self) -> tuple[Any, ...]:
+        """Return the vehicle's parameters, a `dynamics.Body` as a plain tuple."""
+        return self._plain_body
+
+    @property
+    def curve(self) -> Array:
+        """Return the packed curve of the thrusters, (16,)."""
+        return self._curve
+
+    @property
     def water(self) -> tuple[Any, ...]:
         """Return the current as a plain tuple, for compiled code."""
         return self._plain_water

@@ -13,8 +13,10 @@ from seamark.sim.engine.program import BuiltIn, Program
 from seamark.sim.engine.trial_conditions import NOMINAL, TrialConditions
 from seamark.sim.engine.world import (
     Conditions,
+    Craft,
     World,
     build_camera,
+    build_craft,
     build_world,
     configured_water,
     draw_noise_seed,
@@ -79,15 +81,25 @@ class StationKeeping(Generic[Settings]):
 
     def world(self, config: Settings, *, seed: int, trial: int, level: int) -> World:
         """Return the world of a level."""
-        config = config.for_trial(trial).at(level)
-        drawn, random = self.drawn(config, seed=seed, trial=trial), streams(seed, trial, level)
-        conditions = Conditions(
+        config, random = config.for_trial(trial).at(level), streams(seed, trial, level)
+        drawn = self.drawn(config, seed=seed, trial=trial)
+        return build_world(config, self._conditions(config, level, drawn, random), random)
+
+    def craft(self, config: Settings, *, seed: int, trial: int, level: int) -> Craft:
+        """Return the world of a level without its camera, at a fraction of the cost."""
+        config, random = config.for_trial(trial).at(level), streams(seed, trial, level)
+        drawn = self.drawn(config, seed=seed, trial=trial)
+        return build_craft(config, self._conditions(config, level, drawn, random), random)
+
+    def _conditions(
+        self, config: Settings, level: int, drawn: TrialConditions, random: Streams
+    ) -> Conditions:
+        return Conditions(
             current=_current(config, level, drawn, random),
             water=configured_water(config),
             trial=drawn,
             tool_m=self.tool_m(config),
         )
-        return build_world(config, conditions, random)
 
     def camera(self, config: Settings, *, seed: int, trial: int, level: int) -> Camera:
         """Return the camera of a level."""

@@ -1,0 +1,223 @@
+"""Station keeping with many vehicles at once, as a Gymnasium vector environment."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import gymnasium
+import numpy as np
+from gymnasium.vector import AutoresetMode, VectorEnv
+from gymnasium.vector.utils import batch_space
+from numpy.typing import NDArray
+
+from seamark.gym.episodes import Episode, Episodes
+from seamark.gym.spaces import THRUSTERS, VELOCITY, action_space, observation_space
+from seamark.gym.station_keeping import REFERENCE, truth_of
+from seamark.sim import registry
+from seamark.sim.benchmarks.station_keeping.experiment import StationKeeping
+from seamark.sim.engine.seeds import SEED_MAX
+from seamark.sim.engine.tracker_in_loop import draw_start_error
+from seamark.sim.fleet.fleet import Flags, Fleet
+from seamark.sim.numerics.random_streams import streams
+from seamark.sim.registry import TRUTH
+
+Array = NDArray[np.float64]
+Info = dict[str, Any]
+
+
+class StationKeepingVectorEnv(VectorEnv[Array, Array, Any]):
+    """Vehicles that do not meet, each as in `StationKeepingEnv`, with the same bits.
+
+    `reset(seed=N)` gives the vehicles the seeds N, N + 1, and so on. One compiled call simulates a
+    control step of all of them, on as many threads as Numba has. With the tracker "truth" no image
+    is rendered; with any other each vehicle has a camera and a tracker, one after the other.
+    """
+
+    def __init__(
+        self,
+        *,
+        num_envs: int,
+        benchmark: str,
+        settings: Mapping[str, object] | None = None,
+        action: str = VELOCITY,
+        render_mode: str | None = None,
+        autoreset_mode: str | AutoresetMode = AutoresetMode.NEXT_STEP,
+        threads: int | None = None,
+    ) -> None:
+        """Set up the environment.
+
+        Parameters
+        ----------
+        settings, action
+            As of `StationKeepingEnv`.
+        autoreset_mode
+            "NextStep", "SameStep" or "Disabled"; see `step`.
+        threads
+            At most so many; None: one per core. Their number changes no bit of a result.
+
+        Raises
+        ------
+        ConfigurationInvalid
+            A setting is not valid.
+        ValueError
+            There is no such action, render mode or autoreset mode, or a setting needs the single
+            environment.
+        """
+        if num_envs < 1:
+            raise ValueError(f"num_envs must be at least 1, not {num_envs}")
+        if render_mode not in (None, "rgb_array"):
+            raise ValueError(f"render_mode must be rgb_array, not {render_mode!r}")
+        entry = registry.benchmark(benchmark)
+        config: Any = entry.read(settings or {})
+        self._config, self.num_envs, self.render_mode = config, num_envs, render_mode
+        self._experiment: StationKeeping[Any] = entry.load()  # type: ignore[assignment]
+        self._mode = AutoresetMode(autoreset_mode)
+        self.metadata = {
+            "render_modes": ["rgb_array"],
+            "render_fps": round(1.0 / config.control_period_s),
+            "autoreset_mode": self._mode,
+        }
+        self.single_observation_space = observation_space(config)
+        self.single_action_space = action_space(config, action)
+        self.observation_space = batch_space(self.single_observation_space, num_envs)
+        self.action_space = batch_space(self.single_action_space, num_envs)
+        self._fleet = Fleet(
+            config,
+            num_envs,
+            tool_m=self._experiment.tool_m(config),
+            by_thrusters=action == THRUSTERS,
+            threads=threads,
+        )
+        self._with_camera = config.tracker != TRUTH or render_mode is not None
+        self._episodes: list[Episodes | None] = [None] * num_envs
+        self._over = np.zeros(num_envs, np.bool_)
+
+    def reset(
+        self,
+        *,
+        seed: int | Sequence[int | None] | None = None,
+        options: dict[str, Any] | None = None,
+    ) -> tuple[Array, Info]:
+        """Begin the next level of each vehicle; with seeds, the first of the run with that seed.
+
+        `options` may have `trial` and `level`, and `reset_mask`, (n,): which vehicles are reset.
+        """
+        super().reset(seed=seed if isinstance(seed, int) else None)
+        choice = dict(options or {})
+        chosen = choice.pop("reset_mask", np.ones(self.num_envs, np.bool_))
+        if not isinstance(chosen, np.ndarray) or chosen.shape != self._over.shape:
+            raise ValueError(f"reset_mask must be an array of shape {self._over.shape}")
+        if isinstance(seed, int):
+            seed = [seed + i for i in range(self.num_envs)]
+        seeds = [None] * self.num_envs if seed is None else list(seed)
+        if len(seeds) != self.num_envs:
+            raise ValueError(f"there must be {self.num_envs} seeds, not {len(seeds)}")
+        for i in np.flatnonzero(chosen).tolist():
+            if seeds[i] is not None or self._episodes[i] is None:
+                run = seeds[i]
+                run = int(self.np_random.integers(SEED_MAX + 1)) if run is None else int(run)
+                self._episodes[i] = Episodes(self._experiment, self._config, run)
+            self._running(i).go_to(choice)
+        return self._begin(chosen)
+
+    def _running(self, i: int) -> Episodes:
+        episodes = self._episodes[i]
+        if episodes is None:
+            raise gymnasium.error.ResetNeeded("call reset() before step()")
+        return episodes
+
+    def _begin(self, chosen: Flags) -> tuple[Array, Info]:
+        """Put the chosen vehicles at the start of their next levels."""
+        info: Info = {}
+        for i in np.flatnonzero(chosen).tolist():
+            episode = self._running(i).next()
+            self._place(i, episode)
+            info = self._add_info(info, episode.info(), i)
+        self._fleet.begin(chosen)
+        self._over[chosen] = False
+        return self._observations(), info | self._truth(chosen)
+
+    def _place(self, i: int, episode: Episode) -> None:
+        config, place = self._config, {"trial": episode.trial, "level": episode.level}
+        make = self._experiment.world if self._with_camera else self._experiment.craft
+        error = np.zeros(8)
+        if config.start_error_px:
+            random = streams(episode.seed, episode.trial, episode.level)
+            error = draw_start_error(config.start_error_px, random).reshape(8)
+        self._fleet.place(
+            i,
+            make(config, seed=episode.seed, **place),
+            start_s=episode.position * config.level_duration_s,
+            place=(episode.trial, episode.level),
+            start_error=error,
+        )
+
+    def step(self, actions: Array) -> tuple[Array, Array, Flags, Flags, Info]:
+        """Simulate one control period of every vehicle.
+
+        A vehicle whose episode is over begins its next level as `autoreset_mode` says: at the next
+        step, whose action it ignores; at once, `info["final_obs"]` and `info["final_info"]` then
+        have how the old one ended; or not until it is reset.
+        """
+        values = np.ascontiguousarray(actions, dtype=np.float64)
+        if values.shape != self.action_space.shape:
+            raise ValueError(f"actions have shape {self.action_space.shape}, not {values.shape}")
+        self._running(0)
+        over = self._over.copy()
+        if self._mode is AutoresetMode.DISABLED and over.any():
+            raise gymnasium.error.ResetNeeded("reset the vehicles whose episodes are over")
+        outputs, progress = self._fleet.tables.outputs, self._fleet.tables.progress
+        self._fleet.step(~over, values)
+        terminated = outputs.diverged & ~over
+        truncated = ~terminated & ~over & (progress.step >= self._fleet.steps_per_level)
+        rewards = np.where(terminated | over, 0.0, outputs.reward)
+        self._over = terminated | truncated
+        info = self._truth(~over)
+        if over.any():
+            _, begun = self._begin(over)
+            info = begun | self._truth(np.ones_like(over))
+        elif self._mode is AutoresetMode.SAME_STEP and self._over.any():
+            info = self._begin_at_once(info)
+        return self._observations(), rewards, terminated, truncated, info
+
+    def _begin_at_once(self, ended: Info) -> Info:
+        """Reset the vehicles whose episodes are over, and keep how they ended."""
+        over = self._over.copy()
+        last, final = self._observations(), np.full(self.num_envs, None, dtype=object)
+        for i in np.flatnonzero(over).tolist():
+            final[i] = last[i]
+        mask = {name: over.copy() for name in ended if name.startswith("_")}
+        _, begun = self._begin(over)
+        return (
+            begun
+            | self._truth(np.ones_like(over))
+            | {"final_obs": final, "_final_obs": over.copy()}
+            | {"final_info": ended | mask, "_final_info": over.copy()}
+        )
+
+    def _observations(self) -> Array:
+        return self._fleet.tables.outputs.observation.copy()
+
+    def _truth(self, known: Flags) -> Info:
+        """Return the truth of the vehicles as `info` has it, for those in the mask."""
+        info: Info = {}
+        for name, values in truth_of(self._fleet.tables.outputs.rows).items():
+            info[name], info[f"_{name}"] = values, known.copy()
+        return info
+
+    @property
+    def telemetry(self) -> Array:
+        """The rows of telemetry of the present states, (n, columns), as of the environment."""
+        rows = self._fleet.tables.outputs.rows.copy()
+        rows[:, REFERENCE] = 0.0
+        return rows
+
+    def render(self) -> tuple[NDArray[np.uint8], ...] | None:
+        """Return what the cameras see, each (H, W, 3) red, green, blue."""
+        if self.render_mode is None:
+            return None
+        pictures = (self._fleet.picture(i) for i in range(self.num_envs))
+        return tuple(np.ascontiguousarray(picture[..., ::-1]) for picture in pictures)
+
+    def close_extras(self, **kwargs: Any) -> None:
+        """Release what the vehicles hold."""
+        self._fleet.close()

@@ -1,0 +1,289 @@
+"""A fleet: vehicles of one benchmark that do not meet, each in a level of its own."""
+
+import math
+import os
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seamark.sim.camera.geometry import camera_pose
+from seamark.sim.camera.target import start_pose
+from seamark.sim.engine.reward import goal
+from seamark.sim.engine.tracking_error import BOX_CENTRE, TOP_CENTRE
+from seamark.sim.engine.world import Craft, World, readings_of, target_and_optics
+from seamark.sim.fleet.steps import Shared, sense_all, step_all
+from seamark.sim.fleet.tables import COMMAND_NUMBERS, Sizes, Tables, empty_tables
+from seamark.sim.numerics.arrays import Array
+from seamark.sim.physics.current import grid_points
+from seamark.sim.physics.pose import read_pose
+from seamark.sim.registry import TRUTH
+from seamark.sim.settings.station_keeping import StationKeepingSettings
+from seamark.sim.vehicles import load
+
+Flags = NDArray[np.bool_]
+LEAST_PER_THREAD = 32  # vehicles; a thread with fewer costs more than it saves
+
+
+def unsupported(config: StationKeepingSettings) -> str:
+    """Return why a fleet cannot run a configuration; empty if it can."""
+    if config.fault_thruster >= 0:
+        return "thruster faults (fault_thruster) need the single environment"
+    if config.seabed_relief_m:
+        return "mounds on the bottom (seabed_relief_m) need the single environment"
+    if len(config.level_values()) != len(config.levels):
+        return "a grid of settings needs the single environment"
+    return ""
+
+
+class Fleet:
+    """The vehicles and all they have, in tables; `craft` of a vehicle is what it was made of."""
+
+    def __init__(
+        self,
+        config: StationKeepingSettings,
+        count: int,
+        *,
+        tool_m: tuple[float, float] | None,
+        by_thrusters: bool,
+        threads: int | None = None,
+    ) -> None:
+        """Set up a fleet; its vehicles begin when they are placed.
+
+        Parameters
+        ----------
+        tool_m
+            The point of the body that counts, forward and starboard [m]; None: the camera.
+        by_thrusters
+            Whether actions are commands of the thrusters.
+        threads
+            At most so many; None: one per core. A thread has at least `LEAST_PER_THREAD` vehicles.
+
+        Raises
+        ------
+        ValueError
+            The configuration has something that only a single vehicle can have.
+        """
+        if reason := unsupported(config):
+            raise ValueError(reason)
+        self.count = count
+        most = max(1, count // LEAST_PER_THREAD)
+        self._threads = min(threads or len(os.sched_getaffinity(0)), most)
+        self._pool = ThreadPoolExecutor(max(1, self._threads - 1), "fleet")
+        self._truth, self._dt = config.tracker == TRUTH, config.control_period_s
+        self.steps_per_level = config.control_steps_per_level
+        self.craft: list[Craft | None] = [None] * count
+        self.tables: Tables = empty_tables(_sizes(config, count, by_thrusters=by_thrusters))
+        self._plain = self.tables.plain()
+        self._shared: Any = tuple(_shared(config, tool_m, by_thrusters=by_thrusters))
+
+    def place(
+        self,
+        i: int,
+        craft: Craft,
+        *,
+        start_s: float,
+        place: tuple[int, int],
+        start_error: Array,
+    ) -> None:
+        """Put a vehicle at the start of a level.
+
+        Parameters
+        ----------
+        start_s
+            Time of the trial at which the level begins.
+        place
+            Trial and level.
+        start_error : (8,) [px]
+            Of the corners that the tracker is given.
+        """
+        if (old := self.craft[i]) is not None:
+            old.close()
+        self.craft[i] = craft
+        bodies, motion, instruments, controllers, progress, outputs = self.tables
+        plant, conditions = craft.plant, craft.conditions
+        count = len(plant.vehicle.thrusters)
+        parameters: Any
+        for parameters, values in zip(bodies[:9], plant.body, strict=True):
+            parameters[i] = _padded(values, parameters.shape[1:])
+        bodies.gains[i, :count] = plant.thruster_gains
+        bodies.curve[i], bodies.limits[i] = plant.curve, plant.vehicle.curve.limits.value
+        bodies.thrusters[i] = count
+        motion.state[i] = _padded(plant.state, motion.state.shape[1:])
+        motion.gate[i] = math.inf if craft.contact is None else craft.contact.gate_depth
+        water = plant.current.water
+        motion.law[i], motion.drift[i] = water.law, water.drift
+        motion.water[i] = [*water[1:10], *water[11:]]
+        sensors, noises = craft.sensors.records(), craft.sensors.noises()
+        table: Any
+        for table, record in zip(instruments[:4], sensors, strict=True):
+            table[i] = record[0]
+        for table, noise in zip(instruments[4:8], noises, strict=True):
+            table[i] = noise
+        instruments.keeper[i] = craft.keeper.record[0]
+        settings, axes, holds = craft.velocity_controller.records()
+        controllers.measured[i] = craft.velocity_controller.measured[0]
+        controllers.settings[i], controllers.axes[i], controllers.holds[i] = (
+            settings[0],
+            axes,
+            holds,
+        )
+        for table, values in zip(
+            controllers[4:], craft.velocity_controller.thrusters(), strict=True
+        ):
+            table[i] = _padded(values, table.shape[1:])
+        progress.step[i], progress.place[i], progress.start_s[i] = 0, place, start_s
+        progress.late[i] = conditions.camera_delay_steps, conditions.command_delay_steps
+        outputs.diverged[i] = outputs.touching[i] = False
+        outputs.contact_n[i], outputs.rows[i], outputs.observation[i] = 0.0, 0.0, 0.0
+        outputs.corners[i] = 0.0
+        progress.start_error[i] = start_error
+
+    def begin(self, chosen: Flags) -> None:
+        """Sense the start of a level with the chosen vehicles, (n,), just placed."""
+        self._track(chosen)
+        self._in_threads(sense_all, chosen)
+
+    def step(self, chosen: Flags, actions: Array) -> None:
+        """Take the actions, (n, numbers), of the chosen vehicles and simulate a control step.
+
+        Afterwards observations, rows and rewards are those of the new state. A vehicle whose
+        simulation diverged keeps its last ones.
+        """
+        self._in_threads(step_all, chosen, actions)
+        touching = chosen & self.tables.outputs.touching
+        for i in np.flatnonzero(touching).tolist():
+            self._advance_in_contact(i)
+        if not self._truth:
+            going = chosen & ~self.tables.outputs.diverged
+            self._track(going)
+            self._in_threads(sense_all, going)
+        elif touching.any():
+            self._in_threads(sense_all, touching)
+
+    def _in_threads(self, compiled: Callable[..., None], *arrays: Any) -> None:
+        """Call a compiled function for all vehicles, a part of them in each thread."""
+        bounds = [self.count * k // self._threads for k in range(self._threads + 1)]
+        calls = [
+            self._pool.submit(compiled, first, last, *arrays, self._shared, self._plain)
+            for first, last in pairwise(bounds[1:])
+        ]
+        compiled(bounds[0], bounds[1], *arrays, self._shared, self._plain)
+        for call in calls:
+            call.result()
+
+    def _track(self, chosen: Flags) -> None:
+        """Give each chosen vehicle's tracker its image; nothing if the tracker is the truth."""
+        if self._truth:
+            return
+        motion, progress, outputs = self.tables.motion, self.tables.progress, self.tables.outputs
+        pose = np.zeros(6)
+        for i in np.flatnonzero(chosen).tolist():
+            craft, step = self.craft[i], int(progress.step[i])
+            if not isinstance(craft, World) or not read_pose(motion.state[i], pose):
+                continue
+            blurred = craft.camera.effects.exposure_s > 0.0
+            seen = np.concatenate([pose, motion.state[i, 7:13]]) if blurred else pose
+            track = craft.tracking.update if step else craft.tracking.start
+            track(seen, self._first_frame(i) + step)
+            outputs.corners[i], outputs.visible[i] = craft.tracking.corners, craft.tracking.ok
+
+    def _first_frame(self, i: int) -> int:
+        return round(float(self.tables.progress.start_s[i]) / self._dt)
+
+    def picture(self, i: int) -> NDArray[np.uint8]:
+        """Return what the camera of a vehicle sees, (H, W, 3) blue, green, red.
+
+        Raises
+        ------
+        LookupError
+            The vehicle has no camera: its tracker is the ground truth.
+        """
+        craft, pose = self.craft[i], np.zeros(6)
+        if not isinstance(craft, World):
+            raise LookupError("a vehicle whose tracker is the ground truth has no camera")
+        read_pose(self.tables.motion.state[i], pose)
+        motion = np.concatenate([pose, self.tables.motion.state[i, 7:13]])
+        return craft.camera.colour(motion, self._first_frame(i) + int(self.tables.progress.step[i]))
+
+    def _advance_in_contact(self, i: int) -> None:
+        """Repeat a control step of a vehicle that may touch something with its own plant."""
+        craft, motion, outputs = self.craft[i], self.tables.motion, self.tables.outputs
+        if craft is None:
+            raise RuntimeError("a vehicle that was never placed cannot touch anything")
+        plant, steps = craft.plant, self._shared[0]
+        size, thrusters = len(plant.state), len(plant.vehicle.thrusters)
+        plant.state[:] = motion.before[i, :size]
+        first = (int(self.tables.progress.step[i]) - 1) * steps
+        plant.advance(first, motion.command[i, :thrusters].copy(), steps)
+        motion.state[i, :size] = plant.state
+        outputs.contact_n[i], outputs.touching[i] = plant.contact_force(), False
+
+    def close(self) -> None:
+        """Release what the vehicles hold."""
+        for craft in self.craft:
+            if craft is not None:
+                craft.close()
+        self.craft = [None] * self.count
+        self._pool.shutdown()
+
+
+def _padded(values: Any, shape: tuple[int, ...]) -> Any:
+    """Return values at the beginning of an array of zeros of this shape."""
+    if np.shape(values) == shape:
+        return values
+    array = np.zeros(shape)
+    array[tuple(slice(length) for length in np.shape(values))] = values
+    return array
+
+
+def _sizes(config: StationKeepingSettings, count: int, *, by_thrusters: bool) -> Sizes:
+    thrusters = max(len(load(name).thrusters) for name in config.vehicles())
+    slots = [1 + getattr(config, f"{what}_delay_steps", 0) for what in ("camera", "command")]
+    return Sizes(
+        vehicles=count,
+        thrusters=thrusters,
+        command=thrusters if by_thrusters else COMMAND_NUMBERS,
+        image_slots=slots[0],
+        command_slots=slots[1],
+        grid=grid_points(config.level_duration_s),
+        readings=readings_of(config),
+    )
+
+
+def _shared(
+    config: StationKeepingSettings, tool_m: tuple[float, float] | None, *, by_thrusters: bool
+) -> Shared:
+    target, optics = target_and_optics(config)
+    station = start_pose(optics, target, config.altitude_m)
+    mount = np.array(optics.mount_m)
+    aim = goal(load(config.vehicles()[0]), station, optics.mount_m, tool_m)
+    points = [target.top_corners(), target.top_centre()[None], target.origin()[None]]
+    return Shared(
+        physics_steps=config.physics_steps_per_control_step,
+        physics_step_s=config.physics_step_s,
+        dt=config.control_period_s,
+        below_camera=target.height_m + optics.mount_m[2],
+        bottom_m=float(target.seabed_m),
+        width_px=float(optics.width),
+        height_px=float(optics.height),
+        points=np.concatenate(points),
+        intrinsics=optics.intrinsics(),
+        mount=mount,
+        counts=BOX_CENTRE if config.target_truth == "uwsim" else TOP_CENTRE,
+        station=_camera_position(station, mount),
+        goal=aim.kind,
+        tool=aim.tool,
+        place=aim.place,
+        by_thrusters=by_thrusters,
+        truth=config.tracker == TRUTH,
+    )
+
+
+def _camera_position(pose: Array, mount: Array) -> Array:
+    rotation, position = np.empty((3, 3)), np.empty(3)
+    camera_pose(pose, mount, rotation, position)
+    return position

@@ -1,0 +1,309 @@
+"""One control step of every vehicle, compiled: the functions of the closed loop of one vehicle.
+
+The vehicles are independent of each other, so it changes no bit how they are shared among threads.
+"""
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from seamark.sim.camera.geometry import camera_pose, project
+from seamark.sim.control import velocity_law
+from seamark.sim.control.velocity_law import DEPTH, HEADING
+from seamark.sim.engine.perception import perceive
+from seamark.sim.engine.reward import reward_of
+from seamark.sim.fleet.tables import (
+    COMMAND_NUMBERS,
+    Bodies,
+    Controllers,
+    Instruments,
+    Motion,
+    Outputs,
+    Progress,
+)
+from seamark.sim.numerics.arrays import Array
+from seamark.sim.numerics.borrowed import borrowed
+from seamark.sim.physics.dynamics import advance_held
+from seamark.sim.physics.pose import read_pose
+from seamark.sim.recording.telemetry import INDEX, STEP_US
+
+Flags = NDArray[np.bool_]
+_REFERENCE = INDEX["ref_u"]
+_CORNERS = 8
+
+
+class Shared(NamedTuple):
+    """What all vehicles have in common; passed in this order, as a plain tuple."""
+
+    physics_steps: int  # per control step
+    physics_step_s: float
+    dt: float  # [s] control period
+    below_camera: float  # [m] altitude at which the camera would touch the target
+    bottom_m: float  # [m] depth of the bottom
+    width_px: float
+    height_px: float
+    points: Array  # (6, 3) [m] of the target, see tracking_error.View
+    intrinsics: Array  # (3,) [px]
+    mount: Array  # (3,) [m]
+    counts: int  # index of the target's point that counts
+    station: Array  # (3,) [m] where the camera should be
+    goal: int  # kind of reward
+    tool: Array  # (3,) [m], see reward.Goal
+    place: Array  # (3,) [m]
+    by_thrusters: bool  # whether actions are commands of the thrusters
+    truth: bool  # whether the tracker is the ground truth
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def sense_all(
+    first: int, last: int, chosen: Flags, shared: tuple[Any, ...], tables: tuple[Any, ...]
+) -> None:
+    """Write observation, telemetry and reward of the chosen vehicles (n,) from first to last."""
+    for i in range(first, last):
+        if chosen[i]:
+            _sense(i, shared, tables)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def step_all(
+    first: int,
+    last: int,
+    chosen: Flags,
+    actions: Array,
+    shared: tuple[Any, ...],
+    tables: tuple[Any, ...],
+) -> None:
+    """Take the actions (n, numbers) of the chosen vehicles (n,) and simulate a control step.
+
+    Afterwards all but those in contact, or with a tracker of their own, have sensed the new state.
+    """
+    for i in range(first, last):
+        if chosen[i]:
+            _act(i, actions, shared, tables)
+            outputs = Outputs(*tables[5])
+            waits = outputs.diverged[i] or outputs.touching[i]
+            if Shared(*shared).truth and not waits:
+                _sense(i, shared, tables)
+
+
+@njit(cache=True, error_model="numpy")
+def _act(i: int, actions: Array, plain_shared: tuple[Any, ...], tables: tuple[Any, ...]) -> None:
+    """Advance one vehicle; sets `diverged` if a command is not finite, `touching` at the gate."""
+    shared, bodies, motion = Shared(*plain_shared), Bodies(*tables[0]), Motion(*tables[1])
+    progress, outputs = Progress(*tables[4]), Outputs(*tables[5])
+    arriving = _delayed(i, borrowed(actions)[i], progress)
+    command, row = borrowed(motion.command)[i], borrowed(outputs.rows)[i]
+    if shared.by_thrusters:
+        for j in range(command.size):
+            command[j] = arriving[j] if j < bodies.thrusters[i] else 0.0
+    else:
+        for j in range(COMMAND_NUMBERS):
+            row[_REFERENCE + j] = actions[i, j]
+        _control(i, arriving, shared.dt, motion, Controllers(*tables[3]), bodies, progress)
+    for j in range(command.size):
+        if not math.isfinite(command[j]):
+            outputs.diverged[i] = True
+            return
+    state = borrowed(motion.state)[i]
+    borrowed(motion.before)[i][:] = state
+    first = progress.step[i] * shared.physics_steps
+    steps = shared.physics_steps
+    done = advance_held(
+        state,
+        command,
+        borrowed(bodies.curve)[i],
+        (borrowed(bodies.gains)[i], borrowed(motion.target)[i]),
+        (-1, 0.0),  # no fault
+        (first, steps, shared.physics_step_s, motion.gate[i]),
+        _body(i, bodies),
+        _water(i, motion),
+    )
+    outputs.touching[i] = done < steps
+    outputs.contact_n[i] = 0.0
+    progress.step[i] += 1
+
+
+@njit(cache=True, error_model="numpy")
+def _delayed(i: int, action: Array, progress: Progress) -> Array:
+    """Keep an action and return the one that arrives now; zeros before the first."""
+    commands: Array = borrowed(progress.commands)[i]
+    step, slots = progress.step[i], commands.shape[0]
+    commands[step % slots][:] = action
+    late = progress.late[i, 1]
+    if step < late:
+        return np.zeros(action.size)
+    arriving: Array = commands[(step - late) % slots]
+    return arriving
+
+
+@njit(cache=True, error_model="numpy")
+def _control(
+    i: int,
+    reference: Array,
+    dt: float,
+    motion: Motion,
+    controllers: Controllers,
+    bodies: Bodies,
+    progress: Progress,
+) -> None:
+    """Run the velocity controller, which begins a level by holding what it measures."""
+    measured, holds = borrowed(controllers.measured), borrowed(controllers.holds)[i]
+    if progress.step[i] == 0:
+        for at in range(holds.size):
+            holds[at].target, holds[at].force = 0.0, 0.0
+        holds[DEPTH].target = measured[i].depth
+        holds[HEADING].target = measured[i].yaw
+    vehicle = (
+        borrowed(controllers.allocator)[i],
+        borrowed(controllers.directions)[i],
+        borrowed(controllers.efforts)[i],
+        borrowed(bodies.curve)[i],
+    )
+    velocity_law.step(
+        (reference[0], reference[1], reference[2], reference[3]),
+        measured[i : i + 1],
+        dt,
+        borrowed(controllers.settings)[i : i + 1],
+        borrowed(controllers.axes)[i],
+        holds,
+        vehicle,
+        (borrowed(motion.thrust)[i], borrowed(motion.command)[i]),
+    )
+
+
+@njit(cache=True, error_model="numpy")
+def _body(i: int, bodies: Bodies) -> tuple[Any, ...]:
+    """Return a `dynamics.Body` as a plain tuple."""
+    return (
+        borrowed(bodies.mass)[i],
+        borrowed(bodies.inverse_mass)[i],
+        borrowed(bodies.added)[i],
+        borrowed(bodies.linear)[i],
+        borrowed(bodies.quadratic)[i],
+        borrowed(bodies.allocation)[i],
+        bodies.net_weight[i],
+        borrowed(bodies.moment)[i],
+        bodies.lag_rate[i],
+    )
+
+
+@njit(cache=True, error_model="numpy")
+def _water(i: int, motion: Motion) -> tuple[Any, ...]:
+    """Return a `current.Water` as a plain tuple."""
+    water = borrowed(motion.water)[i]
+    return (
+        motion.law[i],
+        water[0],
+        water[1],
+        water[2],
+        water[3],
+        water[4],
+        water[5],
+        water[6],
+        water[7],
+        water[8],
+        borrowed(motion.drift)[i],
+        water[9],
+        water[10],
+        water[11],
+    )
+
+
+@njit(cache=True, error_model="numpy")
+def _sense(i: int, plain_shared: tuple[Any, ...], tables: tuple[Any, ...]) -> None:
+    """Sample the sensors of one vehicle; sets `diverged` if its state is not finite."""
+    shared, motion = Shared(*plain_shared), Motion(*tables[1])
+    instruments, progress, outputs = (
+        Instruments(*tables[2]),
+        Progress(*tables[4]),
+        Outputs(*tables[5]),
+    )
+    state, pose = borrowed(motion.state)[i], borrowed(outputs.pose)[i]
+    if not read_pose(state, pose):
+        outputs.diverged[i] = True
+        return
+    corners, row = borrowed(outputs.corners)[i], borrowed(outputs.rows)[i]
+    if shared.truth:
+        outputs.visible[i] = _track_truth(pose, shared, progress, i, corners)
+    seen = _seen(i, corners, outputs.visible[i], progress)
+    step = progress.step[i]
+    inputs = (
+        step * shared.physics_steps,
+        progress.start_s[i] + step * shared.dt,
+        bool(outputs.visible[i]),
+        seen[_CORNERS] != 0.0,
+        shared.bottom_m - pose[2],
+        4,
+        outputs.contact_n[i],
+    )
+    constants = (
+        progress.place[i, 0],
+        progress.place[i, 1],
+        shared.physics_step_s,
+        shared.dt,
+        shared.below_camera,
+    )
+    view = (shared.points, shared.intrinsics, shared.mount, shared.counts)
+    perceive(
+        inputs,
+        constants,
+        (view, shared.station, corners, seen),
+        (state, pose, _water(i, motion)),
+        (
+            borrowed(instruments.dvl)[i : i + 1],
+            borrowed(instruments.depth)[i : i + 1],
+            borrowed(instruments.ahrs)[i : i + 1],
+            borrowed(instruments.altimeter)[i : i + 1],
+        ),
+        (
+            borrowed(instruments.dvl_noise)[i],
+            borrowed(instruments.depth_noise)[i],
+            borrowed(instruments.ahrs_noise)[i],
+            borrowed(instruments.altimeter_noise)[i],
+        ),
+        borrowed(instruments.keeper)[i : i + 1],
+        (
+            row,
+            borrowed(outputs.observation)[i],
+            borrowed(Controllers(*tables[3]).measured)[i : i + 1],
+        ),
+    )
+    row[STEP_US] = 0.0
+    bodies = Bodies(*tables[0])
+    forward, reverse = bodies.limits[i, 0], bodies.limits[i, 1]
+    goal = (shared.goal, shared.tool, shared.place, forward, reverse, bodies.thrusters[i])
+    outputs.reward[i] = reward_of(row, goal)
+
+
+@njit(cache=True, error_model="numpy")
+def _track_truth(pose: Array, shared: Shared, progress: Progress, i: int, corners: Array) -> bool:
+    """Write the true corners unless their mean is outside the image; as `trackers.truth`."""
+    rotation, position, images = np.empty((3, 3)), np.empty(3), np.empty((6, 2))
+    camera_pose(pose, shared.mount, rotation, position)
+    project(shared.points, rotation, position, shared.intrinsics, images)
+    if progress.step[i] == 0:
+        for at in range(_CORNERS):
+            corners[at] = images[at // 2, at % 2] + progress.start_error[i, at]
+        return True
+    u = (((images[0, 0] + images[1, 0]) + images[2, 0]) + images[3, 0]) / 4.0
+    v = (((images[0, 1] + images[1, 1]) + images[2, 1]) + images[3, 1]) / 4.0
+    inside: bool = 0.0 <= u <= shared.width_px - 1.0 and 0.0 <= v <= shared.height_px - 1.0
+    if inside:
+        for at in range(_CORNERS):
+            corners[at] = images[at // 2, at % 2]
+    return inside
+
+
+@njit(cache=True, error_model="numpy")
+def _seen(i: int, corners: Array, visible: bool, progress: Progress) -> Array:
+    """Keep the tracker's result and return the delayed one: corners, whether it had the target."""
+    images: Array = borrowed(progress.images)[i]
+    step, slots = progress.step[i], images.shape[0]
+    now = images[step % slots]
+    now[:_CORNERS] = corners
+    now[_CORNERS] = visible
+    seen: Array = images[max(step - progress.late[i, 0], 0) % slots]
+    return seen

@@ -1,0 +1,5 @@
+from typing import TypeVar
+
+A = TypeVar("A")
+
+def borrowed(array: A) -> A: ...
