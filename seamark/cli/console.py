@@ -14,6 +14,11 @@ def print_json(value: object) -> None:
     click.echo(json.dumps(value, indent=2, allow_nan=False))
 
 
+def print_json_line(value: object) -> None:
+    """Print a JSON object in one line: several of them are JSON lines."""
+    click.echo(json.dumps(value, allow_nan=False))
+
+
 def exit_with(code: int) -> NoReturn:
     """End the command with an exit code."""
     sys.stdout.flush()

@@ -50,9 +50,8 @@ def once(
     """
     if key is None:
         return start()
-    acquire(
-        session, AdvisoryLock.SUBMISSION
-    )  # the second of two requests sees the row of the first
+    # Of two requests at once the second sees the row of the first.
+    acquire(session, AdvisoryLock.SUBMISSION)
     own = KeyOfSubmission.user_id == key.user_id
     session.execute(delete(KeyOfSubmission).where(own, KeyOfSubmission.created_at < now - KEPT_S))
     known = session.get(KeyOfSubmission, (key.user_id, key.key))

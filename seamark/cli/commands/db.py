@@ -6,7 +6,8 @@ from pathlib import Path
 
 import click
 
-from seamark.cli.options import data_option, database_of, settings_of
+from seamark.cli.console import print_json
+from seamark.cli.options import data_option, database_of, json_option, settings_of
 
 
 @click.group()
@@ -16,7 +17,8 @@ def db() -> None:
 
 @db.command()
 @data_option
-def upgrade(data: Path | None) -> None:
+@json_option
+def upgrade(data: Path | None, as_json: bool) -> None:
     """Create the tables, or upgrade them to this version. Running it again is safe.
 
     `seamark up` does this at its start.
@@ -37,13 +39,18 @@ def upgrade(data: Path | None) -> None:
         schema.upgrade(settings)
     except (SQLAlchemyError, WrongDataFolder) as error:
         raise PlatformFailed(f"The database cannot be upgraded: {error}.") from None
-    click.echo(f"The database is up to date: {_without_password(settings.database_url)}")
+    url = _without_password(settings.database_url)
+    if as_json:
+        print_json({"database": url})
+    else:
+        click.echo(f"The database is up to date: {url}")
 
 
 @db.command()
 @click.argument("revision")
 @data_option
-def downgrade(revision: str, data: Path | None) -> None:
+@json_option
+def downgrade(revision: str, data: Path | None, as_json: bool) -> None:
     """Return the tables to the schema REVISION (such as 0007), to go back to an earlier version.
 
     Stop the service first. What only the later schema stores is lost: back the database up.
@@ -65,12 +72,16 @@ def downgrade(revision: str, data: Path | None) -> None:
         raise UsageRefused(f"The database cannot be downgraded: {error}.") from None
     except SQLAlchemyError as error:
         raise PlatformFailed(f"The database cannot be downgraded: {error}.") from None
-    click.echo(f"The database has the schema {revision}.")
+    if as_json:
+        print_json({"schema": revision})
+    else:
+        click.echo(f"The database has the schema {revision}.")
 
 
 @db.command("rebuild-leaderboard")
 @data_option
-def rebuild_leaderboard(data: Path | None) -> None:
+@json_option
+def rebuild_leaderboard(data: Path | None, as_json: bool) -> None:
     """Compute the leaderboard and the queue from the stored runs, also while the service runs.
 
     The service keeps both up to date by itself. This is for after changing the tables
@@ -94,7 +105,10 @@ def rebuild_leaderboard(data: Path | None) -> None:
         raise PlatformFailed(f"The leaderboard cannot be rebuilt: {error}.") from None
     finally:
         database.close()
-    click.echo(f"The leaderboard is rebuilt: {count} {'entry' if count == 1 else 'entries'}.")
+    if as_json:
+        print_json({"entries": count})
+    else:
+        click.echo(f"The leaderboard is rebuilt: {count} {'entry' if count == 1 else 'entries'}.")
 
 
 def _without_password(url: str) -> str:

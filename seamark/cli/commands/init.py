@@ -6,6 +6,8 @@ from pathlib import Path
 
 import click
 
+from seamark.cli.console import print_json
+from seamark.cli.options import json_option
 from seamark.failures import UsageRefused
 from seamark.sandbox.languages import DEFAULT_LANGUAGE, starters
 
@@ -21,7 +23,8 @@ from seamark.sandbox.languages import DEFAULT_LANGUAGE, starters
     help="The benchmark it is for; visibility-v1 compares trackers.",
 )
 @click.argument("folder", type=click.Path(path_type=Path), metavar="[DIR]", default=".")
-def init(*, language: str, benchmark: str, folder: Path) -> None:
+@json_option
+def init(*, language: str, benchmark: str, folder: Path, as_json: bool) -> None:
     """Write a starter program to DIR; it runs as it is.
 
     C and C++ come with the header seamark.h for your editor; the sandbox uses its own. An FMU
@@ -53,13 +56,19 @@ def init(*, language: str, benchmark: str, folder: Path) -> None:
             (folder / name).write_bytes(content)
     except OSError as error:
         raise UsageRefused(f"{folder} cannot be written: {error.strerror}.") from None
-    main = folder / next(iter(files))
-    click.echo(f"Wrote {', '.join(str(folder / name) for name in files)}. Try it:")
+    main, commands = folder / next(iter(files)), []
     if starter.build:
         source, main = main, main.with_suffix(".elf")
-        click.echo(f"  {starter.build.format(source=source, program=main)}")
+        commands.append(starter.build.format(source=source, program=main))
     quick = " ".join(f"--set {key}={_text(value)}" for key, value in short.items())
-    click.echo(f"  seamark run {benchmark} --controller {main} {quick}")
+    commands.append(f"seamark run {benchmark} --controller {main} {quick}")
+    written = [str(folder / name) for name in files]
+    if as_json:
+        print_json({"files": written, "try": commands})
+        return
+    click.echo(f"Wrote {', '.join(written)}. Try it:")
+    for command in commands:
+        click.echo(f"  {command}")
 
 
 def _text(value: object) -> str:

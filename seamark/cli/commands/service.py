@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from seamark.cli.options import data_option, settings_of
+from seamark.cli.console import print_json
+from seamark.cli.options import data_option, json_option, settings_of
 from seamark.failures import PlatformFailed, UsageRefused
 
 if TYPE_CHECKING:
@@ -23,8 +24,13 @@ GRACE_S = 10  # for requests under way; streams end at once
 @click.option("--port", type=click.IntRange(0, 65535), help="Port.  [default: 8000]")
 @click.option("--processes", type=click.IntRange(1, 64), default=1, show_default=True)
 @data_option
-def web(host: str | None, port: int | None, processes: int, data: Path | None) -> None:
+@json_option
+def web(
+    *, host: str | None, port: int | None, processes: int, data: Path | None, as_json: bool
+) -> None:
     """Run the web server only (gunicorn). The broker's URL comes from SEAMARK_BROKER_URL.
+
+    With --json, prints the address as JSON before it starts; logs go to standard error.
 
     \b
     Example:
@@ -33,14 +39,21 @@ def web(host: str | None, port: int | None, processes: int, data: Path | None) -
     settings = _settings(data, host=host, port=port)
     from seamark.embedded.web_server import serve
 
+    if as_json:
+        address = f"http://{settings.host}:{settings.port}"
+        print_json({"address": address, "data": str(settings.data), "processes": processes})
     serve(settings, processes=processes, grace_s=GRACE_S)
 
 
 @click.command()
 @click.option("--cores", type=click.IntRange(1, 512), help="Runs at the same time.  [default: all]")
 @data_option
-def worker(cores: int | None, data: Path | None) -> None:
-    """Run a worker only (Celery). The broker's URL comes from SEAMARK_BROKER_URL."""
+@json_option
+def worker(cores: int | None, data: Path | None, as_json: bool) -> None:
+    """Run a worker only (Celery). The broker's URL comes from SEAMARK_BROKER_URL.
+
+    With --json, prints what it runs as JSON before it starts, and no banner.
+    """
     settings = _settings(data, workers=cores)
     from seamark.server.database import schema
     from seamark.server.database.data_folder import WrongDataFolder
@@ -52,7 +65,9 @@ def worker(cores: int | None, data: Path | None) -> None:
         raise PlatformFailed(f"{error}.") from None
     environ = {k: v for k, v in os.environ.items() if not k.startswith("SEAMARK_")}
     environ |= settings.environment()
-    arguments = [sys.executable, *worker_arguments(settings)]
+    if as_json:
+        print_json({"data": str(settings.data), "runs_at_once": settings.workers})
+    arguments = [sys.executable, *worker_arguments(settings, quiet=as_json)]
     os.execve(sys.executable, arguments, environ)  # noqa: S606 (no shell)
 
 

@@ -8,7 +8,7 @@ from typing import TextIO
 
 import click
 
-from seamark.cli.console import print_json
+from seamark.cli.console import print_json, print_json_line
 from seamark.cli.options import (
     data_option,
     database_of,
@@ -67,11 +67,13 @@ def add(*, name: str, password: str | None, role: str, data: Path | None, as_jso
 @user.command("import")
 @click.argument("file", type=click.File(encoding="utf-8"))
 @data_option
-def import_names(file: TextIO, data: Path | None) -> None:
+@json_option
+def import_names(file: TextIO, data: Path | None, as_json: bool) -> None:
     """Create an account for each line of FILE (- for standard input), such as a class list.
 
     A line is a name, or starts with a name and a comma. Prints a CSV table with the password of
-    each new account, or the reason why it was refused. The passwords are not shown again.
+    each new account, or the reason why it was refused; with --json, one JSON object per line. The
+    passwords are not shown again.
 
     \b
     Examples:
@@ -83,7 +85,8 @@ def import_names(file: TextIO, data: Path | None) -> None:
 
     database = existing_database_of(settings_of(data))
     columns = ("name", "password", "refused")
-    click.echo(csv_export.lines(columns, ()), nl=False)
+    if not as_json:
+        click.echo(csv_export.lines(columns, ()), nl=False)
     for name in filter(None, (line.partition(",")[0].strip() for line in file)):
         drawn, refused = secrets.token_urlsafe(12), ""
         try:
@@ -92,7 +95,10 @@ def import_names(file: TextIO, data: Path | None) -> None:
         except accounts.AccountRejected as reason:
             drawn, refused = "", str(reason)
         row = {"name": name, "password": drawn, "refused": refused}
-        click.echo(csv_export.lines(columns, (row,), header=False), nl=False)
+        if as_json:
+            print_json_line({column: value or None for column, value in row.items()})
+        else:
+            click.echo(csv_export.lines(columns, (row,), header=False), nl=False)
 
 
 @user.command()
@@ -150,7 +156,8 @@ def show_all(data: Path | None, as_json: bool) -> None:
 @click.argument("name")
 @click.argument("role", type=click.Choice(ROLES))
 @data_option
-def set_role(name: str, role: str, data: Path | None) -> None:
+@json_option
+def set_role(name: str, role: str, data: Path | None, as_json: bool) -> None:
     """Give the account NAME another ROLE; its tokens can do no more than the role allows.
 
     \b
@@ -165,7 +172,10 @@ def set_role(name: str, role: str, data: Path | None) -> None:
             changed = accounts.set_role(session, name, Role[role.upper()]).name
     except accounts.AccountRejected as reason:
         raise UsageRefused(str(reason)) from None
-    click.echo(f"{changed} has the role {role}.")
+    if as_json:
+        print_json({"name": changed, "role": role})
+    else:
+        click.echo(f"{changed} has the role {role}.")
 
 
 @user.command("reset")
