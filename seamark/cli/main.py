@@ -13,6 +13,7 @@ COMMANDS = {  # name -> module:attribute, help; with the help here, --help impor
     "init": ("init:init", "Write a starter program for a benchmark."),
     "check": ("check:check", "Check a program for errors, in seconds."),
     "run": ("run:run", "Evaluate a controller or tracker locally."),
+    "plot": ("plot:plot", "Plot results in the terminal or as a picture."),
     "tune": ("tune:tune", "Search for the best settings, and check them in fresh water."),
     "submit": ("submit:submit", "Submit a run to a server."),
     "compare": ("compare:compare", "Compare runs of a server side by side."),

@@ -1,0 +1,42 @@
+"""Results that commands are given: folders of `seamark run`, and runs of a server."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from seamark.failures import UsageRefused
+
+if TYPE_CHECKING:
+    from seamark.plots.result import Result
+
+
+def is_run(name: str) -> bool:
+    """Return whether this is the number of a run on a server; a folder of this name wins."""
+    return name.isascii() and name.isdecimal() and not Path(name).is_dir()
+
+
+def results_of(names: Sequence[str], *, server: str | None, token: str | None) -> list[Result]:
+    """Return the results in their order; a server is asked only for runs.
+
+    Raises
+    ------
+    UsageRefused, PlatformFailed
+        There is no such result; the server refuses or does not answer.
+    """
+    from seamark.cli.server_answers import refusals_shown
+    from seamark.plots.result import of_folder, of_run
+
+    found: dict[str, Result] = {}
+    for name in names:
+        if not is_run(name):
+            if not Path(name).is_dir():
+                raise UsageRefused(f"{name} is neither a folder nor the number of a run.")
+            found[name] = of_folder(Path(name))
+    if runs := [name for name in names if is_run(name)]:
+        from seamark.client import Client
+
+        with refusals_shown(), Client(server, token) as client:
+            found |= {name: of_run(client.run(int(name))) for name in runs}
+    return [found[name] for name in names]

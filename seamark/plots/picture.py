@@ -1,0 +1,35 @@
+"""Charts as a picture: PNG, PDF or SVG, without a window."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from matplotlib.figure import Figure
+
+from seamark.plots.charts import Chart
+
+_SIZE_IN = (6.0, 3.6)  # of each chart
+_DPI = 150
+
+
+def save(charts: Sequence[Chart], path: Path, *, title: str) -> None:
+    """Write charts below each other, in two columns if there are several; raises OSError."""
+    across = min(len(charts), 2)
+    down = -(-len(charts) // across)
+    figure = Figure((across * _SIZE_IN[0], down * _SIZE_IN[1]), dpi=_DPI, layout="constrained")
+    figure.suptitle(title)
+    for at, chart in enumerate(charts):
+        axes = figure.add_subplot(down, across, at + 1)
+        for line in chart.lines:
+            style = ".-" if len(line.x) < 30 else "-"
+            axes.plot(line.x, line.y, style, linewidth=1.0, label=line.label)
+        axes.set(xlabel=chart.x_label, ylabel=chart.y_label)
+        if chart.logarithmic:
+            axes.set_yscale("log")
+        if chart.equal:
+            axes.set_aspect("equal", adjustable="datalim")
+        axes.grid(visible=True, alpha=0.3)
+        if len(chart.lines) > 1:
+            axes.legend()
+    figure.savefig(path)

@@ -1,0 +1,94 @@
+"""The result of a run, from a folder of `seamark run` or from a server."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seamark.failures import UsageRefused
+
+if TYPE_CHECKING:
+    from seamark.client import Run
+
+FILES = ("telemetry.csv", "metrics.json", "manifest.json")  # of those that `seamark run` writes
+COLUMNS = (  # of the telemetry, that plots need
+    *("trial", "level", "t", "x", "y", "current_x", "current_y", "current_z"),
+    *("tracker_error", "distance"),
+)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Result:
+    """What a run recorded. A run that failed has no metrics."""
+
+    name: str  # in legends
+    manifest: Mapping[str, Any]
+    metrics: Mapping[str, Any] | None
+    rows: NDArray[np.void]  # structured: the columns of the telemetry by name
+
+    @property
+    def benchmark(self) -> str:
+        """The name of the benchmark."""
+        return str(self.manifest["benchmark"])
+
+    def trial(self, number: int) -> NDArray[np.void]:
+        """Return the rows of a trial."""
+        rows: NDArray[np.void] = self.rows[self.rows["trial"] == number]
+        return rows
+
+
+def of_folder(folder: Path) -> Result:
+    """Return the result in a folder that `seamark run --out` wrote.
+
+    Raises
+    ------
+    UsageRefused
+        It is not such a folder.
+    """
+    try:
+        manifest = json.loads((folder / "manifest.json").read_text(encoding="utf-8"))
+        if not isinstance(manifest, dict) or not {"benchmark", "configuration"} <= set(manifest):
+            raise ValueError("manifest.json names no benchmark")
+        metrics = folder / "metrics.json"
+        found = json.loads(metrics.read_text(encoding="utf-8")) if metrics.exists() else None
+        return Result(
+            name=folder.name or str(folder),
+            manifest=manifest,
+            metrics=found,
+            rows=_read_telemetry(folder / "telemetry.csv"),
+        )
+    except (OSError, ValueError) as error:
+        raise UsageRefused(
+            f"{folder} is not the result of a finished run ({error}). `seamark run --out "
+            f"{folder}` writes one."
+        ) from None
+
+
+def of_run(run: Run) -> Result:
+    """Return the result of a run on a server that has ended; raises what the client raises."""
+    return Result(
+        name=f"run {run.id}",
+        manifest=run.manifest(),
+        metrics=run.document["metrics"],
+        rows=run.telemetry(),
+    )
+
+
+def _read_telemetry(path: Path) -> NDArray[np.void]:
+    with path.open(encoding="utf-8") as file:
+        names = next((line for line in file if not line.startswith("#")), "").strip().split(",")
+        columns = [names.index(name) for name in COLUMNS]
+        lines = file.readlines()
+    if not lines:
+        raise ValueError("telemetry.csv has no rows")
+    numbers = np.loadtxt(lines, delimiter=",", usecols=columns, ndmin=2)
+    rows = np.empty(len(numbers), dtype=[(name, "<f8") for name in COLUMNS])
+    for at, name in enumerate(COLUMNS):
+        rows[name] = numbers[:, at]
+    return rows
