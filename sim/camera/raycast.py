@@ -17,6 +17,7 @@ from seamark.sim.camera.rows import CHUNK, NODE
 from seamark.sim.camera.scene import MARGIN, STRIP, Buffers, Channel, Scene, SensorNoise
 from seamark.sim.camera.seabed import TEXEL_M
 from seamark.sim.numerics.libm import exp
+from seamark.sim.numerics.simd import WIDTH, prefetch
 
 NOISE_LENGTH = 1 << 18  # [samples] of the bank, a power of two
 Array = NDArray[np.float64]
@@ -154,6 +155,26 @@ def render_strip(
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
+def fetch_noise(
+    extent: tuple[int, int, int, int],
+    height: int,
+    grain: SensorNoise,
+    noise_key: tuple[int, int],
+) -> None:
+    """Ask for the noise of a strip of `height` rows; the other arguments as for `expose_strip`.
+
+    Its rows start anywhere in the bank, which other data displace from the cache between images.
+    Rendering the strip gives the memory time to answer.
+    """
+    row, start, x0, x1 = extent
+    width = padded_columns(x0, x1)[1]
+    for r in range(row, row + height):
+        first = noise_start(grain.seed, noise_key[0], r, noise_key[1]) + start
+        for at in range(first, first + width, WIDTH):
+            prefetch(grain.bank, at)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
 def expose_strip(
     light: Row,
     extent: tuple[int, int, int, int],
@@ -194,9 +215,10 @@ def _draw(
     height = max(1, STRIP // width)
     for row in range(y0, y1, height):
         light = buffers.light[: min(height, y1 - row) * width]
+        extent, noise_key = (row, start, x0, x1), (frame, channel.number)
+        fetch_noise(extent, light.shape[0] // width, grain, noise_key)
         render_strip(view, row, (x0, x1), scene, channel, buffers, light)
-        noise_key = (frame, channel.number)
-        expose_strip(light, (row, start, x0, x1), grain, noise_key, buffers.levels, out)
+        expose_strip(light, extent, grain, noise_key, buffers.levels, out)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

@@ -303,6 +303,25 @@ def gather(typing: Any, array: Any, at: Any) -> Any:
 
 
 @intrinsic
+def prefetch(typing: Any, array: Any, at: Any) -> Any:
+    """Have the processor load array[at] of float32 (n,) into its L2 cache; changes nothing else."""
+    if not isinstance(array, types.Array) or (array.ndim, array.dtype) != (1, types.float32):
+        return None
+
+    def generate(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        data = context.make_array(sig.args[0])(context, builder, args[0]).data
+        place = context.cast(builder, args[1], sig.args[1], types.intp)
+        address = builder.bitcast(builder.gep(data, [place]), ir.IntType(8).as_pointer())
+        function_type = ir.FunctionType(ir.VoidType(), (address.type, _INT, _INT, _INT))
+        fetch = cgutils.get_or_insert_function(builder.module, function_type, "llvm.prefetch.p0")
+        reading, for_l2, data_cache = _INT(0), _INT(2), _INT(1)
+        builder.call(fetch, [address, reading, for_l2, data_cache])
+        return context.get_dummy_value()
+
+    return types.void(array, at), generate
+
+
+@intrinsic
 def store_i32(typing: Any, array: Any, column: Any, value: Any) -> Any:
     """Set array[column : column + 16] of int32, without a bounds check."""
 
