@@ -42,6 +42,7 @@ RANKED_TRACKERS = (
     ("mi", "srt"),
     ("ssd", "homography"),
 )
+_ABBREVIATIONS = {"srt": "SRT"}  # scale, rotation, translation
 
 BENCHMARK = Benchmark(
     name="visibility-v1",
@@ -99,7 +100,7 @@ BENCHMARK = Benchmark(
     board_metrics=METRICS,
     baselines={
         f"{criterion}-{warp}": Baseline(
-            f"Template tracker, {criterion.upper()}, {warp}",
+            f"Template tracker, {criterion.upper()}, {_ABBREVIATIONS.get(warp, warp)}",
             "built-in",
             {"criterion": criterion, "warp": warp},
         )
