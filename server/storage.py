@@ -10,7 +10,7 @@ from seamark.server.settings import Settings
 
 STOP_SHARE = 0.25  # of `free_min_bytes`: below it, running runs stop; the database needs the rest
 RETRY_S = 60
-_AWAY = "The service cannot reach the folder with its data at the moment. Try again later."
+_AWAY = "The service cannot access its data folder at the moment. Try again later."
 _LOW = (
     "The service has too little free disk space to accept anything new at the moment. Try again "
     "later: the operator has to free or add space."

@@ -97,7 +97,7 @@ def read_dimensions(texts: Sequence[str], tunable: Mapping[str, Schema]) -> tupl
     found = tuple(_read(text, tunable) for text in texts)
     names = [one.name for one in found]
     if twice := next((name for name in names if names.count(name) > 1), None):
-        raise UsageRefused(f"--param {twice} is there twice.")
+        raise UsageRefused(f"--param {twice} is listed twice.")
     if not 1 <= len(found) <= DIMENSIONS_MAX:
         raise UsageRefused(f"Give 1 to {DIMENSIONS_MAX} parameters with --param.")
     return found

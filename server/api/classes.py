@@ -98,7 +98,7 @@ def change_class(path: ClassPath) -> dict[str, Any]:
 
 @api.delete("/classes/<int:class_id>", responses={204: None})
 def delete_class(path: ClassPath) -> Response:
-    """Delete a class with its assignments. The runs stay those of the pupils."""
+    """Delete a class with its assignments. The pupils keep their runs."""
     class_access.taught_class(path.class_id)
     with services().database.writing() as database:
         classrooms.remove(database, path.class_id)

@@ -17,7 +17,9 @@ class RankQuery(BaseModel):
     tracker: str = Field("", max_length=40, description="Built-in tracker of the run")
     language: str = Field("", max_length=40, description="Language of an uploaded program")
     program: Literal["", "uploaded", "built-in"] = Field("", description="Kind of program")
-    baselines: Literal["", "hide", "only"] = Field("", description="Without or only baselines")
+    baselines: Literal["", "hide", "only"] = Field(
+        "", description="`hide` the reference entries, or show `only` these"
+    )
     mine: bool = Field(False, description="Only the row of the account")
     sort: str = Field(
         "",
@@ -37,7 +39,9 @@ class RankQuery(BaseModel):
 class RankResponse(ResponseModel):
     """A row of the leaderboard."""
 
-    rank: int | None = Field(description="null for baselines, which are marks without a rank")
+    rank: int | None = Field(
+        description="null for reference entries, which are marks without a rank"
+    )
     rank_low: int | None = Field(description="best rank that is compatible with all scores (95 %)")
     rank_high: int | None = Field(description="worst rank that is compatible with all scores")
     user: str

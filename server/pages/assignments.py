@@ -107,7 +107,7 @@ def delete(assignment_id: int) -> ResponseReturnValue:
         return redirect(url_for("assignments.show", assignment_id=assignment_id), code=303)
     with services().database.writing() as session:
         assignments.remove(session, assignment_id)
-    flash("The assignment has been deleted. Its runs stay those of the pupils.", "good")
+    flash("The assignment has been deleted. The pupils keep their runs.", "good")
     return redirect(url_for("classes.show", class_id=found.class_id), code=303)
 
 

@@ -152,7 +152,9 @@ def remove_pupil(class_id: int, user_id: int) -> ResponseReturnValue:
     with services().database.writing() as session:
         if not classrooms.leave(session, class_id, user_id):
             raise Problem("not-found", "The class has no such pupil.")
-    flash("The pupil has been removed. Renew the code if they should not come back.", "good")
+    flash(
+        "The pupil has been removed. Renew the class code so that they cannot join again.", "good"
+    )
     return redirect(url_for("classes.pupils", class_id=class_id), code=303)
 
 

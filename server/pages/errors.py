@@ -57,7 +57,7 @@ _MESSAGES = {
     ),
     500: (
         "Internal error",
-        "Something went wrong on our side. Your runs and data are safe.",
+        "Something went wrong on the server. Your runs and data are safe.",
         "Try again. If the error persists, contact the operator of this service.",
     ),
     503: (

@@ -151,7 +151,7 @@ def _options(benchmark: Benchmark) -> dict[str, dict[str, str]]:
         if name in settings:
             labels: dict[str, str] = schema_extras(settings[name]).get("x-labels", {})
             found[name] = {key: _short(label) for key, label in labels.items() if key != TRUTH}
-    found["baselines"] = {"hide": "Without baselines", "only": "Baselines only"}
+    found["baselines"] = {"hide": "Hidden", "only": "Nothing else"}
     return found
 
 

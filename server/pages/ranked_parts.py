@@ -6,14 +6,14 @@ from typing import Any
 
 HIGHER = (
     "Its 95 % interval lies above 0: this solution does better on the public reference water than "
-    "on water that it could not know."
+    "on water it has not seen before."
 )
 LOWER = (
     "Its 95 % interval lies below 0: the public reference water was harder than the fresh water."
 )
 NONE = (
-    "Its 95 % interval contains 0: nothing shows that this solution does better on water that it "
-    "could know."
+    "Its 95 % interval contains 0: nothing shows that this solution does better on water it "
+    "may have seen before."
 )
 
 

@@ -141,7 +141,7 @@ def delete_data(run_id: int) -> ResponseReturnValue:
     access.run_for(run_id, Action.DELETE_DATA)
     current = services()
     deleted = retention.delete(current.database, current.settings.data, [run_id])
-    return _back(run_id, bool(deleted), "The data of the run are deleted.", retention.WHY_NOT)
+    return _back(run_id, bool(deleted), "The data of the run has been deleted.", retention.WHY_NOT)
 
 
 def _last_lines(run: RunView, log: str) -> str:
@@ -157,7 +157,7 @@ def _data_note(run: RunView) -> str:
     """Return why the page has no data of the run; empty if it has."""
     if run.data_deleted_at is not None:
         on = datetime.fromtimestamp(run.data_deleted_at, UTC).date()
-        return f"The data of this run were deleted on {on}. Its result and configuration stay."
+        return f"The data of this run was deleted on {on}. Its result and configuration are kept."
     if storage.is_away(services().settings.data):
         return "The recorded data cannot be read at the moment. Reload the page later."
     return ""

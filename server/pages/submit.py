@@ -181,6 +181,7 @@ def _show(
         file_names={name: starter.upload_name for name, starter in starters.items()},
         general=" ".join(general),
         languages=[LANGUAGES[name] for name, refusal in refusals.items() if not refusal],
+        kinds=submitted_program.kinds(name for name, refusal in refusals.items() if not refusal),
         unavailable={LANGUAGES[name].label: why for name, why in refusals.items() if why},
         default_language=DEFAULT_LANGUAGE,
         examples={name: starter.text() for name, starter in starters.items() if not refusals[name]},

@@ -45,7 +45,7 @@ _HINTS = (  # the first one whose pattern is in the sentence
     (
         re.compile(r"^The program was ended by SIGSEGV"),
         Hint(
-            "Look for an index outside of an array, a pointer to nothing and endless recursion. On "
+            "Look for an index out of bounds, a null pointer or infinite recursion. On "
             "your own machine, `gcc -g -fsanitize=address` says more."
         ),
     ),
@@ -68,6 +68,6 @@ def _absent_module(name: str) -> str:
     if name in _CLIENTS:
         return _ISOLATED
     return (
-        "Nothing can be installed in a box. Modules in pure Python can be put into an archive "
-        "beside main.py."
+        "Nothing can be installed in the sandbox. Modules in pure Python can be put into an "
+        "archive beside main.py."
     )

@@ -49,8 +49,8 @@ DESCRIPTIONS: dict[FailureReason, Description] = {
     ),
     FailureReason.TIME_LIMIT: Description(
         "The program took too long",
-        "The program used up its time.",
-        "Look for endless loops, sleep(), and work that reset() could do once.",
+        "The program exceeded its time limit.",
+        "Look for infinite loops, sleep(), and work that reset() could do once.",
     ),
     FailureReason.MEMORY_LIMIT: Description(
         "The program used too much memory",
@@ -74,7 +74,7 @@ DESCRIPTIONS: dict[FailureReason, Description] = {
     ),
     FailureReason.PLATFORM_ERROR: Description(
         "The service failed",
-        "The service failed several times in a row. Your program is not to blame.",
+        "The service failed several times in a row. Your program did not cause this.",
         "Run it again; the run does not count against your quota.",
     ),
 }

@@ -57,7 +57,9 @@ def once(
     known = session.get(KeyOfSubmission, (key.user_id, key.key))
     if known is not None:
         if known.request != key.request:
-            raise SubmissionRejected(f"This {FIELD} is of another submission.", field=FIELD)
+            raise SubmissionRejected(
+                f"This {FIELD} was already used for another submission.", field=FIELD
+            )
         return known.number
     number = start()
     row = {"user_id": key.user_id, "key": key.key, "request": key.request}

@@ -39,7 +39,7 @@ def read_axis(name: str, values: Sequence[Value] | str) -> Axis:
     texts = [text_of(value) for value in found]
     twice = next((text for text in texts if texts.count(text) > 1), None)
     if twice is not None:
-        raise _refused(f"The value {twice[:NUMBER_MAX]} of {name} is there twice.")
+        raise _refused(f"The value {twice[:NUMBER_MAX]} of {name} is listed twice.")
     return Axis(name, tuple(found))
 
 

@@ -85,7 +85,7 @@ def plan(sent: Submission, axes: Sequence[Axis], settings: Settings) -> list[Val
         As `submission.validate`, of the first run that is not valid; or this is no sweep.
     """
     if sent.kind is RunKind.RANKED:
-        raise _refused("A sweep has practice runs only: submit its best point as a ranked run.")
+        raise _refused("A sweep consists of practice runs. Submit its best point as a ranked run.")
     names = [axis.name for axis in axes]
     if not 1 <= len(axes) <= AXES_MAX or len(set(names)) < len(names):
         raise _refused("Sweep one setting or parameter, or two different ones.")

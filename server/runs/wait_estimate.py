@@ -207,7 +207,7 @@ def _why(session: Session, run: Run, settings: Settings, *, places: int, ahead: 
     running = session.scalar(select(func.count()).select_from(Run).where(*mine)) or 0
     if running >= queue.running_limit(session, settings):
         are = "is running" if running == 1 else "are running"
-        return f"{running} of your runs {are}, which is the limit: other users have places too."
+        return f"{running} of your runs {are}, which is the limit for each user."
     if ahead == 0:
         return (
             "It is next and starts as soon as a worker is free. After the very first start of a "

@@ -114,7 +114,7 @@ def require_data(run: RunView) -> None:
     """
     if run.data_deleted_at is not None:
         on = datetime.fromtimestamp(run.data_deleted_at, UTC).date()
-        raise Problem("data-deleted", f"The data of run {run.id} were deleted on {on}.")
+        raise Problem("data-deleted", f"The data of run {run.id} was deleted on {on}.")
     storage.require_readable(services().settings)
 
 

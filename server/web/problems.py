@@ -84,7 +84,7 @@ PROBLEM_TYPES: Mapping[str, ProblemType] = {
             "method-not-allowed",
             405,
             "Method not allowed",
-            "The header Allow lists the methods that are.",
+            "The Allow header lists the permitted methods.",
         ),
         (
             "conflict",
@@ -95,8 +95,8 @@ PROBLEM_TYPES: Mapping[str, ProblemType] = {
         (
             "data-deleted",
             410,
-            "The data of this run have been deleted",
-            "Its result, metrics and configuration stay. Run it again to record new data.",
+            "The data of this run has been deleted",
+            "Its result, metrics and configuration are kept. Run it again to record new data.",
         ),
         (
             "payload-too-large",
@@ -145,13 +145,13 @@ PROBLEM_TYPES: Mapping[str, ProblemType] = {
             "rate-limited",
             429,
             "Too many requests",
-            "Wait for the number of seconds in Retry-After.",
+            "Wait for the number of seconds given in Retry-After.",
         ),
         (
             "internal-error",
             500,
             "Internal server error",
-            "This is a fault of the service. Your quota was not charged; try again.",
+            "This is an error in the service. It did not count against your quota; try again.",
         ),
         (
             "unavailable",
@@ -163,7 +163,7 @@ PROBLEM_TYPES: Mapping[str, ProblemType] = {
             "storage-unavailable",
             503,
             "The service cannot store anything new",
-            "Its disk is nearly full or cannot be reached. Try again later; what is stored stays.",
+            "Its disk is nearly full or cannot be reached. Try again later; stored data is safe.",
         ),
         (
             "streams-full",

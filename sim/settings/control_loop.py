@@ -122,7 +122,7 @@ class ControlLoopSettings(TrackerSettings):
     tilt_hold: bool = velocity_setting(
         False,
         title="Hold roll and pitch",
-        help="Model law: thrusters level the vehicle, for those that the current would tip over.",
+        help="Model law: the thrusters keep the vehicle level against tilting by the current.",
         advanced=True,
     )
     range_from: str = station_keeper_setting(

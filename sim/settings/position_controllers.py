@@ -71,7 +71,7 @@ class PositionControllerSettings(Configuration):
         1.5,
         "pid",
         title="Derivative gain of PID",
-        help="Velocity reference against each m/s that the DVL measures.",
+        help="Velocity reference opposing each m/s measured by the DVL.",
         low=0,
         high=5,
         tag="E",
@@ -80,7 +80,7 @@ class PositionControllerSettings(Configuration):
     pi_ff_kp: float = position_setting(
         2.0,
         "pi-ff",
-        title="Proportional gain beside feed-forward",
+        title="Proportional gain with feed-forward",
         help="Velocity reference per metre of error.",
         unit="1/s",
         low=0,
@@ -91,7 +91,7 @@ class PositionControllerSettings(Configuration):
     pi_ff_ki: float = position_setting(
         0.5,
         "pi-ff",
-        title="Integral gain beside feed-forward",
+        title="Integral gain with feed-forward",
         help="Change of the velocity reference per second and metre of error.",
         unit="1/s²",
         low=0,
@@ -102,8 +102,8 @@ class PositionControllerSettings(Configuration):
     pi_ff_kd: float = position_setting(
         1.5,
         "pi-ff",
-        title="Damping beside feed-forward",
-        help="Velocity reference against each m/s that the DVL measures.",
+        title="Damping with feed-forward",
+        help="Velocity reference opposing each m/s measured by the DVL.",
         low=0,
         high=5,
         tag="E",
@@ -157,8 +157,8 @@ class PositionControllerSettings(Configuration):
         0.7,
         "lqr",
         title="Bandwidth of the regulator",
-        help="Times the lag of the thrusters plus 0.1 s of latency, so that one value fits all "
-        "vehicles.",
+        help="Multiplied by the lag of the thrusters plus 0.1 s of latency, so that one value "
+        "suits all vehicles.",
         above=0,
         high=5,
         tag="E",

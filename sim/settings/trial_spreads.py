@@ -30,7 +30,7 @@ class TrialSpreadSettings(ExperimentSettings):
     phase_spread_rad: float = spread_setting(
         3.14,
         title="Phase spread",
-        help="Phases of the sinusoids of direction and speed, drawn evenly within plus or minus "
+        help="Phases of the sinusoids of direction and speed, drawn uniformly within plus or minus "
         "this.",
         unit="rad",
         low=0,
@@ -41,7 +41,7 @@ class TrialSpreadSettings(ExperimentSettings):
     swing_spread: float = spread_setting(
         0.5,
         title="Sinusoid spread",
-        help="Amplitude of the direction and periods of direction and speed, each drawn evenly "
+        help="Amplitude of the direction and periods of direction and speed, each drawn uniformly "
         "within plus or minus this share of its setting.",
         low=0,
         high=0.9,
@@ -51,8 +51,8 @@ class TrialSpreadSettings(ExperimentSettings):
     gust_spread: float = spread_setting(
         0.5,
         title="Gust spread",
-        help="Strength and time constant of the gusts, each drawn evenly within plus or minus this "
-        "share of its setting.",
+        help="Strength and time constant of the gusts, each drawn uniformly within plus or minus "
+        "this share of its setting.",
         low=0,
         high=0.9,
         tag="E",
@@ -61,8 +61,8 @@ class TrialSpreadSettings(ExperimentSettings):
     change_turn_rad: float = spread_setting(
         0.8,
         title="Lasting turns",
-        help="Each level has one lasting change of the current, in half of the trials a second; "
-        "each turns it by up to this to either side.",
+        help="Each level has one lasting change of the current, and in half of the trials a second "
+        "one; each turns it by up to this to either side.",
         unit="rad",
         low=0,
         high=3.1416,
@@ -81,7 +81,7 @@ class TrialSpreadSettings(ExperimentSettings):
     start_offset_m: float = spread_setting(
         0.4,
         title="Start offset",
-        help="Distance from the station at the start of each level, drawn evenly within plus or "
+        help="Distance from the station at the start of each level, drawn uniformly within plus or "
         "minus this to the north and to the east.",
         unit="m",
         low=0,
@@ -92,7 +92,7 @@ class TrialSpreadSettings(ExperimentSettings):
     start_heading_rad: float = spread_setting(
         0.35,
         title="Start heading",
-        help="Heading at the start of each level, drawn evenly within plus or minus this.",
+        help="Heading at the start of each level, drawn uniformly within plus or minus this.",
         unit="rad",
         low=0,
         high=0.8,
@@ -112,7 +112,7 @@ class TrialSpreadSettings(ExperimentSettings):
     ahrs_tilt_bias_rad: float = spread_setting(
         0.005,
         title="Roll and pitch bias",
-        help="Constant error of each, drawn evenly within plus or minus this.",
+        help="Constant error of each, drawn uniformly within plus or minus this.",
         unit="rad",
         low=0,
         high=0.1,
@@ -122,7 +122,7 @@ class TrialSpreadSettings(ExperimentSettings):
     ahrs_yaw_bias_rad: float = spread_setting(
         0.02,
         title="Heading bias",
-        help="Constant error, drawn evenly within plus or minus this.",
+        help="Constant error, drawn uniformly within plus or minus this.",
         unit="rad",
         low=0,
         high=0.2,
@@ -152,8 +152,8 @@ class TrialSpreadSettings(ExperimentSettings):
     mass_spread: float = spread_setting(
         0.05,
         title="Mass spread",
-        help="Mass and inertia of the body, drawn evenly within plus or minus this share; weight "
-        "and buoyancy stay.",
+        help="Mass and inertia of the body, drawn uniformly within plus or minus this share; "
+        "weight and buoyancy stay.",
         low=0,
         high=0.5,
         tag="E",
@@ -162,7 +162,7 @@ class TrialSpreadSettings(ExperimentSettings):
     added_mass_spread: float = spread_setting(
         0.3,
         title="Added mass spread",
-        help="Of each axis, drawn evenly within plus or minus this share.",
+        help="Of each axis, drawn uniformly within plus or minus this share.",
         low=0,
         high=0.5,
         tag="E",
@@ -171,7 +171,7 @@ class TrialSpreadSettings(ExperimentSettings):
     drag_spread: float = spread_setting(
         0.2,
         title="Drag spread",
-        help="Of each axis, drawn evenly within plus or minus this share.",
+        help="Of each axis, drawn uniformly within plus or minus this share.",
         low=0,
         high=0.5,
         tag="E",
@@ -180,7 +180,7 @@ class TrialSpreadSettings(ExperimentSettings):
     thrust_spread: float = spread_setting(
         0.1,
         title="Thrust spread",
-        help="Of each thruster, drawn evenly within plus or minus this share.",
+        help="Of each thruster, drawn uniformly within plus or minus this share.",
         low=0,
         high=0.5,
         tag="E",

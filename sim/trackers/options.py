@@ -32,7 +32,7 @@ CRITERION = Option(
     name="criterion",
     default="zncc",
     title="Similarity",
-    help="The similarity measure by which the tracker compares images.",
+    help="How the tracker compares images.",
     choices=CRITERIA,
 )
 METHOD = Option(
@@ -91,6 +91,6 @@ MAX_JUMP = number_option(
     low=0.1,
     high=10,
     title="Largest jump",
-    help="A corner that moved farther from one image to the next is a loss, in multiples of the "
-    "target's longer side.",
+    help="If a corner moves farther from one image to the next, the target counts as lost; in "
+    "multiples of the target's longer side.",
 )

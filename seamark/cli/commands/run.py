@@ -59,7 +59,7 @@ def run(  # noqa: PLR0913  # one argument per option
     score: str | None,
     as_json: bool,
 ) -> None:
-    """Evaluate a controller or tracker here, without a server: the same code, the same bytes.
+    """Evaluate a controller or tracker on this machine, bit for bit as on a server.
 
     --out DIR gets manifest.json, metrics.json, telemetry.csv and log.txt.
 

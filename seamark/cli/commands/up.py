@@ -71,7 +71,7 @@ def _isolation(settings: Settings) -> tuple[str, str]:
         return name, f"isolated, level {name}"
     return name, (
         f"refused: this machine isolates only {name}, {settings.sandbox_min_level} is needed. "
-        "`seamark doctor` says how to mend it; built-in controllers work."
+        "`seamark doctor` says how to fix it; built-in controllers still work."
     )
 
 

@@ -183,7 +183,7 @@ def set_role(name: str, role: str, data: Path | None, as_json: bool) -> None:
 @data_option
 @json_option
 def reset(name: str, data: Path | None, as_json: bool) -> None:
-    """Print a link by which the account NAME gets a new password, once, within 24 hours.
+    """Print a link with which the account NAME can set a new password, once, within 24 hours.
 
     The password, browsers and tokens stay as they are until the link is used. A further link
     replaces it.
@@ -209,7 +209,7 @@ def reset(name: str, data: Path | None, as_json: bool) -> None:
 
 @user.command("delete")
 @click.argument("name")
-@click.option("--keep-published", is_flag=True, help="Leave published runs, without the name.")
+@click.option("--keep-published", is_flag=True, help="Keep published runs, without the name.")
 @click.confirmation_option(prompt="Delete the account with its runs? This cannot be undone.")
 @data_option
 @json_option

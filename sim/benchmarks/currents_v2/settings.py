@@ -45,7 +45,7 @@ class CurrentsConfiguration(RobustTrackerSettings, StationKeepingSettings, Trial
     level_duration_s: float = override(
         INHERITED["level_duration_s"],
         60.0,
-        help="Simulated time before the vehicle is put back to its start and the current changes.",
+        help="Simulated time before the vehicle returns to its start and the current changes.",
         tag="E",
         source="two periods of the direction of the current",
     )

@@ -71,7 +71,7 @@ TRACKER = TrackerDeclaration(
             name="visp_predict",
             default=False,
             title="Predict the motion for ViSP",
-            help="ViSP: start where the target would be at constant velocity; else where it was.",
+            help="ViSP: start where the target would be at constant velocity, not where it was.",
             advanced=True,
         ),
         MAX_JUMP,

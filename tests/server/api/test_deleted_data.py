@@ -26,7 +26,7 @@ def test_deleted_files_are_gone_not_empty(site: Site) -> None:
     for file in ("telemetry.csv", "telemetry.f64", "series.json?columns=x", "log", "camera.jpg"):
         answer = site.call("owner", "GET", f"{path}/{file}")
         assert (answer.status_code, answer.get_json()["type"]) == (410, "/problems/data-deleted")
-        assert "were deleted on 20" in answer.get_json()["detail"]
+        assert "was deleted on 20" in answer.get_json()["detail"]
 
 
 def test_data_are_deleted_once(site: Site) -> None:
@@ -42,7 +42,7 @@ def test_a_run_without_its_data_is_not_published_and_its_page_offers_nothing(sit
     page = site.call("owner", "GET", path.removeprefix("/api/v1")).text
 
     assert (answer.status_code, "has its data" in answer.get_json()["detail"]) == (409, True)
-    assert "The data of this run were deleted on 20" in page
+    assert "The data of this run was deleted on 20" in page
     assert [word in page for word in ("/publish", "/delete-data", "telemetry.csv")] == [False] * 3
 
 

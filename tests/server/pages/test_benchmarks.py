@@ -17,7 +17,7 @@ SECTIONS = [
     "Score",
     "Statistics",
     "Reference entries",
-    "Check list",
+    "Checklist",
     "Known limits",
     "History",
 ]

@@ -103,6 +103,17 @@ def test_reference_entries_are_being_computed_only_as_long_as_their_runs_are_liv
     assert waiting == [(True, True)] * 2
 
 
+def test_shipped_reference_entries_are_marks_of_the_plot_of_error_against_energy(
+    site: Site,
+) -> None:
+    page = site.browser().get("/leaderboards/currents-v2").text
+
+    plotted = re.findall(r'<circle class="mark[^>]*><title>([^<]*)</title>', page)
+    shipped = reference_results.of_benchmark(benchmark("currents-v2"))
+    titles = [benchmark("currents-v2").baselines[name].title for name in shipped]
+    assert sorted(map(unescape, plotted)) == sorted(titles)
+
+
 def test_filters_of_page_and_api_agree(site: Site) -> None:
     _board(site)
     browser = site.browser("ann")

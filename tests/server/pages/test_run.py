@@ -127,7 +127,7 @@ def test_an_owner_deletes_the_data_of_a_run_on_its_page(site: Site) -> None:
     answer = browser.post(f"/runs/{run_id}/delete-data", follow_redirects=True)
 
     assert f'action="/runs/{run_id}/delete-data"' in before
-    assert "The data of the run are deleted." in answer.text
+    assert "The data of the run has been deleted." in answer.text
     assert f'action="/runs/{run_id}/delete-data"' not in answer.text
     assert not RunFiles(site.settings.data, run_id).root.exists()
 

@@ -5,6 +5,7 @@ import re
 
 import pytest
 
+from seamark.server.pages import submitted_program
 from tests.server.pages.conftest import Browser, Site
 
 FORM = "/submit/currents-v1"
@@ -275,3 +276,15 @@ def test_an_invalid_file_and_an_invalid_field_are_reported_together(site: Site) 
     assert "mine.py, line 1: invalid syntax" in page
     assert 'id="kp-error"' in page
     assert 'name="kept_program"' not in page
+
+
+@pytest.mark.parametrize(
+    ("languages", "words"),
+    [
+        ((), ""),
+        (("python",), "Python"),
+        (("c", "matlab", "fmu", "executable"), "C, MATLAB, an FMU or a Linux executable"),
+    ],
+)
+def test_the_form_says_in_words_what_a_program_can_be(languages: list[str], words: str) -> None:
+    assert submitted_program.kinds(languages) == words
