@@ -7,6 +7,7 @@ import sys
 from types import TracebackType
 
 import click
+from click.shell_completion import CompletionItem
 
 COMMANDS = {  # name -> module:attribute, help; with the help here, --help imports no command
     "up": ("up:up", "Start the whole service on this machine."),
@@ -20,6 +21,7 @@ COMMANDS = {  # name -> module:attribute, help; with the help here, --help impor
     "leaderboard": ("leaderboard:leaderboard", "Show a leaderboard of a server."),
     "dataset": ("dataset:dataset", "Render images with ground truth for offline work."),
     "benchmarks": ("benchmarks:benchmarks", "List the benchmarks and their settings."),
+    "completion": ("completion:completion", "Print the completion script of a shell."),
     "doctor": ("doctor:doctor", "Check this machine and say how to fix what is missing."),
     "user": ("user:user", "Manage accounts."),
     "token": ("token:token", "Create API tokens."),
@@ -50,6 +52,16 @@ class LazyGroup(click.Group):
 
             refuse_without_server(loaded)
         return loaded
+
+    def shell_complete(self, ctx: click.Context, incomplete: str) -> list[CompletionItem]:
+        """Complete names and options; imports no command for a list of commands."""
+        if incomplete.startswith("-"):
+            return click.Command.shell_complete(self, ctx, incomplete)
+        return [
+            CompletionItem(name, help=text)
+            for name, (_, text) in COMMANDS.items()
+            if name.startswith(incomplete)
+        ]
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """Write the table without importing the commands."""

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
+from click.shell_completion import CompletionItem
 
 from seamark.failures import UsageRefused
 
@@ -18,6 +19,36 @@ if TYPE_CHECKING:
 OF_CLIENTS = frozenset({"SEAMARK_SERVER", "SEAMARK_TOKEN"})  # no settings of a service
 
 Command = TypeVar("Command", bound=Callable[..., Any])
+
+
+def benchmark_argument(command: Command) -> Command:
+    """Add BENCHMARK, which shells complete."""
+    return click.argument("benchmark", shell_complete=_benchmarks)(command)
+
+
+def controller_option(command: Command) -> Command:
+    """Add --controller; shells complete built-in solutions and files."""
+    return click.option(
+        "--controller",
+        metavar="FILE|NAME",
+        help="A file or a built-in solution.  [default: the benchmark's first]",
+        shell_complete=_solutions,
+    )(command)
+
+
+def _benchmarks(_: click.Context, __: click.Parameter, incomplete: str) -> list[CompletionItem]:
+    from seamark.sim.registry import BENCHMARKS
+
+    return [CompletionItem(name) for name in BENCHMARKS if name.startswith(incomplete)]
+
+
+def _solutions(_: click.Context, __: click.Parameter, incomplete: str) -> list[CompletionItem]:
+    """Return the built-in solutions of all benchmarks: click does not say which one was given."""
+    from seamark.sim import registry
+
+    names = {name for one in registry.BENCHMARKS for name in registry.benchmark(one).built_in}
+    found = [CompletionItem(name) for name in sorted(names) if name.startswith(incomplete)]
+    return found or [CompletionItem(incomplete, type="file")]
 
 
 def data_option(command: Command) -> Command:
@@ -63,11 +94,7 @@ def run_options(command: Command) -> Command:
 
     for option in reversed(
         (
-            click.option(
-                "--controller",
-                metavar="FILE|NAME",
-                help="A file or a built-in solution.  [default: the benchmark's first]",
-            ),
+            controller_option,
             configuration_options,
             click.option(
                 "--seed", type=click.IntRange(0, SEED_MAX), help="Random seed.  [default: random]"

@@ -12,7 +12,7 @@ import click
 
 from seamark.cli.configuration import configuration_of
 from seamark.cli.console import print_json
-from seamark.cli.options import configuration_options, json_option
+from seamark.cli.options import benchmark_argument, configuration_options, json_option
 from seamark.failures import UsageRefused
 from seamark.progress import Progress
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 @click.command()
-@click.argument("benchmark")
+@benchmark_argument
 @configuration_options
 @click.option("--seed", type=click.IntRange(0), default=0, show_default=True)
 @click.option(

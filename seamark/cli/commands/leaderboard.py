@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, cast
 import click
 
 from seamark.cli.console import print_json
-from seamark.cli.options import json_option, server_options
+from seamark.cli.options import benchmark_argument, json_option, server_options
 
 if TYPE_CHECKING:
     from seamark.client.documents import LeaderboardQuery
@@ -17,7 +17,7 @@ SHIPPED = "Reference entries that Seamark ships"
 
 
 @click.command()
-@click.argument("benchmark")
+@benchmark_argument
 @click.option("--program", type=click.Choice(["uploaded", "built-in"]), help="Kind of program.")
 @click.option("--language", help="Language of uploaded programs.")
 @click.option("--vehicle", help="Vehicle of the runs.")

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from seamark.cli.console import exit_with, print_json
-from seamark.cli.options import json_option, run_options
+from seamark.cli.options import benchmark_argument, json_option, run_options
 
 if TYPE_CHECKING:
     from seamark.cli.output_folder import OutputFolder
@@ -38,7 +38,7 @@ class LocalRun:
 
 
 @click.command()
-@click.argument("benchmark")
+@benchmark_argument
 @run_options
 @click.option("--out", type=click.Path(path_type=Path), metavar="DIR", help="Folder for the data.")
 @click.option(

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from seamark.cli.console import exit_with, print_json
-from seamark.cli.options import json_option, run_options, server_options
+from seamark.cli.options import benchmark_argument, json_option, run_options, server_options
 from seamark.cli.run_summary import summary
 from seamark.failures import UsageRefused
 from seamark.sandbox.printable_text import printable_text
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 @click.command()
-@click.argument("benchmark")
+@benchmark_argument
 @run_options
 @click.option("--ranked", is_flag=True, help="Run on the benchmark's scenario and seeds, to rank.")
 @click.option("--title", default="", help="Title in the list of runs.")

@@ -8,7 +8,12 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from seamark.cli.console import exit_with, print_json
-from seamark.cli.options import configuration_options, json_option
+from seamark.cli.options import (
+    benchmark_argument,
+    configuration_options,
+    controller_option,
+    json_option,
+)
 
 if TYPE_CHECKING:
     from seamark.cli.tuning_report import Report
@@ -20,12 +25,8 @@ INTERRUPTED = 130  # 128 + SIGINT, as shells have it
 
 
 @click.command()
-@click.argument("benchmark")
-@click.option(
-    "--controller",
-    metavar="FILE|NAME",
-    help="A file or a built-in solution.  [default: the benchmark's first]",
-)
+@benchmark_argument
+@controller_option
 @click.option(
     "--param",
     "params",

@@ -28,6 +28,7 @@ CASES = {  # command -> arguments; {first} and {second} are finished runs
     "dataset": f"currents-v1 {' '.join(SHORT)} --every 20",
     "benchmarks": "",
     "benchmarks NAME": "currents-v1",
+    "completion": "bash",
     "doctor": "",
     "user add": "zoe",
     "user import": "names.txt",
@@ -43,7 +44,9 @@ CASES = {  # command -> arguments; {first} and {second} are finished runs
     "db downgrade": "0021",
 }
 PROCESSES = ("web", "worker")  # they run until they are stopped
-ELSEWHERE = frozenset({"run", "tune", "up"})  # they take long, and have tests that read their JSON
+ELSEWHERE = frozenset(
+    {"run", "plot", "tune", "up"}
+)  # they take long, and have tests that read their JSON
 
 
 def _commands(group: click.Group, *names: str) -> Iterator[tuple[str, click.Command]]:
