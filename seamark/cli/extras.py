@@ -1,8 +1,10 @@
-"""Packages that only a part of the commands needs: those of the extra `server`."""
+"""Packages that only a part of the commands needs, and how to install them."""
 
 from __future__ import annotations
 
+import importlib.metadata
 import importlib.util
+import json
 from collections.abc import Iterable
 
 import click
@@ -23,6 +25,14 @@ def missing(packages: Iterable[str]) -> list[str]:
     return [name for name in packages if importlib.util.find_spec(name) is None]
 
 
+def install_line(extra: str) -> str:
+    """Return the command that adds an extra, to a wheel from where that came from (PEP 610)."""
+    origin = importlib.metadata.distribution("seamark").read_text("direct_url.json")
+    source = json.loads(origin) if origin else {}
+    where = f" @ {source['url']}" if "archive_info" in source else ""
+    return f'pip install "seamark[{extra}]{where}"'
+
+
 def refuse_without_server(command: click.Command) -> None:
     """Make a command and those below it say what to install, if it is not; --help still works."""
     if missing(SERVER):
@@ -40,5 +50,5 @@ def _refuse(command: click.Command) -> None:
 def _say_what_to_install(**_: object) -> None:
     raise UsageRefused(
         "This command belongs to the service, which needs further packages on Python 3.11: "
-        'pip install "seamark[server]".'
+        f"{install_line('server')}."
     )

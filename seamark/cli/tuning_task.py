@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from seamark.cli.extras import missing
+from seamark.cli.extras import install_line, missing
 from seamark.failures import UsageRefused
 from seamark.server.programs import parameters
 from seamark.server.runs import configurations
@@ -29,7 +29,6 @@ if TYPE_CHECKING:
     from seamark.server.programs.parameters import Parameter
     from seamark.server.programs.preparation import PreparedProgram
 
-EXTRA = 'pip install "seamark[tune]"'
 PACKAGES = ("cmaes", "optuna", "tomli_w")  # of this extra
 _TUNABLE = ("number", "integer", "boolean", "string")
 _HISTORY = ".csv"
@@ -191,7 +190,7 @@ def task_of(name: str, options: Options) -> TuningTask:
     from seamark.cli.solutions import choose, prepare_valid
 
     if missing(PACKAGES):
-        raise UsageRefused(f"`seamark tune` needs more packages: {EXTRA}.")
+        raise UsageRefused(f"`seamark tune` needs more packages: {install_line('tune')}.")
     benchmark = benchmark_of(name)
     controller, path = choose(options.controller, name)
     program = None if path is None else prepare_valid(path, benchmark=name)

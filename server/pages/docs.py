@@ -49,6 +49,8 @@ _FIGURE_MAX_AGE_S = 3600
 EXTRAS = {  # of pyproject.toml
     "server": "the service: seamark up, web, worker, db, user and token",
     "gym": "environments for Gymnasium",
+    "tune": "seamark tune",
+    "plot": "pictures by seamark plot and the Python client",
 }
 _UNITS = {"_s": "s", "_mib": "MiB", "_kib": "KiB"}
 

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import click
 
 from seamark.cli.console import exit_with, print_json
-from seamark.cli.extras import SERVER, missing
+from seamark.cli.extras import SERVER, install_line, missing
 from seamark.cli.options import data_option, json_option, settings_of
 
 if TYPE_CHECKING:
@@ -74,7 +74,7 @@ def _packages(_: Settings | None) -> Iterable[Check]:
         "packages",
         "bad" if lacking else "ok",
         f"missing: {', '.join(lacking)}" if lacking else "all installed",
-        "`pip install seamark` installs them; in a checkout, `./run` does.",
+        "Install Seamark again; in a checkout, `./run` does that.",
     )
     without = missing(("pybullet",))
     yield Check(
@@ -87,7 +87,7 @@ def _packages(_: Settings | None) -> Iterable[Check]:
 
 def _service(settings: Settings | None) -> Iterable[Check]:
     if settings is None:
-        says = 'not installed; only a service needs more: pip install "seamark[server]"'
+        says = f"not installed; only a service needs more: {install_line('server')}"
         yield Check("server", "ok", says)
         return
     yield from _database(settings)

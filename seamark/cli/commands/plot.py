@@ -103,10 +103,10 @@ def _print(drawn: Sequence[Chart], title: str, columns: int, *, coloured: bool) 
 
 
 def _save(drawn: Sequence[Chart], out: Path, title: str) -> None:
-    from seamark.cli.extras import missing
+    from seamark.cli.extras import install_line, missing
 
     if missing(("matplotlib",)):
-        raise UsageRefused('Pictures need Matplotlib: pip install "seamark[plot]".')
+        raise UsageRefused(f"Pictures need Matplotlib: {install_line('plot')}.")
     from seamark.plots.picture import save
 
     try:

@@ -4,6 +4,7 @@ import base64
 import csv
 import hashlib
 import io
+import json
 import subprocess
 import sys
 import tomllib
@@ -112,6 +113,21 @@ def test_the_page_about_installing_explains_every_extra() -> None:
     project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))
 
     assert set(EXTRAS) == set(project["project"]["optional-dependencies"])
+
+
+def test_an_extra_is_installed_from_where_the_wheel_came_from(
+    installed: Path, tmp_path: Path
+) -> None:
+    (metadata,) = (installed.parents[1] / "lib").glob("python*/site-packages/seamark-*.dist-info")
+    origin = {"url": "http://water.example/seamark.whl", "archive_info": {}}
+    (metadata / "direct_url.json").write_text(json.dumps(origin))
+    code = "from seamark.cli.extras import install_line; print(install_line('gym'))"
+
+    done = subprocess.run(
+        [installed, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=True
+    )
+
+    assert done.stdout == 'pip install "seamark[gym] @ http://water.example/seamark.whl"\n'
 
 
 @pytest.mark.slow
