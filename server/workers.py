@@ -17,7 +17,9 @@ from seamark.server.settings import Settings
 ALIVE_S = 35.0  # a worker counts as dead after this time without a heartbeat
 LISTED_S = 86_400.0  # dead workers stay listed for a day
 LISTED_MAX = 1000  # workers whose boxes are compared
-RUNNING = "running"  # state of a side process; any other text says what is wrong
+RUNNING = "running"  # state of a process; any other text but the next says what is wrong
+PREPARING = "preparing"  # state of a simulator that is loading, or compiled for the first time
+SIMULATOR = "simulator"  # name of the process of a worker whose state may be PREPARING
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -30,14 +32,20 @@ class WorkerStatus:
     level: str
     languages: Sequence[str]
     findings: Sequence[Mapping[str, Any]]
-    processes: Mapping[str, str]  # side process -> "running" or what is wrong
+    processes: Mapping[str, str]  # process -> "running", "preparing" or what is wrong
     started_at: float
     seen_at: float
 
     @property
     def broken_processes(self) -> dict[str, str]:
-        """The side processes that are not running, with what is wrong."""
-        return {name: state for name, state in self.processes.items() if state != RUNNING}
+        """The processes that neither run nor prepare to, with what is wrong."""
+        expected = (RUNNING, PREPARING)
+        return {name: state for name, state in self.processes.items() if state not in expected}
+
+    @property
+    def preparing(self) -> bool:
+        """Whether its runs wait until the simulator is loaded, or compiled for the first time."""
+        return self.processes.get(SIMULATOR) == PREPARING
 
 
 def register(session: Session, worker: Worker) -> None:
@@ -53,7 +61,7 @@ def heartbeat(session: Session, name: str, processes: Mapping[str, str]) -> bool
     Parameters
     ----------
     processes
-        Side process -> `RUNNING`, or for instance "restarting since 12:00:05".
+        Process -> `RUNNING`, `PREPARING`, or for instance "restarting since 12:00:05".
     """
     change = update(Worker).where(Worker.name == name)
     change = change.values(seen_at=time.time(), processes=dict(processes))

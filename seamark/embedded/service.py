@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from seamark.embedded import broker
+from seamark.embedded.installed_tools import InstalledTools
 from seamark.embedded.supervisor import Child, Supervisor
 from seamark.failures import PlatformFailed, UsageRefused
 
@@ -47,8 +48,20 @@ class Embedded:
         self._say = say
         self._logs = settings.data / "logs"
 
-    def run(self, on_ready: Callable[[Settings], None]) -> signal.Signals:
-        """Start, call `on_ready`, keep all alive; return the signal that ended it.
+    def run(
+        self,
+        on_ready: Callable[[Settings], None],
+        *,
+        pages_up: Callable[[Settings], None] = lambda _: None,
+    ) -> signal.Signals:
+        """Start, keep all alive; return the signal that ended it.
+
+        Parameters
+        ----------
+        on_ready
+            Is called when a worker is there, which may still be compiling the simulator.
+        pages_up
+            Is called when the web server answers, before that.
 
         Raises
         ------
@@ -66,18 +79,24 @@ class Embedded:
                 settings = self._with_broker(children, Path(socket_folder))
                 self._prepare(settings)
                 self._start_parts(children, settings)
-                stopped = self._wait_until_ready(children, settings)
-                if stopped is not None:
-                    return stopped
-                on_ready(settings)
-                return self._keep(children)
+                for path, reached in (("healthz", pages_up), ("readyz", on_ready)):
+                    stopped = self._wait_until_answered(path, children, settings)
+                    if stopped is not None:
+                        return stopped
+                    reached(settings)
+                return self._keep(children, settings)
 
-    @staticmethod
-    def _keep(children: Supervisor) -> signal.Signals:
+    def _keep(self, children: Supervisor, settings: Settings) -> signal.Signals:
+        """Keep all alive; return the signal that ended it."""
+        tools = InstalledTools()
         while True:
             stopped = children.wait(POLL_S)
             if stopped is not None:
                 return stopped
+            if tools.changed() and _is_idle(settings):
+                self._say("Programs were installed on this machine: the worker looks at them.")
+                children.restart(_PARTS["worker"])
+                tools.accept()
 
     def _with_broker(self, children: Supervisor, socket_folder: Path) -> Settings:
         """Start the broker unless the settings name one; return settings with its URL."""
@@ -141,15 +160,16 @@ class Embedded:
                 )
             )
 
-    def _wait_until_ready(self, children: Supervisor, settings: Settings) -> signal.Signals | None:
-        """Wait until the web server answers and a worker is there; return a stop signal."""
+    def _wait_until_answered(
+        self, path: str, children: Supervisor, settings: Settings
+    ) -> signal.Signals | None:
+        """Wait until the web server answers for a path; return a stop signal."""
         deadline = time.monotonic() + START_S
-        address = f"http://{_reachable(settings.host)}:{settings.port}"
         while True:
             stopped = children.wait(POLL_S)
             if stopped is not None:
                 return stopped
-            if _answers(f"{address}/readyz"):
+            if _answers(f"{address_of(settings)}{path}"):
                 return None
             for child in children.children:
                 if len(child.exits) >= 3:
@@ -158,6 +178,21 @@ class Embedded:
                 raise PlatformFailed(
                     f"The service is not ready after {START_S:g} s. The logs are in {self._logs}."
                 )
+
+
+def _is_idle(settings: Settings) -> bool:
+    """Return whether no run is under way, and no worker is still preparing its simulator."""
+    from seamark.server import workers
+    from seamark.server.database.engine import Database
+    from seamark.server.runs import queue
+
+    database = Database(settings.database_url)
+    try:
+        with database.reading() as session:
+            preparing = any(worker.preparing for worker in workers.listed(session) if worker.alive)
+            return not preparing and not queue.leases(session)
+    finally:
+        database.close()
 
 
 def address_of(settings: Settings) -> str:

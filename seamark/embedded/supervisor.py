@@ -46,6 +46,7 @@ class Child:
     backoff: RestartBackoff = field(default_factory=RestartBackoff)
     due_at: float | None = None
     exits: list[int] = field(default_factory=list)
+    kill_at: float | None = None  # of one that was asked to end, to start again
 
 
 def _open_log(path: Path) -> IO[bytes]:
@@ -96,6 +97,13 @@ class Supervisor:
         self.children.append(child)
         self._start(child)
 
+    def restart(self, name: str) -> None:
+        """Ask a child to end, and start it again at once when it has; returns at once."""
+        for child in self.children:
+            if child.name == name and child.process is not None:
+                child.process.send_signal(signal.SIGTERM)
+                child.kill_at = time.monotonic() + child.grace_s
+
     def _start(self, child: Child) -> None:
         with _open_log(child.log) as log:
             child.process = subprocess.Popen(
@@ -118,6 +126,7 @@ class Supervisor:
             seen = signal.sigtimedwait(WATCHED, max(left, 0.0))
             if seen is not None and signal.Signals(seen.si_signo) in STOP_SIGNALS:
                 return signal.Signals(seen.si_signo)
+            self._kill_overdue()
             self._reap()
             self._restart_due()
             if seen is None:
@@ -134,6 +143,10 @@ class Supervisor:
         if process is None or process.returncode is None:
             return
         now = time.monotonic()
+        if child.kill_at is not None:  # `restart` asked for it
+            child.process, child.kill_at, child.due_at = None, None, now
+            self._kill_session(process.pid)
+            return
         child.backoff.note_life(now - child.started_at)
         wait_s = child.backoff.next_wait_s()
         child.exits.append(process.returncode)
@@ -144,6 +157,12 @@ class Supervisor:
             f"{child.name} ended ({exit_reason(process.returncode)}); "
             f"it restarts in {wait_s:g} s. See {child.log}"
         )
+
+    def _kill_overdue(self) -> None:
+        now = time.monotonic()
+        for child in self.children:
+            if child.kill_at is not None and child.kill_at <= now and child.process is not None:
+                child.process.kill()
 
     def _restart_due(self) -> None:
         now = time.monotonic()

@@ -92,8 +92,9 @@ def _process_states(alive: Iterable[WorkerStatus]) -> GaugeMetricFamily:
         labels=("worker", "process"),
     )
     for worker in alive:
-        for name, state in worker.processes.items():
-            states.add_metric((worker.name, name), float(state == workers.RUNNING))
+        for name in worker.processes:
+            up = float(name not in worker.broken_processes)
+            states.add_metric((worker.name, name), up)
     return states
 
 

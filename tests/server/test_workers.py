@@ -87,6 +87,20 @@ def test_the_side_processes_of_a_worker_are_reported(both: Backend) -> None:
     assert status.broken_processes == {"checks": "restarting since 12:00:05"}
 
 
+def test_a_worker_that_prepares_its_simulator_is_not_broken(both: Backend) -> None:
+    _register(both, "a")
+    seen = []
+
+    for state in (workers.PREPARING, workers.RUNNING):
+        with both.database.writing() as session:
+            workers.heartbeat(session, "a", {workers.SIMULATOR: state})
+        with both.database.reading() as session:
+            (status,) = workers.listed(session)
+        seen.append((status.preparing, status.broken_processes))
+
+    assert seen == [(True, {}), (False, {})]
+
+
 def test_a_worker_that_starts_again_reports_its_side_processes_anew(both: Backend) -> None:
     _register(both, "a")
     with both.database.writing() as session:

@@ -4,8 +4,9 @@ Every process of the worker's pool owns one core. A run of several trials borrow
 processes, for one trial at a time; so a run that starts on a borrowed core shares it for the rest
 of one trial at most.
 
-Occupied and borrowed cores are record locks on an anonymous file that all processes of a worker
-have open: the kernel drops them with the process that holds them, and a fork does not inherit them.
+Occupied and borrowed cores, and those with a warm simulator, are record locks on an anonymous file
+that all processes of a worker have open: the kernel drops them with the process that holds them,
+and a fork does not inherit them.
 """
 
 import fcntl
@@ -44,6 +45,15 @@ class Cores:
         if self._locks != NO_LOCKS and self._own is not None:
             fcntl.lockf(self._locks, fcntl.LOCK_SH, 1, _occupied_byte(self._own))
 
+    def announce_warm(self) -> None:
+        """Let `any_warm` know that this process's core has a warm simulator, until it ends."""
+        if self._locks != NO_LOCKS and self._own is not None:
+            fcntl.lockf(self._locks, fcntl.LOCK_SH, 1, _warm_byte(self._own))
+
+    def any_warm(self) -> bool:
+        """Return whether another process has announced a warm simulator for one of the cores."""
+        return not all(self._is_free(_warm_byte(core)) for core in self._order)
+
     def acquire(self) -> int | None:
         """Return a core that is free now, the own one first; None if there is none."""
         for core in self._order:
@@ -69,6 +79,12 @@ class Cores:
         fcntl.lockf(self._locks, fcntl.LOCK_UN, 1, byte)
         return idle
 
+    def _is_free(self, byte: int) -> bool:
+        if not self._lock(byte):
+            return False
+        fcntl.lockf(self._locks, fcntl.LOCK_UN, 1, byte)
+        return True
+
     def _lock(self, byte: int) -> bool:
         try:
             fcntl.lockf(self._locks, fcntl.LOCK_EX | fcntl.LOCK_NB, 1, byte)
@@ -78,8 +94,12 @@ class Cores:
 
 
 def _occupied_byte(core: int) -> int:
-    return 2 * core
+    return 3 * core
 
 
 def _borrowed_byte(core: int) -> int:
-    return 2 * core + 1
+    return 3 * core + 1
+
+
+def _warm_byte(core: int) -> int:
+    return 3 * core + 2

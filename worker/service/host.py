@@ -78,11 +78,17 @@ class Host:
         return commands
 
     def heartbeat(self, processes: dict[str, str]) -> None:
-        """Report that this worker is alive, with the state of each side process."""
+        """Report that this worker is alive, with the state of each process."""
+        states = processes | {workers.SIMULATOR: self._simulator_state()}
         with self._writing() as session:
-            if not workers.heartbeat(session, self.name, processes):
+            if not workers.heartbeat(session, self.name, states):
                 # It has just started, or was silent for so long that others have forgotten it.
                 workers.register(session, self._row())
+                workers.heartbeat(session, self.name, states)
+
+    def _simulator_state(self) -> str:
+        """Return whether a run can start now: the first start of all compiles the simulator."""
+        return workers.RUNNING if self.slot(0).cores().any_warm() else workers.PREPARING
 
     def unregister(self) -> None:
         """Remove this worker from the database."""

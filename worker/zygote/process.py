@@ -49,6 +49,7 @@ class Zygote:
     def serve(self) -> None:
         """Take jobs until the Celery child ends, or wants this process to; leave no box."""
         self._control.send(READY)
+        self._slot.cores().announce_warm()
         try:
             with self._pool:
                 self._take_jobs()

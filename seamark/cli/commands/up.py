@@ -20,6 +20,12 @@ if TYPE_CHECKING:
 @click.option(
     "--workers", type=click.IntRange(1, 512), help="Runs at the same time. [default: cores]"
 )
+@click.option(
+    "--ready-file",
+    type=click.Path(dir_okay=False, path_type=Path),
+    metavar="FILE",
+    help="Write the address to FILE as soon as the pages are up.",
+)
 @data_option
 @json_option
 def up(
@@ -27,6 +33,7 @@ def up(
     port: int | None,
     host: str | None,
     workers: int | None,
+    ready_file: Path | None,
     data: Path | None,
     as_json: bool,
 ) -> None:
@@ -41,7 +48,7 @@ def up(
       seamark up --port 8080 --data ~/seamark
       SEAMARK_PUBLIC=true seamark up --host 0.0.0.0
     """
-    from seamark.embedded.service import Embedded, free_port
+    from seamark.embedded.service import Embedded, address_of, free_port
 
     settings = settings_of(data, port=port, host=host, workers=workers)
     if settings.port == 0:
@@ -49,8 +56,16 @@ def up(
     notes = _silent if as_json else click.echo
     notes(f"Starting Seamark in {settings.data} ...")
     isolation = _isolation(settings)
+
+    def pages_up(ready: Settings) -> None:
+        if ready_file is not None:
+            ready_file.write_text(f"{address_of(ready)}\n")
+        notes(f"The pages are up: {address_of(ready)}  The worker is starting ...")
+
     service = Embedded(settings, notes)
-    stop_signal = service.run(lambda ready: _show(ready, isolation, as_json=as_json))
+    stop_signal = service.run(
+        lambda ready: _show(ready, isolation, as_json=as_json), pages_up=pages_up
+    )
     notes(f"Stopped ({stop_signal.name}). All data is kept in {settings.data}.")
     exit_with(0)
 

@@ -99,3 +99,16 @@ def test_without_a_neighbour_all_cores_are_free() -> None:
 
     assert [cores.acquire(), cores.acquire(), cores.acquire()] == [0, 1, None]
     assert cores.count == 2
+
+
+def test_a_warm_simulator_is_known_until_its_process_ends(locks: int, neighbour: Ask) -> None:
+    cores = Cores(0, SHARED, locks=locks)
+    before = cores.any_warm()
+
+    neighbour("announce_warm")
+    during = cores.any_warm()
+    borrowed = cores.acquire(), cores.acquire()
+    neighbour(None)
+
+    assert (before, during, cores.any_warm()) == (False, True, False)
+    assert borrowed == (0, 1)  # a warm simulator does not occupy its core
