@@ -21,6 +21,8 @@ from seamark.sandbox.protocol.starvation import Starvation
 POLL_S = 0.25  # [s] the longest wait after which all limits are checked again
 EXIT_WITHIN_S = 2.0  # [s] for the process to exit after its connection ended
 READ_BYTES = 65536  # [B] the capacity of a pipe
+# Plain numbers: to convert the members of an enumeration costs time at every request.
+_AT_ONCE, _WHOLE_SIZE = int(socket.MSG_DONTWAIT), int(socket.MSG_TRUNC)
 
 
 class ProtocolSession:
@@ -35,6 +37,7 @@ class ProtocolSession:
         for descriptor in (self._socket.fileno(), tree.pidfd, tree.output):
             self._poll.register(descriptor, select.POLLIN)
         self._socket_fd = self._socket.fileno()
+        self._send, self._receive_into = self._socket.send, self._socket.recv_into
         self._check_every_s = tree.cpu_every_s
         self._check_at_s = 0.0
         self._buffer = bytearray(MAX_MESSAGE_BYTES)
@@ -82,7 +85,7 @@ class ProtocolSession:
         self._sequence += 1
         message = messages.message(message_type, self._sequence, body)
         try:
-            self._socket.send(message, socket.MSG_DONTWAIT)
+            self._send(message, _AT_ONCE)
         except BlockingIOError:
             self._send_slowly(message)
         except (BrokenPipeError, ConnectionResetError):
@@ -114,7 +117,7 @@ class ProtocolSession:
         """
         begin = time.monotonic()
         try:
-            size = self._socket.recv_into(self._buffer, 0, socket.MSG_TRUNC)
+            size = self._receive_into(self._buffer, 0, _WHOLE_SIZE)
         except BlockingIOError:
             size = self._wait(limit, waited_for, begin)
         except ConnectionResetError:

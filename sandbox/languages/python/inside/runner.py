@@ -9,6 +9,7 @@ import errno
 import gc
 import json
 import os
+import struct
 import sys
 import traceback
 import types
@@ -22,6 +23,7 @@ from .files import ArchiveUnusable, Files
 from .images import Images, as_detections, as_track, start_corners
 from .values import AnswerInvalid, Observation, as_command, set_layout
 
+WHOLE_COMMAND = struct.Struct(HEADER.format + COMMAND.format[1:])  # packed in one call
 MAX_FRAMES = 30  # of a traceback
 PACKAGES = "/box/packages"
 
@@ -143,9 +145,8 @@ class Runner:
     def control(self) -> None:
         """Answer as a controller: many short requests, without calls that can be saved."""
         step: Callable[[Observation], object] = self.program.step
-        read, write, unpack, pack_header = os.read, os.write, HEADER.unpack_from, HEADER.pack
-        pack, connection = COMMAND.pack, self.connection
-        descriptor = connection.descriptor
+        read, write, unpack, pack = os.read, os.write, HEADER.unpack_from, WHOLE_COMMAND.pack
+        connection, descriptor = self.connection, self.connection.descriptor
         while True:
             data = read(descriptor, MAX_MESSAGE_BYTES)
             if not data:
@@ -154,7 +155,7 @@ class Runner:
             if message_type == b"O":
                 self.doing = "step(observation)"
                 numbers = as_command(step(Observation(data)))
-                write(descriptor, pack_header(b"c", VERSION, connection.sequence) + pack(*numbers))
+                write(descriptor, pack(b"c", VERSION, connection.sequence, *numbers))
             else:
                 self.answer_any_role(message_type, data[HEADER.size :])
 
