@@ -18,6 +18,7 @@ from werkzeug.middleware.proxy_fix import ProxyFix
 from seamark import templates
 from seamark.server import api, pages
 from seamark.server.accounts.browser_sessions import SESSION_DAYS
+from seamark.server.accounts.permissions import Action, can
 from seamark.server.runs import camera_view
 from seamark.server.settings import Settings
 from seamark.server.web import (
@@ -130,4 +131,5 @@ def _common() -> dict[str, Any]:
         "viewer": g.viewer,
         "version": version("seamark"),
         "sign_up": services().settings.sign_up,
+        "administers": can(g.viewer, Action.ADMINISTER),
     }

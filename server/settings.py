@@ -123,6 +123,9 @@ class Settings(BaseModel):
         description="Bytes of all data beyond which the oldest of private practice runs are "
         "deleted; 0: no limit",
     )
+    audit_days: int = Field(
+        365, ge=1, le=3650, description="Days after which entries of the audit log are deleted"
+    )
     running_max: int = Field(4, ge=1, description="Runs of one user that may run in parallel")
     lease_s: float = Field(
         30.0, gt=0, description="Time after which a silent worker loses its runs"

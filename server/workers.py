@@ -33,8 +33,15 @@ class WorkerStatus:
     languages: Sequence[str]
     findings: Sequence[Mapping[str, Any]]
     processes: Mapping[str, str]  # process -> "running", "preparing" or what is wrong
+    version: str
     started_at: float
     seen_at: float
+    drained_at: float | None  # since when it claims no more runs
+
+    @property
+    def claims(self) -> bool:
+        """Whether it starts runs: alive and not drained."""
+        return self.alive and self.drained_at is None
 
     @property
     def broken_processes(self) -> dict[str, str]:
@@ -49,10 +56,10 @@ class WorkerStatus:
 
 
 def register(session: Session, worker: Worker) -> None:
-    """List a worker that starts; replaces an earlier entry of the same name."""
+    """List a worker that starts; replaces an earlier entry of the same name, but stays drained."""
     worker.started_at = worker.seen_at = time.time()
     worker.processes = {}
-    session.merge(worker)
+    session.merge(worker)  # leaves `drained_at`, which nobody has set in `worker`
 
 
 def heartbeat(session: Session, name: str, processes: Mapping[str, str]) -> bool:
@@ -69,8 +76,38 @@ def heartbeat(session: Session, name: str, processes: Mapping[str, str]) -> bool
 
 
 def unregister(session: Session, name: str) -> None:
-    """Take a worker that shuts down off the list."""
-    session.execute(delete(Worker).where(Worker.name == name))
+    """Take a worker that shuts down off the list; a drained one stays listed for a day."""
+    named = Worker.name == name
+    session.execute(delete(Worker).where(named, Worker.drained_at.is_(None)))
+    silent = time.time() - ALIVE_S - 1.0
+    session.execute(update(Worker).where(named).values(seen_at=silent))
+
+
+def drain(session: Session, name: str) -> bool:
+    """Let a worker claim no more runs; it ends those it has. False if that changes nothing.
+
+    The decision outlasts a restart of the worker, unless it is away for more than a day.
+    """
+    change = update(Worker).where(Worker.name == name, Worker.drained_at.is_(None))
+    change = change.values(drained_at=time.time())
+    return session.scalar(change.returning(Worker.name)) is not None
+
+
+def resume(session: Session, name: str) -> bool:
+    """Let a drained worker claim runs again; False if that changes nothing."""
+    change = update(Worker).where(Worker.name == name, Worker.drained_at.is_not(None))
+    return session.scalar(change.values(drained_at=None).returning(Worker.name)) is not None
+
+
+def is_drained(session: Session, process: str) -> bool:
+    """Return whether the worker of a process, named "<worker>/<process>", is drained."""
+    drained = (Worker.name == worker_of(process), Worker.drained_at.is_not(None))
+    return session.scalar(select(Worker.name).where(*drained)) is not None
+
+
+def worker_of(process: str) -> str:
+    """Return the name of the worker of a process that claims runs or checks."""
+    return process.rpartition("/")[0] or process
 
 
 def forget_dead(session: Session) -> None:
@@ -91,21 +128,23 @@ def listed(session: Session) -> list[WorkerStatus]:
             languages=worker.languages,
             findings=worker.findings,
             processes=worker.processes,
+            version=worker.version,
             started_at=worker.started_at,
             seen_at=worker.seen_at,
+            drained_at=worker.drained_at,
         )
         for worker in session.scalars(recent)
     ]
 
 
 def alive_count(session: Session) -> int:
-    """Return how many workers are alive."""
-    return session.scalar(select(func.count()).where(_is_alive())) or 0
+    """Return how many workers are alive and not drained."""
+    return session.scalar(select(func.count()).where(_claims())) or 0
 
 
 def slot_count(session: Session) -> int:
-    """Return how many runs the living workers can run at the same time."""
-    return session.scalar(select(func.sum(Worker.slots)).where(_is_alive())) or 0
+    """Return how many runs the workers that are alive and not drained can run together."""
+    return session.scalar(select(func.sum(Worker.slots)).where(_claims())) or 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -132,7 +171,7 @@ class Environment:
 
 def environments(session: Session) -> list[Environment]:
     """Return what programs find now, for each language that a worker can run."""
-    alive = list(session.scalars(select(Worker).where(_is_alive()).limit(LISTED_MAX)))
+    alive = list(session.scalars(select(Worker).where(_claims()).limit(LISTED_MAX)))
     found = []
     for language in LANGUAGES:
         running = [worker for worker in alive if language in worker.languages]
@@ -161,9 +200,9 @@ def finding_of(language: str) -> str:
 def upload_refusal(session: Session, language: str, settings: Settings) -> str | None:
     """Return why uploads in `language` cannot be run now, or None if they can.
 
-    With no worker alive the run waits for one and is not refused.
+    Without a worker that claims runs, the run waits for one and is not refused.
     """
-    alive = list(session.scalars(select(Worker).where(_is_alive())))
+    alive = list(session.scalars(select(Worker).where(_claims())))
     if not alive:
         return None
     needed = IsolationLevel[settings.sandbox_min_level.upper()]
@@ -187,6 +226,7 @@ def _language_refusal(language: str, workers: Collection[Worker]) -> str:
     return f"{sentence}: {why.rstrip('.')}." if why else f"{sentence}."
 
 
-def _is_alive() -> ColumnElement[bool]:
+def _claims() -> ColumnElement[bool]:
     now = time.time()  # no heartbeat is from the future, unless the clock was set back since
-    return Worker.seen_at.between(now - ALIVE_S, now + ALIVE_S)
+    alive = Worker.seen_at.between(now - ALIVE_S, now + ALIVE_S)
+    return alive & Worker.drained_at.is_(None)

@@ -25,11 +25,14 @@ COMMANDS = {  # name -> module:attribute, help; with the help here, --help impor
     "doctor": ("doctor:doctor", "Check this machine and say how to fix what is missing."),
     "user": ("user:user", "Manage accounts."),
     "token": ("token:token", "Create API tokens."),
+    "audit": ("audit:audit", "Print who did what: the audit log as JSON lines."),
     "db": ("db:db", "Manage the database."),
     "web": ("service:web", "Run only the web server."),
     "worker": ("service:worker", "Run only a worker."),
 }
-SERVICE = frozenset(("up", "user", "token", "db", "web", "worker"))  # need the extra `server`
+SERVICE = frozenset(
+    ("up", "user", "token", "audit", "db", "web", "worker")
+)  # need the extra `server`
 
 
 class LazyGroup(click.Group):

@@ -94,16 +94,14 @@ def change_password(session: Session, name: str, old: str | None, new: str) -> U
     _check_password(new)
     user.password_hash = _hasher.hash(new)
     # Whoever changes it may do so because somebody else knows the old one.
-    session.execute(delete(BrowserSession).where(BrowserSession.user_id == user.id))
-    session.execute(delete(Token).where(Token.user_id == user.id))
+    revoke_access(session, user.id)
     return user
 
 
-def set_role(session: Session, name: str, role: Role) -> User:
-    """Give an account another role; raises AccountRejected if there is no such account."""
-    user = person(session, name)
-    user.role = role.label
-    return user
+def revoke_access(session: Session, user_id: int) -> None:
+    """Sign out all browsers of an account and revoke all its tokens."""
+    session.execute(delete(BrowserSession).where(BrowserSession.user_id == user_id))
+    session.execute(delete(Token).where(Token.user_id == user_id))
 
 
 def person(session: Session, name: str) -> User:
@@ -186,7 +184,7 @@ def revoke_token(session: Session, user_id: int, token_id: int) -> bool:
 
 
 def viewer_of_token(session: Session, text: str) -> Viewer | None:
-    """Return the viewer of a token; None if it is unknown or expired.
+    """Return the viewer of a token; None if it is unknown or expired, or the account disabled.
 
     Only reads; `record_use` records that the token was used.
     """
@@ -195,6 +193,8 @@ def viewer_of_token(session: Session, text: str) -> Viewer | None:
     if row is None:
         return None
     token, user = row
+    if user.disabled_at is not None:
+        return None
     if token.expires_at is not None and token.expires_at <= time.time():
         return None
     expires_at = math.inf if token.expires_at is None else token.expires_at

@@ -70,13 +70,14 @@ def end_by_handle(session: Session, user_id: int, handle: str) -> bool:
 
 
 def viewer_of(session: Session, text: str) -> Viewer | None:
-    """Return the viewer of a browser; None if it has been signed out or its time is over."""
+    """Return the viewer of a browser; None if it was signed out, or its time or account ended."""
     query = (
         select(User)
         .join(BrowserSession, BrowserSession.user_id == User.id)
         .where(
             BrowserSession.hash == accounts.secret_hash(text),
             BrowserSession.expires_at > time.time(),
+            User.disabled_at.is_(None),
         )
     )
     user = session.scalar(query)

@@ -17,6 +17,8 @@ HOURS = 24  # until a link expires
 def create(session: Session, name: str) -> str:
     """Return the secret of a new link, which replaces an earlier one; raises AccountRejected."""
     user = accounts.person(session, name)
+    if user.disabled_at is not None:
+        raise AccountRejected(f"The account {user.name} is disabled.")
     session.execute(delete(PasswordReset).where(PasswordReset.user_id == user.id))
     text = secrets.token_urlsafe(24)
     expires_at = time.time() + HOURS * 3600.0

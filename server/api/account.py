@@ -23,6 +23,7 @@ from seamark.server.api.schemas import (
     TokenResponse,
     TokensResponse,
 )
+from seamark.server.audit import AuditAction
 from seamark.server.database.tables import Token
 from seamark.server.runs import export, quota
 from seamark.server.web import access, rate_limits
@@ -94,6 +95,7 @@ def create_token() -> Response:
         with services().database.writing() as database:
             text = accounts.grant_token(database, viewer, body.name, body.scopes, days=body.days)
             created = _shown(accounts.tokens(database, user_id)[0])
+            access.record(database, AuditAction.TOKEN_MADE, viewer.name, {"token": created["id"]})
     except accounts.AccountRejected as reason:
         raise Problem("conflict", str(reason)) from None
     response = jsonify(created | {"token": text})
@@ -110,6 +112,8 @@ def delete_token(path: TokenPath) -> Response:
     with services().database.writing() as database:
         if not accounts.revoke_token(database, user_id, path.token_id):
             raise Problem("not-found", f"You have no token {path.token_id}.")
+        name, detail = access.viewer().name, {"token": path.token_id}
+        access.record(database, AuditAction.TOKEN_REVOKED, name, detail)
     return Response(status=204)
 
 

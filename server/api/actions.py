@@ -13,8 +13,8 @@ from sqlalchemy.orm import Session
 from seamark.server.accounts.permissions import Action
 from seamark.server.api.run_lists import RunEdit
 from seamark.server.api.schemas import RunPath, RunResponse, run_answer
-from seamark.server.runs import cancellation, deletion, results, retention, run_notes, views
-from seamark.server.web import access
+from seamark.server.runs import cancellation, deletion, retention, run_notes, views
+from seamark.server.web import access, publication
 from seamark.server.web.problems import Problem
 from seamark.server.web.services import services
 
@@ -44,7 +44,7 @@ def publish(path: RunPath) -> dict[str, Any]:
         if before.public
         else "Only a finished run that has its data can be published."
     )
-    _change(path.run_id, results.publish, why_not)
+    _change(path.run_id, publication.publish, why_not)
     return _answer(path.run_id)
 
 
@@ -52,7 +52,7 @@ def publish(path: RunPath) -> dict[str, Any]:
 def withdraw(path: RunPath) -> dict[str, Any]:
     """Make a public run private again and take it off the leaderboard."""
     access.run_for(path.run_id, Action.WITHDRAW)
-    _change(path.run_id, results.withdraw, "The run is not public.")
+    _change(path.run_id, publication.withdraw, "The run is not public.")
     return _answer(path.run_id)
 
 

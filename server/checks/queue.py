@@ -17,6 +17,7 @@ from redis.exceptions import RedisError
 from sqlalchemy import delete, func, select, update
 from sqlalchemy.orm import Session
 
+from seamark.server import workers
 from seamark.server.checks.report import platform_failure
 from seamark.server.database.advisory_locks import AdvisoryLock, acquire
 from seamark.server.database.tables import Check, Run
@@ -133,8 +134,13 @@ def waiting(session: Session, *, languages: Collection[str]) -> bool:
 def claim(
     session: Session, worker: str, *, languages: Collection[str], lease_s: float
 ) -> CheckClaim | None:
-    """Claim the oldest check. This is fair, since each user has at most one."""
+    """Claim the oldest check. This is fair, since each user has at most one.
+
+    A drained worker gets none.
+    """
     acquire(session, AdvisoryLock.CHECKS)
+    if workers.is_drained(session, worker):
+        return None
     suitable = Check.language.in_(sorted(languages))
     query = select(Check).where(Check.state == CheckState.QUEUED, suitable).order_by(Check.id)
     check = session.scalar(query.limit(1))

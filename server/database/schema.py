@@ -14,6 +14,7 @@ from seamark import migrations
 from seamark.server.database import advisory_locks, data_folder
 from seamark.server.database.account_tables import AccountDeletion
 from seamark.server.database.advisory_locks import AdvisoryLock
+from seamark.server.database.audit_table import AuditEntry
 from seamark.server.database.class_tables import Classroom
 from seamark.server.database.engine import Database
 from seamark.server.database.queue_tables import Turn
@@ -25,7 +26,7 @@ UPGRADE_S = 600.0  # a process waits this long for one that upgrades a large SQL
 
 _FOLDER = Path(migrations.__file__).parent
 # A table of each module of tables: its import declares the others of the module.
-_TABLES = (Turn, Classroom, AccountDeletion, Sweep, KeyOfSubmission)
+_TABLES = (Turn, Classroom, AccountDeletion, Sweep, KeyOfSubmission, AuditEntry)
 
 
 class SchemaTooOld(Exception):

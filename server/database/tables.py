@@ -52,6 +52,8 @@ class User(Base):
     role: Mapped[str] = mapped_column(String(10), default="user", server_default="user")
     is_baseline: Mapped[bool] = mapped_column(default=False)
     created_at: Mapped[float]
+    disabled_at: Mapped[float | None]  # by an admin: the account is refused everywhere
+    quota_day: Mapped[int | None]  # runs in 24 h, instead of the setting
     # What the page of the user shows; empty: nothing.
     public_name: Mapped[str] = mapped_column(String(80), default="", server_default="")
     affiliation: Mapped[str] = mapped_column(String(120), default="", server_default="")
@@ -207,6 +209,13 @@ class Run(Base):
             "ix_runs_owner_bytes",
             "owner",
             "data_bytes",  # so that the disk space of an owner is summed from the index alone
+            sqlite_where=text("data_bytes > 0"),
+            postgresql_where=text("data_bytes > 0"),
+        ),
+        Index(
+            "ix_runs_finished_with_data",
+            "finished_at",
+            "public",
             sqlite_where=text("data_bytes > 0"),
             postgresql_where=text("data_bytes > 0"),
         ),
@@ -393,5 +402,7 @@ class Worker(Base):
     )
     # side process -> "running", or what is wrong (see server/workers.py)
     processes: Mapped[dict[str, str]] = mapped_column(_Json, default=dict, server_default="{}")
+    version: Mapped[str] = mapped_column(String(40), default="", server_default="")
     started_at: Mapped[float]
     seen_at: Mapped[float]
+    drained_at: Mapped[float | None]  # by an admin: it claims no more runs

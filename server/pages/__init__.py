@@ -4,7 +4,9 @@ from flask import Flask
 
 from seamark.server.pages import (
     account,
+    administration,
     assignments,
+    audit_log,
     benchmarks,
     classes,
     compare,
@@ -16,6 +18,7 @@ from seamark.server.pages import (
     leaderboard,
     link_previews,
     own_account,
+    people,
     profile,
     run,
     runs,
@@ -47,6 +50,9 @@ PAGES = (
     docs.page,
     download.page,
     status.page,
+    administration.page,
+    people.page,
+    audit_log.page,
 )
 
 

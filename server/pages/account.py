@@ -4,9 +4,13 @@ from urllib.parse import urlsplit
 
 from flask import Blueprint, abort, flash, g, redirect, render_template, request, url_for
 from flask.typing import ResponseReturnValue
+from flask_limiter import RequestLimit
+from sqlalchemy.orm import Session
 
-from seamark.server.accounts import accounts, invitations
+from seamark.server import audit
+from seamark.server.accounts import accounts, invitations, profiles
 from seamark.server.accounts.permissions import Action, grantable
+from seamark.server.audit import AuditAction
 from seamark.server.web import access, authentication
 from seamark.server.web.rate_limits import (
     CREDENTIAL_ATTEMPTS,
@@ -20,6 +24,7 @@ from seamark.server.web.rate_limits import (
 )
 from seamark.server.web.services import services
 
+_DISABLED = "This account is disabled. Ask whoever runs this service."
 page = Blueprint("account", __name__)
 
 
@@ -56,10 +61,23 @@ def sign_in() -> ResponseReturnValue:
     return _form("account/sign_in.html")
 
 
+def _record_blocked(_limit: RequestLimit) -> None:
+    """Write into the audit log that sign-ins are refused after too many failures."""
+    actor, database = access.actor(), services().database
+    with database.reading() as session:
+        found = profiles.find(session, request.form.get("name", "").strip())
+        # Not what was typed: it may be a password in the wrong field.
+        target = "" if found is None else found.name
+        known = audit.blocked_is_known(session, actor, target)
+    if not known:
+        with database.writing() as session:
+            audit.record(session, actor, AuditAction.SIGN_IN_BLOCKED, target)
+
+
 @page.post("/sign-in")
 @limiter.limit(SIGN_INS)
-@limiter.limit(CREDENTIAL_ATTEMPTS, deduct_when=failed)
-@limiter.limit(GUESSES, key_func=account, deduct_when=failed)
+@limiter.limit(CREDENTIAL_ATTEMPTS, deduct_when=failed, on_breach=_record_blocked)
+@limiter.limit(GUESSES, key_func=account, deduct_when=failed, on_breach=_record_blocked)
 def check_credentials() -> ResponseReturnValue:
     """Sign in; the response is the same for an unknown name and a wrong password."""
     name, password = request.form.get("name", "").strip(), request.form.get("password", "")
@@ -67,6 +85,8 @@ def check_credentials() -> ResponseReturnValue:
         user = accounts.authenticate(session, name, password)
     if user is None:
         return _form("account/sign_in.html", "Incorrect name or password."), 422
+    if user.disabled_at is not None:
+        return _form("account/sign_in.html", _DISABLED), 403
     _flash_adopted(authentication.sign_in(user.id))
     return redirect(_next())
 
@@ -100,6 +120,8 @@ def create_token() -> ResponseReturnValue:
                 request.form.getlist("scopes"),
                 days=max(1, min(days, accounts.PAGE_TOKEN_DAYS_MAX)),
             )
+            made = accounts.tokens(session, g.viewer.user_id)[0]
+            _record_token(session, AuditAction.TOKEN_MADE, made.id)
     except accounts.AccountRejected as reason:
         return _tokens(error=str(reason)), 422
     return _tokens(new=text)
@@ -111,10 +133,16 @@ def revoke_token(token_id: int) -> ResponseReturnValue:
     user_id = access.require_account(Action.MANAGE_TOKENS)
     with services().database.writing() as session:
         revoked = accounts.revoke_token(session, user_id, token_id)
+        if revoked:
+            _record_token(session, AuditAction.TOKEN_REVOKED, token_id)
     if not revoked:
         abort(404)
     flash("The token has been revoked.", "good")
     return redirect(url_for("account.tokens"))
+
+
+def _record_token(session: Session, action: AuditAction, token_id: int) -> None:
+    access.record(session, action, g.viewer.name, {"token": token_id})
 
 
 def _flash_adopted(count: int) -> None:

@@ -16,6 +16,7 @@ from flask.typing import ResponseReturnValue
 from seamark.server.accounts import accounts, browser_sessions, password_resets, profiles
 from seamark.server.accounts.accounts import AccountRejected
 from seamark.server.accounts.permissions import Action, can
+from seamark.server.audit import AuditAction
 from seamark.server.runs import account_deletion, export
 from seamark.server.web import access, authentication
 from seamark.server.web.problems import Problem
@@ -50,6 +51,7 @@ def change_password() -> ResponseReturnValue:
     try:
         with services().database.writing() as database:
             user_id = accounts.change_password(database, g.viewer.name, old, new).id
+            access.record(database, AuditAction.PASSWORD_CHANGED, g.viewer.name)
     except AccountRejected as reason:
         return _page(password_error=str(reason)), 422
     authentication.sign_in(user_id)
@@ -96,6 +98,8 @@ def delete() -> ResponseReturnValue:
             return _page(delete_error="The current password is incorrect."), 422
     kept = request.form.get("published") == "keep"
     with services().database.writing() as database:
+        detail = {"keep_published": kept}
+        access.record(database, AuditAction.ACCOUNT_DELETED, g.viewer.name, detail)
         account_deletion.close(database, user_id, keep_published=kept)
     session.clear()
     flash("Your account has been deleted.", "good")
@@ -115,10 +119,11 @@ def set_password() -> ResponseReturnValue:
     text, new = request.form.get("link", ""), request.form.get("new", "")
     try:
         with services().database.writing() as database:
-            user_id = password_resets.use(database, text, new).id
+            user = password_resets.use(database, text, new)
+            access.record(database, AuditAction.PASSWORD_CHANGED, user.name)
     except AccountRejected as reason:
         return _reset_form(str(reason)), 422
-    authentication.sign_in(user_id)
+    authentication.sign_in(user.id)
     flash("Your password has been changed. You are signed in.", "good")
     return redirect(url_for("own_account.show"), code=303)
 

@@ -12,12 +12,12 @@ from seamark.server.accounts.permissions import Action, can, owns
 from seamark.server.pages import benchmarks, level_chart, link_previews, metric_tables
 from seamark.server.pages.player_data import player_data
 from seamark.server.pages.ranked_parts import ranked_parts
-from seamark.server.runs import cancellation, deletion, results, retention, run_notes
+from seamark.server.runs import cancellation, deletion, retention, run_notes
 from seamark.server.runs.comparison import Comparison, comparisons
 from seamark.server.runs.files import RunFiles
 from seamark.server.runs.states import RunKind, RunState
 from seamark.server.runs.views import RunView
-from seamark.server.web import access, class_access, security_headers
+from seamark.server.web import access, class_access, publication, security_headers
 from seamark.server.web.services import services
 from seamark.sim.settings.grid import axes
 
@@ -100,7 +100,7 @@ def publish(run_id: int) -> ResponseReturnValue:
     """Make a run public."""
     access.run_for(run_id, Action.PUBLISH)
     done = "The run is now public, with its program and its data."
-    return _change(run_id, results.publish, done, _NOT_PUBLISHABLE)
+    return _change(run_id, publication.publish, done, _NOT_PUBLISHABLE)
 
 
 @page.post("/<row:run_id>/withdraw")
@@ -108,7 +108,7 @@ def withdraw(run_id: int) -> ResponseReturnValue:
     """Make a run private again."""
     run = access.run_for(run_id, Action.WITHDRAW)
     done = "The run is private again."
-    answer = _change(run_id, results.withdraw, done, "The run was not public.")
+    answer = _change(run_id, publication.withdraw, done, "The run was not public.")
     if can(g.viewer, Action.VIEW, run.model_copy(update={"public": False})):
         return answer
     return redirect(url_for("leaderboard.show", name=run.benchmark), code=303)

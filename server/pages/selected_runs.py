@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from flask import flash, g
 
 from seamark.server.accounts.permissions import Action, can
-from seamark.server.runs import cancellation, deletion, results, views
+from seamark.server.runs import cancellation, deletion, views
+from seamark.server.web import publication
 from seamark.server.web.services import Services, services
 
 
@@ -55,12 +56,12 @@ def _delete(current: Services, run_ids: Sequence[int]) -> int:
 
 def _publish(current: Services, run_ids: Sequence[int]) -> int:
     with current.database.writing() as session:
-        return sum(results.publish(session, run_id) for run_id in run_ids)
+        return sum(publication.publish(session, run_id) for run_id in run_ids)
 
 
 def _withdraw(current: Services, run_ids: Sequence[int]) -> int:
     with current.database.writing() as session:
-        return sum(results.withdraw(session, run_id) for run_id in run_ids)
+        return sum(publication.withdraw(session, run_id) for run_id in run_ids)
 
 
 CHANGES: Mapping[str, Change] = {

@@ -88,12 +88,16 @@ def claim(
     3. After `GUEST_SHARE` runs of accounts while guests wait, a guest's run starts. So guests
        wait longer, but not for ever.
 
+    A drained worker gets none.
+
     Parameters
     ----------
     languages
         Of the uploads that this worker can run; empty: built-in programs only.
     """
     acquire(session, AdvisoryLock.CLAIM)
+    if workers.is_drained(session, worker):
+        return None
     passed_over = int(counters.value(session, PASSED_OVER))
     limit = running_limit(session, settings)
     run_id = _next_in_turn(session, languages, limit, guests_first=passed_over >= GUEST_SHARE)

@@ -53,14 +53,20 @@ def used_by(session: Session, viewer: Viewer, settings: Settings) -> Quota:
     runs, in_sweeps, sweeps = session.execute(select(*counts).select_from(Run).where(*live)).one()
     day = runs + (session.scalar(select(func.count()).select_from(Run).where(*recent)) or 0)
     is_user = viewer.user_id is not None
+    own_day = session.scalar(select(User.quota_day).where(User.id == viewer.user_id))
     return Quota(
         live=runs - in_sweeps + sweeps,
         live_max=settings.quota_live,
         day=day,
-        day_max=settings.quota_day if is_user else settings.guest_quota_day,
+        day_max=_day_max(settings, own_day) if is_user else settings.guest_quota_day,
         bytes=int(session.scalar(bytes_of(viewer.owner)) or 0),  # PostgreSQL adds up to a decimal
         bytes_max=settings.quota_bytes if is_user else settings.guest_quota_bytes,
     )
+
+
+def _day_max(settings: Settings, own: int | None) -> int:
+    """Return how many runs a user may complete in 24 h: the user's own number, if there is one."""
+    return settings.quota_day if own is None else own
 
 
 def bytes_of(owner: str | None) -> Select[int]:

@@ -5,17 +5,22 @@ A refusal is a `Problem`: a document for programs, a page for people.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from datetime import UTC, datetime
+from typing import Any
 
 from flask import g
+from sqlalchemy.orm import Session
 
-from seamark.server import storage
+from seamark.server import audit, storage
 from seamark.server.accounts.permissions import READ, RULES, Action, Owned, Role, Viewer, can
+from seamark.server.audit import AuditAction
 from seamark.server.runs import sweeps, views
 from seamark.server.runs.files import RunFiles
 from seamark.server.runs.sweeps import SweepView
 from seamark.server.runs.views import RunView
+from seamark.server.web import client_network
 from seamark.server.web.problems import Problem
 from seamark.server.web.services import services
 
@@ -26,6 +31,19 @@ def viewer() -> Viewer:
     """Return who sent the request."""
     current: Viewer = g.viewer
     return current
+
+
+def actor() -> audit.Actor:
+    """Return who sent the request, as the audit log names them."""
+    name = viewer().name or viewer().role.label
+    return audit.Actor(name, client_network.address().removesuffix("/32"))
+
+
+def record(
+    session: Session, action: AuditAction, target: str, detail: Mapping[str, Any] | None = None
+) -> None:
+    """Write into the audit log what the sender of the request does."""
+    audit.record(session, actor(), action, target, detail)
 
 
 def require_scope(action: Action) -> None:

@@ -149,3 +149,48 @@ def test_without_a_living_worker_nothing_is_in_the_box(both: Backend) -> None:
 
     with both.database.reading() as session:
         assert workers.environments(session) == []
+
+
+def test_a_drained_worker_claims_no_run_until_it_is_resumed(both: Backend) -> None:
+    _register(both, "a")
+    both.queue("ann")
+    with both.database.writing() as session:
+        assert workers.drain(session, "a")
+        assert not workers.drain(session, "a")
+    refused, taken = both.claim("a/0"), both.claim("b/0")
+
+    with both.database.writing() as session:
+        assert workers.resume(session, "a")
+    both.queue("ben")
+
+    assert refused is None
+    assert taken is not None
+    assert both.claim("a/0") is not None
+
+
+def test_a_drained_worker_counts_for_nobody_who_waits(both: Backend) -> None:
+    _register(both, "a", slots=2)
+    with both.database.writing() as session:
+        workers.drain(session, "a")
+
+    with both.database.reading() as session:
+        (status,) = workers.listed(session)
+        counts = workers.alive_count(session), workers.slot_count(session)
+
+    assert (status.alive, status.claims, counts) == (True, False, (0, 0))
+
+
+def test_a_worker_stays_drained_when_it_is_stopped_and_starts_again(both: Backend) -> None:
+    _register(both, "a")
+    with both.database.writing() as session:
+        workers.drain(session, "a")
+        workers.unregister(session, "a")
+    with both.database.reading() as session:
+        (stopped,) = workers.listed(session)
+
+    _register(both, "a")
+
+    with both.database.reading() as session:
+        (started,) = workers.listed(session)
+    assert (stopped.alive, started.alive) == (False, True)
+    assert started.drained_at == stopped.drained_at is not None

@@ -4,6 +4,7 @@ import os
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field
+from importlib.metadata import version
 from typing import Any, Self
 
 import structlog
@@ -106,6 +107,7 @@ class Host:
             name=self.name,
             slots=self.settings.workers,
             level=self.isolation.name.lower(),
+            version=version("seamark"),
             languages=list(self.languages),
             findings=[asdict(finding) for finding in self.findings],
             contents={

@@ -14,7 +14,7 @@ import structlog
 from celery import Celery
 from redis import Redis
 
-from seamark.server import log, storage
+from seamark.server import audit, log, storage
 from seamark.server.checks import queue
 from seamark.server.database.engine import Database
 from seamark.server.messaging import broker
@@ -108,6 +108,12 @@ def complete_leaderboards(database: Database) -> None:
         _log.info("leaderboards_completed", rows=count)
 
 
+def forget_audit(database: Database, settings: Settings) -> None:
+    """Delete a batch of old entries of the audit log."""
+    with database.writing() as session:
+        audit.forget_old(session, settings.audit_days)
+
+
 def delete_accounts(database: Database, settings: Settings) -> None:
     """Delete a batch of the runs of closed accounts."""
     if not storage.is_away(settings.data) and account_deletion.step(database, settings.data):
@@ -133,6 +139,7 @@ def main(parent: str) -> None:
             "complete_leaderboards", COMPLETE_EVERY_S, lambda: complete_leaderboards(database)
         ),
         PeriodicTask("delete_accounts", SWEEP_EVERY_S, lambda: delete_accounts(database, settings)),
+        PeriodicTask("forget_audit", FORGET_EVERY_S, lambda: forget_audit(database, settings)),
         PeriodicTask("trim_data", TRIM_EVERY_S, lambda: trim(database, settings)),
     ]
     while not stopping.wait(POLL_S):

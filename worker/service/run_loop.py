@@ -9,7 +9,7 @@ import structlog
 from celery import Celery
 from sqlalchemy.exc import SQLAlchemyError
 
-from seamark.server import storage
+from seamark.server import storage, workers
 from seamark.server.database.engine import Database
 from seamark.server.messaging import broker
 from seamark.server.runs import queue as run_queue
@@ -21,6 +21,7 @@ from seamark.worker.service.run_driver import RunContext, evaluate
 from seamark.worker.zygote.client import Simulator, SimulatorBroken
 
 PAUSE_DOUBLINGS = 6  # at most 64 s with the usual settings
+PASS_ON_S = 0.5  # [s] for which a drained worker keeps a ticket
 WARM_POLL_S = 0.2  # [s] for which a process that starts keeps a ticket
 _log = structlog.get_logger()
 
@@ -63,6 +64,7 @@ class RunLoop:
                 session, self._name, languages=self._host.languages, settings=self._settings
             )
         if claim is None:
+            self._pass_on()
             return
         succeeded = self._evaluate(claim)
         self._failures = 0 if succeeded else self._failures + 1
@@ -70,6 +72,15 @@ class RunLoop:
         with self._database.reading() as session:
             waiting = run_queue.length(session)
         if waiting:  # also when this worker shuts down: another one takes its run over
+            broker.send_tickets(self._app)
+
+    def _pass_on(self) -> None:
+        """Leave the ticket of a drained worker to another one, if there is any that claims runs."""
+        with self._database.reading() as session:
+            drained = workers.is_drained(session, self._name)
+            others = drained and workers.slot_count(session) and run_queue.length(session)
+        if others:
+            self._wait(PASS_ON_S)  # the ticket may come back here
             broker.send_tickets(self._app)
 
     def _evaluate(self, claim: Claim) -> bool:
@@ -111,7 +122,11 @@ class RunLoop:
     def _pause(self) -> None:
         """After failures of the platform, leave the next runs to other workers for a while."""
         pause_s = self._settings.sweep_s / 10 * 2 ** min(self._failures, PAUSE_DOUBLINGS)
-        until = time.monotonic() + (pause_s if self._failures else 0.0)
+        self._wait(pause_s if self._failures else 0.0)
+
+    def _wait(self, seconds: float) -> None:
+        """Wait, but not longer than until the worker shuts down."""
+        until = time.monotonic() + seconds
         while time.monotonic() < until and not self._shutting_down():
             time.sleep(0.1)
 

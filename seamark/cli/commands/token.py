@@ -56,6 +56,7 @@ def new(
     """
     from sqlalchemy import select
 
+    from seamark.server import audit
     from seamark.server.accounts import accounts
     from seamark.server.database.tables import User
 
@@ -68,6 +69,9 @@ def new(
             )
         try:
             text = accounts.new_token(session, owner.id, label, scopes, days=days)
+            made = {"token": accounts.tokens(session, owner.id)[0].id}
+            action = audit.AuditAction.TOKEN_MADE
+            audit.record(session, audit.COMMAND_LINE, action, owner.name, made)
         except accounts.AccountRejected as reason:
             raise UsageRefused(str(reason)) from None
     if as_json:

@@ -164,12 +164,16 @@ def set_role(name: str, role: str, data: Path | None, as_json: bool) -> None:
     Example:
       seamark user role mr-lee teacher
     """
+    from seamark.server import audit
     from seamark.server.accounts import accounts
     from seamark.server.accounts.permissions import Role
+    from seamark.server.administration import people
 
     try:
         with database_of(settings_of(data)).writing() as session:
-            changed = accounts.set_role(session, name, Role[role.upper()]).name
+            person = accounts.person(session, name)
+            people.set_role(session, audit.COMMAND_LINE, person, Role[role.upper()])
+            changed = person.name
     except accounts.AccountRejected as reason:
         raise UsageRefused(str(reason)) from None
     if as_json:
@@ -192,12 +196,15 @@ def reset(name: str, data: Path | None, as_json: bool) -> None:
     Example:
       seamark user reset ana
     """
+    from seamark.server import audit
     from seamark.server.accounts import accounts, password_resets
+    from seamark.server.administration import people
 
     settings = settings_of(data)
     try:
         with existing_database_of(settings).writing() as session:
-            text = password_resets.create(session, name)
+            person = accounts.person(session, name)
+            text = people.make_reset_link(session, audit.COMMAND_LINE, person)
     except accounts.AccountRejected as reason:
         raise UsageRefused(str(reason)) from None
     link = f"{settings.url}/reset?link={text}"
@@ -222,15 +229,18 @@ def delete(name: str, keep_published: bool, data: Path | None, as_json: bool) ->
     Example:
       seamark user delete ana --yes
     """
+    from seamark.server import audit
     from seamark.server.accounts import accounts
+    from seamark.server.administration import people
     from seamark.server.runs import account_deletion
 
     settings = settings_of(data)
     database = existing_database_of(settings)
     try:
         with database.writing() as session:
-            user_id = accounts.person(session, name).id
-            account_deletion.close(session, user_id, keep_published=keep_published)
+            person = accounts.person(session, name)
+            user_id = person.id
+            people.close(session, audit.COMMAND_LINE, person, keep_published=keep_published)
     except accounts.AccountRejected as reason:
         raise UsageRefused(str(reason)) from None
     while account_deletion.step(database, settings.data):
@@ -253,13 +263,16 @@ def set_password(name: str, password: str | None, data: Path | None, as_json: bo
     Example:
       seamark user password ana
     """
+    from seamark.server import audit
     from seamark.server.accounts import accounts
 
     drawn = None if password is not None else secrets.token_urlsafe(12)
     database = database_of(settings_of(data))
     try:
         with database.writing() as session:
-            accounts.change_password(session, name, None, password or drawn or "")
+            changed = accounts.change_password(session, name, None, password or drawn or "").name
+            action = audit.AuditAction.PASSWORD_CHANGED
+            audit.record(session, audit.COMMAND_LINE, action, changed)
     except accounts.AccountRejected as reason:
         raise UsageRefused(str(reason)) from None
     if as_json:

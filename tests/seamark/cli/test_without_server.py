@@ -57,7 +57,15 @@ def test_the_packages_of_the_service_are_those_of_the_extra() -> None:
 
 @pytest.mark.parametrize(
     "arguments",
-    [("up",), ("web",), ("worker",), ("db", "upgrade"), ("user", "list"), ("token", "new", "ada")],
+    [
+        ("up",),
+        ("web",),
+        ("worker",),
+        ("db", "upgrade"),
+        ("user", "list"),
+        ("token", "new", "ada"),
+        ("audit",),
+    ],
     ids=" ".join,
 )
 def test_a_command_of_the_service_says_what_to_install(

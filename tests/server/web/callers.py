@@ -109,6 +109,10 @@ def withdraws(caller: Caller) -> bool:
     return caller.has(SUBMIT) and (caller.role == "ann" or caller.is_at_least("organiser"))
 
 
+def administers(caller: Caller) -> bool:
+    return caller.administers
+
+
 def invites(caller: Caller) -> bool:
     return caller.is_at_least("teacher")
 

@@ -6,6 +6,7 @@ from typing import Any
 from seamark.server.web import own_wheel
 from tests.server.web.callers import (
     Allows,
+    administers,
     changes_its_own,
     changes_password,
     changes_run,
@@ -120,6 +121,22 @@ CLASSES: dict[tuple[str, str], Entry] = {  # ann is in a class of tim
     ("GET", f"{API_AS}/runs"): Entry(sees_class, path=f"{API_A}/runs"),
     ("GET", f"{API_AS}/ranking"): Entry(teaches, path=f"{API_A}/ranking"),
 }
+U, US = "/admin/users/{user}", "/admin/users/<row:user_id>"
+ADMIN: dict[tuple[str, str], Entry] = {
+    ("GET", "/admin/"): Entry(administers),
+    ("GET", "/admin/workers"): Entry(administers),
+    ("POST", "/admin/workers/drain"): Entry(administers, 303),
+    ("POST", "/admin/workers/resume"): Entry(administers, 303),
+    ("GET", "/admin/users"): Entry(administers),
+    ("GET", US): Entry(administers, path=U),
+    ("POST", US): Entry(administers, 303, U),
+    ("POST", f"{US}/disable"): Entry(administers, 303, f"{U}/disable"),
+    ("POST", f"{US}/enable"): Entry(administers, 303, f"{U}/enable"),
+    ("POST", f"{US}/revoke"): Entry(administers, 303, f"{U}/revoke"),
+    ("POST", f"{US}/reset"): Entry(administers, path=f"{U}/reset"),
+    ("POST", f"{US}/delete"): Entry(administers, 422, f"{U}/delete"),
+    ("GET", "/admin/audit"): Entry(administers),
+}
 OPEN = Entry(everybody)
 ROUTES: dict[tuple[str, str], Entry] = {
     ("GET", "/static/<path:filename>"): Entry(everybody, path="/static/logo.svg"),
@@ -170,6 +187,7 @@ ROUTES: dict[tuple[str, str], Entry] = {
     ("GET", "/invitations"): Entry(invites),
     ("POST", "/invitations"): Entry(invites, options={"data": {"count": "2"}}),
     **CLASSES,
+    **ADMIN,
     ("GET", "/docs/"): Entry(everybody, 302),
     ("GET", "/docs/search"): Entry(everybody),
     ("GET", "/docs/<name>"): Entry(everybody, path="/docs/start"),

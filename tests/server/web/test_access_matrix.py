@@ -82,6 +82,7 @@ def path_of(site: Site, route: str, entry: Entry, recorded: int) -> str:
             session.add(sweep)
             session.flush()
             path = path.replace("{sweep}", str(sweep.id))
+    path = path.replace("{user}", str(site.user_id("eva")))
     if "{token}" in path:
         with site.database.writing() as session:
             accounts.new_token(session, site.user_id("ann"), "spare", [READ])

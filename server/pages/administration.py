@@ -1,0 +1,74 @@
+"""The administration: the state of the service, its workers, the queue."""
+
+from collections.abc import Callable
+
+from flask import Blueprint, flash, redirect, render_template, request, url_for
+from flask.typing import ResponseReturnValue
+from sqlalchemy.orm import Session
+
+from seamark.sandbox.languages import LANGUAGES
+from seamark.server.accounts.permissions import Action
+from seamark.server.administration import fleet
+from seamark.server.administration import overview as service_overview
+from seamark.server.audit import Actor
+from seamark.server.web import access
+from seamark.server.web.services import services
+
+page = Blueprint("administration", __name__, url_prefix="/admin")
+
+
+@page.before_request
+def _only_admins() -> None:
+    access.require(Action.ADMINISTER)
+
+
+@page.get("/")
+def overview() -> ResponseReturnValue:
+    """Show the state of the service and what needs a person."""
+    held = services()
+    with held.database.reading() as session:
+        found = service_overview.overview(session, held.settings)
+    return render_template("admin/overview.html", found=found, links=_links())
+
+
+@page.get("/workers")
+def workers() -> ResponseReturnValue:
+    """Show the workers with what each of them runs."""
+    with services().database.reading() as session:
+        listed = fleet.listed(session)
+    labels = {name: language.label for name, language in LANGUAGES.items()}
+    return render_template("admin/workers.html", workers=listed, labels=labels)
+
+
+@page.post("/workers/drain")
+def drain() -> ResponseReturnValue:
+    """Let a worker start no more runs."""
+    done = "The worker starts no more runs. Those that it has go on to their end."
+    return _change_worker(fleet.drain, done, "This worker is not listed or already drained.")
+
+
+@page.post("/workers/resume")
+def resume() -> ResponseReturnValue:
+    """Let a drained worker start runs again."""
+    answer = _change_worker(fleet.resume, "The worker starts runs again.", "It is not drained.")
+    services().wake_worker()
+    return answer
+
+
+def _change_worker(
+    change: Callable[[Session, Actor, str], bool], done: str, why_not: str
+) -> ResponseReturnValue:
+    with services().database.writing() as session:
+        changed = change(session, access.actor(), request.form.get("worker", "")[:255])
+    flash(done if changed else why_not, "good" if changed else "warn")
+    return redirect(url_for("administration.workers"), code=303)
+
+
+def _links() -> dict[str, str]:
+    """Return the pages to which warnings lead, by area."""
+    return {
+        "workers": url_for("administration.workers"),
+        "runs": url_for("runs.mine", of="all", state="failed"),
+        "status": url_for("status.show"),
+        "audit": url_for("audit_log.show", action="sign_in_blocked"),
+    }
