@@ -70,7 +70,7 @@ def heartbeat(session: Session, name: str, processes: Mapping[str, str]) -> bool
     processes
         Process -> `RUNNING`, `PREPARING`, or for instance "restarting since 12:00:05".
     """
-    change = update(Worker).where(Worker.name == name)
+    change = update(Worker).where(Worker.name == name, Worker.slots > 0)  # 0: it has stopped
     change = change.values(seen_at=time.time(), processes=dict(processes))
     return session.scalar(change.returning(Worker.name)) is not None
 
@@ -80,7 +80,7 @@ def unregister(session: Session, name: str) -> None:
     named = Worker.name == name
     session.execute(delete(Worker).where(named, Worker.drained_at.is_(None)))
     silent = time.time() - ALIVE_S - 1.0
-    session.execute(update(Worker).where(named).values(seen_at=silent))
+    session.execute(update(Worker).where(named).values(seen_at=silent, slots=0))
 
 
 def drain(session: Session, name: str) -> bool:

@@ -185,6 +185,7 @@ def test_a_worker_stays_drained_when_it_is_stopped_and_starts_again(both: Backen
     with both.database.writing() as session:
         workers.drain(session, "a")
         workers.unregister(session, "a")
+        assert not workers.heartbeat(session, "a", {})  # so that it registers when it starts
     with both.database.reading() as session:
         (stopped,) = workers.listed(session)
 
