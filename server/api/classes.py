@@ -54,7 +54,7 @@ def list_classes() -> dict[str, Any]:
 
 @api.post("/classes", responses={201: ClassResponse})
 def create_class() -> Response:
-    """Make a class. Requires the role teacher. Give its code to the pupils, who join by it."""
+    """Create a class. Requires the role teacher. Pupils join with its code."""
     user_id = access.require_account(Action.TEACH)
     body = request_body.json_body(ClassRequest)
     with refusals.as_problems(), services().database.writing() as database:

@@ -10,6 +10,7 @@ import time
 import urllib.error
 import urllib.request
 from collections.abc import Iterator
+from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -17,7 +18,9 @@ from typing import Any
 import pytest
 from playwright.sync_api import Browser, expect, sync_playwright
 
+from seamark.server.database.engine import Database
 from tests.journey.visitor import RUN_MS, Visitor
+from tests.services.embedded import cancel_baselines
 from tests.services.ports import free_port
 from tests.services.processes import end
 
@@ -89,6 +92,8 @@ def running(**settings: str) -> Iterator[Service]:
 def service() -> Iterator[Service]:
     """The service with its embedded defaults: SQLite and its own broker."""
     with running() as embedded:
+        with closing(Database(f"sqlite:///{embedded.data / 'seamark.db'}")) as database:
+            cancel_baselines(database)
         yield embedded
 
 
