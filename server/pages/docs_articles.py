@@ -45,8 +45,11 @@ def article(html: str) -> str:
 
 
 def with_way_to_install(html: str, address: str) -> str:
-    """Return a page, with a link to `address` if it names commands and does not link there yet."""
-    if not _COMMAND.search(html) or f'href="{address}"' in html:
+    """Return a page, with a link to `address` if it names commands and does not link there yet.
+
+    Without an address it is the page about installing.
+    """
+    if not address or not _COMMAND.search(html) or f'href="{address}"' in html:
         return html
     return (
         f'{html}<p class="small muted">Commands that start with <code>seamark</code> run on your '
