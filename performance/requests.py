@@ -51,7 +51,7 @@ _MORE = (
     "/leaderboards/currents-v2?baselines=only",
     "/leaderboards/currents-v2?sort=power_share",
 )
-_WHOLE_FILES = frozenset({"/runs/runs.csv"})  # of any length, streamed page by page
+_WHOLE_FILES = frozenset({"/runs/runs.csv", "/download/<name>"})  # all rows; the wheel, built once
 _NOT_PAGES = ("/api/v1", "/static", "/metrics", "/healthz", "/readyz")
 _FILES = (".jpg", ".urdf", ".csv", ".zip")
 
