@@ -1,18 +1,23 @@
 """A complete practice run of 600 s: camera, tracker and a controller, built in or in a box.
 
-Measured in warm processes, as on a worker, and compared with simulated time.
+Measured in warm processes, as on a worker, and compared with simulated time. Each run is repeated
+with a clock around its parts.
 """
 
 import os
 import resource
 import time
 
+import numpy as np
+from numpy.typing import NDArray
+
+from performance import run_parts
 from performance.table import Row
 from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.languages.python import PYTHON
 from seamark.sandbox.probing.probes import probe
 from seamark.sim.engine.warm_up import warm_up
-from seamark.worker.evaluation.local import evaluate_locally
+from seamark.worker.evaluation.local import Callbacks, evaluate_locally
 
 _SEED = 7
 _SETTINGS: dict[str, object] = {"tracker": "esm", "warp": "homography", "criterion": "zncc"}
@@ -26,22 +31,38 @@ def rows() -> list[Row]:
     os.sched_setaffinity(0, {max(before)})
     try:
         isolation = probe().level
-        measured = [_measure("built-in PI", "pi", IsolationLevel.NONE)]
+        measured = _measure("built-in PI", "pi", IsolationLevel.NONE)
         if isolation >= IsolationLevel.MEDIUM:
             program = (PYTHON.self_test.upload(), "controller.py")
             name = f"program in its box, isolation {isolation.name.lower()}"
-            measured.append(_measure(name, program, isolation))
+            measured += _measure(name, program, isolation)
+        measured += run_parts.rows_of_telemetry(_telemetry())
     finally:
         os.sched_setaffinity(0, before)
     peak_mib = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
-    return [row for pair in measured for row in pair] + [
-        Row(what="memory of this process", value=peak_mib, unit="MiB peak")
-    ]
+    return [*measured, Row(what="memory of this process", value=peak_mib, unit="MiB peak")]
 
 
 def _measure(
     name: str, controller: str | tuple[bytes, str], isolation: IsolationLevel
-) -> tuple[Row, Row]:
+) -> list[Row]:
+    wall_s, own_s, box_s = _run(controller, isolation)
+    watch = run_parts.Stopwatch()
+    with watch.open():
+        _, timed_s, timed_box_s = _run(controller, isolation)
+    return [
+        _relative_to_real_time(f"600 s, {name}: CPU", own_s + box_s, "s CPU"),
+        _relative_to_real_time(f"600 s, {name}: wall, one core", wall_s, "s wall"),
+        *run_parts.loop_rows(name.partition(",")[0], watch, timed_s, timed_box_s),
+    ]
+
+
+def _run(
+    controller: str | tuple[bytes, str],
+    isolation: IsolationLevel,
+    callbacks: Callbacks | None = None,
+) -> tuple[float, float, float]:
+    """Run once; return the wall time, the CPU time of this process and that of the box [s]."""
     wall, cpu = time.perf_counter(), time.process_time()
     outcome = evaluate_locally(
         "currents-v1",
@@ -49,13 +70,17 @@ def _measure(
         seed=_SEED,
         controller=controller,
         isolation=isolation,
+        callbacks=callbacks,
     )
-    wall_s = time.perf_counter() - wall
-    cpu_s = time.process_time() - cpu + outcome.usage.get("cpu_s", 0.0)
-    return (
-        _relative_to_real_time(f"600 s, {name}: CPU", cpu_s, "s CPU"),
-        _relative_to_real_time(f"600 s, {name}: wall, one core", wall_s, "s wall"),
-    )
+    wall_s, own_s = time.perf_counter() - wall, time.process_time() - cpu
+    return wall_s, own_s, outcome.usage.get("cpu_s", 0.0)
+
+
+def _telemetry() -> NDArray[np.float64]:
+    """Return the rows of a run."""
+    kept: list[NDArray[np.float64]] = []
+    _run("pi", IsolationLevel.NONE, Callbacks(rows=kept.append))
+    return np.concatenate(kept)
 
 
 def _relative_to_real_time(what: str, value_s: float, unit: str) -> Row:

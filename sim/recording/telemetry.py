@@ -144,7 +144,8 @@ class Digest:
 
     def add(self, rows: Rows) -> None:
         """Add rows; how they are split over calls makes no difference."""
-        kept = np.delete(rows, STEP_US, axis=1)
+        # Slices take half the time of np.delete; most rows have nothing after the wall time.
+        kept = np.hstack([rows[:, :STEP_US], rows[:, STEP_US + 1 :]])
         self._hash.update(np.ascontiguousarray(kept, dtype="<f8").tobytes())
 
     def hexdigest(self) -> str:
