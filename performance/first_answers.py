@@ -84,7 +84,7 @@ def _start(name: str, program: bytes, isolation: IsolationLevel, core: int) -> t
         box.wait_ready()
         waiting = box.usage()
         ready, own_s = time.perf_counter(), time.process_time()
-        box.load(program, LANGUAGES[name].self_test.upload_name, {}, LAYOUT)
+        box.load(program, LANGUAGES[name].self_test.upload_name, {"contents": False}, LAYOUT)
         box.step(OBSERVATION)
         end = time.perf_counter()
         own_s = time.process_time() - own_s
