@@ -62,6 +62,7 @@ def sense_all(
     first: int, last: int, chosen: Flags, shared: tuple[Any, ...], tables: tuple[Any, ...]
 ) -> None:
     """Write observation, telemetry and reward of the chosen vehicles (n,) from first to last."""
+    shared, tables = borrowed(shared), borrowed(tables)
     for i in range(first, last):
         if chosen[i]:
             _sense(i, shared, tables)
@@ -80,6 +81,7 @@ def step_all(
 
     Afterwards all but those in contact, or with a tracker of their own, have sensed the new state.
     """
+    actions, shared, tables = borrowed(actions), borrowed(shared), borrowed(tables)
     for i in range(first, last):
         if chosen[i]:
             _act(i, actions, shared, tables)
@@ -89,13 +91,13 @@ def step_all(
                 _sense(i, shared, tables)
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inline="always")
 def _act(i: int, actions: Array, plain_shared: tuple[Any, ...], tables: tuple[Any, ...]) -> None:
     """Advance one vehicle; sets `diverged` if a command is not finite, `touching` at the gate."""
     shared, bodies, motion = Shared(*plain_shared), Bodies(*tables[0]), Motion(*tables[1])
     progress, outputs = Progress(*tables[4]), Outputs(*tables[5])
-    arriving = _delayed(i, borrowed(actions)[i], progress)
-    command, row = borrowed(motion.command)[i], borrowed(outputs.rows)[i]
+    arriving = _delayed(i, actions[i], progress)
+    command, row = motion.command[i], outputs.rows[i]
     if shared.by_thrusters:
         for j in range(command.size):
             command[j] = arriving[j] if j < bodies.thrusters[i] else 0.0
@@ -107,15 +109,15 @@ def _act(i: int, actions: Array, plain_shared: tuple[Any, ...], tables: tuple[An
         if not math.isfinite(command[j]):
             outputs.diverged[i] = True
             return
-    state = borrowed(motion.state)[i]
-    borrowed(motion.before)[i][:] = state
+    state = motion.state[i]
+    motion.before[i][:] = state
     first = progress.step[i] * shared.physics_steps
     steps = shared.physics_steps
     done = advance_held(
         state,
         command,
-        borrowed(bodies.curve)[i],
-        (borrowed(bodies.gains)[i], borrowed(motion.target)[i]),
+        bodies.curve[i],
+        (bodies.gains[i], motion.target[i]),
         (-1, 0.0),  # no fault
         (first, steps, shared.physics_step_s, motion.gate[i]),
         _body(i, bodies),
@@ -126,10 +128,10 @@ def _act(i: int, actions: Array, plain_shared: tuple[Any, ...], tables: tuple[An
     progress.step[i] += 1
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inline="always")
 def _delayed(i: int, action: Array, progress: Progress) -> Array:
     """Keep an action and return the one that arrives now; zeros before the first."""
-    commands: Array = borrowed(progress.commands)[i]
+    commands: Array = progress.commands[i]
     step, slots = progress.step[i], commands.shape[0]
     commands[step % slots][:] = action
     late = progress.late[i, 1]
@@ -139,7 +141,7 @@ def _delayed(i: int, action: Array, progress: Progress) -> Array:
     return arriving
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inline="always")
 def _control(
     i: int,
     reference: Array,
@@ -150,50 +152,50 @@ def _control(
     progress: Progress,
 ) -> None:
     """Run the velocity controller, which begins a level by holding what it measures."""
-    measured, holds = borrowed(controllers.measured), borrowed(controllers.holds)[i]
+    measured, holds = controllers.measured, controllers.holds[i]
     if progress.step[i] == 0:
         for at in range(holds.size):
             holds[at].target, holds[at].force = 0.0, 0.0
         holds[DEPTH].target = measured[i].depth
         holds[HEADING].target = measured[i].yaw
     vehicle = (
-        borrowed(controllers.allocator)[i],
-        borrowed(controllers.directions)[i],
-        borrowed(controllers.efforts)[i],
-        borrowed(bodies.curve)[i],
+        controllers.allocator[i],
+        controllers.directions[i],
+        controllers.efforts[i],
+        bodies.curve[i],
     )
     velocity_law.step(
         (reference[0], reference[1], reference[2], reference[3]),
         measured[i : i + 1],
         dt,
-        borrowed(controllers.settings)[i : i + 1],
-        borrowed(controllers.axes)[i],
+        controllers.settings[i : i + 1],
+        controllers.axes[i],
         holds,
         vehicle,
-        (borrowed(motion.thrust)[i], borrowed(motion.command)[i]),
+        (motion.thrust[i], motion.command[i]),
     )
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inline="always")
 def _body(i: int, bodies: Bodies) -> tuple[Any, ...]:
     """Return a `dynamics.Body` as a plain tuple."""
     return (
-        borrowed(bodies.mass)[i],
-        borrowed(bodies.inverse_mass)[i],
-        borrowed(bodies.added)[i],
-        borrowed(bodies.linear)[i],
-        borrowed(bodies.quadratic)[i],
-        borrowed(bodies.allocation)[i],
+        bodies.mass[i],
+        bodies.inverse_mass[i],
+        bodies.added[i],
+        bodies.linear[i],
+        bodies.quadratic[i],
+        bodies.allocation[i],
         bodies.net_weight[i],
-        borrowed(bodies.moment)[i],
+        bodies.moment[i],
         bodies.lag_rate[i],
     )
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inline="always")
 def _water(i: int, motion: Motion) -> tuple[Any, ...]:
     """Return a `current.Water` as a plain tuple."""
-    water = borrowed(motion.water)[i]
+    water = motion.water[i]
     return (
         motion.law[i],
         water[0],
@@ -205,14 +207,14 @@ def _water(i: int, motion: Motion) -> tuple[Any, ...]:
         water[6],
         water[7],
         water[8],
-        borrowed(motion.drift)[i],
+        motion.drift[i],
         water[9],
         water[10],
         water[11],
     )
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inline="always")
 def _sense(i: int, plain_shared: tuple[Any, ...], tables: tuple[Any, ...]) -> None:
     """Sample the sensors of one vehicle; sets `diverged` if its state is not finite."""
     shared, motion = Shared(*plain_shared), Motion(*tables[1])
@@ -221,11 +223,11 @@ def _sense(i: int, plain_shared: tuple[Any, ...], tables: tuple[Any, ...]) -> No
         Progress(*tables[4]),
         Outputs(*tables[5]),
     )
-    state, pose = borrowed(motion.state)[i], borrowed(outputs.pose)[i]
+    state, pose = motion.state[i], outputs.pose[i]
     if not read_pose(state, pose):
         outputs.diverged[i] = True
         return
-    corners, row = borrowed(outputs.corners)[i], borrowed(outputs.rows)[i]
+    corners, row = outputs.corners[i], outputs.rows[i]
     if shared.truth:
         outputs.visible[i] = _track_truth(pose, shared, progress, i, corners)
     seen = _seen(i, corners, outputs.visible[i], progress)
@@ -253,22 +255,22 @@ def _sense(i: int, plain_shared: tuple[Any, ...], tables: tuple[Any, ...]) -> No
         (view, shared.station, corners, seen),
         (state, pose, _water(i, motion)),
         (
-            borrowed(instruments.dvl)[i : i + 1],
-            borrowed(instruments.depth)[i : i + 1],
-            borrowed(instruments.ahrs)[i : i + 1],
-            borrowed(instruments.altimeter)[i : i + 1],
+            instruments.dvl[i : i + 1],
+            instruments.depth[i : i + 1],
+            instruments.ahrs[i : i + 1],
+            instruments.altimeter[i : i + 1],
         ),
         (
-            borrowed(instruments.dvl_noise)[i],
-            borrowed(instruments.depth_noise)[i],
-            borrowed(instruments.ahrs_noise)[i],
-            borrowed(instruments.altimeter_noise)[i],
+            instruments.dvl_noise[i],
+            instruments.depth_noise[i],
+            instruments.ahrs_noise[i],
+            instruments.altimeter_noise[i],
         ),
-        borrowed(instruments.keeper)[i : i + 1],
+        instruments.keeper[i : i + 1],
         (
             row,
-            borrowed(outputs.observation)[i],
-            borrowed(Controllers(*tables[3]).measured)[i : i + 1],
+            outputs.observation[i],
+            Controllers(*tables[3]).measured[i : i + 1],
         ),
     )
     row[STEP_US] = 0.0
@@ -278,7 +280,7 @@ def _sense(i: int, plain_shared: tuple[Any, ...], tables: tuple[Any, ...]) -> No
     outputs.reward[i] = reward_of(row, goal)
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inline="always")
 def _track_truth(pose: Array, shared: Shared, progress: Progress, i: int, corners: Array) -> bool:
     """Write the true corners unless their mean is outside the image; as `trackers.truth`."""
     rotation, position, images = np.empty((3, 3)), np.empty(3), np.empty((6, 2))
@@ -297,10 +299,10 @@ def _track_truth(pose: Array, shared: Shared, progress: Progress, i: int, corner
     return inside
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inline="always")
 def _seen(i: int, corners: Array, visible: bool, progress: Progress) -> Array:
     """Keep the tracker's result and return the delayed one: corners, whether it had the target."""
-    images: Array = borrowed(progress.images)[i]
+    images: Array = progress.images[i]
     step, slots = progress.step[i], images.shape[0]
     now = images[step % slots]
     now[:_CORNERS] = corners

@@ -1,25 +1,34 @@
 """Arrays without reference counts, for compiled loops over several threads.
 
-Every slice of an array counts a reference in the memory that all slices share, and two threads that
-count in one place wait for each other. A borrowed array has no counter; whoever owns the memory
-must outlive it.
+Every slice of an array, and every tuple with one, counts a reference in memory that all share: this
+takes longer than a vehicle's physics, and two threads that count in one place wait for each other.
+A borrowed array has no counter; whoever owns the memory must outlive it.
 """
 
 from typing import Any
 
-from numba.core import cgutils
+from numba.core import cgutils, types
 from numba.extending import intrinsic
 
 
 @intrinsic
-def borrowed(typing_context: Any, array: Any) -> Any:
-    """Return the same array without its reference count; only for use in compiled code."""
+def borrowed(typing_context: Any, value: Any) -> Any:
+    """Return an array, or nested tuples of them, without its counter; only in compiled code."""
 
     def lower(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        owner = context.make_array(array)(context, builder, arguments[0])
-        copy = context.make_array(array)(context, builder, value=owner._getvalue())
-        copy.meminfo = cgutils.get_null_value(copy.meminfo.type)
-        copy.parent = cgutils.get_null_value(copy.parent.type)
-        return copy._getvalue()
+        return _borrowed(context, builder, value, arguments[0])
 
-    return array(array), lower
+    return value(value), lower
+
+
+def _borrowed(context: Any, builder: Any, kind: Any, value: Any) -> Any:
+    if isinstance(kind, types.Array):
+        array = context.make_array(kind)(context, builder, value=value)
+        array.meminfo = cgutils.get_null_value(array.meminfo.type)
+        array.parent = cgutils.get_null_value(array.parent.type)
+        return array._getvalue()
+    if isinstance(kind, types.BaseTuple):
+        for at, part in enumerate(kind):
+            old = builder.extract_value(value, at)
+            value = builder.insert_value(value, _borrowed(context, builder, part, old), at)
+    return value
