@@ -26,10 +26,11 @@ from seamark.sim.fleet.tables import (
 )
 from seamark.sim.numerics.arrays import Array
 from seamark.sim.numerics.borrowed import borrowed
-from seamark.sim.physics.dynamics import advance_held
+from seamark.sim.physics.dynamics import Buffers, advance_held, integration_buffers
 from seamark.sim.physics.pose import read_pose
 from seamark.sim.recording.telemetry import INDEX, STEP_US
 
+_buffers = njit(cache=True)(integration_buffers)
 Flags = NDArray[np.bool_]
 _REFERENCE = INDEX["ref_u"]
 _CORNERS = 8
@@ -82,17 +83,26 @@ def step_all(
     Afterwards all but those in contact, or with a tracker of their own, have sensed the new state.
     """
     actions, shared, tables = borrowed(actions), borrowed(shared), borrowed(tables)
+    own = _buffers(tables[1][0].shape[1])
+    work = borrowed(own)
     for i in range(first, last):
         if chosen[i]:
-            _act(i, actions, shared, tables)
+            _act(i, actions, shared, tables, work)
             outputs = Outputs(*tables[5])
             waits = outputs.diverged[i] or outputs.touching[i]
             if Shared(*shared).truth and not waits:
                 _sense(i, shared, tables)
+    own[0][0] = 0.0  # the owner of `work` must live until here
 
 
 @njit(cache=True, error_model="numpy", inline="always")
-def _act(i: int, actions: Array, plain_shared: tuple[Any, ...], tables: tuple[Any, ...]) -> None:
+def _act(
+    i: int,
+    actions: Array,
+    plain_shared: tuple[Any, ...],
+    tables: tuple[Any, ...],
+    work: Buffers,
+) -> None:
     """Advance one vehicle; sets `diverged` if a command is not finite, `touching` at the gate."""
     shared, bodies, motion = Shared(*plain_shared), Bodies(*tables[0]), Motion(*tables[1])
     progress, outputs = Progress(*tables[4]), Outputs(*tables[5])
@@ -117,7 +127,7 @@ def _act(i: int, actions: Array, plain_shared: tuple[Any, ...], tables: tuple[An
         state,
         command,
         bodies.curve[i],
-        (bodies.gains[i], motion.target[i]),
+        (bodies.gains[i], motion.target[i], work),
         (-1, 0.0),  # no fault
         (first, steps, shared.physics_step_s, motion.gate[i]),
         _body(i, bodies),

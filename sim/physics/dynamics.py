@@ -26,6 +26,7 @@ from seamark.sim.physics.hydrodynamics import (
 from seamark.sim.physics.thrusters import steady_thrust
 from seamark.sim.vehicles import STANDARD_GRAVITY, Vehicle
 
+Buffers = tuple[Array, Array, Array, Array, Array, Array, Array, Array, Array]
 RIGID = 13  # position 3, quaternion 4, velocity 6; thrusts follow
 
 
@@ -182,29 +183,34 @@ def write_acceleration(
         out[i] = rate[7 + i]
 
 
+def integration_buffers(size: int) -> Buffers:
+    """Return what `advance_held` needs for a state of this size; two threads need two."""
+    rates = (np.empty(size), np.empty(size), np.empty(size), np.empty(size), np.empty(size))
+    return (*rates, np.empty((3, 3)), np.empty(6), np.empty(6), np.empty(6))
+
+
 @njit(cache=True, error_model="numpy")
 def integrate(
     state: Array,
     target: Array,
-    step: int,
-    steps: int,
-    step_s: float,
+    steps_and_gate: tuple[int, int, float, float],
     plain_body: tuple[Any, ...],
     plain_water: tuple[Any, ...],
-    gate: float,
+    work: Buffers,
 ) -> int:
     """Advance `state` in place by up to `steps` RK4 steps and return the number of steps made.
 
-    It stops before a step that would begin deeper than `gate` [m]. `plain_body` and `plain_water`
-    are `Body` and `Water` as plain tuples.
+    It stops before a step that would begin deeper than `gate` [m]. `steps_and_gate` are the first
+    step, steps, step_s [s] and gate; `plain_body` and `plain_water` are `Body` and `Water` as plain
+    tuples.
     """
+    step, steps, step_s, gate = steps_and_gate
     body = Body(*plain_body)
     water = Water(*plain_water)
     shear = (water.shear, water.bottom, water.height)
     size = state.size
-    k1, k2, k3, k4 = np.empty(size), np.empty(size), np.empty(size), np.empty(size)
-    y = np.empty(size)
-    buffers = (np.empty((3, 3)), np.empty(6), np.empty(6), np.empty(6))
+    k1, k2, k3, k4, y, rotation, relative, momentum, wrench = work
+    buffers = (rotation, relative, momentum, wrench)
     for done in range(steps):
         if state[2] > gate:
             return done
@@ -237,7 +243,7 @@ def advance_held(
     state: Array,
     command: Array,
     curve: Array,
-    thrust: tuple[Array, Array],
+    thrust: tuple[Array, Array, Buffers],
     fault: tuple[int, float],
     steps_and_gate: tuple[int, int, float, float],
     plain_body: tuple[Any, ...],
@@ -245,12 +251,12 @@ def advance_held(
 ) -> int:
     """Advance `state` with constant commands.
 
-    `thrust` is the gain of each thruster, (n,), and the steady thrusts (n,) [N] to write; `fault`
-    is the number of a faulty thruster, -1 for none, and its thrust [N]; `steps_and_gate` are the
-    arguments step, steps, step_s and gate of `integrate`. Returns the number of steps made, -1 if a
+    `thrust` is the gain of each thruster, (n,), the steady thrusts (n,) [N] to write, and
+    `integration_buffers`; `fault` is the number of a faulty thruster, -1 for none, and its thrust
+    [N]; `steps_and_gate` are those of `integrate`. Returns the number of steps made, -1 if a
     command is not a number.
     """
-    gains, target = thrust
+    gains, target, work = thrust
     if not steady_thrust(command, curve, target):
         return -1
     thruster, faulty = fault
@@ -258,8 +264,7 @@ def advance_held(
         target[thruster] = faulty
     for i in range(target.size):
         target[i] *= gains[i]
-    step, steps, step_s, gate = steps_and_gate
-    return integrate(state, target, step, steps, step_s, plain_body, plain_water, gate)
+    return integrate(state, target, steps_and_gate, plain_body, plain_water, work)
 
 
 @njit(cache=True, error_model="numpy")

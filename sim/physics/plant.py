@@ -17,6 +17,7 @@ from seamark.sim.physics.dynamics import (
     add_impulse,
     advance_held,
     body_parameters,
+    integration_buffers,
     write_acceleration,
     write_current,
 )
@@ -71,6 +72,8 @@ class Plant:
         self._step = 0
         self._contact_force = 0.0
         self.state = np.zeros(RIGID + len(vehicle.thrusters))
+        buffers = integration_buffers(len(self.state))
+        self._thrust = (self.thruster_gains, self._target, buffers)
         self.state[3] = 1.0
 
     def reset(self, pose: Array) -> None:
@@ -124,7 +127,7 @@ class Plant:
                 gate = -math.inf if self.contact.awake else self.contact.gate_depth
         done: int = advance_held(
             self.state,
-            *(self._command, self._curve, (self.thruster_gains, self._target), self._fault_thrust),
+            *(self._command, self._curve, self._thrust, self._fault_thrust),
             (step, steps, self.step_s, gate),
             *(self._plain_body, self._plain_water),
         )
