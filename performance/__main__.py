@@ -7,7 +7,17 @@ from performance.table import text
 
 QUICK = ("full_run", "physics", "camera", "exchange")
 SERVICE = ("streams", "many_runs", "start_latency", "fake_runs", "player", "downloads")
-TABLES = (*QUICK, "neighbours", "leaks", "growth", "scaling", "leaderboard", "trackers", *SERVICE)
+TABLES = (
+    *QUICK,
+    "gym",
+    "neighbours",
+    "leaks",
+    "growth",
+    "scaling",
+    "leaderboard",
+    "trackers",
+    *SERVICE,
+)
 ALL = "all"
 
 

@@ -15,7 +15,7 @@ from seamark.sim.physics.plant import Plant
 
 _STEPS = 1000
 _MUJOCO_INTEGRATORS = ("Euler", "implicitfast", "RK4")
-_MODEL = """
+MUJOCO_MODEL = """
 <mujoco>
   <option timestep="0.01" density="1025" viscosity="0.0009" wind="0.2 0 0" integrator="{}"/>
   <worldbody>
@@ -66,6 +66,6 @@ def _bullet_step_us() -> float:
 
 
 def _mujoco_step_us(integrator: str) -> float:
-    model = mujoco.MjModel.from_xml_string(_MODEL.format(integrator))
+    model = mujoco.MjModel.from_xml_string(MUJOCO_MODEL.format(integrator))
     data = mujoco.MjData(model)
     return cpu_us(lambda: mujoco.mj_step(model, data), inner=_STEPS)

@@ -10,7 +10,7 @@ MERGED: Mapping[str, str] = {"languages.md": "languages", "measures.md": "metric
 # A name with a suffix is a guide in docs/; the others are pages of the site.
 _GROUPS: Mapping[str, Sequence[str]] = {
     "Get started": ("start", "tutorial.md", "install", "command-line.md", "python-client.md"),
-    "Write a program": ("controller", "tracker", "languages", "box", "protocol.md"),
+    "Write a program": ("controller", "tracker", "languages", "box", "protocol.md", "training.md"),
     "Runs and results": ("runs", "metrics", "telemetry", "ranking.md", "datasets.md"),
     "Benchmarks and models": (
         *("benchmarks.md", "physics", "camera.md", "controllers.md", "trackers.md"),

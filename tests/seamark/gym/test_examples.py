@@ -1,0 +1,37 @@
+"""The example of docs/training.md trains, and what it writes is the policy that it trained."""
+
+import os
+import runpy
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from seamark.gym.spaces import named
+
+EXAMPLES = Path(__file__).parents[3] / "examples"
+
+
+def test_a_short_training_writes_a_controller_that_acts_like_its_policy(tmp_path: Path) -> None:
+    out = tmp_path / "trained.py"
+    options = ["--seconds", "0", "--candidates", "4", "--level-s", "2", "--out", str(out)]
+
+    subprocess.run(
+        [sys.executable, str(EXAMPLES / "train_station_keeping.py"), *options],
+        check=True,
+        env=os.environ | {"PYTHONPATH": str(EXAMPLES.parent)},
+    )
+
+    written = runpy.run_path(str(out))
+    controller = written["Controller"]({})
+    gains = np.array([list(written["GAINS"].values())])
+    policy = runpy.run_path(str(EXAMPLES / "train_station_keeping.py"))["Policy"](gains, dt=0.05)
+    random = np.random.default_rng(1)
+    for _ in range(5):
+        observation = random.standard_normal(26)
+        observation[1] = 0.05
+        command = controller.step(named(observation))
+        np.testing.assert_allclose(command, policy.act(observation[None])[0])
+    assert gains[0] != pytest.approx([0.5, 0.02, 0.0, 0.0, 0.0])

@@ -1,0 +1,132 @@
+"""The vector environment, beside Gymnasium's own vectorisation of single environments."""
+
+import warnings
+from functools import partial
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium.vector import AutoresetMode, SyncVectorEnv, VectorEnv
+
+from seamark.gym.station_keeping import StationKeepingEnv
+from seamark.gym.vector import StationKeepingVectorEnv
+
+TRUTH = {"tracker": "truth", "levels": [0.1, 0.6], "level_duration_s": 2.0, "settle_s": 1.0}
+CAMERA = TRUTH | {"tracker": "esm"}
+VEHICLES = 3
+
+
+def assert_same(ours: Any, theirs: Any) -> None:
+    for one, other in zip(ours[:-1], theirs[:-1], strict=True):
+        np.testing.assert_array_equal(one, other)
+    for name in ("pose", "velocity", "current", "distance", "tracker_error"):
+        np.testing.assert_array_equal(ours[-1][name], theirs[-1][name])
+
+
+def pair(mode: AutoresetMode, **options: Any) -> tuple[Any, Any]:
+    ours = StationKeepingVectorEnv(num_envs=VEHICLES, autoreset_mode=mode, **options)
+    single = partial(StationKeepingEnv, **options)
+    return ours, SyncVectorEnv([single] * VEHICLES, autoreset_mode=mode)
+
+
+@pytest.mark.parametrize(
+    ("mode", "options"),
+    [
+        (AutoresetMode.NEXT_STEP, {"benchmark": "currents-v2", "settings": TRUTH}),
+        (AutoresetMode.SAME_STEP, {"benchmark": "currents-v1", "settings": TRUTH}),
+        (
+            AutoresetMode.NEXT_STEP,
+            {"benchmark": "currents-v2", "settings": TRUTH, "action": "thrusters"},
+        ),
+        (AutoresetMode.NEXT_STEP, {"benchmark": "currents-v2", "settings": CAMERA}),
+    ],
+    ids=["velocity", "at once", "thrusters", "camera"],
+)
+def test_every_bit_is_that_of_single_environments(mode: AutoresetMode, options: Any) -> None:
+    ours, theirs = pair(mode, **options)
+    ours.action_space.seed(1)
+    assert_same(ours.reset(seed=7), theirs.reset(seed=7))
+    ended = 0
+
+    for _ in range(130):  # over three levels, so over the change of vehicles
+        actions = ours.action_space.sample()
+        mine, reference = ours.step(actions), theirs.step(actions)
+        assert_same(mine, reference)
+        ended += int(mine[3].sum())
+        if "final_obs" in reference[-1]:
+            for one, other in zip(mine[-1]["final_obs"], reference[-1]["final_obs"], strict=True):
+                np.testing.assert_array_equal(one, other)
+
+    assert ended >= 3 * VEHICLES
+
+
+def test_a_vehicle_that_hits_the_bottom_moves_as_in_the_single_environment() -> None:
+    settings = TRUTH | {"level_duration_s": 12.0}
+    ours, theirs = pair(AutoresetMode.NEXT_STEP, benchmark="currents-v1", settings=settings)
+    assert_same(ours.reset(seed=1), theirs.reset(seed=1))
+    force = 0.0
+
+    for _ in range(200):
+        actions = np.tile([0.0, 0.0, 1.0, 0.0], (VEHICLES, 1))
+        assert_same(ours.step(actions), theirs.step(actions))
+        force = max(force, ours.telemetry[:, -2].max())
+
+    assert force > 0.0
+
+
+def test_the_number_of_threads_changes_no_bit() -> None:
+    runs = []
+    for threads in (1, 2, 3):
+        env = StationKeepingVectorEnv(
+            num_envs=100, benchmark="currents-v2", settings=TRUTH, threads=threads
+        )
+        env.action_space.seed(1)
+        env.reset(seed=2)
+        for _ in range(10):
+            observations, *_ = env.step(env.action_space.sample())
+        runs.append(observations)
+        env.close()
+
+    np.testing.assert_array_equal(runs[0], runs[1])
+    np.testing.assert_array_equal(runs[0], runs[2])
+
+
+def test_only_the_vehicles_in_the_mask_are_reset() -> None:
+    env = StationKeepingVectorEnv(
+        num_envs=VEHICLES,
+        benchmark="currents-v2",
+        settings=TRUTH,
+        autoreset_mode=AutoresetMode.DISABLED,
+    )
+    env.reset(seed=3)
+    for _ in range(40):
+        before, *_, truncated, _info = env.step(np.zeros((VEHICLES, 4)))
+    assert truncated.all()
+    with pytest.raises(gymnasium.error.ResetNeeded):
+        env.step(np.zeros((VEHICLES, 4)))
+
+    mask = np.array([True, False, True])
+    after, _info = env.reset(options={"reset_mask": mask})
+
+    assert ((before != after).any(axis=1) == mask).all()
+
+
+def test_gymnasium_makes_the_vector_environment_from_the_name() -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DeprecationWarning)
+        env: VectorEnv[Any, Any, Any] = gymnasium.make_vec(
+            "seamark/StationKeeping-v1", num_envs=2, settings=TRUTH
+        )
+
+    assert isinstance(env, StationKeepingVectorEnv)
+    assert env.metadata["autoreset_mode"] is AutoresetMode.NEXT_STEP
+    observations, _info = env.reset(seed=1)
+    assert observations in env.observation_space
+
+
+def test_what_only_one_vehicle_can_have_is_refused_with_a_sentence() -> None:
+    with pytest.raises(ValueError, match="fault_thruster"):
+        StationKeepingVectorEnv(
+            num_envs=1, benchmark="currents-v1", settings=TRUTH | {"fault_thruster": 0}
+        )
