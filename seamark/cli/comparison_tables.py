@@ -11,9 +11,10 @@ BEST = "*"
 
 
 def tables(found: Mapping[str, Any]) -> str:
-    """Return the tables of a comparison as the API shows it."""
-    heads = ["", *(f"run {run['id']}" for run in found["runs"])]
-    blocks = [_scores(found["scores"])]
+    """Return the tables of a comparison as the API shows it; a run may have a `label`."""
+    labels = {run["id"]: run.get("label") or f"run {run['id']}" for run in found["runs"]}
+    heads = ["", *labels.values()]
+    blocks = [_scores(found["scores"], labels)]
     blocks += [found["note"]] if found["note"] else []
     if found["settings"]:
         rows = [
@@ -26,13 +27,14 @@ def tables(found: Mapping[str, Any]) -> str:
     return "\n\n".join(blocks)
 
 
-def _scores(scores: Sequence[Mapping[str, Any]]) -> str:
+def _scores(scores: Sequence[Mapping[str, Any]], labels: Mapping[int, str]) -> str:
     lines = ["Differences of scores"]
     for each in scores:
         value = "-" if each["difference"] is None else f"{each['difference']:+.4g}"
         if each["low"] is not None:
             value += f" (95 % interval {each['low']:+.4g} to {each['high']:+.4g})"
-        lines.append(f"  run {each['run']} - run {each['other']}: {value}  {each['sentence']}")
+        names = f"{labels[each['run']]} - {labels[each['other']]}"
+        lines.append(f"  {names}: {value}  {each['sentence']}")
     return "\n".join(lines)
 
 

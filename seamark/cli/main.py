@@ -17,7 +17,7 @@ COMMANDS = {  # name -> module:attribute, help; with the help here, --help impor
     "plot": ("plot:plot", "Plot results in the terminal or as a picture."),
     "tune": ("tune:tune", "Search for the best settings, and check them in fresh water."),
     "submit": ("submit:submit", "Submit a run to a server."),
-    "compare": ("compare:compare", "Compare runs of a server side by side."),
+    "compare": ("compare:compare", "Compare results or runs of a server side by side."),
     "leaderboard": ("leaderboard:leaderboard", "Show a leaderboard of a server."),
     "dataset": ("dataset:dataset", "Render images with ground truth for offline work."),
     "benchmarks": ("benchmarks:benchmarks", "List the benchmarks and their settings."),

@@ -17,8 +17,10 @@ def is_run(name: str) -> bool:
     return name.isascii() and name.isdecimal() and not Path(name).is_dir()
 
 
-def results_of(names: Sequence[str], *, server: str | None, token: str | None) -> list[Result]:
-    """Return the results in their order; a server is asked only for runs.
+def results_of(
+    names: Sequence[str], *, server: str | None, token: str | None, telemetry: bool
+) -> list[Result]:
+    """Return the results in their order, with or without rows; a server is asked only for runs.
 
     Raises
     ------
@@ -33,10 +35,10 @@ def results_of(names: Sequence[str], *, server: str | None, token: str | None) -
         if not is_run(name):
             if not Path(name).is_dir():
                 raise UsageRefused(f"{name} is neither a folder nor the number of a run.")
-            found[name] = of_folder(Path(name))
+            found[name] = of_folder(Path(name), telemetry=telemetry)
     if runs := [name for name in names if is_run(name)]:
         from seamark.client import Client
 
         with refusals_shown(), Client(server, token) as client:
-            found |= {name: of_run(client.run(int(name))) for name in runs}
+            found |= {name: of_run(client.run(int(name)), telemetry=telemetry) for name in runs}
     return [found[name] for name in names]

@@ -30,7 +30,7 @@ class Result:
     name: str  # in legends
     manifest: Mapping[str, Any]
     metrics: Mapping[str, Any] | None
-    rows: NDArray[np.void]  # structured: the columns of the telemetry by name
+    rows: NDArray[np.void]  # structured: the columns of the telemetry by name, if it was read
 
     @property
     def benchmark(self) -> str:
@@ -43,7 +43,7 @@ class Result:
         return rows
 
 
-def of_folder(folder: Path) -> Result:
+def of_folder(folder: Path, *, telemetry: bool) -> Result:
     """Return the result in a folder that `seamark run --out` wrote.
 
     Raises
@@ -61,7 +61,7 @@ def of_folder(folder: Path) -> Result:
             name=folder.name or str(folder),
             manifest=manifest,
             metrics=found,
-            rows=_read_telemetry(folder / "telemetry.csv"),
+            rows=_read_telemetry(folder / "telemetry.csv") if telemetry else _empty(0),
         )
     except (OSError, ValueError) as error:
         raise UsageRefused(
@@ -70,13 +70,13 @@ def of_folder(folder: Path) -> Result:
         ) from None
 
 
-def of_run(run: Run) -> Result:
+def of_run(run: Run, *, telemetry: bool) -> Result:
     """Return the result of a run on a server that has ended; raises what the client raises."""
     return Result(
         name=f"run {run.id}",
         manifest=run.manifest(),
         metrics=run.document["metrics"],
-        rows=run.telemetry(),
+        rows=run.telemetry() if telemetry else _empty(0),
     )
 
 
@@ -88,7 +88,12 @@ def _read_telemetry(path: Path) -> NDArray[np.void]:
     if not lines:
         raise ValueError("telemetry.csv has no rows")
     numbers = np.loadtxt(lines, delimiter=",", usecols=columns, ndmin=2)
-    rows = np.empty(len(numbers), dtype=[(name, "<f8") for name in COLUMNS])
+    rows = _empty(len(numbers))
     for at, name in enumerate(COLUMNS):
         rows[name] = numbers[:, at]
     return rows
+
+
+def _empty(count: int) -> NDArray[np.void]:
+    """Return rows to be filled."""
+    return np.empty(count, dtype=[(name, "<f8") for name in COLUMNS])

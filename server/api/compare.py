@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import math
 from dataclasses import asdict
+from functools import partial
 from typing import Any
 
 from flask import Response, jsonify
@@ -15,6 +16,7 @@ from pydantic import BaseModel, Field
 from seamark.server.api.schemas import ResponseModel, RunResponse, run_answer
 from seamark.server.runs import overlaid_series
 from seamark.server.runs.overlaid_series import Part
+from seamark.server.runs.seeds import trial_seeds
 from seamark.server.runs.side_by_side import (
     COLUMNS_MAX,
     RUNS_MAX,
@@ -123,7 +125,7 @@ def compare(query: CompareQuery) -> Response:
     part = Part(trial=query.trial, level=query.level)
     columns = _columns(query.columns, runs)
     answer = jsonify(
-        _document(runs, side_by_side(runs, services().settings))
+        _document(runs, side_by_side(runs, partial(trial_seeds, settings=services().settings)))
         | {"series": [_series(run, columns, part, query.max_points) for run in runs if columns]}
     )
     answer.set_etag(hashlib.sha256(answer.get_data()).hexdigest()[:24])

@@ -1,6 +1,7 @@
 """Runs side by side, and the page on which to choose them."""
 
 from collections.abc import Mapping, Sequence
+from functools import partial
 from typing import Any
 
 from flask import Blueprint, g, redirect, render_template, request, url_for
@@ -11,6 +12,7 @@ from seamark.server.pages import benchmarks, link_previews
 from seamark.server.runs import leaderboard, run_lists
 from seamark.server.runs.comparison import reference_entries
 from seamark.server.runs.run_lists import RunFilter
+from seamark.server.runs.seeds import trial_seeds
 from seamark.server.runs.side_by_side import (
     COLUMNS_MAX,
     RUNS_MAX,
@@ -48,7 +50,7 @@ def show() -> ResponseReturnValue:
             offered=offered,
             runs_max=RUNS_MAX,
         )
-    found = side_by_side(runs, services().settings)
+    found = side_by_side(runs, partial(trial_seeds, settings=services().settings))
     return render_template(
         "compare/show.html",
         runs=runs,

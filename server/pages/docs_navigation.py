@@ -9,7 +9,9 @@ from seamark.server.pages import guides
 MERGED: Mapping[str, str] = {"languages.md": "languages", "measures.md": "metrics"}
 # A name with a suffix is a guide in docs/; the others are pages of the site.
 _GROUPS: Mapping[str, Sequence[str]] = {
-    "Get started": ("start", "tutorial.md", "install", "command-line.md", "python-client.md"),
+    "Get started": (
+        *("start", "tutorial.md", "install", "command-line.md", "tuning.md", "python-client.md"),
+    ),
     "Write a program": ("controller", "tracker", "languages", "box", "protocol.md", "training.md"),
     "Runs and results": ("runs", "metrics", "telemetry", "ranking.md", "datasets.md"),
     "Benchmarks and models": (

@@ -5,10 +5,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from seamark.server.runs.seeds import trial_seeds
+from seamark.server.runs.compared_run import ComparedRun, SeedsOf
 from seamark.server.runs.trial_scores import block_of, trial_scores
-from seamark.server.runs.views import RunView
-from seamark.server.settings import Settings
 from seamark.sim import registry
 from seamark.sim.engine.seeds import FRESH
 from seamark.sim.metrics.metric import Metric
@@ -28,7 +26,7 @@ class ScoreDifference:
     sentence: str  # how it was computed, or why not
 
 
-def score_difference(run: RunView, other: RunView, settings: Settings) -> ScoreDifference:
+def score_difference(run: ComparedRun, other: ComparedRun, seeds_of: SeedsOf) -> ScoreDifference:
     """Return the difference of the scores of two runs of benchmarks in the registry.
 
     Trials that share water, seed and number in the same scenario, are compared one by one: what
@@ -37,7 +35,7 @@ def score_difference(run: RunView, other: RunView, settings: Settings) -> ScoreD
     ids = {"run": run.id, "other": other.id}
     if reason := _not_comparable(run, other):
         return ScoreDifference(**ids, sentence=reason)
-    own, its = paired_scores(run, other, settings)
+    own, its = paired_scores(run, other, seeds_of)
     block = block_of(run.benchmark)
     if own:
         low, high = paired_interval(own, its, block=block) or (None, None)
@@ -60,18 +58,18 @@ def score_difference(run: RunView, other: RunView, settings: Settings) -> ScoreD
 
 
 def paired_scores(
-    run: RunView, other: RunView, settings: Settings
+    run: ComparedRun, other: ComparedRun, seeds_of: SeedsOf
 ) -> tuple[list[float], list[float]]:
     """Return the scores of the trials that two runs have in the same water; else none."""
     if run.benchmark != other.benchmark or differing_scenario(run, other):
         return [], []
     own, its = _score_of_trial(run), _score_of_trial(other)
-    seeds, others = trial_seeds(run, settings), trial_seeds(other, settings)
+    seeds, others = seeds_of(run), seeds_of(other)
     shared = [trial for trial in own if trial in its and seeds(trial) == others(trial)]
     return [own[trial] for trial in shared], [its[trial] for trial in shared]
 
 
-def differing_scenario(run: RunView, other: RunView) -> list[str]:
+def differing_scenario(run: ComparedRun, other: ComparedRun) -> list[str]:
     """Return the titles of the scenario's settings that differ; of one benchmark."""
     benchmark = registry.benchmark(run.benchmark)
     first, second = (benchmark.restore(each.config).model_dump() for each in (run, other))
@@ -82,13 +80,13 @@ def differing_scenario(run: RunView, other: RunView) -> list[str]:
     ]
 
 
-def headline_of(run: RunView) -> Metric:
+def headline_of(run: ComparedRun) -> Metric:
     """Return the metric that the score of a run is."""
     benchmark = registry.benchmark(run.benchmark)
     return benchmark.headline_of(benchmark.restore(run.config))
 
 
-def _not_comparable(run: RunView, other: RunView) -> str:
+def _not_comparable(run: ComparedRun, other: ComparedRun) -> str:
     """Return why the scores cannot be compared, empty if they can."""
     if run.benchmark != other.benchmark:
         return (
@@ -100,18 +98,18 @@ def _not_comparable(run: RunView, other: RunView) -> str:
         return f"The scores are different metrics: {names[0]} and {names[1]}."
     for each in (run, other):
         if each.score is None:
-            return f"Run {each.id} has no score: it is {each.state.value}."
+            return f"Run {each.id} has no score: it is {each.state}."
     return ""
 
 
-def _score_of_trial(run: RunView) -> Mapping[int, float]:
+def _score_of_trial(run: ComparedRun) -> Mapping[int, float]:
     """Return trial -> score; empty if one of them has none."""
     trials: Sequence[Mapping[str, Any]] = (run.metrics or {}).get("trials", ())
     scores = {number: trial["score"] for number, trial in enumerate(trials)}
     return {} if any(score is None for score in scores.values()) else scores
 
 
-def _scores(run: RunView) -> list[float]:
+def _scores(run: ComparedRun) -> list[float]:
     return [score for score in trial_scores(run.metrics, FRESH) if math.isfinite(score)]
 
 
@@ -122,7 +120,7 @@ def _pairs(trials: int, *, known: bool) -> str:
     return f"Over {count} in the same water, too few for an interval."
 
 
-def _independent(run: RunView, other: RunView, *, known: bool) -> str:
+def _independent(run: ComparedRun, other: ComparedRun, *, known: bool) -> str:
     counts = f"{len(_scores(run))} and {len(_scores(other))} trials"
     method = "by Welch's t test" if known else "too few for an interval"
     text = f"Over {counts} in different water, {method}."

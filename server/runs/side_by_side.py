@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from seamark.server.programs.parameters import KEY, split
+from seamark.server.runs.compared_run import ComparedRun, SeedsOf
 from seamark.server.runs.score_differences import (
     ScoreDifference,
     differing_scenario,
@@ -14,8 +15,6 @@ from seamark.server.runs.score_differences import (
 )
 from seamark.server.runs.setting_values import in_effect, label_of, text_of
 from seamark.server.runs.solutions import solution
-from seamark.server.runs.views import RunView
-from seamark.server.settings import Settings
 from seamark.sim import registry
 from seamark.sim.metrics.metric import Metric
 
@@ -60,20 +59,20 @@ class SideBySide:
     note: str  # why no value is marked as the best; empty if they are
 
 
-def side_by_side(runs: Sequence[RunView], settings: Settings) -> SideBySide:
+def side_by_side(runs: Sequence[ComparedRun], seeds_of: SeedsOf) -> SideBySide:
     """Compare two to five runs of benchmarks in the registry."""
     note = _note(runs)
     levels = _common_levels(runs)
     return SideBySide(
         settings=tuple(row for row in _settings(runs) if len(set(row.values)) > 1),
-        scores=tuple(score_difference(run, runs[0], settings) for run in runs[1:]),
+        scores=tuple(score_difference(run, runs[0], seeds_of) for run in runs[1:]),
         metrics=tuple(_metrics(runs, levels, marked=not note)),
         levels=levels,
         note=note,
     )
 
 
-def _note(runs: Sequence[RunView]) -> str:
+def _note(runs: Sequence[ComparedRun]) -> str:
     names = list(dict.fromkeys(run.benchmark for run in runs))
     if len(names) > 1:
         return (
@@ -92,10 +91,10 @@ def _note(runs: Sequence[RunView]) -> str:
 
 
 # -- settings -----------------------------------------------------------------------------------
-def _settings(runs: Sequence[RunView]) -> list[SettingRow]:
+def _settings(runs: Sequence[ComparedRun]) -> list[SettingRow]:
     rows = [
         SettingRow("benchmark", "Benchmark", "", tuple(run.benchmark for run in runs)),
-        SettingRow("kind", "Kind", "", tuple(run.kind.value for run in runs)),
+        SettingRow("kind", "Kind", "", tuple(str(run.kind) for run in runs)),
         SettingRow("solution", "Solution", "", tuple(solution(run) for run in runs)),
         SettingRow("program_sha256", "Program, SHA-256", "", tuple(map(_program, runs))),
         SettingRow("seed", "Seed", "", tuple(map(_seed, runs))),
@@ -109,7 +108,7 @@ def _settings(runs: Sequence[RunView]) -> list[SettingRow]:
     return rows + _parameters(runs)
 
 
-def _parameters(runs: Sequence[RunView]) -> list[SettingRow]:
+def _parameters(runs: Sequence[ComparedRun]) -> list[SettingRow]:
     """Return the parameters of the runs' own programs."""
     values = [split(run.config)[1] for run in runs]
     return [
@@ -123,20 +122,20 @@ def _parameters(runs: Sequence[RunView]) -> list[SettingRow]:
     ]
 
 
-def _program(run: RunView) -> str | None:
+def _program(run: ComparedRun) -> str | None:
     return run.program_sha256 and run.program_sha256[:_DIGEST_SHOWN]
 
 
-def _seed(run: RunView) -> str | None:
+def _seed(run: ComparedRun) -> str | None:
     return None if run.seed is None else str(run.seed)
 
 
-def _schema(run: RunView) -> Mapping[str, Any]:
+def _schema(run: ComparedRun) -> Mapping[str, Any]:
     properties: Mapping[str, Any] = registry.benchmark(run.benchmark).schema()["properties"]
     return properties
 
 
-def _values(run: RunView) -> dict[str, str]:
+def _values(run: ComparedRun) -> dict[str, str]:
     """Return name -> text of the settings that have an effect."""
     benchmark = registry.benchmark(run.benchmark)
     config = benchmark.restore(run.config).model_dump()
@@ -145,7 +144,9 @@ def _values(run: RunView) -> dict[str, str]:
 
 
 # -- metrics ------------------------------------------------------------------------------------
-def _metrics(runs: Sequence[RunView], levels: Sequence[str], *, marked: bool) -> list[MetricRow]:
+def _metrics(
+    runs: Sequence[ComparedRun], levels: Sequence[str], *, marked: bool
+) -> list[MetricRow]:
     """Return the score, the metrics over all levels and the key metrics of each level."""
     if len({run.benchmark for run in runs}) > 1:
         return []
@@ -169,7 +170,7 @@ def _metrics(runs: Sequence[RunView], levels: Sequence[str], *, marked: bool) ->
     return [row for row in rows if any(value is not None for value in row.values)]
 
 
-def _level(run: RunView, index: int) -> Mapping[str, Any]:
+def _level(run: ComparedRun, index: int) -> Mapping[str, Any]:
     levels: Sequence[Mapping[str, Any]] = (run.metrics or {}).get("levels") or []
     return levels[index] if index < len(levels) else {}
 
@@ -201,12 +202,12 @@ def _best(metric: Metric, values: Sequence[float | None]) -> tuple[int, ...]:
     return tuple(best) if len(best) < len(known) else ()
 
 
-def _common_levels(runs: Sequence[RunView]) -> tuple[str, ...]:
+def _common_levels(runs: Sequence[ComparedRun]) -> tuple[str, ...]:
     names = {level_labels(run) for run in runs}
     return names.pop() if len(names) == 1 else ()
 
 
-def level_labels(run: RunView) -> tuple[str, ...]:
+def level_labels(run: ComparedRun) -> tuple[str, ...]:
     """Return a name for each level of a run, such as "0.4 m/s"."""
     config = registry.benchmark(run.benchmark).restore(run.config)
     unit = config.level_metric().unit

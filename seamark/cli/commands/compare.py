@@ -1,4 +1,4 @@
-"""`seamark compare`: runs of a server side by side."""
+"""`seamark compare`: results and runs side by side."""
 
 from __future__ import annotations
 
@@ -9,29 +9,43 @@ from seamark.cli.options import json_option, server_options
 
 
 @click.command()
-@click.argument("runs", type=click.IntRange(min=1), nargs=-1, required=True, metavar="RUN...")
+@click.argument("results", nargs=-1, required=True, metavar="RESULT...")
 @server_options
 @json_option
-def compare(runs: tuple[int, ...], *, server: str, token: str | None, as_json: bool) -> None:
-    """Compare two to five runs: settings that differ, scores, metrics with the best marked.
+def compare(results: tuple[str, ...], *, server: str, token: str | None, as_json: bool) -> None:
+    """Compare two to five results: settings that differ, scores, metrics with the best marked.
 
-    Differences of scores are to the first run. They are paired where trials are in the same water.
+    A RESULT is the number of a run on a server, or a folder that `seamark run --out` wrote.
+    Differences of scores are to the first one. They are paired where trials are in the same water.
 
     \b
     Examples:
       seamark compare 12 17
       seamark compare 12 17 23 --json --token $TOKEN
+      seamark compare pi-result tuned-result
     """
     from seamark.cli.comparison_tables import tables
-    from seamark.cli.server_answers import refusals_shown
-    from seamark.client import Client
+    from seamark.cli.results import is_run
     from seamark.sandbox.printable_text import printable_text
 
-    with refusals_shown(), Client(server, token) as client:
-        found = client.compare(runs)
+    link = ""
+    if all(is_run(name) for name in results):
+        from seamark.cli.server_answers import refusals_shown
+        from seamark.client import Client
+
+        with refusals_shown(), Client(server, token) as client:
+            compared = client.compare([int(name) for name in results])
+        found = {**compared}
+        ids = ",".join(str(run["id"]) for run in compared["runs"])
+        link = f"\n{server.rstrip('/')}/compare?runs={ids}"
+    else:
+        from seamark.cli.local_comparison import compare_results
+        from seamark.cli.results import results_of
+
+        found = compare_results(results_of(results, server=server, token=token, telemetry=False))
     if as_json:
         print_json(found)
         return
     click.echo(printable_text(tables(found)))
-    ids = ",".join(str(run["id"]) for run in found["runs"])
-    click.echo(f"\n{server.rstrip('/')}/compare?runs={ids}")
+    if link:
+        click.echo(link)

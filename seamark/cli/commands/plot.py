@@ -68,7 +68,7 @@ def plot(
         raise UsageRefused(f"Up to {RESULTS_MAX} results can be plotted over each other.")
     if out is not None and out.suffix.lower() not in FORMATS:
         raise UsageRefused(f"--out {out}: name it {', '.join(FORMATS[:-1])} or {FORMATS[-1]}.")
-    found = results_of(results, server=server, token=token)
+    found = results_of(results, server=server, token=token, telemetry=True)
     columns, coloured = _terminal()
     points = PICTURE_POINTS if out or as_json else 2 * columns
     drawn = charts(found, kinds=kinds or KINDS, trial=trial - 1, points=points)

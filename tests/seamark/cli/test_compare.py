@@ -79,3 +79,31 @@ def test_leaderboard_prints_the_rows_of_the_page(backend: Backend) -> None:
     assert "eva" not in none.output
     assert wrong.exit_code != 0
     assert "rmse_m" in wrong.output
+
+
+def test_folders_are_compared_as_their_runs_would_be_on_a_server(results: Path) -> None:
+    folders = [str(results / name) for name in ("p", "pi")]
+
+    tables = CliRunner().invoke(cli, ["compare", *folders])
+    document = json.loads(CliRunner().invoke(cli, ["compare", *folders, "--json"]).stdout)
+
+    p, pi = (json.loads((results / name / "metrics.json").read_text()) for name in ("p", "pi"))
+    (difference,) = document["scores"]
+    assert "pi - p:" in tables.stdout
+    assert "Paired over 3 trials in the same water." in tables.stdout
+    assert difference["difference"] == pytest.approx(pi["score"] - p["score"])
+    assert difference["low"] < difference["difference"] < difference["high"]
+    assert "solution" in [row["name"] for row in document["settings"]]
+
+
+@pytest.mark.parametrize(
+    ("names", "message"),
+    [(("pi",), "Name 2 to 5 results"), (("pi", "none"), "none is neither a folder nor")],
+)
+def test_what_cannot_be_compared_is_refused(
+    results: Path, names: tuple[str, ...], message: str
+) -> None:
+    answer = CliRunner().invoke(cli, ["compare", *(str(results / name) for name in names)])
+
+    assert answer.exit_code == 2
+    assert message in " ".join(answer.output.split())

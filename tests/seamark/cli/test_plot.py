@@ -14,21 +14,9 @@ from seamark.cli.main import cli
 from seamark.plots.charts import Chart, Line
 from seamark.plots.terminal import text
 
-SHORT = ("--set", "levels=0,0.3", "--set", "level_duration_s=4", "--set", "settle_s=1")
-
 
 def seamark(*arguments: str) -> Result:
     return CliRunner().invoke(cli, arguments, prog_name="seamark")
-
-
-@pytest.fixture(scope="module")
-def results(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder with the results `pi` and `p` on the same water, and of a tracker."""
-    folder = tmp_path_factory.mktemp("results")
-    for name in ("pi", "p"):
-        arguments = ("currents-v1", "--controller", name, *SHORT, "--seed", "7")
-        assert seamark("run", *arguments, "--out", str(folder / name)).exit_code == 0
-    return folder
 
 
 def test_results_are_drawn_over_each_other_in_eighty_columns(results: Path) -> None:
@@ -52,7 +40,7 @@ def test_the_document_has_the_numbers_of_the_telemetry(results: Path) -> None:
         if not line.startswith("#")
     ]
     at = lines[0].split(",").index("distance")
-    recorded = [float(line.split(",")[at]) for line in lines[1:]]
+    recorded = [float(line.split(",")[at]) for line in lines[1:] if line.startswith("0,")]
     metrics = json.loads((results / "pi" / "metrics.json").read_text())
     assert error["lines"][0]["y"] == recorded
     assert levels["lines"][0]["x"] == [0.0, 0.3]
@@ -76,7 +64,7 @@ def test_a_picture_is_written_without_a_window(results: Path, tmp_path: Path) ->
     [
         (("none",), "none is neither a folder nor the number of a run"),
         (("empty",), "is not the result of a finished run"),
-        (("pi", "--trial", "2"), "pi has 1 trials"),
+        (("pi", "--trial", "4"), "pi has 3 trials"),
         (("pi", "--out", "x.bmp"), "name it .png, .pdf or .svg"),
         (("pi", "--out", "none/x.png"), "cannot be written"),
         (("pi",) * 6, "Up to 5 results"),

@@ -1,9 +1,11 @@
 """What runs side by side have in common, and in what they differ."""
 
+from functools import partial
 from typing import Any
 
 import pytest
 
+from seamark.server.runs.seeds import trial_seeds
 from seamark.server.runs.side_by_side import SideBySide, side_by_side
 from tests.cast import Backend
 
@@ -23,7 +25,8 @@ def _finished(backend: Backend, score: float, who: str = "ann", **changes: Any) 
 
 
 def _compared(backend: Backend, *ids: int) -> SideBySide:
-    return side_by_side([backend.show(run_id) for run_id in ids], backend.settings)
+    seeds_of = partial(trial_seeds, settings=backend.settings)
+    return side_by_side([backend.show(run_id) for run_id in ids], seeds_of)
 
 
 def test_only_the_settings_that_differ_are_listed(backend: Backend) -> None:
