@@ -14,6 +14,7 @@ from seamark.server.accounts import accounts, invitations
 from seamark.server.accounts.permissions import Action, grantable
 from seamark.server.api import request_body
 from seamark.server.api.class_schemas import ExportQuery
+from seamark.server.api.operation_ids import operation_id
 from seamark.server.api.schemas import (
     InvitationsRequest,
     InvitationsResponse,
@@ -34,6 +35,7 @@ api = APIBlueprint(
     "api_account",
     __name__,
     url_prefix="/api/v1",
+    operation_id_callback=operation_id,
     abp_tags=[Tag(name="Account", description="The authenticated user and API tokens.")],
 )
 _ZIP: Any = {200: {"content": {"application/zip": {"schema": {"type": "string"}}}}}

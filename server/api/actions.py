@@ -11,6 +11,7 @@ from flask_openapi3.models.tag import Tag
 from sqlalchemy.orm import Session
 
 from seamark.server.accounts.permissions import Action
+from seamark.server.api.operation_ids import operation_id
 from seamark.server.api.run_lists import RunEdit
 from seamark.server.api.schemas import RunPath, RunResponse, run_answer
 from seamark.server.runs import cancellation, deletion, retention, run_notes, views
@@ -22,6 +23,7 @@ api = APIBlueprint(
     "api_actions",
     __name__,
     url_prefix="/api/v1",
+    operation_id_callback=operation_id,
     abp_tags=[Tag(name="Runs", description="Submit runs and follow them.")],
 )
 

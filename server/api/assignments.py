@@ -22,6 +22,7 @@ from seamark.server.api.class_schemas import (
     RankingResponse,
 )
 from seamark.server.api.classes import assignment_answer
+from seamark.server.api.operation_ids import operation_id
 from seamark.server.classes import assignments, progress
 from seamark.server.classes.classrooms import PAGE
 from seamark.server.classes.progress import AssignedRunView
@@ -33,6 +34,7 @@ api = APIBlueprint(
     "api_assignments",
     __name__,
     url_prefix="/api/v1",
+    operation_id_callback=operation_id,
     abp_tags=[Tag(name="Classes", description="Classes, their pupils and assignments.")],
 )
 

@@ -8,6 +8,7 @@ from typing import Any
 from flask_openapi3.blueprint import APIBlueprint
 from flask_openapi3.models.tag import Tag
 
+from seamark.server.api.operation_ids import operation_id
 from seamark.server.api.schemas import BenchmarkPath, BenchmarkResponse, BenchmarksResponse
 from seamark.server.runs import submission
 from seamark.server.web.problems import Problem
@@ -18,6 +19,7 @@ api = APIBlueprint(
     "api_benchmarks",
     __name__,
     url_prefix="/api/v1",
+    operation_id_callback=operation_id,
     abp_tags=[Tag(name="Benchmarks", description="The benchmarks and their settings.")],
 )
 

@@ -14,6 +14,7 @@ from seamark.server import workers
 from seamark.server.accounts.permissions import Action
 from seamark.server.api import refusals, request_body
 from seamark.server.api.check_schemas import CheckPath, CheckQuery, CheckResponse
+from seamark.server.api.operation_ids import operation_id
 from seamark.server.api.schemas import RunRequest
 from seamark.server.checks import queue, report
 from seamark.server.checks.queue import CheckState, CheckView
@@ -37,6 +38,7 @@ api = APIBlueprint(
     "api_checks",
     __name__,
     url_prefix="/api/v1",
+    operation_id_callback=operation_id,
     abp_tags=[Tag(name="Checks", description="Check a program before submitting it.")],
 )
 

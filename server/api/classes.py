@@ -24,6 +24,7 @@ from seamark.server.api.class_schemas import (
     PupilsQuery,
     PupilsResponse,
 )
+from seamark.server.api.operation_ids import operation_id
 from seamark.server.classes import assignments, classrooms
 from seamark.server.classes.assignments import AssignmentView, Draft
 from seamark.server.classes.classrooms import PAGE, ClassView
@@ -35,6 +36,7 @@ api = APIBlueprint(
     "api_classes",
     __name__,
     url_prefix="/api/v1",
+    operation_id_callback=operation_id,
     abp_tags=[Tag(name="Classes", description="Classes, their pupils and assignments.")],
 )
 

@@ -13,6 +13,7 @@ from flask_openapi3.blueprint import APIBlueprint
 from flask_openapi3.models.tag import Tag
 from pydantic import BaseModel, Field
 
+from seamark.server.api.operation_ids import operation_id
 from seamark.server.api.schemas import ResponseModel, RunResponse, run_answer
 from seamark.server.runs import overlaid_series
 from seamark.server.runs.overlaid_series import Part
@@ -35,6 +36,7 @@ api = APIBlueprint(
     "api_compare",
     __name__,
     url_prefix="/api/v1",
+    operation_id_callback=operation_id,
     abp_tags=[Tag(name="Runs", description="Submit runs and follow them.")],
 )
 

@@ -10,6 +10,7 @@ from flask import Response
 from flask_openapi3.blueprint import APIBlueprint
 from flask_openapi3.models.tag import Tag
 
+from seamark.server.api.operation_ids import operation_id
 from seamark.server.api.schemas import DatasetQuery, RunPath
 from seamark.server.runs.seeds import seeds_hidden, trial_seeds
 from seamark.server.web import access
@@ -26,6 +27,7 @@ api = APIBlueprint(
     "api_datasets",
     __name__,
     url_prefix="/api/v1",
+    operation_id_callback=operation_id,
     abp_tags=[Tag(name="Data", description="Data of runs, also while they are live.")],
 )
 

@@ -10,12 +10,14 @@ from pydantic import BaseModel, Field
 
 from seamark.sandbox.languages import LANGUAGES
 from seamark.server import workers
+from seamark.server.api.operation_ids import operation_id
 from seamark.server.web.services import services
 
 api = APIBlueprint(
     "api_environment",
     __name__,
     url_prefix="/api/v1",
+    operation_id_callback=operation_id,
     abp_tags=[Tag(name="Environment", description="What uploaded programs can use.")],
 )
 

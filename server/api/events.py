@@ -12,6 +12,7 @@ from flask_openapi3.blueprint import APIBlueprint
 from flask_openapi3.models.tag import Tag
 
 from seamark.server.accounts.permissions import Action, can
+from seamark.server.api.operation_ids import operation_id
 from seamark.server.api.schemas import EventsQuery, RunPath
 from seamark.server.runs.files import RunFiles
 from seamark.server.runs.views import RunView
@@ -31,6 +32,7 @@ api = APIBlueprint(
     "api_events",
     __name__,
     url_prefix="/api/v1",
+    operation_id_callback=operation_id,
     abp_tags=[Tag(name="Runs", description="Submit runs and follow them.")],
 )
 # Of each event, as OpenAPI 3.1 is read for event streams (3.2 has `itemSchema` for it).

@@ -11,6 +11,7 @@ from flask_openapi3.models.tag import Tag
 
 from seamark.server import storage
 from seamark.server.accounts.permissions import Action
+from seamark.server.api.operation_ids import operation_id
 from seamark.server.api.schemas import CameraQuery, LogQuery, RunPath, TelemetryQuery
 from seamark.server.programs import store
 from seamark.server.runs.files import RunFiles
@@ -31,6 +32,7 @@ api = APIBlueprint(
     "api_files",
     __name__,
     url_prefix="/api/v1",
+    operation_id_callback=operation_id,
     abp_tags=[Tag(name="Data", description="The data of a run, at any time.")],
 )
 

@@ -12,6 +12,7 @@ from flask_openapi3.models.tag import Tag
 from seamark.server.accounts.permissions import Action
 from seamark.server.api.benchmarks import check
 from seamark.server.api.leaderboard_schemas import RankQuery, RanksResponse
+from seamark.server.api.operation_ids import operation_id
 from seamark.server.api.schemas import BenchmarkPath
 from seamark.server.database.engine import Database
 from seamark.server.runs import leaderboard_filters, reference_entries
@@ -35,6 +36,7 @@ api = APIBlueprint(
     "api_leaderboards",
     __name__,
     url_prefix="/api/v1",
+    operation_id_callback=operation_id,
     abp_tags=[Tag(name="Leaderboards", description="Public ranked runs, best first.")],
 )
 

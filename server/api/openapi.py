@@ -18,6 +18,7 @@ from seamark.server.api.class_schemas import (
     JoinRequest,
 )
 from seamark.server.api.schemas import InvitationsRequest, RunRequest, TokenRequest
+from seamark.server.api.sweeps import SweepRequest
 from seamark.server.web.problems import MEDIA_TYPE, PROBLEM_TYPES
 
 page = Blueprint("openapi", __name__)
@@ -35,6 +36,7 @@ _JSON_BODIES: dict[tuple[str, str], type[BaseModel]] = {
     ("post", "classes/{class_id}/assignments"): AssignmentRequest,
     ("patch", "assignments/{assignment_id}"): AssignmentChange,
 }
+_BINARY = ("image/", "application/octet-stream", "application/zip")
 PROBLEM_SCHEMA: dict[str, Any] = {
     "type": "object",
     "description": "RFC 9457",
@@ -107,30 +109,36 @@ def _plain(model: Any) -> dict[str, Any]:
 
 def _add_bodies(paths: dict[str, Any], schemas: dict[str, Any]) -> None:
     """Describe the request bodies: flask-openapi3 supports a single media type only."""
-    bodies: list[type[BaseModel]] = [RunRequest, *_JSON_BODIES.values()]
-    for model in bodies:
-        schemas[model.__name__] = model.model_json_schema(ref_template=_REF)
+    for model in (RunRequest, SweepRequest, *_JSON_BODIES.values()):
+        schema = model.model_json_schema(ref_template=_REF)
+        schemas |= schema.pop("$defs", {})
+        schemas[model.__name__] = schema
     for (method, path), body in _JSON_BODIES.items():
-        as_json = {"application/json": {"schema": {"$ref": _REF.format(model=body.__name__)}}}
-        paths[f"/api/v1/{path}"][method]["requestBody"] = {"required": True, "content": as_json}
-    run = {"$ref": _REF.format(model="RunRequest")}
+        _add_body(paths, method, path, _as_json(body))
+    _add_body(paths, "post", "runs", _as_json(RunRequest) | _with_program(RunRequest))
+    _add_body(paths, "post", "sweeps", _as_json(SweepRequest) | _with_program(SweepRequest))
+    _add_body(paths, "post", "checks", _with_program(RunRequest))
+
+
+def _add_body(paths: dict[str, Any], method: str, path: str, content: dict[str, Any]) -> None:
+    paths[f"/api/v1/{path}"][method]["requestBody"] = {"required": True, "content": content}
+
+
+def _as_json(model: type[BaseModel]) -> dict[str, Any]:
+    return {"application/json": {"schema": {"$ref": _REF.format(model=model.__name__)}}}
+
+
+def _with_program(model: type[BaseModel]) -> dict[str, Any]:
+    """Return the multipart form of a run or sweep with its program."""
+    program = {"type": "string", "format": "binary", "description": "The program"}
+    run = {"$ref": _REF.format(model=model.__name__)}
     form = {
         "type": "object",
         "required": ["run"],
-        "properties": {
-            "run": run,
-            "program": {"type": "string", "format": "binary", "description": "The program"},
-        },
+        "properties": {"run": run, "program": program},
     }
-    as_form = {
-        "multipart/form-data": {
-            "schema": form,
-            "encoding": {"run": {"contentType": "application/json"}},
-        }
-    }
-    both = {"application/json": {"schema": run}} | as_form
-    paths["/api/v1/runs"]["post"]["requestBody"] = {"required": True, "content": both}
-    paths["/api/v1/checks"]["post"]["requestBody"] = {"required": True, "content": as_form}
+    encoding = {"run": {"contentType": "application/json"}}
+    return {"multipart/form-data": {"schema": form, "encoding": encoding}}
 
 
 def _complete(operation: dict[str, Any], *, changes: bool) -> None:
@@ -140,6 +148,10 @@ def _complete(operation: dict[str, Any], *, changes: bool) -> None:
         slugs = [slug for slug, kind in PROBLEM_TYPES.items() if kind.status == status]
         described = {"description": f"Problem: {', '.join(slugs)}", "content": content}
         operation["responses"].setdefault(str(status), described)
+    for response in operation["responses"].values():
+        for media_type, described in response.get("content", {}).items():
+            if media_type.startswith(_BINARY):
+                described["schema"] = {"type": "string", "format": "binary"}
     operation["security"] = _SECURITY
 
 

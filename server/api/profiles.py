@@ -12,6 +12,7 @@ from seamark.server.accounts import profiles
 from seamark.server.accounts.permissions import Action
 from seamark.server.accounts.profiles import Profile, ProfileRejected
 from seamark.server.api import request_body
+from seamark.server.api.operation_ids import operation_id
 from seamark.server.api.schemas import ProfileBody, UserPath, UserQuery, UserResponse
 from seamark.server.runs import standings
 from seamark.server.runs.standings import Standing
@@ -24,6 +25,7 @@ api = APIBlueprint(
     "api_profiles",
     __name__,
     url_prefix="/api/v1",
+    operation_id_callback=operation_id,
     abp_tags=[Tag(name="Users", description="Public profiles of users.")],
 )
 

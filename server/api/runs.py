@@ -13,6 +13,7 @@ from werkzeug.datastructures import FileStorage
 
 from seamark.server.accounts.permissions import Action
 from seamark.server.api import refusals, request_body
+from seamark.server.api.operation_ids import operation_id
 from seamark.server.api.request_body import SubmissionHeaders
 from seamark.server.api.run_lists import RunsQuery
 from seamark.server.api.schemas import (
@@ -39,6 +40,7 @@ api = APIBlueprint(
     "api_runs",
     __name__,
     url_prefix="/api/v1",
+    operation_id_callback=operation_id,
     abp_tags=[Tag(name="Runs", description="Submit runs and follow them.")],
 )
 

@@ -8,6 +8,7 @@ from flask import Response, jsonify
 from flask_openapi3.blueprint import APIBlueprint
 from flask_openapi3.models.tag import Tag
 
+from seamark.server.api.operation_ids import operation_id
 from seamark.server.api.schemas import RunPath, SceneQuery, TextureQuery
 from seamark.server.runs import scene as scenes
 from seamark.server.runs.views import RunView
@@ -22,6 +23,7 @@ api = APIBlueprint(
     "api_scene",
     __name__,
     url_prefix="/api/v1",
+    operation_id_callback=operation_id,
     abp_tags=[Tag(name="Data", description="The data of a run, at any time.")],
 )
 

@@ -10,6 +10,7 @@ from flask_openapi3.blueprint import APIBlueprint
 from flask_openapi3.models.tag import Tag
 from numpy.typing import NDArray
 
+from seamark.server.api.operation_ids import operation_id
 from seamark.server.api.schemas import (
     MomentsResponse,
     RunPath,
@@ -40,6 +41,7 @@ api = APIBlueprint(
     "api_series",
     __name__,
     url_prefix="/api/v1",
+    operation_id_callback=operation_id,
     abp_tags=[Tag(name="Data", description="The data of a run, at any time.")],
 )
 

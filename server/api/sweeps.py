@@ -12,6 +12,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from seamark.server.accounts.permissions import Action
 from seamark.server.api import refusals, request_body
+from seamark.server.api.operation_ids import operation_id
 from seamark.server.api.request_body import SubmissionHeaders
 from seamark.server.api.runs import submission_of
 from seamark.server.api.schemas import (
@@ -33,6 +34,7 @@ api = APIBlueprint(
     "api_sweeps",
     __name__,
     url_prefix="/api/v1",
+    operation_id_callback=operation_id,
     abp_tags=[Tag(name="Sweeps", description="Runs over a range of settings or parameters.")],
 )
 
