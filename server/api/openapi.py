@@ -109,7 +109,8 @@ def _plain(model: Any) -> dict[str, Any]:
 
 def _add_bodies(paths: dict[str, Any], schemas: dict[str, Any]) -> None:
     """Describe the request bodies: flask-openapi3 supports a single media type only."""
-    for model in (RunRequest, SweepRequest, *_JSON_BODIES.values()):
+    models: list[type[BaseModel]] = [RunRequest, SweepRequest, *_JSON_BODIES.values()]
+    for model in models:
         schema = model.model_json_schema(ref_template=_REF)
         schemas |= schema.pop("$defs", {})
         schemas[model.__name__] = schema
