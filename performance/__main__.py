@@ -10,6 +10,7 @@ SERVICE = ("streams", "many_runs", "start_latency", "fake_runs", "player", "down
 TABLES = (
     *QUICK,
     "gym",
+    "start",
     "neighbours",
     "leaks",
     "growth",

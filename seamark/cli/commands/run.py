@@ -145,11 +145,13 @@ def _evaluate(local_run: LocalRun, output: OutputFolder, *, quiet: bool) -> RunO
     from seamark.cli.solutions import isolation_level, sandbox_failures_explained
     from seamark.progress import Progress
     from seamark.sandbox.isolation.level import IsolationLevel
-    from seamark.worker.evaluation.local import Callbacks, evaluate_locally
 
     program = local_run.program
     isolation = IsolationLevel.NONE if program is None else isolation_level()
     with sandbox_failures_explained(), Progress(local_run.benchmark, quiet=quiet) as bar:
+        bar.show(0.0, _loading(), state="loading")
+        from seamark.worker.evaluation.local import Callbacks, evaluate_locally
+
         callbacks = Callbacks(
             rows=output.add_rows,
             log=output.add_log,
@@ -165,6 +167,17 @@ def _evaluate(local_run: LocalRun, output: OutputFolder, *, quiet: bool) -> RunO
             callbacks=callbacks,
             isolation=isolation,
         )
+
+
+def _loading() -> str:
+    """Return what happens before the first progress of the simulation."""
+    import os
+
+    from seamark.sim.numerics.numba_internals import numba_folder
+
+    if any(numba_folder(os.environ).glob("numba-*")):
+        return "loading the simulator"
+    return "compiling the simulator (once; a minute or two)"
 
 
 def _report(local_run: LocalRun, outcome: RunOutcome, out: Path | None, *, as_json: bool) -> None:
