@@ -30,11 +30,10 @@ class Evaluated:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Order:
-    """A candidate and its configuration; `run` is the run of a server that was ordered earlier."""
+    """A candidate and the configuration to run."""
 
     candidate: Candidate
     config: Mapping[str, Any]
-    run: int | None = None
 
 
 class Evaluator(Protocol):

@@ -12,7 +12,7 @@ import io
 import json
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -20,15 +20,14 @@ from seamark.failures import UsageRefused
 from seamark.tuning.candidates import Candidate, Evaluated
 from seamark.tuning.search_space import Value
 
-_COLUMNS = ("candidate", "score", "failure", "run")  # then the tuned parameters
+_COLUMNS = ("candidate", "score", "failure")  # then the tuned parameters
 _MARK = "# seamark tune "
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Row:
     texts: tuple[str, ...]  # of the values, in the order of the names
-    ended: Evaluated | None = None
-    run: int | None = None  # of a server
+    ended: Evaluated
 
 
 def _text(value: Value) -> str:
@@ -70,33 +69,20 @@ class History:
 
     def ended(self, candidate: Candidate) -> Evaluated | None:
         """Return how a candidate ended earlier; None if it did not."""
-        row = self._row(candidate)
-        return row.ended if row else None
-
-    def run_of(self, candidate: Candidate) -> int | None:
-        """Return the run of a server that was ordered earlier."""
-        row = self._row(candidate)
-        return row.run if row else None
-
-    def add_run(self, candidate: Candidate, run: int) -> None:
-        """Note that a server runs a candidate."""
-        self._rows[candidate.number] = _Row(texts=self._texts(candidate), run=run)
-        self.save()
-
-    def add(self, candidate: Candidate, evaluated: Evaluated) -> None:
-        """Note how a candidate ended."""
-        row = self._rows.get(candidate.number) or _Row(texts=self._texts(candidate))
-        self._rows[candidate.number] = replace(row, ended=evaluated)
-        self.save()
-
-    def _row(self, candidate: Candidate) -> _Row | None:
         row = self._rows.get(candidate.number)
-        if row is not None and row.texts != self._texts(candidate):
+        if row is None:
+            return None
+        if row.texts != self._texts(candidate):
             raise UsageRefused(
                 f"{self.path}: candidate {candidate.number} has other values than this version of "
                 "the method proposes, so that the search cannot be resumed. Choose another --out."
             )
-        return row
+        return row.ended
+
+    def add(self, candidate: Candidate, evaluated: Evaluated) -> None:
+        """Note how a candidate ended."""
+        self._rows[candidate.number] = _Row(texts=self._texts(candidate), ended=evaluated)
+        self.save()
 
     def _texts(self, candidate: Candidate) -> tuple[str, ...]:
         return tuple(_text(candidate.values[name]) for name in self.names)
@@ -110,10 +96,8 @@ class History:
         writer = csv.writer(table, lineterminator="\n")
         writer.writerow((*_COLUMNS, *self.names))
         for number, row in sorted(self._rows.items()):
-            ended = row.ended or Evaluated()
-            score = "" if ended.score is None else repr(ended.score)
-            run = "" if row.run is None else row.run
-            writer.writerow((number, score, ended.failure, run, *row.texts))
+            score = "" if row.ended.score is None else repr(row.ended.score)
+            writer.writerow((number, score, row.ended.failure, *row.texts))
         part = self.path.with_name(f".{self.path.name}.part")
         try:
             part.write_text(table.getvalue(), encoding="utf-8")
@@ -123,10 +107,6 @@ class History:
 
 
 def _read_row(line: Sequence[str]) -> _Row:
-    score, failure, run = line[1:4]
+    score, failure = line[1:3]
     ended = Evaluated(score=float(score) if score else None, failure=failure)
-    return _Row(
-        texts=tuple(line[4:]),
-        ended=ended if score or failure else None,
-        run=int(run) if run else None,
-    )
+    return _Row(texts=tuple(line[3:]), ended=ended)

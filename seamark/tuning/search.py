@@ -69,8 +69,7 @@ class Search:
             except ConfigurationInvalid as invalid:
                 self._keep(candidate, Evaluated(failure=f"Not allowed: {invalid}"))
                 continue
-            run = self.history.run_of(candidate)
-            orders.append(Order(candidate=candidate, config=config, run=run))
+            orders.append(Order(candidate=candidate, config=config))
         for order, evaluated in self.evaluator.evaluate(orders):
             self._keep(order.candidate, evaluated)
 

@@ -80,5 +80,5 @@ def test_a_wrong_range_is_refused_with_the_reason(text: str, reason: str) -> Non
 
 
 def test_the_same_parameter_twice_is_refused() -> None:
-    with pytest.raises(UsageRefused, match="kp is there twice"):
+    with pytest.raises(UsageRefused, match="kp is listed twice"):
         read_dimensions(["kp=0:1", "kp=1:2"], TUNABLE)
