@@ -47,7 +47,7 @@ class AuditAction(StrEnum):
     @property
     def label(self) -> str:
         """The action in words."""
-        return self.value.replace("_", " ").capitalize()
+        return self.value.replace("sign_in", "sign-in").replace("_", " ").capitalize()
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,6 +7,7 @@ from flask import Flask
 from seamark.server.api import (
     account,
     actions,
+    administration,
     assignments,
     benchmarks,
     checks,
@@ -44,6 +45,7 @@ RESOURCES = (
     account.api,
     classes.api,
     assignments.api,
+    administration.api,
 )
 
 

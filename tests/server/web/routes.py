@@ -122,6 +122,7 @@ CLASSES: dict[tuple[str, str], Entry] = {  # ann is in a class of tim
     ("GET", f"{API_AS}/ranking"): Entry(teaches, path=f"{API_A}/ranking"),
 }
 U, US = "/admin/users/{user}", "/admin/users/<row:user_id>"
+API_U, API_US = "/api/v1/admin/users/{user}", "/api/v1/admin/users/<int:user_id>"
 ADMIN: dict[tuple[str, str], Entry] = {
     ("GET", "/admin/"): Entry(administers),
     ("GET", "/admin/workers"): Entry(administers),
@@ -136,6 +137,18 @@ ADMIN: dict[tuple[str, str], Entry] = {
     ("POST", f"{US}/reset"): Entry(administers, path=f"{U}/reset"),
     ("POST", f"{US}/delete"): Entry(administers, 422, f"{U}/delete"),
     ("GET", "/admin/audit"): Entry(administers),
+    ("GET", "/api/v1/admin/overview"): Entry(administers),
+    ("GET", "/api/v1/admin/workers"): Entry(administers),
+    ("PATCH", "/api/v1/admin/workers/<string:worker>"): Entry(
+        administers, 404, "/api/v1/admin/workers/w1@host", {"json": {"drained": True}}
+    ),
+    ("GET", "/api/v1/admin/users"): Entry(administers),
+    ("GET", API_US): Entry(administers, path=API_U),
+    ("PATCH", API_US): Entry(administers, path=API_U, options={"json": {"quota_day": None}}),
+    ("POST", f"{API_US}/revoke"): Entry(administers, 204, f"{API_U}/revoke"),
+    ("POST", f"{API_US}/reset-link"): Entry(administers, 200, f"{API_U}/reset-link"),
+    ("DELETE", API_US): Entry(administers, 404, "/api/v1/admin/users/1000000"),
+    ("GET", "/api/v1/admin/audit"): Entry(administers),
 }
 OPEN = Entry(everybody)
 ROUTES: dict[tuple[str, str], Entry] = {
