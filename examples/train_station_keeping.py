@@ -4,8 +4,8 @@
 
 The policy is linear: its features are error, integral of the error and velocity of each axis, and
 the heading. The cross-entropy method draws candidates, all of which meet the same water, and moves
-towards the best of them. Training uses true corners instead of images, which is a thousand times
-faster; `seamark run` then evaluates with the benchmark's camera and tracker.
+towards the best of them. Training uses true corners, so that no image is rendered;
+`seamark run` then evaluates with the benchmark's camera and tracker.
 """
 
 import argparse
