@@ -49,7 +49,7 @@ def test_the_empty_folder_of_a_disk_that_is_not_mounted_is_not_the_data_folder(
     os.rename(marked.data, tmp_path / "disk")
     marked.data.mkdir()
 
-    with pytest.raises(StorageUnavailable, match="cannot reach the folder"):
+    with pytest.raises(StorageUnavailable, match="cannot access its data folder"):
         storage.require_readable(marked)
 
 

@@ -90,7 +90,7 @@ def test_a_check_that_breaks_two_workers_is_a_platform_failure(both: Backend) ->
     assert view is not None
     assert view.report is not None
     assert not view.report["ok"]
-    assert "not to blame" in view.report["problems"][0]["sentence"]
+    assert "did not cause this" in view.report["problems"][0]["sentence"]
 
 
 def test_old_checks_are_deleted(both: Backend) -> None:

@@ -39,7 +39,7 @@ def test_the_texts_of_invitations_are_shown_once(site: Site) -> None:
     page = teacher.get("/invitations").text
 
     assert address not in page
-    assert "1 of yours is unused" in page
+    assert "You have 1 unused invitation." in page
 
 
 def test_an_account_has_a_limited_number_of_unused_invitations(site: Site) -> None:

@@ -140,7 +140,7 @@ def test_what_is_no_sweep_is_refused(backend: Backend, axes: list[Axis], part: s
 
 
 def test_a_ranked_sweep_is_refused(backend: Backend) -> None:
-    with pytest.raises(SubmissionRejected, match="practice runs only"):
+    with pytest.raises(SubmissionRejected, match="consists of practice runs"):
         _start(backend, KP, kind=RunKind.RANKED)
 
 
