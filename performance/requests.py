@@ -29,7 +29,9 @@ _ADDRESSES = {
 }
 _RUN = ("<row:run_id>", "<int:run_id>")
 _FIRST = tuple(  # the rows of `create_first`
-    f"<{kind}:{name}_id>" for kind in ("row", "int") for name in ("class", "assignment", "sweep")
+    f"<{kind}:{name}_id>"
+    for kind in ("row", "int")
+    for name in ("class", "assignment", "sweep", "user")
 )
 # With what slows down lists: filters, and pages far from the start.
 _MORE = (

@@ -41,8 +41,6 @@ class AuditAction(StrEnum):
     RUN_WITHDRAWN = "run_withdrawn"
     WORKER_DRAINED = "worker_drained"
     WORKER_RESUMED = "worker_resumed"
-    DATA_DELETED = "data_deleted"
-    SETTINGS_CHANGED = "settings_changed"
 
     @property
     def label(self) -> str:

@@ -8,8 +8,6 @@ down_revision = "0022"
 branch_labels = None
 depends_on = None
 
-_WITH_DATA = sa.text("data_bytes > 0")
-
 
 def upgrade() -> None:
     """Nobody is disabled and no worker drained; the log begins now."""
@@ -33,18 +31,10 @@ def upgrade() -> None:
     op.create_index("ix_audit_entries_at", "audit_entries", ["at"])
     for column in ("action", "actor", "target"):
         op.create_index(f"ix_audit_entries_{column}_id", "audit_entries", [column, "id"])
-    op.create_index(
-        "ix_runs_finished_with_data",
-        "runs",
-        ["finished_at", "public"],
-        sqlite_where=_WITH_DATA,
-        postgresql_where=_WITH_DATA,
-    )
 
 
 def downgrade() -> None:
     """Drained workers claim runs again, disabled accounts can sign in, and the log is lost."""
-    op.drop_index("ix_runs_finished_with_data", "runs")
     op.drop_table("audit_entries")
     op.drop_column("workers", "version")
     op.drop_column("workers", "drained_at")

@@ -212,13 +212,6 @@ class Run(Base):
             sqlite_where=text("data_bytes > 0"),
             postgresql_where=text("data_bytes > 0"),
         ),
-        Index(
-            "ix_runs_finished_with_data",
-            "finished_at",
-            "public",
-            sqlite_where=text("data_bytes > 0"),
-            postgresql_where=text("data_bytes > 0"),
-        ),
         Index("ix_runs_public_id", "public", "id"),
         Index("ix_runs_owner_public_id", "owner", "public", "id"),
         Index(
@@ -328,34 +321,6 @@ class Best(Base):
 
 # As the partial index has it: SQLite does not find it by `is_baseline = 1`.
 IS_BASELINE = text("best.is_baseline")
-
-
-class RankPoint(Base):
-    """The rank that a user had at a time: a point of its history (server/runs/rank_history.py)."""
-
-    __tablename__ = "rank_points"
-
-    id: Mapped[int] = mapped_column(RowId, primary_key=True)
-    user_id: Mapped[int] = mapped_column(ForeignKey("users.id", ondelete="CASCADE"))
-    benchmark: Mapped[str] = mapped_column(String(80))
-    at: Mapped[float]
-    rank: Mapped[int | None]  # NULL: no published ranked run since then
-    people: Mapped[int]  # on the leaderboard
-    score: Mapped[float | None]
-
-    __table_args__ = (Index("ix_rank_points_user_benchmark_id", "user_id", "benchmark", "id"),)
-
-
-class ScoreCount(Base):
-    """Number of people on a leaderboard in a class of scores (server/runs/score_counts.py)."""
-
-    __tablename__ = "score_counts"
-
-    benchmark: Mapped[str] = mapped_column(String(80), primary_key=True)
-    score_class: Mapped[int] = mapped_column(primary_key=True, autoincrement=False)
-    error_class: Mapped[int] = mapped_column(primary_key=True, autoincrement=False)
-    degrees: Mapped[int] = mapped_column(primary_key=True, autoincrement=False)
-    people: Mapped[int]
 
 
 class Check(Base):

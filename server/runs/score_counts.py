@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 from sqlalchemy import ColumnElement, and_, delete, func, insert, select, update
 from sqlalchemy.orm import Session
 
-from seamark.server.database.tables import Best, ScoreCount
+from seamark.server.database.rank_tables import ScoreCount
+from seamark.server.database.tables import Best
 from seamark.server.runs.ranking import Estimate, Population
 from seamark.sim.numerics.arrays import Array
 

@@ -8,7 +8,8 @@ from sqlalchemy.orm import Session
 from seamark.server.accounts import profiles
 from seamark.server.accounts.permissions import Viewer
 from seamark.server.accounts.profiles import Profile
-from seamark.server.database.tables import RankPoint, User
+from seamark.server.database.rank_tables import RankPoint
+from seamark.server.database.tables import User
 from seamark.server.runs import leaderboard, rank_history, run_lists, score_counts
 from seamark.server.runs.leaderboard import Rank
 from seamark.server.runs.run_lists import Place, RunFilter, RunPage

@@ -9,8 +9,9 @@ from sqlalchemy.orm import Session
 
 from seamark.server import workers
 from seamark.server.database.engine import Database
+from seamark.server.database.rank_tables import ScoreCount
 from seamark.server.database.schema import SchemaTooOld, check, config, upgrade
-from seamark.server.database.tables import Base, Run, ScoreCount, User
+from seamark.server.database.tables import Base, Run, User
 from seamark.server.runs import leaderboard
 from seamark.server.runs.leaderboard import Rank
 from tests.cast import Backend

@@ -13,14 +13,16 @@ from alembic.script import ScriptDirectory
 from sqlalchemy import Connection, MetaData, inspect, select
 
 from performance.requests import create_first
-from seamark.server import workers
+from seamark.server import audit, workers
 from seamark.server.accounts import accounts, browser_sessions, invitations
+from seamark.server.audit import Actor, AuditAction
 from seamark.server.checks import queue as check_queue
 from seamark.server.classes import classrooms
 from seamark.server.database.account_tables import AccountDeletion, PasswordReset
 from seamark.server.database.class_tables import AssignedRun, Classroom
 from seamark.server.database.engine import Database
 from seamark.server.database.schema import check, config, upgrade
+from seamark.server.database.submission_tables import KeyOfSubmission
 from seamark.server.database.tables import Worker
 from seamark.server.settings import Settings
 from tests.cast import Backend
@@ -83,6 +85,9 @@ def _fill(backend: Backend) -> None:
         code = session.scalars(select(Classroom.code)).one()
         classrooms.join(session, backend.user_id("ben"), code)
         session.add(AssignedRun(run_id=1, assignment_id=1, user_id=ann, score=None))
+        audit.record(session, Actor("ann"), AuditAction.ACCOUNT_DISABLED, "ben")
+        first = {"number": 1, "created_at": 0.0}
+        session.add(KeyOfSubmission(user_id=ann, key="k", request="r", **first))
         session.add(PasswordReset(hash="h", user_id=ann, expires_at=1.0))
         session.add(AccountDeletion(user_id=backend.user_id("eva"), requested_at=1.0))
 

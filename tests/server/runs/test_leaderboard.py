@@ -9,7 +9,8 @@ from sqlalchemy import select
 from sqlalchemy.exc import IntegrityError
 from sqlalchemy.orm import Session
 
-from seamark.server.database.tables import Best, ScoreCount, User
+from seamark.server.database.rank_tables import ScoreCount
+from seamark.server.database.tables import Best, User
 from seamark.server.runs import leaderboard, results, score_counts
 from seamark.server.runs.leaderboard import Cursor
 from seamark.server.runs.ranking import Estimate
