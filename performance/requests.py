@@ -28,10 +28,9 @@ _ADDRESSES = {
     "/api/v1/checks/<int:check_id>": "/api/v1/checks/1",
 }
 _RUN = ("<row:run_id>", "<int:run_id>")
+_USER = ("<row:user_id>", "<int:user_id>")
 _FIRST = tuple(  # the rows of `create_first`
-    f"<{kind}:{name}_id>"
-    for kind in ("row", "int")
-    for name in ("class", "assignment", "sweep", "user")
+    f"<{kind}:{name}_id>" for kind in ("row", "int") for name in ("class", "assignment", "sweep")
 )
 # With what slows down lists: filters, and pages far from the start.
 _MORE = (
@@ -67,7 +66,9 @@ def create_first(session: Session, user_id: int) -> None:
     session.add(Sweep(user_id=user_id, benchmark=BENCHMARK, axes=axes, created_at=0.0))
 
 
-def addresses(app: Flask, *, run_id: int, half: str, user: str = "many5") -> Iterator[str]:
+def addresses(
+    app: Flask, *, run_id: int, half: str, user: str = "many5", user_id: int = 1
+) -> Iterator[str]:
     """Yield the addresses of all routes that answer GET; raises KeyError for an unknown variable.
 
     Parameters
@@ -78,17 +79,18 @@ def addresses(app: Flask, *, run_id: int, half: str, user: str = "many5") -> Ite
         A cursor in the middle of the leaderboard.
     user
         Somebody with a published run.
+    user_id
+        Somebody with an account, whom an admin looks at.
     """
+    numbers = dict.fromkeys(_FIRST, 1) | dict.fromkeys(_RUN, run_id) | dict.fromkeys(_USER, user_id)
     for rule in app.url_map.iter_rules():
         if "GET" not in (rule.methods or ()) or rule.rule in _WHOLE_FILES:
             continue
         address = rule.rule
         if address in _ADDRESSES:
             address = _ADDRESSES[address]
-        for variable in _RUN:
-            address = address.replace(variable, str(run_id))
-        for variable in _FIRST:
-            address = address.replace(variable, "1")
+        for variable, number in numbers.items():
+            address = address.replace(variable, str(number))
         if "<" in address:
             raise KeyError(f"performance/requests.py has no address for {rule.rule}")
         yield address.format(run=run_id, user=user)
@@ -96,12 +98,12 @@ def addresses(app: Flask, *, run_id: int, half: str, user: str = "many5") -> Ite
         yield address.format(run=run_id, half=half)
 
 
-def pages(app: Flask, *, run_id: int, user: str) -> list[str]:
+def pages(app: Flask, *, run_id: int, user: str, user_id: int) -> list[str]:
     """Return the addresses of all pages that a browser can open, in alphabetical order."""
     lists = ("/leaderboards/", "/runs/?")  # once each is enough for what they look like
     found = {
         path
-        for path in addresses(app, run_id=run_id, half="", user=user)
+        for path in addresses(app, run_id=run_id, half="", user=user, user_id=user_id)
         if not path.startswith(_NOT_PAGES) and not path.endswith(_FILES)
     }
     return sorted(path for path in found if not (path.startswith(lists) and "?" in path))

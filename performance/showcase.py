@@ -20,7 +20,7 @@ from seamark.server.app import create_app
 from seamark.server.classes import assignments, classrooms
 from seamark.server.classes.assignments import Draft
 from seamark.server.database.engine import Database
-from seamark.server.database.tables import Run
+from seamark.server.database.tables import Run, User
 from seamark.server.runs import results
 from seamark.server.runs.states import LIVE
 from seamark.server.settings import Settings
@@ -139,7 +139,10 @@ def _paths(data: Path, own: int, failed: int, ranked: int) -> list[str]:
     """Return the pages of the routes, and those that look different with other rows."""
     values = {"data": data, "secret_key": "x", "broker_url": "redis://127.0.0.1:1/0"}
     app = create_app(Settings.model_validate(values))
-    found = pages(app, run_id=own, user=PUPILS[-1])
-    app.extensions["seamark"].close()
+    services = app.extensions["seamark"]
+    with services.database.reading() as session:
+        user_id = session.scalars(select(User.id).where(User.name == PUPILS[-1])).one()
+    found = pages(app, run_id=own, user=PUPILS[-1], user_id=user_id)
+    services.close()
     more = (f"/leaderboards/{BENCHMARK}", f"/runs/{ranked}", f"/runs/{failed}", "/nowhere")
     return [*found, *more]

@@ -1,0 +1,116 @@
+"""Every page that a browser can open: accessible, light, as wide as a phone, without errors.
+
+The pages come from the routes of the application, so that a new page is tested as well. Of routes
+that lead to the same address, one is looked at.
+"""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import pytest
+from axe_playwright_python.sync_playwright import Axe
+from playwright.sync_api import Browser, Page
+
+from performance.requests import create_first, pages
+from seamark.server.accounts import accounts
+from seamark.server.accounts.permissions import Role
+from seamark.server.app import create_app
+from seamark.server.settings import Settings
+from tests.journey.conftest import Service
+from tests.journey.visitor import PASSWORD, Visitor
+
+pytestmark = [pytest.mark.browser, pytest.mark.host, pytest.mark.slow]
+
+ADMIN = "sees-all"
+# The themes differ in their colours alone.
+RULES: dict[str, Any] = {"light": {}, "dark": {"runOnly": ["color-contrast"]}}
+LIGHT_KB = 300  # of a page with all that it loads, compressed
+LEFT_OUT = ("/vendor/three/", "/api/v1/")  # the library for 3D, and the data of a run
+PHONE_PX = 375
+DESKTOP: Any = {"width": 1280, "height": 900}
+PHONE: Any = {"width": PHONE_PX, "height": 800}
+UNFOLD = "for (const part of document.querySelectorAll('details')) part.open = true"
+WIDTH = "document.documentElement.scrollWidth"
+THEME = "scheme => { document.documentElement.dataset.theme = scheme }"
+
+
+@pytest.fixture(scope="module")
+def paths(service: Service, finished: tuple[int, Any]) -> list[str]:
+    """The addresses of all pages; an admin has been created who may see them."""
+    values = {"data": service.data, "secret_key": "x", "broker_url": "redis://127.0.0.1:1/0"}
+    app = create_app(Settings.model_validate(values))
+    with app.extensions["seamark"].database.writing() as session:
+        admin = accounts.sign_up(session, ADMIN, PASSWORD, role=Role.ADMIN)
+        create_first(session, admin.id)
+    found = pages(app, run_id=finished[0], user="player", user_id=admin.id)
+    app.extensions["seamark"].close()
+    return found
+
+
+class Weight:
+    """Adds up what a page loads."""
+
+    def __init__(self, page: Page) -> None:
+        self.bytes = 0
+        self._left_out: set[str] = set()
+        cdp = page.context.new_cdp_session(page)
+        cdp.send("Network.enable")
+        cdp.send("Network.setCacheDisabled", {"cacheDisabled": True})
+        cdp.on("Network.responseReceived", self._received)
+        cdp.on("Network.loadingFinished", self._finished)
+
+    def _received(self, event: dict[str, Any]) -> None:
+        if any(part in event["response"]["url"] for part in LEFT_OUT):
+            self._left_out.add(event["requestId"])
+
+    def _finished(self, event: dict[str, Any]) -> None:
+        if event["requestId"] not in self._left_out:
+            self.bytes += int(event["encodedDataLength"])
+
+
+@contextmanager
+def _signed_in(chromium: Browser, service: Service) -> Iterator[Visitor]:
+    context = chromium.new_context(color_scheme="light", viewport=DESKTOP, reduced_motion="reduce")
+    visitor = Visitor(context.new_page(), service.url)
+    visitor.sign_in(ADMIN)
+    yield visitor
+    context.close()
+
+
+def _defects(page: Page, weight: Weight) -> Iterator[str]:
+    """Yield what is wrong with the page that is open."""
+    if weight.bytes > LIGHT_KB * 1000:
+        yield f"{weight.bytes / 1000:.0f} KB"
+    page.evaluate(UNFOLD)
+    for scheme, rules in RULES.items():
+        page.evaluate(THEME, scheme)
+        axe = Axe().run(page, options=rules)
+        if axe.violations_count:
+            yield f"{scheme}: {axe.generate_report()}"
+    page.set_viewport_size(PHONE)
+    if (width := page.evaluate(WIDTH)) > PHONE_PX:
+        yield f"{width} px wide on a phone"
+    page.set_viewport_size(DESKTOP)
+
+
+@pytest.mark.timeout(600)
+def test_every_page_is_accessible_light_and_as_wide_as_a_phone_and_has_no_error(
+    chromium: Browser, service: Service, paths: list[str]
+) -> None:
+    found, seen = list[str](), set[str]()
+    assert len(paths) > 20
+
+    with _signed_in(chromium, service) as admin:
+        weight = Weight(admin.page)
+        for path in paths:
+            weight.bytes = 0
+            answer = admin.page.goto(admin.url + path, wait_until="load")
+            assert answer is not None
+            assert answer.status == 200, path
+            if answer.url not in seen:
+                found += [f"{path}: {defect}" for defect in _defects(admin.page, weight)]
+            seen.add(answer.url)
+
+    assert "\n".join(found) == ""
+    assert admin.errors == []
