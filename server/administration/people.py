@@ -189,6 +189,6 @@ def _live_runs(session: Session, user_id: int) -> Sequence[int]:
 
 
 def _refuse_own(actor: Actor, user: User, what: str) -> None:
-    """An admin who locks the own account could lock everybody out of the administration."""
+    """Admins who lock their own account could lock everybody out of the administration."""
     if actor.name == user.name:
         raise AccountRejected(f"You cannot {what} your own account here.")

@@ -52,7 +52,7 @@ def show(name: str) -> ResponseReturnValue:
 
 @page.get("/profile")
 def edit() -> ResponseReturnValue:
-    """Show the form of the own profile."""
+    """Show the form of the viewer's own profile."""
     user_id = access.require_account(Action.VIEW_ACCOUNT)
     with services().database.reading() as session:
         profile = profiles.of(session.get_one(User, user_id))
@@ -61,7 +61,7 @@ def edit() -> ResponseReturnValue:
 
 @page.post("/profile")
 def store() -> ResponseReturnValue:
-    """Store the own profile, or show the form again with what is wrong."""
+    """Store the viewer's own profile, or show the form again with what is wrong."""
     user_id = access.require_account(Action.EDIT_PROFILE)
     names = ("public_name", "affiliation", "paper_url", "code_url")
     profile = Profile(**{name: request.form.get(name, "") for name in names})

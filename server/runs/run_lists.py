@@ -225,7 +225,7 @@ def _whose(session: Session, viewer: Viewer, run_filter: RunFilter) -> Select[Ru
     if run_filter.which == "public":
         query = query.where(Run.public)
     elif run_filter.which == "mine" or not can(viewer, Action.ADMINISTER):
-        # Guests of one network have one owner, but each sees the runs of the own cookie alone.
+        # Guests of one network have one owner, but each sees only the runs of their own cookie.
         own = Run.owner == (viewer.owner or "")
         query = query.where(own if viewer.guest is None else Run.guest == viewer.guest)
     elif run_filter.user is None and len(run_filter.states) == 1:

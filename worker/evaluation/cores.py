@@ -55,7 +55,7 @@ class Cores:
         return not all(self._is_free(_warm_byte(core)) for core in self._order)
 
     def acquire(self) -> int | None:
-        """Return a core that is free now, the own one first; None if there is none."""
+        """Return a core that is free now, its own one first; None if there is none."""
         for core in self._order:
             if core not in self._acquired and (core == self._own or self._borrow(core)):
                 self._acquired.add(core)
