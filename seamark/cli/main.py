@@ -25,7 +25,7 @@ COMMANDS = {  # name -> module:attribute, help; with the help here, --help impor
     "doctor": ("doctor:doctor", "Check this machine and say how to fix what is missing."),
     "user": ("user:user", "Manage accounts."),
     "token": ("token:token", "Create API tokens."),
-    "audit": ("audit:audit", "Print who did what: the audit log as JSON lines."),
+    "audit": ("audit:audit", "Print who did what: the audit log."),
     "db": ("db:db", "Manage the database."),
     "web": ("service:web", "Run only the web server."),
     "worker": ("service:worker", "Run only a worker."),

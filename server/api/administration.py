@@ -33,6 +33,7 @@ from seamark.server.api.admin_schemas import (
     WorkerResponse,
     WorkersResponse,
 )
+from seamark.server.api.operation_ids import operation_id
 from seamark.server.audit import AuditFilter
 from seamark.server.database.tables import User
 from seamark.server.web import access
@@ -44,6 +45,7 @@ api = APIBlueprint(
     "api_administration",
     __name__,
     url_prefix="/api/v1/admin",
+    operation_id_callback=operation_id,
     abp_tags=[Tag(name="Administration", description="Workers, accounts and the audit log.")],
 )
 

@@ -108,9 +108,10 @@ def page(
 
 
 def leaders(session: Session, benchmark: Benchmark, count: int) -> list[Rank]:
-    """Return the first rows of a leaderboard without baselines."""
-    ranks = page(session, benchmark.name, limit=count + len(benchmark.baselines))
-    return [rank for rank in ranks if not rank.is_baseline][:count]
+    """Return the first rows of a leaderboard, without baselines and without ranges of ranks."""
+    query = _rows(benchmark.name).order_by(*_ORDER).limit(count + len(benchmark.baselines))
+    people = [row for row in session.execute(query) if not row[0].is_baseline][:count]
+    return [_rank(*row, number, None) for number, row in enumerate(people, start=1)]
 
 
 @dataclass(frozen=True, slots=True)
@@ -354,8 +355,10 @@ def _estimate(best: Best) -> Estimate:
     return Estimate(score=best.score, standard_error=best.standard_error, degrees=best.degrees)
 
 
-def _rank(best: Best, run: Run, user: User, number: int, people: Population) -> Rank:
-    low, high = (None, None) if best.is_baseline else people.rank_range(_estimate(best))
+def _rank(best: Best, run: Run, user: User, number: int, people: Population | None) -> Rank:
+    low, high = None, None
+    if people is not None and not best.is_baseline:
+        low, high = people.rank_range(_estimate(best))
     return Rank(
         rank=None if best.is_baseline else number,
         rank_low=low,

@@ -113,7 +113,6 @@ def claim(
     if not move(session, run_id, RunState.QUEUED, RunState.RUNNING, **lease, **reset):
         return None  # cancelled, on PostgreSQL, between the two statements
     run = session.get_one(Run, run_id)
-    turns.serve(session, run.owner)
     _count_passed_over(session, run.owner, passed_over)
     return Claim.from_rows(run, run_id=run.id, lease_s=settings.lease_s)
 

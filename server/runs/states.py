@@ -72,5 +72,5 @@ def move(
     owner = session.scalar(change.returning(Run.owner))
     if owner is None:
         return False
-    turns.refresh(session, owner)
+    turns.refresh(session, owner, served=new is RunState.RUNNING)
     return True

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
+from datetime import UTC, datetime
 from pathlib import Path
+from typing import Any
 
 import click
 
-from seamark.cli.options import data_option, existing_database_of, settings_of
+from seamark.cli.options import data_option, existing_database_of, json_option, settings_of
 
 
 @click.command()
@@ -16,11 +19,14 @@ from seamark.cli.options import data_option, existing_database_of, settings_of
 @click.option("--target", default="", metavar="NAME", help="Only what was done to this one.")
 @click.option("--count", type=click.IntRange(1), default=1000, show_default=True, help="At most.")
 @data_option
-def audit(*, action: str, actor: str, target: str, count: int, data: Path | None) -> None:
-    """Print the audit log as JSON lines, newest first.
+@json_option
+def audit(
+    *, action: str, actor: str, target: str, count: int, data: Path | None, as_json: bool
+) -> None:
+    """Print the audit log, newest first.
 
-    Each line is an object with id, at (seconds since 1970, UTC), actor, address, action, target and
-    detail.
+    With --json each line is an object with id, at (seconds since 1970, UTC), actor, address,
+    action, target and detail.
 
     \b
     Examples:
@@ -35,7 +41,15 @@ def audit(*, action: str, actor: str, target: str, count: int, data: Path | None
         with database.reading() as session:
             page = log.page(session, wanted, after=after, limit=min(count, log.PAGE_MAX))
         for entry in page.entries:
-            click.echo(json.dumps(log.as_dict(entry), ensure_ascii=False))
+            line = log.as_dict(entry)
+            click.echo(json.dumps(line, ensure_ascii=False) if as_json else _text(line))
         count, after = count - len(page.entries), page.next
         if after is None:
             break
+
+
+def _text(entry: Mapping[str, Any]) -> str:
+    at = datetime.fromtimestamp(entry["at"], UTC).strftime("%Y-%m-%d %H:%M:%S")
+    who = " from ".join(filter(None, (entry["actor"], entry["address"])))
+    detail = (f"{name}={value}" for name, value in entry["detail"].items())
+    return "  ".join(filter(None, (at, who, entry["action"], entry["target"], *detail)))

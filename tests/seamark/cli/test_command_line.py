@@ -218,20 +218,26 @@ def test_roles_are_given_listed_and_changed(tmp_path: Path) -> None:
     ]
 
 
-def test_the_audit_log_is_printed_as_json_lines_newest_first(tmp_path: Path) -> None:
+def test_the_audit_log_is_printed_newest_first(tmp_path: Path) -> None:
     data = ("--data", str(tmp_path))
     seamark("user", "add", "ann", "--password", "correct horse", *data)
     seamark("user", "role", "ann", "teacher", *data)
     seamark("token", "new", "ann", *data)
 
-    lines = [json.loads(line) for line in seamark("audit", *data).output.splitlines()]
-    last = seamark("audit", "--count", "1", "--target", "ann", *data).output
+    printed = seamark("audit", "--json", *data).output
+    lines = [json.loads(line) for line in printed.splitlines()]
+    last = seamark("audit", "--json", "--count", "1", "--target", "ann", *data).output
+    text = seamark("audit", *data).output.splitlines()
 
     assert [(line["actor"], line["action"], line["target"]) for line in lines] == [
         ("command line", "token_made", "ann"),
         ("command line", "role_changed", "ann"),
     ]
     assert [json.loads(last)] == lines[:1]
+    assert [line.split("  ")[1:4] for line in text] == [
+        ["command line", "token_made", "ann"],
+        ["command line", "role_changed", "ann"],
+    ]
 
 
 def test_the_roles_of_the_commands_are_those_of_the_server() -> None:

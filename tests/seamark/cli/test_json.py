@@ -39,6 +39,7 @@ CASES = {  # command -> arguments; {first} and {second} are finished runs
     "user delete": "ben --yes",
     "user password": "eva",
     "token new": "ann",
+    "audit": "",
     "db upgrade": "",
     "db rebuild-leaderboard": "",
     "db downgrade": "0021",

@@ -16,6 +16,7 @@ from seamark.cli.main import cli
 
 SHORT = ("--set", "levels=0.2", "--set", "level_duration_s=4", "--set", "settle_s=1")
 GAINS = ("--controller", "pi", "--param", "kp=0.1:2", "--param", "ki=0:0.5:log")
+MANY = "36"  # candidates: a search that goes on long enough to be interrupted
 SMALL = (*SHORT, "--trials", "2", "--batch", "3", "--method", "random")
 BRITTLE = """
 PARAMETERS = {"gain": {"default": 0.5, "range": [0.0, 2.0]}}
@@ -80,8 +81,8 @@ def test_a_program_is_tuned_by_what_it_declares_and_its_crashes_are_listed() -> 
 
 
 def test_ctrl_c_keeps_what_is_there_and_resume_goes_on() -> None:
-    whole = tune(*GAINS, *SMALL, "--candidates", "9", "--validate", "0", "--out", "whole.toml")
-    options = (*GAINS, *SMALL, "--candidates", "9", "--validate", "0", "--jobs", "1")
+    whole = tune(*GAINS, *SMALL, "--candidates", MANY, "--validate", "0", "--out", "whole.toml")
+    options = (*GAINS, *SMALL, "--candidates", MANY, "--validate", "0", "--jobs", "1")
     command = [sys.executable, "-m", "seamark.cli.main", "tune", "currents-v1", *options]
     stopped = subprocess.Popen(command, stdout=subprocess.PIPE, text=True, process_group=0)
     deadline = time.monotonic() + 120
