@@ -6,7 +6,7 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from sqlalchemy import ColumnElement, delete, func, select, update
+from sqlalchemy import ColumnElement, ScalarSelect, delete, func, select, update
 from sqlalchemy.orm import Session
 
 from seamark.sandbox.isolation.level import IsolationLevel
@@ -101,8 +101,13 @@ def resume(session: Session, name: str) -> bool:
 
 def is_drained(session: Session, process: str) -> bool:
     """Return whether the worker of a process, named "<worker>/<process>", is drained."""
-    drained = (Worker.name == worker_of(process), Worker.drained_at.is_not(None))
-    return session.scalar(select(Worker.name).where(*drained)) is not None
+    return bool(session.scalar(select(drained(process))))
+
+
+def drained(process: str) -> ColumnElement[bool]:
+    """Return `is_drained` as an expression, for a query that asks for more."""
+    mine = (Worker.name == worker_of(process), Worker.drained_at.is_not(None))
+    return select(Worker.name).where(*mine).exists()
 
 
 def worker_of(process: str) -> str:
@@ -144,7 +149,12 @@ def alive_count(session: Session) -> int:
 
 def slot_count(session: Session) -> int:
     """Return how many runs the workers that are alive and not drained can run together."""
-    return session.scalar(select(func.sum(Worker.slots)).where(_claims())) or 0
+    return session.scalar(select(slots())) or 0
+
+
+def slots() -> ScalarSelect[int | None]:
+    """Return `slot_count` as an expression; NULL without workers."""
+    return select(func.sum(Worker.slots)).where(_claims()).scalar_subquery()
 
 
 @dataclass(frozen=True, slots=True)

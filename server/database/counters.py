@@ -1,6 +1,6 @@
 """Numbers that would cost a scan of a table, by name."""
 
-from sqlalchemy import select
+from sqlalchemy import ScalarSelect, select
 from sqlalchemy.orm import Session
 
 from seamark.server.database.queue_tables import Counter
@@ -9,7 +9,12 @@ from seamark.server.database.upsert import upsert
 
 def value(session: Session, name: str) -> float:
     """Return a number; 0 if it was never stored."""
-    return session.scalar(select(Counter.value).where(Counter.name == name)) or 0.0
+    return session.scalar(select(stored(name))) or 0.0
+
+
+def stored(name: str) -> ScalarSelect[float]:
+    """Return a number as an expression, for a query that asks for more; NULL if it is missing."""
+    return select(Counter.value).where(Counter.name == name).scalar_subquery()
 
 
 def add(session: Session, name: str, number: float) -> None:

@@ -96,10 +96,12 @@ def claim(
         Of the uploads that this worker can run; empty: built-in programs only.
     """
     acquire(session, AdvisoryLock.CLAIM)
-    if workers.is_drained(session, worker):
+    guests_wait = select(Turn.owner).where(turns.IS_WAITING, Turn.priority == int(Priority.GUEST))
+    known = (workers.drained(worker), workers.slots(), counters.stored(PASSED_OVER))
+    drained, places, stored, guests = session.execute(select(*known, guests_wait.exists())).one()
+    if drained:
         return None
-    passed_over = int(counters.value(session, PASSED_OVER))
-    limit = running_limit(session, settings)
+    passed_over, limit = int(stored or 0), _running_limit(places or 0, settings)
     run_id = _next_in_turn(session, languages, limit, guests_first=passed_over >= GUEST_SHARE)
     if run_id is None:
         return None
@@ -113,7 +115,10 @@ def claim(
     if not move(session, run_id, RunState.QUEUED, RunState.RUNNING, **lease, **reset):
         return None  # cancelled, on PostgreSQL, between the two statements
     run = session.get_one(Run, run_id)
-    _count_passed_over(session, run.owner, passed_over)
+    counts = guests and not run.owner.startswith(GUESTS)
+    now_passed = min(passed_over + 1, GUEST_SHARE) if counts else 0
+    if now_passed != passed_over:
+        counters.store(session, PASSED_OVER, now_passed)
     return Claim.from_rows(run, run_id=run.id, lease_s=settings.lease_s)
 
 
@@ -218,7 +223,10 @@ def running_limit(session: Session, settings: Settings) -> int:
     It leaves a place of the living workers to others: a run cannot be interrupted, so that whoever
     came while one owner had all places would wait until the first of them ends.
     """
-    places = workers.slot_count(session)
+    return _running_limit(workers.slot_count(session), settings)
+
+
+def _running_limit(places: int, settings: Settings) -> int:
     return min(settings.running_max, max(places - 1, 1)) if places else settings.running_max
 
 
@@ -279,12 +287,3 @@ def _baseline_runs(session: Session) -> bool:
     """Return whether a baseline is running: one at a time, however many there are."""
     running = select(Turn.owner).where(turns.IS_SERVED, Turn.priority == int(Priority.BASELINE))
     return session.scalar(running.limit(1)) is not None
-
-
-def _count_passed_over(session: Session, owner: str, before: int) -> None:
-    """Count how many runs of accounts have started since guests wait."""
-    guests = select(Turn.owner).where(turns.IS_WAITING, Turn.priority == int(Priority.GUEST))
-    waiting = session.scalar(guests.limit(1)) is not None
-    now = min(before + 1, GUEST_SHARE) if waiting and not owner.startswith(GUESTS) else 0
-    if now != before:
-        counters.store(session, PASSED_OVER, now)
