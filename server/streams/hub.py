@@ -20,6 +20,7 @@ from seamark.server.streams.inbox import WAITING_MAX, Inbox
 
 THREADS = 4  # that read files and the database for streams; pages have others
 BROKER_RETRY_S = 2.0
+LISTEN_S = 0.5  # before the listener looks whether it is to end
 _log = structlog.get_logger()
 
 
@@ -132,19 +133,26 @@ class Hub:
             self._tasks.pop(run_id).cancel()
 
     async def _listen(self) -> None:
-        """Pass on published states; while the broker is away, look at the database more often."""
-        while True:
+        """Pass on published states; while the broker is away, look at the database more often.
+
+        Redis sends by `asyncio.wait_for`, which in Python 3.11 drops a cancellation that comes
+        while its task ends. So nothing here waits without a limit, and each wait asks again.
+        """
+        while not _cancelled():
             try:
                 async with broker.connect_async(self._settings) as redis, redis.pubsub() as channel:
                     await channel.subscribe(live_events.CHANNEL)
                     self._poll_all()  # there may have been messages in the meantime
-                    async for message in channel.listen():
-                        if message["type"] == "message":
+                    while not _cancelled():
+                        message = await channel.get_message(
+                            ignore_subscribe_messages=True, timeout=LISTEN_S
+                        )
+                        if message is not None:
                             self._pass_on(message["data"])
             except RedisError as error:
                 _log.warning("states_not_received", error=str(error))
-            self._poll_all()
-            await asyncio.sleep(BROKER_RETRY_S)
+                self._poll_all()
+                await asyncio.sleep(BROKER_RETRY_S)
 
     def _poll_all(self) -> None:
         for feed in self._feeds.values():
@@ -154,3 +162,9 @@ class Hub:
         run_id, values = live_events.parse(message)
         if run_id in self._feeds:
             self._feeds[run_id].on_state(values)
+
+
+def _cancelled() -> bool:
+    """Return whether the running task was asked to end, even if a library dropped that."""
+    task = asyncio.current_task()
+    return task is not None and task.cancelling() > 0

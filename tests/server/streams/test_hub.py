@@ -266,6 +266,27 @@ def test_all_streams_end_when_the_process_stops_and_none_begins(
     assert all(viewer.events("end") == [] for viewer in viewers)  # so that they connect again
 
 
+def test_nothing_keeps_running_at_whatever_moment_the_process_stops(recording: Recording) -> None:
+    async def stop_after(steps: int) -> None:
+        hub = Hub(recording.database, recording.settings)
+        before = asyncio.all_tasks()
+        watching = asyncio.create_task(Viewer(hub, recording.run_id).watch())
+        for _ in range(steps):
+            await asyncio.sleep(0)
+        started = asyncio.all_tasks() - before
+        hub.end_all()
+        watching.cancel()
+        _, running = await asyncio.wait(started, timeout=DEADLINE_S / 4)
+        hub.close()
+        assert not running, f"after {steps} steps: {running}"
+
+    async def test() -> None:
+        for steps in range(2, 32, 2):  # the listener connects in about so many
+            await stop_after(steps)
+
+    run(test())
+
+
 def test_a_stream_beyond_the_limit_ends_at_once(recording: Recording) -> None:
     hub = Hub(recording.database, recording.settings.model_copy(update={"streams_max": 1}))
     first, second = Viewer(hub, recording.run_id), Viewer(hub, recording.run_id)
