@@ -111,6 +111,41 @@ def rebuild_leaderboard(data: Path | None, as_json: bool) -> None:
         click.echo(f"The leaderboard is rebuilt: {count} {'entry' if count == 1 else 'entries'}.")
 
 
+@db.command("reference-entries")
+@data_option
+@json_option
+def reference_entries(data: Path | None, as_json: bool) -> None:
+    """Queue the runs of the reference entries that are missing. Running it again is safe.
+
+    They are on every leaderboard: built-in controllers and trackers, evaluated by this service.
+    `seamark up` does this at its start.
+
+    \b
+    Example:
+      seamark db upgrade && seamark db reference-entries
+    """
+    from sqlalchemy.exc import SQLAlchemyError
+
+    from seamark.failures import PlatformFailed
+    from seamark.server import log
+    from seamark.server.runs import baselines
+
+    log.configure()
+    settings = settings_of(data)
+    database = database_of(settings)
+    try:
+        with database.writing() as session:
+            queued = baselines.ensure(session, settings)
+    except SQLAlchemyError as error:
+        raise PlatformFailed(f"The reference entries cannot be queued: {error}.") from None
+    finally:
+        database.close()
+    if as_json:
+        print_json({"runs": queued})
+    else:
+        click.echo(f"{len(queued)} {'run' if len(queued) == 1 else 'runs'} queued.")
+
+
 def _without_password(url: str) -> str:
     from sqlalchemy import make_url
 

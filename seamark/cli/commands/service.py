@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from seamark.cli.console import print_json
+from seamark.cli.console import exit_with, print_json
 from seamark.cli.options import data_option, json_option, settings_of
 from seamark.failures import PlatformFailed, UsageRefused
 
@@ -47,14 +47,20 @@ def web(
 
 @click.command()
 @click.option("--cores", type=click.IntRange(1, 512), help="Runs at the same time.  [default: all]")
+@click.option("--ping", is_flag=True, help="Ask whether the workers of this host hang, and end.")
 @data_option
 @json_option
-def worker(cores: int | None, data: Path | None, as_json: bool) -> None:
+def worker(cores: int | None, ping: bool, data: Path | None, as_json: bool) -> None:
     """Run a worker only (Celery). The broker's URL comes from SEAMARK_BROKER_URL.
 
-    With --json, prints what it runs as JSON before it starts, and no banner.
+    With --json, prints what it runs as JSON before it starts, and no banner. With --ping, the exit
+    code is 0 if a worker of this host answers, or cannot be asked because the broker is away, and 3
+    if it hangs.
     """
     settings = _settings(data, workers=cores)
+    if ping:
+        _ping(settings, as_json)
+        return
     from seamark.server.database import schema
     from seamark.server.database.data_folder import WrongDataFolder
     from seamark.worker.service.command_line import worker_arguments
@@ -69,6 +75,18 @@ def worker(cores: int | None, data: Path | None, as_json: bool) -> None:
         print_json({"data": str(settings.data), "runs_at_once": settings.workers})
     arguments = [sys.executable, *worker_arguments(settings, quiet=as_json)]
     os.execve(sys.executable, arguments, environ)  # noqa: S606 (no shell)
+
+
+def _ping(settings: Settings, as_json: bool) -> None:
+    from seamark.worker.service import ping
+
+    why = ping.problem(settings)
+    if as_json:
+        print_json({"answers": why is None, "why": why})
+        exit_with(3 if why else 0)
+    if why:
+        raise PlatformFailed(f"{why[0].upper()}{why[1:]}.")
+    click.echo("The worker answers.")
 
 
 def _settings(data: Path | None, **chosen: Any) -> Settings:

@@ -1,5 +1,9 @@
 """`seamark db`."""
 
+import json
+import subprocess
+import sys
+
 import pytest
 from click.testing import CliRunner
 from sqlalchemy import delete, select
@@ -9,6 +13,7 @@ from seamark.server.database import schema
 from seamark.server.database.engine import Database
 from seamark.server.database.schema import SchemaTooOld
 from seamark.server.database.tables import Best
+from seamark.server.runs import reference_entries
 from seamark.server.settings import Settings
 from tests.cast import Backend
 
@@ -67,3 +72,16 @@ def test_a_downgrade_to_an_unknown_schema_is_refused(leaderboard: Backend) -> No
     assert answer.exit_code != 0
     assert "9999" in answer.output + str(answer.exception)
     schema.check(leaderboard.database.engine)
+
+
+def test_the_missing_reference_entries_are_queued_once(leaderboard: Backend) -> None:
+    command = [sys.executable, "-m", "seamark.cli.main", "db", "reference-entries", "--json"]
+    first, again = (
+        json.loads(subprocess.run(command, stdout=subprocess.PIPE, check=True).stdout)["runs"]
+        for _ in range(2)
+    )
+
+    with leaderboard.database.reading() as session:
+        queued = reference_entries.live_count(session)
+    assert (len(first), again) == (queued, [])
+    assert queued > 0

@@ -8,11 +8,14 @@ from collections.abc import Callable, Iterator
 from typing import TypeVar
 
 import pytest
+from sqlalchemy import update
 
 from seamark.sandbox.isolation.proc_stats import tree
 from seamark.server import workers
+from seamark.server.database.tables import Worker
 from seamark.server.runs.states import RunState
 from seamark.server.workers import WorkerStatus
+from seamark.worker.service import ping
 from seamark.worker.service.side_processes import SideProcesses
 from tests.worker.conftest import Service
 from tests.worker.processes import children, command_line
@@ -85,6 +88,30 @@ def test_a_run_without_a_ticket_is_evaluated_even_after_maintenance_was_killed(
     os.kill(eventually(lambda: pid_of(MARKS["maintenance"], worker)), signal.SIGKILL)
 
     assert running.ended(run_id).state is RunState.SUCCEEDED
+
+
+@pytest.mark.slow
+@pytest.mark.host
+def test_the_health_check_tells_a_worker_that_hangs(
+    running: Service, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    settings = running.settings
+    without_broker = settings.model_copy(update={"broker_url": "redis://127.0.0.1:1/0"})
+    eventually(lambda: ping.problem(settings) is None)
+
+    monkeypatch.setattr(ping, "ANSWER_S", 1.0)
+    os.kill(running.workers[0].pid, signal.SIGSTOP)
+    try:
+        silent = ping.problem(settings)
+        with running.database.writing() as session:
+            session.execute(update(Worker).values(seen_at=Worker.seen_at - 2 * workers.ALIVE_S))
+        old = ping.problem(without_broker)
+    finally:
+        os.kill(running.workers[0].pid, signal.SIGCONT)
+
+    assert silent == "no worker of this host has answered within 1 s"
+    assert str(old).startswith("the last heartbeat is ")
+    eventually(lambda: ping.problem(settings) is None)
 
 
 class Reports:
