@@ -63,13 +63,6 @@ def data_option(command: Command) -> Command:
 
 def server_options(command: Command) -> Command:
     """Add --server and --token."""
-    command = click.option(
-        "--token",
-        metavar="T",
-        envvar="SEAMARK_TOKEN",
-        show_envvar=True,
-        help="API token of your account; see the account page or `seamark token new`.",
-    )(command)
     return click.option(
         "--server",
         metavar="URL",
@@ -78,6 +71,17 @@ def server_options(command: Command) -> Command:
         show_default=True,
         show_envvar=True,
         help="Address of the server.",
+    )(token_option(command))
+
+
+def token_option(command: Command) -> Command:
+    """Add --token."""
+    return click.option(
+        "--token",
+        metavar="T",
+        envvar="SEAMARK_TOKEN",
+        show_envvar=True,
+        help="API token of your account; see the account page or `seamark token new`.",
     )(command)
 
 

@@ -32,7 +32,7 @@ class Report:
         self._task = task
         self._quiet = quiet
         self._best: float | None = None
-        self._ended = 0
+        self.ended = 0  # candidates
         self._bar: Any = None
         self._validation: Any = None
         self._validated = 0  # configurations that have met all fresh water
@@ -57,7 +57,7 @@ class Report:
 
     def candidate_ended(self, candidate: Candidate, evaluated: Evaluated) -> None:
         """Print a line."""
-        self._ended += 1
+        self.ended += 1
         better = evaluated.score is not None and (
             self._best is None or evaluated.score > self._best
         )
@@ -70,7 +70,7 @@ class Report:
             click.echo(line)
             return
         self._bar.console.print(line, markup=False, highlight=False, soft_wrap=True)
-        self._bar.update(0, completed=self._ended)
+        self._bar.update(0, completed=self.ended)
 
     def validating(self) -> AbstractContextManager[Any]:
         """Return a context manager with the progress of the runs in fresh water."""
@@ -85,11 +85,16 @@ class Report:
         self._validation.show((self._validated + fraction) / 2)
         self._validated += fraction >= 1.0
 
+    def notice(self, sentence: str) -> None:
+        """Print a sentence about something that delays the search."""
+        if not self._quiet:
+            click.echo(printable_text(sentence), err=True)
+
     def interrupted(self) -> None:
         """Say what is kept."""
         if not self._quiet:
             click.echo(
-                f"Stopped after {self._ended} candidates. {self._task.history_path} has them: "
+                f"Stopped after {self.ended} candidates. {self._task.history_path} has them: "
                 "repeat the command with --resume to go on.",
                 err=True,
             )
@@ -115,6 +120,7 @@ class Report:
             "method": self._task.options.method,
             "seed": self._task.options.seed,
             "trials": self._task.options.trials,
+            "server": self._task.options.server,
             "best": _json(*best) if best else None,
             "validation": validation.to_json() if validation else None,
             "candidates": [_json(*pair) for _, pair in sorted(search.ended.items())],
@@ -152,10 +158,10 @@ class Report:
     def _head(self) -> list[str]:
         task, options = self._task, self._task.options
         names = "".join(f"  {name[-_VALUE:]:>{_VALUE}}" for name in task.names[:_SHOWN])
+        where = f"on {options.server}" if options.server else f"{task.jobs} at a time"
         return [
             f"{task.benchmark.name}, {task.controller}: {options.candidates} candidates by "
-            f"{options.method}, {options.trials} trials each, seed {options.seed}, "
-            f"{task.jobs} at a time",
+            f"{options.method}, {options.trials} trials each, seed {options.seed}, {where}",
             f"{'#':>{_NUMBER}}{names}  {'score':>{_SCORE}}",
         ]
 

@@ -49,6 +49,8 @@ class Options:
     pairs: Sequence[str]
     config: Path | None
     jobs: int | None
+    server: str | None
+    token: str | None
     out: Path
     resume: bool
     as_json: bool
@@ -105,8 +107,28 @@ class TuningTask:
         except OSError as error:
             raise UsageRefused(f"{self.options.out} cannot be written: {error.strerror}.") from None
 
-    def evaluator(self, on_progress: Callable[[float], None]) -> AbstractContextManager[Evaluator]:
-        """Return where candidates run."""
+    def evaluator(
+        self, *, progress: Callable[[float], None], notice: Callable[[str], None]
+    ) -> AbstractContextManager[Evaluator]:
+        """Return where candidates run.
+
+        Parameters
+        ----------
+        progress
+            Is called with the progress of a run in fresh water, 0 to 1.
+        notice
+            Is called with a sentence about something that delays the search.
+
+        Raises
+        ------
+        UsageRefused, PlatformFailed
+            The server refuses the token, or does not answer.
+        """
+        if self.options.server is not None:
+            return self._server_runs(self.options.server, progress, notice)
+        return self._local_cores(progress)
+
+    def _local_cores(self, progress: Callable[[float], None]) -> AbstractContextManager[Evaluator]:
         from seamark.cli.solutions import isolation_level
         from seamark.sandbox.isolation.level import IsolationLevel
         from seamark.tuning.local_cores import LocalCores, Solution
@@ -121,7 +143,30 @@ class TuningTask:
             seed=self.options.seed,
             trials=self.options.trials,
             jobs=self.jobs,
-            on_progress=on_progress,
+            on_progress=progress,
+        )
+
+    def _server_runs(
+        self, server: str, progress: Callable[[float], None], notice: Callable[[str], None]
+    ) -> AbstractContextManager[Evaluator]:
+        from seamark.cli.server_answers import refusals_shown
+        from seamark.client import AsyncClient, Client
+        from seamark.tuning.server_runs import PATIENCE_S, Entry, Listener, ServerRuns, room_for
+
+        with refusals_shown(), Client(server, self.options.token) as client:
+            room = room_for(client.account())
+        is_program = self.program is not None
+        return ServerRuns(
+            AsyncClient(server, self.options.token, patience_s=PATIENCE_S),
+            Entry(
+                benchmark=self.benchmark.name,
+                controller=None if is_program else self.controller,
+                program=Path(self.controller) if is_program else None,
+            ),
+            seed=self.options.seed,
+            trials=self.options.trials,
+            at_a_time=min(room, self.options.jobs or room),
+            listener=Listener(progress=progress, notice=notice),
         )
 
     def history(self) -> History:

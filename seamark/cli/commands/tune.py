@@ -13,6 +13,7 @@ from seamark.cli.options import (
     configuration_options,
     controller_option,
     json_option,
+    token_option,
 )
 
 if TYPE_CHECKING:
@@ -78,7 +79,17 @@ INTERRUPTED = 130  # 128 + SIGINT, as shells have it
     help="Trials of the best and of the defaults in fresh water; 0: none.",
 )
 @configuration_options
-@click.option("--jobs", type=click.IntRange(1), help="Processes.  [default: one per core]")
+@click.option(
+    "--jobs",
+    type=click.IntRange(1),
+    help="Candidates at a time.  [default: one per core; on a server as many as your quota allows]",
+)
+@click.option(
+    "--server",
+    metavar="URL",
+    help="Run the candidates as practice runs on this server.  [default: on this machine]",
+)
+@token_option
 @click.option(
     "--out",
     type=click.Path(dir_okay=False, path_type=Path),
@@ -93,17 +104,20 @@ def tune(benchmark: str, **options: Any) -> None:
     """Search for the best settings of a controller or parameters of a program.
 
     All candidates meet the same water. At the end the best and the defaults meet fresh water, which
-    shows whether the best is better or was lucky. Ctrl-C keeps what is there; --resume goes on.
+    shows whether the best is better or was lucky. Ctrl-C keeps what is there, and cancels runs on a
+    server that have not ended; --resume goes on.
 
     \b
     Examples:
       seamark tune currents-v2 --controller pi --param kp=0.1:2 --param ki=0:0.5:log
       seamark tune currents-v2 --controller mine.py --method cma-es --candidates 80
       seamark tune currents-v2 --controller pi --param kp --param ki --resume
+      seamark tune currents-v2 --controller mine.py --server https://seamark.example.org
       seamark run currents-v2 --controller pi --config tuned.toml
     """
     from seamark.cli.tuning_report import Report
     from seamark.cli.tuning_task import Options, task_of
+    from seamark.failures import PlatformFailed, UsageRefused
 
     task = task_of(benchmark, Options(**options))
     report = Report(task, quiet=options["as_json"])
@@ -112,6 +126,10 @@ def tune(benchmark: str, **options: Any) -> None:
     except KeyboardInterrupt:
         report.interrupted()
         exit_with(INTERRUPTED)
+    except (PlatformFailed, UsageRefused):
+        if report.ended:
+            report.interrupted()
+        raise
     if options["as_json"]:
         print_json(report.document(search, validation))
     else:
@@ -121,13 +139,16 @@ def tune(benchmark: str, **options: Any) -> None:
 
 def _tune(task: TuningTask, report: Report) -> tuple[Search, Validation | None]:
     """Search, write the best configuration, and validate it."""
+    from seamark.cli.server_answers import refusals_shown
     from seamark.cli.solutions import sandbox_failures_explained
     from seamark.tuning.candidates import DEFAULTS
     from seamark.tuning.search import Search
     from seamark.tuning.validation import fresh_seed, validate
 
-    method, history = task.method(), task.history()
-    with sandbox_failures_explained(), task.evaluator(report.show_validation) as evaluator:
+    method = task.method()
+    runs = task.evaluator(progress=report.show_validation, notice=report.notice)
+    history = task.history()
+    with sandbox_failures_explained(), refusals_shown(), runs as evaluator:
         search = Search(
             method=method,
             evaluator=evaluator,
