@@ -41,6 +41,9 @@ class AuditAction(StrEnum):
     RUN_WITHDRAWN = "run_withdrawn"
     WORKER_DRAINED = "worker_drained"
     WORKER_RESUMED = "worker_resumed"
+    REJUDGEMENT_STARTED = "rejudgement_started"
+    REJUDGEMENT_ACCEPTED = "rejudgement_accepted"
+    REJUDGEMENT_DISCARDED = "rejudgement_discarded"
 
     @property
     def label(self) -> str:

@@ -8,6 +8,7 @@ from typing import Protocol
 READ, SUBMIT, ADMIN = "read", "submit", "admin"
 SCOPES: tuple[str, ...] = (READ, SUBMIT, ADMIN)
 GUESTS = "guest:"  # start of the owner of a guest's runs
+REJUDGEMENTS = "rejudgement:"  # of runs that compute others again
 
 
 class Role(IntEnum):

@@ -4,13 +4,13 @@ import time
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from sqlalchemy import func, select
+from sqlalchemy import and_, func, select
 from sqlalchemy.orm import Session
 
 from seamark.server import storage, workers
 from seamark.server.audit import AuditAction
 from seamark.server.database.audit_table import AuditEntry
-from seamark.server.database.tables import Run
+from seamark.server.database.tables import IS_LISTED, Run
 from seamark.server.runs import reference_entries, totals
 from seamark.server.runs.failure_reasons import FailureReason
 from seamark.server.runs.states import FINAL, RunState
@@ -68,7 +68,7 @@ def overview(session: Session, settings: Settings) -> Overview:
 
 def _ended(session: Session) -> dict[RunState, int]:
     """Return how many runs ended in the last day, by state."""
-    recent = Run.finished_at > time.time() - _DAY_S
+    recent = and_(Run.finished_at > time.time() - _DAY_S, IS_LISTED)
     return {
         state: session.scalar(select(func.count()).where(recent, Run.state == state)) or 0
         for state in FINAL
@@ -76,7 +76,8 @@ def _ended(session: Session) -> dict[RunState, int]:
 
 
 def _causes(session: Session) -> dict[str, int]:
-    recent = (Run.finished_at > time.time() - _DAY_S, Run.state == RunState.FAILED)
+    failed = (Run.state == RunState.FAILED, IS_LISTED)
+    recent = (Run.finished_at > time.time() - _DAY_S, *failed)
     count = func.count().label("count")
     query = select(Run.cause, count).where(*recent).group_by(Run.cause)
     return {str(cause): number for cause, number in session.execute(query.order_by(count.desc()))}

@@ -19,6 +19,7 @@ from seamark.server.database.class_tables import Classroom
 from seamark.server.database.engine import Database
 from seamark.server.database.queue_tables import Turn
 from seamark.server.database.rank_tables import RankPoint
+from seamark.server.database.rejudgement_tables import Rejudgement
 from seamark.server.database.submission_tables import KeyOfSubmission
 from seamark.server.database.sweep_tables import Sweep
 from seamark.server.settings import Settings
@@ -27,7 +28,10 @@ UPGRADE_S = 600.0  # a process waits this long for one that upgrades a large SQL
 
 _FOLDER = Path(migrations.__file__).parent
 # A table of each module of tables: its import declares the others of the module.
-_TABLES = (Turn, RankPoint, Classroom, AccountDeletion, Sweep, KeyOfSubmission, AuditEntry)
+_TABLES = (
+    *(Turn, RankPoint, Classroom, AccountDeletion, Sweep, KeyOfSubmission, AuditEntry),
+    Rejudgement,
+)
 
 
 class SchemaTooOld(Exception):

@@ -129,6 +129,8 @@ class Run(Base):
     title: Mapped[str] = mapped_column(String(120), default="")
     notes: Mapped[str] = mapped_column(Text, default="")
     rerun_of: Mapped[int | None] = mapped_column(BigInteger)
+    rejudges: Mapped[int | None] = mapped_column(BigInteger)  # hidden: computes this run again
+    data_run: Mapped[int | None] = mapped_column(BigInteger)  # which recorded it; NULL: itself
     sweep_id: Mapped[int | None] = mapped_column(BigInteger)
     sweep_cell: Mapped[int | None]  # from 0, row by row (server/runs/sweeps.py)
     expected_s: Mapped[float | None]  # wall time of its evaluation, estimated when submitted
@@ -186,6 +188,7 @@ class Run(Base):
             "finished_at",
             "state",
             "t_simulated",  # so that counting what ended reads the index alone
+            "rejudges",
             sqlite_where=text("finished_at IS NOT NULL"),
             postgresql_where=text("finished_at IS NOT NULL"),
         ),
@@ -223,6 +226,13 @@ class Run(Base):
         ),
         Index("ix_runs_program_sha256", "program_sha256"),  # for finding unused programs
         Index("ix_runs_benchmark_state_id", "benchmark", "state", "id"),
+        Index("ix_runs_benchmark_finished", "benchmark", "finished_at"),
+        Index(
+            "ix_runs_rejudges",
+            "rejudges",
+            sqlite_where=text("rejudges IS NOT NULL"),
+            postgresql_where=text("rejudges IS NOT NULL"),
+        ),
         Index("ix_runs_user_benchmark_kind_queued", "user_id", "benchmark", "kind", "queued_at"),
         Index(
             "ix_runs_submission",
@@ -236,6 +246,8 @@ class Run(Base):
 # As the partial indexes have them: with a bound parameter no database would use these.
 IS_QUEUED = Run.state == literal("queued", literal_execute=True)
 IS_RUNNING = Run.state == literal("running", literal_execute=True)
+# Runs that only compute others again are in no list and no count.
+IS_LISTED = Run.rejudges.is_(None)
 
 
 class Result(Base):

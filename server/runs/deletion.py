@@ -7,17 +7,17 @@ evaded by deleting runs; nor is a number ever given to a second run.
 """
 
 import time
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from pathlib import Path
 
+from sqlalchemy import ColumnElement, func, select, update
 from sqlalchemy import delete as delete_rows
-from sqlalchemy import func, update
 from sqlalchemy.orm import Session
 
 from seamark.server.database.class_tables import AssignedRun
 from seamark.server.database.engine import Database
-from seamark.server.database.tables import Result, Run
-from seamark.server.runs import retention
+from seamark.server.database.tables import IS_LISTED, Result, Run
+from seamark.server.runs import rejudged, results, retention
 from seamark.server.runs.states import FINAL
 
 WHY_NOT = "Only private runs that have ended can be deleted: cancel a run or make it private first."
@@ -39,8 +39,22 @@ def remove_files(data: Path, run_ids: Collection[int]) -> None:
 
 def empty(session: Session, run_ids: Collection[int]) -> list[int]:
     """Empty the rows, where that is allowed, and return which; no assignment counts them then."""
+    deletable = (Run.state.in_(FINAL), Run.public.is_(False), Run.deleted_at.is_(None), IS_LISTED)
+    deleted = _empty(session, run_ids, *deletable)
+    again = session.scalars(select(Run.id).where(Run.rejudges.in_(deleted))).all()
+    for run_id in again:
+        results.cancel(session, run_id)
+    _empty(session, again)
+    rejudged.forget(session, deleted)
+    session.execute(delete_rows(AssignedRun).where(AssignedRun.run_id.in_(deleted)))
+    return sorted(deleted)
+
+
+def _empty(
+    session: Session, run_ids: Collection[int], *deletable: ColumnElement[bool]
+) -> Sequence[int]:
+    """Empty rows of runs and their results, those that are deletable, and return which."""
     now = time.time()
-    deletable = (Run.state.in_(FINAL), Run.public.is_(False), Run.deleted_at.is_(None))
     change = update(Run).where(Run.id.in_(run_ids), *deletable)
     change = change.values(
         deleted_at=now,
@@ -52,7 +66,6 @@ def empty(session: Session, run_ids: Collection[int]) -> list[int]:
     deleted = session.scalars(change.returning(Run.id)).all()
     numbers = ("score", "score_low", "score_high", "level_held", "reference_scores")
     nothing = dict.fromkeys((*numbers, "not_ranked", "metrics", "manifest", "error_curve"))
-    results = update(Result).where(Result.run_id.in_(deleted))
-    session.execute(results.values(rankable=False, **nothing))  # the digest stays
-    session.execute(delete_rows(AssignedRun).where(AssignedRun.run_id.in_(deleted)))
-    return sorted(deleted)
+    emptied = update(Result).where(Result.run_id.in_(deleted))
+    session.execute(emptied.values(rankable=False, **nothing))  # the digest stays
+    return deleted

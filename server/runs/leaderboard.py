@@ -98,7 +98,7 @@ def page(
     number = 0
     if after is not None:
         query = query.where(*_below(after))
-        number = _people_down_to(session, benchmark, after)
+        number = people_down_to(session, benchmark, after)
     people = score_counts.population(session, benchmark)
     ranks: list[Rank] = []
     for best, run, user in session.execute(query):
@@ -145,7 +145,7 @@ def keys(session: Session, benchmark: str, *, after: Cursor | None = None, limit
     number = 0
     if after is not None:
         query = query.where(*_below(after))
-        number = _people_down_to(session, benchmark, after)
+        number = people_down_to(session, benchmark, after)
     found: list[Key] = []
     for row in session.execute(query):
         number += not row.is_baseline
@@ -160,8 +160,8 @@ def baseline_keys(session: Session, benchmark: str, *, after: Cursor | None = No
     """
     rows = session.execute(_keys(benchmark).where(IS_BASELINE))
     found = [Key.of(0, row) for row in rows]
-    found.sort(key=lambda key: _place(key.cursor))
-    return [key for key in found if after is None or _place(key.cursor) > _place(after)]
+    found.sort(key=lambda key: place(key.cursor))
+    return [key for key in found if after is None or place(key.cursor) > place(after)]
 
 
 def rows_of(session: Session, benchmark: str, chosen: Sequence[Key]) -> list[Rank]:
@@ -181,7 +181,7 @@ def rank_of(session: Session, benchmark: str, user_id: int) -> Rank | None:
         return None
     best, run, user = found
     here = Cursor(best.score, best.reached_at, best.user_id)
-    number = _people_down_to(session, benchmark, here)
+    number = people_down_to(session, benchmark, here)
     return _rank(best, run, user, number, score_counts.population(session, benchmark))
 
 
@@ -265,7 +265,7 @@ def _record_rank(session: Session, benchmark: str, user_id: int) -> None:
         rank_history.record(session, user_id, benchmark, rank=None, score=None)
     elif not best.is_baseline:
         here = Cursor(best.score, best.reached_at, best.user_id)
-        number = _people_down_to(session, benchmark, here)
+        number = people_down_to(session, benchmark, here)
         rank_history.record(session, user_id, benchmark, rank=number, score=best.score)
 
 
@@ -327,7 +327,7 @@ def _keys(benchmark: str) -> Select[*tuple[Any, ...]]:
     return query.where(Best.benchmark == benchmark)
 
 
-def _place(cursor: Cursor) -> tuple[float, float, int]:
+def place(cursor: Cursor) -> tuple[float, float, int]:
     """Return what sorts as `_ORDER` does."""
     return -cursor.score, cursor.reached_at, cursor.user_id
 
@@ -346,7 +346,8 @@ def _not_below(cursor: Cursor) -> ColumnElement[bool]:
     )
 
 
-def _people_down_to(session: Session, benchmark: str, here: Cursor) -> int:
+def people_down_to(session: Session, benchmark: str, here: Cursor) -> int:
+    """Return the number of people at or above a row."""
     not_below = _not_below(here)
     return score_counts.at_or_above(session, benchmark, here.score, not_below=not_below)
 

@@ -83,8 +83,9 @@ def claim(
     """Claim the queued run whose turn it is and that this worker can evaluate; None without one.
 
     1. Only owners below the limit of running runs; of each owner only the oldest queued run.
-    2. Accounts come first, then guests, then baselines. Among these the owner with the fewest
-       running runs, then the one whose last run started longest ago, then the oldest run.
+    2. Accounts come first, then guests, then baselines, then rejudgements. Among these the owner
+       with the fewest running runs, then the one whose last run started longest ago, then the
+       oldest run.
     3. After `GUEST_SHARE` runs of accounts while guests wait, a guest's run starts. So guests
        wait longer, but not for ever.
 

@@ -16,8 +16,9 @@ from sqlalchemy import ColumnElement, and_, false, func, or_, select, update
 from sqlalchemy.orm import Session
 
 from seamark.server import storage
+from seamark.server.accounts.permissions import REJUDGEMENTS
 from seamark.server.database.engine import Database
-from seamark.server.database.tables import Result, Run
+from seamark.server.database.tables import IS_LISTED, Result, Run
 from seamark.server.programs import store
 from seamark.server.runs.files import RUNS_PER_FOLDER, RunFiles
 from seamark.server.runs.states import FINAL, RunKind, RunState
@@ -46,14 +47,17 @@ def delete(database: Database, data: Path, run_ids: Collection[int]) -> list[int
 def mark(session: Session, run_ids: Collection[int]) -> list[int]:
     """Record that the data of runs are deleted, where that is allowed; return of which.
 
-    The caller commits, then removes the files.
+    The caller commits, then removes the files; a sweep removes those of a rejudgement.
     """
     change = (
         update(Run)
         .where(Run.id.in_(run_ids), _DELETABLE)
         .values(data_deleted_at=time.time(), data_bytes=0, data_measured=True)
     )
-    return sorted(session.scalars(change.returning(Run.id)))
+    marked = sorted(session.scalars(change.returning(Run.id)))
+    again = update(Run).where(Run.rejudges.in_(marked), Run.data_deleted_at.is_(None))
+    session.execute(again.values(data_deleted_at=time.time(), data_bytes=0, data_measured=True))
+    return marked
 
 
 def trim(database: Database, settings: Settings) -> None:
@@ -63,10 +67,11 @@ def trim(database: Database, settings: Settings) -> None:
     """
     if not settings.retention_bytes or storage.is_away(settings.data):
         return
-    practice = (Run.kind == RunKind.PRACTICE, Run.data_bytes > 0, _DELETABLE)
+    practice = (Run.kind == RunKind.PRACTICE, Run.data_bytes > 0, _DELETABLE, IS_LISTED)
     oldest = select(Run.id, Run.data_bytes).where(*practice).order_by(Run.id).limit(BATCH)
     with database.reading() as session:
-        total = session.scalar(select(func.sum(Run.data_bytes)).where(Run.data_bytes > 0)) or 0
+        counted = (Run.data_bytes > 0, Run.owner.not_like(f"{REJUDGEMENTS}%"))  # as an index has it
+        total = session.scalar(select(func.sum(Run.data_bytes)).where(*counted)) or 0
         excess = int(total) - settings.retention_bytes
         found = session.execute(oldest).all() if excess > 0 else []
     chosen: list[int] = []
@@ -185,7 +190,7 @@ def _expired(session: Session, within: ColumnElement[bool], settings: Settings) 
         )
         if days
     ]
-    old = (within, _DELETABLE, or_(false(), *conditions))
+    old = (within, _DELETABLE, IS_LISTED, or_(false(), *conditions))
     found = session.execute(select(Run.id, Run.kind, Run.user_id, Run.benchmark).where(*old))
     old_ids = (
         row.id

@@ -15,7 +15,7 @@ from sqlalchemy.sql.base import ReadOnlyColumnCollection
 
 from seamark.sandbox.languages import LANGUAGES
 from seamark.server.accounts.permissions import Action, Viewer, can
-from seamark.server.database.tables import Result, Run, User
+from seamark.server.database.tables import IS_LISTED, Result, Run, User
 from seamark.server.runs import views
 from seamark.server.runs.states import RunState
 from seamark.server.runs.views import RunView
@@ -221,7 +221,7 @@ def _contains(
 
 def _whose(session: Session, viewer: Viewer, run_filter: RunFilter) -> Select[Run]:
     """Select the runs that a list is about, by an index in the order of their ids."""
-    query = select(Run).where(Run.deleted_at.is_(None))
+    query = select(Run).where(Run.deleted_at.is_(None), IS_LISTED)
     if run_filter.which == "public":
         query = query.where(Run.public)
     elif run_filter.which == "mine" or not can(viewer, Action.ADMINISTER):

@@ -10,8 +10,9 @@ import time
 from sqlalchemy import case, func, select
 from sqlalchemy.orm import Session
 
+from seamark.server.accounts.permissions import REJUDGEMENTS
 from seamark.server.database import counters
-from seamark.server.database.tables import IS_QUEUED, IS_RUNNING, Run
+from seamark.server.database.tables import IS_LISTED, IS_QUEUED, IS_RUNNING, Run
 from seamark.server.runs.states import FINAL, RunState
 
 SIMULATED, UNTIL = "simulated_s", "counted_until"
@@ -29,21 +30,22 @@ def counts(session: Session) -> dict[RunState, int]:
 def counts_and_simulated_s(session: Session) -> tuple[dict[RunState, int], float]:
     """Return `counts`, and the simulated time [s] of all runs, also of those that are running."""
     recent, recent_s = _ended_after(session, counters.value(session, UNTIL))
-    running = session.scalar(select(func.sum(Run.t_simulated)).where(IS_RUNNING)) or 0.0
+    running = session.scalar(select(func.sum(Run.t_simulated)).where(IS_RUNNING, IS_LISTED)) or 0.0
     return _counts(session, recent), counters.value(session, SIMULATED) + running + recent_s
 
 
 def _counts(session: Session, recent: dict[RunState, int]) -> dict[RunState, int]:
     live = {RunState.QUEUED: IS_QUEUED, RunState.RUNNING: IS_RUNNING}
+    listed = Run.owner.not_like(f"{REJUDGEMENTS}%")  # as IS_LISTED, but in the indexes
     return {
-        state: session.scalar(select(func.count()).where(condition)) or 0
+        state: session.scalar(select(func.count()).where(condition, listed)) or 0
         for state, condition in live.items()
     } | {state: int(counters.value(session, ENDED + state)) + recent[state] for state in FINAL}
 
 
 def oldest_queued_at(session: Session) -> float | None:
     """Return since when the oldest queued run waits; None if the queue is empty."""
-    return session.scalar(select(func.min(Run.queued_at)).where(IS_QUEUED))
+    return session.scalar(select(func.min(Run.queued_at)).where(IS_QUEUED, IS_LISTED))
 
 
 def count_ended(session: Session) -> None:
@@ -64,10 +66,17 @@ def _ended_after(
     """Return how many runs ended in a period, by state, and their simulated time [s]."""
     # Not GROUP BY: SQLite would read all runs in the order of their states.
     each = [func.sum(case((Run.state == state, 1), else_=0)) for state in FINAL]
-    query = select(func.sum(Run.t_simulated), *each).where(Run.finished_at > since)
+    query = select(func.sum(Run.t_simulated), *each).where(Run.finished_at > since, IS_LISTED)
     if until is not None:
         query = query.where(Run.finished_at <= until)
     simulated, *numbers = session.execute(query).one()
     return {
         state: number or 0 for state, number in zip(FINAL, numbers, strict=True)
     }, simulated or 0.0
+
+
+def change_state(session: Session, run: Run, new: RunState) -> None:
+    """Count a run that ended under another state, in the transaction that changes it."""
+    if run.finished_at is not None and run.finished_at <= counters.value(session, UNTIL):
+        counters.add(session, ENDED + run.state, -1)
+        counters.add(session, ENDED + new, 1)

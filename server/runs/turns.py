@@ -10,7 +10,7 @@ from enum import IntEnum
 from sqlalchemy import Float, String, Update, bindparam, delete, func, literal, select, update
 from sqlalchemy.orm import Session
 
-from seamark.server.accounts.permissions import GUESTS
+from seamark.server.accounts.permissions import GUESTS, REJUDGEMENTS
 from seamark.server.database.queue_tables import Turn
 from seamark.server.database.tables import IS_QUEUED, IS_RUNNING, Run, User
 from seamark.server.database.upsert import upsert
@@ -28,6 +28,7 @@ class Priority(IntEnum):
     ACCOUNT = 0
     GUEST = 1
     BASELINE = 2
+    REJUDGEMENT = 3
 
 
 def _counting() -> Update:
@@ -95,6 +96,8 @@ def _lock(session: Session, owner: str) -> None:
 def _priority(session: Session, owner: str) -> Priority:
     if owner.startswith(GUESTS):
         return Priority.GUEST
+    if owner.startswith(REJUDGEMENTS):
+        return Priority.REJUDGEMENT
     number = owner.removeprefix(_USERS)
     user = session.get(User, int(number)) if number.isdigit() else None
     return Priority.BASELINE if user is not None and user.is_baseline else Priority.ACCOUNT

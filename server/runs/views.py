@@ -7,7 +7,7 @@ from sqlalchemy.orm import Session, defer, undefer
 
 from seamark.sandbox.printable_text import printable_text
 from seamark.server.classes import classrooms
-from seamark.server.database.tables import Result, Run, User
+from seamark.server.database.tables import IS_LISTED, Result, Run, User
 from seamark.server.runs import wait_estimate
 from seamark.server.runs.columns import PublicRun
 from seamark.server.runs.error_curve import Curve
@@ -44,7 +44,7 @@ class RunView(PublicRun):
 def show(session: Session, run_id: int, settings: Settings | None = None) -> RunView | None:
     """Return one run, or None. With settings also its position in the queue."""
     whole = selection().options(undefer(Run.program_parameters))
-    found = whole.where(Run.id == run_id, Run.deleted_at.is_(None))
+    found = whole.where(Run.id == run_id, Run.deleted_at.is_(None), IS_LISTED)
     rows = session.execute(found).one_or_none()
     if rows is None:
         return None
