@@ -44,6 +44,8 @@ class AuditAction(StrEnum):
     REJUDGEMENT_STARTED = "rejudgement_started"
     REJUDGEMENT_ACCEPTED = "rejudgement_accepted"
     REJUDGEMENT_DISCARDED = "rejudgement_discarded"
+    BACKUP_MADE = "backup_made"
+    BACKUP_RESTORED = "backup_restored"
 
     @property
     def label(self) -> str:

@@ -26,13 +26,15 @@ COMMANDS = {  # name -> module:attribute, help; with the help here, --help impor
     "user": ("user:user", "Manage accounts."),
     "token": ("token:token", "Create API tokens."),
     "audit": ("audit:audit", "Print who did what: the audit log."),
+    "backup": ("backup:backup", "Back up the whole service into one file."),
+    "restore": ("backup:restore", "Restore the service from a backup."),
     "db": ("db:db", "Manage the database."),
     "web": ("service:web", "Run only the web server."),
     "worker": ("service:worker", "Run only a worker."),
 }
-SERVICE = frozenset(
-    ("up", "user", "token", "audit", "db", "web", "worker")
-)  # need the extra `server`
+SERVICE = frozenset(  # need the extra `server`
+    ("up", "user", "token", "audit", "backup", "restore", "db", "web", "worker")
+)
 
 
 class LazyGroup(click.Group):

@@ -148,8 +148,8 @@ def settings_of(data: Path | None, **chosen: object) -> Settings:
         ) from None
 
 
-def existing_database_of(settings: Settings) -> Database:
-    """Return the database of a service; refuses to make one, which no service would ever read."""
+def refuse_without_service(settings: Settings) -> None:
+    """Refuse a data folder in which there is no database, where that is SQLite."""
     sqlite = "sqlite:///"
     file = Path(settings.database_url.removeprefix(sqlite))
     if settings.database_url.startswith(sqlite) and not file.exists():
@@ -157,6 +157,11 @@ def existing_database_of(settings: Settings) -> Database:
             f"There is no service in {settings.data}. Name its folder with --data or SEAMARK_DATA; "
             "with Docker Compose, run `docker compose exec -T web seamark ...`."
         )
+
+
+def existing_database_of(settings: Settings) -> Database:
+    """Return the database of a service; refuses to make one, which no service would ever read."""
+    refuse_without_service(settings)
     return database_of(settings)
 
 

@@ -70,7 +70,7 @@ class Embedded:
         PlatformFailed
             A part of the service did not start.
         """
-        with _locked(self._settings.data):
+        with locked(self._settings.data):
             _check_port(self._settings)
             with (
                 tempfile.TemporaryDirectory(prefix="seamark-") as socket_folder,
@@ -215,7 +215,7 @@ def _bare_environment() -> dict[str, str]:
 
 
 @contextmanager
-def _locked(data: Path) -> Iterator[None]:
+def locked(data: Path) -> Iterator[None]:
     """Lock the data folder; the kernel drops the lock at a crash."""
     path = data / "up.lock"
     with path.open("a+") as lock:

@@ -5,6 +5,7 @@ new one would draw another key for the seeds, and write into the wrong disk.
 """
 
 import secrets
+from pathlib import Path
 
 from sqlalchemy import Connection, String, insert, select
 from sqlalchemy.orm import Mapped, mapped_column
@@ -26,8 +27,14 @@ class WrongDataFolder(Exception):
     """The data folder is not the one of the database. The text says what to do."""
 
 
+def unfinished(data: Path) -> Path:
+    """Return the file that is there while a backup is restored, and after a restore that failed."""
+    return data / "restoring"
+
+
 def adopt(connection: Connection, settings: Settings) -> None:
     """Mark the data folder of a new database; raise WrongDataFolder if it has another one."""
+    _refuse_unfinished(settings.data)
     file = storage.mark(settings.data)
     known = connection.scalar(select(DataFolder.mark))
     if known is not None:
@@ -41,9 +48,25 @@ def adopt(connection: Connection, settings: Settings) -> None:
 
 def check(connection: Connection, settings: Settings) -> None:
     """Raise WrongDataFolder unless the data folder is the one of the database."""
+    _refuse_unfinished(settings.data)
     known = connection.scalar(select(DataFolder.mark))
     if known is not None:
         _compare(known, settings)
+
+
+def mark_restored(connection: Connection, settings: Settings) -> None:
+    """Mark the data folder as that of a database which has been restored."""
+    known = connection.scalar(select(DataFolder.mark))
+    if known is not None:
+        storage.mark(settings.data).write_text(known, encoding="utf-8")
+
+
+def _refuse_unfinished(data: Path) -> None:
+    if unfinished(data).exists():
+        raise WrongDataFolder(
+            f"Restoring a backup into {data} has not finished. If it is not running any more, "
+            "start it again with --force"
+        )
 
 
 def _compare(known: str, settings: Settings) -> None:

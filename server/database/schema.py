@@ -22,6 +22,7 @@ from seamark.server.database.rank_tables import RankPoint
 from seamark.server.database.rejudgement_tables import Rejudgement
 from seamark.server.database.submission_tables import KeyOfSubmission
 from seamark.server.database.sweep_tables import Sweep
+from seamark.server.database.tables import Base
 from seamark.server.settings import Settings
 
 UPGRADE_S = 600.0  # a process waits this long for one that upgrades a large SQLite file
@@ -64,6 +65,20 @@ def downgrade(settings: Settings, revision: str) -> None:
 
 
 @contextmanager
+def replaced(settings: Settings, revision: str) -> Iterator[Connection]:
+    """Yield a connection to new, empty tables of a schema, in place of those that there were.
+
+    What is inserted is upgraded to the schema of this version, all in one transaction.
+    """
+    with _locked(settings) as connection:
+        Base.metadata.drop_all(connection)
+        connection.exec_driver_sql("DROP TABLE IF EXISTS alembic_version")
+        command.upgrade(config(connection), revision)
+        yield connection
+        command.upgrade(config(connection), "head")
+
+
+@contextmanager
 def _locked(settings: Settings) -> Iterator[Connection]:
     """Yield a connection with a transaction in which no other process changes the schema."""
     database = Database(settings.database_url, busy_s=UPGRADE_S)
@@ -95,13 +110,29 @@ def check_all(settings: Settings) -> None:
 def check(engine: Engine) -> None:
     """Raise SchemaTooOld unless the database has exactly the schema of this version."""
     with engine.connect() as connection:
-        current = MigrationContext.configure(connection).get_current_revision()
-    needed = ScriptDirectory.from_config(config()).get_current_head()
+        current = revision_of(connection)
+    needed = newest_revision()
     if current != needed:
         raise SchemaTooOld(
             f"the database is at schema {current}, this version needs {needed}: "
             "run `seamark db upgrade`"
         )
+
+
+def revision_of(connection: Connection) -> str | None:
+    """Return the schema of a database; None if it has no tables of Seamark."""
+    return MigrationContext.configure(connection).get_current_revision()
+
+
+def newest_revision() -> str | None:
+    """Return the schema of this version."""
+    return ScriptDirectory.from_config(config()).get_current_head()
+
+
+def knows(revision: str) -> bool:
+    """Return whether a schema is that of this version or of an earlier one."""
+    scripts = ScriptDirectory.from_config(config()).walk_revisions()
+    return any(script.revision == revision for script in scripts)
 
 
 def config(connection: Connection | None = None) -> Config:
@@ -118,7 +149,7 @@ def run_environment(
     """Run migrations for Alembic's env.py; in batch mode, so that SQLite can alter its tables."""
     configure(
         connection=attributes["connection"],
-        target_metadata=_TABLES[0].metadata,
+        target_metadata=Base.metadata,
         render_as_batch=True,
         compare_type=True,
     )

@@ -40,6 +40,8 @@ CASES = {  # command -> arguments; {first} and {second} are finished runs
     "user password": "eva",
     "token new": "ann",
     "audit": "",
+    "backup": "b.tar",
+    "restore": "b.tar --check",
     "db upgrade": "",
     "db rebuild-leaderboard": "",
     "db downgrade": "0021",

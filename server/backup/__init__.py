@@ -1,0 +1,1 @@
+"""Backups: one file with the database, the programs and the data of runs; and what restores it."""
