@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from seamark.failures import UsageRefused
 
 if TYPE_CHECKING:
+    from seamark.client import Run
     from seamark.plots.result import Result
 
 
@@ -28,7 +29,7 @@ def results_of(
         There is no such result; the server refuses or does not answer.
     """
     from seamark.cli.server_answers import refusals_shown
-    from seamark.plots.result import of_folder, of_run
+    from seamark.plots.result import of_folder
 
     found: dict[str, Result] = {}
     for name in names:
@@ -40,5 +41,17 @@ def results_of(
         from seamark.client import Client
 
         with refusals_shown(), Client(server, token) as client:
-            found |= {name: of_run(client.run(int(name)), telemetry=telemetry) for name in runs}
+            found |= {name: _of_run(client.run(int(name)), telemetry=telemetry) for name in runs}
     return [found[name] for name in names]
+
+
+def _of_run(run: Run, *, telemetry: bool) -> Result:
+    """Return the result of a run that has ended; raises what the client raises."""
+    from seamark.plots.result import Result, no_rows
+
+    return Result(
+        name=f"run {run.id}",
+        manifest=run.manifest(),
+        metrics=run.document["metrics"],
+        rows=run.telemetry() if telemetry else no_rows(),
+    )

@@ -78,9 +78,10 @@ class AsyncRun(RunView):
         """
         return tables.table(kind, *await self._session.do(self._calls.telemetry(self.id)))
 
-    async def plot(self) -> Figure:
-        """Return a figure of distance, current and path; needs Matplotlib."""
-        return plots.figure(await self.telemetry(), title=self.heading)
+    async def plot(self, *, trial: int = 1) -> Figure:
+        """Return what `seamark plot` draws of a trial; needs Matplotlib."""
+        rows = await self.telemetry()
+        return plots.figure(self.document, rows, title=self.heading, trial=trial)
 
     async def metrics(self) -> dict[str, Any]:
         """Return the metrics; raises NotFound while there are none."""

@@ -1,40 +1,47 @@
-"""A run as a figure."""
+"""A run as a figure, as `seamark plot` draws it."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
 from seamark.client import tables
+from seamark.client.documents import RunDocument
+from seamark.failures import UsageRefused
 
 if TYPE_CHECKING:
     import numpy as np
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
-SIZE_IN = (9.0, 5.0)
 
+def figure(document: RunDocument, rows: NDArray[np.void], *, title: str, trial: int) -> Figure:
+    """Return a figure of one trial, counted from 1.
 
-def figure(rows: NDArray[np.void], *, title: str) -> Figure:
-    """Return a figure with the distance from the station, the current, and the path from above.
-
-    All trials are drawn over each other.
+    It has the error over time, the current, the path from above, and the metric of each level as
+    soon as there are metrics.
 
     Raises
     ------
     PackageMissing
         Matplotlib is not installed.
+    ValueError
+        There is no such trial, or this version does not know the benchmark.
     """
-    numpy = tables.package("numpy")
-    drawn: Figure = tables.package("matplotlib.figure").Figure(SIZE_IN, layout="constrained")
-    axes = drawn.subplot_mosaic([["distance", "path"], ["current", "path"]], width_ratios=[3, 2])
-    for trial in numpy.unique(rows["trial"]):
-        part = rows[rows["trial"] == trial]
-        speed = numpy.hypot(numpy.hypot(part["current_x"], part["current_y"]), part["current_z"])
-        axes["distance"].plot(part["t"], part["distance"], linewidth=1.0)
-        axes["current"].plot(part["t"], speed, linewidth=1.0)
-        axes["path"].plot(part["y"], part["x"], linewidth=0.8)
-    axes["distance"].set_ylabel("Distance from station [m]")
-    axes["current"].set(xlabel="Time [s]", ylabel="Current [m/s]")
-    axes["path"].set(xlabel="East [m]", ylabel="North [m]", aspect="equal")
-    drawn.suptitle(title)
-    return drawn
+    tables.package("matplotlib")
+    from seamark.plots import charts, picture
+    from seamark.plots.result import Result
+    from seamark.server.programs import parameters
+
+    settings, _ = parameters.split(document["config"])
+    result = Result(
+        name=f"run {document['id']}",
+        manifest={"benchmark": document["benchmark"], "configuration": settings},
+        metrics=document["metrics"],
+        rows=rows,
+    )
+    kinds = [kind for kind in charts.KINDS if kind != "levels" or document["metrics"]]
+    try:
+        drawn = charts.charts([result], kinds=kinds, trial=trial - 1, points=charts.PICTURE_POINTS)
+    except UsageRefused as refusal:
+        raise ValueError(refusal.message) from None
+    return picture.figure(drawn, title=title)

@@ -78,9 +78,10 @@ class Run(RunView):
         """
         return tables.table(kind, *self._session.do(self._calls.telemetry(self.id)))
 
-    def plot(self) -> Figure:
-        """Return a figure of distance, current and path; needs Matplotlib."""
-        return plots.figure(self.telemetry(), title=self.heading)
+    def plot(self, *, trial: int = 1) -> Figure:
+        """Return what `seamark plot` draws of a trial; needs Matplotlib."""
+        rows = self.telemetry()
+        return plots.figure(self.document, rows, title=self.heading, trial=trial)
 
     def metrics(self) -> dict[str, Any]:
         """Return the metrics; raises NotFound while there are none."""

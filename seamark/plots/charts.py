@@ -13,6 +13,7 @@ from seamark.failures import UsageRefused
 from seamark.plots.result import Result
 from seamark.sim import registry
 
+PICTURE_POINTS = 2000  # of a line, in a picture
 Numbers = NDArray[np.float64]
 # Column, title and unit of the error, by the role of the program.
 ERRORS = {
@@ -158,12 +159,15 @@ def charts(
         The runs are of different benchmarks, or have no such trial.
     """
     names = list(dict.fromkeys(result.benchmark for result in results))
-    if len(names) > 1 or names[0] not in registry.BENCHMARKS:
+    if len(names) > 1:
         raise UsageRefused(f"Plots need runs of one benchmark, not of {' and '.join(names)}.")
+    if names[0] not in registry.BENCHMARKS:
+        raise UsageRefused(f"This version of Seamark does not know the benchmark {names[0]}.")
     for result in results:
         if not len(result.trial(trial)):
             count = len(np.unique(result.rows["trial"]))
-            raise UsageRefused(f"{result.name} has {count} trials; --trial counts from 1.")
+            trials = "1 trial" if count == 1 else f"{count} trials"
+            raise UsageRefused(f"{result.name} has {trials}, counted from 1.")
     return [KINDS[kind](results, trial, points) for kind in kinds]
 
 

@@ -14,13 +14,18 @@ _DPI = 150
 
 
 def save(charts: Sequence[Chart], path: Path, *, title: str) -> None:
-    """Write charts below each other, in two columns if there are several; raises OSError."""
+    """Write the figure of some charts; raises OSError."""
+    figure(charts, title=title).savefig(path)
+
+
+def figure(charts: Sequence[Chart], *, title: str) -> Figure:
+    """Return a figure with charts below each other, in two columns if there are several."""
     across = min(len(charts), 2)
     down = -(-len(charts) // across)
-    figure = Figure((across * _SIZE_IN[0], down * _SIZE_IN[1]), dpi=_DPI, layout="constrained")
-    figure.suptitle(title)
+    drawn = Figure((across * _SIZE_IN[0], down * _SIZE_IN[1]), dpi=_DPI, layout="constrained")
+    drawn.suptitle(title)
     for at, chart in enumerate(charts):
-        axes = figure.add_subplot(down, across, at + 1)
+        axes = drawn.add_subplot(down, across, at + 1)
         for line in chart.lines:
             style = ".-" if len(line.x) < 30 else "-"
             axes.plot(line.x, line.y, style, linewidth=1.0, label=line.label)
@@ -32,4 +37,4 @@ def save(charts: Sequence[Chart], path: Path, *, title: str) -> None:
         axes.grid(visible=True, alpha=0.3)
         if len(chart.lines) > 1:
             axes.legend()
-    figure.savefig(path)
+    return drawn

@@ -1,4 +1,4 @@
-"""The result of a run, from a folder of `seamark run` or from a server."""
+"""The result of a run, as `seamark run` leaves it in a folder or a server has it."""
 
 from __future__ import annotations
 
@@ -6,15 +6,12 @@ import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from seamark.failures import UsageRefused
-
-if TYPE_CHECKING:
-    from seamark.client import Run
 
 FILES = ("telemetry.csv", "metrics.json", "manifest.json")  # of those that `seamark run` writes
 COLUMNS = (  # of the telemetry, that plots need
@@ -61,23 +58,13 @@ def of_folder(folder: Path, *, telemetry: bool) -> Result:
             name=folder.name or str(folder),
             manifest=manifest,
             metrics=found,
-            rows=_read_telemetry(folder / "telemetry.csv") if telemetry else _empty(0),
+            rows=_read_telemetry(folder / "telemetry.csv") if telemetry else no_rows(),
         )
     except (OSError, ValueError) as error:
         raise UsageRefused(
             f"{folder} is not the result of a finished run ({error}). `seamark run --out "
             f"{folder}` writes one."
         ) from None
-
-
-def of_run(run: Run, *, telemetry: bool) -> Result:
-    """Return the result of a run on a server that has ended; raises what the client raises."""
-    return Result(
-        name=f"run {run.id}",
-        manifest=run.manifest(),
-        metrics=run.document["metrics"],
-        rows=run.telemetry() if telemetry else _empty(0),
-    )
 
 
 def _read_telemetry(path: Path) -> NDArray[np.void]:
@@ -92,6 +79,11 @@ def _read_telemetry(path: Path) -> NDArray[np.void]:
     for at, name in enumerate(COLUMNS):
         rows[name] = numbers[:, at]
     return rows
+
+
+def no_rows() -> NDArray[np.void]:
+    """Return the telemetry of a result of which it is not needed."""
+    return _empty(0)
 
 
 def _empty(count: int) -> NDArray[np.void]:

@@ -18,7 +18,6 @@ if TYPE_CHECKING:
 KINDS = ("error", "current", "path", "levels")
 RESULTS_MAX = 5
 COLUMNS_MIN, COLUMNS_MAX = 40, 120
-PICTURE_POINTS = 2000  # of a line
 FORMATS = (".png", ".pdf", ".svg")
 
 
@@ -62,7 +61,7 @@ def plot(
       seamark plot 12 17 --token $TOKEN
     """
     from seamark.cli.results import results_of
-    from seamark.plots.charts import charts
+    from seamark.plots.charts import PICTURE_POINTS, charts
 
     if len(results) > RESULTS_MAX:
         raise UsageRefused(f"Up to {RESULTS_MAX} results can be plotted over each other.")

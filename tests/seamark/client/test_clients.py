@@ -134,13 +134,17 @@ def test_telemetry_log_and_plot_of_a_run(backend: Backend, client: Client) -> No
 
     rows = run.telemetry()
     picture = io.BytesIO()
-    run.plot().savefig(picture, format="png")
+    drawn = run.plot()
+    drawn.savefig(picture, format="png")
 
     assert rows.dtype.names is not None
     assert len(rows.dtype.names) == WIDTH
     assert rows["t"].tolist() == [at / 20 for at in range(10)]
     assert run.log() == "Grüße\n"
     assert picture.getvalue().startswith(b"\x89PNG")
+    assert np.array_equal(drawn.axes[0].lines[0].get_ydata(), rows["distance"])
+    with pytest.raises(ValueError, match="has 1 trial, counted from 1"):
+        run.plot(trial=2)
 
 
 def test_a_package_that_is_missing_is_named_with_how_to_install_it() -> None:
