@@ -3,6 +3,7 @@
 import atexit
 import gc
 import threading
+import time
 from datetime import timedelta
 from functools import partial
 from importlib.metadata import version
@@ -64,6 +65,7 @@ def create_app(settings: Settings) -> OpenAPI:
     return app
 
 
+SHARE_EVERY_S = 5.0
 GARBAGE_AFTER = 20_000  # objects made and not yet deleted, between two collections
 
 
@@ -88,6 +90,13 @@ class WebApplication(AsgiApplication):
         super().__init__(app, partial(body_limits.body_max, settings))
         self._services: Services = app.extensions["seamark"]
         threading.Thread(target=prepare, name="prepare", daemon=True).start()
+        threading.Thread(target=self._share_meters, name="meters", daemon=True).start()
+
+    def _share_meters(self) -> None:
+        """Report this process as long as it is there: another one may be asked for the metrics."""
+        while True:
+            self._services.share_meters()
+            time.sleep(SHARE_EVERY_S)
 
     def end_streams(self) -> None:
         """End all live streams; their clients connect again."""

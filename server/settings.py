@@ -10,6 +10,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_valida
 
 PREFIX = "SEAMARK_"
 LevelName = Literal["none", "medium", "strong"]  # of seamark.sandbox.isolation.level
+MetricsAccess = Literal["local", "token", "off"]
 SignUp = Literal["open", "invitation", "closed"]
 REPLACED = {  # setting of an earlier version -> what to write instead
     "sign_up_open": f"write {PREFIX}SIGN_UP=open or {PREFIX}SIGN_UP=closed",
@@ -23,6 +24,8 @@ DEFAULTS_IN_WORDS = {  # of settings whose default depends on others or on the m
     "url": "none",
     "embed_origins": "none",
     "workers": "one per core",
+    "metrics": "`local`; `token` if there is one",
+    "metrics_token": "none",
 }
 
 
@@ -139,6 +142,17 @@ class Settings(BaseModel):
     attempts_max: int = Field(
         3, ge=1, description="Broken evaluations after which a run is a platform failure"
     )
+    metrics: MetricsAccess = Field(
+        "local",
+        description="Who may read `/metrics`: `local` (this machine, not through a proxy), `token` "
+        "or `off`",
+    )
+    metrics_token: str = Field(
+        "",
+        repr=False,
+        pattern=r"^([!-~]{20,200})?$",
+        description="Token that a Prometheus server sends; 20 characters or more",
+    )
     streams_max: int = Field(1000, ge=1, description="Maximum open event streams per web process")
     sign_up: SignUp = Field(
         "open", description="Who may create an account: `open`, `invitation` or `closed`"
@@ -155,6 +169,8 @@ class Settings(BaseModel):
         data = Path(str(filled.get("data", "data"))).absolute()
         filled["data"] = data
         filled.setdefault("database_url", f"sqlite:///{data / 'seamark.db'}")
+        if "metrics_token" in filled:
+            filled.setdefault("metrics", "token")
         if str(filled.get("public", "")).lower() in {"1", "true", "yes", "on", "t", "y"}:
             filled.setdefault("sandbox_min_level", "strong")
         if filled.get("sandbox_min_level") == "weak":  # of earlier versions; no host ever had it
@@ -166,6 +182,8 @@ class Settings(BaseModel):
         """Reject combinations that cannot work."""
         if self.lease_s <= 2 * self.heartbeat_s:
             raise ValueError("lease_s must be more than twice heartbeat_s, or live runs are lost")
+        if self.metrics == "token" and not self.metrics_token:
+            raise ValueError("metrics is `token`, so metrics_token must be set")
         return self
 
     def model_post_init(self, context: object, /) -> None:

@@ -19,6 +19,7 @@ from seamark.server.api import (
     files,
     health,
     leaderboards,
+    metrics,
     openapi,
     profiles,
     runs,
@@ -55,4 +56,5 @@ def register(app: Flask) -> None:
         app.register_blueprint(resource)
     app.register_blueprint(openapi.page)
     app.register_blueprint(health.page)
+    app.register_blueprint(metrics.page)
     openapi.store(app, RESOURCES)

@@ -2,7 +2,7 @@
 
 import sqlite3
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
@@ -20,6 +20,7 @@ _POSTGRESQL = {
 }
 BUSY_S = 10.0  # SQLite waits this long for another writer
 _RETRY_S = 0.01
+_AFTER_COMMIT = "after_commit"  # key of what a session does then
 
 
 class Database:
@@ -46,8 +47,11 @@ class Database:
     @contextmanager
     def writing(self) -> Iterator[Session]:
         """Yield a session whose changes are committed at the end, or rolled back on an error."""
-        with Session(self.engine, expire_on_commit=False) as session, session.begin():
-            yield session
+        with Session(self.engine, expire_on_commit=False) as session:
+            with session.begin():
+                yield session
+            for action in session.info.pop(_AFTER_COMMIT, ()):
+                action()
 
     @contextmanager
     def reading(self) -> Iterator[Session]:
@@ -58,6 +62,11 @@ class Database:
     def close(self) -> None:
         """Close all connections."""
         self.engine.dispose()
+
+
+def after_commit(session: Session, action: Callable[[], object]) -> None:
+    """Call `action` when what the session of `Database.writing` does is committed."""
+    session.info.setdefault(_AFTER_COMMIT, []).append(action)
 
 
 def _prepare_sqlite(engine: Engine, busy_s: float) -> None:

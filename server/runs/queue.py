@@ -12,16 +12,18 @@ import time
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import Enum, auto
+from functools import partial
 from typing import Any
 
 import structlog
 from sqlalchemy import ColumnElement, Select, func, or_, select, update
 from sqlalchemy.orm import Session
 
-from seamark.server import workers
+from seamark.server import meters, workers
 from seamark.server.accounts.permissions import GUESTS
 from seamark.server.database import counters
 from seamark.server.database.advisory_locks import AdvisoryLock, acquire
+from seamark.server.database.engine import after_commit
 from seamark.server.database.queue_tables import Turn
 from seamark.server.database.tables import IS_QUEUED, IS_RUNNING, Run
 from seamark.server.runs import totals, turns
@@ -103,9 +105,10 @@ def claim(
     if drained:
         return None
     passed_over, limit = int(stored or 0), _running_limit(places or 0, settings)
-    run_id = _next_in_turn(session, languages, limit, guests_first=passed_over >= GUEST_SHARE)
-    if run_id is None:
+    found = _next_in_turn(session, languages, limit, guests_first=passed_over >= GUEST_SHARE)
+    if found is None:
         return None
+    run_id, priority = found
     now = time.time()
     lease: dict[str, Any] = {
         "worker": worker,
@@ -116,6 +119,9 @@ def claim(
     if not move(session, run_id, RunState.QUEUED, RunState.RUNNING, **lease, **reset):
         return None  # cancelled, on PostgreSQL, between the two statements
     run = session.get_one(Run, run_id)
+    if run.attempt == 1:  # a repeated run has kept its time of submission
+        waiting = meters.RUN_WAITING.labels(priority.lane)
+        after_commit(session, partial(waiting.observe, max(now - run.queued_at, 0.0)))
     counts = guests and not run.owner.startswith(GUESTS)
     now_passed = min(passed_over + 1, GUEST_SHARE) if counts else 0
     if now_passed != passed_over:
@@ -251,13 +257,14 @@ def _requeue_or_fail(
     if new is RunState.QUEUED:  # the owner's turn was lost: it does not wait for another one
         turns.serve_first(session, run.owner)
     why = end.name.lower()
+    after_commit(session, meters.ATTEMPTS_LOST.labels(why, new).inc)
     _log.warning("run_released", run=run.id, attempt=run.attempt, why=why, state=new, **counts)
     return new
 
 
 def _next_in_turn(
     session: Session, languages: Collection[str], limit: int, *, guests_first: bool
-) -> int | None:
+) -> tuple[int, Priority] | None:
     order = list(Priority)
     if guests_first:
         order.sort(key=lambda priority: priority is not Priority.GUEST)
@@ -266,7 +273,7 @@ def _next_in_turn(
             continue
         run_id = session.scalar(_first_of(priority, languages, limit))
         if run_id is not None:
-            return run_id
+            return run_id, priority
     return None
 
 

@@ -15,7 +15,7 @@ import structlog
 from sqlalchemy import ColumnElement, and_, false, func, or_, select, update
 from sqlalchemy.orm import Session
 
-from seamark.server import storage
+from seamark.server import meters, storage
 from seamark.server.accounts.permissions import REJUDGEMENTS
 from seamark.server.database.engine import Database
 from seamark.server.database.tables import IS_LISTED, Result, Run
@@ -80,7 +80,9 @@ def trim(database: Database, settings: Settings) -> None:
             chosen.append(run_id)
             excess -= size
     if chosen:
-        _log.info("data_trimmed", runs=len(delete(database, settings.data, chosen)))
+        deleted = delete(database, settings.data, chosen)
+        meters.RETENTION_RUNS.labels("size").inc(len(deleted))
+        _log.info("data_trimmed", runs=len(deleted))
 
 
 @dataclass(frozen=True, slots=True)
@@ -136,6 +138,7 @@ class Sweep:
         self._measure(rows.values())
         if expired:
             deleted = delete(self._database, self._data, expired)
+            meters.RETENTION_RUNS.labels("age").inc(len(deleted))
             _log.info("data_expired", runs=len(deleted))
 
     def _tidy(self, folder: Path, row: _Row | None) -> None:

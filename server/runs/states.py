@@ -7,6 +7,8 @@ from typing import Any
 from sqlalchemy import update
 from sqlalchemy.orm import Session
 
+from seamark.server import meters
+from seamark.server.database.engine import after_commit
 from seamark.server.database.tables import Run
 from seamark.server.runs import turns
 
@@ -69,8 +71,11 @@ def move(
     change = update(Run).where(Run.id == run_id, Run.state == old).values(state=new, **values)
     if fence is not None:
         change = change.where(Run.attempt == fence)
-    owner = session.scalar(change.returning(Run.owner))
-    if owner is None:
+    moved = session.execute(change.returning(Run.owner, Run.kind)).one_or_none()
+    if moved is None:
         return False
-    turns.refresh(session, owner, served=new is RunState.RUNNING)
+    turns.refresh(session, moved.owner, served=new is RunState.RUNNING)
+    if new.final:
+        ended = meters.RUNS_ENDED.labels(moved.kind, new, values.get("cause") or "")
+        after_commit(session, ended.inc)
     return True

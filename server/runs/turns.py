@@ -5,6 +5,7 @@ anew from the owner's live runs, which are few, so that no mistake lasts.
 """
 
 import time
+from dataclasses import dataclass
 from enum import IntEnum
 
 from sqlalchemy import Float, String, Update, bindparam, delete, func, literal, select, update
@@ -29,6 +30,11 @@ class Priority(IntEnum):
     GUEST = 1
     BASELINE = 2
     REJUDGEMENT = 3
+
+    @property
+    def lane(self) -> str:
+        """What operators call the runs of this priority."""
+        return self.name.lower()
 
 
 def _counting() -> Update:
@@ -69,6 +75,27 @@ def serve_first(session: Session, owner: str) -> None:
         update(Turn).where(Turn.owner == owner).values(served_at=0.0),
         execution_options={"synchronize_session": False},
     )
+
+
+@dataclass(frozen=True, slots=True)
+class Lane:
+    """What waits in one lane of the queue."""
+
+    name: str
+    queued: int
+    oldest_at: float | None  # None: nothing waits
+
+
+def lanes(session: Session) -> list[Lane]:
+    """Return what waits in each lane, at the cost of a row for each owner who waits."""
+    waiting = (
+        select(Turn.priority, func.sum(Turn.queued), func.min(Run.queued_at))
+        .join(Run, Run.id == Turn.next_run)
+        .where(IS_WAITING)
+        .group_by(Turn.priority)
+    )
+    found = {priority: rest for priority, *rest in session.execute(waiting)}
+    return [Lane(each.lane, *found.get(int(each), (0, None))) for each in Priority]
 
 
 def rebuild(session: Session) -> None:

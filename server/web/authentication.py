@@ -21,7 +21,7 @@ def register(app: Flask) -> None:
     @app.before_request
     def find_viewer() -> None:
         g.viewer = Viewer()  # for the error page, in case authentication fails
-        if request.endpoint != "static":
+        if request.endpoint != "static" and not _has_other_token():
             g.viewer = _viewer()
 
 
@@ -75,6 +75,11 @@ def become_guest() -> Viewer:
 def _scheme() -> str:
     """Return the authentication scheme of the request; proxies may use others than "bearer"."""
     return request.headers.get("Authorization", "").strip().partition(" ")[0].lower()
+
+
+def _has_other_token() -> bool:
+    """Return whether the token of the request is none of an account: that of `/metrics`."""
+    return request.endpoint == "metrics.metrics" and services().settings.metrics == "token"
 
 
 def _viewer() -> Viewer:

@@ -1,13 +1,16 @@
 """The services of a web process: settings, database, broker, live streams."""
 
+from contextlib import suppress
 from dataclasses import dataclass
 
 from celery import Celery
 from flask import current_app
 from redis import Redis
+from redis.exceptions import RedisError
 
 from seamark.server.database.engine import Database
 from seamark.server.messaging import broker
+from seamark.server.messaging.shared_meters import SharedMeters
 from seamark.server.programs.reader import ProgramReader
 from seamark.server.settings import Settings
 from seamark.server.streams.hub import Hub
@@ -23,28 +26,39 @@ class Services:
     streams: Hub
     celery: Celery
     reader: ProgramReader
+    meters: SharedMeters
 
     @classmethod
     def start(cls, settings: Settings) -> "Services":
         """Create all services; none connects before its first use."""
-        database = Database(settings.database_url)
+        database, redis = Database(settings.database_url), broker.connect(settings)
         return cls(
             settings=settings,
             database=database,
-            redis=broker.connect(settings),
+            redis=redis,
             streams=Hub(database, settings),
             celery=broker.celery_app(settings),
             reader=ProgramReader(),
+            meters=SharedMeters(redis),
         )
 
     def wake_worker(self) -> None:
         """Tell a worker that there is work; only after the commit, or it finds nothing."""
         broker.send_tickets(self.celery)
 
+    def share_meters(self) -> None:
+        """Add what this process has counted to what all have, and report that it is there."""
+        self.meters.add()
+        with suppress(RedisError):
+            self.meters.report(self.streams.open_streams)
+
     def close(self) -> None:
         """Stop threads and close connections."""
         self.reader.close()
         self.streams.close()
+        self.meters.add()
+        with suppress(RedisError):
+            self.meters.leave()
         self.redis.close()
         self.celery.close()
         self.database.close()

@@ -54,6 +54,7 @@ class Evaluation:
         if cores is not None and pool is not None and job.program is not None:
             self._warm_boxes = WarmBoxes(pool, job.language, cores.count)
         self._programs: list[Outcome] = []  # one per trial of an upload
+        self._box_starts_s: list[float] = []
 
     def run(self) -> RunOutcome:
         """Run all trials; a program that fails ends the evaluation, as data."""
@@ -64,6 +65,8 @@ class Evaluation:
         results: list[TrialResult] = []
         with closing(self._trial_outcomes()) as outcomes:
             for trial, outcome in enumerate(outcomes):
+                if outcome.box_start_s is not None:
+                    self._box_starts_s.append(outcome.box_start_s)
                 if outcome.result is None:
                     return self._failed(outcome)
                 if outcome.program is not None:
@@ -102,7 +105,11 @@ class Evaluation:
     def _outcome(self, **values: Any) -> RunOutcome:
         digest = self._listener.digest.hexdigest()
         return RunOutcome(
-            usage=_usage(self._programs), manifest=self._manifest(digest), digest=digest, **values
+            usage=_usage(self._programs),
+            manifest=self._manifest(digest),
+            digest=digest,
+            box_starts_s=self._box_starts_s,
+            **values,
         )
 
     def _manifest(self, digest: str) -> dict[str, Any]:

@@ -1,5 +1,6 @@
 """One trial of a run: a box for its program, the simulation, and how it ended, as data."""
 
+import time
 from collections.abc import Callable
 from typing import Any, TypeVar
 
@@ -73,7 +74,9 @@ class TrialRunner:
             config = self.config.for_trial(trial)
             built_in = self._experiment.built_in(self._job.controller, config)
             return TrialOutcome(result=self._simulate(trial, built_in, listener.rows))
+        asked_at = time.perf_counter()
         box = self._loaded_box(trial, listener)
+        start_s = time.perf_counter() - asked_at
 
         def on_rows(rows: Rows) -> None:
             listener.rows(rows)
@@ -82,9 +85,9 @@ class TrialRunner:
         solution = self._adapter(box)
         try:
             result = self._simulate(trial, solution, on_rows)
-            return TrialOutcome(result=result, program=box.finish())
+            return TrialOutcome(result=result, program=box.finish(), box_start_s=start_s)
         except StopTrial:
-            return TrialOutcome(program=box.finish())
+            return TrialOutcome(program=box.finish(), box_start_s=start_s)
         finally:
             _forward_output(box, listener)
             if note := solution.note():

@@ -80,7 +80,7 @@ class TrialReport:
 
 @dataclass(frozen=True, slots=True)
 class BoxFailed:
-    """The sandbox failed, not the program; from the fork of a trial to its parent."""
+    """The sandbox failed, not the program."""
 
     reason: str
 

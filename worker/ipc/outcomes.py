@@ -15,6 +15,7 @@ class TrialOutcome:
     result: TrialResult | None = None
     program: Outcome | None = None  # of the program in its box; None for a built-in controller
     divergence: str = ""  # why the simulation could not continue
+    box_start_s: float | None = None  # [s] until the program was loaded; None: there is none
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -28,6 +29,7 @@ class RunOutcome:
     metrics: dict[str, Any] | None = None
     manifest: dict[str, Any] | None = None
     digest: str = ""
+    box_starts_s: list[float] = field(default_factory=list)  # of the trials; for monitoring
 
     def to_json(self) -> dict[str, Any]:
         """Return the outcome as values that JSON knows."""

@@ -14,11 +14,12 @@ from redis import Redis
 from redis.exceptions import RedisError
 from sqlalchemy.exc import SQLAlchemyError
 
-from seamark.server import log, storage
+from seamark.server import log, meters, storage
 from seamark.server.checks import queue
 from seamark.server.checks.queue import CheckClaim
 from seamark.server.database.engine import Database
 from seamark.server.messaging import broker
+from seamark.server.messaging.shared_meters import SharedMeters
 from seamark.server.programs import store
 from seamark.server.settings import Settings
 from seamark.worker.evaluation.check import SEED, CheckRecorder
@@ -26,7 +27,7 @@ from seamark.worker.evaluation.job import Job
 from seamark.worker.evaluation.worker_slot import WorkerSlot
 from seamark.worker.ipc.messages import StreamBroken
 from seamark.worker.service.shutdown import ShuttingDown, follow_worker
-from seamark.worker.zygote.client import Simulator, SimulatorBroken
+from seamark.worker.zygote.client import BoxBroken, Simulator, SimulatorBroken
 
 POLL_S = 2.0  # [s] between two polls of the queue without a wake-up
 WARM_POLL_S = 0.2  # [s] between two checks of whether the worker shuts down
@@ -57,6 +58,7 @@ class CheckLoop:
         self._stopping = stopping
         self._database = Database(settings.database_url)
         self._redis: Redis = broker.connect(settings)
+        self._meters = SharedMeters(self._redis)
         self._recovered = False
         self._renew_at = 0.0  # monotonic
 
@@ -66,7 +68,7 @@ class CheckLoop:
             try:
                 self._recover()
                 while self._check_next():
-                    pass
+                    self._meters.add()
             except SQLAlchemyError:
                 _log.exception("checks_failed")
             self._wait()
@@ -102,9 +104,12 @@ class CheckLoop:
         if claim is None:
             return False
         try:
-            report = self._report(claim)
+            with meters.CHECK_SECONDS.time():
+                report = self._report(claim)
         except (SimulatorBroken, StreamBroken) as broken:
             _log.error("check_broken", check=claim.check_id, why=str(broken))
+            meters.CHECKS_ENDED.labels("broken").inc()
+            meters.BOX_FAILURES.inc(isinstance(broken, BoxBroken))
             # Without the storage there is no program, and that is not the fault of the check.
             away = storage.is_away(self._settings.data)
             self._release(claim, attempts_max=queue.CLAIMS_MAX if away else queue.ATTEMPTS_MAX)
@@ -117,6 +122,7 @@ class CheckLoop:
             return True
         with self._database.writing() as session:
             stored = queue.finish(session, claim, report)
+        meters.CHECKS_ENDED.labels("passed" if report["ok"] else "failed").inc()
         _log.info("check_ended", check=claim.check_id, ok=report["ok"], stored=stored)
         return True
 

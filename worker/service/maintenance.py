@@ -14,10 +14,11 @@ import structlog
 from celery import Celery
 from redis import Redis
 
-from seamark.server import audit, log, storage
+from seamark.server import audit, log, meters, storage
 from seamark.server.checks import queue
 from seamark.server.database.engine import Database
 from seamark.server.messaging import broker
+from seamark.server.messaging.shared_meters import SharedMeters
 from seamark.server.programs import store
 from seamark.server.runs import account_deletion, leaderboard
 from seamark.server.runs import queue as run_queue
@@ -49,16 +50,21 @@ class PeriodicTask:
         self.due_at = time.monotonic() + self.period_s
 
 
-def run_due(tasks: Sequence[PeriodicTask]) -> None:
-    """Run what is due; a failure is logged, and stops neither the other tasks nor the next time."""
-    for task in tasks:
-        if time.monotonic() < task.due_at:
-            continue
+def run_due(tasks: Sequence[PeriodicTask]) -> bool:
+    """Run what is due; a failure is logged, and stops neither the other tasks nor the next time.
+
+    Returns whether anything was due.
+    """
+    due = [task for task in tasks if time.monotonic() >= task.due_at]
+    for task in due:
         task.due_at = time.monotonic() + task.period_s
         try:
-            task.action()
+            with meters.MAINTENANCE_SECONDS.labels(task.name).time():
+                task.action()
         except Exception:
+            meters.MAINTENANCE_FAILURES.labels(task.name).inc()
             _log.exception("maintenance_failed", task=task.name)
+    return bool(due)
 
 
 class Recoverer:
@@ -142,8 +148,10 @@ def main(parent: str) -> None:
         PeriodicTask("forget_audit", FORGET_EVERY_S, lambda: forget_audit(database, settings)),
         PeriodicTask("trim_data", TRIM_EVERY_S, lambda: trim(database, settings)),
     ]
+    shared = SharedMeters(redis)
     while not stopping.wait(POLL_S):
-        run_due(tasks)
+        if run_due(tasks):
+            shared.add()
 
 
 if __name__ == "__main__":

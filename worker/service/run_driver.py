@@ -11,7 +11,7 @@ from sqlalchemy.exc import InterfaceError, OperationalError
 
 from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.languages import DEFAULT_LANGUAGE
-from seamark.server import storage
+from seamark.server import meters, storage
 from seamark.server.database.engine import Database
 from seamark.server.programs import parameters, store
 from seamark.server.runs import queue as run_queue
@@ -32,7 +32,7 @@ from seamark.worker.ipc.outcomes import RunOutcome
 from seamark.worker.service.live_publisher import LivePublisher
 from seamark.worker.service.run_recorder import RunRecorder
 from seamark.worker.service.shutdown import ShuttingDown
-from seamark.worker.zygote.client import Simulation, Simulator, SimulatorBroken
+from seamark.worker.zygote.client import BoxBroken, Simulation, Simulator, SimulatorBroken
 
 CANCEL_POLL_S = 0.4  # [s] between two checks of whether the run was cancelled
 START_STALL_S = 600.0  # [s] the very first start compiles the simulator
@@ -88,12 +88,15 @@ def _drive(driver: "RunDriver", log: structlog.typing.FilteringBoundLogger) -> b
         log.info("run_stopped", why=ended.status.name.lower())
         if ended.status is LeaseStatus.CANCELLED:
             driver.store_cancelled()
+        else:
+            meters.LEASES_LOST.inc()
         return True
     except ShuttingDown:
         driver.release(AttemptEnd.SHUTDOWN)
         return True
     except (SimulatorBroken, StreamBroken) as broken:
         log.error("simulator_broken", why=str(broken))
+        meters.BOX_FAILURES.inc(isinstance(broken, BoxBroken))
         driver.release(driver.blame(AttemptEnd.EVALUATION_BROKE))
         return False
     except StorageFailed as failed:
@@ -114,6 +117,7 @@ class RunDriver:
 
     def __init__(self, context: RunContext, claim: Claim) -> None:
         self._context, self._claim = context, claim
+        self._claimed_at = time.monotonic()
         self._files = RunFiles(context.settings.data, claim.run_id, claim.attempt)
         self._live = LivePublisher(context.redis, claim.run_id)
         benchmark = registry.benchmark(claim.benchmark)
@@ -136,7 +140,19 @@ class RunDriver:
         self._files.remove_earlier_attempts()
         with self._context.simulator.begin(self._job()) as simulation:
             outcome = simulation.run(self._recorder, lambda: self._watch(simulation))
+        self._count(simulation, outcome)
         return self._report(outcome)
+
+    def _count(self, simulation: Simulation, outcome: RunOutcome) -> None:
+        """Count how long the phases took, for monitoring; a run without rows never simulated."""
+        ended_at = time.monotonic()
+        started_at = simulation.started_at or ended_at
+        first_rows_at = self._recorder.first_rows_at or ended_at
+        meters.RUN_PHASE.labels("starting").observe(started_at - self._claimed_at)
+        meters.RUN_PHASE.labels("preparing").observe(first_rows_at - started_at)
+        meters.RUN_PHASE.labels("simulating").observe(ended_at - first_rows_at)
+        for seconds in outcome.box_starts_s:
+            meters.BOX_START.labels(self._claim.language or DEFAULT_LANGUAGE).observe(seconds)
 
     def store(self, report: Report) -> bool:
         """Store the report, then publish it; False if the claim is no longer valid."""
@@ -145,7 +161,8 @@ class RunDriver:
         if report.metrics is not None:
             self._files.write_json("metrics.json", report.metrics)
         report = replace(report, data_bytes=self._data_bytes())
-        stored = self._finish(report)
+        with meters.RUN_PHASE.labels("storing").time():
+            stored = self._finish(report)
         if stored:
             self._live.state(report.state, progress=report.progress, t_simulated=report.t_simulated)
         return stored

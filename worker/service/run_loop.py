@@ -12,6 +12,7 @@ from sqlalchemy.exc import SQLAlchemyError
 from seamark.server import storage, workers
 from seamark.server.database.engine import Database
 from seamark.server.messaging import broker
+from seamark.server.messaging.shared_meters import SharedMeters
 from seamark.server.runs import queue as run_queue
 from seamark.server.runs.queue import AttemptEnd, Claim
 from seamark.server.settings import Settings
@@ -45,6 +46,7 @@ class RunLoop:
         self._host = host
         self._database = Database(settings.database_url)
         self._redis = broker.connect(settings)
+        self._meters = SharedMeters(self._redis)
         self._simulator = simulator or Simulator(host.slot(index), settings.data / "compiled")
         self._simulator.start()
         self._shutting_down = shutting_down
@@ -67,6 +69,7 @@ class RunLoop:
             self._pass_on()
             return
         succeeded = self._evaluate(claim)
+        self._meters.add()
         self._failures = 0 if succeeded else self._failures + 1
         self._pause()
         with self._database.reading() as session:

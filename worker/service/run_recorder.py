@@ -1,5 +1,7 @@
 """Writes what happens during a run into its files."""
 
+import time
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -15,9 +17,12 @@ class RunRecorder:
         self._files = files
         self._trial_s = trial_s
         self._trial_start_row = 0
+        self.first_rows_at: float | None = None  # monotonic
 
     def rows(self, rows: NDArray[np.float64]) -> None:
         """Append telemetry."""
+        if self.first_rows_at is None:
+            self.first_rows_at = time.monotonic()
         self._files.append_rows(rows)
         last = rows[-1]
         self.t_simulated = float(last[INDEX["trial"]]) * self._trial_s + float(last[INDEX["t"]])

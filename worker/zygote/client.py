@@ -17,7 +17,7 @@ from seamark.sim.numerics.numba_internals import numba_folder
 from seamark.worker.evaluation.job import Job
 from seamark.worker.evaluation.worker_slot import WorkerSlot
 from seamark.worker.ipc.listener import Listener, deliver
-from seamark.worker.ipc.messages import Crashed, Reader, RunEnded, Started
+from seamark.worker.ipc.messages import BoxFailed, Crashed, Reader, RunEnded, Started
 from seamark.worker.ipc.outcomes import RunOutcome
 
 PROGRAM = ("-m", "seamark.worker.zygote.process")
@@ -28,6 +28,10 @@ MESSAGE_S = 0.2  # [s] to wait for the next message of a simulation
 
 class SimulatorBroken(Exception):
     """The simulator died, crashed or stalled: a failure of the platform, the run is released."""
+
+
+class BoxBroken(SimulatorBroken):
+    """A box failed by itself, not by its program."""
 
 
 class Simulator:
@@ -125,6 +129,7 @@ class Simulation:
         self._reader = Reader(channel)
         self._pidfd: int | None = None
         self._received_at = time.monotonic()
+        self.started_at: float | None = None  # monotonic, when a child had taken the job
 
     @property
     def started(self) -> bool:
@@ -157,6 +162,8 @@ class Simulation:
                         self._open_pidfd(pid)
                     case RunEnded(outcome):
                         return outcome
+                    case BoxFailed(reason):
+                        raise BoxBroken(reason)
                     case Crashed(traceback):
                         raise SimulatorBroken(f"the simulator child crashed:\n{traceback}")
                     case _:
@@ -166,6 +173,7 @@ class Simulation:
             watch()
 
     def _open_pidfd(self, pid: int) -> None:
+        self.started_at = time.monotonic()
         try:
             self._pidfd = os.pidfd_open(pid)
         except ProcessLookupError as error:

@@ -18,6 +18,7 @@ from typing import NamedTuple
 
 from seamark.sandbox.isolation.cgroups import remove_orphans
 from seamark.sandbox.isolation.level import IsolationLevel
+from seamark.sandbox.outcome import SandboxBroken
 from seamark.sandbox.pool import BoxLease, Pool
 from seamark.sim.engine.warm_up import warm_up
 from seamark.worker.evaluation.check import check
@@ -27,7 +28,7 @@ from seamark.worker.evaluation.program_adapters import box_pool, sandboxed_compi
 from seamark.worker.evaluation.worker_slot import WorkerSlot
 from seamark.worker.ipc import messages
 from seamark.worker.ipc.listener import Sender
-from seamark.worker.ipc.messages import Crashed, RunEnded, Started
+from seamark.worker.ipc.messages import BoxFailed, Crashed, RunEnded, Started
 from seamark.worker.ipc.outcomes import RunOutcome
 from seamark.worker.ipc.process_control import die_with_parent, limit_simulator, pin, run_forked
 
@@ -119,9 +120,13 @@ def _run(
     pin(slot.core)
     messages.send(channel, Started(os.getpid()))
     slot.cores().occupy()
-    with pool:
-        outcome = _evaluate(job, Sender(channel), slot, pool)
-    messages.send(channel, RunEnded(outcome))
+    try:
+        with pool:
+            outcome = _evaluate(job, Sender(channel), slot, pool)
+    except SandboxBroken as broken:
+        messages.send(channel, BoxFailed(str(broken)))
+    else:
+        messages.send(channel, RunEnded(outcome))
 
 
 def _evaluate(job: Job, sender: Sender, slot: WorkerSlot, pool: Pool) -> RunOutcome:

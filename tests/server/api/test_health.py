@@ -32,4 +32,4 @@ def test_the_metrics_tell_broken_side_processes_from_running_ones(broken_checks:
     up = 'seamark_worker_process_up{process="%s",worker="w1@host"} %s'
     assert up % ("maintenance", "1.0") in metrics
     assert up % ("checks", "0.0") in metrics
-    assert "seamark_workers_alive 1.0" in metrics
+    assert 'seamark_workers{state="ready"} 1.0' in metrics

@@ -18,7 +18,7 @@ def client(settings: Settings) -> Iterator[FlaskClient]:
     app.extensions["seamark"].close()
 
 
-@pytest.mark.parametrize("path", ["/", "/runs/", "/leaderboards/currents-v1", "/metrics"])
+@pytest.mark.parametrize("path", ["/", "/runs/", "/leaderboards/currents-v1"])
 def test_a_page_is_unavailable_for_now(client: FlaskClient, path: str) -> None:
     answer = client.get(path, headers={"Accept": "text/html"})
 
@@ -32,6 +32,10 @@ def test_the_api_answers_with_the_problem_unavailable(client: FlaskClient, path:
 
     assert (answer.status_code, answer.headers["Retry-After"]) == (503, "5")
     assert answer.get_json()["type"] == "/problems/unavailable"
+
+
+def test_the_metrics_say_so(client: FlaskClient) -> None:
+    assert "seamark_database_up 0.0" in client.get("/metrics").text
 
 
 def test_the_process_is_alive_but_not_ready(client: FlaskClient) -> None:
