@@ -6,7 +6,7 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from sqlalchemy import ColumnElement, ScalarSelect, delete, func, select, update
+from sqlalchemy import ColumnElement, ScalarSelect, bindparam, delete, func, select, update
 from sqlalchemy.orm import Session
 
 from seamark.sandbox.isolation.level import IsolationLevel
@@ -16,6 +16,8 @@ from seamark.server.settings import Settings
 
 ALIVE_S = 35.0  # a worker counts as dead after this time without a heartbeat
 LISTED_S = 86_400.0  # dead workers stay listed for a day
+_ALIVE = Worker.seen_at.between(bindparam("seen_since"), bindparam("seen_until"))
+_CLAIMS = _ALIVE & Worker.drained_at.is_(None)  # with the values of `bound`
 LISTED_MAX = 1000  # workers whose boxes are compared
 RUNNING = "running"  # state of a process; any other text but the next says what is wrong
 PREPARING = "preparing"  # state of a simulator that is loading, or compiled for the first time
@@ -101,13 +103,20 @@ def resume(session: Session, name: str) -> bool:
 
 def is_drained(session: Session, process: str) -> bool:
     """Return whether the worker of a process, named "<worker>/<process>", is drained."""
-    return bool(session.scalar(select(drained(process))))
+    return bool(session.scalar(select(drained()), bound(process)))
 
 
-def drained(process: str) -> ColumnElement[bool]:
-    """Return `is_drained` as an expression, for a query that asks for more."""
-    mine = (Worker.name == worker_of(process), Worker.drained_at.is_not(None))
+def drained() -> ColumnElement[bool]:
+    """Return `is_drained` as an expression, for a query that asks for more; see `bound`."""
+    mine = (Worker.name == bindparam("this_worker"), Worker.drained_at.is_not(None))
     return select(Worker.name).where(*mine).exists()
+
+
+def bound(process: str = "") -> dict[str, object]:
+    """Return the values of the expressions that `drained` and `slots` return."""
+    now = time.time()  # no heartbeat is from the future, unless the clock was set back since
+    since, until = now - ALIVE_S, now + ALIVE_S
+    return {"this_worker": worker_of(process), "seen_since": since, "seen_until": until}
 
 
 def worker_of(process: str) -> str:
@@ -144,17 +153,17 @@ def listed(session: Session) -> list[WorkerStatus]:
 
 def alive_count(session: Session) -> int:
     """Return how many workers are alive and not drained."""
-    return session.scalar(select(func.count()).where(_claims())) or 0
+    return session.scalar(select(func.count()).where(_CLAIMS), bound()) or 0
 
 
 def slot_count(session: Session) -> int:
     """Return how many runs the workers that are alive and not drained can run together."""
-    return session.scalar(select(slots())) or 0
+    return session.scalar(select(slots()), bound()) or 0
 
 
 def slots() -> ScalarSelect[int | None]:
-    """Return `slot_count` as an expression; NULL without workers."""
-    return select(func.sum(Worker.slots)).where(_claims()).scalar_subquery()
+    """Return `slot_count` as an expression, see `bound`; NULL without workers."""
+    return select(func.sum(Worker.slots)).where(_CLAIMS).scalar_subquery()
 
 
 @dataclass(frozen=True, slots=True)
@@ -181,7 +190,7 @@ class Environment:
 
 def environments(session: Session) -> list[Environment]:
     """Return what programs find now, for each language that a worker can run."""
-    alive = list(session.scalars(select(Worker).where(_claims()).limit(LISTED_MAX)))
+    alive = list(session.scalars(select(Worker).where(_CLAIMS).limit(LISTED_MAX), bound()))
     found = []
     for language in LANGUAGES:
         running = [worker for worker in alive if language in worker.languages]
@@ -212,7 +221,7 @@ def upload_refusal(session: Session, language: str, settings: Settings) -> str |
 
     Without a worker that claims runs, the run waits for one and is not refused.
     """
-    alive = list(session.scalars(select(Worker).where(_claims())))
+    alive = list(session.scalars(select(Worker).where(_CLAIMS), bound()))
     if not alive:
         return None
     needed = IsolationLevel[settings.sandbox_min_level.upper()]
@@ -234,9 +243,3 @@ def _language_refusal(language: str, workers: Collection[Worker]) -> str:
     why = next((finding["why"] for finding in findings if finding["name"] == name), "")
     sentence = f"No worker of this service can run {name}"
     return f"{sentence}: {why.rstrip('.')}." if why else f"{sentence}."
-
-
-def _claims() -> ColumnElement[bool]:
-    now = time.time()  # no heartbeat is from the future, unless the clock was set back since
-    alive = Worker.seen_at.between(now - ALIVE_S, now + ALIVE_S)
-    return alive & Worker.drained_at.is_(None)

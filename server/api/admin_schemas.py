@@ -8,6 +8,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from seamark.server import audit
 from seamark.server.administration.people import PAGE_MAX, QUOTA_DAY_MAX, SEARCH_MAX
+from seamark.server.api.query import Query
 from seamark.server.api.schemas import ResponseModel, Text
 from seamark.server.web.url_converters import ROW_ID_MAX
 
@@ -34,7 +35,7 @@ class WorkerChange(BaseModel):
     drained: bool = Field(description="true: it ends the runs that it has and claims no more")
 
 
-class AccountsQuery(BaseModel):
+class AccountsQuery(Query):
     """Filters and pagination of accounts, newest first."""
 
     q: Text = Field("", max_length=SEARCH_MAX, description="Part of the name")
@@ -61,13 +62,13 @@ class AccountChange(BaseModel):
     )
 
 
-class AccountDeletionQuery(BaseModel):
+class AccountDeletionQuery(Query):
     """What happens to the published runs of an account that is deleted."""
 
     keep_published: bool = Field(False, description="Leave them under the name Deleted user")
 
 
-class AuditQuery(BaseModel):
+class AuditQuery(Query):
     """Filters and pagination of the audit log, newest first."""
 
     action: Text = Field("", max_length=40, description="For example role_changed")

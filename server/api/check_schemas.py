@@ -6,6 +6,7 @@ from typing import Literal
 
 from pydantic import BaseModel, Field
 
+from seamark.server.api.query import Query
 from seamark.server.api.schemas import ResponseModel
 from seamark.server.programs.diagnostics import Diagnostic
 from seamark.server.web.url_converters import ROW_ID_MAX
@@ -17,7 +18,7 @@ class CheckPath(BaseModel):
     check_id: int = Field(ge=1, le=ROW_ID_MAX, description="Id of the check")
 
 
-class CheckQuery(BaseModel):
+class CheckQuery(Query):
     """What is done, and how long the request waits for it."""
 
     run: bool = Field(True, description="false: only read the program; nothing is compiled or run")

@@ -7,6 +7,7 @@ from typing import Any, Literal
 from pydantic import BaseModel, ConfigDict, Field
 
 from seamark.server.accounts.accounts import NAME_MAX as USER_NAME_MAX
+from seamark.server.api.query import Query
 from seamark.server.api.schemas import CONFIG_MAX, ResponseModel, Text
 from seamark.server.classes.assignments import INSTRUCTIONS_MAX, TITLE_MAX
 from seamark.server.classes.classrooms import NAME_MAX
@@ -32,7 +33,7 @@ class AssignmentPath(BaseModel):
     assignment_id: int = Field(ge=1, le=ROW_ID_MAX, description="Id of the assignment")
 
 
-class PupilsQuery(BaseModel):
+class PupilsQuery(Query):
     """Pagination of pupils, in the order of their names."""
 
     after: str = Field("", max_length=USER_NAME_MAX, description="`next` of the previous page")
@@ -44,7 +45,7 @@ class ProgressQuery(PupilsQuery):
     format: Literal["json", "csv"] = Field("json", description="csv: all pupils, with metrics")
 
 
-class ExportQuery(BaseModel):
+class ExportQuery(Query):
     """What the archive of an account has."""
 
     telemetry: bool = Field(False, description="Include the recorded rows of all runs")

@@ -11,9 +11,10 @@ from typing import Any
 from flask import Response, jsonify
 from flask_openapi3.blueprint import APIBlueprint
 from flask_openapi3.models.tag import Tag
-from pydantic import BaseModel, Field
+from pydantic import Field
 
 from seamark.server.api.operation_ids import operation_id
+from seamark.server.api.query import Query
 from seamark.server.api.schemas import ResponseModel, RunResponse, run_answer
 from seamark.server.runs import overlaid_series
 from seamark.server.runs.overlaid_series import Part
@@ -41,7 +42,7 @@ api = APIBlueprint(
 )
 
 
-class CompareQuery(BaseModel):
+class CompareQuery(Query):
     """The runs, and what is returned of their telemetry."""
 
     runs: str = Field(

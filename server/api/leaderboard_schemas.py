@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from typing import Literal
 
-from pydantic import BaseModel, Field
+from pydantic import Field
 
+from seamark.server.api.query import Query
 from seamark.server.api.schemas import ResponseModel
 from seamark.server.runs.leaderboard_filters import SORTED_MAX
 
 
-class RankQuery(BaseModel):
+class RankQuery(Query):
     """Filters, order, pagination and format of the leaderboard."""
 
     vehicle: str = Field("", max_length=40, description="Vehicle of the run, such as girona500")

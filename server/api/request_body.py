@@ -9,6 +9,7 @@ from flask import request
 from pydantic import BaseModel, Field, ValidationError
 from werkzeug.datastructures import FileStorage
 
+from seamark.server.api.query import Query
 from seamark.server.api.schemas import RunRequest
 from seamark.server.runs.submission import Submission
 from seamark.server.runs.submission_keys import SubmissionKey
@@ -22,7 +23,7 @@ Model = TypeVar("Model", bound=BaseModel)
 Run = TypeVar("Run", bound=RunRequest)
 
 
-class SubmissionHeaders(BaseModel):
+class SubmissionHeaders(Query):
     """Headers of a submission."""
 
     key: str | None = Field(

@@ -6,6 +6,7 @@ from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from seamark.server.api.query import Query
 from seamark.server.api.schemas import Text
 from seamark.server.runs.run_lists import PROGRAMS, SEARCH_MAX, SEEN_MAX, RunOrder
 from seamark.server.runs.run_notes import NOTES_MAX, TITLE_MAX
@@ -21,7 +22,7 @@ class RunEdit(BaseModel):
     notes: Text | None = Field(None, max_length=NOTES_MAX, description="Plain text")
 
 
-class RunsQuery(BaseModel):
+class RunsQuery(Query):
     """Filters and pagination of the list of runs."""
 
     which: Literal["mine", "public", "all"] = Field("mine", description="`all` is for admins only")

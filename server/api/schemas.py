@@ -8,6 +8,7 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
 from seamark.server.accounts import invitations, profiles
 from seamark.server.accounts.accounts import NAME_MAX, TOKEN_DAYS, TOKEN_DAYS_MAX, TOKEN_NAME_MAX
+from seamark.server.api.query import Query
 from seamark.server.runs.columns import PublicRun
 from seamark.server.runs.run_notes import NOTES_MAX, TITLE_MAX
 from seamark.server.runs.views import RunView
@@ -80,13 +81,13 @@ class RunRequest(BaseModel):
     )
 
 
-class TelemetryQuery(BaseModel):
+class TelemetryQuery(Query):
     """Part of the telemetry."""
 
     start: int = Field(0, ge=0, le=ROW_ID_MAX, description="First row, to continue a download")
 
 
-class SeriesQuery(BaseModel):
+class SeriesQuery(Query):
     """Columns and resolution."""
 
     columns: str = Field(
@@ -103,25 +104,25 @@ class SeriesQuery(BaseModel):
     )
 
 
-class TrialQuery(BaseModel):
+class TrialQuery(Query):
     """One trial."""
 
     trial: int = Field(0, ge=0, le=10000)
 
 
-class LogQuery(BaseModel):
+class LogQuery(Query):
     """Part of the log."""
 
     after: int = Field(0, ge=0, le=ROW_ID_MAX, description="X-Next-Offset of the previous response")
 
 
-class EventsQuery(BaseModel):
+class EventsQuery(Query):
     """Where a stream of events begins."""
 
     after: str = Field("", max_length=60, description="Id of an event, as in Last-Event-ID")
 
 
-class CameraQuery(BaseModel):
+class CameraQuery(Query):
     """Trial and time of a camera image."""
 
     trial: int = Field(0, ge=0, le=10000)
@@ -130,7 +131,7 @@ class CameraQuery(BaseModel):
     truth: bool = Field(True, description="Draw the true outline")
 
 
-class SceneQuery(BaseModel):
+class SceneQuery(Query):
     """Trial and level of a scene."""
 
     trial: int = Field(0, ge=0, le=10000)
@@ -143,7 +144,7 @@ class TextureQuery(SceneQuery):
     part: Literal["seabed", "target"] = Field("seabed", description="Which surface")
 
 
-class DatasetQuery(BaseModel):
+class DatasetQuery(Query):
     """Selection of camera images."""
 
     trial: int = Field(0, ge=0, le=10000)
@@ -243,7 +244,7 @@ class UserPath(BaseModel):
     name: str = Field(min_length=1, max_length=NAME_MAX, description="Name of the account")
 
 
-class UserQuery(BaseModel):
+class UserQuery(Query):
     """Pagination of the published runs of a user."""
 
     after: int | None = Field(None, ge=1, le=ROW_ID_MAX, description="`next` of the previous page")

@@ -18,6 +18,9 @@ class AdvisoryLock(IntEnum):
     SCHEMA = 0x5EA_0006  # migrations
 
 
+_ACQUIRE = text("SELECT pg_advisory_xact_lock(:key)")
+
+
 def acquire(session: Session | Connection, lock: AdvisoryLock) -> None:
     """Wait for the lock and hold it until the transaction ends.
 
@@ -25,4 +28,4 @@ def acquire(session: Session | Connection, lock: AdvisoryLock) -> None:
     """
     connection = session.connection() if isinstance(session, Session) else session
     if connection.dialect.name == "postgresql":
-        connection.execute(text("SELECT pg_advisory_xact_lock(:key)"), {"key": int(lock)})
+        connection.execute(_ACQUIRE, {"key": int(lock)})

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import Any, Self
 
 from sqlalchemy import ColumnElement, Row, Select, and_, delete, func, or_, select, update
-from sqlalchemy.orm import Session, load_only
+from sqlalchemy.orm import Session
 
 from seamark.server.database.advisory_locks import AdvisoryLock, acquire
 from seamark.server.database.tables import IS_BASELINE, Best, Result, Run, User
@@ -47,9 +47,14 @@ class Cursor:
 
 
 _ORDER = (Best.score.desc(), Best.reached_at, Best.user_id)
-# What a `Rank` shows of its run and user:
-_RUN_COLUMNS = (Run.benchmark, Run.config, Run.controller, Run.program_name, Run.title, Run.notes)
-_USER_COLUMNS = (User.name, User.affiliation)
+# What a `Rank` has of its rows, by its names. Columns alone: objects of the ORM take longer.
+_COLUMNS = (
+    *(Best.user_id, Best.run_id, Best.is_baseline, Best.score, Best.level_held, Best.submissions),
+    *(Best.reached_at, Best.language, Best.vehicle, Best.tracker, Best.metrics),
+    *(Best.score_low.label("low"), Best.score_high.label("high")),
+    *(Run.benchmark, Run.config, Run.controller, Run.program_name, Run.title, Run.notes),
+    *(User.name.label("user"), User.affiliation),
+)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -101,17 +106,17 @@ def page(
         number = people_down_to(session, benchmark, after)
     people = score_counts.population(session, benchmark)
     ranks: list[Rank] = []
-    for best, run, user in session.execute(query):
-        number += not best.is_baseline
-        ranks.append(_rank(best, run, user, number, people))
+    for row in session.execute(query):
+        number += not row.is_baseline
+        ranks.append(_rank(row, number, people))
     return ranks
 
 
 def leaders(session: Session, benchmark: Benchmark, count: int) -> list[Rank]:
     """Return the first rows of a leaderboard, without baselines and without ranges of ranks."""
     query = _rows(benchmark.name).order_by(*_ORDER).limit(count + len(benchmark.baselines))
-    people = [row for row in session.execute(query) if not row[0].is_baseline][:count]
-    return [_rank(*row, number, None) for number, row in enumerate(people, start=1)]
+    people = [row for row in session.execute(query) if not row.is_baseline][:count]
+    return [_rank(row, number, None) for number, row in enumerate(people, start=1)]
 
 
 @dataclass(frozen=True, slots=True)
@@ -167,11 +172,9 @@ def baseline_keys(session: Session, benchmark: str, *, after: Cursor | None = No
 def rows_of(session: Session, benchmark: str, chosen: Sequence[Key]) -> list[Rank]:
     """Return the whole rows of some keys, in their order."""
     query = _rows(benchmark).where(Best.user_id.in_([key.user_id for key in chosen]))
-    found = {best.user_id: (best, run, user) for best, run, user in session.execute(query)}
+    found = {row.user_id: row for row in session.execute(query)}
     people = score_counts.population(session, benchmark)
-    return [
-        _rank(*found[key.user_id], key.number, people) for key in chosen if key.user_id in found
-    ]
+    return [_rank(found[key.user_id], key.number, people) for key in chosen if key.user_id in found]
 
 
 def rank_of(session: Session, benchmark: str, user_id: int) -> Rank | None:
@@ -179,10 +182,9 @@ def rank_of(session: Session, benchmark: str, user_id: int) -> Rank | None:
     found = session.execute(_rows(benchmark).where(Best.user_id == user_id)).one_or_none()
     if found is None:
         return None
-    best, run, user = found
-    here = Cursor(best.score, best.reached_at, best.user_id)
+    here = Cursor(found.score, found.reached_at, found.user_id)
     number = people_down_to(session, benchmark, here)
-    return _rank(best, run, user, number, score_counts.population(session, benchmark))
+    return _rank(found, number, score_counts.population(session, benchmark))
 
 
 def refresh(session: Session, benchmark: str, user_id: int) -> None:
@@ -309,14 +311,11 @@ def _best(run: Run, result: Result, is_baseline: bool) -> Best:
     )
 
 
-def _rows(benchmark: str) -> Select[Best, Run, User]:
+def _rows(benchmark: str) -> Select[*tuple[Any, ...]]:
     return (
-        select(Best, Run, User)
+        select(*_COLUMNS, Best.standard_error, Best.degrees)
         .join(Run, Run.id == Best.run_id)
         .join(User, User.id == Best.user_id)
-        .options(
-            load_only(*_RUN_COLUMNS, raiseload=True), load_only(*_USER_COLUMNS, raiseload=True)
-        )
         .where(Best.benchmark == benchmark)
     )
 
@@ -352,37 +351,15 @@ def people_down_to(session: Session, benchmark: str, here: Cursor) -> int:
     return score_counts.at_or_above(session, benchmark, here.score, not_below=not_below)
 
 
-def _estimate(best: Best) -> Estimate:
+def _estimate(best: Best | Row[*tuple[Any, ...]]) -> Estimate:
     return Estimate(score=best.score, standard_error=best.standard_error, degrees=best.degrees)
 
 
-def _rank(best: Best, run: Run, user: User, number: int, people: Population | None) -> Rank:
+def _rank(row: Row[*tuple[Any, ...]], number: int, people: Population | None) -> Rank:
     low, high = None, None
-    if people is not None and not best.is_baseline:
-        low, high = people.rank_range(_estimate(best))
-    return Rank(
-        rank=None if best.is_baseline else number,
-        rank_low=low,
-        rank_high=high,
-        user_id=user.id,
-        user=user.name,
-        is_baseline=best.is_baseline,
-        run_id=best.run_id,
-        benchmark=run.benchmark,
-        config=run.config,
-        controller=run.controller,
-        program_name=run.program_name,
-        title=run.title,
-        notes=run.notes,
-        affiliation=user.affiliation,
-        language=best.language,
-        vehicle=best.vehicle,
-        tracker=best.tracker,
-        metrics=best.metrics or {},
-        score=best.score,
-        low=best.score_low,
-        high=best.score_high,
-        level_held=best.level_held,
-        submissions=best.submissions,
-        reached_at=best.reached_at,
-    )
+    if people is not None and not row.is_baseline:
+        low, high = people.rank_range(_estimate(row))
+    values = row._asdict() | {"metrics": row.metrics or {}}
+    del values["standard_error"], values["degrees"]
+    rank = None if row.is_baseline else number
+    return Rank(rank=rank, rank_low=low, rank_high=high, **values)

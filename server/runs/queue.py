@@ -16,7 +16,7 @@ from functools import partial
 from typing import Any
 
 import structlog
-from sqlalchemy import ColumnElement, Select, func, or_, select, update
+from sqlalchemy import ColumnElement, Select, String, bindparam, func, or_, select, update
 from sqlalchemy.orm import Session
 
 from seamark.server import meters, workers
@@ -79,6 +79,35 @@ class Recovery:
     queued: int = 0  # length of the queue afterwards
 
 
+def _situation() -> Select[bool, int | None, float, bool]:
+    guests_wait = select(Turn.owner).where(turns.IS_WAITING, Turn.priority == int(Priority.GUEST))
+    known = (workers.drained(), workers.slots(), counters.stored(PASSED_OVER))
+    return select(*known, guests_wait.exists())
+
+
+def _first() -> Select[int]:
+    """Select the run whose turn it is among the owners of one priority."""
+    known = bindparam("languages", expanding=True, type_=String)
+    suitable = or_(Run.language.is_(None), Run.language.in_(known))
+    run = select(func.min(Run.id)).where(Run.owner == Turn.owner, IS_QUEUED, suitable)
+    run_id = run.correlate(Turn).scalar_subquery()
+    return (
+        select(run_id)
+        .where(turns.IS_WAITING, Turn.priority == bindparam("priority"))
+        .where(Turn.running < bindparam("limit"), run_id.is_not(None))
+        .order_by(Turn.running, Turn.served_at, Turn.next_run)
+        .limit(1)
+    )
+
+
+# What is asked at each claim, built once: building it takes longer than the database with it.
+_SITUATION, _FIRST = _situation(), _first()
+_CLAIMED = (
+    Run.queued_at,
+    *(getattr(Run, name) for name in Claim.model_fields if hasattr(Run, name)),
+)
+
+
 def claim(
     session: Session, worker: str, *, languages: Collection[str], settings: Settings
 ) -> Claim | None:
@@ -99,9 +128,8 @@ def claim(
         Of the uploads that this worker can run; empty: built-in programs only.
     """
     acquire(session, AdvisoryLock.CLAIM)
-    guests_wait = select(Turn.owner).where(turns.IS_WAITING, Turn.priority == int(Priority.GUEST))
-    known = (workers.drained(worker), workers.slots(), counters.stored(PASSED_OVER))
-    drained, places, stored, guests = session.execute(select(*known, guests_wait.exists())).one()
+    bound = workers.bound(worker)
+    drained, places, stored, guests = session.connection().execute(_SITUATION, bound).one()
     if drained:
         return None
     passed_over, limit = int(stored or 0), _running_limit(places or 0, settings)
@@ -115,10 +143,11 @@ def claim(
         "started_at": now,
         "lease_until": now + settings.lease_s,
     }
-    reset: dict[str, Any] = {"attempt": Run.attempt + 1, "progress": 0.0, "t_simulated": 0.0}
-    if not move(session, run_id, RunState.QUEUED, RunState.RUNNING, **lease, **reset):
+    reset: dict[str, Any] = {"progress": 0.0, "t_simulated": 0.0}
+    start = partial(move, session, run_id, RunState.QUEUED, RunState.RUNNING, returning=_CLAIMED)
+    run = start(**lease, **reset)
+    if run is None:
         return None  # cancelled, on PostgreSQL, between the two statements
-    run = session.get_one(Run, run_id)
     if run.attempt == 1:  # a repeated run has kept its time of submission
         waiting = meters.RUN_WAITING.labels(priority.lane)
         after_commit(session, partial(waiting.observe, max(now - run.queued_at, 0.0)))
@@ -126,7 +155,8 @@ def claim(
     now_passed = min(passed_over + 1, GUEST_SHARE) if counts else 0
     if now_passed != passed_over:
         counters.store(session, PASSED_OVER, now_passed)
-    return Claim.from_rows(run, run_id=run.id, lease_s=settings.lease_s)
+    values = dict(run._mapping) | {"run_id": run_id, "lease_s": settings.lease_s}
+    return Claim.model_validate(values)
 
 
 def heartbeat(
@@ -271,24 +301,11 @@ def _next_in_turn(
     for priority in order:
         if priority is Priority.BASELINE and _baseline_runs(session):
             continue
-        run_id = session.scalar(_first_of(priority, languages, limit))
+        bound = {"priority": int(priority), "limit": limit, "languages": sorted(languages)}
+        run_id: int | None = session.connection().scalar(_FIRST, bound)
         if run_id is not None:
             return run_id, priority
     return None
-
-
-def _first_of(priority: Priority, languages: Collection[str], limit: int) -> Select[int]:
-    """Select the run whose turn it is among the owners of one priority."""
-    suitable = or_(Run.language.is_(None), Run.language.in_(sorted(languages)))
-    run = select(func.min(Run.id)).where(Run.owner == Turn.owner, IS_QUEUED, suitable)
-    run_id = run.correlate(Turn).scalar_subquery()
-    return (
-        select(run_id)
-        .where(turns.IS_WAITING, Turn.priority == int(priority), Turn.running < limit)
-        .where(run_id.is_not(None))
-        .order_by(Turn.running, Turn.served_at, Turn.next_run)
-        .limit(1)
-    )
 
 
 def _baseline_runs(session: Session) -> bool:

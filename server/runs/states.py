@@ -2,10 +2,13 @@
 
 import time
 from enum import StrEnum
+from functools import lru_cache
 from typing import Any
 
-from sqlalchemy import update
-from sqlalchemy.orm import Session
+from sqlalchemy import ColumnElement, Row, bindparam, update
+from sqlalchemy.orm import InstrumentedAttribute, Session
+from sqlalchemy.orm.util import identity_key
+from sqlalchemy.sql.dml import ReturningUpdate
 
 from seamark.server import meters
 from seamark.server.database.engine import after_commit
@@ -45,6 +48,10 @@ LIVE = tuple(NEXT_STATES)
 FINAL = tuple(state for state in RunState if state.final)
 
 
+_NEW = "new_"  # before the names of bound values: those of columns are reserved
+Returning = tuple[InstrumentedAttribute[Any], ...]
+
+
 class IllegalMove(Exception):
     """A bug: the table of transitions does not have this one."""
 
@@ -56,26 +63,54 @@ def move(
     new: RunState,
     *,
     fence: int | None = None,
+    returning: Returning = (),
     **values: Any,
-) -> bool:
-    """Move a run to its next state; False if another process was faster.
+) -> Row[Any] | None:
+    """Move a run to its next state; None if another process was faster.
 
-    With `fence` only the holder of that attempt can move it. `values` are columns written in the
-    same statement.
+    Parameters
+    ----------
+    fence
+        Only the holder of this attempt can move it. A run that starts has its next attempt.
+    returning
+        Columns of the run, as they are then, that are returned beside its owner and kind.
+    **values
+        Columns written in the same statement: values or expressions.
     """
     if new not in NEXT_STATES.get(old, frozenset()):
         raise IllegalMove(f"run {run_id}: {old} -> {new}")
     if new.final:
         values |= {"finished_at": time.time(), "lease_until": None}
-    # One conditional UPDATE: of two processes only one can make the transition.
-    change = update(Run).where(Run.id == run_id, Run.state == old).values(state=new, **values)
-    if fence is not None:
-        change = change.where(Run.attempt == fence)
-    moved = session.execute(change.returning(Run.owner, Run.kind)).one_or_none()
+    session.flush()
+    computed = {name: value for name, value in values.items() if isinstance(value, ColumnElement)}
+    plain = tuple(sorted(values.keys() - computed.keys()))
+    change = _change(old, new, fence is not None, plain, returning)
+    if computed:
+        change = change.values(**computed)
+    bound = {_NEW + name: values[name] for name in plain}
+    moved = session.connection().execute(change, bound | {"run": run_id, "fence": fence}).first()
     if moved is None:
-        return False
+        return None
+    if (loaded := session.identity_map.get(identity_key(Run, run_id))) is not None:
+        session.expire(loaded, ["state", "attempt", *values])
     turns.refresh(session, moved.owner, served=new is RunState.RUNNING)
     if new.final:
         ended = meters.RUNS_ENDED.labels(moved.kind, new, values.get("cause") or "")
         after_commit(session, ended.inc)
-    return True
+    return moved
+
+
+@lru_cache(maxsize=64)
+def _change(
+    old: RunState, new: RunState, fenced: bool, names: tuple[str, ...], returning: Returning
+) -> ReturningUpdate[*tuple[Any, ...]]:
+    """Build the statement once: that takes longer than the database needs for it."""
+    columns = {name: bindparam(_NEW + name, type_=getattr(Run, name).type) for name in names}
+    # One conditional UPDATE: of two processes only one can make the transition.
+    change = update(Run).where(Run.id == bindparam("run"), Run.state == old)
+    change = change.values(state=new, **columns)
+    if fenced:
+        change = change.where(Run.attempt == bindparam("fence"))
+    if new is RunState.RUNNING:
+        change = change.values(attempt=Run.attempt + 1)
+    return change.returning(Run.owner, Run.kind, *returning)

@@ -51,7 +51,9 @@ def _counting() -> Update:
     return update(Turn).where(Turn.owner == owner).values(served_at=served_at, **values)
 
 
-_COUNTING = _counting()  # built once: building it takes longer than the database with it
+# Built once: building them takes longer than the database with them.
+_COUNTING = _counting()
+_LOCKING = select(Turn.owner).where(Turn.owner == bindparam("this")).with_for_update()
 
 
 def refresh(session: Session, owner: str, *, served: bool = False) -> None:
@@ -113,7 +115,7 @@ def forget_idle(session: Session) -> None:
 
 def _lock(session: Session, owner: str) -> None:
     """Lock the row of an owner until the end of the transaction; insert it if it is missing."""
-    if session.scalar(select(Turn.owner).where(Turn.owner == owner).with_for_update()) is not None:
+    if session.connection().scalar(_LOCKING, {"this": owner}) is not None:
         return
     priority = int(_priority(session, owner))
     row = {"owner": owner, "priority": priority, "served_at": 0.0}
