@@ -37,7 +37,8 @@ class Controller:
         pass
 
     def step(self, observation):
-        while time.process_time() < 0.5:
+        begin_s = time.process_time()  # whatever its start took
+        while time.process_time() - begin_s < 0.3:
             pass
         return [0.0, 0.0, 0.0, 0.0]
 """
@@ -105,7 +106,9 @@ def level(request, isolation: IsolationLevel) -> IsolationLevel:
 
 
 @pytest.mark.host
-def test_a_program_that_the_host_hardly_runs_is_not_blamed_for_it(level) -> None:
+def test_a_program_that_the_host_hardly_runs_is_not_blamed_for_it(level, monkeypatch) -> None:
+    monkeypatch.setattr(session, "MAX_STEP_WALL_S", 60.0)  # others may want the core as well
+
     assert stepped_on_a_busy_core(COMPUTES, level, step_wall_s=2.0) == (0.0, 0.0, 0.0, 0.0)
 
 

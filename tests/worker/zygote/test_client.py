@@ -11,9 +11,11 @@ from seamark.sandbox.isolation.cgroup_parents import parent_groups
 from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.worker.evaluation.job import Job
 from seamark.worker.evaluation.worker_slot import WorkerSlot
+from seamark.worker.zygote import client
 from seamark.worker.zygote.client import Simulator, SimulatorBroken
 from tests.worker.service.test_side_processes import eventually
 
+COMPILED_S = 900.0  # a first start compiles the simulator, on a busy machine for many minutes
 # Started as `seamark.worker.zygote.process` is; it is warm as soon as a test
 # writes to the named pipe.
 SLOW = """
@@ -65,21 +67,25 @@ def test_a_simulator_that_ends_during_its_start_is_a_failure_of_the_platform(
         simulator.wait_warm(30.0)
 
 
+@pytest.mark.timeout(COMPILED_S + 60)
 def test_the_real_simulator_says_when_it_is_warm(tmp_path: Path) -> None:
     simulator = Simulator(WorkerSlot(IsolationLevel.NONE, None), tmp_path)
 
-    warm = simulator.wait_warm(240.0)
+    warm = simulator.wait_warm(COMPILED_S)
     simulator.stop()
 
     assert warm
 
 
 @pytest.mark.host
+@pytest.mark.timeout(COMPILED_S + 240)
 def test_a_simulator_that_is_stopped_during_a_run_leaves_no_control_group(
-    tmp_path: Path, isolation: IsolationLevel
+    tmp_path: Path, isolation: IsolationLevel, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     if isolation is not IsolationLevel.STRONG:
         pytest.skip("needs control groups")
+    # It removes its boxes itself, however long it takes to start the last of them first.
+    monkeypatch.setattr(client, "STOP_WITHIN_S", 120.0)
     program = tmp_path / "sleeps.py"
     program.write_text("import time\ntime.sleep(60)\nclass Controller: ...")
     job = Job(
@@ -92,7 +98,7 @@ def test_a_simulator_that_is_stopped_during_a_run_leaves_no_control_group(
     )
     slot = WorkerSlot(isolation, None, languages=("python", "c"), warm_boxes=1)
     simulator = Simulator(slot, tmp_path)
-    simulator.wait_warm(240.0)
+    assert simulator.wait_warm(COMPILED_S)
     owner = eventually(warm_zygote)
 
     with simulator.begin(job):
