@@ -3,6 +3,7 @@
     python -s -P -m seamark.worker.service.maintenance <parent>
 
 A process of its own and not a Celery task: tasks wait while all children are busy with long runs.
+Of many workers three are on duty (`Duty`); the others look only whether they are needed.
 """
 
 import sys
@@ -24,6 +25,7 @@ from seamark.server.runs import account_deletion, leaderboard
 from seamark.server.runs import queue as run_queue
 from seamark.server.runs.retention import Sweep, trim
 from seamark.server.settings import Settings
+from seamark.worker.service.duty import Duty
 from seamark.worker.service.lease_watch import LeaseWatch
 from seamark.worker.service.recovery import announce
 from seamark.worker.service.shutdown import follow_worker
@@ -47,24 +49,37 @@ class PeriodicTask:
 
     def __post_init__(self) -> None:
         """Schedule the first time."""
+        self.postpone()
+
+    @property
+    def is_due(self) -> bool:
+        """Whether it has to run now."""
+        return time.monotonic() >= self.due_at
+
+    def postpone(self) -> None:
+        """Let it be due one period from now."""
         self.due_at = time.monotonic() + self.period_s
 
 
-def run_due(tasks: Sequence[PeriodicTask]) -> bool:
-    """Run what is due; a failure is logged, and stops neither the other tasks nor the next time.
+def run_due(tasks: Sequence[PeriodicTask], *, on_duty: Callable[[], bool]) -> bool:
+    """Run what is due, if this process is on duty; otherwise another one does.
 
-    Returns whether anything was due.
+    A failure is logged, and stops neither the other tasks nor the next time. Returns whether
+    anything ran.
     """
-    due = [task for task in tasks if time.monotonic() >= task.due_at]
+    due = [task for task in tasks if task.is_due]
     for task in due:
-        task.due_at = time.monotonic() + task.period_s
+        task.postpone()
+    if not due or not on_duty():
+        return False
+    for task in due:
         try:
             with meters.MAINTENANCE_SECONDS.labels(task.name).time():
                 task.action()
         except Exception:
             meters.MAINTENANCE_FAILURES.labels(task.name).inc()
             _log.exception("maintenance_failed", task=task.name)
-    return bool(due)
+    return True
 
 
 class Recoverer:
@@ -148,10 +163,11 @@ def main(parent: str) -> None:
         PeriodicTask("forget_audit", FORGET_EVERY_S, lambda: forget_audit(database, settings)),
         PeriodicTask("trim_data", TRIM_EVERY_S, lambda: trim(database, settings)),
     ]
-    shared = SharedMeters(redis)
+    shared, duty = SharedMeters(redis), Duty(redis, kept_s=3 * recovery_s)
     while not stopping.wait(POLL_S):
-        if run_due(tasks):
+        if run_due(tasks, on_duty=duty.is_mine):
             shared.add()
+    duty.give_up()
 
 
 if __name__ == "__main__":

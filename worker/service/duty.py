@@ -1,0 +1,55 @@
+"""Which workers look after what all share: each for itself would be a thousand looking at the same.
+
+A few rather than one: the death of a worker is then noticed as fast as before, by another that has
+watched the leases all the time.
+"""
+
+from contextlib import suppress
+
+from redis import Redis
+from redis.exceptions import LockError, RedisError
+from redis.lock import Lock
+
+HOLDERS = 3
+KEY = "seamark:duty:{}"
+
+
+class Duty:
+    """One of `HOLDERS` places, which a process keeps as long as it asks often enough.
+
+    Parameters
+    ----------
+    kept_s
+        Time after which a silent holder loses its place.
+    """
+
+    def __init__(self, redis: "Redis", *, kept_s: float) -> None:
+        self._places = [
+            redis.lock(KEY.format(number), timeout=kept_s, blocking=False)
+            for number in range(HOLDERS)
+        ]
+        self._place: Lock | None = None
+
+    def is_mine(self) -> bool:
+        """Take or keep a place; True without a broker: rather too many look than nobody."""
+        try:
+            if self._place is not None and _kept(self._place):
+                return True
+            self._place = next((place for place in self._places if place.acquire()), None)
+        except RedisError:
+            return True
+        return self._place is not None
+
+    def give_up(self) -> None:
+        """Leave the place to another process at once."""
+        if self._place is not None:
+            with suppress(RedisError):  # no longer ours, or the broker is away
+                self._place.release()
+            self._place = None
+
+
+def _kept(place: Lock) -> bool:
+    try:
+        return bool(place.reacquire())
+    except LockError:
+        return False
