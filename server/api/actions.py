@@ -32,7 +32,8 @@ api = APIBlueprint(
 def cancel(path: RunPath) -> dict[str, Any]:
     """Cancel a queued or running run. What it recorded so far is kept."""
     before = access.run_for(path.run_id, Action.CANCEL)
-    if not cancellation.cancel(services().database, services().redis, path.run_id):
+    held, by = services(), access.not_owner(before)
+    if not cancellation.cancel(held.database, held.redis, path.run_id, not_owner=by):
         raise Problem("conflict", f"The run has already ended: it is {before.state.value}.")
     return _answer(path.run_id)
 

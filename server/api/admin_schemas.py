@@ -7,6 +7,7 @@ from typing import Any, Literal
 from pydantic import BaseModel, ConfigDict, Field
 
 from seamark.server import audit
+from seamark.server.administration.live_runs import WAITING_MAX
 from seamark.server.administration.people import PAGE_MAX, QUOTA_DAY_MAX, SEARCH_MAX
 from seamark.server.api.query import Query
 from seamark.server.api.schemas import ResponseModel, Text
@@ -112,6 +113,35 @@ class WorkersResponse(ResponseModel):
     """The workers that were seen in the last 24 hours."""
 
     workers: list[WorkerResponse]
+
+
+class LiveRunResponse(ResponseModel):
+    """A run that waits or is evaluated."""
+
+    id: int
+    user: str | None = Field(description="null: a guest")
+    benchmark: str
+    kind: str
+    controller: str
+    program_name: str | None
+    language: str | None = Field(description="Of an uploaded program")
+    expected_s: float | None = Field(description="Expected duration of the evaluation [s]")
+    queued_at: float
+    started_at: float | None
+    progress: float
+    attempt: int
+    rejudges: int | None = Field(description="The run that a rejudgement computes again")
+    worker: str | None
+
+
+class QueueResponse(ResponseModel):
+    """The queue."""
+
+    queued: int = Field(description="All runs that wait")
+    waiting: list[LiveRunResponse] = Field(
+        description=f"The first {WAITING_MAX}, in the order in which they will start"
+    )
+    running: list[LiveRunResponse]
 
 
 class AccountResponse(ResponseModel):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import asdict
 from typing import Any, TypeVar
 
 from flask import Response, request, url_for
@@ -14,7 +15,7 @@ from seamark.server import audit
 from seamark.server.accounts import password_resets
 from seamark.server.accounts.accounts import AccountRejected
 from seamark.server.accounts.permissions import Action, Role
-from seamark.server.administration import fleet, overview, people
+from seamark.server.administration import fleet, live_runs, overview, people
 from seamark.server.administration.fleet import FleetWorker
 from seamark.server.administration.people import PersonFilter
 from seamark.server.api.admin_schemas import (
@@ -27,6 +28,7 @@ from seamark.server.api.admin_schemas import (
     AuditQuery,
     AuditResponse,
     OverviewResponse,
+    QueueResponse,
     ResetLinkResponse,
     WorkerChange,
     WorkerPath,
@@ -87,6 +89,17 @@ def change_worker(path: WorkerPath, body: WorkerChange) -> dict[str, Any]:
     if not body.drained:
         services().wake_worker()
     return _worker(found[0])
+
+
+@api.get("/queue", responses={200: QueueResponse})
+def show_queue() -> dict[str, Any]:
+    """Return the runs that start next, in their order, and those that are evaluated."""
+    with services().database.reading() as session:
+        found = live_runs.listed(session)
+    lists = {"waiting": found.waiting, "running": found.running}
+    return {"queued": found.length} | {
+        name: [asdict(run) for run in runs] for name, runs in lists.items()
+    }
 
 
 @api.get("/users", responses={200: AccountsResponse})

@@ -8,11 +8,13 @@ from sqlalchemy.orm import Session
 
 from seamark.sandbox.languages import LANGUAGES
 from seamark.server.accounts.permissions import Action
-from seamark.server.administration import fleet
+from seamark.server.administration import fleet, live_runs
 from seamark.server.administration import overview as service_overview
 from seamark.server.audit import Actor
+from seamark.server.runs import cancellation
 from seamark.server.web import access
 from seamark.server.web.services import services
+from seamark.server.web.url_converters import row_id
 
 page = Blueprint("administration", __name__, url_prefix="/admin")
 
@@ -55,6 +57,28 @@ def resume() -> ResponseReturnValue:
     return answer
 
 
+@page.get("/queue")
+def queue() -> ResponseReturnValue:
+    """Show the runs that start next, and those that are evaluated."""
+    with services().database.reading() as session:
+        found = live_runs.listed(session)
+    return render_template("admin/queue.html", found=found)
+
+
+@page.post("/queue/cancel")
+def cancel() -> ResponseReturnValue:
+    """Cancel a queued or running run."""
+    run_id = request.form.get("run", type=row_id)
+    run = access.run_for(run_id or 0, Action.CANCEL)
+    held, by = services(), access.not_owner(run)
+    done = cancellation.cancel(held.database, held.redis, run.id, not_owner=by)
+    flash(
+        f"Run #{run.id} is cancelled." if done else f"Run #{run.id} had already ended.",
+        "good" if done else "warn",
+    )
+    return redirect(url_for("administration.queue"), code=303)
+
+
 def _change_worker(
     change: Callable[[Session, Actor, str], bool], done: str, why_not: str
 ) -> ResponseReturnValue:
@@ -68,6 +92,7 @@ def _links() -> dict[str, str]:
     """Return the pages to which warnings lead, by area."""
     return {
         "workers": url_for("administration.workers"),
+        "queue": url_for("administration.queue"),
         "runs": url_for("runs.mine", of="all", state="failed"),
         "status": url_for("status.show"),
         "audit": url_for("audit_log.show", action="sign_in_blocked"),

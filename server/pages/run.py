@@ -89,8 +89,9 @@ def embed(run_id: int) -> ResponseReturnValue:
 @page.post("/<row:run_id>/cancel")
 def cancel(run_id: int) -> ResponseReturnValue:
     """Cancel a queued or running run; the data so far is kept."""
-    access.run_for(run_id, Action.CANCEL)
-    cancelled = cancellation.cancel(services().database, services().redis, run_id)
+    by = access.not_owner(access.run_for(run_id, Action.CANCEL))
+    held = services()
+    cancelled = cancellation.cancel(held.database, held.redis, run_id, not_owner=by)
     done = "The run is cancelled. What it recorded so far is kept."
     return _back(run_id, cancelled, done, "The run had already ended.")
 

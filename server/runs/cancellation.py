@@ -4,6 +4,8 @@ import structlog
 from redis import Redis
 from redis.exceptions import RedisError
 
+from seamark.server import audit
+from seamark.server.audit import Actor, AuditAction
 from seamark.server.database.engine import Database
 from seamark.server.messaging import live_events
 from seamark.server.runs import results, sweeps
@@ -12,13 +14,22 @@ from seamark.server.runs.states import RunState
 _log = structlog.get_logger()
 
 
-def cancel(database: Database, redis: "Redis", run_id: int) -> bool:
+def cancel(
+    database: Database, redis: "Redis", run_id: int, *, not_owner: Actor | None = None
+) -> bool:
     """Cancel a run and tell its viewers; False if it has already ended.
 
     The worker that has the run tells those of a running one.
+
+    Parameters
+    ----------
+    not_owner
+        Who cancels a run of somebody else, for the audit log.
     """
     with database.writing() as session:
         before = results.cancel(session, run_id)
+        if before is not None and not_owner is not None:
+            audit.record(session, not_owner, AuditAction.RUN_CANCELLED, f"run {run_id}")
     if before is RunState.QUEUED:
         try:
             live_events.publish_state(redis, run_id, RunState.CANCELLED)

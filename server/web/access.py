@@ -14,7 +14,7 @@ from flask import g
 from sqlalchemy.orm import Session
 
 from seamark.server import audit, storage
-from seamark.server.accounts.permissions import READ, RULES, Action, Owned, Role, Viewer, can
+from seamark.server.accounts.permissions import READ, RULES, Action, Owned, Role, Viewer, can, owns
 from seamark.server.audit import AuditAction
 from seamark.server.runs import sweeps, views
 from seamark.server.runs.files import RunFiles
@@ -37,6 +37,11 @@ def actor() -> audit.Actor:
     """Return who sent the request, as the audit log names them."""
     name = viewer().name or viewer().role.label
     return audit.Actor(name, client_network.address().removesuffix("/32"))
+
+
+def not_owner(run: Owned) -> audit.Actor | None:
+    """Return who sent the request, if the run is somebody else's."""
+    return None if owns(viewer(), run) else actor()
 
 
 def record(

@@ -60,3 +60,15 @@ def test_a_deleted_account_is_gone_from_the_list_at_once(site: Site) -> None:
     assert client.get(path, headers=headers).status_code == 404
     listed = _get(site, "/users?q=a")["users"]
     assert [user["name"] for user in listed] == ["olga", "eva"]
+
+
+def test_the_queue_has_the_runs_that_start_next_and_those_that_run(site: Site) -> None:
+    running = site.running("ann").run_id
+    waiting = [site.queue(who) for who in ("ann", "ben")]
+
+    found = _get(site, "/queue")
+
+    assert found["queued"] == 2
+    assert [run["id"] for run in found["running"]] == [running]
+    assert [run["id"] for run in found["waiting"]] == waiting[::-1]
+    assert [run["user"] for run in found["waiting"]] == ["ben", "ann"]

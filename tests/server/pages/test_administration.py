@@ -254,3 +254,40 @@ def test_blocked_sign_ins_are_in_the_log_once_and_without_what_was_typed(site: S
         ("anonymous", "sign_in_blocked", "", {}),
         ("anonymous", "sign_in_blocked", "ann", {}),
     ]
+
+
+def test_the_queue_is_listed_in_the_order_in_which_runs_start_and_with_their_workers(
+    site: Site,
+) -> None:
+    _register(site)
+    running = site.running("ann").run_id
+    waiting = [site.queue(who) for who in ("ann", "ben", "guest")]
+
+    page = site.browser("root").get("/admin/queue").text
+    numbers = [int(number) for number in re.findall(r'<a href="/runs/(\d+)">#', page)]
+
+    assert numbers == [running, waiting[1], waiting[0], waiting[2]]
+    assert "Waiting: 3" in page
+
+
+def test_an_admin_cancels_a_queued_run_of_somebody_else_which_is_logged(site: Site) -> None:
+    run_id, root = site.queue("ann"), site.browser("root")
+
+    answers = [
+        root.post("/admin/queue/cancel", {"run": run}, follow_redirects=True).text
+        for run in (run_id, run_id)
+    ]
+
+    assert site.show(run_id).state is RunState.CANCELLED
+    assert f"Run #{run_id} is cancelled." in answers[0]
+    assert f"Run #{run_id} had already ended." in answers[1]
+    assert _log(site) == [("root", "run_cancelled", f"run {run_id}", {})]
+
+
+def test_who_cancels_an_own_run_leaves_no_entry(site: Site) -> None:
+    run_id = site.queue("ann")
+
+    site.browser("ann").post(f"/runs/{run_id}/cancel")
+
+    assert site.show(run_id).state is RunState.CANCELLED
+    assert _log(site) == []

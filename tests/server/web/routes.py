@@ -128,6 +128,8 @@ ADMIN: dict[tuple[str, str], Entry] = {
     ("GET", "/admin/workers"): Entry(administers),
     ("POST", "/admin/workers/drain"): Entry(administers, 303),
     ("POST", "/admin/workers/resume"): Entry(administers, 303),
+    ("GET", "/admin/queue"): Entry(administers),
+    ("POST", "/admin/queue/cancel"): Entry(administers, 404),
     ("GET", "/admin/users"): Entry(administers),
     ("GET", US): Entry(administers, path=U),
     ("POST", US): Entry(administers, 303, U),
@@ -142,6 +144,7 @@ ADMIN: dict[tuple[str, str], Entry] = {
     ("PATCH", "/api/v1/admin/workers/<string:worker>"): Entry(
         administers, 404, "/api/v1/admin/workers/w1@host", {"json": {"drained": True}}
     ),
+    ("GET", "/api/v1/admin/queue"): Entry(administers),
     ("GET", "/api/v1/admin/users"): Entry(administers),
     ("GET", API_US): Entry(administers, path=API_U),
     ("PATCH", API_US): Entry(administers, path=API_U, options={"json": {"quota_day": None}}),
