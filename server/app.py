@@ -28,6 +28,7 @@ from seamark.server.web import (
     compression,
     problems,
     rate_limits,
+    request_log,
     security_headers,
 )
 from seamark.server.web.asgi import AsgiApplication
@@ -53,6 +54,7 @@ def create_app(settings: Settings) -> OpenAPI:
     app_services = Services.start(settings)
     app.extensions["seamark"] = app_services
     atexit.register(app_services.close)
+    request_log.register(app)
     authentication.register(app)
     body_limits.register(app, settings)
     _protect(app)
@@ -87,7 +89,7 @@ class WebApplication(AsgiApplication):
 
     def __init__(self, settings: Settings) -> None:
         app = create_app(settings)
-        super().__init__(app, partial(body_limits.body_max, settings))
+        super().__init__(app, partial(body_limits.body_max, settings), request_log.write)
         self._services: Services = app.extensions["seamark"]
         threading.Thread(target=prepare, name="prepare", daemon=True).start()
         threading.Thread(target=self._share_meters, name="meters", daemon=True).start()

@@ -10,6 +10,8 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_valida
 
 PREFIX = "SEAMARK_"
 LevelName = Literal["none", "medium", "strong"]  # of seamark.sandbox.isolation.level
+LogLevel = Literal["debug", "info", "warning", "error"]
+LogFormat = Literal["auto", "json", "text"]
 MetricsAccess = Literal["local", "token", "off"]
 SignUp = Literal["open", "invitation", "closed"]
 REPLACED = {  # setting of an earlier version -> what to write instead
@@ -141,6 +143,12 @@ class Settings(BaseModel):
     )
     attempts_max: int = Field(
         3, ge=1, description="Broken evaluations after which a run is a platform failure"
+    )
+    log_level: LogLevel = Field(
+        "info", description="Least severe events in the log: `debug`, `info`, `warning` or `error`"
+    )
+    log_format: LogFormat = Field(
+        "auto", description="`json`, `text`, or `auto`: text on a terminal, otherwise JSON"
     )
     metrics: MetricsAccess = Field(
         "local",

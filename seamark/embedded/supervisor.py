@@ -9,6 +9,7 @@ from __future__ import annotations
 import contextlib
 import ctypes
 import os
+import shutil
 import signal
 import subprocess
 import time
@@ -23,7 +24,7 @@ from seamark.worker.ipc.process_control import RestartBackoff, die_with_parent, 
 PR_SET_CHILD_SUBREAPER = 36  # linux/prctl.h
 STOP_SIGNALS = frozenset({signal.SIGINT, signal.SIGTERM, signal.SIGHUP})
 WATCHED = STOP_SIGNALS | {signal.SIGCHLD}
-LOG_KEPT_BYTES = 8 * 1024 * 1024  # a larger log is rotated at the next start
+LOG_KEPT_BYTES = 8 * 1024 * 1024  # a larger log is rotated; one older is kept
 
 _libc = ctypes.CDLL(None, use_errno=True)
 
@@ -51,9 +52,18 @@ class Child:
 
 def _open_log(path: Path) -> IO[bytes]:
     path.parent.mkdir(parents=True, exist_ok=True)
-    if path.exists() and path.stat().st_size > LOG_KEPT_BYTES:
-        path.replace(path.with_suffix(".log.1"))
     return path.open("ab")
+
+
+def _rotate(path: Path) -> None:
+    """Keep a large log as the older one, and go on with an empty file.
+
+    By a copy, since the child has the file open; it appends, so that it goes on at the new end.
+    """
+    with contextlib.suppress(OSError):
+        if path.stat().st_size > LOG_KEPT_BYTES:
+            shutil.copyfile(path, path.with_suffix(".log.1"))
+            os.truncate(path, 0)
 
 
 def _bind_to_parent(parent: int) -> Callable[[], None]:
@@ -129,6 +139,8 @@ class Supervisor:
             self._kill_overdue()
             self._reap()
             self._restart_due()
+            for child in self.children:
+                _rotate(child.log)
             if seen is None:
                 return None
 

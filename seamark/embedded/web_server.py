@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import logging
 import resource
 import socket
 from typing import TYPE_CHECKING, Any
 
 from gunicorn.app.base import BaseApplication  # type: ignore[import-untyped]
+from gunicorn.glogging import Logger  # type: ignore[import-untyped]
 
 from seamark.embedded.web_worker import CONNECTIONS
 from seamark.failures import PlatformFailed
@@ -39,6 +41,15 @@ class _Application(BaseApplication):  # type: ignore[misc]
         return WebApplication(self._settings)
 
 
+class _Log(Logger):  # type: ignore[misc]
+    """Gunicorn's and uvicorn's messages as events of the service's log."""
+
+    def setup(self, cfg: Any) -> None:
+        """Write where the service writes."""
+        super().setup(cfg)
+        self.error_log.handlers = list(logging.getLogger().handlers)
+
+
 def serve(settings: Settings, *, processes: int, grace_s: int) -> None:
     """Serve until SIGTERM.
 
@@ -51,7 +62,7 @@ def serve(settings: Settings, *, processes: int, grace_s: int) -> None:
     from seamark.server.database import schema
     from seamark.server.database.data_folder import WrongDataFolder
 
-    log.configure()
+    log.configure(settings.log_level, settings.log_format)
     try:
         schema.check_all(settings)
     except (schema.SchemaTooOld, WrongDataFolder) as error:
@@ -66,6 +77,7 @@ def serve(settings: Settings, *, processes: int, grace_s: int) -> None:
         "keepalive": KEEP_ALIVE_S,
         "errorlog": "-",
         "loglevel": "warning",
+        "logger_class": _Log,
         "control_socket_disable": True,
     }
     _allow_connections()

@@ -33,7 +33,12 @@ class Database:
     def __init__(self, url: str, *, busy_s: float = BUSY_S) -> None:
         remote = not url.startswith("sqlite")
         options = _POSTGRESQL if remote else {}
-        self.engine = create_engine(url, pool_pre_ping=remote, connect_args=options)
+        self.engine = create_engine(
+            url,
+            pool_pre_ping=remote,
+            connect_args=options,
+            hide_parameters=True,  # errors are logged, and passwords and tokens are parameters
+        )
         if self.engine.dialect.name == "sqlite":
             _prepare_sqlite(self.engine, busy_s)
             self._readers = self.engine.execution_options(seamark_readonly=True)

@@ -19,6 +19,8 @@ from sqlalchemy import (
 )
 from sqlalchemy.orm import DeclarativeBase, Mapped, mapped_column
 
+from seamark.server.log import request_id
+
 # SQLite autoincrements only columns of exactly this type.
 RowId = BigInteger().with_variant(Integer(), "sqlite")
 _Json = JSON(none_as_null=True)
@@ -134,6 +136,9 @@ class Run(Base):
     sweep_id: Mapped[int | None] = mapped_column(BigInteger)
     sweep_cell: Mapped[int | None]  # from 0, row by row (server/runs/sweeps.py)
     expected_s: Mapped[float | None]  # wall time of its evaluation, estimated when submitted
+    request_id: Mapped[str | None] = mapped_column(  # that queued it, for the logs
+        String(64), default=request_id
+    )
 
     state: Mapped[str] = mapped_column(String(10))
     cause: Mapped[str | None] = mapped_column(String(20))

@@ -48,6 +48,8 @@ class Claim(RunSpec):
     worker: str
     lease_s: float
     program_sha256: str | None
+    user_id: int | None = None
+    request_id: str | None = None  # that queued the run, for the log
 
 
 class LeaseStatus(Enum):

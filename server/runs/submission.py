@@ -9,7 +9,9 @@ import secrets
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 
+import structlog
 from sqlalchemy.orm import Session
 
 from seamark.sandbox.languages import role_refusal
@@ -18,6 +20,7 @@ from seamark.server.accounts.permissions import Action, Viewer, can
 from seamark.server.classes import assignments
 from seamark.server.classes.refusals import ClassRefused
 from seamark.server.database.advisory_locks import AdvisoryLock, acquire
+from seamark.server.database.engine import after_commit
 from seamark.server.database.tables import Run
 from seamark.server.programs import store
 from seamark.server.programs.parameters import Parameter
@@ -34,6 +37,7 @@ from seamark.sim.benchmarks.benchmark import Benchmark
 from seamark.sim.engine.seeds import SEED_MAX
 from seamark.sim.settings.configuration import Configuration
 
+_log = structlog.get_logger()
 UPLOAD = "upload"  # the controller of a run whose program was uploaded
 
 
@@ -163,6 +167,8 @@ def submit_all(
         if sweep_id is not None:
             run.sweep_id, run.sweep_cell = sweep_id, cell
         ids.append(_insert(session, each, run))
+        submitted = partial(_log.info, "run_submitted", run=run.id, benchmark=run.benchmark)
+        after_commit(session, submitted)
     turns.refresh(session, submission.viewer.owner or "")
     return ids
 

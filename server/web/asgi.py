@@ -10,6 +10,7 @@ from __future__ import annotations
 import asyncio
 import json
 import sys
+import time
 from collections.abc import AsyncGenerator, Awaitable, Callable, Iterable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import AsyncExitStack, aclosing
@@ -23,6 +24,7 @@ LARGE_BODIES = 64  # that may be on the disk at the same time; others wait to be
 PART_BYTES = 64 * 1024  # of a response, made at once
 CONTINUATION = "seamark.continuation"  # key of the WSGI environment
 ABORT = "seamark.abort"  # extension of the ASGI scope: closes the connection without more ado
+_BODY = "http.response.body"
 _TOO_SLOW = {
     "type": "about:blank",
     "title": "Request timeout",
@@ -47,6 +49,29 @@ class Connection:
     abort: Callable[[], None]
 
 
+class Sent:
+    """Sends the messages of an answer, and knows what was sent."""
+
+    def __init__(self, send: Send) -> None:
+        self._send = send
+        self._began_at = time.perf_counter()
+        self.status = 500  # of an application that failed before it answered
+        self.bytes = 0  # of the body
+        self.complete = False
+
+    @property
+    def seconds(self) -> float:
+        """Time since the request had arrived."""
+        return time.perf_counter() - self._began_at
+
+    async def __call__(self, message: dict[str, Any]) -> None:
+        """Send a message."""
+        await self._send(message)
+        self.status = message.get("status", self.status)
+        self.bytes += len(message.get("body", b""))
+        self.complete = message["type"] == _BODY and not message["more_body"]
+
+
 Continuation = Callable[[Connection], AsyncGenerator[bytes, None]]
 
 
@@ -60,10 +85,18 @@ class AsgiApplication:
     body_max
         Returns the largest body [byte] of this content type that the application may accept; a
         larger one is not received, but the application is told how large it is.
+    on_answer
+        Is called when an answer has ended, whether its client received all of it or not.
     """
 
-    def __init__(self, wsgi: WsgiApplication, body_max: Callable[[str], int]) -> None:
+    def __init__(
+        self,
+        wsgi: WsgiApplication,
+        body_max: Callable[[str], int],
+        on_answer: Callable[[Environ, Sent], None],
+    ) -> None:
         self._wsgi = wsgi
+        self._on_answer = on_answer
         self._body_max = body_max
         self._threads = ThreadPoolExecutor(THREADS, thread_name_prefix="request")
         self._large_bodies = asyncio.Semaphore(LARGE_BODIES)
@@ -77,11 +110,17 @@ class AsgiApplication:
             except ClientGone:
                 return
             except BodyTooSlow:
-                await _refuse_as_too_slow(send)
+                sent = Sent(send)
+                await _refuse_as_too_slow(sent)
+                self._on_answer(environ, sent)
                 return
             environ["wsgi.input"] = held.enter_context(body.file)
             environ["CONTENT_LENGTH"] = str(body.length)
-            await self._answer(_Call(self._wsgi, environ), scope, receive, send)
+            sent = Sent(send)
+            try:
+                await self._answer(_Call(self._wsgi, environ), scope, receive, sent)
+            finally:
+                self._on_answer(environ, sent)
 
     async def _body(self, environ: Environ, receive: Receive, held: AsyncExitStack) -> ReceivedBody:
         def place() -> Awaitable[object]:
@@ -176,7 +215,7 @@ async def _continue(parts: AsyncGenerator[bytes, None], send: Send) -> None:
 
 
 def _body(part: bytes, *, more: bool = True) -> dict[str, Any]:
-    return {"type": "http.response.body", "body": part, "more_body": more}
+    return {"type": _BODY, "body": part, "more_body": more}
 
 
 async def _refuse_as_too_slow(send: Send) -> None:

@@ -2,6 +2,7 @@
 
 import secrets
 
+import structlog
 from flask import Flask, g, request, session
 from werkzeug.exceptions import Unauthorized
 
@@ -23,6 +24,7 @@ def register(app: Flask) -> None:
         g.viewer = Viewer()  # for the error page, in case authentication fails
         if request.endpoint != "static" and not _has_other_token():
             g.viewer = _viewer()
+            structlog.contextvars.bind_contextvars(user=g.viewer.user_id)
 
 
 def by_token() -> bool:

@@ -13,13 +13,17 @@ IPV6_HOST_BITS = 64  # of the prefix in which one computer chooses its addresses
 
 def network() -> str:
     """Return the keyed hash of the client's network."""
-    text = _prefix(IPV4_BITS, IPV6_BITS)
-    return accounts.guest_hash(services().settings, f"network {text}")
+    return accounts.guest_hash(services().settings, f"network {shown()}")
 
 
 def address() -> str:
     """Return the client's address; of an IPv6 address only the part that a host cannot choose."""
     return _prefix(32, IPV6_HOST_BITS)
+
+
+def shown() -> str:
+    """Return the client's network, for the log."""
+    return _prefix(IPV4_BITS, IPV6_BITS)
 
 
 def _prefix(bits_4: int, bits_6: int) -> str:

@@ -21,7 +21,9 @@ def serving(
     wsgi: WsgiApplication, protocol: type[Protocol] = Protocol
 ) -> Iterator[Callable[[bytes], socket.socket]]:
     """Yield a function that connects and sends the bytes of a request."""
-    application = AsgiApplication(wsgi, lambda _content_type: BODY_MAX)
+    application = AsgiApplication(
+        wsgi, lambda _content_type: BODY_MAX, lambda _environ, _sent: None
+    )
     config = Config(
         application, http=protocol, ws="none", lifespan="off", interface="asgi3", log_config=None
     )

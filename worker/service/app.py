@@ -1,10 +1,13 @@
 """The Celery application of the worker: `celery -A seamark.worker.service.app worker`."""
 
-from seamark.server.log import configure
+from celery.signals import setup_logging
+
+from seamark.server import log
 from seamark.server.messaging.broker import celery_app
 from seamark.server.settings import Settings
 
-configure()
 settings = Settings.load()
+log.configure(settings.log_level, settings.log_format)
+setup_logging.connect(lambda **_: None, weak=False)  # without a receiver, Celery sets up its own
 app = celery_app(settings)
 app.conf.update(include=["seamark.worker.service.tasks"])

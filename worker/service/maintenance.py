@@ -144,8 +144,8 @@ def delete_accounts(database: Database, settings: Settings) -> None:
 def main(parent: str) -> None:
     """Be the maintenance process of one worker."""
     stopping = follow_worker(int(parent))
-    log.configure()
     settings = Settings.load()
+    log.configure(settings.log_level, settings.log_format)
     app, redis = broker.celery_app(settings), broker.connect(settings)
     database, recovery_s = Database(settings.database_url), settings.sweep_s
     recoverer = Recoverer(app, database, redis, settings)

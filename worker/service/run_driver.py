@@ -8,6 +8,7 @@ from typing import Any
 import structlog
 from redis import Redis
 from sqlalchemy.exc import InterfaceError, OperationalError
+from structlog.contextvars import bound_contextvars
 
 from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.languages import DEFAULT_LANGUAGE
@@ -66,17 +67,22 @@ class RunContext:
 
 def evaluate(context: RunContext, claim: Claim) -> bool:
     """Evaluate one claimed run and store how it ended; False if the platform failed."""
-    log = _log.bind(run=claim.run_id, attempt=claim.attempt)
-    log.info("run_started", benchmark=claim.benchmark, kind=claim.kind, worker=claim.worker)
+    ids = {"run": claim.run_id, "attempt": claim.attempt, "user": claim.user_id}
+    with bound_contextvars(**ids, worker=claim.worker, request=claim.request_id):
+        return _evaluate(context, claim)
+
+
+def _evaluate(context: RunContext, claim: Claim) -> bool:
+    _log.info("run_started", benchmark=claim.benchmark, kind=claim.kind)
     try:
         driver = RunDriver(context, claim)
     except (ConfigurationInvalid, KeyError) as error:  # most likely accepted by an older version
-        log.error("configuration_invalid", why=str(error))
+        _log.error("configuration_invalid", why=str(error))
         return _fail(context, claim, f"This configuration is no longer valid: {error}")
-    return _drive(driver, log)
+    return _drive(driver)
 
 
-def _drive(driver: "RunDriver", log: structlog.typing.FilteringBoundLogger) -> bool:
+def _drive(driver: "RunDriver") -> bool:
     """Run and store; False if the platform failed."""
     started_at = time.monotonic()
     try:
@@ -85,7 +91,7 @@ def _drive(driver: "RunDriver", log: structlog.typing.FilteringBoundLogger) -> b
         if not stored and driver.cancelled():  # meanwhile
             driver.store_cancelled()
     except LeaseEnded as ended:
-        log.info("run_stopped", why=ended.status.name.lower())
+        _log.info("run_stopped", why=ended.status.name.lower())
         if ended.status is LeaseStatus.CANCELLED:
             driver.store_cancelled()
         else:
@@ -95,20 +101,20 @@ def _drive(driver: "RunDriver", log: structlog.typing.FilteringBoundLogger) -> b
         driver.release(AttemptEnd.SHUTDOWN)
         return True
     except (SimulatorBroken, StreamBroken) as broken:
-        log.error("simulator_broken", why=str(broken))
+        _log.error("simulator_broken", why=str(broken))
         meters.BOX_FAILURES.inc(isinstance(broken, BoxBroken))
         driver.release(driver.blame(AttemptEnd.EVALUATION_BROKE))
         return False
     except StorageFailed as failed:
-        log.error("storage_failed", why=str(failed))
+        _log.error("storage_failed", why=str(failed))
         driver.discard()
         driver.release(driver.blame(AttemptEnd.STORAGE_FAILED))
         return False
     except DATABASE_AWAY as away:  # the lease ends, and the run is repeated
-        log.error("database_away", why=str(away))
+        _log.error("database_away", why=str(away))
         return False
     seconds = round(time.monotonic() - started_at, 3)
-    log.info("run_ended", state=report.state, cause=report.cause, stored=stored, wall_s=seconds)
+    _log.info("run_ended", state=report.state, cause=report.cause, stored=stored, wall_s=seconds)
     return True
 
 
@@ -263,7 +269,7 @@ class RunDriver:
 
     def _database_away(self, error: Exception) -> None:
         if not self._away:
-            _log.warning("database_away", run=self._claim.run_id, error=str(error))
+            _log.warning("database_away", error=str(error))
         self._away = True
 
     def _heartbeat(self) -> LeaseStatus:

@@ -130,8 +130,8 @@ def reference_entries(data: Path | None, as_json: bool) -> None:
     from seamark.server import log
     from seamark.server.runs import baselines
 
-    log.configure()
     settings = settings_of(data)
+    log.configure(settings.log_level, settings.log_format)
     database = database_of(settings)
     try:
         with database.writing() as session:

@@ -53,9 +53,8 @@ def web(
 def worker(cores: int | None, ping: bool, data: Path | None, as_json: bool) -> None:
     """Run a worker only (Celery). The broker's URL comes from SEAMARK_BROKER_URL.
 
-    With --json, prints what it runs as JSON before it starts, and no banner. With --ping, the exit
-    code is 0 if a worker of this host answers, or cannot be asked because the broker is away, and 3
-    if it hangs.
+    With --json, prints what it runs as JSON before it starts. With --ping, the exit code is 0 if a
+    worker of this host answers, or cannot be asked because the broker is away, and 3 if it hangs.
     """
     settings = _settings(data, workers=cores)
     if ping:
@@ -73,7 +72,10 @@ def worker(cores: int | None, ping: bool, data: Path | None, as_json: bool) -> N
     environ |= settings.environment()
     if as_json:
         print_json({"data": str(settings.data), "runs_at_once": settings.workers})
-    arguments = [sys.executable, *worker_arguments(settings, quiet=as_json)]
+    arguments = [
+        sys.executable,
+        *worker_arguments(settings, quiet=as_json or not sys.stdout.isatty()),
+    ]
     os.execve(sys.executable, arguments, environ)  # noqa: S606 (no shell)
 
 
