@@ -22,6 +22,7 @@ from seamark.server.api import (
     metrics,
     openapi,
     profiles,
+    rejudgements,
     runs,
     scene,
     series,
@@ -47,6 +48,7 @@ RESOURCES = (
     classes.api,
     assignments.api,
     administration.api,
+    rejudgements.api,
 )
 
 

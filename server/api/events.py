@@ -70,7 +70,8 @@ def stream(path: RunPath, query: EventsQuery) -> Response:
         return _response(())
     if run.state.final:
         data = services().settings.data
-        replayed = _replay(data, run.id, after, position_now(RunFiles(data, run.id)))
+        until = position_now(RunFiles(data, run.data_id))
+        replayed = _replay(data, run.data_id, after, until)
         return _response(_frames(run, replayed, shows_log=shows_log))
     if services().streams.full:
         raise Problem("streams-full", headers={"Retry-After": str(FULL_RETRY_S)})

@@ -99,7 +99,7 @@ def metrics(path: RunPath) -> Response:
     found = view.metrics or access.files_of(view).metrics()
     if found is None:
         raise Problem("not-found", f"Run {view.id} has no metrics yet: it is {view.state.value}.")
-    return jsonify(_without_hidden_seeds(found, view))
+    return jsonify(without_hidden_seeds(found, view))
 
 
 @api.get("/runs/<int:run_id>/manifest.json", responses=_content("application/json", "object"))
@@ -113,10 +113,10 @@ def manifest(path: RunPath) -> Response:
     found = view.manifest or access.files_of(view).manifest()
     if found is None:
         raise Problem("not-found", f"Run {view.id} has no manifest yet: it is {view.state.value}.")
-    return jsonify(_without_hidden_seeds(found, view))
+    return jsonify(without_hidden_seeds(found, view))
 
 
-def _without_hidden_seeds(value: Any, view: RunView) -> Any:
+def without_hidden_seeds(value: Any, view: RunView) -> Any:
     """Return the document, without its seeds if they are hidden."""
     return _without_seeds(value) if seeds_hidden(view) else value
 

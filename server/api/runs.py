@@ -13,7 +13,9 @@ from werkzeug.datastructures import FileStorage
 
 from seamark.server.accounts.permissions import Action
 from seamark.server.api import refusals, request_body
+from seamark.server.api.files import without_hidden_seeds
 from seamark.server.api.operation_ids import operation_id
+from seamark.server.api.rejudgement_schemas import RecomputationsResponse
 from seamark.server.api.request_body import SubmissionHeaders
 from seamark.server.api.run_lists import RunsQuery
 from seamark.server.api.schemas import (
@@ -24,7 +26,8 @@ from seamark.server.api.schemas import (
     run_answer,
 )
 from seamark.server.programs.store import StoredProgram
-from seamark.server.runs import assigned, run_lists, submission, submission_keys, views
+from seamark.server.runs import assigned, rejudged, run_lists, submission, submission_keys, views
+from seamark.server.runs.rejudged import Recomputation
 from seamark.server.runs.run_lists import Place, RunFilter
 from seamark.server.runs.states import RunKind, RunState
 from seamark.server.runs.submission import UPLOAD, Submission
@@ -34,6 +37,11 @@ from seamark.server.web.problems import Problem
 from seamark.server.web.services import services
 from seamark.sim.benchmarks.benchmark import Benchmark
 
+# What everybody who sees a run may see of an earlier result: not what its program printed.
+EARLIER = (
+    *("state", "cause", "digest", "score", "score_low", "score_high", "level_held"),
+    *("not_ranked", "metrics", "manifest"),
+)
 RUNNING_RETRY_S, QUEUED_RETRY_S = 1, 2  # [s] until a client should ask again
 
 api = APIBlueprint(
@@ -157,6 +165,24 @@ def show(path: RunPath) -> Response:
     if not view.state.final:
         answer.headers["Retry-After"] = str(_retry_s(view))
     return caching.conditional(answer)
+
+
+@api.get("/runs/<int:run_id>/recomputations", responses={200: RecomputationsResponse})
+def list_recomputations(path: RunPath) -> dict[str, Any]:
+    """List when and why the result was computed again, newest first, with what it replaced."""
+    view = access.run_for(path.run_id)
+    with services().database.reading() as database:
+        found = rejudged.history(database, view.id)
+    return {"recomputations": [_recomputation(each, view) for each in found]}
+
+
+def _recomputation(found: Recomputation, view: RunView) -> dict[str, Any]:
+    names = ("at", "reason", "outcome", "metrics_count")
+    shown = {name: getattr(found, name) for name in names}
+    if found.earlier is None:
+        return shown | {"earlier": None}
+    earlier = {name: found.earlier.get(name) for name in EARLIER}
+    return shown | {"earlier": without_hidden_seeds(earlier, view)}
 
 
 def _retry_s(view: RunView) -> int:

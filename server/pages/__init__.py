@@ -20,6 +20,7 @@ from seamark.server.pages import (
     own_account,
     people,
     profile,
+    rejudgements,
     run,
     runs,
     sparkline,
@@ -52,6 +53,7 @@ PAGES = (
     status.page,
     administration.page,
     people.page,
+    rejudgements.page,
     audit_log.page,
 )
 

@@ -57,7 +57,7 @@ def show() -> ResponseReturnValue:
         public=public.runs,
         boards=boards,
         replayed=replay,
-        replay=None if replay is None else player_data(replay, leader_replay.files(replay.id)),
+        replay=None if replay is None else player_data(replay, leader_replay.files(replay)),
         done=counts[RunState.SUCCEEDED],
         live=max(0, live),
         simulated_h=simulated_s / 3600,

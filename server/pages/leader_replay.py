@@ -25,13 +25,12 @@ def leader(session: Session, ranks: Sequence[Rank]) -> RunView | None:
 def first_replayable(session: Session, run_ids: Iterable[int]) -> RunView | None:
     """Return the first of these runs that the viewer can replay; None if the first few cannot."""
     for run_id in islice(run_ids, _SEEN_MAX):
-        if files(run_id).row_count():
-            run = views.show(session, run_id)
-            if run is not None and can(g.viewer, Action.VIEW, run):
-                return run
+        run = views.show(session, run_id)
+        if run is not None and can(g.viewer, Action.VIEW, run) and files(run).row_count():
+            return run
     return None
 
 
-def files(run_id: int) -> RunFiles:
+def files(run: RunView) -> RunFiles:
     """Return the files of a run."""
-    return RunFiles(services().settings.data, run_id)
+    return RunFiles(services().settings.data, run.data_id)

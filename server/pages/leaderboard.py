@@ -78,7 +78,7 @@ def show(name: str) -> ResponseReturnValue:
         whole_axis=plots.score_axis(board.ranks[:1], marks, whole=True),
         pareto=_pareto(benchmark, board.ranks, baselines, marks),
         leader=leader,
-        replay=leader and player_data(leader, leader_replay.files(leader.id)),
+        replay=leader and player_data(leader, leader_replay.files(leader)),
         preview=link_previews.of_leaderboard(benchmark, board.ranks if begin else ()),
         **own,
     )

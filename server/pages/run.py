@@ -12,9 +12,10 @@ from seamark.server.accounts.permissions import Action, can, owns
 from seamark.server.pages import benchmarks, level_chart, link_previews, metric_tables
 from seamark.server.pages.player_data import player_data
 from seamark.server.pages.ranked_parts import ranked_parts
-from seamark.server.runs import cancellation, deletion, retention, run_notes
+from seamark.server.runs import cancellation, deletion, rejudged, retention, run_notes
 from seamark.server.runs.comparison import Comparison, comparisons
 from seamark.server.runs.files import RunFiles
+from seamark.server.runs.rejudged import Recomputation
 from seamark.server.runs.states import RunKind, RunState
 from seamark.server.runs.views import RunView
 from seamark.server.web import access, class_access, publication, security_headers
@@ -33,7 +34,7 @@ def show(run_id: int) -> ResponseReturnValue:
     run = access.run_for(run_id)
     benchmark = benchmarks.by_name(run.benchmark)
     config = benchmark.restore(run.config)
-    files = RunFiles(services().settings.data, run_id)
+    files = RunFiles(services().settings.data, run.data_id)
     may = {action for action in Action if can(g.viewer, action, run)}
     log = files.log_text()[-LOG_SHOWN:] if Action.VIEW_LOG in may else ""
     return render_template(
@@ -64,6 +65,7 @@ def show(run_id: int) -> ResponseReturnValue:
         page_data=player_data(run, files),
         preview=link_previews.of_run(run),
         assignment=class_access.assignment_of_run(run),
+        recomputations=_recomputations(run),
     )
 
 
@@ -71,7 +73,7 @@ def show(run_id: int) -> ResponseReturnValue:
 def embed(run_id: int) -> ResponseReturnValue:
     """Show the player of a run alone, for the frame of another page."""
     run = access.run_for(run_id)
-    files = RunFiles(services().settings.data, run_id)
+    files = RunFiles(services().settings.data, run.data_id)
     answer = make_response(
         render_template(
             "run/embed.html",
@@ -171,6 +173,12 @@ def _compared(run: RunView) -> list[Comparison]:
     own = run.user_id is not None and owns(g.viewer, run) and can(g.viewer, Action.LIST)
     with services().database.reading() as session:
         return comparisons(session, run.id, with_previous=own)
+
+
+def _recomputations(run: RunView) -> list[Recomputation]:
+    """Return when and why the result of a run was computed again."""
+    with services().database.reading() as session:
+        return rejudged.history(session, run.id)
 
 
 def _change(

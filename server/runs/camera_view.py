@@ -58,7 +58,7 @@ def render(
 
     The image centre is a cross, if anything is drawn.
     """
-    row = _row_at(RunFiles(settings.data, run.id), trial, t)
+    row = _row_at(RunFiles(settings.data, run.data_id), trial, t)
     if row is None:
         return None
     config = json.dumps(run.config, sort_keys=True)

@@ -22,7 +22,7 @@ from seamark.server.settings import Settings
 
 PAGE = 50  # runs that are read from the database at a time
 CHUNK_BYTES = 256 * 1024
-_NOT_OWN = {"guest", "teacher_id"}  # fields of a view that are not data of the run
+_NOT_OWN = {"guest", "teacher_id", "data_run"}  # fields of a view that are not data of the run
 
 
 def archive(
@@ -82,7 +82,7 @@ def _write_run(
     file.writestr(f"{folder}/run.json", _json(run.model_dump(mode="json", exclude=_NOT_OWN)))
     if run.data_deleted_at is not None:
         return
-    files = RunFiles(data, run.id)
+    files = RunFiles(data, run.data_id)
     if log := files.log_text():
         file.writestr(f"{folder}/log.txt", log)
     if run.program_sha256 is not None and store.size(data, run.program_sha256):

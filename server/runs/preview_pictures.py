@@ -140,7 +140,7 @@ def _lines(settings: Settings, runs: Sequence[RunView]) -> tuple[str, list[tuple
     chart = benchmark.charts_of(benchmark.restore(runs[0].config))[0]
     lines = []
     for run in runs:
-        files = RunFiles(settings.data, run.id)
+        files = RunFiles(settings.data, run.data_id)
         found = overlaid_series.series(run, files, chart.columns[:1], Part(), POINTS)
         lines.append((found.t, found.values[:, 0]))
     return f"{chart.title} [{chart.unit}] over time, trial 1", lines

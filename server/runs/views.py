@@ -31,13 +31,20 @@ class RunView(PublicRun):
     error_curve: Curve | None = None
     digest: str | None = None
     manifest: dict[str, Any] | None = None
+    data_run: int | None = None
     teacher_id: int | None = None  # of the class it was submitted for; not in lists
+
+    @property
+    def data_id(self) -> int:
+        """The number of the run that recorded its data: another one if it was computed again."""
+        return self.data_run or self.id
 
     @property
     def version(self) -> str:
         """A text that changes whenever the view does: for an ETag."""
         progress = (self.state, self.attempt, round(self.progress, 3), self.position)
-        parts = (*progress, self.public, self.data_deleted_at, self.title, self.notes)
+        result = (self.data_run, self.score, self.cause)  # it may be computed again
+        parts = (*progress, *result, self.public, self.data_deleted_at, self.title, self.notes)
         return "-".join(str(part) for part in parts)
 
 

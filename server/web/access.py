@@ -122,7 +122,7 @@ def sweep_for(sweep_id: int, action: Action = Action.VIEW) -> SweepView:
 def files_of(run: RunView) -> RunFiles:
     """Return the files of the latest attempt. Raises as `require_data`."""
     require_data(run)
-    return RunFiles(services().settings.data, run.id)
+    return RunFiles(services().settings.data, run.data_id)
 
 
 def require_data(run: RunView) -> None:

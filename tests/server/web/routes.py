@@ -123,6 +123,8 @@ CLASSES: dict[tuple[str, str], Entry] = {  # ann is in a class of tim
 }
 U, US = "/admin/users/{user}", "/admin/users/<row:user_id>"
 API_U, API_US = "/api/v1/admin/users/{user}", "/api/v1/admin/users/<int:user_id>"
+REJUDGEMENTS, API_R = "/admin/rejudgements", "/api/v1/admin/rejudgements"
+ROW, ID, THIS = "<row:rejudgement_id>", "<int:rejudgement_id>", "{rejudgement}"
 ADMIN: dict[tuple[str, str], Entry] = {
     ("GET", "/admin/"): Entry(administers),
     ("GET", "/admin/workers"): Entry(administers),
@@ -139,6 +141,28 @@ ADMIN: dict[tuple[str, str], Entry] = {
     ("POST", f"{US}/reset"): Entry(administers, path=f"{U}/reset"),
     ("POST", f"{US}/delete"): Entry(administers, 422, f"{U}/delete"),
     ("GET", "/admin/audit"): Entry(administers),
+    ("GET", REJUDGEMENTS): Entry(administers),
+    ("GET", f"{REJUDGEMENTS}/new"): Entry(administers),
+    ("POST", REJUDGEMENTS): Entry(administers, 422),
+    ("GET", f"{REJUDGEMENTS}/{ROW}"): Entry(administers, path=f"{REJUDGEMENTS}/{THIS}"),
+    ("POST", f"{REJUDGEMENTS}/{ROW}/accept"): Entry(
+        administers, 303, f"{REJUDGEMENTS}/{THIS}/accept"
+    ),
+    ("POST", f"{REJUDGEMENTS}/{ROW}/discard"): Entry(
+        administers, 303, f"{REJUDGEMENTS}/{THIS}/discard"
+    ),
+    ("GET", API_R): Entry(administers),
+    ("GET", f"{API_R}/preview"): Entry(administers, path=f"{API_R}/preview?benchmark=currents-v1"),
+    ("POST", API_R): Entry(
+        administers, 409, options={"json": {"benchmark": "nothing", "reason": "Why"}}
+    ),
+    ("GET", f"{API_R}/{ID}"): Entry(administers, path=f"{API_R}/{THIS}"),
+    ("GET", f"{API_R}/{ID}/differences"): Entry(administers, path=f"{API_R}/{THIS}/differences"),
+    ("GET", f"{API_R}/{ID}/differences.csv"): Entry(
+        administers, path=f"{API_R}/{THIS}/differences.csv"
+    ),
+    ("POST", f"{API_R}/{ID}/accept"): Entry(administers, path=f"{API_R}/{THIS}/accept"),
+    ("POST", f"{API_R}/{ID}/discard"): Entry(administers, path=f"{API_R}/{THIS}/discard"),
     ("GET", "/api/v1/admin/overview"): Entry(administers),
     ("GET", "/api/v1/admin/workers"): Entry(administers),
     ("PATCH", "/api/v1/admin/workers/<string:worker>"): Entry(
@@ -246,6 +270,9 @@ ROUTES: dict[tuple[str, str], Entry] = {
     ("GET", "/api/v1/compare"): Entry(reads_run, path="/api/v1/compare?runs={run},{other}"),
     **_changing("/api/v1/runs/", "<int:run_id>", 200, **ACTIONS),
     **_changing("/api/v1/runs/", "<int:run_id>", 202, **RERUN),
+    ("GET", "/api/v1/runs/<int:run_id>/recomputations"): Entry(
+        reads_run, path="/api/v1/runs/{run}/recomputations"
+    ),
     ("PATCH", "/api/v1/runs/<int:run_id>"): Entry(
         changes_run, path="/api/v1/runs/{run}", options={"json": {"title": "t"}}, run="recorded"
     ),

@@ -14,6 +14,7 @@ from seamark.server.accounts.permissions import ACCOUNT_ROLES
 from seamark.server.app import create_app
 from seamark.server.classes import assignments, classrooms
 from seamark.server.classes.assignments import Draft
+from seamark.server.database.rejudgement_tables import Rejudgement
 from seamark.server.database.sweep_tables import Sweep
 from seamark.server.web import authentication
 from tests.cast import Backend
@@ -82,6 +83,13 @@ def path_of(site: Site, route: str, entry: Entry, recorded: int) -> str:
             session.add(sweep)
             session.flush()
             path = path.replace("{sweep}", str(sweep.id))
+    if "{rejudgement}" in path:
+        with site.database.writing() as session:
+            row = Rejudgement(benchmark="currents-v1", reason="Why", chosen={}, created_by="root")
+            row.created_at = 0.0
+            session.add(row)
+            session.flush()
+            path = path.replace("{rejudgement}", str(row.id))
     path = path.replace("{user}", str(site.user_id("eva")))
     if "{token}" in path:
         with site.database.writing() as session:
