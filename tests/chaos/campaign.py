@@ -100,6 +100,11 @@ class Campaign:
         self._count_orphans()
         return self.findings
 
+    @property
+    def wanted(self) -> Mapping[int, str]:
+        """The runs, with the digest that each has when nothing disturbs it."""
+        return self._wanted
+
     def _submit(self, runs: int) -> dict[int, str]:
         """Queue the runs; return run -> the digest that it has when nothing disturbs it."""
         program = self._service.store_program(PROGRAM)

@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Any
 
 import httpx
 from numpy.random import Generator
@@ -62,7 +63,15 @@ class Broker:
 class Installation:
     """Two workers, two web servers, a broker and PostgreSQL."""
 
-    def __init__(self, folder: Path, database: postgres.Server, url: str, **settings: object):
+    def __init__(
+        self,
+        folder: Path,
+        database: postgres.Server,
+        url: str,
+        *,
+        service: Callable[[Settings], Service] = service_with,
+        **settings: Any,
+    ):
         self._others = set(tree(os.getpid()))  # of other tests in this process, and the database
         self.broker = Broker(folder)
         self.broker.start()
@@ -71,7 +80,7 @@ class Installation:
         self.settings = Settings.model_validate(
             urls | QUOTAS | {"workers": 1, "secret_key": "test"} | settings
         )
-        self.service: Service = service_with(self.settings)
+        self.service = service(self.settings)
         self.log = (folder / "log").open("ab")
         self.ports = [free_port() for _ in range(WEB_SERVERS)]
         self.web_servers = [self._web_server(port) for port in self.ports]
@@ -145,7 +154,7 @@ class Installation:
 
 
 @contextmanager
-def installation(**settings: object) -> Iterator[Installation]:
+def installation(**settings: Any) -> Iterator[Installation]:
     """Yield a running installation in a temporary folder."""
     with TemporaryDirectory(prefix="chaos") as folder, postgres.server() as server:
         with postgres.database(server.folder, "seamark") as url:
