@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import os
 from collections.abc import Mapping, Sequence
-from contextlib import AbstractContextManager
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -24,7 +24,7 @@ from seamark.tuning.methods import Method, method_of
 from seamark.tuning.search_space import Dimension, Schema, Value, read_dimensions
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterator
 
     from seamark.server.programs.parameters import Parameter
     from seamark.server.programs.preparation import PreparedProgram
@@ -126,9 +126,13 @@ class TuningTask:
         """
         if self.options.server is not None:
             return self._server_runs(self.options.server, progress, notice)
-        return self._local_cores(progress)
+        return self._local_cores(progress, notice)
 
-    def _local_cores(self, progress: Callable[[float], None]) -> AbstractContextManager[Evaluator]:
+    @contextmanager
+    def _local_cores(
+        self, progress: Callable[[float], None], notice: Callable[[str], None]
+    ) -> Iterator[Evaluator]:
+        from seamark.cli.simulator_loading import compiling_said
         from seamark.cli.solutions import isolation_level
         from seamark.sandbox.isolation.level import IsolationLevel
         from seamark.tuning.local_cores import LocalCores, Solution
@@ -138,13 +142,15 @@ class TuningTask:
             controller=self.program or self.controller,
             isolation=isolation_level() if self.program else IsolationLevel.NONE,
         )
-        return LocalCores(
+        cores = LocalCores(
             solution,
             seed=self.options.seed,
             trials=self.options.trials,
             jobs=self.jobs,
             on_progress=progress,
         )
+        with compiling_said(notice), cores:
+            yield cores
 
     def _server_runs(
         self, server: str, progress: Callable[[float], None], notice: Callable[[str], None]

@@ -12,7 +12,7 @@ from types import TracebackType
 from typing import Any, NoReturn, Self
 
 from seamark.sandbox.isolation.level import IsolationLevel
-from seamark.sim.engine.warm_up import warm_up
+from seamark.sim.engine.warm_up import warm_up_benchmark
 from seamark.tuning.candidates import Evaluated, Order, evaluated
 from seamark.worker.evaluation.local import Callbacks, Controller, evaluate_locally
 from seamark.worker.ipc.outcomes import RunOutcome
@@ -55,7 +55,7 @@ class LocalCores:
 
     def __enter__(self) -> Self:
         """Start the processes."""
-        warm_up()
+        warm_up_benchmark(self._solution.benchmark)
         self._pool.submit(os.getpid).result()
         return self
 

@@ -32,6 +32,12 @@ def warm_up() -> None:
     run_parts(parts, numba_folder(os.environ))
 
 
+def warm_up_benchmark(name: str) -> None:
+    """Load what runs of one benchmark need with its defaults."""
+    cv2.setNumThreads(1)
+    run_parts({name: partial(_shortest_trial, name)}, numba_folder(os.environ))
+
+
 def run_parts(parts: Mapping[str, Callable[[], None]], folder: Path) -> None:
     """Run all parts; those that another process is at are left until it is done.
 

@@ -3,7 +3,8 @@
 Numba's own cache watches only the file of the compiled function. After a change in a file that it
 imports, it would silently go on with the old code, and results would be of neither version. So the
 folder of a function is named after its own file and all files of `sim` that this one imports,
-directly or indirectly. A change compiles again what depends on it and nothing else.
+directly or indirectly. A change compiles again what depends on it and nothing else. Folders that no
+version on this machine has used for a while are removed.
 
 Numba imports this module by name, from the variable that `numba_internals.configure_cache` sets.
 """
@@ -12,14 +13,20 @@ import functools
 import hashlib
 import os
 import re
+import shutil
 import tempfile
+import time
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from pathlib import Path
 from typing import Self
 
 from seamark.sim.numerics.numba_internals import SOURCES, numba_folder
 
 ROOT = SOURCES.parent
+DAY_S = 86_400.0
+UNUSED_MAX_S = 30 * DAY_S  # then compiled code is removed
+_FOLDER = re.compile(r"numba-\w+-[0-9a-f]{16}")
 _COMMENT = re.compile(r"#.*")
 _IMPORT = re.compile(
     r"(?:^|[;:])[ \t]*"  # at the beginning of a line, or after another statement
@@ -46,7 +53,7 @@ class SourceStampLocator:
         if not path.is_relative_to(SOURCES):
             return None
         locator = cls(path, function.__code__.co_firstlineno)
-        _check_once(locator._folder)
+        _use(locator._folder)
         return locator
 
     def ensure_cache_path(self) -> None:
@@ -78,7 +85,30 @@ def _check(folder: Path) -> None:
     tempfile.TemporaryFile(dir=folder).close()
 
 
-_check_once = functools.cache(_check)  # a file has up to twenty functions
+@functools.cache  # a file has up to twenty functions
+def _use(folder: Path) -> None:
+    """Check a folder and note its use by its time, once a day; then look for unused ones."""
+    known = folder.is_dir()
+    _check(folder)
+    with suppress(OSError):
+        if not known or time.time() - folder.stat().st_mtime > DAY_S:
+            os.utime(folder)
+            prune(folder.parent)
+
+
+@functools.cache
+def prune(parent: Path) -> None:
+    """Remove the folders that no version has used for long.
+
+    Numba compiles what it finds missing: nothing breaks if another process still uses one.
+    """
+    oldest = time.time() - UNUSED_MAX_S
+    for folder in parent.glob("numba-*"):
+        with suppress(OSError):  # another process removes it as well
+            if _FOLDER.fullmatch(folder.name) and folder.stat().st_mtime < oldest:
+                removed = folder.with_name(f"{folder.name}.removed")  # at once as a whole
+                folder.rename(removed)
+                shutil.rmtree(removed)
 
 
 @functools.cache

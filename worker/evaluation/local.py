@@ -19,7 +19,7 @@ from seamark.sandbox.languages import DEFAULT_LANGUAGE, language_of
 from seamark.server.programs import parameters
 from seamark.server.programs.preparation import PreparedProgram
 from seamark.sim import registry
-from seamark.sim.engine.warm_up import warm_up
+from seamark.sim.engine.warm_up import warm_up_benchmark
 from seamark.sim.recording.telemetry import INDEX
 from seamark.worker.evaluation.check import SEED, CheckRecorder, check
 from seamark.worker.evaluation.evaluation import Evaluation
@@ -91,7 +91,7 @@ def evaluate_locally(
         slot = WorkerSlot(isolation, None, shared_cores=shared_cores)
         cores = slot.cores_for(trials)
         if cores is not None:
-            warm_up()  # once, and not in the process of each trial
+            warm_up_benchmark(benchmark)  # once, and not in the process of each trial
         with box_pool(slot) as pool:
             return Evaluation(
                 job,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -57,10 +58,11 @@ def check(
 
 
 def _run(benchmark: str, values: dict[str, Any], prepared: PreparedProgram) -> dict[str, Any]:
+    from seamark.cli.simulator_loading import compiling_said
     from seamark.cli.solutions import isolation_level, sandbox_failures_explained
     from seamark.worker.evaluation.local import check_locally
 
-    with sandbox_failures_explained():
+    with sandbox_failures_explained(), compiling_said(partial(click.echo, err=True)):
         return check_locally(benchmark, values, prepared, isolation=isolation_level())
 
 

@@ -71,11 +71,13 @@ def dataset(  # noqa: PLR0913 (one argument per option is click's way)
       seamark dataset currents-v1 --set levels=0.2 --seed 7 --out currents.zip
       seamark dataset visibility-v1 --every 4 --colour --out murky.zip
     """
+    from seamark.cli.simulator_loading import loading_shown
     from seamark.sim.engine.dataset import Selection, archive
 
     checked = configuration_of(benchmark, config, pairs)
+    with Progress(f"{benchmark}, seed {seed}", quiet=as_json) as bar, loading_shown(bar):
+        rows = _rows(benchmark, checked, solution, seed=seed, trial=trial, show=bar.show)
     end = float("inf") if end_s is None else end_s
-    rows = _rows(benchmark, checked, solution, seed=seed, trial=trial)
     selection = Selection(every=every, begin_s=begin_s, end_s=end, colour=colour)
     try:
         pieces = archive(benchmark, checked, rows, seed=seed, selection=selection)
@@ -91,13 +93,20 @@ def dataset(  # noqa: PLR0913 (one argument per option is click's way)
 
 
 def _rows(
-    benchmark: str, config: Configuration, solution: str | None, *, seed: int, trial: int
+    benchmark: str,
+    config: Configuration,
+    solution: str | None,
+    *,
+    seed: int,
+    trial: int,
+    show: Callable[[float], None],
 ) -> Rows:
     """Return the telemetry of one trial with a built-in solution."""
     import numpy as np
 
     from seamark.sim import registry
     from seamark.sim.engine.trial import run_trial
+    from seamark.sim.recording.telemetry import INDEX
 
     entry = registry.benchmark(benchmark)
     known = list(entry.built_in)
@@ -105,14 +114,21 @@ def _rows(
     if name not in known:
         raise UsageRefused(f"There is no built-in solution {name}. Available: {', '.join(known)}.")
     rows: list[Rows] = []
+    duration_s = entry.trial_duration_s(config)
+
+    def keep(some: Rows) -> None:
+        rows.append(some.copy())
+        show(some[-1, INDEX["t"]] / duration_s)
+
     run_trial(
         benchmark,
         config,
         entry.load().built_in(name, config),
         seed=seed,
         trial=trial,
-        on_rows=lambda some: rows.append(some.copy()),
+        on_rows=keep,
     )
+    show(1.0)
     return np.concatenate(rows)
 
 

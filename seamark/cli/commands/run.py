@@ -142,14 +142,18 @@ def _header_comments(local_run: LocalRun) -> list[str]:
 
 
 def _evaluate(local_run: LocalRun, output: OutputFolder, *, quiet: bool) -> RunOutcome:
+    from seamark.cli.simulator_loading import loading_shown
     from seamark.cli.solutions import isolation_level, sandbox_failures_explained
     from seamark.progress import Progress
     from seamark.sandbox.isolation.level import IsolationLevel
 
     program = local_run.program
     isolation = IsolationLevel.NONE if program is None else isolation_level()
-    with sandbox_failures_explained(), Progress(local_run.benchmark, quiet=quiet) as bar:
-        bar.show(0.0, _loading(), state="loading")
+    with (
+        sandbox_failures_explained(),
+        Progress(local_run.benchmark, quiet=quiet) as bar,
+        loading_shown(bar),
+    ):
         from seamark.worker.evaluation.local import Callbacks, evaluate_locally
 
         callbacks = Callbacks(
@@ -167,17 +171,6 @@ def _evaluate(local_run: LocalRun, output: OutputFolder, *, quiet: bool) -> RunO
             callbacks=callbacks,
             isolation=isolation,
         )
-
-
-def _loading() -> str:
-    """Return what happens before the first progress of the simulation."""
-    import os
-
-    from seamark.sim.numerics.numba_internals import numba_folder
-
-    if any(numba_folder(os.environ).glob("numba-*")):
-        return "loading the simulator"
-    return "compiling the simulator (once; a minute or two)"
 
 
 def _report(local_run: LocalRun, outcome: RunOutcome, out: Path | None, *, as_json: bool) -> None:

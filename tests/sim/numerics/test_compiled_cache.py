@@ -1,6 +1,8 @@
 """Compiled code is never used after a change of the sources that it was compiled from."""
 
 import ast
+import os
+import time
 from pathlib import Path
 
 import pytest
@@ -9,6 +11,7 @@ from seamark.sim.camera import raycast
 from seamark.sim.numerics import libm
 from seamark.sim.numerics.compiled_cache import (
     ROOT,
+    UNUSED_MAX_S,
     SourceStampLocator,
     imported_names,
     stamp,
@@ -100,3 +103,26 @@ def test_imports_are_found_in_every_form(source: str, names: set[str]) -> None:
 
 def test_code_outside_the_simulator_is_left_to_numba() -> None:
     assert SourceStampLocator.from_function(Plant.pose, "/usr/lib/python3/other.py") is None
+
+
+def _unused_for(folder: Path, seconds: float) -> Path:
+    folder.mkdir()
+    (folder / "plant.advance-1.nbc").write_bytes(b"code")
+    os.utime(folder, (time.time() - seconds,) * 2)
+    return folder
+
+
+def test_code_of_versions_that_are_no_longer_used_is_removed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    path = ROOT / "sim/physics/plant.py"
+    own = _unused_for(tmp_path / f"numba-plant-{stamp(path, ROOT)[:16]}", UNUSED_MAX_S + 60)
+    _unused_for(tmp_path / f"numba-plant-{16 * 'a'}", UNUSED_MAX_S + 60)
+    beside = _unused_for(tmp_path / f"numba-plant-{16 * 'b'}", UNUSED_MAX_S - 60)
+    foreign = _unused_for(tmp_path / "numba-notes", UNUSED_MAX_S + 60)
+
+    SourceStampLocator.from_function(Plant.pose, str(path))
+
+    assert sorted(tmp_path.iterdir()) == sorted([own, beside, foreign])
+    assert time.time() - own.stat().st_mtime < 60
