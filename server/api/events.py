@@ -91,11 +91,17 @@ def _response(data: Iterable[bytes]) -> Response:
 
 def _follower(run_id: int, after: Position | None, *, shows_log: bool) -> Any:
     """Return what continues the response on the event loop."""
-    hub = services().streams
+    hub, user_id = services().streams, access.viewer().user_id
 
     def follow(connection: Connection) -> AsyncGenerator[bytes, None]:
-        gone, abort = connection.gone, connection.abort
-        return hub.follow(run_id, after, shows_log=shows_log, gone=gone, abort=abort)
+        return hub.follow(
+            run_id,
+            after,
+            shows_log=shows_log,
+            user_id=user_id,
+            gone=connection.gone,
+            abort=connection.abort,
+        )
 
     return follow
 

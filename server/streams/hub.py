@@ -10,7 +10,9 @@ from typing import Any
 
 import structlog
 from redis.exceptions import RedisError
+from sqlalchemy.exc import SQLAlchemyError
 
+from seamark.server.accounts import accounts
 from seamark.server.database.engine import Database
 from seamark.server.messaging import broker, live_events
 from seamark.server.settings import Settings
@@ -20,6 +22,7 @@ from seamark.server.streams.inbox import WAITING_MAX, Inbox
 
 THREADS = 4  # that read files and the database for streams; pages have others
 BROKER_RETRY_S = 2.0
+ACCOUNTS_S = 2.0  # between two looks at whether the viewers' accounts are still accepted
 LISTEN_S = 0.5  # before the listener looks whether it is to end
 _log = structlog.get_logger()
 
@@ -44,6 +47,8 @@ class Hub:
         self._feeds: dict[int, Feed] = {}
         self._tasks: dict[int, asyncio.Task[None]] = {}
         self._listener: asyncio.Task[None] | None = None
+        self._accounts: dict[Inbox, int] = {}  # of the viewers who have one
+        self._account_watch: asyncio.Task[None] | None = None
         self.open_streams = 0
         self._ending = False
 
@@ -63,6 +68,7 @@ class Hub:
         after: Position | None,
         *,
         shows_log: bool,
+        user_id: int | None = None,
         gone: asyncio.Future[Any],
         abort: Callable[[], None],
     ) -> AsyncGenerator[bytes, None]:
@@ -72,6 +78,8 @@ class Hub:
         ----------
         after
             Where the viewer resumes; the start of the newest trial if None.
+        user_id
+            Account of the viewer: when it is disabled or closed, the stream ends.
         abort
             Closes the connection of a viewer that is too slow.
         """
@@ -82,6 +90,8 @@ class Hub:
         feed = self._feed(run_id)
         feed.viewers += 1
         self.open_streams += 1
+        if user_id is not None:
+            self._accounts[inbox] = user_id
         try:
             start = await feed.join(inbox, abort, after)
             for frame in start.frames:
@@ -91,6 +101,7 @@ class Hub:
                 yield waiting.data
         finally:
             feed.leave(inbox)
+            self._accounts.pop(inbox, None)
             self.open_streams -= 1
             feed.viewers -= 1
             if not feed.viewers:
@@ -101,8 +112,9 @@ class Hub:
         self._ending = True
         for feed in self._feeds.values():
             feed.close()
-        if self._listener is not None:
-            self._listener.cancel()
+        for task in (self._listener, self._account_watch):
+            if task is not None:
+                task.cancel()
 
     def close(self) -> None:
         """Stop the threads."""
@@ -118,6 +130,7 @@ class Hub:
             self._tasks[run_id].add_done_callback(partial(self._ended, run_id, feed))
         if self._listener is None:
             self._listener = asyncio.create_task(self._listen())
+            self._account_watch = asyncio.create_task(self._watch_accounts())
         return self._feeds[run_id]
 
     def _ended(self, run_id: int, feed: Feed, task: asyncio.Task[None]) -> None:
@@ -131,6 +144,28 @@ class Hub:
         if self._feeds.get(run_id) is feed:
             del self._feeds[run_id]
             self._tasks.pop(run_id).cancel()
+
+    async def _watch_accounts(self) -> None:
+        """End the streams of accounts that are refused by now: one query for all of them."""
+        loop = asyncio.get_running_loop()
+        while True:
+            await asyncio.sleep(ACCOUNTS_S)
+            try:
+                refused = await loop.run_in_executor(
+                    self._threads, self._refused, set(self._accounts.values())
+                )
+            except SQLAlchemyError as error:
+                _log.warning("accounts_not_read", error=str(error))
+                continue
+            for inbox, user_id in self._accounts.items():
+                if user_id in refused:
+                    inbox.close()
+
+    def _refused(self, user_ids: set[int]) -> set[int]:
+        if not user_ids:
+            return set()
+        with self._database.reading() as session:
+            return accounts.refused(session, user_ids)
 
     async def _listen(self) -> None:
         """Pass on published states; while the broker is away, look at the database more often.

@@ -19,6 +19,7 @@ class Viewer:
     run_id: int
     after: str = ""
     shows_log: bool = True
+    user_id: int | None = None
     pieces: list[bytes] = field(default_factory=list)
     aborted: bool = False
 
@@ -29,6 +30,7 @@ class Viewer:
             self.run_id,
             Position.parse(self.after),
             shows_log=self.shows_log,
+            user_id=self.user_id,
             gone=self.gone,
             abort=self.abort,
         ):

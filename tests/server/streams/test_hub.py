@@ -6,6 +6,9 @@ from typing import Any
 import pytest
 from redis import Redis
 
+from seamark.server.administration import people
+from seamark.server.audit import Actor
+from seamark.server.database.tables import User
 from seamark.server.messaging import live_events
 from seamark.server.runs import cancellation
 from seamark.server.runs.states import RunState
@@ -302,3 +305,26 @@ def test_a_stream_beyond_the_limit_ends_at_once(recording: Recording) -> None:
 
     assert second.pieces == []
     assert hub.open_streams == 0
+
+
+def test_the_streams_of_an_account_end_when_it_is_disabled_and_no_others(
+    recording: Recording, hub: Hub
+) -> None:
+    ben, eva = (Viewer(hub, recording.run_id, user_id=recording.user_id(n)) for n in ("ben", "eva"))
+    guest = Viewer(hub, recording.run_id)
+
+    async def test() -> None:
+        async with watching(eva, guest):
+            task = asyncio.create_task(ben.watch())
+            for viewer in (ben, eva, guest):
+                await viewer.receives("state")
+            with recording.database.writing() as session:
+                people.disable(session, Actor("root"), session.get_one(User, ben.user_id))
+            async with asyncio.timeout(DEADLINE_S):
+                await task
+            for viewer in (eva, guest):
+                received = len(viewer.events("telemetry"))
+                recording.record(20)
+                await viewer.receives("telemetry", received + 1)
+
+    run(test())
