@@ -18,6 +18,7 @@ from seamark.sim.engine.world import Craft, World, readings_of, target_and_optic
 from seamark.sim.fleet.steps import Shared, sense_all, step_all
 from seamark.sim.fleet.tables import COMMAND_NUMBERS, Sizes, Tables, empty_tables
 from seamark.sim.numerics.arrays import Array
+from seamark.sim.numerics.lanes import LANES
 from seamark.sim.physics.current import grid_points
 from seamark.sim.physics.pose import read_pose
 from seamark.sim.registry import TRUTH
@@ -105,18 +106,16 @@ class Fleet:
         self.craft[i] = craft
         bodies, motion, instruments, controllers, progress, outputs = self.tables
         plant, conditions = craft.plant, craft.conditions
-        count = len(plant.vehicle.thrusters)
+        block, lane = divmod(i, LANES)
         parameters: Any
-        for parameters, values in zip(bodies[:9], plant.body, strict=True):
-            parameters[i] = _padded(values, parameters.shape[1:])
-        bodies.gains[i, :count] = plant.thruster_gains
-        bodies.curve[i], bodies.limits[i] = plant.curve, plant.vehicle.curve.limits.value
-        bodies.thrusters[i] = count
+        body = (*plant.body, plant.thruster_gains, plant.curve)
+        for parameters, values in zip(bodies, body, strict=True):
+            parameters[block, ..., lane] = _padded(values, parameters.shape[1:-1])
         motion.state[i] = _padded(plant.state, motion.state.shape[1:])
-        motion.gate[i] = math.inf if craft.contact is None else craft.contact.gate_depth
+        motion.gate[block, lane] = math.inf if craft.contact is None else craft.contact.gate_depth
         water = plant.current.water
         motion.law[i], motion.drift[i] = water.law, water.drift
-        motion.water[i] = [*water[1:10], *water[11:]]
+        motion.water[block, :, lane] = [*water[1:10], *water[11:]]
         sensors, noises = craft.sensors.records(), craft.sensors.noises()
         table: Any
         for table, record in zip(instruments[:4], sensors, strict=True):
@@ -132,9 +131,11 @@ class Fleet:
             holds,
         )
         for table, values in zip(
-            controllers[4:], craft.velocity_controller.thrusters(), strict=True
+            controllers[4:7], craft.velocity_controller.thrusters(), strict=True
         ):
             table[i] = _padded(values, table.shape[1:])
+        controllers.curve[i], controllers.limits[i] = plant.curve, plant.vehicle.curve.limits.value
+        controllers.thrusters[i] = len(plant.vehicle.thrusters)
         progress.step[i], progress.place[i], progress.start_s[i] = 0, place, start_s
         progress.late[i] = conditions.camera_delay_steps, conditions.command_delay_steps
         outputs.diverged[i] = outputs.touching[i] = False
@@ -166,7 +167,8 @@ class Fleet:
 
     def _in_threads(self, compiled: Callable[..., None], *arrays: Any) -> None:
         """Call a compiled function for all vehicles, a part of them in each thread."""
-        bounds = [self.count * k // self._threads for k in range(self._threads + 1)]
+        blocks = self.tables.bodies.net_weight.shape[0]
+        bounds = [blocks * k // self._threads for k in range(self._threads + 1)]
         calls = [
             self._pool.submit(compiled, first, last, *arrays, self._shared, self._plain)
             for first, last in pairwise(bounds[1:])
@@ -216,7 +218,7 @@ class Fleet:
             raise RuntimeError("a vehicle that was never placed cannot touch anything")
         plant, steps = craft.plant, self._shared[0]
         size, thrusters = len(plant.state), len(plant.vehicle.thrusters)
-        plant.state[:] = motion.before[i, :size]
+        plant.state[:] = motion.state[i, :size]  # still that before the step
         first = (int(self.tables.progress.step[i]) - 1) * steps
         plant.advance(first, motion.command[i, :thrusters].copy(), steps)
         motion.state[i, :size] = plant.state

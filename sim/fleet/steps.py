@@ -1,6 +1,7 @@
 """One control step of every vehicle, compiled: the functions of the closed loop of one vehicle.
 
 The vehicles are independent of each other, so it changes no bit how they are shared among threads.
+Eight of them move at a time (`blocks.py`).
 """
 
 import math
@@ -15,6 +16,13 @@ from seamark.sim.control import velocity_law
 from seamark.sim.control.velocity_law import DEPTH, HEADING
 from seamark.sim.engine.perception import perceive
 from seamark.sim.engine.reward import reward_of
+from seamark.sim.fleet.blocks import (
+    Work,
+    advance_block,
+    block_buffers,
+    load_vehicle,
+    store_vehicle,
+)
 from seamark.sim.fleet.tables import (
     COMMAND_NUMBERS,
     Bodies,
@@ -26,11 +34,10 @@ from seamark.sim.fleet.tables import (
 )
 from seamark.sim.numerics.arrays import Array
 from seamark.sim.numerics.borrowed import borrowed
-from seamark.sim.physics.dynamics import Buffers, advance_held, integration_buffers
+from seamark.sim.numerics.lanes import LANES
 from seamark.sim.physics.pose import read_pose
 from seamark.sim.recording.telemetry import INDEX, STEP_US
 
-_buffers = njit(cache=True)(integration_buffers)
 Flags = NDArray[np.bool_]
 _REFERENCE = INDEX["ref_u"]
 _CORNERS = 8
@@ -62,9 +69,9 @@ class Shared(NamedTuple):
 def sense_all(
     first: int, last: int, chosen: Flags, shared: tuple[Any, ...], tables: tuple[Any, ...]
 ) -> None:
-    """Write observation, telemetry and reward of the chosen vehicles (n,) from first to last."""
+    """Write observation, telemetry and reward of the chosen vehicles (n,) of some blocks."""
     shared, tables = borrowed(shared), borrowed(tables)
-    for i in range(first, last):
+    for i in range(first * LANES, min(last * LANES, chosen.size)):
         if chosen[i]:
             _sense(i, shared, tables)
 
@@ -80,62 +87,69 @@ def step_all(
 ) -> None:
     """Take the actions (n, numbers) of the chosen vehicles (n,) and simulate a control step.
 
-    Afterwards all but those in contact, or with a tracker of their own, have sensed the new state.
+    It is for the blocks from first to last. Afterwards all but those in contact, or with a tracker
+    of their own, have sensed the new state.
     """
     actions, shared, tables = borrowed(actions), borrowed(shared), borrowed(tables)
-    own = _buffers(tables[1][0].shape[1])
+    own = block_buffers(tables[1][0].shape[1])
     work = borrowed(own)
-    for i in range(first, last):
-        if chosen[i]:
-            _act(i, actions, shared, tables, work)
-            outputs = Outputs(*tables[5])
-            waits = outputs.diverged[i] or outputs.touching[i]
-            if Shared(*shared).truth and not waits:
-                _sense(i, shared, tables)
-    own[0][0] = 0.0  # the owner of `work` must live until here
+    for block in range(first, last):
+        _step_block(block, chosen, actions, shared, tables, work)
+    own[0][0, 0] = 0.0  # the owner of `work` must live until here
 
 
-@njit(cache=True, error_model="numpy", inline="always")
-def _act(
-    i: int,
+@njit(cache=True, error_model="numpy")
+def _step_block(
+    block: int,
+    chosen: Flags,
     actions: Array,
     plain_shared: tuple[Any, ...],
     tables: tuple[Any, ...],
-    work: Buffers,
+    plain_work: tuple[Any, ...],
 ) -> None:
-    """Advance one vehicle; sets `diverged` if a command is not finite, `touching` at the gate."""
-    shared, bodies, motion = Shared(*plain_shared), Bodies(*tables[0]), Motion(*tables[1])
+    shared, motion, work = Shared(*plain_shared), Motion(*tables[1]), Work(*plain_work)
+    progress, outputs = Progress(*tables[4]), Outputs(*tables[5])
+    begin = block * LANES
+    end = min(begin + LANES, chosen.size)
+    law = -1
+    for i in range(begin, end):
+        moves = chosen[i] and _act(i, actions, shared, tables)
+        work.moves[i - begin] = moves
+        if moves:
+            law = motion.law[i]  # the same in all of them, since it is a setting
+            load_vehicle(i, motion, progress.step[i] * shared.physics_steps, work)
+    if law < 0:
+        return
+    steps = (shared.physics_steps, shared.physics_step_s)
+    advance_block(block, law, steps, Bodies(*tables[0]), motion, work)
+    for i in range(begin, end):
+        if work.moves[i - begin]:
+            progress.step[i] += 1
+            outputs.contact_n[i] = 0.0
+            outputs.touching[i] = store_vehicle(i, motion, work)
+            if shared.truth and not outputs.touching[i]:
+                _sense(i, plain_shared, tables)
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def _act(i: int, actions: Array, shared: Shared, tables: tuple[Any, ...]) -> bool:
+    """Write the commands of one vehicle; False, and `diverged`, if one is not finite."""
+    motion, controllers = Motion(*tables[1]), Controllers(*tables[3])
     progress, outputs = Progress(*tables[4]), Outputs(*tables[5])
     arriving = _delayed(i, actions[i], progress)
     command, row = motion.command[i], outputs.rows[i]
     if shared.by_thrusters:
         for j in range(command.size):
-            command[j] = arriving[j] if j < bodies.thrusters[i] else 0.0
+            command[j] = arriving[j] if j < controllers.thrusters[i] else 0.0
     else:
         for j in range(COMMAND_NUMBERS):
             row[_REFERENCE + j] = actions[i, j]
-        _control(i, arriving, shared.dt, motion, Controllers(*tables[3]), bodies, progress)
+        _control(i, arriving, shared.dt, motion, controllers, progress)
     for j in range(command.size):
         if not math.isfinite(command[j]):
             outputs.diverged[i] = True
-            return
-    state = motion.state[i]
-    motion.before[i][:] = state
-    first = progress.step[i] * shared.physics_steps
-    steps = shared.physics_steps
-    done = advance_held(
-        state,
-        command,
-        bodies.curve[i],
-        (bodies.gains[i], motion.target[i], work),
-        (-1, 0.0),  # no fault
-        (first, steps, shared.physics_step_s, motion.gate[i]),
-        _body(i, bodies),
-        _water(i, motion),
-    )
-    outputs.touching[i] = done < steps
-    outputs.contact_n[i] = 0.0
-    progress.step[i] += 1
+            return False
+    return True
 
 
 @njit(cache=True, error_model="numpy", inline="always")
@@ -158,7 +172,6 @@ def _control(
     dt: float,
     motion: Motion,
     controllers: Controllers,
-    bodies: Bodies,
     progress: Progress,
 ) -> None:
     """Run the velocity controller, which begins a level by holding what it measures."""
@@ -172,7 +185,7 @@ def _control(
         controllers.allocator[i],
         controllers.directions[i],
         controllers.efforts[i],
-        bodies.curve[i],
+        controllers.curve[i],
     )
     velocity_law.step(
         (reference[0], reference[1], reference[2], reference[3]),
@@ -187,25 +200,9 @@ def _control(
 
 
 @njit(cache=True, error_model="numpy", inline="always")
-def _body(i: int, bodies: Bodies) -> tuple[Any, ...]:
-    """Return a `dynamics.Body` as a plain tuple."""
-    return (
-        bodies.mass[i],
-        bodies.inverse_mass[i],
-        bodies.added[i],
-        bodies.linear[i],
-        bodies.quadratic[i],
-        bodies.allocation[i],
-        bodies.net_weight[i],
-        bodies.moment[i],
-        bodies.lag_rate[i],
-    )
-
-
-@njit(cache=True, error_model="numpy", inline="always")
 def _water(i: int, motion: Motion) -> tuple[Any, ...]:
     """Return a `current.Water` as a plain tuple."""
-    water = motion.water[i]
+    water = motion.water[i // LANES, :, i % LANES]
     return (
         motion.law[i],
         water[0],
@@ -284,9 +281,9 @@ def _sense(i: int, plain_shared: tuple[Any, ...], tables: tuple[Any, ...]) -> No
         ),
     )
     row[STEP_US] = 0.0
-    bodies = Bodies(*tables[0])
-    forward, reverse = bodies.limits[i, 0], bodies.limits[i, 1]
-    goal = (shared.goal, shared.tool, shared.place, forward, reverse, bodies.thrusters[i])
+    controllers = Controllers(*tables[3])
+    forward, reverse = controllers.limits[i, 0], controllers.limits[i, 1]
+    goal = (shared.goal, shared.tool, shared.place, forward, reverse, controllers.thrusters[i])
     outputs.reward[i] = reward_of(row, goal)
 
 

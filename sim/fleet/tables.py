@@ -1,4 +1,7 @@
-"""The state of a fleet as structures of arrays: the first index is always the vehicle.
+"""The state of a fleet as structures of arrays: the first index is the vehicle.
+
+What the equations of motion read is in blocks of eight vehicles instead: first the block, last the
+lane, which is the vehicle's number modulo eight.
 
 A vehicle with fewer thrusters than another one of the fleet has zeros in their place: a thruster
 that gives no thrust adds zeros to sums, which change no bit of a result.
@@ -12,6 +15,7 @@ from seamark.sim.control.observation import STARTS
 from seamark.sim.control.station_keeper import KEEPER
 from seamark.sim.control.velocity_law import AXIS, HOLD, MEASURED, SETTINGS, Records
 from seamark.sim.numerics.arrays import Array
+from seamark.sim.numerics.lanes import LANES
 from seamark.sim.physics.current import Water
 from seamark.sim.physics.dynamics import RIGID
 from seamark.sim.recording.telemetry import width_for
@@ -22,33 +26,29 @@ WATER_NUMBERS = tuple(name for name in Water._fields if name not in ("law", "dri
 
 
 class Bodies(NamedTuple):
-    """The vehicles' parameters: those of `dynamics.Body`, and what belongs to their thrusters."""
+    """The vehicles' parameters in blocks of lanes: `dynamics.Body`, and their thrusters'."""
 
-    mass: Array  # (n, 6, 6)
-    inverse_mass: Array  # (n, 6, 6)
-    added: Array  # (n, 6, 6)
-    linear: Array  # (n, 6)
-    quadratic: Array  # (n, 6)
-    allocation: Array  # (n, 6, k)
-    net_weight: Array  # (n,)
-    moment: Array  # (n, 3)
-    lag_rate: Array  # (n,)
-    gains: Array  # (n, k)
-    curve: Array  # (n, 16)
-    limits: Array  # (n, 2) [N] most thrust forward, reverse
-    thrusters: Any  # (n,) int64: how many there are
+    mass: Array  # (blocks, 6, 6, 8)
+    inverse_mass: Array  # (blocks, 6, 6, 8)
+    added: Array  # (blocks, 6, 6, 8)
+    linear: Array  # (blocks, 6, 8)
+    quadratic: Array  # (blocks, 6, 8)
+    allocation: Array  # (blocks, 6, k, 8)
+    net_weight: Array  # (blocks, 8)
+    moment: Array  # (blocks, 3, 8)
+    lag_rate: Array  # (blocks, 8)
+    gains: Array  # (blocks, k, 8)
+    curve: Array  # (blocks, 16, 8)
 
 
 class Motion(NamedTuple):
     """Where the vehicles are, the water around them, and how deep they may go without contact."""
 
     state: Array  # (n, 13 + k)
-    before: Array  # (n, 13 + k) at the start of the control step
-    target: Array  # (n, k) [N] steady thrusts
     command: Array  # (n, k)
     thrust: Array  # (n, k) [N] what the velocity controller wants
-    gate: Array  # (n,) [m]
-    water: Array  # (n, WATER_NUMBERS)
+    gate: Array  # (blocks, 8) [m]
+    water: Array  # (blocks, WATER_NUMBERS, 8)
     law: Any  # (n,) int64
     drift: Array  # (n, 2, grid)
 
@@ -68,7 +68,7 @@ class Instruments(NamedTuple):
 
 
 class Controllers(NamedTuple):
-    """The velocity controllers."""
+    """The velocity controllers, and what they know of the thrusters."""
 
     measured: Records  # (n,)
     settings: Records  # (n,)
@@ -77,6 +77,9 @@ class Controllers(NamedTuple):
     allocator: Array  # (n, k, 6)
     directions: Array  # (n, k, 3)
     efforts: Array  # (n, k, 3)
+    curve: Array  # (n, 16)
+    limits: Array  # (n, 2) [N] most thrust forward, reverse
+    thrusters: Any  # (n,) int64: how many there are
 
 
 class Progress(NamedTuple):
@@ -131,20 +134,22 @@ class Sizes(NamedTuple):
     grid: int  # of the gusts
     readings: tuple[int, int, int, int]  # of DVL, depth gauge, AHRS, altimeter
 
+    def blocks(self) -> int:
+        """Return how many blocks of lanes hold the vehicles."""
+        return -(-self.vehicles // LANES)
+
 
 def empty_tables(sizes: Sizes) -> Tables:
     """Return tables of zeros."""
-    n, k = sizes.vehicles, sizes.thrusters
+    n, k, blocks = sizes.vehicles, sizes.thrusters, sizes.blocks()
     return Tables(
-        _bodies(n, k),
+        _bodies(blocks, k),
         Motion(
             state=np.zeros((n, RIGID + k)),
-            before=np.zeros((n, RIGID + k)),
-            target=np.zeros((n, k)),
             command=np.zeros((n, k)),
             thrust=np.zeros((n, k)),
-            gate=np.zeros(n),
-            water=np.zeros((n, len(WATER_NUMBERS))),
+            gate=np.zeros((blocks, LANES)),
+            water=np.zeros((blocks, len(WATER_NUMBERS), LANES)),
             law=np.zeros(n, np.int64),
             drift=np.zeros((n, 2, sizes.grid)),
         ),
@@ -165,21 +170,19 @@ def empty_tables(sizes: Sizes) -> Tables:
     )
 
 
-def _bodies(n: int, k: int) -> Bodies:
+def _bodies(blocks: int, k: int) -> Bodies:
     return Bodies(
-        mass=np.zeros((n, 6, 6)),
-        inverse_mass=np.zeros((n, 6, 6)),
-        added=np.zeros((n, 6, 6)),
-        linear=np.zeros((n, 6)),
-        quadratic=np.zeros((n, 6)),
-        allocation=np.zeros((n, 6, k)),
-        net_weight=np.zeros(n),
-        moment=np.zeros((n, 3)),
-        lag_rate=np.zeros(n),
-        gains=np.zeros((n, k)),
-        curve=np.zeros((n, 16)),
-        limits=np.zeros((n, 2)),
-        thrusters=np.zeros(n, np.int64),
+        mass=np.zeros((blocks, 6, 6, LANES)),
+        inverse_mass=np.zeros((blocks, 6, 6, LANES)),
+        added=np.zeros((blocks, 6, 6, LANES)),
+        linear=np.zeros((blocks, 6, LANES)),
+        quadratic=np.zeros((blocks, 6, LANES)),
+        allocation=np.zeros((blocks, 6, k, LANES)),
+        net_weight=np.zeros((blocks, LANES)),
+        moment=np.zeros((blocks, 3, LANES)),
+        lag_rate=np.zeros((blocks, LANES)),
+        gains=np.zeros((blocks, k, LANES)),
+        curve=np.zeros((blocks, 16, LANES)),
     )
 
 
@@ -207,6 +210,9 @@ def _controllers(n: int, k: int) -> Controllers:
         allocator=np.zeros((n, k, 6)),
         directions=np.zeros((n, k, 3)),
         efforts=np.zeros((n, k, 3)),
+        curve=np.zeros((n, 16)),
+        limits=np.zeros((n, 2)),
+        thrusters=np.zeros(n, np.int64),
     )
 
 

@@ -11,6 +11,8 @@ import math
 
 from numba import njit
 
+from seamark.sim.numerics.lanes import exponent, floor, mantissa, power_of_two, select
+
 PI = 3.141592653589793  # [rad] nearest double
 LARGEST_ANGLE = 1.0e6  # [rad] above it the three-part reduction is no longer exact
 
@@ -27,6 +29,8 @@ _LARGEST_EXPONENT = 709.782712893384  # exp() of more overflows
 _SMALLEST_EXPONENT = -745.1332191019412  # exp() of less is zero
 
 _SQRT_HALF = 0.7071067811865476
+_LEAST_NORMAL = 2.2250738585072014e-308
+_TWO_54 = 18014398509481984.0
 
 # atan(i/8), i = 0..8: the argument is brought within 1/16 of one of these points.
 _ATAN_OF_EIGHTHS = (
@@ -75,21 +79,17 @@ def _cos_core(r: float) -> float:
 @njit(cache=True, error_model="numpy")
 def sincos(x: float) -> tuple[float, float]:
     """Return (sin x, cos x) for |x| <= LARGEST_ANGLE, otherwise (nan, nan)."""
-    if not abs(x) <= LARGEST_ANGLE:
-        return math.nan, math.nan
-    turns = math.floor(x * _TWO_OVER_PI + 0.5)
-    k = float(turns)
+    valid = abs(x) <= LARGEST_ANGLE
+    k = floor(x * _TWO_OVER_PI + 0.5)
     r = ((x - k * _HALF_PI_HIGH) - k * _HALF_PI_MIDDLE) - k * _HALF_PI_LOW
     s = _sin_core(r)
     c = _cos_core(r)
-    quadrant = int(turns) & 3
-    if quadrant == 0:
-        return s, c
-    if quadrant == 1:
-        return c, -s
-    if quadrant == 2:
-        return -s, -c
-    return -c, s
+    quadrant = k - 4.0 * floor(0.25 * k)
+    odd = (quadrant == 1.0) | (quadrant == 3.0)
+    sine, cosine = select(odd, c, s), select(odd, s, c)
+    sine = select(quadrant >= 2.0, -sine, sine)
+    cosine = select((quadrant == 1.0) | (quadrant == 2.0), -cosine, cosine)
+    return select(valid, sine, math.nan), select(valid, cosine, math.nan)
 
 
 @njit(cache=True, error_model="numpy")
@@ -105,29 +105,10 @@ def cos(x: float) -> float:
 
 
 @njit(cache=True, error_model="numpy")
-def _power_of_two(k: int) -> float:
-    """Return 2**k exactly, for |k| <= 1022."""
-    base = 2.0 if k >= 0 else 0.5
-    n = abs(k)
-    result = 1.0
-    while n > 0:
-        if n & 1:
-            result *= base
-        base *= base
-        n >>= 1
-    return result
-
-
-@njit(cache=True, error_model="numpy")
 def exp(x: float) -> float:
     """Return e**x; inf above 709.78, zero below -745.13, nan for nan."""
-    if math.isnan(x):
-        return x
-    if x > _LARGEST_EXPONENT:
-        return math.inf
-    if x < _SMALLEST_EXPONENT:
-        return 0.0
-    k = math.floor(x * _LOG2_E + 0.5)
+    usual = (x >= _SMALLEST_EXPONENT) & (x <= _LARGEST_EXPONENT)
+    k = floor(select(usual, x, 0.0) * _LOG2_E + 0.5)
     r = (x - k * _LN2_HIGH) - k * _LN2_LOW
     s = 1.0 / 6227020800.0  # the series to r**13 (next term 4e-18)
     s = 1.0 / 479001600.0 + r * s
@@ -142,20 +123,22 @@ def exp(x: float) -> float:
     s = 1.0 / 6.0 + r * s
     s = 0.5 + r * s
     value = 1.0 + (r + (r * r) * s)
-    half = int(k) // 2  # in two steps: 2**1024 is not a double, but the product may be
-    return value * _power_of_two(half) * _power_of_two(int(k) - half)
+    half = floor(0.5 * k)  # in two steps: 2**1024 is not a double, but the product may be
+    value = value * power_of_two(half) * power_of_two(k - half)
+    value = select(x > _LARGEST_EXPONENT, math.inf, value)
+    value = select(x < _SMALLEST_EXPONENT, 0.0, value)
+    return select(x != x, x, value)  # noqa: PLR0124  # nan
 
 
 @njit(cache=True, error_model="numpy")
 def log(x: float) -> float:
     """Return the natural logarithm of x > 0; -inf for zero, nan for less and for nan."""
-    if not x > 0.0:
-        return -math.inf if x == 0.0 else math.nan
-    if x == math.inf:
-        return x
-    m, k = math.frexp(x)  # exact: x = m 2**k, 0.5 <= m < 1
-    if m < _SQRT_HALF:
-        m, k = 2.0 * m, k - 1
+    small = x < _LEAST_NORMAL
+    normal = select(small, x * _TWO_54, x)
+    m = mantissa(normal)  # exact: x = m 2**k, 0.5 <= m < 1
+    k = exponent(normal) - select(small, 54.0, 0.0)
+    low = m < _SQRT_HALF
+    m, k = select(low, 2.0 * m, m), select(low, k - 1.0, k)
     t = (m - 1.0) / (m + 1.0)  # log m = 2 atanh t, |t| <= 0.172
     z = t * t
     s = 1.0 / 21.0  # the series to t**21 (next term 1e-19)
@@ -168,7 +151,9 @@ def log(x: float) -> float:
     s = 1.0 / 7.0 + z * s
     s = 1.0 / 5.0 + z * s
     s = 1.0 / 3.0 + z * s
-    return k * _LN2_HIGH + (2.0 * (t + t * (z * s)) + k * _LN2_LOW)
+    value = k * _LN2_HIGH + (2.0 * (t + t * (z * s)) + k * _LN2_LOW)
+    value = select(x > 0.0, select(x == math.inf, x, value), math.nan)
+    return select(x == 0.0, -math.inf, value)
 
 
 @njit(cache=True, error_model="numpy")

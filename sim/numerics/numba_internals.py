@@ -10,9 +10,9 @@ Cache of compiled code (`compiled_cache.py`)
     they go on using stale code. With another version of Numba its own locators are used, in a
     folder named after all sources of the simulator: every change compiles everything, but stale
     code is never used.
-Vectors of sixteen numbers (`simd.py`)
+Vectors of sixteen and of eight numbers (`simd.py`, `lanes.py`)
     Operators on types of our own, and parts of the code generator. Without vectors, sums would be
-    added in another order and results would differ, so there is no fall-back: importing `simd.py`
+    added in another order and results would differ, so there is no fall-back: importing them
     fails with a sentence that says which version is needed.
 
 Importing this module loads neither Numba nor NumPy.
@@ -41,7 +41,13 @@ CACHE_INTERNALS = (
 SIMD_INTERNALS = (
     "numba.core.cgutils:unpack_tuple",  # shape of an array
     "numba.core.cgutils:get_or_insert_function",  # declares an LLVM intrinsic
+    "numba.core.cgutils:create_struct_proxy",  # members of a view
     "numba.core.imputils:lower_builtin",  # code of an operator
+    "numba.core.imputils:lower_cast",  # a number as lanes
+    "numba.core.typeconv:Conversion",
+    "numba.core.typing.templates:AbstractTemplate",  # type of an item
+    "numba.core.typing.templates:AttributeTemplate",  # type of a shape
+    "numba.core.typing.templates:infer_getattr",
     "numba.core.typing.templates:ConcreteTemplate",  # type of an operator
     "numba.core.typing.templates:infer_global",
     "numba.core.typing.templates:signature",
@@ -70,7 +76,7 @@ def _exists(internal: str) -> bool:
 
 
 def require_simd() -> None:
-    """Check that the installed Numba can compile the vectors of `simd.py`.
+    """Check that the installed Numba can compile the vectors of `simd.py` and `lanes.py`.
 
     Raises
     ------

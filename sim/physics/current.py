@@ -26,6 +26,7 @@ import numpy as np
 from numba import njit
 
 from seamark.sim.numerics.arrays import Array
+from seamark.sim.numerics.lanes import like, select, some
 from seamark.sim.numerics.libm import PI, exp, log, sin, sincos
 from seamark.sim.physics import constants
 
@@ -36,6 +37,9 @@ CHANGE_S = constants.CURRENT_CHANGE_S.scalar
 MIN_HEIGHT_M = constants.MIN_HEIGHT_M.scalar
 
 _RELATIVE, _FORCE = 0, 1
+# Of the drift between two points of its grid: time [s] of the first, speed [m/s] there and its
+# slope, turn [rad] there and its slope.
+Segment = tuple[float, float, float, float, float]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -175,7 +179,7 @@ class Current:
 
         It is zero under the force law and independent of the depth without shear.
         """
-        x, y, *_rest = flow(t_s, self.water, segment_at(t_s, self.water))
+        x, y, *_rest = flow(t_s, self.water, segment_at(t_s, self.water.drift))
         water = self.water
         share, _slope = profile(depth_m, water.shear, water.bottom, water.height)
         return np.array([share * x, share * y, 0.0])
@@ -207,10 +211,13 @@ def _gust(rng: np.random.Generator, sigma: float, time_s: float, duration_s: flo
 
 
 @njit(cache=True, error_model="numpy")
-def segment_at(t: float, water: Water) -> int:
-    """Return the interval of the gust's grid at time t [s]; the last one after its end."""
-    last: int = water.drift.shape[1] - 2
-    return min(max(int(t / GUST_GRID_S), 0), last)
+def segment_at(t: float, drift: Array) -> Segment:
+    """Return the straight piece of the drift at time t [s]; the last one after its end."""
+    at = min(max(int(t / GUST_GRID_S), 0), drift.shape[1] - 2)
+    speed, turn = drift[0, at], drift[1, at]
+    slope = (drift[0, at + 1] - speed) / GUST_GRID_S
+    turning = (drift[1, at + 1] - turn) / GUST_GRID_S
+    return at * GUST_GRID_S, speed, slope, turn, turning
 
 
 @njit(cache=True, error_model="numpy")
@@ -221,40 +228,42 @@ def profile(depth: float, exponent: float, bottom: float, reference: float) -> t
     array costs a reference count per call. Below MIN_HEIGHT_M above the bottom the share is
     constant.
     """
-    if exponent == 0.0:
-        return 1.0, 0.0
+    sheared = exponent != 0.0
+    if not some(sheared):
+        return like(depth, 1.0), like(depth, 0.0)
     height = bottom - depth
-    share = exp(exponent * log(max(height, MIN_HEIGHT_M) / reference))
-    slope = -exponent * share / height if height > MIN_HEIGHT_M else 0.0
-    return share, slope
+    above = height > MIN_HEIGHT_M
+    share = exp(exponent * log(select(above, height, MIN_HEIGHT_M) / reference))
+    slope = select(above, -exponent * share / height, 0.0)
+    return select(sheared, share, 1.0), select(sheared, slope, 0.0)
 
 
 @njit(cache=True, error_model="numpy")
-def flow(t: float, water: Water, segment: int) -> tuple[float, float, float, float, float, float]:
+def flow(
+    t: float, water: Water, segment: Segment
+) -> tuple[float, float, float, float, float, float]:
     """Return velocity x, y [m/s], acceleration x, y [m/s²] (NED), body force surge, sway [N].
 
     `segment` is chosen once per integration step, so that the flow is smooth over all its stages.
     """
-    since = t - segment * GUST_GRID_S
-    drift = water.drift
-    left, turned = drift[0, segment], drift[1, segment]
-    slope = (drift[0, segment + 1] - left) / GUST_GRID_S
-    turning = (drift[1, segment + 1] - turned) / GUST_GRID_S
+    begin, gust, slope, turned, turning = segment
+    since = t - begin
     s, c = sincos(water.speed_rate * t + water.speed_phase)
-    speed = water.level + water.speed_swing * s + left + slope * since
+    speed = water.level + water.speed_swing * s + gust + slope * since
     speed_rate = water.speed_swing * water.speed_rate * c + slope
     s, c = sincos(water.azimuth_rate * t + water.azimuth_phase)
     swing = water.azimuth_swing * s + (turned + turning * since)
     swing_rate = water.azimuth_swing * water.azimuth_rate * c + turning
+    zero = like(speed, 0.0)
     if water.law == _FORCE:
         lateral = speed * sin(swing)
-        return 0.0, 0.0, 0.0, 0.0, water.force * lateral * lateral, water.force * speed * speed
+        return zero, zero, zero, zero, water.force * lateral * lateral, water.force * speed * speed
     s, c = sincos(water.azimuth + swing)
     return (
         -speed * c,
         -speed * s,
         -speed_rate * c + speed * swing_rate * s,
         -speed_rate * s - speed * swing_rate * c,
-        0.0,
-        0.0,
+        zero,
+        zero,
     )

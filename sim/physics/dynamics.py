@@ -15,8 +15,9 @@ import numpy as np
 from numba import njit
 
 from seamark.sim.numerics.arrays import Array
+from seamark.sim.numerics.lanes import sqrt
 from seamark.sim.numerics.linear_algebra import inverse
-from seamark.sim.physics.current import Water, flow, profile, segment_at
+from seamark.sim.physics.current import Segment, Water, flow, profile, segment_at
 from seamark.sim.physics.hydrodynamics import (
     add_coriolis,
     add_drag,
@@ -177,7 +178,7 @@ def write_acceleration(
     target = state[RIGID:]  # the thrusts do not change
     depth = profile(state[2], water.shear, water.bottom, water.height)
     buffers = (np.empty((3, 3)), np.empty(6), np.empty(6), np.empty(6))
-    moving = flow(t, water, segment_at(t, water))
+    moving = flow(t, water, segment_at(t, water.drift))
     _derivative(state, target, moving, body, depth, buffers, rate)
     for i in range(6):
         out[i] = rate[7 + i]
@@ -207,35 +208,48 @@ def integrate(
     step, steps, step_s, gate = steps_and_gate
     body = Body(*plain_body)
     water = Water(*plain_water)
-    shear = (water.shear, water.bottom, water.height)
-    size = state.size
-    k1, k2, k3, k4, y, rotation, relative, momentum, wrench = work
-    buffers = (rotation, relative, momentum, wrench)
     for done in range(steps):
         if state[2] > gate:
             return done
         t = (step + done) * step_s
-        middle = t + 0.5 * step_s
-        segment = segment_at(middle, water)
-        halfway = flow(middle, water, segment)
-        depth = profile(state[2], *shear)
-        _derivative(state, target, flow(t, water, segment), body, depth, buffers, k1)
-        for i in range(size):
-            y[i] = state[i] + 0.5 * step_s * k1[i]
-        depth = profile(y[2], *shear)
-        _derivative(y, target, halfway, body, depth, buffers, k2)
-        for i in range(size):
-            y[i] = state[i] + 0.5 * step_s * k2[i]
-        depth = profile(y[2], *shear)
-        _derivative(y, target, halfway, body, depth, buffers, k3)
-        for i in range(size):
-            y[i] = state[i] + step_s * k3[i]
-        depth = profile(y[2], *shear)
-        _derivative(y, target, flow(t + step_s, water, segment), body, depth, buffers, k4)
-        for i in range(size):
-            state[i] += step_s / 6.0 * (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i])
-        _normalise(state)
+        segment = segment_at(t + 0.5 * step_s, water.drift)
+        runge_kutta_step(state, target, (t, step_s), body, (water, segment), work)
     return steps
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def runge_kutta_step(
+    state: Array,
+    target: Array,
+    t_and_step: tuple[float, float],
+    body: Body,
+    water_and_segment: tuple[Water, Segment],
+    work: Buffers,
+) -> None:
+    """Advance `state`, of one vehicle or of lanes of them, in place by one step from time t [s]."""
+    (t, step_s), (water, segment) = t_and_step, water_and_segment
+    shear = (water.shear, water.bottom, water.height)
+    k1, k2, k3, k4, y, rotation, relative, momentum, wrench = work
+    buffers = (rotation, relative, momentum, wrench)
+    size = state.size
+    halfway = flow(t + 0.5 * step_s, water, segment)
+    depth = profile(state[2], *shear)
+    _derivative(state, target, flow(t, water, segment), body, depth, buffers, k1)
+    for i in range(size):
+        y[i] = state[i] + 0.5 * step_s * k1[i]
+    depth = profile(y[2], *shear)
+    _derivative(y, target, halfway, body, depth, buffers, k2)
+    for i in range(size):
+        y[i] = state[i] + 0.5 * step_s * k2[i]
+    depth = profile(y[2], *shear)
+    _derivative(y, target, halfway, body, depth, buffers, k3)
+    for i in range(size):
+        y[i] = state[i] + step_s * k3[i]
+    depth = profile(y[2], *shear)
+    _derivative(y, target, flow(t + step_s, water, segment), body, depth, buffers, k4)
+    for i in range(size):
+        state[i] = state[i] + step_s / 6.0 * (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i])
+    _normalise(state)
 
 
 @njit(cache=True, error_model="numpy")
@@ -269,9 +283,9 @@ def advance_held(
 
 @njit(cache=True, error_model="numpy")
 def _normalise(state: Array) -> None:
-    length = math.sqrt(state[3] ** 2 + state[4] ** 2 + state[5] ** 2 + state[6] ** 2)
-    for i in range(3, 7):
-        state[i] /= length
+    w, x, y, z = state[3], state[4], state[5], state[6]
+    length = sqrt(w * w + x * x + y * y + z * z)
+    state[3], state[4], state[5], state[6] = w / length, x / length, y / length, z / length
 
 
 @njit(cache=True, error_model="numpy")
@@ -286,7 +300,7 @@ def add_impulse(state: Array, inverse_mass: Array, impulse: Array) -> None:
 def write_current(t: float, plain_water: tuple[Any, ...], state: Array, out: Array) -> None:
     """Write the water's velocity at time t [s] to `out`, (3,) NED; see `Plant.current_world`."""
     water = Water(*plain_water)
-    stream_x, stream_y, _rise_x, _rise_y, surge, sway = flow(t, water, segment_at(t, water))
+    stream_x, stream_y, _rise_x, _rise_y, surge, sway = flow(t, water, segment_at(t, water.drift))
     share, _slope = profile(state[2], water.shear, water.bottom, water.height)
     out[0], out[1], out[2] = share * stream_x, share * stream_y, 0.0
     if surge > 0.0 or sway > 0.0:

@@ -1,6 +1,7 @@
 """Thrusters: from the command in [-1, 1] to the steady thrust [N], and back.
 
-The first-order lag between steady and present thrust is part of the plant's equations.
+The first-order lag between steady and present thrust is part of the plant's equations. From command
+to thrust everything is for one thruster or, with `numerics.lanes`, for one of eight vehicles each.
 """
 
 import math
@@ -9,11 +10,12 @@ import numpy as np
 from numba import njit
 
 from seamark.sim.numerics.arrays import Array
+from seamark.sim.numerics.lanes import like, select, some
 from seamark.sim.vehicles import ThrustCurve
 
+Terms = tuple[float, float, float, float, float, float]
 # Indices in the array of a packed curve.
 _KIND, _DEAD_BAND, _MOST_FORWARD, _MOST_REVERSE, _FORWARD, _REVERSE = 0, 1, 2, 3, 4, 10
-_TERMS = 6
 _QUADRATIC, _POLYNOMIAL = 0.0, 1.0
 # Bisection until Newton's method is sure to converge (105 N / 2**14 is 6 mN), then Newton with
 # quadratic convergence. Fixed counts give the same bits everywhere.
@@ -32,55 +34,59 @@ def pack_curve(curve: ThrustCurve) -> Array:
     return array
 
 
-@njit(cache=True, error_model="numpy")
-def _polynomial(curve: Array, first: int, force: float) -> float:
-    value = 0.0
-    for i in range(_TERMS - 1, -1, -1):
-        value = value * force + curve[first + i]
-    return value
+@njit(cache=True, error_model="numpy", inline="always")
+def _terms(curve: Array, forward: bool) -> Terms:
+    """Return the curve's coefficients for thrust in one direction."""
+    return (
+        select(forward, curve[_FORWARD], curve[_REVERSE]),
+        select(forward, curve[_FORWARD + 1], curve[_REVERSE + 1]),
+        select(forward, curve[_FORWARD + 2], curve[_REVERSE + 2]),
+        select(forward, curve[_FORWARD + 3], curve[_REVERSE + 3]),
+        select(forward, curve[_FORWARD + 4], curve[_REVERSE + 4]),
+        select(forward, curve[_FORWARD + 5], curve[_REVERSE + 5]),
+    )
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def _polynomial(terms: Terms, force: float) -> float:
+    a, b, c, d, e, f = terms
+    return ((((f * force + e) * force + d) * force + c) * force + b) * force + a
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def _slope(terms: Terms, force: float) -> float:
+    _a, b, c, d, e, f = terms
+    return (((5.0 * f * force + 4.0 * e) * force + 3.0 * d) * force + 2.0 * c) * force + b
 
 
 @njit(cache=True, error_model="numpy")
-def _slope(curve: Array, first: int, force: float) -> float:
-    value = 0.0
-    for i in range(_TERMS - 1, 0, -1):
-        value = value * force + i * curve[first + i]
-    return value
-
-
-@njit(cache=True, error_model="numpy")
-def _invert(curve: Array, first: int, most: float, effort: float) -> float:
+def _invert(terms: Terms, most: float, effort: float) -> float:
     """Return the thrust in [0, most] at which the polynomial gives `effort`."""
-    low, high = 0.0, most
+    low, high = like(effort, 0.0), most
     for _ in range(_BISECTIONS):
         middle = 0.5 * (low + high)
-        if _polynomial(curve, first, middle) < effort:
-            low = middle
-        else:
-            high = middle
-    force: float = 0.5 * (low + high)
+        below = _polynomial(terms, middle) < effort
+        low, high = select(below, middle, low), select(below, high, middle)
+    force = 0.5 * (low + high)
     for _ in range(_NEWTON_STEPS):
-        force -= (_polynomial(curve, first, force) - effort) / _slope(curve, first, force)
-    if force < 0.0:
-        return 0.0
-    return most if force > most else force
+        force = force - (_polynomial(terms, force) - effort) / _slope(terms, force)
+    return select(force < 0.0, 0.0, select(force > most, most, force))
 
 
 @njit(cache=True, error_model="numpy")
 def thrust_from_command(command: float, curve: Array) -> float:
     """Return the steady thrust [N] of one command; commands beyond ±1 count as ±1."""
-    effort = min(abs(command), 1.0)
-    if effort <= curve[_DEAD_BAND]:
-        return 0.0
-    first, most = (
-        (_FORWARD, curve[_MOST_FORWARD]) if command > 0.0 else (_REVERSE, curve[_MOST_REVERSE])
-    )
-    force: float
-    if curve[_KIND] == _QUADRATIC:
-        force = min(curve[first] * effort * effort, most)
-    else:
-        force = _invert(curve, first, most, effort)
-    return force if command > 0.0 else -force
+    effort = select(abs(command) < 1.0, abs(command), 1.0)
+    forward = command > 0.0
+    terms = _terms(curve, forward)
+    most = select(forward, curve[_MOST_FORWARD], curve[_MOST_REVERSE])
+    force = terms[0] * effort * effort
+    force = select(force < most, force, most)
+    pushes = effort > curve[_DEAD_BAND]
+    polynomial = pushes & (curve[_KIND] != _QUADRATIC)
+    if some(polynomial):
+        force = select(polynomial, _invert(terms, most, effort), force)
+    return select(pushes, select(forward, force, -force), 0.0)
 
 
 @njit(cache=True, error_model="numpy")
@@ -88,14 +94,12 @@ def command_from_thrust(force: float, curve: Array) -> float:
     """Return the command in [-1, 1] whose steady thrust is nearest to `force` [N]."""
     if force == 0.0:
         return 0.0
-    first, most = (
-        (_FORWARD, curve[_MOST_FORWARD]) if force > 0.0 else (_REVERSE, curve[_MOST_REVERSE])
-    )
-    size = min(abs(force), most)
+    terms = _terms(curve, force > 0.0)
+    size = min(abs(force), curve[_MOST_FORWARD] if force > 0.0 else curve[_MOST_REVERSE])
     if curve[_KIND] == _QUADRATIC:
-        effort = math.sqrt(size / curve[first])
+        effort = math.sqrt(size / terms[0])
     else:
-        effort = _polynomial(curve, first, size)
+        effort = _polynomial(terms, size)
     effort = min(effort, 1.0)
     return effort if force > 0.0 else -effort
 

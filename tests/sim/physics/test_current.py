@@ -45,7 +45,7 @@ def test_reported_acceleration_is_the_slope_of_the_velocity(law: str) -> None:
     pattern = Pattern(law="relative" if law == "relative" else "force")
     water = Current(0.4, pattern=pattern, rng=streams(1, 0, 0).gust).water
     t, h = 17.321, 1e-5
-    segment = segment_at(t, water)
+    segment = segment_at(t, water.drift)
 
     before, after = flow(t - h, water, segment), flow(t + h, water, segment)
     slope = [(b - a) / (2 * h) for a, b in zip(before[:2], after[:2], strict=True)]
@@ -57,8 +57,8 @@ def test_the_force_law_is_the_published_one() -> None:
     pattern = Pattern(law="force", speed_swing=0.0)
     water = Current(0.4, pattern=pattern).water
 
-    *still, surge, sway = flow(7.5, water, segment_at(7.5, water))
-    *_still, surge_later, _sway = flow(22.5, water, segment_at(22.5, water))
+    *still, surge, sway = flow(7.5, water, segment_at(7.5, water.drift))
+    *_still, surge_later, _sway = flow(22.5, water, segment_at(22.5, water.drift))
 
     assert still == [0.0, 0.0, 0.0, 0.0]
     assert sway == pytest.approx(410.0 * 0.134 * 0.4**2)
@@ -149,7 +149,7 @@ def test_the_acceleration_is_the_slope_of_the_velocity_during_a_change() -> None
     pattern = Pattern(azimuth_phase_rad=0.3, speed_phase_rad=1.0, changes=changes)
     water = Current(0.4, pattern=pattern, rng=streams(1, 0, 0).gust, duration_s=20.0).water
     t, h = 11.02, 1e-5
-    segment = segment_at(t, water)
+    segment = segment_at(t, water.drift)
 
     before, after = flow(t - h, water, segment), flow(t + h, water, segment)
     slope = [(b - a) / (2 * h) for a, b in zip(before[:2], after[:2], strict=True)]
