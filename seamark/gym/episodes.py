@@ -4,7 +4,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+import gymnasium
+import numpy as np
+
 from seamark.sim.engine.experiment import Experiment
+from seamark.sim.engine.seeds import SEED_MAX
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,27 +28,50 @@ class Episode:
 class Episodes:
     """The levels of the run with one seed: those that `seamark run --seed` has, in its order."""
 
-    def __init__(self, experiment: Experiment, config: Any, seed: int) -> None:
-        self._experiment, self._config, self._seed = experiment, config, seed
+    def __init__(self, experiment: Experiment, config: Any) -> None:
+        self._experiment, self._config = experiment, config
+        self._seed: int | None = None
         self._trial = self._position = 0
-        self._order = self._planned()
+        self._order: tuple[int, ...] = ()
 
-    def _planned(self) -> tuple[int, ...]:
-        return self._experiment.plan(self._config, seed=self._seed, trial=self._trial).order
+    def begin(
+        self, seed: int | None, options: Mapping[str, Any] | None, random: np.random.Generator
+    ) -> Episode:
+        """Return the episode that a reset begins: the next one, the first one with a seed.
 
-    def go_to(self, options: Mapping[str, Any]) -> None:
-        """Go on from the `trial` and the `level` of the options, if there are any.
+        Parameters
+        ----------
+        options
+            May have a `trial` and a `level` from which to go on.
+        random
+            Draws the seed of the first run if there is none.
 
         Raises
         ------
         ValueError
             There is no such trial or level.
         """
+        if seed is not None or self._seed is None:
+            self._seed = int(random.integers(SEED_MAX + 1)) if seed is None else int(seed)
+            self._start(0)
+        self._go_to(options or {})
+        return self.next()
+
+    def _start(self, trial: int) -> None:
+        self._trial, self._position = trial, 0
+        plan = self._experiment.plan(self._config, seed=self._known_seed(), trial=trial)
+        self._order = plan.order
+
+    def _known_seed(self) -> int:
+        if self._seed is None:
+            raise gymnasium.error.ResetNeeded("call reset() before step()")
+        return self._seed
+
+    def _go_to(self, options: Mapping[str, Any]) -> None:
         if "trial" in options:
             if not 0 <= int(options["trial"]) < 2**31:
                 raise ValueError(f"trial must be from 0 to 2147483647, not {options['trial']}")
-            self._trial, self._position = int(options["trial"]), 0
-            self._order = self._planned()
+            self._start(int(options["trial"]))
         if "level" in options:
             if options["level"] not in self._order:
                 last = len(self._order) - 1
@@ -52,9 +79,15 @@ class Episodes:
             self._position = self._order.index(options["level"])
 
     def next(self) -> Episode:
-        """Return the next episode."""
+        """Return the next episode.
+
+        Raises
+        ------
+        ResetNeeded
+            None has begun yet.
+        """
+        seed = self._known_seed()
         if self._position == len(self._order):
-            self._trial, self._position = self._trial + 1, 0
-            self._order = self._planned()
+            self._start(self._trial + 1)
         position, self._position = self._position, self._position + 1
-        return Episode(self._seed, self._trial, self._order[position], position)
+        return Episode(seed, self._trial, self._order[position], position)

@@ -15,7 +15,6 @@ from seamark.sim.engine.closed_loop import ClosedLoop, StateInvalid
 from seamark.sim.engine.delay import STILL
 from seamark.sim.engine.program import Command
 from seamark.sim.engine.reward import goal, reward_of
-from seamark.sim.engine.seeds import SEED_MAX
 from seamark.sim.engine.world import World
 from seamark.sim.recording.telemetry import INDEX, STEP_US, width_for
 
@@ -112,7 +111,7 @@ class StationKeepingEnv(gymnasium.Env[Observation, Observation]):
         self.action_space: gymnasium.Space[Any] = action_space(config, action)
         self.metadata = self.metadata | {"render_fps": round(1.0 / config.control_period_s)}
         self._by_thrusters = action == THRUSTERS
-        self._episodes: Episodes | None = None
+        self._episodes = Episodes(self._experiment, config)
         self._loop: ClosedLoop | None = None
         self._held = _Held()
         self._step = 0
@@ -122,11 +121,7 @@ class StationKeepingEnv(gymnasium.Env[Observation, Observation]):
     ) -> tuple[Observation, dict[str, Any]]:
         """Begin the next level; with a seed, the first one of the run with that seed."""
         super().reset(seed=seed)
-        if seed is not None or self._episodes is None:
-            run = int(self.np_random.integers(SEED_MAX + 1)) if seed is None else seed
-            self._episodes = Episodes(self._experiment, self._config, run)
-        self._episodes.go_to(options or {})
-        self._begin(episode := self._episodes.next())
+        self._begin(episode := self._episodes.begin(seed, options, self.np_random))
         self._sense()
         return self._observation(), episode.info() | self._truth()
 

@@ -14,7 +14,6 @@ from seamark.gym.spaces import THRUSTERS, VELOCITY, action_space, observation_sp
 from seamark.gym.station_keeping import REFERENCE, truth_of
 from seamark.sim import registry
 from seamark.sim.benchmarks.station_keeping.experiment import StationKeeping
-from seamark.sim.engine.seeds import SEED_MAX
 from seamark.sim.engine.tracker_in_loop import draw_start_error
 from seamark.sim.fleet.fleet import Flags, Fleet
 from seamark.sim.numerics.random_streams import streams
@@ -88,7 +87,8 @@ class StationKeepingVectorEnv(VectorEnv[Array, Array, Any]):
             threads=threads,
         )
         self._with_camera = config.tracker != TRUTH or render_mode is not None
-        self._episodes: list[Episodes | None] = [None] * num_envs
+        self._episodes = [Episodes(self._experiment, config) for _ in range(num_envs)]
+        self._placed = False
         self._over = np.zeros(num_envs, np.bool_)
 
     def reset(
@@ -111,25 +111,22 @@ class StationKeepingVectorEnv(VectorEnv[Array, Array, Any]):
         seeds = [None] * self.num_envs if seed is None else list(seed)
         if len(seeds) != self.num_envs:
             raise ValueError(f"there must be {self.num_envs} seeds, not {len(seeds)}")
-        for i in np.flatnonzero(chosen).tolist():
-            if seeds[i] is not None or self._episodes[i] is None:
-                run = seeds[i]
-                run = int(self.np_random.integers(SEED_MAX + 1)) if run is None else int(run)
-                self._episodes[i] = Episodes(self._experiment, self._config, run)
-            self._running(i).go_to(choice)
-        return self._begin(chosen)
+        begun = {
+            i: self._episodes[i].begin(seeds[i], choice, self.np_random)
+            for i in np.flatnonzero(chosen).tolist()
+        }
+        self._placed = True
+        return self._begin(chosen, begun)
 
-    def _running(self, i: int) -> Episodes:
-        episodes = self._episodes[i]
-        if episodes is None:
-            raise gymnasium.error.ResetNeeded("call reset() before step()")
-        return episodes
-
-    def _begin(self, chosen: Flags) -> tuple[Array, Info]:
+    def _begin_next(self, chosen: Flags) -> tuple[Array, Info]:
         """Put the chosen vehicles at the start of their next levels."""
+        return self._begin(
+            chosen, {i: self._episodes[i].next() for i in np.flatnonzero(chosen).tolist()}
+        )
+
+    def _begin(self, chosen: Flags, begun: Mapping[int, Episode]) -> tuple[Array, Info]:
         info: Info = {}
-        for i in np.flatnonzero(chosen).tolist():
-            episode = self._running(i).next()
+        for i, episode in begun.items():
             self._place(i, episode)
             info = self._add_info(info, episode.info(), i)
         self._fleet.begin(chosen)
@@ -161,7 +158,8 @@ class StationKeepingVectorEnv(VectorEnv[Array, Array, Any]):
         values = np.ascontiguousarray(actions, dtype=np.float64)
         if values.shape != self.action_space.shape:
             raise ValueError(f"actions have shape {self.action_space.shape}, not {values.shape}")
-        self._running(0)
+        if not self._placed:
+            raise gymnasium.error.ResetNeeded("call reset() before step()")
         over = self._over.copy()
         if self._mode is AutoresetMode.DISABLED and over.any():
             raise gymnasium.error.ResetNeeded("reset the vehicles whose episodes are over")
@@ -173,7 +171,7 @@ class StationKeepingVectorEnv(VectorEnv[Array, Array, Any]):
         self._over = terminated | truncated
         info = self._truth(~over)
         if over.any():
-            _, begun = self._begin(over)
+            _, begun = self._begin_next(over)
             info = begun | self._truth(np.ones_like(over))
         elif self._mode is AutoresetMode.SAME_STEP and self._over.any():
             info = self._begin_at_once(info)
@@ -186,7 +184,7 @@ class StationKeepingVectorEnv(VectorEnv[Array, Array, Any]):
         for i in np.flatnonzero(over).tolist():
             final[i] = last[i]
         mask = {name: over.copy() for name in ended if name.startswith("_")}
-        _, begun = self._begin(over)
+        _, begun = self._begin_next(over)
         return (
             begun
             | self._truth(np.ones_like(over))

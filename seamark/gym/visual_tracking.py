@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from seamark.gym.episodes import Episode, Episodes
 from seamark.sim import registry
 from seamark.sim.engine.open_loop import OpenLoop
-from seamark.sim.engine.seeds import SEED_MAX
 from seamark.sim.metrics.tracking import FAR_PX
 from seamark.sim.recording.telemetry import INDEX, WIDTH
 from seamark.sim.trackers import Corners, Track, Window
@@ -88,7 +87,7 @@ class VisualTrackingEnv(gymnasium.Env[Observation, NDArray[np.float64]]):
         low, high = np.array([-far] * CORNERS + [0.0]), np.array([far] * CORNERS + [1.0])
         self.action_space: gymnasium.Space[Any] = Box(low, high, dtype=np.float64)
         self.metadata = self.metadata | {"render_fps": round(1.0 / config.control_period_s)}
-        self._episodes: Episodes | None = None
+        self._episodes = Episodes(self._experiment, config)
         self._loop: OpenLoop | None = None
         self._row = np.zeros(WIDTH)
 
@@ -97,11 +96,7 @@ class VisualTrackingEnv(gymnasium.Env[Observation, NDArray[np.float64]]):
     ) -> tuple[Observation, dict[str, Any]]:
         """Begin the next level; with a seed, the first one of the run with that seed."""
         super().reset(seed=seed)
-        if seed is not None or self._episodes is None:
-            run = int(self.np_random.integers(SEED_MAX + 1)) if seed is None else seed
-            self._episodes = Episodes(self._experiment, self._config, run)
-        self._episodes.go_to(options or {})
-        self._begin(episode := self._episodes.next())
+        self._begin(episode := self._episodes.begin(seed, options, self.np_random))
         return self._observation(), episode.info() | self._truth()
 
     def _begin(self, episode: Episode) -> None:
