@@ -23,6 +23,10 @@ DEFAULTS_IN_WORDS = {  # of settings whose default depends on others or on the m
     "secret_key": "generated once, stored in the data folder",
     "seed_key": "generated once, stored in the data folder",
     "sandbox_min_level": "`medium`; `strong` if public",
+    "storage_url": "the data folder",
+    "storage_endpoint": "none",
+    "storage_access_key": "none",
+    "storage_secret_key": "none",
     "url": "none",
     "embed_origins": "none",
     "workers": "one per core",
@@ -49,6 +53,25 @@ class Settings(BaseModel):
     secret_key: str = Field("", repr=False, description="Signs cookies; may be changed at any time")
     seed_key: str = Field(
         "", repr=False, description="Derives the seeds of ranked runs; never to be changed"
+    )
+    storage_url: str = Field(
+        "",
+        pattern=r"^(s3://[a-z0-9][a-z0-9.-]{1,61}[a-z0-9](/[A-Za-z0-9._/-]+)?|file:///.+)?$",
+        description="Where runs and programs are kept: `s3://bucket/prefix`, or `file:///folder` "
+        "of a disk that all machines share",
+    )
+    storage_endpoint: str = Field(
+        "", pattern=rf"^({_ORIGIN})?$", description="Address of an S3 server other than Amazon's"
+    )
+    storage_region: str = Field("us-east-1", description="Region of the bucket")
+    storage_access_key: str = Field(
+        "", description="Access key of the bucket; without it that of the machine is looked for"
+    )
+    storage_secret_key: str = Field("", repr=False, description="Secret of the access key")
+    cache_bytes: int = Field(
+        10 * 2**30,
+        ge=2**20,
+        description="Bytes that copies from the object storage may take on this machine",
     )
     public: bool = Field(False, description="The service is public")
     sandbox_min_level: LevelName = Field("medium", description="Lowest isolation level for uploads")

@@ -1,11 +1,13 @@
-"""The disk of the service: whether the data folder is there, and whether it has room.
+"""The storage of the service: whether it is there, and whether this machine's disk has room.
 
 A mark in the data folder tells it from the empty folder that remains when its disk is not mounted.
+With object storage the mark is an object, and the data folder holds only what can be lost.
 """
 
 import os
 from pathlib import Path
 
+from seamark.server import objects
 from seamark.server.settings import Settings
 
 STOP_SHARE = 0.25  # of `free_min_bytes`: below it, running runs stop; the database needs the rest
@@ -29,7 +31,7 @@ def refusal(settings: Settings, *, share: float = 1.0) -> str | None:
     share
         Of `settings.free_min_bytes`: less free space than this is too little.
     """
-    if is_away(settings.data):
+    if is_away(settings):
         return _AWAY
     return _LOW if free_bytes(settings.data) < share * settings.free_min_bytes else None
 
@@ -42,13 +44,35 @@ def require(settings: Settings) -> None:
 
 def require_readable(settings: Settings) -> None:
     """Raise StorageUnavailable if the data folder is away; a full disk can be read."""
-    if is_away(settings.data):
+    if is_away(settings):
         raise StorageUnavailable(_AWAY)
 
 
-def is_away(data: Path) -> bool:
-    """Return whether the data folder is missing, not mounted, read-only or not permitted."""
-    return not (mark(data).is_file() and os.access(data, os.R_OK | os.W_OK | os.X_OK))
+def is_away(settings: Settings) -> bool:
+    """Return whether the storage cannot be used.
+
+    The data folder is missing, not mounted, read-only or not permitted, or the object storage does
+    not answer.
+    """
+    data, stored = settings.data, objects.of(settings)
+    if not os.access(data, os.R_OK | os.W_OK | os.X_OK):
+        return True
+    return not (mark(data).is_file() if stored is None else stored.answers())
+
+
+def copies(settings: Settings) -> Path:
+    """Return the folder from which runs and programs are read: the truth, or copies of it."""
+    return settings.data if objects.of(settings) is None else _made(settings.data / "cache")
+
+
+def workspace(settings: Settings) -> Path:
+    """Return the folder into which a worker writes a run: the truth, or what it then uploads."""
+    return settings.data if objects.of(settings) is None else _made(settings.data / "workspace")
+
+
+def _made(folder: Path) -> Path:
+    folder.mkdir(exist_ok=True)
+    return folder
 
 
 def free_bytes(data: Path) -> int:

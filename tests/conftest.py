@@ -15,7 +15,7 @@ from seamark.server.database.engine import Database
 from seamark.server.database.schema import upgrade
 from seamark.server.settings import Settings
 from tests.cast import Backend
-from tests.services import postgres, valkey
+from tests.services import postgres, s3, valkey
 
 # A busy machine fails no property.
 hypothesis_settings.register_profile(
@@ -62,6 +62,13 @@ def redis_tcp_url() -> Iterator[str]:
     """The redis:// URL of a broker on the loopback interface."""
     with valkey.on_port() as url:
         yield url
+
+
+@pytest.fixture(scope="session")
+def s3_server() -> Iterator[s3.Server]:
+    """An S3 server with one bucket."""
+    with s3.server() as server:
+        yield server
 
 
 @pytest.fixture

@@ -5,6 +5,8 @@ from __future__ import annotations
 import logging
 import resource
 import socket
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
 from typing import TYPE_CHECKING, Any
 
 from gunicorn.app.base import BaseApplication  # type: ignore[import-untyped]
@@ -64,7 +66,9 @@ def serve(settings: Settings, *, processes: int, grace_s: int) -> None:
 
     log.configure(settings.log_level, settings.log_format)
     try:
-        schema.check_all(settings)
+        # In a child: the library of the object storage has threads, which no fork may inherit.
+        with ProcessPoolExecutor(1, get_context("fork")) as child:
+            child.submit(schema.check_all, settings).result()
     except (schema.SchemaTooOld, WrongDataFolder) as error:
         raise PlatformFailed(f"{error}.") from None
     options = {

@@ -103,7 +103,7 @@ def _about_workers(listed: Sequence[WorkerStatus]) -> Iterator[Alert]:
 
 
 def _about_storage(settings: Settings) -> Iterator[Alert]:
-    if storage.is_away(settings.data):
+    if storage.is_away(settings):
         yield Alert("The data folder cannot be reached.", "disk")
     elif storage.refusal(settings):
         yield Alert("Too little disk space is free: new runs are refused.", "disk")

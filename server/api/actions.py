@@ -76,7 +76,7 @@ def delete(path: RunPath) -> Response:
     """
     access.run_for(path.run_id, Action.DELETE)
     current = services()
-    if not deletion.delete(current.database, current.settings.data, [path.run_id]):
+    if not deletion.delete(current.database, current.settings, [path.run_id]):
         raise Problem("conflict", deletion.WHY_NOT)
     return Response(status=204)
 
@@ -89,7 +89,7 @@ def delete_data(path: RunPath) -> dict[str, Any]:
     """
     access.run_for(path.run_id, Action.DELETE_DATA)
     current = services()
-    if not retention.delete(current.database, current.settings.data, [path.run_id]):
+    if not retention.delete(current.database, current.settings, [path.run_id]):
         raise Problem("conflict", retention.WHY_NOT)
     return _answer(path.run_id)
 

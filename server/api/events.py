@@ -69,9 +69,8 @@ def stream(path: RunPath, query: EventsQuery) -> Response:
     if request.method == "HEAD":
         return _response(())
     if run.state.final:
-        data = services().settings.data
-        until = position_now(RunFiles(data, run.data_id))
-        replayed = _replay(data, run.data_id, after, until)
+        files = access.files_of(run)
+        replayed = _replay(files.root, run.data_id, after, position_now(files))
         return _response(_frames(run, replayed, shows_log=shows_log))
     if services().streams.full:
         raise Problem("streams-full", headers={"Retry-After": str(FULL_RETRY_S)})
@@ -116,6 +115,7 @@ def _state(run: RunView, viewers: int) -> bytes:
 
 
 @lru_cache(maxsize=REPLAYS_KEPT)
-def _replay(data: Path, run_id: int, after: Position | None, until: Position) -> Excerpt:
+def _replay(root: Path, run_id: int, after: Position | None, until: Position) -> Excerpt:
     """Return what a run that has ended recorded between two positions."""
-    return excerpt(RunFiles(data, run_id), after or Position(until.attempt, 0, 0), until, START)
+    files = RunFiles(root.parents[2], run_id, until.attempt)
+    return excerpt(files, after or Position(until.attempt, 0, 0), until, START)

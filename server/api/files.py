@@ -157,7 +157,7 @@ def program(path: RunPath) -> Response:
         raise Problem("not-found", f"Run {view.id} has no uploaded program.")
     storage.require_readable(services().settings)
     try:
-        source = store.read(services().settings.data, view.program_sha256)
+        source = store.read(services().settings, view.program_sha256)
     except FileNotFoundError:
         raise Problem("not-found", "The program has been deleted.") from None
     answer = Response(source, content_type="text/plain; charset=utf-8")

@@ -55,7 +55,7 @@ def make(database: Database, settings: Settings, target: Path, on_bytes: OnBytes
     BackupFailed
         The data folder is away, there is such a file, or there is no room for it.
     """
-    if storage.is_away(settings.data):
+    if storage.is_away(settings):
         raise BackupFailed(f"The data folder {settings.data} is away or not permitted.")
     try:
         with archive.writing(target, on_bytes) as writer:
@@ -74,7 +74,7 @@ def estimated_bytes(database: Database, settings: Settings) -> int:
         of_database = _database_bytes(connection, settings)
         ended = _ended_runs(connection)
     of_runs = sum(RunFiles(settings.data, run_id).size() for run_id in ended)
-    of_programs = sum(store.size(settings.data, path.name) for path in _programs(settings.data))
+    of_programs = sum(store.size(settings, path.name) for path in _programs(settings.data))
     return of_database + of_runs + of_programs
 
 

@@ -61,7 +61,7 @@ def restore(settings: Settings, source: Path, *, force: bool, on_bytes: OnBytes)
     data_folder.unfinished(settings.data).write_text(f"{source}\n", encoding="utf-8")
     _clear(settings.data)
     with schema.replaced(settings, header.schema_revision) as connection:
-        summary = _unpack(connection, settings.data, source, on_bytes)
+        summary = _unpack(connection, settings, source, on_bytes)
     _settle(settings, keys, source)
     return summary
 
@@ -154,12 +154,12 @@ def _clear(data: Path) -> None:
             shutil.rmtree(data / name)
 
 
-def _unpack(connection: Connection, data: Path, source: Path, on_bytes: OnBytes) -> Summary:
+def _unpack(connection: Connection, settings: Settings, source: Path, on_bytes: OnBytes) -> Summary:
     """Fill the tables and write the files; the sums have been compared before."""
     tables.empty(connection)
     rows, summary, deleted = Counter[str](), None, dict[str, float]()
     for member, content in archive.members(source, on_bytes):
-        table, place = layout.table_of(member), layout.place_of(member, data)
+        table, place = layout.table_of(member), layout.place_of(member, settings.data)
         if table is not None:
             rows[table] += tables.load(connection, table, content.read())
         elif place is not None:
@@ -174,7 +174,7 @@ def _unpack(connection: Connection, data: Path, source: Path, on_bytes: OnBytes)
     for run_id, at in deleted.items():
         change = update(Run).where(Run.id == int(run_id))
         connection.execute(change.values(data_deleted_at=at, data_bytes=0, data_measured=True))
-        retention.remove_files(data, int(run_id))
+        retention.remove_files(settings, int(run_id))
     return summary
 
 

@@ -1,4 +1,4 @@
-"""The data folder and the database belong together: each knows the other by the same mark.
+"""The storage and the database belong together: each knows the other by the same mark.
 
 With the disk of the data folder not mounted, an empty folder remains. A service that took it for a
 new one would draw another key for the seeds, and write into the wrong disk.
@@ -8,10 +8,11 @@ import secrets
 from pathlib import Path
 
 from sqlalchemy import Connection, String, insert, select
-from sqlalchemy.orm import Mapped, mapped_column
+from sqlalchemy.orm import Mapped, Session, mapped_column
 
-from seamark.server import storage
+from seamark.server import objects, storage
 from seamark.server.database.tables import Base
+from seamark.server.objects import ObjectsAway
 from seamark.server.settings import Settings
 
 
@@ -33,32 +34,38 @@ def unfinished(data: Path) -> Path:
 
 
 def adopt(connection: Connection, settings: Settings) -> None:
-    """Mark the data folder of a new database; raise WrongDataFolder if it has another one."""
+    """Mark the storage of a new database; raise WrongDataFolder if it has another one."""
     _refuse_unfinished(settings.data)
-    file = storage.mark(settings.data)
     known = connection.scalar(select(DataFolder.mark))
     if known is not None:
         _compare(known, settings)
         return
-    if not file.exists():
-        file.write_text(secrets.token_hex(16), encoding="utf-8")
-    mark = file.read_text(encoding="utf-8").strip()
+    mark = _found(settings)
+    if not mark:
+        mark = secrets.token_hex(16)
+        _write(mark, settings)
     connection.execute(insert(DataFolder).values(mark=mark))
 
 
 def check(connection: Connection, settings: Settings) -> None:
-    """Raise WrongDataFolder unless the data folder is the one of the database."""
+    """Raise WrongDataFolder unless the storage is the one of the database."""
     _refuse_unfinished(settings.data)
     known = connection.scalar(select(DataFolder.mark))
     if known is not None:
         _compare(known, settings)
 
 
+def is_own(session: Session, settings: Settings) -> bool:
+    """Return whether the storage is the one of the database."""
+    known = session.scalar(select(DataFolder.mark))
+    return known is None or known == _found(settings)
+
+
 def mark_restored(connection: Connection, settings: Settings) -> None:
-    """Mark the data folder as that of a database which has been restored."""
+    """Mark the storage as that of a database which has been restored."""
     known = connection.scalar(select(DataFolder.mark))
     if known is not None:
-        storage.mark(settings.data).write_text(known, encoding="utf-8")
+        _write(known, settings)
 
 
 def _refuse_unfinished(data: Path) -> None:
@@ -70,13 +77,40 @@ def _refuse_unfinished(data: Path) -> None:
 
 
 def _compare(known: str, settings: Settings) -> None:
-    file = storage.mark(settings.data)
-    try:
-        found = file.read_text(encoding="utf-8").strip()
-    except OSError:
-        found = ""
-    if found != known:
+    if _found(settings) == known:
+        return
+    if settings.storage_url:
         raise WrongDataFolder(
-            f"{settings.data} is not the data folder of this database. Is its disk mounted? To use "
-            f"it from now on, write {known} into {file}"
+            f"{settings.storage_url} is not the storage of this database. Is SEAMARK_STORAGE_URL "
+            f"that of the other machines? To use it from now on, copy the data into it and write "
+            f"{known} into its object {objects.MARK}"
         )
+    raise WrongDataFolder(
+        f"{settings.data} is not the data folder of this database. Is its disk mounted, or does "
+        f"this machine need SEAMARK_STORAGE_URL? To use it from now on, write {known} into "
+        f"{storage.mark(settings.data)}"
+    )
+
+
+def _found(settings: Settings) -> str:
+    """Return the mark of the storage; empty without one."""
+    stored = objects.of(settings)
+    try:
+        if stored is None:
+            return storage.mark(settings.data).read_text(encoding="utf-8").strip()
+        return (stored.get(objects.MARK) or b"").decode().strip()
+    except OSError:
+        return ""
+    except ObjectsAway as error:
+        raise WrongDataFolder(f"{settings.storage_url} cannot be used: {error}") from None
+
+
+def _write(mark: str, settings: Settings) -> None:
+    stored = objects.of(settings)
+    if stored is None:
+        storage.mark(settings.data).write_text(mark, encoding="utf-8")
+        return
+    try:
+        stored.put(objects.MARK, mark.encode())
+    except ObjectsAway as error:
+        raise WrongDataFolder(f"{settings.storage_url} cannot be written: {error}") from None

@@ -7,7 +7,7 @@ from flask import g
 from sqlalchemy.orm import Session
 
 from seamark.server.accounts.permissions import Action, can
-from seamark.server.runs import views
+from seamark.server.runs import stored_files, views
 from seamark.server.runs.files import RunFiles
 from seamark.server.runs.leaderboard import Rank
 from seamark.server.runs.views import RunView
@@ -33,4 +33,4 @@ def first_replayable(session: Session, run_ids: Iterable[int]) -> RunView | None
 
 def files(run: RunView) -> RunFiles:
     """Return the files of a run."""
-    return RunFiles(services().settings.data, run.data_id)
+    return stored_files.of_run(services().settings, run)

@@ -171,6 +171,6 @@ def _in_editor(benchmark: Benchmark, program: StoredProgram) -> dict[str, str]:
     archive = not program.name.endswith(LANGUAGES[program.language].suffixes)
     if starter is None or archive or program.size > EDITED_MAX_BYTES:
         return {}
-    text = store.read(services().settings.data, program.sha256).decode("utf-8", "replace")
+    text = store.read(services().settings, program.sha256).decode("utf-8", "replace")
     front = "editor" if program.name == starter.upload_name else "file"
     return {"source": front, "language": program.language, "program_text": text}

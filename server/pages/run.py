@@ -12,9 +12,15 @@ from seamark.server.accounts.permissions import Action, can, owns
 from seamark.server.pages import benchmarks, level_chart, link_previews, metric_tables
 from seamark.server.pages.player_data import player_data
 from seamark.server.pages.ranked_parts import ranked_parts
-from seamark.server.runs import cancellation, deletion, rejudged, retention, run_notes
+from seamark.server.runs import (
+    cancellation,
+    deletion,
+    rejudged,
+    retention,
+    run_notes,
+    stored_files,
+)
 from seamark.server.runs.comparison import Comparison, comparisons
-from seamark.server.runs.files import RunFiles
 from seamark.server.runs.rejudged import Recomputation
 from seamark.server.runs.states import RunKind, RunState
 from seamark.server.runs.views import RunView
@@ -34,7 +40,7 @@ def show(run_id: int) -> ResponseReturnValue:
     run = access.run_for(run_id)
     benchmark = benchmarks.by_name(run.benchmark)
     config = benchmark.restore(run.config)
-    files = RunFiles(services().settings.data, run.data_id)
+    files = stored_files.of_run(services().settings, run)
     may = {action for action in Action if can(g.viewer, action, run)}
     log = files.log_text()[-LOG_SHOWN:] if Action.VIEW_LOG in may else ""
     return render_template(
@@ -73,7 +79,7 @@ def show(run_id: int) -> ResponseReturnValue:
 def embed(run_id: int) -> ResponseReturnValue:
     """Show the player of a run alone, for the frame of another page."""
     run = access.run_for(run_id)
-    files = RunFiles(services().settings.data, run.data_id)
+    files = stored_files.of_run(services().settings, run)
     answer = make_response(
         render_template(
             "run/embed.html",
@@ -132,7 +138,7 @@ def delete(run_id: int) -> ResponseReturnValue:
     """Delete a run with its data."""
     access.run_for(run_id, Action.DELETE)
     current = services()
-    if not deletion.delete(current.database, current.settings.data, [run_id]):
+    if not deletion.delete(current.database, current.settings, [run_id]):
         return _back(run_id, False, "", deletion.WHY_NOT)
     flash(f"Run {run_id} has been deleted.", "good")
     return redirect(url_for("runs.mine"), code=303)
@@ -143,7 +149,7 @@ def delete_data(run_id: int) -> ResponseReturnValue:
     """Delete the data of a run."""
     access.run_for(run_id, Action.DELETE_DATA)
     current = services()
-    deleted = retention.delete(current.database, current.settings.data, [run_id])
+    deleted = retention.delete(current.database, current.settings, [run_id])
     return _back(run_id, bool(deleted), "The data of the run has been deleted.", retention.WHY_NOT)
 
 
@@ -161,7 +167,7 @@ def _data_note(run: RunView) -> str:
     if run.data_deleted_at is not None:
         on = datetime.fromtimestamp(run.data_deleted_at, UTC).date()
         return f"The data of this run was deleted on {on}. Its result and configuration are kept."
-    if storage.is_away(services().settings.data):
+    if storage.is_away(services().settings):
         return "The recorded data cannot be read at the moment. Reload the page later."
     return ""
 

@@ -51,7 +51,7 @@ def _cancel(current: Services, run_ids: Sequence[int]) -> int:
 
 
 def _delete(current: Services, run_ids: Sequence[int]) -> int:
-    return len(deletion.delete(current.database, current.settings.data, run_ids))
+    return len(deletion.delete(current.database, current.settings, run_ids))
 
 
 def _publish(current: Services, run_ids: Sequence[int]) -> int:

@@ -77,7 +77,7 @@ def _kept(benchmark: Benchmark, text: str) -> StoredProgram | None:
         return None
     if (role, user_id) != (benchmark.role, g.viewer.user_id):
         return None
-    if store.touch(services().settings.data, sha256) is None:
+    if store.touch(services().settings, sha256) is None:
         return None
     return StoredProgram(sha256, name, language, size, tuple(map(Parameter.from_json, declared)))
 

@@ -1,4 +1,8 @@
-"""The programs of all runs, stored under their SHA-256 in normal form; never run here."""
+"""The programs of all runs, stored under their SHA-256 in normal form; never run here.
+
+With object storage the folder has copies: a program that is missing is fetched, and compared with
+its SHA-256.
+"""
 
 import fcntl
 import hashlib
@@ -11,7 +15,8 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
-from seamark.server import storage
+from seamark.server import objects, storage
+from seamark.server.objects import Objects, ObjectsAway
 from seamark.server.programs.parameters import Parameter
 from seamark.server.programs.preparation import PreparedProgram
 from seamark.server.settings import Settings
@@ -44,44 +49,66 @@ def save(prepared: PreparedProgram, settings: Settings) -> StoredProgram:
     """
     storage.require(settings)
     sha256 = hashlib.sha256(prepared.content).hexdigest()
-    with _store_lock(settings.data, fcntl.LOCK_SH):
-        _write(prepared.content, path(settings.data, sha256))
+    with _store_lock(settings, fcntl.LOCK_SH):
+        _write(prepared.content, _file(settings, sha256))
+    stored = objects.of(settings)
+    if stored is not None and not _renew_object(stored, sha256):
+        with _reaching():
+            stored.put(_key(sha256), prepared.content)
     names, size = (prepared.name, prepared.language), len(prepared.content)
     return StoredProgram(sha256, *names, size=size, parameters=prepared.parameters)
 
 
-def path(data: Path, sha256: str) -> Path:
-    """Return where the program with this key is stored."""
-    if not _SHA256.fullmatch(sha256):
-        raise ValueError(f"not a SHA-256: {sha256!r}")
-    return data / "programs" / sha256
+def path(settings: Settings, sha256: str) -> Path:
+    """Return the file of the program with this key; if the program is gone, there is no such file.
+
+    Raises
+    ------
+    StorageUnavailable
+        It could not be fetched, or what was fetched is something else.
+    """
+    file, stored = _file(settings, sha256), objects.of(settings)
+    if stored is None or file.exists():
+        return file
+    with _reaching():
+        content = stored.get(_key(sha256))
+    if content is None:
+        return file
+    if hashlib.sha256(content).hexdigest() != sha256:
+        raise StorageUnavailable("The stored program has been damaged.")
+    with _store_lock(settings, fcntl.LOCK_SH):
+        _write(content, file)
+    return file
 
 
-def read(data: Path, sha256: str) -> bytes:
+def read(settings: Settings, sha256: str) -> bytes:
     """Return the content of a program; raises FileNotFoundError if it is not in the store."""
-    return path(data, sha256).read_bytes()
+    return path(settings, sha256).read_bytes()
 
 
-def size(data: Path, sha256: str) -> int:
+def size(settings: Settings, sha256: str) -> int:
     """Return the size of a program [B], 0 if it is not in the store."""
     try:
-        return path(data, sha256).stat().st_size
+        return path(settings, sha256).stat().st_size
     except FileNotFoundError:
         return 0
 
 
-def touch(data: Path, sha256: str) -> int | None:
+def touch(settings: Settings, sha256: str) -> int | None:
     """Reset the age of a program, so that it is not deleted soon, and return its size [B].
 
     None if it is gone.
     """
-    file = path(data, sha256)
-    with _store_lock(data, fcntl.LOCK_SH):
+    stored = objects.of(settings)
+    if stored is not None and not _renew_object(stored, sha256):
+        return None
+    file = path(settings, sha256)
+    with _store_lock(settings, fcntl.LOCK_SH):
         return file.stat().st_size if _renew(file) else None
 
 
 def delete_unused(
-    data: Path, *, used: Callable[[str], bool], older_than_s: float = UNUSED_KEPT_S
+    settings: Settings, *, used: Callable[[str], bool], older_than_s: float = UNUSED_KEPT_S
 ) -> int:
     """Delete old programs that nothing refers to; return how many.
 
@@ -89,15 +116,63 @@ def delete_unused(
     program may still be in progress. Uploads and other workers' deletions may run at the same
     time, so any file may vanish between listing the folder and taking the lock.
     """
-    deleted, limit = 0, time.time() - older_than_s
-    for file in (data / "programs").glob("*"):
+    deleted, limit = (
+        _delete_unused_objects(settings, used, older_than_s),
+        time.time() - older_than_s,
+    )
+    for file in (storage.copies(settings) / "programs").glob("*"):
         if not _is_older(file, limit) or used(file.name):
             continue
-        with _store_lock(data, fcntl.LOCK_EX):
+        with _store_lock(settings, fcntl.LOCK_EX):
             if _is_older(file, limit):  # it may have been uploaded again in the meantime
                 file.unlink()
                 deleted += 1
     return deleted
+
+
+def _delete_unused_objects(
+    settings: Settings, used: Callable[[str], bool], older_than_s: float
+) -> int:
+    stored, limit = objects.of(settings), time.time() - older_than_s
+    if stored is None:
+        return 0
+    old = [one for one in stored.list("programs") if one.changed_at < limit]
+    unused = [one.path for one in old if not used(one.path.rpartition("/")[2])]
+    gone = [key for key in unused if (one := stored.find(key)) and one.changed_at < limit]
+    stored.delete(gone)
+    return len(gone)
+
+
+def _renew_object(stored: Objects, sha256: str) -> bool:
+    """Store an object again that would soon be old enough to be deleted; False if it is gone."""
+    with _reaching():
+        found = stored.find(_key(sha256))
+        if found is None:
+            return False
+        if found.changed_at > time.time() - UNUSED_KEPT_S / 2:
+            return True
+        content = stored.get(_key(sha256))
+        if content is not None:
+            stored.put(_key(sha256), content)
+        return content is not None
+
+
+def _file(settings: Settings, sha256: str) -> Path:
+    if not _SHA256.fullmatch(sha256):
+        raise ValueError(f"not a SHA-256: {sha256!r}")
+    return storage.copies(settings) / "programs" / sha256
+
+
+def _key(sha256: str) -> str:
+    return f"programs/{sha256}"
+
+
+@contextmanager
+def _reaching() -> Iterator[None]:
+    try:
+        yield
+    except ObjectsAway as error:
+        raise StorageUnavailable("Programs cannot be stored or read at the moment.") from error
 
 
 def _is_older(file: Path, limit: float) -> bool:
@@ -118,8 +193,9 @@ def _renew(file: Path) -> bool:
 
 
 @contextmanager
-def _store_lock(data: Path, mode: int) -> Iterator[None]:
+def _store_lock(settings: Settings, mode: int) -> Iterator[None]:
     """Lock the store: shared (LOCK_SH) to add programs, exclusive (LOCK_EX) to delete them."""
+    data = storage.copies(settings)
     folder = data / "programs"
     folder.mkdir(exist_ok=True)
     with (data / "programs.lock").open("a") as lock:

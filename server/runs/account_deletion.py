@@ -9,7 +9,6 @@
 
 import time
 from dataclasses import asdict
-from pathlib import Path
 
 from sqlalchemy import ColumnElement, delete, func, select, update
 from sqlalchemy.orm import Session
@@ -31,6 +30,7 @@ from seamark.server.database.tables import (
 )
 from seamark.server.runs import deletion, leaderboard, results
 from seamark.server.runs.states import LIVE
+from seamark.server.settings import Settings
 
 BATCH = 50  # runs that one transaction deletes, with their files
 ROWS = 500  # empty rows that one transaction deletes
@@ -56,7 +56,7 @@ def close(session: Session, user_id: int, *, keep_published: bool) -> None:
     session.add(AccountDeletion(user_id=user_id, requested_at=time.time()))
 
 
-def step(database: Database, data: Path) -> bool:
+def step(database: Database, settings: Settings) -> bool:
     """Delete the next batch of runs of a closed account; False if there was nothing to do."""
     with database.writing() as session:
         user_id = session.scalar(
@@ -70,7 +70,7 @@ def step(database: Database, data: Path) -> bool:
         done = session.scalar(select(Run.id).where(*private).limit(1)) is None
         if done:
             _complete(session, user_id)
-    deletion.remove_files(data, emptied)
+    deletion.remove_files(settings, emptied)
     return done or bool(emptied)
 
 

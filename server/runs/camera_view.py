@@ -16,6 +16,7 @@ import numpy as np
 import structlog
 from numpy.typing import NDArray
 
+from seamark.server.runs import stored_files
 from seamark.server.runs.files import RunFiles
 from seamark.server.runs.seeds import TrialSeeds, trial_seeds
 from seamark.server.runs.views import RunView
@@ -58,7 +59,7 @@ def render(
 
     The image centre is a cross, if anything is drawn.
     """
-    row = _row_at(RunFiles(settings.data, run.data_id), trial, t)
+    row = _row_at(stored_files.of_run(settings, run), trial, t)
     if row is None:
         return None
     config = json.dumps(run.config, sort_keys=True)

@@ -8,7 +8,6 @@ evaded by deleting runs; nor is a number ever given to a second run.
 
 import time
 from collections.abc import Collection, Sequence
-from pathlib import Path
 
 from sqlalchemy import ColumnElement, func, select, update
 from sqlalchemy import delete as delete_rows
@@ -19,22 +18,23 @@ from seamark.server.database.engine import Database
 from seamark.server.database.tables import IS_LISTED, Result, Run
 from seamark.server.runs import rejudged, results, retention
 from seamark.server.runs.states import FINAL
+from seamark.server.settings import Settings
 
 WHY_NOT = "Only private runs that have ended can be deleted: cancel a run or make it private first."
 
 
-def delete(database: Database, data: Path, run_ids: Collection[int]) -> list[int]:
+def delete(database: Database, settings: Settings, run_ids: Collection[int]) -> list[int]:
     """Delete those of these runs that have ended and are private; return which."""
     with database.writing() as session:
         deleted = empty(session, run_ids)
-    remove_files(data, deleted)
+    remove_files(settings, deleted)
     return deleted
 
 
-def remove_files(data: Path, run_ids: Collection[int]) -> None:
+def remove_files(settings: Settings, run_ids: Collection[int]) -> None:
     """Remove the files of deleted runs, after the transaction that emptied their rows."""
     for run_id in run_ids:
-        retention.remove_files(data, run_id)
+        retention.remove_files(settings, run_id)
 
 
 def empty(session: Session, run_ids: Collection[int]) -> list[int]:

@@ -14,8 +14,7 @@ from seamark.server.classes import classrooms
 from seamark.server.database.engine import Database
 from seamark.server.database.tables import User
 from seamark.server.programs import store
-from seamark.server.runs import run_lists, views
-from seamark.server.runs.files import RunFiles
+from seamark.server.runs import run_lists, stored_files, views
 from seamark.server.runs.run_lists import FIRST, Place, RunFilter
 from seamark.server.runs.views import RunView
 from seamark.server.settings import Settings
@@ -41,7 +40,7 @@ def archive(
                 run = views.show(session, run_id)
             if run is None:  # deleted meanwhile
                 continue
-            for _ in _write_run(file, settings.data, run, telemetry=telemetry):
+            for _ in _write_run(file, settings, run, telemetry=telemetry):
                 yield sink.take()
             yield sink.take()
     yield sink.take()
@@ -75,19 +74,19 @@ def _run_ids(database: Database, viewer: Viewer) -> Iterator[int]:
 
 
 def _write_run(
-    file: zipfile.ZipFile, data: Path, run: RunView, *, telemetry: bool
+    file: zipfile.ZipFile, settings: Settings, run: RunView, *, telemetry: bool
 ) -> Iterator[None]:
     """Write a run, chunk by chunk."""
     folder = f"runs/{run.id}"
     file.writestr(f"{folder}/run.json", _json(run.model_dump(mode="json", exclude=_NOT_OWN)))
     if run.data_deleted_at is not None:
         return
-    files = RunFiles(data, run.data_id)
+    files = stored_files.of_run(settings, run)
     if log := files.log_text():
         file.writestr(f"{folder}/log.txt", log)
-    if run.program_sha256 is not None and store.size(data, run.program_sha256):
+    if run.program_sha256 is not None and store.size(settings, run.program_sha256):
         name = Path(run.program_name or "program").name
-        file.writestr(f"{folder}/program/{name}", store.read(data, run.program_sha256))
+        file.writestr(f"{folder}/program/{name}", store.read(settings, run.program_sha256))
     yield
     if telemetry and files.telemetry_path.is_file():
         file.writestr(f"{folder}/columns.json", _json(files.columns))

@@ -11,8 +11,7 @@ import cv2
 import numpy as np
 
 from seamark.sandbox.printable_text import printable_text
-from seamark.server.runs import camera_view, overlaid_series
-from seamark.server.runs.files import RunFiles
+from seamark.server.runs import camera_view, overlaid_series, stored_files
 from seamark.server.runs.leaderboard import Rank
 from seamark.server.runs.overlaid_series import Part
 from seamark.server.runs.picture_canvas import MUTED, RUNS, Box, Canvas, Line
@@ -140,7 +139,7 @@ def _lines(settings: Settings, runs: Sequence[RunView]) -> tuple[str, list[tuple
     chart = benchmark.charts_of(benchmark.restore(runs[0].config))[0]
     lines = []
     for run in runs:
-        files = RunFiles(settings.data, run.data_id)
+        files = stored_files.of_run(settings, run)
         found = overlaid_series.series(run, files, chart.columns[:1], Part(), POINTS)
         lines.append((found.t, found.values[:, 0]))
     return f"{chart.title} [{chart.unit}] over time, trial 1", lines

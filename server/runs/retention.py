@@ -6,7 +6,7 @@ overtake, then the files go. A crash between them leaves files that the next swe
 
 import shutil
 import time
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
@@ -15,12 +15,17 @@ import structlog
 from sqlalchemy import ColumnElement, and_, false, func, or_, select, update
 from sqlalchemy.orm import Session
 
-from seamark.server import meters, storage
+from seamark.server import meters, objects, storage
 from seamark.server.accounts.permissions import REJUDGEMENTS
+from seamark.server.database import counters
 from seamark.server.database.engine import Database
+from seamark.server.database.queue_tables import Counter
 from seamark.server.database.tables import IS_LISTED, Result, Run
+from seamark.server.objects import Objects, ObjectsAway
 from seamark.server.programs import store
+from seamark.server.runs import run_objects
 from seamark.server.runs.files import RUNS_PER_FOLDER, RunFiles
+from seamark.server.runs.run_objects import Attempt
 from seamark.server.runs.states import FINAL, RunKind, RunState
 from seamark.server.settings import Settings
 
@@ -29,18 +34,20 @@ BATCH = (
 )
 MEASURED_AFTER_S = 60.0  # after the end of a run: until then its worker measures it
 ORPHAN_KEPT_S = 86_400.0
+SWEEP_OBJECTS_S = 30.0
+_SWEPT = "objects_swept_at"  # counter: when a worker last swept the object storage
 WHY_NOT = "The data of live and of public runs cannot be deleted, nor can they be deleted twice."
 _DAY_S = 86_400.0
 _log = structlog.get_logger()
 _DELETABLE = and_(Run.state.in_(FINAL), Run.public.is_(False), Run.data_deleted_at.is_(None))
 
 
-def delete(database: Database, data: Path, run_ids: Collection[int]) -> list[int]:
+def delete(database: Database, settings: Settings, run_ids: Collection[int]) -> list[int]:
     """Delete the data of those of these runs that have ended and are private; return which."""
     with database.writing() as session:
         marked = mark(session, run_ids)
     for run_id in marked:
-        remove_files(data, run_id)
+        remove_files(settings, run_id)
     return marked
 
 
@@ -65,7 +72,7 @@ def trim(database: Database, settings: Settings) -> None:
 
     At most `BATCH` runs at a time.
     """
-    if not settings.retention_bytes or storage.is_away(settings.data):
+    if not settings.retention_bytes or storage.is_away(settings):
         return
     practice = (Run.kind == RunKind.PRACTICE, Run.data_bytes > 0, _DELETABLE, IS_LISTED)
     oldest = select(Run.id, Run.data_bytes).where(*practice).order_by(Run.id).limit(BATCH)
@@ -80,7 +87,7 @@ def trim(database: Database, settings: Settings) -> None:
             chosen.append(run_id)
             excess -= size
     if chosen:
-        deleted = delete(database, settings.data, chosen)
+        deleted = delete(database, settings, chosen)
         meters.RETENTION_RUNS.labels("size").inc(len(deleted))
         _log.info("data_trimmed", runs=len(deleted))
 
@@ -103,12 +110,12 @@ class Sweep:
 
     def __init__(self, database: Database, settings: Settings) -> None:
         self._database, self._settings = database, settings
-        self._data = settings.data
+        self._stored = objects.of(settings)
         self._next = 0
 
     def step(self) -> None:
         """Sweep the newest folder of runs, and the next one of the others."""
-        if storage.is_away(self._data):
+        if storage.is_away(self._settings) or not self._is_in_turn():
             return
         folders = self._folders()
         if not folders:
@@ -119,8 +126,7 @@ class Sweep:
 
     def _folders(self) -> list[int]:
         """Return the numbers of the folders of runs: those that exist, and those of the rows."""
-        root = self._data / "runs"
-        there = {int(entry.name) for entry in _numbered(root)}
+        there = self._numbers()
         with self._database.reading() as session:
             newest = session.scalar(select(func.max(Run.id)))
         rows = set() if newest is None else set(range(newest // RUNS_PER_FOLDER + 1))
@@ -133,30 +139,70 @@ class Sweep:
         with self._database.reading() as session:
             rows = {row.id: _Row(*row) for row in session.execute(select(*columns).where(within))}
             expired = _expired(session, within, self._settings)
-        for entry in _numbered(self._data / "runs" / str(folder)):
-            self._tidy(entry, rows.get(int(entry.name)))
-        self._measure(rows.values())
+        sizes = self._tidied(folder, rows)
+        self._measure(rows.values(), sizes)
         if expired:
-            deleted = delete(self._database, self._data, expired)
+            deleted = delete(self._database, self._settings, expired)
             meters.RETENTION_RUNS.labels("age").inc(len(deleted))
             _log.info("data_expired", runs=len(deleted))
+
+    def _is_in_turn(self) -> bool:
+        """Return whether this worker sweeps now: of object storage one does, for all of them."""
+        if self._stored is None:
+            return True
+        due = (Counter.name == _SWEPT, Counter.value < time.time() - SWEEP_OBJECTS_S)
+        with self._database.writing() as session:
+            if not counters.value(session, _SWEPT):
+                counters.store(session, _SWEPT, 1.0)
+            change = update(Counter).where(*due).values(value=time.time())
+            return session.scalar(change.returning(Counter.name)) is not None
+
+    def _numbers(self) -> set[int]:
+        """Return the numbers of the folders of runs that exist."""
+        if self._stored is not None:
+            return {int(name) for name in self._stored.folders("runs")}
+        return {int(entry.name) for entry in _numbered(self._settings.data / "runs")}
+
+    def _tidied(self, folder: int, rows: Mapping[int, _Row]) -> Mapping[int, int]:
+        """Tidy a folder of runs; return the sizes of the newest attempts that have objects."""
+        if self._stored is None:
+            for entry in _numbered(self._settings.data / "runs" / str(folder)):
+                self._tidy(entry, rows.get(int(entry.name)))
+            return {}
+        found = run_objects.grouped(self._stored.list(f"runs/{folder}"))
+        for run_id, attempts in found.items():
+            self._tidy_objects(self._stored, run_id, attempts, rows.get(run_id))
+        return {run_id: attempts[max(attempts)].size for run_id, attempts in found.items()}
+
+    def _tidy_objects(
+        self, stored: Objects, run_id: int, attempts: Mapping[int, Attempt], row: _Row | None
+    ) -> None:
+        """Remove the objects of a deleted run, of dead attempts, or of no run."""
+        if row is None:
+            if max(one.changed_at for one in attempts.values()) < time.time() - ORPHAN_KEPT_S:
+                run_objects.remove(stored, run_id)
+        elif row.data_deleted_at is not None:
+            run_objects.remove(stored, run_id)
+        else:
+            kept = row.attempt if row.state in FINAL else _kept_attempt(row) or 0
+            run_objects.remove_before(stored, run_id, kept)
 
     def _tidy(self, folder: Path, row: _Row | None) -> None:
         """Remove what a folder has of a deleted run, of dead attempts, or of no run."""
         run_id = int(folder.name)
         if row is None:
             if _older_than(folder, ORPHAN_KEPT_S):
-                remove_files(self._data, run_id)
+                remove_files(self._settings, run_id)
         elif row.data_deleted_at is not None:
-            remove_files(self._data, run_id)
+            remove_files(self._settings, run_id)
         else:
-            RunFiles(self._data, run_id, _kept_attempt(row)).remove_earlier_attempts()
+            RunFiles(self._settings.data, run_id, _kept_attempt(row)).remove_earlier_attempts()
 
-    def _measure(self, rows: Iterable[_Row]) -> None:
+    def _measure(self, rows: Iterable[_Row], of_objects: Mapping[int, int]) -> None:
         """Record the size of runs that ended without their worker, or in an earlier version."""
         due = time.time() - MEASURED_AFTER_S
         sizes: dict[int, int] = {
-            row.id: RunFiles(self._data, row.id).size() + self._program_size(row)
+            row.id: self._size(row, of_objects) + self._program_size(row)
             for row in rows
             if not row.data_measured and row.finished_at is not None and row.finished_at < due
         }
@@ -167,8 +213,13 @@ class Sweep:
                     change = update(Run).where(Run.id == run_id, *unmeasured)
                     session.execute(change.values(data_bytes=sizes[run_id], data_measured=True))
 
+    def _size(self, row: _Row, of_objects: Mapping[int, int]) -> int:
+        if self._stored is not None:
+            return of_objects.get(row.id, 0)
+        return RunFiles(self._settings.data, row.id).size()
+
     def _program_size(self, row: _Row) -> int:
-        return 0 if row.program_sha256 is None else store.size(self._data, row.program_sha256)
+        return 0 if row.program_sha256 is None else store.size(self._settings, row.program_sha256)
 
 
 def _kept_attempt(row: _Row) -> int | None:
@@ -231,9 +282,15 @@ def _older_than(folder: Path, seconds: float) -> bool:
         return False
 
 
-def remove_files(data: Path, run_id: int) -> None:
+def remove_files(settings: Settings, run_id: int) -> None:
     """Remove all files of a run; a later sweep removes what could not be removed now."""
-    shutil.rmtree(RunFiles(data, run_id).root, ignore_errors=True)
+    shutil.rmtree(RunFiles(storage.copies(settings), run_id).root, ignore_errors=True)
+    stored = objects.of(settings)
+    if stored is not None:
+        try:
+            run_objects.remove(stored, run_id)
+        except ObjectsAway as error:
+            _log.warning("objects_not_removed", run=run_id, error=str(error))
 
 
 def _batches(run_ids: Sequence[int]) -> Iterable[Sequence[int]]:

@@ -311,7 +311,7 @@ def program_of(run: Run, settings: Settings) -> StoredProgram | None:
     """
     if run.program_sha256 is None:
         return None
-    size = store.touch(settings.data, run.program_sha256)
+    size = store.touch(settings, run.program_sha256)
     if size is None:
         raise SubmissionRejected("The program of this run has been deleted.", field="program")
     names = (run.program_name or "", run.language or "")

@@ -12,7 +12,7 @@ import structlog
 from sqlalchemy.exc import SQLAlchemyError
 
 from seamark.server.database.engine import Database
-from seamark.server.runs import views
+from seamark.server.runs import stored_files, views
 from seamark.server.runs.files import RunFiles
 from seamark.server.runs.states import RunState
 from seamark.server.runs.views import RunView
@@ -61,6 +61,7 @@ class Feed:
         self._database, self._settings, self._threads = database, settings, threads
         self._inboxes: dict[Inbox, Callable[[], None]] = {}
         self._position: Position | None = None
+        self._attempt: int | None = None  # of a run that has ended
         self._starts: OrderedDict[object, asyncio.Task[Excerpt]] = OrderedDict()
         self._reading = asyncio.Lock()
         self._woken = asyncio.Event()
@@ -77,6 +78,7 @@ class Feed:
                 await self._send_until_next_poll()
                 continue
             ended = view is None or view.state.final
+            self._attempt = view.attempt if view is not None and ended else None
             await self._advance(START if ended else TICK)
             if view is not None:
                 self._send(events.state(state_values(view, viewers=self.viewers)))
@@ -180,12 +182,15 @@ class Feed:
             return views.show(session, self._run_id, self._settings)
 
     def _first(self) -> Position:
-        trial = start_of_trial(RunFiles(self._settings.data, self._run_id))
+        trial = start_of_trial(self._files())
         return Position(trial.attempt, trial.row, 0)
+
+    def _files(self) -> RunFiles:
+        return stored_files.latest(self._settings, self._run_id, self._attempt)
 
     def _excerpt(self, since: Position | None, until: Position | None, budget: Budget) -> Excerpt:
         try:
-            files = RunFiles(self._settings.data, self._run_id)
+            files = self._files()
             until = until or position_now(files)
             return Excerpt((), until) if since is None else excerpt(files, since, until, budget)
         except OSError as error:  # the storage may come back

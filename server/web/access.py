@@ -16,7 +16,7 @@ from sqlalchemy.orm import Session
 from seamark.server import audit, storage
 from seamark.server.accounts.permissions import READ, RULES, Action, Owned, Role, Viewer, can, owns
 from seamark.server.audit import AuditAction
-from seamark.server.runs import sweeps, views
+from seamark.server.runs import stored_files, sweeps, views
 from seamark.server.runs.files import RunFiles
 from seamark.server.runs.sweeps import SweepView
 from seamark.server.runs.views import RunView
@@ -122,7 +122,7 @@ def sweep_for(sweep_id: int, action: Action = Action.VIEW) -> SweepView:
 def files_of(run: RunView) -> RunFiles:
     """Return the files of the latest attempt. Raises as `require_data`."""
     require_data(run)
-    return RunFiles(services().settings.data, run.data_id)
+    return stored_files.of_run(services().settings, run)
 
 
 def require_data(run: RunView) -> None:

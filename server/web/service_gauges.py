@@ -39,7 +39,7 @@ def of_all_processes(held: Services) -> Iterable[Metric]:
 
 def _disk(held: Services) -> Iterable[Metric]:
     settings = held.settings
-    away = storage.is_away(settings.data)
+    away = storage.is_away(settings)
     yield Gauge(
         "seamark_storage_free_bytes",
         "Free bytes on the disk of the data folder; 0 if the folder is away",

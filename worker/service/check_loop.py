@@ -22,6 +22,7 @@ from seamark.server.messaging import broker
 from seamark.server.messaging.shared_meters import SharedMeters
 from seamark.server.programs import store
 from seamark.server.settings import Settings
+from seamark.server.storage import StorageUnavailable
 from seamark.worker.evaluation.check import SEED, CheckRecorder
 from seamark.worker.evaluation.job import Job
 from seamark.worker.evaluation.worker_slot import WorkerSlot
@@ -106,12 +107,12 @@ class CheckLoop:
         try:
             with meters.CHECK_SECONDS.time():
                 report = self._report(claim)
-        except (SimulatorBroken, StreamBroken) as broken:
+        except (SimulatorBroken, StreamBroken, StorageUnavailable) as broken:
             _log.error("check_broken", check=claim.check_id, why=str(broken))
             meters.CHECKS_ENDED.labels("broken").inc()
             meters.BOX_FAILURES.inc(isinstance(broken, BoxBroken))
             # Without the storage there is no program, and that is not the fault of the check.
-            away = storage.is_away(self._settings.data)
+            away = storage.is_away(self._settings)
             self._release(claim, attempts_max=queue.CLAIMS_MAX if away else queue.ATTEMPTS_MAX)
             return not away
         except ShuttingDown:
@@ -136,7 +137,7 @@ class CheckLoop:
             config=claim.config,
             seeds=(SEED,),
             controller="upload",
-            program=store.path(self._settings.data, claim.program_sha256),
+            program=store.path(self._settings, claim.program_sha256),
             filename=claim.program_name,
             language=claim.language,
             check=True,

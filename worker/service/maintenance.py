@@ -116,7 +116,7 @@ def forget_programs(database: Database, settings: Settings) -> None:
         with database.reading() as session:
             return queue.refers_to(session, sha256)
 
-    count = store.delete_unused(settings.data, used=used)
+    count = store.delete_unused(settings, used=used)
     if count:
         _log.info("programs_forgotten", count=count)
 
@@ -137,7 +137,7 @@ def forget_audit(database: Database, settings: Settings) -> None:
 
 def delete_accounts(database: Database, settings: Settings) -> None:
     """Delete a batch of the runs of closed accounts."""
-    if not storage.is_away(settings.data) and account_deletion.step(database, settings.data):
+    if not storage.is_away(settings) and account_deletion.step(database, settings):
         _log.info("account_deletion_step")
 
 

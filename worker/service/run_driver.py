@@ -12,8 +12,9 @@ from structlog.contextvars import bound_contextvars
 
 from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.languages import DEFAULT_LANGUAGE
-from seamark.server import meters, storage
+from seamark.server import meters, objects, storage
 from seamark.server.database.engine import Database
+from seamark.server.objects import ObjectsAway
 from seamark.server.programs import parameters, store
 from seamark.server.runs import queue as run_queue
 from seamark.server.runs import results
@@ -32,6 +33,7 @@ from seamark.worker.ipc.messages import StreamBroken
 from seamark.worker.ipc.outcomes import RunOutcome
 from seamark.worker.service.live_publisher import LivePublisher
 from seamark.worker.service.run_recorder import RunRecorder
+from seamark.worker.service.run_upload import RunUpload, program_file
 from seamark.worker.service.shutdown import ShuttingDown
 from seamark.worker.zygote.client import BoxBroken, Simulation, Simulator, SimulatorBroken
 
@@ -39,6 +41,7 @@ CANCEL_POLL_S = 0.4  # [s] between two checks of whether the run was cancelled
 START_STALL_S = 600.0  # [s] the very first start compiles the simulator
 STALL_S = 90.0  # [s] without a message from a simulation that has started
 STORE_RETRY_S = 1.0
+STORE_AWAY_S = 600.0  # [s] that the object storage may be away at the end of a run
 DATABASE_AWAY = (OperationalError, InterfaceError)
 LOG_TAIL = 2000  # [character] of the log shown with a failure
 
@@ -79,7 +82,10 @@ def _evaluate(context: RunContext, claim: Claim) -> bool:
     except (ConfigurationInvalid, KeyError) as error:  # most likely accepted by an older version
         _log.error("configuration_invalid", why=str(error))
         return _fail(context, claim, f"This configuration is no longer valid: {error}")
-    return _drive(driver)
+    try:
+        return _drive(driver)
+    finally:
+        driver.close()
 
 
 def _drive(driver: "RunDriver") -> bool:
@@ -124,12 +130,18 @@ class RunDriver:
     def __init__(self, context: RunContext, claim: Claim) -> None:
         self._context, self._claim = context, claim
         self._claimed_at = time.monotonic()
-        self._files = RunFiles(context.settings.data, claim.run_id, claim.attempt)
+        settings, stored = context.settings, objects.of(context.settings)
+        self._files = RunFiles(storage.workspace(settings), claim.run_id, claim.attempt)
+        self._upload = None if stored is None else RunUpload(stored, self._files, claim.run_id)
         self._live = LivePublisher(context.redis, claim.run_id)
         benchmark = registry.benchmark(claim.benchmark)
         chosen, _ = parameters.split(claim.config)
         self._trial_s = benchmark.trial_duration_s(benchmark.read(chosen))
-        self._recorder = RunRecorder(self._files, trial_s=self._trial_s)
+        self._recorder = RunRecorder(
+            self._files,
+            trial_s=self._trial_s,
+            truncate=None if self._upload is None else self._upload.truncate_rows,
+        )
         self._poll_at = self._heartbeat_at = 0.0
         self._away = False  # the database
 
@@ -144,6 +156,8 @@ class RunDriver:
         self._live.state(RunState.RUNNING, progress=0.0, t_simulated=0.0)
         self._files.remove()  # of a run that was deleted by hand and had the same number
         self._files.remove_earlier_attempts()
+        if self._upload is not None:
+            self._upload.start()
         with self._context.simulator.begin(self._job()) as simulation:
             outcome = simulation.run(self._recorder, lambda: self._watch(simulation))
         self._count(simulation, outcome)
@@ -168,19 +182,61 @@ class RunDriver:
             self._files.write_json("metrics.json", report.metrics)
         report = replace(report, data_bytes=self._data_bytes())
         with meters.RUN_PHASE.labels("storing").time():
+            self._store_files()
             stored = self._finish(report)
         if stored:
+            if self._upload is not None:
+                self._upload.remove_parts()
             self._live.state(report.state, progress=report.progress, t_simulated=report.t_simulated)
         return stored
 
+    def _store_files(self) -> None:
+        """Take the files to the object storage, if there is one: the result comes after them.
+
+        Raises
+        ------
+        StorageFailed
+            It is away, or is another one than before.
+        LeaseEnded, ShuttingDown
+            Meanwhile.
+        """
+        if self._upload is None:
+            return
+        try:
+            self._upload.complete(self._watch_upload, within_s=STORE_AWAY_S)
+        except ObjectsAway as away:
+            raise StorageFailed(str(away)) from away
+
+    def _watch_upload(self) -> None:
+        """Keep the lease of a run whose files are being stored; a cancelled one is stored too."""
+        if self._context.shutting_down():
+            raise ShuttingDown
+        now = time.monotonic()
+        if now < self._heartbeat_at:
+            return
+        self._heartbeat_at = now + self._context.settings.heartbeat_s
+        try:
+            if self._heartbeat() is LeaseStatus.LOST:
+                raise LeaseEnded(LeaseStatus.LOST)
+        except DATABASE_AWAY as error:
+            self._database_away(error)
+
+    def close(self) -> None:
+        """Stop the upload; what it did not take away is of no use to anybody."""
+        if self._upload is not None:
+            self._upload.stop()
+            self._files.remove()
+
     def _data_bytes(self) -> int:
         program = self._claim.program_sha256
-        stored = 0 if program is None else store.size(self._context.settings.data, program)
+        stored = 0 if program is None else store.size(self._context.settings, program)
         return self._files.size() + stored
 
     def discard(self) -> None:
         """Remove what this attempt has recorded, to make room."""
         self._files.remove()
+        if self._upload is not None:
+            self._upload.remove()
 
     def _finish(self, report: Report) -> bool:
         """Store the report as soon as the database is there: the evaluation took longer."""
@@ -213,7 +269,7 @@ class RunDriver:
 
     def blame(self, end: AttemptEnd) -> AttemptEnd:
         """Return why the attempt really ended: without the data folder no run has a chance."""
-        away = storage.is_away(self._context.settings.data)
+        away = storage.is_away(self._context.settings)
         return AttemptEnd.WORKER_LOST if away else end
 
     def release(self, end: AttemptEnd) -> None:
@@ -238,7 +294,7 @@ class RunDriver:
             seeds=tuple(map(trial_seeds(claim, settings), range(claim.trials))),
             ranked=claim.kind is RunKind.RANKED,
             controller=claim.controller,
-            program=None if program is None else store.path(settings.data, program),
+            program=None if program is None else program_file(settings, program),
             filename=claim.program_name or "",
             language=claim.language or DEFAULT_LANGUAGE,
         )

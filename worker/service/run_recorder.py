@@ -1,6 +1,7 @@
 """Writes what happens during a run into its files."""
 
 import time
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,9 +13,12 @@ from seamark.sim.recording.telemetry import INDEX
 class RunRecorder:
     """The `seamark.worker.ipc.listener.Listener` of a run on the server."""
 
-    def __init__(self, files: RunFiles, *, trial_s: float) -> None:
+    def __init__(
+        self, files: RunFiles, *, trial_s: float, truncate: Callable[[int], None] | None = None
+    ) -> None:
         self.t_simulated = 0.0  # [s] over all trials
         self._files = files
+        self._truncate = truncate or files.truncate_rows
         self._trial_s = trial_s
         self._trial_start_row = 0
         self.first_rows_at: float | None = None  # monotonic
@@ -37,5 +41,5 @@ class RunRecorder:
 
     def trial_restarted(self, trial: int, reason: str) -> None:
         """Discard the rows of the trial, and log that it starts again."""
-        self._files.truncate_rows(self._trial_start_row)
+        self._truncate(self._trial_start_row)
         self.log(f"[Trial {trial + 1} starts again: the host was slow.]\n".encode())

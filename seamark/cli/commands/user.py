@@ -243,7 +243,7 @@ def delete(name: str, keep_published: bool, data: Path | None, as_json: bool) ->
             people.close(session, audit.COMMAND_LINE, person, keep_published=keep_published)
     except accounts.AccountRejected as reason:
         raise UsageRefused(str(reason)) from None
-    while account_deletion.step(database, settings.data):
+    while account_deletion.step(database, settings):
         pass
     if as_json:
         print_json({"deleted": name, "id": user_id})

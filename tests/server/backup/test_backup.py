@@ -144,7 +144,7 @@ def test_data_that_are_deleted_during_the_backup_are_deleted_when_it_is_restored
         nonlocal copied
         copied += more
         if copied > 50_000 and not deleted:  # in the middle of the data of the first run
-            deleted.extend(retention.delete(backend.database, backend.settings.data, [gone]))
+            deleted.extend(retention.delete(backend.database, backend.settings, [gone]))
 
     deleted: list[int] = []
     creation.make(backend.database, backend.settings, tmp_path / "b.tar", delete_soon)

@@ -13,7 +13,7 @@ from tests.cast import Backend
 def delete_account(both: Backend, name: str, *, keep: bool) -> None:
     with both.database.writing() as session:
         account_deletion.close(session, both.user_id(name), keep_published=keep)
-    while account_deletion.step(both.database, both.settings.data):
+    while account_deletion.step(both.database, both.settings):
         pass
 
 
@@ -82,7 +82,7 @@ def test_a_deletion_waits_for_no_batch_of_somebody_elses(both: Backend) -> None:
         for name in ("ann", "eva"):
             account_deletion.close(session, both.user_id(name), keep_published=False)
 
-    steps = [account_deletion.step(both.database, both.settings.data) for _ in range(3)]
+    steps = [account_deletion.step(both.database, both.settings) for _ in range(3)]
 
     assert steps == [True, True, False]
     with both.database.reading() as session:

@@ -21,7 +21,7 @@ from tests.cast import Backend
 
 
 def _delete(backend: Backend, *run_ids: int) -> list[int]:
-    return deletion.delete(backend.database, backend.settings.data, run_ids)
+    return deletion.delete(backend.database, backend.settings, run_ids)
 
 
 def test_a_deleted_run_is_gone_with_its_files_its_texts_and_its_score(both: Backend) -> None:

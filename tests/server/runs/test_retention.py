@@ -24,12 +24,13 @@ from tests.cast import Backend
 DAY_S = 86_400.0
 DELETING = """
 import sys
-from pathlib import Path
 from seamark.server.database.engine import Database
 from seamark.server.runs import retention
+from seamark.server.settings import Settings
 database = Database(sys.argv[1])
+settings = Settings.model_validate({"data": sys.argv[2]})
 for run_id in range(1, int(sys.argv[3]) + 1):
-    retention.delete(database, Path(sys.argv[2]), [run_id])
+    retention.delete(database, settings, [run_id])
     print(run_id, flush=True)
 """
 
@@ -116,9 +117,9 @@ def test_beyond_a_total_size_the_oldest_private_practice_data_are_deleted(both: 
 def test_live_public_and_deleted_runs_are_not_deleted(both: Backend) -> None:
     running, public, gone = both.running().run_id, both.published(), both.succeeded()
 
-    deleted = [retention.delete(both.database, both.settings.data, [gone]) for _ in range(2)]
+    deleted = [retention.delete(both.database, both.settings, [gone]) for _ in range(2)]
     refused = [
-        retention.delete(both.database, both.settings.data, [run_id])
+        retention.delete(both.database, both.settings, [run_id])
         for run_id in (running, public, 999)
     ]
 
@@ -127,7 +128,7 @@ def test_live_public_and_deleted_runs_are_not_deleted(both: Backend) -> None:
 
 def test_a_run_without_its_data_cannot_be_published(both: Backend) -> None:
     run_id = _recorded(both, kind="ranked")
-    retention.delete(both.database, both.settings.data, [run_id])
+    retention.delete(both.database, both.settings, [run_id])
 
     with both.database.writing() as session:
         assert not results.publish(session, run_id)
@@ -202,7 +203,7 @@ def test_nothing_is_concluded_from_a_data_folder_that_is_away(
 def test_a_worker_that_closes_a_deleted_run_does_not_bring_it_back(both: Backend) -> None:
     claim = both.running()
     both.cancel(claim.run_id)
-    retention.delete(both.database, both.settings.data, [claim.run_id])
+    retention.delete(both.database, both.settings, [claim.run_id])
 
     both.finish(claim, state=RunState.CANCELLED, data_bytes=5)
 
@@ -217,9 +218,9 @@ def test_a_program_goes_with_the_data_of_its_last_run(both: Backend) -> None:
         with both.database.reading() as session:
             return check_queue.refers_to(session, program.sha256)
 
-    retention.delete(both.database, both.settings.data, [first])
+    retention.delete(both.database, both.settings, [first])
     assert referred_to()
-    retention.delete(both.database, both.settings.data, [second])
+    retention.delete(both.database, both.settings, [second])
     assert not referred_to()
 
 

@@ -88,7 +88,7 @@ def test_filters_of_state_kind_and_program_leave_out_the_others(both: Backend) -
 def test_a_deleted_run_is_in_no_list(both: Backend) -> None:
     kept, gone = both.succeeded("ann"), both.succeeded("ann")
 
-    deletion.delete(both.database, both.settings.data, [gone])
+    deletion.delete(both.database, both.settings, [gone])
 
     assert _listed(both) == [kept]
     assert _listed(both, RunOrder.HIGHEST) == [kept]

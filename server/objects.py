@@ -1,0 +1,199 @@
+"""Object storage: what the machines of a service share instead of a disk.
+
+With `SEAMARK_STORAGE_URL` the objects are the truth, and folders of the machines hold copies;
+without it the data folder itself is the truth, and none of this is used. The library's threads do
+not survive a fork: only processes that do not fork afterwards may ask for objects.
+"""
+
+import os
+import threading
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from datetime import timedelta
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+
+import obstore
+from obstore.exceptions import BaseError
+from obstore.store import LocalStore, S3Store
+
+from seamark.server.settings import Settings
+
+if TYPE_CHECKING:
+    from obstore.store import ClientConfig, RetryConfig, S3Config
+
+MARK = "seamark-data"  # its content tells the storage of one service from that of another
+PROBE_S = 5.0  # between two looks whether the storage answers
+_REQUEST = timedelta(seconds=60)
+_CONNECT = timedelta(seconds=5)
+_RETRY: "RetryConfig" = {"max_retries": 3, "retry_timeout": timedelta(seconds=10)}
+
+
+class ObjectsAway(Exception):
+    """The object storage does not answer, or refuses. The text says why, for the log."""
+
+
+@dataclass(frozen=True, slots=True)
+class Object:
+    """An object as a listing shows it."""
+
+    path: str
+    size: int  # [B]
+    changed_at: float  # [s] by the clock of the storage
+    tag: str  # differs when the content does
+
+
+class Objects:
+    """The objects of one service. Every method raises ObjectsAway."""
+
+    def __init__(self, store: S3Store | LocalStore) -> None:
+        self._store = store
+        self._probe_lock = threading.Lock()
+        self._probe_at, self._answers = 0.0, True
+
+    def put(self, path: str, content: bytes | Path) -> None:
+        """Store an object; a file is read piece by piece."""
+        try:
+            obstore.put(self._store, path, content)
+        except (BaseError, OSError) as error:
+            raise _away(error) from error
+
+    def get(self, path: str) -> bytes | None:
+        """Return the content of a small object; None if there is none."""
+        try:
+            return bytes(obstore.get(self._store, path).bytes())
+        except FileNotFoundError:
+            return None
+        except (BaseError, OSError) as error:
+            raise _away(error) from error
+
+    def fetch(self, path: str, target: Path) -> bool:
+        """Copy an object into a file, all of it or nothing; False if there is no such object."""
+        draft = target.with_name(f".{target.name}.{os.getpid()}-{threading.get_ident()}")
+        try:
+            with draft.open("wb") as file:
+                for piece in obstore.get(self._store, path):
+                    file.write(piece)
+            draft.replace(target)
+        except FileNotFoundError:
+            return False
+        except (BaseError, OSError) as error:
+            raise _away(error) from error
+        finally:
+            draft.unlink(missing_ok=True)
+        return True
+
+    def size(self, path: str) -> int | None:
+        """Return the size of an object [B]; None if there is none."""
+        found = self.find(path)
+        return None if found is None else found.size
+
+    def find(self, path: str) -> Object | None:
+        """Return what a listing would show of an object; None if there is none."""
+        try:
+            return _object(obstore.head(self._store, path))
+        except FileNotFoundError:
+            return None
+        except (BaseError, OSError) as error:
+            raise _away(error) from error
+
+    def list(self, folder: str) -> Sequence[Object]:
+        """Return all objects of a folder and the folders below it, in order of their paths."""
+        try:
+            found = [_object(one) for page in obstore.list(self._store, folder) for one in page]
+        except (BaseError, OSError) as error:
+            raise _away(error) from error
+        return sorted(found, key=lambda one: one.path)
+
+    def folders(self, folder: str) -> Sequence[str]:
+        """Return the names of the folders in a folder."""
+        try:
+            found = obstore.list_with_delimiter(self._store, folder)
+        except (BaseError, OSError) as error:
+            raise _away(error) from error
+        return [path.rpartition("/")[2] for path in found["common_prefixes"]]
+
+    def delete(self, paths: Sequence[str]) -> None:
+        """Delete objects; those that are gone already are no error."""
+        try:
+            if paths:
+                obstore.delete(self._store, list(paths))
+        except FileNotFoundError:
+            pass
+        except (BaseError, OSError) as error:
+            raise _away(error) from error
+
+    def answers(self) -> bool:
+        """Return whether the storage answered, at most `PROBE_S` ago, and is that of a service."""
+        if self._probe_lock.acquire(blocking=False):
+            try:
+                if time.monotonic() >= self._probe_at:
+                    self._answers = self._is_marked()
+                    self._probe_at = time.monotonic() + PROBE_S
+            finally:
+                self._probe_lock.release()
+        return self._answers
+
+    def _is_marked(self) -> bool:
+        try:
+            return self.find(MARK) is not None
+        except ObjectsAway:
+            return False
+
+
+class _Place(NamedTuple):
+    url: str
+    endpoint: str
+    region: str
+    access_key: str
+    secret_key: str
+
+
+def of(settings: Settings) -> Objects | None:
+    """Return the object storage of a service; None if its data folder is the truth."""
+    if not settings.storage_url:
+        return None
+    return _opened(
+        _Place(
+            settings.storage_url.rstrip("/"),
+            settings.storage_endpoint,
+            settings.storage_region,
+            settings.storage_access_key,
+            settings.storage_secret_key,
+        )
+    )
+
+
+@cache
+def _opened(place: _Place) -> Objects:
+    if place.url.startswith("file://"):
+        return Objects(LocalStore(place.url.removeprefix("file://"), mkdir=True))
+    bucket, _, prefix = place.url.removeprefix("s3://").partition("/")
+    # What is empty here comes from the machine: AWS_... variables or the role of an instance.
+    chosen: S3Config = {"region": place.region}
+    if place.endpoint:
+        chosen["endpoint"] = place.endpoint
+    if place.access_key:
+        chosen["access_key_id"] = place.access_key
+        chosen["secret_access_key"] = place.secret_key
+    client: ClientConfig = {
+        "timeout": _REQUEST,
+        "connect_timeout": _CONNECT,
+        "allow_http": place.endpoint.startswith("http://"),
+    }
+    store = S3Store(
+        bucket, prefix=prefix or None, client_options=client, retry_config=_RETRY, config=chosen
+    )
+    return Objects(store)
+
+
+def _object(meta: "obstore.ObjectMeta") -> Object:
+    return Object(
+        meta["path"], meta["size"], meta["last_modified"].timestamp(), meta["e_tag"] or ""
+    )
+
+
+def _away(error: Exception) -> ObjectsAway:
+    return ObjectsAway(str(error).partition("\n")[0])

@@ -1,0 +1,211 @@
+"""The files of a run for those who read them, wherever they are kept.
+
+With object storage they are copied into a folder of this machine when somebody asks for them: once,
+however many ask, and of a run that is going on only what has been added.
+"""
+
+import fcntl
+import json
+import os
+import shutil
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import Any, Protocol
+
+import structlog
+
+from seamark.server import objects, storage
+from seamark.server.objects import Objects, ObjectsAway
+from seamark.server.runs import run_objects
+from seamark.server.runs.files import RunFiles
+from seamark.server.runs.run_objects import GROWING, Attempt, Part
+from seamark.server.runs.states import RunState
+from seamark.server.settings import Settings
+
+LIST_EVERY_S = 1.0  # between two looks at the objects of a run that has not ended
+SETTLED_S = 600.0  # after which files without the sign of their end are taken for complete
+KEPT_S = 3600.0  # copies that somebody read within this time are not removed
+TRIM_EVERY_S = 60.0
+LOCKS = 64
+_COMPLETE = ".complete"  # a copy that needs no look at the storage any more
+_KNOWN = ".known"  # what of the parts has been copied
+_log = structlog.get_logger()
+
+
+class Stored(Protocol):
+    """A run that may have files."""
+
+    @property
+    def id(self) -> int: ...  # noqa: D102 - the attribute of tables.Run
+    @property
+    def data_id(self) -> int: ...  # noqa: D102
+    @property
+    def attempt(self) -> int: ...  # noqa: D102
+    @property
+    def state(self) -> RunState: ...  # noqa: D102
+
+
+def of_run(settings: Settings, run: Stored) -> RunFiles:
+    """Return the files of a run, as they are now."""
+    known = run.state.final and run.data_id == run.id  # else: the attempt of another run
+    return latest(settings, run.data_id, run.attempt if known else None)
+
+
+def latest(settings: Settings, run_id: int, attempt: int | None = None) -> RunFiles:
+    """Return the files of a run as they are now.
+
+    While the object storage does not answer, they are what this machine has copied before.
+
+    Parameters
+    ----------
+    attempt
+        That of the result; None while the run has not ended, for the newest that has files.
+    """
+    stored = objects.of(settings)
+    if stored is None:
+        return RunFiles(settings.data, run_id)
+    data = storage.copies(settings)
+    try:
+        _refresh(stored, data, run_id, attempt)
+        _trim(data, settings.cache_bytes)
+    except ObjectsAway as error:
+        _log.warning("objects_away", run=run_id, error=str(error))
+    return RunFiles(data, run_id, attempt)
+
+
+def _refresh(stored: Objects, data: Path, run_id: int, attempt: int | None) -> None:
+    if attempt is not None and _is_complete(RunFiles(data, run_id, attempt).folder):
+        return
+    with _locked(data, run_id):
+        # Others may have copied it while this one waited for the lock.
+        if attempt is not None and _is_complete(RunFiles(data, run_id, attempt).folder):
+            return
+        looked = RunFiles(data, run_id).root / ".looked"
+        if attempt is None and _age_s(looked) < LIST_EVERY_S:
+            return
+        _copy(stored, data, run_id, attempt)
+        looked.parent.mkdir(parents=True, exist_ok=True)
+        looked.touch()
+
+
+def _copy(stored: Objects, data: Path, run_id: int, attempt: int | None) -> None:
+    found = run_objects.attempts(stored, run_id)
+    chosen = max(found, default=0) if attempt is None else attempt
+    files = RunFiles(data, run_id, chosen)
+    files.remove_earlier_attempts()
+    if chosen not in found:
+        return
+    files.folder.mkdir(parents=True, exist_ok=True)
+    if found[chosen].complete or not found[chosen].parts:
+        _copy_whole(stored, found[chosen], files.folder)
+        if attempt is not None and _will_not_change(found[chosen]):
+            (files.folder / _COMPLETE).touch()
+    else:
+        _copy_parts(stored, found[chosen], files.folder)
+
+
+def _will_not_change(attempt: Attempt) -> bool:
+    """Return whether the worker has stored everything, or has been silent for long."""
+    return attempt.complete or attempt.changed_at < time.time() - SETTLED_S
+
+
+def _copy_whole(stored: Objects, attempt: Attempt, folder: Path) -> None:
+    known = _known(folder)
+    for name, one in attempt.files.items():
+        if name != run_objects.COMPLETE and known.get(name) != one.tag:
+            stored.fetch(one.path, folder / name)
+            known[name] = one.tag
+    _remember(folder, known)
+
+
+def _copy_parts(stored: Objects, attempt: Attempt, folder: Path) -> None:
+    _copy_whole(stored, attempt, folder)
+    known = _known(folder)
+    for name in GROWING:
+        for part in attempt.parts.get(name, ()):
+            generation, size = known.get(f"{name} parts", (0, 0))
+            known[f"{name} parts"] = _apply(stored, part, folder / name, generation, size)
+            _remember(folder, known)
+
+
+def _apply(stored: Objects, part: Part, file: Path, generation: int, size: int) -> tuple[int, int]:
+    """Add a part to a file of which `size` bytes are known; return what is known then."""
+    if part.generation > generation:
+        generation, size = part.generation, min(size, part.offset)
+    if part.generation < generation or part.offset != size:
+        return generation, size
+    content = stored.get(part.path)
+    if content is None:  # meanwhile replaced by the whole file
+        return generation, size
+    with file.open("r+b" if file.exists() else "wb") as copy:
+        copy.truncate(size)
+        copy.seek(size)
+        copy.write(content)
+    return generation, size + len(content)
+
+
+def _known(folder: Path) -> dict[str, Any]:
+    try:
+        known: dict[str, Any] = json.loads((folder / _KNOWN).read_bytes())
+    except FileNotFoundError:
+        return {}
+    return known
+
+
+def _remember(folder: Path, known: dict[str, Any]) -> None:
+    draft = folder / f"{_KNOWN}.draft"
+    draft.write_text(json.dumps(known), encoding="utf-8")
+    draft.replace(folder / _KNOWN)
+
+
+def _is_complete(folder: Path) -> bool:
+    """Return whether a copy is complete, and note that somebody reads it."""
+    try:
+        os.utime(folder / _COMPLETE)
+    except FileNotFoundError:
+        return False
+    return True
+
+
+def _age_s(file: Path) -> float:
+    try:
+        return abs(time.time() - file.stat().st_mtime)
+    except FileNotFoundError:
+        return float("inf")
+
+
+@contextmanager
+def _locked(data: Path, run_id: int) -> Iterator[None]:
+    """Hold the lock of a run among the threads and processes that share the copies."""
+    folder = data / "locks"
+    folder.mkdir(exist_ok=True)
+    with (folder / str(run_id % LOCKS)).open("a") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        yield
+
+
+def _trim(data: Path, limit: int) -> None:
+    """Remove the copies that nobody has read for the longest time, beyond `limit` bytes."""
+    last = data / "trimmed"
+    if _age_s(last) < TRIM_EVERY_S:
+        return
+    last.touch()
+    copies = sorted(_copies(data / "runs"))
+    excess = sum(size for _, size, _ in copies) - limit
+    for read_at, size, folder in copies:
+        if excess <= 0 or read_at > time.time() - KEPT_S:
+            return
+        shutil.rmtree(folder, ignore_errors=True)
+        excess -= size
+
+
+def _copies(runs: Path) -> Iterator[tuple[float, int, Path]]:
+    """Yield when each copy of a run was read, its bytes and its folder."""
+    for folder in runs.glob("*/*"):
+        found: Sequence[os.stat_result] = []
+        with suppress(FileNotFoundError):
+            found = [file.stat() for file in folder.rglob("*") if file.is_file()]
+        if found:
+            yield max(one.st_mtime for one in found), sum(one.st_size for one in found), folder

@@ -1,0 +1,198 @@
+"""Between a worker and the object storage: programs come, the files of a run go.
+
+Of a run that goes on parts are stored, at its end the whole files.
+
+Nothing here stops a run: while the storage is away its files wait on the worker's disk. Only at the
+end they must get there, before the result is stored.
+"""
+
+import json
+import threading
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import structlog
+
+from seamark.server.objects import Objects, ObjectsAway
+from seamark.server.programs import store
+from seamark.server.runs import run_objects
+from seamark.server.runs.files import RunFiles, StorageFailed
+from seamark.server.runs.run_objects import COMPLETE, GROWING
+from seamark.server.settings import Settings
+from seamark.server.storage import StorageUnavailable
+
+PART_EVERY_S = 2.0
+PART_MAX = 8 * 2**20  # [B] that are read at once
+RETRY_S = 1.0
+_log = structlog.get_logger()
+
+
+@dataclass(slots=True)
+class _Grown:
+    """How much of a file that grows has been stored."""
+
+    generation: int = 0
+    size: int = 0
+
+
+def program_file(settings: Settings, sha256: str) -> Path:
+    """Return the file of a program; raises StorageFailed if it cannot be fetched."""
+    try:
+        return store.path(settings, sha256)
+    except StorageUnavailable as away:
+        raise StorageFailed(str(away)) from away
+
+
+class RunUpload:
+    """The upload of one attempt, in a thread of its own."""
+
+    def __init__(self, objects: Objects, files: RunFiles, run_id: int) -> None:
+        self._objects, self._files, self._run_id = objects, files, run_id
+        self._grown = {name: _Grown() for name in GROWING}
+        self._replaced: dict[str, float] = {}  # file -> when it was written last
+        self._lock = threading.Lock()  # between reading a file and taking rows back
+        self._ending = threading.Event()
+        self._thread = threading.Thread(target=self._store_parts, name="upload", daemon=True)
+
+    def start(self) -> None:
+        """Remove what earlier attempts have stored, and store parts from now on."""
+        self._thread.start()
+
+    def truncate_rows(self, count: int) -> None:
+        """Keep only the first rows of the telemetry; see `RunFiles.truncate_rows`."""
+        with self._lock:
+            self._files.truncate_rows(count)
+            grown = self._grown[self._files.telemetry_path.name]
+            size = self._files.telemetry_path.stat().st_size if count else 0
+            if size < grown.size:
+                grown.generation, grown.size = grown.generation + 1, size
+
+    def stop(self) -> None:
+        """Store no more parts."""
+        self._ending.set()
+        if self._thread.ident is not None:
+            self._thread.join()
+
+    def complete(self, watch: Callable[[], None], *, within_s: float) -> None:
+        """Store all files as they are now, and say that this is all.
+
+        Parameters
+        ----------
+        watch
+            Called while this takes; what it raises ends the waiting.
+        within_s
+            How long the storage may be away.
+
+        Raises
+        ------
+        ObjectsAway
+            It was away for longer.
+        """
+        self._ending.set()
+        done, given_up = threading.Event(), threading.Event()
+        failures: list[ObjectsAway] = []
+
+        def store() -> None:
+            self.stop()
+            waited_s = 0.0
+            while not given_up.is_set():
+                try:
+                    self._store_whole()
+                    break
+                except ObjectsAway as error:
+                    waited_s += RETRY_S
+                    if waited_s >= within_s:
+                        failures.append(error)
+                        break
+                    given_up.wait(RETRY_S)
+            done.set()
+
+        threading.Thread(target=store, name="upload-end", daemon=True).start()
+        try:
+            while not done.wait(0.1):
+                watch()
+        finally:
+            given_up.set()
+        if failures:
+            raise failures[0]
+
+    def remove_parts(self) -> None:
+        """Remove the parts, which whole files have replaced."""
+        self._quietly(
+            lambda: self._objects.delete(
+                [one.path for one in self._objects.list(f"{self._folder}/parts")]
+            )
+        )
+
+    def remove(self) -> None:
+        """Remove everything that this attempt has stored."""
+        self._quietly(lambda: run_objects.remove(self._objects, self._run_id, self._files.attempt))
+
+    @property
+    def _folder(self) -> str:
+        return run_objects.folder(self._run_id, self._files.attempt)
+
+    def _store_parts(self) -> None:
+        self._quietly(
+            lambda: run_objects.remove_before(self._objects, self._run_id, self._files.attempt)
+        )
+        away = False
+        while not self._ending.wait(PART_EVERY_S):
+            try:
+                for name in ("columns.json", "log.tail"):
+                    self._store_replaced(name)
+                for name in GROWING:
+                    self._store_grown(name)
+                away = False
+            except ObjectsAway as error:
+                if not away:
+                    _log.warning("objects_away", run=self._run_id, error=str(error))
+                away = True
+
+    def _store_replaced(self, name: str) -> None:
+        file = self._files.folder / name
+        try:
+            written_at = file.stat().st_mtime
+        except FileNotFoundError:
+            return
+        if self._replaced.get(name) != written_at:
+            self._objects.put(f"{self._folder}/{name}", file.read_bytes())
+            self._replaced[name] = written_at
+
+    def _store_grown(self, name: str) -> None:
+        grown = self._grown[name]
+        while True:
+            with self._lock:
+                generation, offset = grown.generation, grown.size
+                content = self._read(name, offset)
+            if not content:
+                return
+            path = run_objects.part(
+                self._run_id, self._files.attempt, name, generation=generation, offset=offset
+            )
+            self._objects.put(path, content)
+            with self._lock:
+                if grown.generation == generation:
+                    grown.size = offset + len(content)
+
+    def _read(self, name: str, offset: int) -> bytes:
+        try:
+            with (self._files.folder / name).open("rb") as file:
+                file.seek(offset)
+                return file.read(PART_MAX)
+        except FileNotFoundError:
+            return b""
+
+    def _store_whole(self) -> None:
+        names = sorted(file.name for file in self._files.folder.iterdir())
+        for name in names:
+            self._objects.put(f"{self._folder}/{name}", self._files.folder / name)
+        self._objects.put(f"{self._folder}/{COMPLETE}", json.dumps(names).encode())
+
+    def _quietly(self, action: Callable[[], None]) -> None:
+        """Do what a later sweep does if it fails now."""
+        try:
+            action()
+        except ObjectsAway as error:
+            _log.warning("objects_not_removed", run=self._run_id, error=str(error))
