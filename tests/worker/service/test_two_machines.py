@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.server import objects
 from seamark.server.runs import run_objects, stored_files
 from seamark.server.runs.files import RunFiles
@@ -50,11 +51,11 @@ def _files(service: Service, run_id: int) -> RunFiles:
 
 
 def test_a_run_on_another_machine_is_read_here_and_ends_on_a_third_if_its_worker_dies(
-    machines: Service,
+    machines: Service, isolation: IsolationLevel
 ) -> None:
     program = machines.store_program(PROGRAM.encode())
     expected = evaluate_locally(
-        "currents-v1", SHORT, seed=3, controller=(PROGRAM.encode(), "mine.py")
+        "currents-v1", SHORT, seed=3, controller=(PROGRAM.encode(), "mine.py"), isolation=isolation
     ).digest
     _start_worker(machines, "first")
     uploaded = machines.ended(machines.submit(controller="upload", program=program))
