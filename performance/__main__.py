@@ -15,6 +15,7 @@ TABLES = (
     "leaks",
     "growth",
     "scaling",
+    "load_model",
     "leaderboard",
     "trackers",
     *SERVICE,

@@ -48,23 +48,23 @@ def rows(runs: int = RUNS) -> list[Row]:
             closing(broker.connect(settings)) as redis,
         ):
             keys = [*broker.ticket_keys(app), "unacked"]
-            worker = _worker(settings)
+            worker = fake_worker(settings)
             try:
                 app.send_task(NOTHING)
-                _wait(lambda: not redis.exists(*keys))  # until the worker is ready
-                nothing_s = _timed(
+                wait(lambda: not redis.exists(*keys))  # until the worker is ready
+                nothing_s = timed(
                     lambda: [app.send_task(NOTHING) for _ in range(runs)],
                     lambda: not redis.exists(*keys),
                 )
                 # Only now: a worker that starts sends the tickets that queued runs lack.
-                _submit(database, settings, runs)
-                queue_s = _timed(
-                    lambda: broker.send_tickets(app, runs), lambda: not _count(database, *LIVE)
+                submit_runs(database, settings, runs)
+                queue_s = timed(
+                    lambda: broker.send_tickets(app, runs), lambda: not count(database, *LIVE)
                 )
             finally:
                 worker.terminate()
                 worker.wait()
-            if _count(database, RunState.SUCCEEDED) != runs:
+            if count(database, RunState.SUCCEEDED) != runs:
                 raise RuntimeError("some of the runs did not succeed")
     return [
         Row(
@@ -77,7 +77,7 @@ def rows(runs: int = RUNS) -> list[Row]:
     ]
 
 
-def _submit(database: Database, settings: Settings, runs: int) -> None:
+def submit_runs(database: Database, settings: Settings, runs: int) -> None:
     """Queue the runs, in turns, for places that are alive as long as it takes."""
     with database.writing() as session:
         place = Worker(name="fake", slots=PLACES, level="none", languages=[], findings=[])
@@ -99,27 +99,30 @@ def _submit(database: Database, settings: Settings, runs: int) -> None:
             submission.submit(session, valid[number % USERS], settings)
 
 
-def _worker(settings: Settings) -> "subprocess.Popen[bytes]":
+def fake_worker(settings: Settings) -> "subprocess.Popen[bytes]":
+    """Start a worker whose runs simulate nothing."""
     command = [sys.executable, "-m", "celery", "-A", "performance.fake_worker", "worker"]
     options = ["-c", str(PLACES), "--without-gossip", "--without-mingle", "--loglevel", "ERROR"]
     return subprocess.Popen([*command, *options], env=os.environ | settings.environment())
 
 
-def _count(database: Database, *states: RunState) -> int:
-    count = select(func.count()).where(Run.state.in_(states))
+def count(database: Database, *states: RunState) -> int:
+    """Return how many runs are in some states."""
+    query = select(func.count()).where(Run.state.in_(states))
     with database.reading() as session:
-        return session.scalar(count) or 0
+        return session.scalar(query) or 0
 
 
-def _timed(begin: Callable[[], object], ended: Callable[[], bool]) -> float:
+def timed(begin: Callable[[], object], ended: Callable[[], bool]) -> float:
     """Return the wall time [s] from the begin until the end."""
     start = time.perf_counter()
     begin()
-    _wait(ended)
+    wait(ended)
     return time.perf_counter() - start
 
 
-def _wait(ended: Callable[[], bool]) -> None:
+def wait(ended: Callable[[], bool]) -> None:
+    """Wait until something has happened."""
     while not ended():
         time.sleep(POLL_S)
 

@@ -26,6 +26,7 @@ class Nothing:
     """In the place of a simulator and of its simulation: ends at once, with a score."""
 
     started, silent_s = True, 0.0
+    started_at: float | None = None
 
     def start(self) -> None:
         """Do nothing."""

@@ -62,17 +62,17 @@ def rows(runs: int = RUNS) -> list[Row]:
 def _times(settings: Settings, runs: int) -> dict[str, list[float]]:
     """Return the times from submitting to running [ms] of each kind of program."""
     upgrade(settings)
-    with closing(Database(settings.database_url)) as database, _worker(settings):
+    with closing(Database(settings.database_url)) as database, real_worker(settings):
         with database.writing() as session:
             user = accounts.sign_up(session, "ann", None)
             viewer = Viewer(user_id=user.id, name=user.name)
         program = _program(settings)
         measured: dict[str, list[float]] = {"built-in": [], "upload": []}
-        _evaluate(database, settings, viewer, None)  # until the worker is warm
-        _evaluate(database, settings, viewer, program)
+        evaluate(database, settings, viewer, None)  # until the worker is warm
+        evaluate(database, settings, viewer, program)
         for _ in range(runs):
             for kind, uploaded in (("built-in", None), ("upload", program)):
-                run = _evaluate(database, settings, viewer, uploaded)
+                run = evaluate(database, settings, viewer, uploaded)
                 measured[kind].append(1e3 * ((run.started_at or 0.0) - run.queued_at))
     return measured
 
@@ -84,7 +84,8 @@ def _rows(kind: str, times: list[float]) -> Iterator[Row]:
 
 
 @contextmanager
-def _worker(settings: Settings) -> Iterator[None]:
+def real_worker(settings: Settings) -> Iterator[None]:
+    """Run a worker as `seamark worker` does."""
     command = [sys.executable, *worker_arguments(settings)]
     environment = os.environ | settings.environment()
     with subprocess.Popen(command, env=environment) as worker:
@@ -100,7 +101,7 @@ def _program(settings: Settings) -> StoredProgram:
     return store.save(prepared, settings)
 
 
-def _evaluate(
+def evaluate(
     database: Database, settings: Settings, viewer: Viewer, program: StoredProgram | None
 ) -> RunView:
     """Submit a run as the web process does and return it when it has ended."""
