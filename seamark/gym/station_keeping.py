@@ -20,7 +20,7 @@ from seamark.sim.recording.telemetry import INDEX, STEP_US, width_for
 
 Observation = NDArray[np.float64]
 REFERENCE = slice(INDEX["ref_u"], INDEX["ref_r"] + 1)  # columns that an action decides
-_TRUTH: dict[str, Any] = {  # name in `info` -> columns of the telemetry
+TRUE_COLUMNS: dict[str, Any] = {  # name in `info` -> columns of the telemetry
     "pose": slice(INDEX["x"], INDEX["yaw"] + 1),
     "velocity": slice(INDEX["u"], INDEX["r"] + 1),
     "current": slice(INDEX["current_x"], INDEX["current_z"] + 1),
@@ -29,9 +29,9 @@ _TRUTH: dict[str, Any] = {  # name in `info` -> columns of the telemetry
 }
 
 
-def truth_of(rows: NDArray[np.float64]) -> dict[str, Any]:
-    """Return what `info` has of rows of telemetry, (..., WIDTH or more), in new arrays."""
-    return {name: rows[..., columns] + 0.0 for name, columns in _TRUTH.items()}
+def truth_of(row: NDArray[np.float64]) -> dict[str, Any]:
+    """Return what `info` has of a row of telemetry, (WIDTH or more,), in new arrays."""
+    return {name: row[columns] + 0.0 for name, columns in TRUE_COLUMNS.items()}
 
 
 class _Held:

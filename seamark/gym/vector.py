@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from seamark.gym.episodes import Episode, Episodes
 from seamark.gym.spaces import THRUSTERS, VELOCITY, action_space, observation_space
-from seamark.gym.station_keeping import REFERENCE, truth_of
+from seamark.gym.station_keeping import REFERENCE, TRUE_COLUMNS
 from seamark.sim import registry
 from seamark.sim.benchmarks.station_keeping.experiment import StationKeeping
 from seamark.sim.engine.tracker_in_loop import draw_start_error
@@ -21,6 +21,7 @@ from seamark.sim.registry import TRUTH
 
 Array = NDArray[np.float64]
 Info = dict[str, Any]
+_COLUMNS = np.r_[tuple(TRUE_COLUMNS.values())]  # of telemetry, one after the other
 
 
 class StationKeepingVectorEnv(VectorEnv[Array, Array, Any]):
@@ -198,8 +199,12 @@ class StationKeepingVectorEnv(VectorEnv[Array, Array, Any]):
     def _truth(self, known: Flags) -> Info:
         """Return the truth of the vehicles as `info` has it, for those in the mask."""
         info: Info = {}
-        for name, values in truth_of(self._fleet.tables.outputs.rows).items():
-            info[name], info[f"_{name}"] = values, known.copy()
+        values, begin = self._fleet.telemetry(_COLUMNS), 0
+        for name, columns in TRUE_COLUMNS.items():
+            end = begin + np.r_[columns].size
+            several = isinstance(columns, slice)
+            info[name] = values[:, begin:end] if several else values[:, begin]
+            info[f"_{name}"], begin = known.copy(), end
         return info
 
     @property

@@ -13,6 +13,7 @@ from seamark.sim.control.station_keeper import update_position_error
 from seamark.sim.control.velocity_law import Records
 from seamark.sim.engine.tracking_error import View, write_tracking_error
 from seamark.sim.numerics.arrays import Array
+from seamark.sim.numerics.borrowed import borrowed
 from seamark.sim.physics.dynamics import RIGID, write_current
 from seamark.sim.recording.telemetry import COMMON_THRUSTERS, INDEX, WIDTH
 from seamark.sim.sensors.ahrs import sample_attitude
@@ -91,9 +92,10 @@ def perceive(
         observation; the measurements of the velocity controller, (1,) record.
     """
     inputs, constants = StepInputs(*plain_inputs), LevelConstants(*plain_constants)
-    view, station, corners, seen_corners = tracked
-    state, pose, water = plant
-    row, observation, measured = outputs
+    view, station, corners, seen_corners = borrowed(tracked)
+    state, pose, water = borrowed(plant)
+    row, observation, measured = borrowed(outputs)
+    sensors, noises, keepers = borrowed(sensors), borrowed(noises), borrowed(keepers)
     velocity, sounding = state[7:13], (inputs.altitude, inputs.echoes)
     dvl, depth, attitude, altitude = sensors[0][0], sensors[1][0], sensors[2][0], sensors[3][0]
     sample_dvl(dvl, noises[0], inputs.step, pose, velocity, sounding)

@@ -7,6 +7,7 @@ from numba import njit
 
 from seamark.sim.fleet.tables import Bodies, Motion
 from seamark.sim.numerics.arrays import Array
+from seamark.sim.numerics.borrowed import borrowed
 from seamark.sim.numerics.lanes import LANES, lanes_of, select
 from seamark.sim.physics.current import Water, segment_at
 from seamark.sim.physics.dynamics import RIGID, Body, runge_kutta_step
@@ -95,6 +96,7 @@ def advance_block(
 
     A vehicle that comes below its gate goes on freely, which is wrong, and is marked in `deep`.
     """
+    bodies, motion, work = borrowed(bodies), borrowed(motion), borrowed(work)
     steps, step_s = steps_and_length
     state, target, deep = lanes_of(work.state), lanes_of(work.target), lanes_of(work.deep)
     first, middle, segment = lanes_of(work.first), lanes_of(work.middle), lanes_of(work.segment)

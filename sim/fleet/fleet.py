@@ -15,6 +15,7 @@ from seamark.sim.camera.target import start_pose
 from seamark.sim.engine.reward import goal
 from seamark.sim.engine.tracking_error import BOX_CENTRE, TOP_CENTRE
 from seamark.sim.engine.world import Craft, World, readings_of, target_and_optics
+from seamark.sim.fleet.columns import copy_columns
 from seamark.sim.fleet.steps import Shared, sense_all, step_all
 from seamark.sim.fleet.tables import COMMAND_NUMBERS, Sizes, Tables, empty_tables
 from seamark.sim.numerics.arrays import Array
@@ -146,7 +147,7 @@ class Fleet:
     def begin(self, chosen: Flags) -> None:
         """Sense the start of a level with the chosen vehicles, (n,), just placed."""
         self._track(chosen)
-        self._in_threads(sense_all, chosen)
+        self._in_threads(sense_all, chosen, self._shared, self._plain)
 
     def step(self, chosen: Flags, actions: Array) -> None:
         """Take the actions, (n, numbers), of the chosen vehicles and simulate a control step.
@@ -154,26 +155,32 @@ class Fleet:
         Afterwards observations, rows and rewards are those of the new state. A vehicle whose
         simulation diverged keeps its last ones.
         """
-        self._in_threads(step_all, chosen, actions)
+        self._in_threads(step_all, chosen, actions, self._shared, self._plain)
         touching = chosen & self.tables.outputs.touching
         for i in np.flatnonzero(touching).tolist():
             self._advance_in_contact(i)
         if not self._truth:
             going = chosen & ~self.tables.outputs.diverged
             self._track(going)
-            self._in_threads(sense_all, going)
+            self._in_threads(sense_all, going, self._shared, self._plain)
         elif touching.any():
-            self._in_threads(sense_all, touching)
+            self._in_threads(sense_all, touching, self._shared, self._plain)
+
+    def telemetry(self, columns: NDArray[np.int64]) -> Array:
+        """Return columns (k,) of the vehicles' rows of telemetry, (n, k), in a new array."""
+        out = np.empty((self.count, columns.size))
+        self._in_threads(copy_columns, columns, self.tables.outputs.rows, out)
+        return out
 
     def _in_threads(self, compiled: Callable[..., None], *arrays: Any) -> None:
         """Call a compiled function for all vehicles, a part of them in each thread."""
         blocks = self.tables.bodies.net_weight.shape[0]
         bounds = [blocks * k // self._threads for k in range(self._threads + 1)]
         calls = [
-            self._pool.submit(compiled, first, last, *arrays, self._shared, self._plain)
+            self._pool.submit(compiled, first, last, *arrays)
             for first, last in pairwise(bounds[1:])
         ]
-        compiled(bounds[0], bounds[1], *arrays, self._shared, self._plain)
+        compiled(bounds[0], bounds[1], *arrays)
         for call in calls:
             call.result()
 

@@ -107,6 +107,9 @@ def _step_block(
     tables: tuple[Any, ...],
     plain_work: tuple[Any, ...],
 ) -> None:
+    # Borrowed again: only inside one function the compiler knows that nothing is counted.
+    actions, tables, plain_work = borrowed(actions), borrowed(tables), borrowed(plain_work)
+    plain_shared = borrowed(plain_shared)
     shared, motion, work = Shared(*plain_shared), Motion(*tables[1]), Work(*plain_work)
     progress, outputs = Progress(*tables[4]), Outputs(*tables[5])
     begin = block * LANES

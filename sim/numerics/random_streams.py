@@ -5,14 +5,21 @@ component (those in `PER_TRIAL` not on the level): a new sensor never changes th
 order in which streams are used does not matter.
 """
 
-from dataclasses import dataclass, fields
-
 import numpy as np
 
+PER_TRIAL = frozenset(  # the same in all levels of a trial
+    {
+        *("bottom", "trial_current", "trial_start", "trial_sensors"),
+        *("trial_delays", "trial_vehicle", "trial_order"),
+    }
+)
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+
 class Streams:
-    """The generators of one level. New names go to the end: the index is part of the seed."""
+    """The generators of one level, each of which is made when it is first used.
+
+    New names go to the end: the index is part of the seed.
+    """
 
     gust: np.random.Generator
     dvl: np.random.Generator
@@ -31,13 +38,22 @@ class Streams:
     trial_vehicle: np.random.Generator
     trial_order: np.random.Generator
 
+    def __init__(self, seed: int, trial: int, level: int) -> None:
+        self._numbers = seed, trial, level
 
-PER_TRIAL = frozenset(  # the same in all levels of a trial
-    {
-        *("bottom", "trial_current", "trial_start", "trial_sensors"),
-        *("trial_delays", "trial_vehicle", "trial_order"),
-    }
-)
+    def __getattr__(self, name: str) -> np.random.Generator:
+        """Make a generator and keep it: Python asks here for what is not there yet."""
+        if name not in NAMES:
+            raise AttributeError(f"there is no random stream {name}")
+        seed, trial, level = self._numbers
+        key = (trial, 0 if name in PER_TRIAL else level, NAMES.index(name))
+        sequence = np.random.SeedSequence(entropy=seed, spawn_key=key)
+        generator = np.random.Generator(np.random.PCG64(sequence))
+        setattr(self, name, generator)
+        return generator
+
+
+NAMES = tuple(Streams.__annotations__)
 
 
 def streams(seed: int, trial: int, level: int) -> Streams:
@@ -57,14 +73,4 @@ def streams(seed: int, trial: int, level: int) -> Streams:
     """
     if min(seed, trial, level) < 0:
         raise ValueError(f"seed, trial and level must not be negative: {seed}, {trial}, {level}")
-    return Streams(
-        **{
-            field.name: np.random.Generator(
-                np.random.PCG64(
-                    np.random.SeedSequence(entropy=seed, spawn_key=(trial, seeded_level, i))
-                )
-            )
-            for i, field in enumerate(fields(Streams))
-            for seeded_level in (0 if field.name in PER_TRIAL else level,)
-        }
-    )
+    return Streams(seed, trial, level)

@@ -203,11 +203,16 @@ def _gust(rng: np.random.Generator, sigma: float, time_s: float, duration_s: flo
     normals = rng.standard_normal(count)
     keep = exp(-GUST_GRID_S / time_s)
     renew = sigma * float(np.sqrt(1.0 - keep * keep))
-    values = np.empty(count)
-    values[0] = sigma * normals[0]
-    for i in range(1, count):
-        values[i] = keep * values[i - 1] + renew * normals[i]
-    return values
+    normals[0] *= sigma
+    _correlate(normals, keep, renew)
+    return normals
+
+
+@njit(cache=True, error_model="numpy")
+def _correlate(values: Array, keep: float, renew: float) -> None:
+    """Make the later ones of independent numbers (k,) depend on their predecessors, in place."""
+    for i in range(1, values.size):
+        values[i] = keep * values[i - 1] + renew * values[i]
 
 
 @njit(cache=True, error_model="numpy")
