@@ -1,7 +1,8 @@
 """What the processes of a service count and time for monitoring, declared once.
 
 Each process adds to its own copy; `seamark.server.messaging.shared_meters` adds the copies of all
-processes of all machines together.
+processes of all machines together. Series that alerts watch exist from the start: `increase()` does
+not see the first value of one that appears later.
 """
 
 from prometheus_client import CollectorRegistry, Counter, Histogram, disable_created_metrics
@@ -31,6 +32,8 @@ RUNS_ENDED = Counter(
     ("kind", "state", "cause"),
     registry=REGISTRY,
 )
+for _kind in ("practice", "ranked"):
+    RUNS_ENDED.labels(_kind, "failed", "platform_error")
 RUN_WAITING = Histogram(
     "seamark_run_waiting_seconds",
     "Time from the submission of a run to its first start, by lane of the queue",
@@ -53,6 +56,9 @@ ATTEMPTS_LOST = Counter(
     ("reason", "state"),
     registry=REGISTRY,
 )
+for _reason in ("evaluation_broke", "storage_failed", "worker_lost"):
+    for _state in ("queued", "failed"):
+        ATTEMPTS_LOST.labels(_reason, _state)
 LEASES_LOST = Counter(
     "seamark_leases_lost_total",
     "Leases that a living worker lost to another one while it evaluated the run",
@@ -76,6 +82,8 @@ CHECKS_ENDED = Counter(
     ("result",),
     registry=REGISTRY,
 )
+for _result in ("passed", "failed", "broken"):
+    CHECKS_ENDED.labels(_result)
 CHECK_SECONDS = Histogram(
     "seamark_check_duration_seconds",
     "Time that a worker took for a check",

@@ -9,7 +9,6 @@ import json
 import re
 import secrets
 import threading
-from collections import defaultdict
 
 from prometheus_client.metrics_core import Metric
 from redis import Redis
@@ -43,7 +42,7 @@ class SharedMeters:
             try:
                 with self._redis.pipeline() as pipeline:  # all or nothing
                     for key, change in changes.items():
-                        if change:
+                        if change or key not in self._added:  # a new one is there, at zero
                             pipeline.hincrbyfloat(COUNTED, json.dumps(key), change)
                     pipeline.execute()
             except RedisError:
@@ -63,19 +62,19 @@ class SharedMeters:
 def collected(redis: "Redis") -> list[Metric]:
     """Return the meters of all processes. Raises RedisError."""
     stored: dict[bytes, bytes] = redis.hgetall(COUNTED)  # type: ignore[assignment]
-    samples = defaultdict[str, list[tuple[str, dict[str, str], float]]](list)
-    for field, value in stored.items():
+    values = dict.fromkeys(_counted_here(), 0.0)  # what nobody has counted yet
+    for field, total in stored.items():
         name, labels = json.loads(field)
-        samples[_SUFFIX.sub("", name)].append((name, dict(labels), float(value)))
-    found = []
-    for declared in REGISTRY.collect():
-        metric = Metric(declared.name, declared.documentation, declared.type)
-        # A counter without labels is there from the start, so that its first increase shows.
-        from_zero = [(one.name, one.labels, 0.0) for one in declared.samples if not one.labels]
-        for name, labels, count in sorted(samples[declared.name] or from_zero, key=_order):
-            metric.add_sample(name, labels, count)
-        found.append(metric)
-    return found  # without what processes of another version have counted
+        values[name, tuple((label, text) for label, text in labels)] = float(total)
+    metrics = {
+        declared.name: Metric(declared.name, declared.documentation, declared.type)
+        for declared in REGISTRY.collect()
+    }
+    for (name, labels), value in sorted(values.items(), key=_order):
+        metric = metrics.get(_SUFFIX.sub("", name))
+        if metric is not None:  # else counted by a process of another version
+            metric.add_sample(name, dict(labels), value)
+    return list(metrics.values())
 
 
 def web_processes(redis: "Redis") -> list[int]:
@@ -98,11 +97,11 @@ def _counted_here() -> dict[Key, float]:
     return {(one.name, tuple(sorted(one.labels.items()))): one.value for one in samples}
 
 
-def _order(sample: tuple[str, dict[str, str], float]) -> tuple[list[str], str, float]:
+def _order(item: tuple[Key, float]) -> tuple[Labels, str, float]:
     """Keep the series of a histogram together, with its limits ascending."""
-    name, labels, _ = sample
-    others = [value for label, value in sorted(labels.items()) if label != "le"]
-    return others, name, float(labels.get("le", 0.0))
+    (name, labels), _ = item
+    others = tuple((label, text) for label, text in labels if label != "le")
+    return others, name, float(dict(labels).get("le", 0.0))
 
 
 def _now_s(redis: "Redis") -> float:

@@ -25,7 +25,7 @@ from tests.services.ports import free_port
 from tests.services.processes import end
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
-START_S = 90.0
+START_S = 240.0
 ROOT = Path(__file__).parents[2]
 SHORT = {"levels": [0.0, 0.4], "level_duration_s": 20, "settle_s": 2}
 EMBEDDING_PORT = free_port()  # of the other site that may show runs in a frame

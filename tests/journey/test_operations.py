@@ -9,10 +9,12 @@ from typing import Any
 
 import httpx
 import pytest
+from prometheus_client.parser import text_string_to_metric_families
 
 from seamark.server.accounts import accounts
 from seamark.server.database.engine import Database
 from tests.journey.conftest import SHORT, Service
+from tests.services import promql
 
 pytestmark = [pytest.mark.slow, pytest.mark.host]
 
@@ -24,7 +26,7 @@ class Controller:
     def reset(self, level): pass
     def step(self, observation): return [0.0, 0.0, 0.0, 0.0]
 """
-END_S = 120.0
+END_S = 240.0  # the first run on a loaded machine waits for the compiler
 
 
 @dataclass(frozen=True)
@@ -100,10 +102,14 @@ def test_no_log_has_secrets_of_requests(service: Service, run: Followed) -> None
     assert run.token not in text
 
 
-def test_the_metrics_have_the_run_with_its_phases_and_its_box(
-    service: Service, run: Followed
-) -> None:
-    text = httpx.get(f"{service.url}/metrics").text
+@pytest.fixture(scope="module")
+def scraped(service: Service, run: Followed) -> str:
+    """The metrics of the service after the run."""
+    return httpx.get(f"{service.url}/metrics").text
+
+
+def test_the_metrics_have_the_run_with_its_phases_and_its_box(scraped: str) -> None:
+    text = scraped
 
     for phase in ("starting", "preparing", "simulating", "storing"):
         assert re.search(rf'seamark_run_phase_seconds_count{{phase="{phase}"}} [1-9]', text)
@@ -112,3 +118,14 @@ def test_the_metrics_have_the_run_with_its_phases_and_its_box(
     ended = 'seamark_runs_ended_total{cause="",kind="practice",state="succeeded"} [1-9]'
     assert re.search(ended, text)
     assert re.search(r'seamark_workers{state="ready"} 1.0', text)
+
+
+def test_board_and_rules_refer_to_metrics_labels_and_values_that_the_service_has(
+    scraped: str,
+) -> None:
+    exported = promql.labels_and_values(text_string_to_metric_families(scraped))
+
+    unknown = {each: promql.unknown_in(each, exported) for each in promql.expressions()}
+
+    assert len(unknown) > 50
+    assert {each: names for each, names in unknown.items() if names} == {}

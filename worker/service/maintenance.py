@@ -50,6 +50,7 @@ class PeriodicTask:
     def __post_init__(self) -> None:
         """Schedule the first time."""
         self.postpone()
+        meters.MAINTENANCE_FAILURES.labels(self.name)
 
     @property
     def is_due(self) -> bool:
@@ -147,6 +148,7 @@ def main(parent: str) -> None:
     settings = Settings.load()
     log.configure(settings.log_level, settings.log_format)
     app, redis = broker.celery_app(settings), broker.connect(settings)
+    shared = SharedMeters(redis)
     database, recovery_s = Database(settings.database_url), settings.sweep_s
     recoverer = Recoverer(app, database, redis, settings)
     tasks = [
@@ -163,7 +165,7 @@ def main(parent: str) -> None:
         PeriodicTask("forget_audit", FORGET_EVERY_S, lambda: forget_audit(database, settings)),
         PeriodicTask("trim_data", TRIM_EVERY_S, lambda: trim(database, settings)),
     ]
-    shared, duty = SharedMeters(redis), Duty(redis, kept_s=3 * recovery_s)
+    duty = Duty(redis, kept_s=3 * recovery_s)
     while not stopping.wait(POLL_S):
         if run_due(tasks, on_duty=duty.is_mine):
             shared.add()
