@@ -14,6 +14,7 @@ LogLevel = Literal["debug", "info", "warning", "error"]
 LogFormat = Literal["auto", "json", "text"]
 MetricsAccess = Literal["local", "token", "off"]
 SignUp = Literal["open", "invitation", "closed"]
+SIGNS_NOTHING = "a worker signs nothing"  # its secret key: it never reads that of the service
 REPLACED = {  # setting of an earlier version -> what to write instead
     "sign_up_open": f"write {PREFIX}SIGN_UP=open or {PREFIX}SIGN_UP=closed",
 }
@@ -225,6 +226,7 @@ class Settings(BaseModel):
             object.__setattr__(self, "secret_key", _stored_secret(self.data / "secret"))
         if not self.seed_key:
             # Earlier versions derived the seeds from the secret key: they must stay the same.
+            is_new = is_new or self.secret_key == SIGNS_NOTHING
             first = secrets.token_urlsafe(48) if is_new else self.secret_key
             object.__setattr__(self, "seed_key", _stored_secret(self.data / "seed_key", first))
 

@@ -4,28 +4,39 @@ With the disk of the data folder not mounted, an empty folder remains. A service
 new one would draw another key for the seeds, and write into the wrong disk.
 """
 
+import hmac
 import secrets
 from pathlib import Path
 
-from sqlalchemy import Connection, String, insert, select
+from sqlalchemy import Connection, String, Text, insert, select, update
 from sqlalchemy.orm import Mapped, Session, mapped_column
 
 from seamark.server import objects, storage
 from seamark.server.database.tables import Base
 from seamark.server.objects import ObjectsAway
+from seamark.server.result_code import difference, result_code
 from seamark.server.settings import Settings
 
 
 class DataFolder(Base):
-    """The mark of the data folder: one row."""
+    """The mark of the storage, and what else all machines of the service share: one row."""
 
     __tablename__ = "data_folder"
 
     mark: Mapped[str] = mapped_column(String(64), primary_key=True)
+    seed_proof: Mapped[str | None] = mapped_column(String(64))  # tells one seed key from another
+    result_code: Mapped[str | None] = mapped_column(Text)  # of the version that last upgraded
+
+
+CURRENT_CODE = select(DataFolder.result_code).scalar_subquery()
+_OTHER_SEEDS = (
+    "SEAMARK_SEED_KEY, or the file seed_key in the data folder, is not the key of this service: "
+    "ranked runs would get other seeds. Give this machine the key of the others"
+)
 
 
 class WrongDataFolder(Exception):
-    """The data folder is not the one of the database. The text says what to do."""
+    """This machine does not belong to the service of the database. The text says what to do."""
 
 
 def unfinished(data: Path) -> Path:
@@ -34,17 +45,57 @@ def unfinished(data: Path) -> Path:
 
 
 def adopt(connection: Connection, settings: Settings) -> None:
-    """Mark the storage of a new database; raise WrongDataFolder if it has another one."""
+    """Mark the storage of a new database, and record what decides results.
+
+    Raises
+    ------
+    WrongDataFolder
+        It has another storage, or other seeds.
+    """
     _refuse_unfinished(settings.data)
     known = connection.scalar(select(DataFolder.mark))
     if known is not None:
         _compare(known, settings)
-        return
-    mark = _found(settings)
-    if not mark:
-        mark = secrets.token_hex(16)
-        _write(mark, settings)
-    connection.execute(insert(DataFolder).values(mark=mark))
+    else:
+        mark = _found(settings)
+        if not mark:
+            mark = secrets.token_hex(16)
+            _write(mark, settings)
+        connection.execute(insert(DataFolder).values(mark=mark))
+    _compute_alike(connection, settings)
+
+
+def _compute_alike(connection: Connection, settings: Settings) -> None:
+    """Record what decides results from now on; raise WrongDataFolder for another seed key."""
+    proof = _seed_proof(settings)
+    known = connection.scalar(select(DataFolder.seed_proof))
+    if known not in (None, proof):
+        raise WrongDataFolder(_OTHER_SEEDS)
+    values = {"seed_proof": proof, "result_code": result_code()}
+    connection.execute(update(DataFolder).values(**values))
+
+
+def check_worker(connection: Connection, settings: Settings) -> None:
+    """Raise WrongDataFolder unless a worker with these settings computes what all others do."""
+    proof, code = connection.execute(select(DataFolder.seed_proof, DataFolder.result_code)).one()
+    if proof not in (None, _seed_proof(settings)):
+        raise WrongDataFolder(_OTHER_SEEDS)
+    if code not in (None, result_code()):
+        raise WrongDataFolder(
+            "This worker would not compute the results of this service: it has "
+            f"{difference(result_code(), code)}. Install the version that the other machines have, "
+            "or run `seamark db upgrade` with this one, after which older workers get no more runs"
+        )
+
+
+def computes_alike(session: Session) -> bool:
+    """Return whether this process computes what the service does now."""
+    return session.scalar(select(CURRENT_CODE)) in (None, result_code())
+
+
+def _seed_proof(settings: Settings) -> str:
+    key = settings.seed_key.encode()
+    return hmac.new(key, b"this key derives the seeds of Seamark", "sha256").hexdigest()
 
 
 def check(connection: Connection, settings: Settings) -> None:

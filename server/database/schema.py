@@ -90,19 +90,26 @@ def _locked(settings: Settings) -> Iterator[Connection]:
         database.close()
 
 
-def check_all(settings: Settings) -> None:
-    """Check that the service can start.
+def check_all(settings: Settings, *, computes: bool = False) -> None:
+    """Check that a process of the service can start.
+
+    Parameters
+    ----------
+    computes
+        It is a worker: it also has to compute what the others do.
 
     Raises
     ------
     SchemaTooOld, WrongDataFolder
-        The database has another schema than this version, or another data folder.
+        The database has another schema than this version, or is of another service.
     """
     database = Database(settings.database_url)
     try:
         check(database.engine)
         with database.engine.connect() as connection:
             data_folder.check(connection, settings)
+            if computes:
+                data_folder.check_worker(connection, settings)
     finally:
         database.close()
 

@@ -21,11 +21,12 @@ from sqlalchemy.orm import Session
 
 from seamark.server import meters, workers
 from seamark.server.accounts.permissions import GUESTS
-from seamark.server.database import counters
+from seamark.server.database import counters, data_folder
 from seamark.server.database.advisory_locks import AdvisoryLock, acquire
 from seamark.server.database.engine import after_commit
 from seamark.server.database.queue_tables import Turn
 from seamark.server.database.tables import IS_QUEUED, IS_RUNNING, Run
+from seamark.server.result_code import result_code
 from seamark.server.runs import totals, turns
 from seamark.server.runs.columns import RunSpec
 from seamark.server.runs.failure_reasons import FailureReason, describe
@@ -81,10 +82,15 @@ class Recovery:
     queued: int = 0  # length of the queue afterwards
 
 
-def _situation() -> Select[bool, int | None, float, bool]:
+def _situation() -> Select[bool, str | None, int | None, float, bool]:
     guests_wait = select(Turn.owner).where(turns.IS_WAITING, Turn.priority == int(Priority.GUEST))
-    known = (workers.drained(), workers.slots(), counters.stored(PASSED_OVER))
-    return select(*known, guests_wait.exists())
+    return select(
+        workers.drained(),
+        data_folder.CURRENT_CODE,
+        workers.slots(),
+        counters.stored(PASSED_OVER),
+        guests_wait.exists(),
+    )
 
 
 def _first() -> Select[int]:
@@ -122,7 +128,8 @@ def claim(
     3. After `GUEST_SHARE` runs of accounts while guests wait, a guest's run starts. So guests
        wait longer, but not for ever.
 
-    A drained worker gets none.
+    A drained worker gets none, nor does one that would compute something else than the version
+    to which the database was upgraded last.
 
     Parameters
     ----------
@@ -131,8 +138,8 @@ def claim(
     """
     acquire(session, AdvisoryLock.CLAIM)
     bound = workers.bound(worker)
-    drained, places, stored, guests = session.connection().execute(_SITUATION, bound).one()
-    if drained:
+    drained, code, places, stored, guests = session.connection().execute(_SITUATION, bound).one()
+    if drained or code not in (None, result_code()):
         return None
     passed_over, limit = int(stored or 0), _running_limit(places or 0, settings)
     found = _next_in_turn(session, languages, limit, guests_first=passed_over >= GUEST_SHARE)

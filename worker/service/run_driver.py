@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -14,7 +15,6 @@ from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.languages import DEFAULT_LANGUAGE
 from seamark.server import meters, objects, storage
 from seamark.server.database.engine import Database
-from seamark.server.objects import ObjectsAway
 from seamark.server.programs import parameters, store
 from seamark.server.runs import queue as run_queue
 from seamark.server.runs import results
@@ -33,7 +33,7 @@ from seamark.worker.ipc.messages import StreamBroken
 from seamark.worker.ipc.outcomes import RunOutcome
 from seamark.worker.service.live_publisher import LivePublisher
 from seamark.worker.service.run_recorder import RunRecorder
-from seamark.worker.service.run_upload import RunUpload, program_file
+from seamark.worker.service.run_upload import RunUpload, program_file, require_own
 from seamark.worker.service.shutdown import ShuttingDown
 from seamark.worker.zygote.client import BoxBroken, Simulation, Simulator, SimulatorBroken
 
@@ -200,12 +200,10 @@ class RunDriver:
         LeaseEnded, ShuttingDown
             Meanwhile.
         """
-        if self._upload is None:
-            return
-        try:
+        if self._upload is not None:
             self._upload.complete(self._watch_upload, within_s=STORE_AWAY_S)
-        except ObjectsAway as away:
-            raise StorageFailed(str(away)) from away
+            with suppress(*DATABASE_AWAY), self._context.database.reading() as session:
+                require_own(session, self._context.settings)
 
     def _watch_upload(self) -> None:
         """Keep the lease of a run whose files are being stored; a cancelled one is stored too."""

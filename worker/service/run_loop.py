@@ -10,6 +10,7 @@ from celery import Celery
 from sqlalchemy.exc import SQLAlchemyError
 
 from seamark.server import storage, workers
+from seamark.server.database import data_folder
 from seamark.server.database.engine import Database
 from seamark.server.messaging import broker
 from seamark.server.messaging.shared_meters import SharedMeters
@@ -22,6 +23,7 @@ from seamark.worker.service.run_driver import RunContext, evaluate
 from seamark.worker.zygote.client import Simulator, SimulatorBroken
 
 PAUSE_DOUBLINGS = 6  # at most 64 s with the usual settings
+OUTDATED = "the service was upgraded; this worker would compute other results: restart it"
 PASS_ON_S = 0.5  # [s] for which a drained worker keeps a ticket
 WARM_POLL_S = 0.2  # [s] for which a process that starts keeps a ticket
 _log = structlog.get_logger()
@@ -80,8 +82,11 @@ class RunLoop:
     def _pass_on(self) -> None:
         """Leave the ticket of a drained worker to another one, if there is any that claims runs."""
         with self._database.reading() as session:
-            drained = workers.is_drained(session, self._name)
-            others = drained and workers.slot_count(session) and run_queue.length(session)
+            claims_none = not data_folder.computes_alike(session)
+            if claims_none:
+                _log.error("no_claim", worker=self._name, why=OUTDATED)
+            claims_none |= workers.is_drained(session, self._name)
+            others = claims_none and workers.slot_count(session) and run_queue.length(session)
         if others:
             self._wait(PASS_ON_S)  # the ticket may come back here
             broker.send_tickets(self._app)

@@ -13,7 +13,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import structlog
+from sqlalchemy.orm import Session
 
+from seamark.server.database import data_folder
+from seamark.server.database.data_folder import WrongDataFolder
 from seamark.server.objects import Objects, ObjectsAway
 from seamark.server.programs import store
 from seamark.server.runs import run_objects
@@ -42,6 +45,16 @@ def program_file(settings: Settings, sha256: str) -> Path:
         return store.path(settings, sha256)
     except StorageUnavailable as away:
         raise StorageFailed(str(away)) from away
+
+
+def require_own(session: Session, settings: Settings) -> None:
+    """Raise StorageFailed if files now go to the storage of another service."""
+    try:
+        is_own = data_folder.is_own(session, settings)
+    except WrongDataFolder as error:
+        raise StorageFailed(str(error)) from error
+    if not is_own:
+        raise StorageFailed("this is the storage of another service")
 
 
 class RunUpload:
@@ -86,7 +99,7 @@ class RunUpload:
 
         Raises
         ------
-        ObjectsAway
+        StorageFailed
             It was away for longer.
         """
         self._ending.set()
@@ -115,7 +128,7 @@ class RunUpload:
         finally:
             given_up.set()
         if failures:
-            raise failures[0]
+            raise StorageFailed(str(failures[0])) from failures[0]
 
     def remove_parts(self) -> None:
         """Remove the parts, which whole files have replaced."""

@@ -16,6 +16,7 @@ from celery.signals import (
 )
 
 from seamark.server.messaging import broker
+from seamark.server.result_code import result_code
 from seamark.worker.service.app import app, settings
 from seamark.worker.service.host import Host
 from seamark.worker.service.run_loop import RunLoop
@@ -36,7 +37,8 @@ def work() -> None:
 
 @worker_init.connect
 def _probe_host(sender: Any, **_: object) -> None:
-    """Find out what this host can do; the pool's children inherit the answer."""
+    """Find out what this host can do, and with which code; the pool's children inherit it."""
+    result_code()
     _state["host"] = Host.probe(settings, name=str(sender.hostname))
 
 

@@ -56,7 +56,9 @@ def worker(cores: int | None, ping: bool, data: Path | None, as_json: bool) -> N
     With --json, prints what it runs as JSON before it starts. With --ping, the exit code is 0 if a
     worker of this host answers, or cannot be asked because the broker is away, and 3 if it hangs.
     """
-    settings = _settings(data, workers=cores)
+    from seamark.server.settings import SIGNS_NOTHING
+
+    settings = _settings(data, workers=cores, secret_key=SIGNS_NOTHING)
     if ping:
         _ping(settings, as_json)
         return
@@ -65,7 +67,7 @@ def worker(cores: int | None, ping: bool, data: Path | None, as_json: bool) -> N
     from seamark.worker.service.command_line import worker_arguments
 
     try:
-        schema.check_all(settings)
+        schema.check_all(settings, computes=True)
     except (schema.SchemaTooOld, WrongDataFolder) as error:
         raise PlatformFailed(f"{error}.") from None
     environ = {k: v for k, v in os.environ.items() if not k.startswith("SEAMARK_")}
