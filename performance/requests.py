@@ -7,6 +7,7 @@ from sqlalchemy.orm import Session
 
 from seamark.server.classes import assignments, classrooms
 from seamark.server.classes.assignments import Draft
+from seamark.server.database.rejudgement_tables import Rejudgement
 from seamark.server.database.sweep_tables import Sweep
 
 BENCHMARK = "currents-v2"
@@ -26,15 +27,23 @@ _ADDRESSES = {
     "/api/v1/benchmarks/<string:benchmark>": f"/api/v1/benchmarks/{BENCHMARK}",
     "/api/v1/leaderboards/<string:benchmark>": f"/api/v1/leaderboards/{BENCHMARK}",
     "/api/v1/checks/<int:check_id>": "/api/v1/checks/1",
+    "/api/v1/admin/rejudgements/preview": (
+        f"/api/v1/admin/rejudgements/preview?benchmark={BENCHMARK}&other_code=true"
+    ),
 }
 _RUN = ("<row:run_id>", "<int:run_id>")
 _USER = ("<row:user_id>", "<int:user_id>")
 _FIRST = tuple(  # the rows of `create_first`
-    f"<{kind}:{name}_id>" for kind in ("row", "int") for name in ("class", "assignment", "sweep")
+    f"<{kind}:{name}_id>"
+    for kind in ("row", "int")
+    for name in ("class", "assignment", "sweep", "rejudgement")
 )
 # With what slows down lists: filters, and pages far from the start.
 _MORE = (
     "/compare?runs={run}",
+    f"/admin/rejudgements/new?benchmark={BENCHMARK}",
+    f"/admin/rejudgements/new?benchmark={BENCHMARK}&language=octave&worker=none&from=2020-01-01",
+    f"/admin/rejudgements/new?benchmark={BENCHMARK}&other_code=on&version=0",
     "/runs/?of=all",
     "/runs/?of=all&state=failed",
     "/runs/?of=all&state=cancelled",
@@ -58,12 +67,14 @@ _FILES = (".jpg", ".urdf", ".csv", ".zip")
 
 
 def create_first(session: Session, user_id: int) -> None:
-    """Create the first class, assignment and sweep of a service, which `addresses` name."""
+    """Create the first of each thing that `addresses` names by its number."""
     class_id = classrooms.create(session, user_id, "Marine robotics")
     draft = Draft(title="Hold position", benchmark=BENCHMARK, config={})
     assignments.create(session, class_id, draft, trials_max=1)
     axes = [{"name": "kp", "values": [0.2, 0.4]}]
     session.add(Sweep(user_id=user_id, benchmark=BENCHMARK, axes=axes, created_at=0.0))
+    again = {"reason": "A bug in the drag", "chosen": {}, "created_by": "root", "created_at": 0.0}
+    session.add(Rejudgement(benchmark=BENCHMARK, **again))
 
 
 def addresses(
