@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from contextlib import AbstractContextManager
-from types import TracebackType
-from typing import TYPE_CHECKING, Any, Self
+from collections.abc import Iterator
+from contextlib import AbstractContextManager, contextmanager, nullcontext
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -23,7 +23,7 @@ _FAILURES_SHOWN = 5
 
 
 class Report:
-    """Prints the candidates as they end; a context manager while they run.
+    """Prints the candidates as they end.
 
     A bar below the lines on a terminal, plain lines in a pipe, nothing if `quiet`.
     """
@@ -37,23 +37,16 @@ class Report:
         self._validation: Any = None
         self._validated = 0  # configurations that have met all fresh water
 
-    def __enter__(self) -> Self:
-        """Print the head of the table."""
-        if not self._quiet:
-            for line in self._head():
-                click.echo(line)
-            self._start_bar()
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        """Stop the bar."""
-        if self._bar is not None:
-            self._bar.stop()
+    @contextmanager
+    def searching(self) -> Iterator[None]:
+        """Print the head of the table; the candidates end within."""
+        if self._quiet:
+            yield
+            return
+        for line in self._head():
+            click.echo(line)
+        with self._new_bar() as self._bar:
+            yield
 
     def candidate_ended(self, candidate: Candidate, evaluated: Evaluated) -> None:
         """Print a line."""
@@ -128,7 +121,7 @@ class Report:
             "history": str(self._task.history_path),
         }
 
-    def _start_bar(self) -> None:
+    def _new_bar(self) -> AbstractContextManager[Any]:
         from rich.console import Console
         from rich.progress import (
             BarColumn,
@@ -141,8 +134,8 @@ class Report:
 
         console = Console()
         if not console.is_terminal:
-            return
-        self._bar = Progress(
+            return nullcontext()
+        bar = Progress(
             TextColumn("candidates"),
             BarColumn(),
             MofNCompleteColumn(),
@@ -152,8 +145,8 @@ class Report:
             console=console,
             transient=True,
         )
-        self._bar.add_task("", total=self._task.options.candidates + 1)
-        self._bar.start()
+        bar.add_task("", total=self._task.options.candidates + 1)
+        return bar
 
     def _head(self) -> list[str]:
         task, options = self._task, self._task.options

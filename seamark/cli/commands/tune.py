@@ -156,7 +156,7 @@ def _tune(task: TuningTask, report: Report) -> tuple[Search, Validation | None]:
             history=history,
             on_end=report.candidate_ended,
         )
-        with report:
+        with report.searching():
             search.run(task.defaults, limit=task.options.candidates, batch=task.options.batch)
         best = search.best()
         if best is None:
