@@ -58,12 +58,17 @@ class Report:
             self._best = evaluated.score
         if self._quiet:
             return
-        line = printable_text(self._line(candidate, evaluated, better=better))
+        self._print(self._line(candidate, evaluated, better=better))
+        if self._bar is not None:
+            self._bar.update(0, completed=self.ended)
+
+    def _print(self, line: str, *, err: bool = False) -> None:
+        """Print a line, above the bar if there is one."""
         if self._bar is None:
-            click.echo(line)
-            return
-        self._bar.console.print(line, markup=False, highlight=False, soft_wrap=True)
-        self._bar.update(0, completed=self.ended)
+            click.echo(printable_text(line), err=err)
+        else:
+            text = printable_text(line)
+            self._bar.console.print(text, markup=False, highlight=False, soft_wrap=True)
 
     def validating(self) -> AbstractContextManager[Any]:
         """Return a context manager with the progress of the runs in fresh water."""
@@ -81,7 +86,7 @@ class Report:
     def notice(self, sentence: str) -> None:
         """Print a sentence about something that delays the search."""
         if not self._quiet:
-            click.echo(printable_text(sentence), err=True)
+            self._print(sentence, err=True)
 
     def interrupted(self) -> None:
         """Say what is kept."""
