@@ -68,7 +68,7 @@ def submit(  # noqa: PLR0913 (one argument per option is click's way)
 
     name, program = choose(controller, benchmark)
     submission: SubmissionOptions = {
-        "controller": name,
+        "controller": name if program is None else None,
         "program": program,
         "config": _typed(benchmark, read_settings(config, pairs)),
         "kind": "ranked" if ranked else "practice",
