@@ -1,6 +1,7 @@
 """A worker whose simulator is still being compiled, with a stand-in that is warm on command."""
 
 import os
+import socket
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -11,8 +12,11 @@ from seamark.sandbox.isolation.cgroup_parents import parent_groups
 from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.worker.evaluation.job import Job
 from seamark.worker.evaluation.worker_slot import WorkerSlot
+from seamark.worker.ipc import messages
+from seamark.worker.ipc.messages import BoxFailed, Crashed
 from seamark.worker.zygote import client
-from seamark.worker.zygote.client import Simulator, SimulatorBroken
+from seamark.worker.zygote.client import BoxBroken, Simulation, Simulator, SimulatorBroken
+from tests.worker.evaluation.fakes import FakeListener
 from tests.worker.service.test_side_processes import eventually
 
 COMPILED_S = 900.0  # a first start compiles the simulator, on a busy machine for many minutes
@@ -65,6 +69,21 @@ def test_a_simulator_that_ends_during_its_start_is_a_failure_of_the_platform(
 
     with pytest.raises(SimulatorBroken):
         simulator.wait_warm(30.0)
+
+
+@pytest.mark.parametrize(
+    ("message", "kind"), [(BoxFailed("no room"), BoxBroken), (Crashed("no room"), SimulatorBroken)]
+)
+def test_a_box_that_fails_is_told_from_a_simulator_that_crashes(
+    message: BoxFailed | Crashed, kind: type[SimulatorBroken]
+) -> None:
+    ours, childs = socket.socketpair()
+    with childs, Simulation(ours) as simulation:
+        messages.send(childs, message)
+        with pytest.raises(SimulatorBroken, match="no room") as raised:
+            simulation.run(FakeListener(), lambda: None)
+
+    assert raised.type is kind
 
 
 @pytest.mark.timeout(COMPILED_S + 60)
