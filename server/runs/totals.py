@@ -7,13 +7,14 @@ row that all of them wait for.
 
 import time
 
-from sqlalchemy import case, func, select
-from sqlalchemy.orm import Session
+from sqlalchemy import case, func, literal, select
+from sqlalchemy.orm import InstrumentedAttribute, Session
 
-from seamark.server.accounts.permissions import REJUDGEMENTS
 from seamark.server.database import counters
+from seamark.server.database.queue_tables import Turn
 from seamark.server.database.tables import IS_LISTED, IS_QUEUED, IS_RUNNING, Run
 from seamark.server.runs.states import FINAL, RunState
+from seamark.server.runs.turns import Priority
 
 SIMULATED, UNTIL = "simulated_s", "counted_until"
 ENDED = "ended:"  # and a state
@@ -36,11 +37,20 @@ def counts_and_simulated_s(session: Session) -> tuple[dict[RunState, int], float
 
 def _counts(session: Session, recent: dict[RunState, int]) -> dict[RunState, int]:
     live = {RunState.QUEUED: IS_QUEUED, RunState.RUNNING: IS_RUNNING}
-    listed = Run.owner.not_like(f"{REJUDGEMENTS}%")  # as IS_LISTED, but in the indexes
+    # Not with IS_LISTED: the index that counts runs does not have it, but turns do.
+    turn = {RunState.QUEUED: Turn.queued, RunState.RUNNING: Turn.running}
+    hidden = {state: _of_rejudgements(session, column) for state, column in turn.items()}
     return {
-        state: session.scalar(select(func.count()).where(condition, listed)) or 0
+        state: (session.scalar(select(func.count()).where(condition)) or 0) - hidden[state]
         for state, condition in live.items()
     } | {state: int(counters.value(session, ENDED + state)) + recent[state] for state in FINAL}
+
+
+def _of_rejudgements(session: Session, column: InstrumentedAttribute[int]) -> int:
+    """Return how many queued or running runs belong to rejudgements."""
+    none = literal(0, literal_execute=True)  # as the partial indexes have it
+    its = (column > none, Turn.priority == int(Priority.REJUDGEMENT))
+    return session.scalar(select(func.sum(column)).where(*its)) or 0
 
 
 def oldest_queued_at(session: Session) -> float | None:

@@ -86,7 +86,7 @@ def test_a_run_is_computed_again_with_what_its_result_depends_on(backend: Backen
     again = backend.claim_next()
 
     assert _original(backend, again) == run_id
-    differ = {"run_id", "attempt"}
+    differ = {"run_id", "attempt", "user_id"}
     assert again.model_dump(exclude=differ) == first.model_dump(exclude=differ)
 
 
