@@ -45,6 +45,8 @@ class AuditAction(StrEnum):
     REJUDGEMENT_STARTED = "rejudgement_started"
     REJUDGEMENT_ACCEPTED = "rejudgement_accepted"
     REJUDGEMENT_DISCARDED = "rejudgement_discarded"
+    RETENTION_REQUESTED = "retention_requested"
+    RETENTION_ENDED = "retention_ended"
     BACKUP_MADE = "backup_made"
     BACKUP_RESTORED = "backup_restored"
 

@@ -144,6 +144,33 @@ class QueueResponse(ResponseModel):
     running: list[LiveRunResponse]
 
 
+class UsageResponse(ResponseModel):
+    """Room that something takes."""
+
+    name: str
+    bytes: int
+    count: int = Field(description="Runs or files")
+
+
+class OwnerResponse(UsageResponse):
+    """Room that the runs of an owner take."""
+
+    user_id: int | None = Field(description="null: the guests of a network")
+
+
+class StorageResponse(ResponseModel):
+    """What takes how much room, and what retention would delete."""
+
+    measured_at: float = Field(description="0: not yet")
+    total_bytes: int
+    free_bytes: int
+    areas: list[UsageResponse]
+    owners: list[OwnerResponse] = Field(description="Those who take most")
+    due: list[UsageResponse] = Field(description="What retention would delete, by rule")
+    requested_at: float = Field(description="A pass that has not begun; 0: none")
+    backup_at: float | None = Field(description="When the last backup was made")
+
+
 class AccountResponse(ResponseModel):
     """An account."""
 

@@ -15,7 +15,7 @@ from seamark.server import audit
 from seamark.server.accounts import password_resets
 from seamark.server.accounts.accounts import AccountRejected
 from seamark.server.accounts.permissions import Action, Role
-from seamark.server.administration import fleet, live_runs, overview, people
+from seamark.server.administration import disk, fleet, live_runs, overview, people
 from seamark.server.administration.fleet import FleetWorker
 from seamark.server.administration.people import PersonFilter
 from seamark.server.api.admin_schemas import (
@@ -30,6 +30,7 @@ from seamark.server.api.admin_schemas import (
     OverviewResponse,
     QueueResponse,
     ResetLinkResponse,
+    StorageResponse,
     WorkerChange,
     WorkerPath,
     WorkerResponse,
@@ -100,6 +101,36 @@ def show_queue() -> dict[str, Any]:
     return {"queued": found.length} | {
         name: [asdict(run) for run in runs] for name, runs in lists.items()
     }
+
+
+@api.get("/storage", responses={200: StorageResponse})
+def show_storage() -> dict[str, Any]:
+    """Return what takes how much room, and what retention would delete."""
+    held = services()
+    with held.database.reading() as session:
+        found = disk.state(session, held.settings)
+    owners = [
+        asdict(owner.usage) | {"name": owner.name, "user_id": owner.user_id}
+        for owner in found.owners
+    ]
+    return {
+        "measured_at": found.report.measured_at,
+        "total_bytes": found.total_bytes,
+        "free_bytes": found.free_bytes,
+        "areas": [asdict(usage) for usage in found.report.areas],
+        "owners": owners,
+        "due": [asdict(usage) for usage in found.report.due],
+        "requested_at": found.requested_at,
+        "backup_at": None if found.backup is None else found.backup.at,
+    }
+
+
+@api.post("/storage/retention", responses={202: None})
+def run_retention() -> Response:
+    """Have a worker delete at once what retention would delete in time."""
+    with services().database.writing() as session:
+        disk.request_retention(session, access.actor())
+    return Response(status=202)
 
 
 @api.get("/users", responses={200: AccountsResponse})

@@ -1,8 +1,9 @@
 """Making a backup while the service runs.
 
 1. The rows of all tables, in one transaction that reads: the backup is the state of that moment.
-2. All programs, and the files of the runs that had ended by then. Their files do not change any
-   more. Of queued and running runs there is nothing to copy: they start again.
+2. All programs, and the files of the runs that had ended by then: those do not change any more. Of
+   queued and running runs there is nothing to copy, they start again. What is in object storage
+   stays there.
 3. The runs whose data were deleted meanwhile, so that no row promises data that are gone.
 """
 
@@ -23,7 +24,7 @@ from seamark.server.backup import archive, layout, tables
 from seamark.server.backup.archive import ArchiveWriter, OnBytes
 from seamark.server.backup.layout import Header, Summary
 from seamark.server.database import schema
-from seamark.server.database.engine import Database
+from seamark.server.database.engine import Database, size_bytes
 from seamark.server.database.tables import Run
 from seamark.server.programs import store
 from seamark.server.runs.files import RunFiles
@@ -71,8 +72,8 @@ def estimated_bytes(database: Database, settings: Settings) -> int:
     """Return about how large a backup will be: what there is to copy now [B]."""
     with database.reading() as session:
         connection = session.connection()
-        of_database = _database_bytes(connection, settings)
-        ended = _ended_runs(connection)
+        of_database = size_bytes(connection)
+        ended = array("q") if settings.storage_url else _ended_runs(connection)
     of_runs = sum(RunFiles(settings.data, run_id).size() for run_id in ended)
     of_programs = sum(store.size(settings, path.name) for path in _programs(settings.data))
     return of_database + of_runs + of_programs
@@ -100,6 +101,7 @@ def _write(writer: ArchiveWriter, database: Database, settings: Settings) -> Sum
             version=version("seamark"),
             schema_revision=schema.revision_of(connection) or "",
             made_at=made_at,
+            objects=bool(settings.storage_url),
         )
         writer.add_bytes(layout.HEADER, header.model_dump_json(indent=2).encode())
         for name, key in zip(layout.KEYS, (settings.seed_key, settings.secret_key), strict=True):
@@ -107,7 +109,7 @@ def _write(writer: ArchiveWriter, database: Database, settings: Settings) -> Sum
         for number, (table, count, chunk) in enumerate(tables.dump(connection)):
             writer.add_bytes(layout.of_chunk(table, number), chunk)
             rows[table] += count
-        ended = _ended_runs(connection)
+        ended = array("q") if settings.storage_url else _ended_runs(connection)
     programs = _add_programs(writer, settings.data)
     runs = _add_runs(writer, database, settings.data, ended, since=made_at - CLOCKS_S)
     summary = Summary(rows=rows, runs_with_data=runs, programs=programs, bytes=writer.bytes)
@@ -177,15 +179,6 @@ def _programs(data: Path) -> Iterator[Path]:
     for path in (data / "programs").glob("*"):
         if layout.place_of(layout.of_program(path.name), data) is not None:
             yield path
-
-
-def _database_bytes(connection: Connection, settings: Settings) -> int:
-    if connection.dialect.name == "sqlite":
-        pages = connection.exec_driver_sql("PRAGMA page_count").scalar_one()
-        return int(pages * connection.exec_driver_sql("PRAGMA page_size").scalar_one())
-    return int(
-        connection.exec_driver_sql("SELECT pg_database_size(current_database())").scalar_one()
-    )
 
 
 def _size(number: int) -> str:

@@ -26,6 +26,7 @@ class Header(BaseModel):
     version: str  # of Seamark
     schema_revision: str
     made_at: float  # the database is as it was then
+    objects: bool  # programs and data of runs are in object storage, not in the backup
 
 
 class Summary(BaseModel):

@@ -24,7 +24,8 @@ from seamark.server.database.tables import Run
 from seamark.server.runs import retention
 from seamark.server.settings import Settings
 
-REPLACED = ("runs", "programs", "compiled")  # folders of the data folder
+DATA = ("runs", "programs")  # folders of the data folder
+DERIVED = ("compiled", "cache", "workspace")  # belong to the service that was there
 
 
 class RestoreRefused(Exception):
@@ -55,6 +56,7 @@ def restore(settings: Settings, source: Path, *, force: bool, on_bytes: OnBytes)
     """
     header, keys = _beginning(source)
     _require_known(header)
+    _require_same_storage(header, settings)
     _require_key(settings, keys["seed_key"])
     _require_free_place(settings, force=force)
     archive.verify(source, on_bytes)
@@ -96,6 +98,20 @@ def _require_known(header: Header) -> None:
             f"The backup was made by Seamark {header.version} with schema "
             f"{header.schema_revision}, which is later than this version knows "
             f"({schema.newest_revision()}). Restore it with Seamark {header.version} or later"
+        )
+
+
+def _require_same_storage(header: Header, settings: Settings) -> None:
+    """Refuse a backup without files for a data folder, and one with files for object storage."""
+    if header.objects and not settings.storage_url:
+        raise RestoreRefused(
+            "The backup is of a service with object storage, where its programs and the data of "
+            "its runs are. Set SEAMARK_STORAGE_URL"
+        )
+    if settings.storage_url and not header.objects:
+        raise RestoreRefused(
+            "The backup has programs and data of runs, which belong in a data folder. Restore it "
+            "without SEAMARK_STORAGE_URL"
         )
 
 
@@ -144,12 +160,12 @@ def _require_no_worker(database: Database) -> None:
 
 def _is_used(data: Path) -> bool:
     marks = (storage.mark(data), data_folder.unfinished(data))
-    return any(path.exists() for path in (*marks, *(data / name for name in REPLACED)))
+    return any(path.exists() for path in (*marks, *(data / name for name in DATA)))
 
 
 def _clear(data: Path) -> None:
     storage.mark(data).unlink(missing_ok=True)
-    for name in REPLACED:
+    for name in (*DATA, *DERIVED):
         if (data / name).exists():
             shutil.rmtree(data / name)
 
@@ -192,7 +208,8 @@ def _settle(settings: Settings, keys: dict[str, str], source: Path) -> None:
     database = Database(settings.database_url)
     try:
         with database.writing() as session:
-            data_folder.mark_restored(session.connection(), settings)
+            if not settings.storage_url:  # object storage keeps the mark that it has
+                data_folder.mark_restored(session.connection(), settings)
             audit.record(session, COMMAND_LINE, AuditAction.BACKUP_RESTORED, source.name)
     finally:
         database.close()

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from sqlalchemy import Engine, create_engine, event
+from sqlalchemy import Connection, Engine, create_engine, event
 from sqlalchemy.orm import Session
 
 CONNECT_S = 5  # until PostgreSQL counts as away
@@ -72,6 +72,18 @@ class Database:
 def after_commit(session: Session, action: Callable[[], object]) -> None:
     """Call `action` when what the session of `Database.writing` does is committed."""
     session.info.setdefault(_AFTER_COMMIT, []).append(action)
+
+
+def size_bytes(connection: Connection) -> int:
+    """Return how much room the database takes [B]."""
+    if connection.dialect.name != "sqlite":
+        size = connection.exec_driver_sql("SELECT pg_database_size(current_database())")
+        return int(size.scalar_one())
+    pages, of_page = (
+        connection.exec_driver_sql(f"PRAGMA {name}").scalar_one()
+        for name in ("page_count", "page_size")
+    )
+    return int(pages * of_page)
 
 
 def _prepare_sqlite(engine: Engine, busy_s: float) -> None:

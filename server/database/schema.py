@@ -16,6 +16,7 @@ from seamark.server.database.account_tables import AccountDeletion
 from seamark.server.database.advisory_locks import AdvisoryLock
 from seamark.server.database.audit_table import AuditEntry
 from seamark.server.database.class_tables import Classroom
+from seamark.server.database.disk_tables import DiskUsage
 from seamark.server.database.engine import Database
 from seamark.server.database.queue_tables import Turn
 from seamark.server.database.rank_tables import RankPoint
@@ -30,7 +31,7 @@ UPGRADE_S = 600.0  # a process waits this long for one that upgrades a large SQL
 _FOLDER = Path(migrations.__file__).parent
 # A table of each module of tables: its import declares the others of the module.
 _TABLES = (
-    *(Turn, RankPoint, Classroom, AccountDeletion, Sweep, KeyOfSubmission, AuditEntry),
+    *(Turn, RankPoint, Classroom, AccountDeletion, Sweep, KeyOfSubmission, AuditEntry, DiskUsage),
     Rejudgement,
 )
 

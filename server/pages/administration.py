@@ -8,7 +8,7 @@ from sqlalchemy.orm import Session
 
 from seamark.sandbox.languages import LANGUAGES
 from seamark.server.accounts.permissions import Action
-from seamark.server.administration import fleet, live_runs
+from seamark.server.administration import disk, fleet, live_runs
 from seamark.server.administration import overview as service_overview
 from seamark.server.audit import Actor
 from seamark.server.runs import cancellation
@@ -79,6 +79,24 @@ def cancel() -> ResponseReturnValue:
     return redirect(url_for("administration.queue"), code=303)
 
 
+@page.get("/storage")
+def storage() -> ResponseReturnValue:
+    """Show what takes how much room, and what retention would delete."""
+    held = services()
+    with held.database.reading() as session:
+        found = disk.state(session, held.settings)
+    return render_template("admin/storage.html", found=found, settings=held.settings)
+
+
+@page.post("/storage/retention")
+def run_retention() -> ResponseReturnValue:
+    """Have a worker delete at once what retention would delete in time."""
+    with services().database.writing() as session:
+        disk.request_retention(session, access.actor())
+    flash("A worker begins within seconds. This page shows what it has deleted.", "good")
+    return redirect(url_for("administration.storage"), code=303)
+
+
 def _change_worker(
     change: Callable[[Session, Actor, str], bool], done: str, why_not: str
 ) -> ResponseReturnValue:
@@ -93,6 +111,7 @@ def _links() -> dict[str, str]:
     return {
         "workers": url_for("administration.workers"),
         "queue": url_for("administration.queue"),
+        "disk": url_for("administration.storage"),
         "runs": url_for("runs.mine", of="all", state="failed"),
         "status": url_for("status.show"),
         "audit": url_for("audit_log.show", action="sign_in_blocked"),

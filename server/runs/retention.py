@@ -72,24 +72,36 @@ def trim(database: Database, settings: Settings) -> None:
 
     At most `BATCH` runs at a time.
     """
-    if not settings.retention_bytes or storage.is_away(settings):
+    if storage.is_away(settings):
         return
+    if chosen := to_trim(database, settings):
+        deleted = delete(database, settings, chosen)
+        meters.RETENTION_RUNS.labels("size").inc(len(deleted))
+        _log.info("data_trimmed", runs=len(deleted))
+
+
+def to_trim(database: Database, settings: Settings) -> list[int]:
+    """Return the runs that `trim` deletes next, at most `BATCH`."""
     practice = (Run.kind == RunKind.PRACTICE, Run.data_bytes > 0, _DELETABLE, IS_LISTED)
     oldest = select(Run.id, Run.data_bytes).where(*practice).order_by(Run.id).limit(BATCH)
     with database.reading() as session:
-        counted = (Run.data_bytes > 0, Run.owner.not_like(f"{REJUDGEMENTS}%"))  # as an index has it
-        total = session.scalar(select(func.sum(Run.data_bytes)).where(*counted)) or 0
-        excess = int(total) - settings.retention_bytes
+        excess = excess_bytes(session, settings)
         found = session.execute(oldest).all() if excess > 0 else []
     chosen: list[int] = []
     for run_id, size in found:
         if excess > 0:
             chosen.append(run_id)
             excess -= size
-    if chosen:
-        deleted = delete(database, settings, chosen)
-        meters.RETENTION_RUNS.labels("size").inc(len(deleted))
-        _log.info("data_trimmed", runs=len(deleted))
+    return chosen
+
+
+def excess_bytes(session: Session, settings: Settings) -> int:
+    """Return by how much all data exceed `retention_bytes` [B]; 0 or less: they do not."""
+    if not settings.retention_bytes:
+        return 0
+    counted = (Run.data_bytes > 0, Run.owner.not_like(f"{REJUDGEMENTS}%"))  # as an index has it
+    total = session.scalar(select(func.sum(Run.data_bytes)).where(*counted)) or 0
+    return int(total) - settings.retention_bytes
 
 
 @dataclass(frozen=True, slots=True)
@@ -126,15 +138,10 @@ class Sweep:
 
     def _folders(self) -> list[int]:
         """Return the numbers of the folders of runs: those that exist, and those of the rows."""
-        there = self._numbers()
-        with self._database.reading() as session:
-            newest = session.scalar(select(func.max(Run.id)))
-        rows = set() if newest is None else set(range(newest // RUNS_PER_FOLDER + 1))
-        return sorted(there | rows)
+        return sorted({*self._numbers(), *folders(self._database)})
 
     def _sweep(self, folder: int) -> None:
-        first = folder * RUNS_PER_FOLDER
-        within = Run.id.between(first, first + RUNS_PER_FOLDER - 1)
+        within = _within(folder)
         columns = [getattr(Run, name) for name in _Row.__dataclass_fields__]
         with self._database.reading() as session:
             rows = {row.id: _Row(*row) for row in session.execute(select(*columns).where(within))}
@@ -233,18 +240,44 @@ def _kept_attempt(row: _Row) -> int | None:
     return row.attempt + 1 if row.state == RunState.QUEUED else row.attempt
 
 
+def folders(database: Database) -> range:
+    """Return the numbers of the folders in which runs of the database belong."""
+    with database.reading() as session:
+        newest = session.scalar(select(func.max(Run.id)))
+    return range(0 if newest is None else newest // RUNS_PER_FOLDER + 1)
+
+
+def expired(database: Database, settings: Settings, folder: int) -> list[int]:
+    """Return runs of a folder whose data are too old, at most `BATCH`."""
+    with database.reading() as session:
+        return _expired(session, _within(folder), settings)
+
+
+def rules(settings: Settings) -> dict[str, ColumnElement[bool]]:
+    """Return which data are too old: the condition on the runs of accounts and of guests.
+
+    The best ranked run of each user in each benchmark is kept all the same.
+    """
+    now, deletable = time.time(), and_(_DELETABLE, IS_LISTED)
+    days = {
+        "accounts": (Run.user_id.is_not(None), settings.retention_days),
+        "guests": (Run.user_id.is_(None), settings.guest_retention_days),
+    }
+    return {
+        name: and_(deletable, owners, Run.finished_at < now - number * _DAY_S)
+        for name, (owners, number) in days.items()
+        if number
+    }
+
+
+def _within(folder: int) -> ColumnElement[bool]:
+    first = folder * RUNS_PER_FOLDER
+    return Run.id.between(first, first + RUNS_PER_FOLDER - 1)
+
+
 def _expired(session: Session, within: ColumnElement[bool], settings: Settings) -> list[int]:
     """Return runs whose data are too old, at most `BATCH`."""
-    now = time.time()
-    conditions: list[ColumnElement[bool]] = [
-        and_(owners, Run.finished_at < now - days * _DAY_S)
-        for owners, days in (
-            (Run.user_id.is_not(None), settings.retention_days),
-            (Run.user_id.is_(None), settings.guest_retention_days),
-        )
-        if days
-    ]
-    old = (within, _DELETABLE, IS_LISTED, or_(false(), *conditions))
+    old = (within, or_(false(), *rules(settings).values()))
     found = session.execute(select(Run.id, Run.kind, Run.user_id, Run.benchmark).where(*old))
     old_ids = (
         row.id

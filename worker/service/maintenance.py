@@ -23,7 +23,9 @@ from seamark.server.messaging.shared_meters import SharedMeters
 from seamark.server.programs import store
 from seamark.server.runs import account_deletion, leaderboard
 from seamark.server.runs import queue as run_queue
+from seamark.server.runs.disk_usage import measure_if_old
 from seamark.server.runs.retention import Sweep, trim
+from seamark.server.runs.retention_pass import RetentionPass
 from seamark.server.settings import Settings
 from seamark.worker.service.duty import Duty
 from seamark.worker.service.lease_watch import LeaseWatch
@@ -35,6 +37,8 @@ FORGET_EVERY_S = 3600.0
 SWEEP_EVERY_S = 30.0
 TRIM_EVERY_S = 60.0
 COMPLETE_EVERY_S = 60.0
+PASS_EVERY_S = 2.0  # between the steps of a pass that an admin has asked for
+MEASURE_EVERY_S = 30.0
 _log = structlog.get_logger()
 
 
@@ -164,6 +168,8 @@ def main(parent: str) -> None:
         PeriodicTask("delete_accounts", SWEEP_EVERY_S, lambda: delete_accounts(database, settings)),
         PeriodicTask("forget_audit", FORGET_EVERY_S, lambda: forget_audit(database, settings)),
         PeriodicTask("trim_data", TRIM_EVERY_S, lambda: trim(database, settings)),
+        PeriodicTask("retention_pass", PASS_EVERY_S, RetentionPass(database, settings).step),
+        PeriodicTask("measure_disk", MEASURE_EVERY_S, lambda: measure_if_old(database, settings)),
     ]
     duty = Duty(redis, kept_s=3 * recovery_s)
     while not stopping.wait(POLL_S):

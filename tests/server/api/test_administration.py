@@ -4,6 +4,7 @@ from typing import Any
 
 from seamark.server import workers
 from seamark.server.database.tables import Worker
+from seamark.server.runs import disk_usage
 from tests.server.api.conftest import Site
 
 ADMIN = "/api/v1/admin"
@@ -72,3 +73,16 @@ def test_the_queue_has_the_runs_that_start_next_and_those_that_run(site: Site) -
     assert [run["id"] for run in found["running"]] == [running]
     assert [run["id"] for run in found["waiting"]] == waiting[::-1]
     assert [run["user"] for run in found["waiting"]] == ["ben", "ann"]
+
+
+def test_the_storage_is_measured_and_retention_can_be_asked_for(site: Site) -> None:
+    disk_usage.measure(site.database, site.settings)
+    path, headers = f"{ADMIN}/storage/retention", site.headers["admin"]
+
+    asked = site.client().post(path, headers=headers)
+
+    found = _get(site, "/storage")
+    assert asked.status_code == 202
+    assert found["requested_at"] > 0
+    assert {area["name"] for area in found["areas"]} > {"runs", "database"}
+    assert found["backup_at"] is None

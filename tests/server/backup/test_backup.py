@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from alembic import command
 
-from seamark.server import storage, workers
+from seamark.server import objects, storage, workers
 from seamark.server.app import create_app
 from seamark.server.backup import creation, layout, restoring
 from seamark.server.backup.archive import ArchiveRejected
@@ -19,6 +19,7 @@ from seamark.server.database import schema
 from seamark.server.database.data_folder import WrongDataFolder
 from seamark.server.database.engine import Database
 from seamark.server.database.tables import Worker
+from seamark.server.programs import store
 from seamark.server.runs import queue, retention
 from seamark.server.runs.files import RunFiles
 from seamark.server.runs.states import RunState
@@ -313,3 +314,30 @@ def test_a_key_of_the_environment_must_be_that_of_the_backup(
 def test_a_backup_for_which_there_is_no_room_is_refused(backend: Backend, tmp_path: Path) -> None:
     with pytest.raises(BackupFailed, match="SEAMARK_FREE_MIN_BYTES"):
         creation.refuse_without_room(backend.settings, tmp_path / "b.tar", 10**18)
+
+
+def test_with_object_storage_the_backup_has_the_database_and_the_storage_keeps_its_data(
+    backend: Backend, empty_place: Settings, tmp_path: Path
+) -> None:
+    url = {"storage_url": f"file://{tmp_path / 'objects'}"}
+    (tmp_path / "objects").mkdir()
+    stored = objects.of(backend.settings.model_copy(update=url))
+    assert stored is not None
+    stored.put(objects.MARK, storage.mark(backend.settings.data).read_bytes())
+    backend.settings = backend.settings.model_copy(update=url)
+    program = backend.store_program()
+    run_id = backend.succeeded("ann", controller="upload", program=program)
+    target = tmp_path / "b.tar"
+
+    made = creation.make(backend.database, backend.settings, target, nothing)
+    with pytest.raises(RestoreRefused, match="Set SEAMARK_STORAGE_URL"):
+        restoring.restore(empty_place, target, force=False, on_bytes=nothing)
+    there = empty_place.model_copy(update=url)
+    restoring.restore(there, target, force=False, on_bytes=nothing)
+
+    schema.check_all(there)
+    restored = _restored(backend, there)
+    assert made.summary.programs == made.summary.runs_with_data == 0
+    assert restored.show(run_id).state is RunState.SUCCEEDED
+    assert store.size(there, program.sha256) == program.size
+    restored.database.close()

@@ -9,6 +9,7 @@ from seamark.server import audit, workers
 from seamark.server.accounts import accounts
 from seamark.server.audit import AuditFilter
 from seamark.server.database.tables import User, Worker
+from seamark.server.runs import disk_usage
 from seamark.server.runs.quota import QuotaExceeded
 from seamark.server.runs.states import RunState
 from seamark.server.web import authentication
@@ -291,3 +292,19 @@ def test_who_cancels_an_own_run_leaves_no_entry(site: Site) -> None:
 
     assert site.show(run_id).state is RunState.CANCELLED
     assert _log(site) == []
+
+
+def test_the_storage_page_shows_a_measurement_and_asks_a_worker_to_delete(site: Site) -> None:
+    root, path = site.browser("root"), "/admin/storage"
+    site.succeeded("ann", controller="upload", program=site.store_program())
+    before = root.get(path).text
+    disk_usage.measure(site.database, site.settings)
+
+    measured = root.get(path).text
+    answer = root.post(f"{path}/retention", follow_redirects=True).text
+
+    assert "Nothing has been measured yet" in before
+    assert re.search(r"Uploaded programs</th>.*?1 file<", measured)
+    assert "a worker begins within seconds" in answer
+    assert "Delete what is due now" not in answer
+    assert _log(site) == [("root", "retention_requested", "", {})]

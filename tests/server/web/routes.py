@@ -132,6 +132,8 @@ ADMIN: dict[tuple[str, str], Entry] = {
     ("POST", "/admin/workers/resume"): Entry(administers, 303),
     ("GET", "/admin/queue"): Entry(administers),
     ("POST", "/admin/queue/cancel"): Entry(administers, 404),
+    ("GET", "/admin/storage"): Entry(administers),
+    ("POST", "/admin/storage/retention"): Entry(administers, 303),
     ("GET", "/admin/users"): Entry(administers),
     ("GET", US): Entry(administers, path=U),
     ("POST", US): Entry(administers, 303, U),
@@ -169,6 +171,8 @@ ADMIN: dict[tuple[str, str], Entry] = {
         administers, 404, "/api/v1/admin/workers/w1@host", {"json": {"drained": True}}
     ),
     ("GET", "/api/v1/admin/queue"): Entry(administers),
+    ("GET", "/api/v1/admin/storage"): Entry(administers),
+    ("POST", "/api/v1/admin/storage/retention"): Entry(administers, 202),
     ("GET", "/api/v1/admin/users"): Entry(administers),
     ("GET", API_US): Entry(administers, path=API_U),
     ("PATCH", API_US): Entry(administers, path=API_U, options={"json": {"quota_day": None}}),
