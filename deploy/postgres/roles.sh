@@ -1,0 +1,21 @@
+#!/bin/sh
+# The roles of the service in a new cluster: neither is a superuser. The image of PostgreSQL runs this
+# once, before anyone can connect; for a cluster that exists, run it by hand as its superuser:
+#   POSTGRES_USER=postgres POSTGRES_DB=seamark SECRETS=./secrets sh deploy/postgres/roles.sh
+set -e
+secrets=${SECRETS:-/run/secrets}
+
+psql --no-psqlrc --set ON_ERROR_STOP=1 --username "$POSTGRES_USER" --dbname "$POSTGRES_DB" \
+    --set owner_password="$(cat "$secrets/database_password")" \
+    --set worker_password="$(cat "$secrets/worker_database_password")" \
+    --set database="$POSTGRES_DB" <<'SQL'
+CREATE ROLE seamark LOGIN PASSWORD :'owner_password';
+-- `seamark db grant-worker` says what this one may do.
+CREATE ROLE seamark_worker LOGIN PASSWORD :'worker_password';
+ALTER DATABASE :"database" OWNER TO seamark;
+REVOKE ALL ON DATABASE :"database" FROM PUBLIC;
+GRANT CONNECT ON DATABASE :"database" TO seamark_worker;
+ALTER SCHEMA public OWNER TO seamark;
+REVOKE ALL ON SCHEMA public FROM PUBLIC;
+GRANT USAGE ON SCHEMA public TO seamark_worker;
+SQL

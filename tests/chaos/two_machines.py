@@ -1,0 +1,356 @@
+"""`./run machines`: the services of compose.yaml on two machines that share no folder.
+
+Their commands, settings, users, rights, secrets and health checks are read from the Compose files.
+Of the images only what they add is done here: PostgreSQL's first start, and an S3 server in the
+place of Garage. Prints a line for each thing that was seen, and ends with 1 if one was not.
+"""
+
+import ctypes
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+from collections.abc import Mapping
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from typing import Any
+
+import httpx
+from redis import Redis
+from redis.exceptions import RedisError
+from sqlalchemy import select
+
+from seamark.client import Client, ServerUnavailable
+from seamark.client.sync_runs import Run as ClientRun
+from seamark.embedded.broker import find_server
+from seamark.server.database.engine import Database
+from seamark.server.database.tables import Run
+from seamark.sim.engine.seeds import hidden_seed
+from seamark.sim.numerics.numba_internals import numba_folder
+from seamark.worker.evaluation.local import evaluate_locally
+from tests.chaos.campaign import PROGRAM
+from tests.chaos.containers import Container, Host, Machine
+from tests.chaos.installation import wait_until
+from tests.services import compose, postgres
+from tests.services.embedded import cancel_baselines
+
+HERE, ELSEWHERE = Machine("sea-a", "10.77.0"), Machine("sea-b", "10.77.1")
+STORES = {"redis": "10.77.0.2", "postgres": "10.77.0.3", "objects": "10.77.0.4"}
+START_S = 300.0
+SEED = 3
+SHORT = {"levels": [0.0, 0.2], "level_duration_s": 60.0, "settle_s": 1.0}
+LONG = SHORT | {"level_duration_s": 3000.0}
+UPLOADED = {"levels": [0.0, 0.2], "level_duration_s": 8.0, "settle_s": 1.0}
+RANKED: Any = {"controller": "pi", "kind": "ranked"}
+QUOTAS = {"SEAMARK_QUOTA_LIVE": "1000", "SEAMARK_QUOTA_DAY": "10000", "SEAMARK_RANKED_DAY": "100"}
+ONE_TRIAL = {"SEAMARK_RANKED_TRIALS": "1"}  # so that the session is short
+FIRST_START = """
+set -e
+cd /tmp
+mkdir -p /var/lib/postgresql/data/cluster
+initdb -D /var/lib/postgresql/data/cluster -U postgres --no-sync --encoding=UTF8 \
+    --auth-local=trust --auth-host=scram-sha-256 --pwfile="$POSTGRES_PASSWORD_FILE"
+echo 'host all all all scram-sha-256' >> /var/lib/postgresql/data/cluster/pg_hba.conf
+pg_ctl -D /var/lib/postgresql/data/cluster -o '-c listen_addresses= -k /var/run/postgresql' -w start
+export POSTGRES_USER=postgres
+createdb -U postgres "$POSTGRES_DB"
+sh {roles}
+pg_ctl -D /var/lib/postgresql/data/cluster -m fast -w stop
+exec postgres -D /var/lib/postgresql/data/cluster -c listen_addresses='*' -k /var/run/postgresql
+"""
+
+
+class Session:
+    """The service on both machines."""
+
+    def __init__(self, host: Host) -> None:
+        self.host = host
+        self._numbers = iter(range(10, 250))
+        self.running: dict[str, Container] = {}
+        self.wrong: list[str] = []
+
+    def saw(self, what: str, holds: object) -> None:
+        """Print what was seen, or remember that it was not."""
+        print(f"{'ok   ' if holds else 'WRONG'} {what}", flush=True)
+        if not holds:
+            self.wrong.append(what)
+
+    def start(
+        self,
+        service: str,
+        machine: Machine = HERE,
+        *,
+        name: str = "",
+        number: int = 0,
+        changed: Mapping[str, Any] | None = None,
+        **options: Any,
+    ) -> Container:
+        """Start a container of a service of compose.yaml, or of compose.worker.yaml elsewhere."""
+        file = "compose.yaml" if machine is HERE else "compose.worker.yaml"
+        words = compose.service(service, file) | dict(changed or {})
+        name = name or service
+        number = number or next(self._numbers)
+        self.running[name] = Container(self.host, machine, number, words, name=name, **options)
+        return self.running[name]
+
+    def step(self, service: str, command: list[str] | None = None) -> str:
+        """Run a step to its end; return what it printed."""
+        name = service if command is None else "command"
+        step = self.start(service, name=name, command=command or (), environment=QUOTAS | ONE_TRIAL)
+        code = step.wait(START_S)
+        del self.running[name]
+        printed = step.log.read_text()
+        if command is None:
+            self.saw(f"{service} ends with 0", code == 0)
+        if code:
+            print(printed, file=sys.stderr)
+        return printed
+
+    def stop(self) -> None:
+        """Stop everything, the stores last."""
+        for name in sorted(self.running, key=lambda name: name in STORES):
+            self.running[name].stop(within_s=20.0)
+
+
+def _start_stores(session: Session) -> None:
+    binaries = postgres.binaries()
+    assert binaries is not None
+    inside = {"PGHOST": "/var/run/postgresql"}
+    inside |= {"PATH": f"{binaries}:{Path(sys.executable).parent}:/usr/bin:/bin:/usr/sbin:/sbin"}
+    roles = compose.ROOT / "deploy" / "postgres" / "roles.sh"
+    first_start = ["sh", "-c", FIRST_START.replace("{roles}", str(roles))]
+    valkey = {"PATH": f"{find_server().parent}:/usr/bin:/bin"}
+    numbers = {name: int(address.rpartition(".")[2]) for name, address in STORES.items()}
+    session.start("redis", number=numbers["redis"], environment=valkey)
+    session.start("postgres", number=numbers["postgres"], command=first_start, environment=inside)
+    session.start("objects", number=numbers["objects"], command=_s3_server())
+    # The package with the server has no valkey-cli, which the health check of redis calls.
+    url = (
+        (session.host.secrets / "broker_url").read_text().replace("@redis:", f"@{STORES['redis']}:")
+    )
+    with Redis.from_url(url.replace("@redis:", f"@{STORES['redis']}:")) as client:
+        wait_until(lambda: _answers_ping(client), START_S)
+    wait_until(session.running["postgres"].is_healthy, START_S)
+    wait_until(_has_bucket, START_S)
+    session.saw("PostgreSQL, Valkey with its password and the S3 server answer", True)
+
+
+def _answers_ping(client: Redis) -> bool:
+    try:
+        return bool(client.ping())
+    except RedisError:
+        return False
+
+
+def _has_bucket() -> bool:
+    try:
+        return httpx.put(f"http://{STORES['objects']}:3900/seamark").is_success
+    except httpx.TransportError:
+        return False
+
+
+def _s3_server() -> list[str]:
+    address = STORES["objects"]
+    return [sys.executable, "-m", "moto.server", "--host", address, "--port", "3900"]
+
+
+class Service:
+    """What a user and an operator see of it."""
+
+    def __init__(self, session: Session) -> None:
+        self.session = session
+        words = ["seamark", "user", "add", "ann", "--password", "correct horse", "--json"]
+        session.step("migrate", words)
+        token = session.step("migrate", ["seamark", "token", "new", "ann"]).split()[-1]
+        self.clients = [self._client(name, token) for name in ("web-1", "web-2")]
+        owner = (session.host.secrets / "database_url").read_text()
+        self.database = Database(owner.replace("@postgres/", f"@{STORES['postgres']}/"))
+
+    def _client(self, name: str, token: str) -> Client:
+        return Client(f"http://{self.session.running[name].address}:8000", token=token)
+
+    def submit(self, count: int, config: Mapping[str, object], **options: Any) -> list[ClientRun]:
+        """Submit runs by both web servers in turn."""
+        order: Any = {"controller": "pi", "config": config, "seed": SEED} | options
+        clients = [self.clients[number % 2] for number in range(count)]
+        return [client.submit("currents-v1", **order) for client in clients]
+
+    def worker_of(self, run: ClientRun) -> str:
+        """Return the name of the container that has or had a run."""
+        with self.database.reading() as session:
+            worker = session.scalar(select(Run.worker).where(Run.id == run.id)) or ""
+        return worker.partition("@")[2].partition("/")[0]
+
+    def finished(self, runs: list[ClientRun]) -> set[tuple[str, str]]:
+        """Wait for runs; return their states and digests."""
+        with ThreadPoolExecutor(len(runs)) as threads:
+            ended = threads.map(lambda run: run.wait(timeout_s=START_S, progress=False), runs)
+        documents = [run.document for run in ended]
+        return {(each["state"], (each["result"] or {}).get("digest", "")) for each in documents}
+
+
+def equal_results(service: Service) -> None:
+    """Runs on both machines have the digest of an evaluation on this one."""
+    program = service.session.host.folder / "p.py"
+    program.write_bytes(PROGRAM)
+    key = (service.session.host.secrets / "seed_key").read_text().encode()
+    hidden = hidden_seed(key, "currents-v1", 0)
+    full: dict[str, object] = {}
+    cases: dict[str, tuple[list[ClientRun], str]] = {
+        "a built-in controller": (
+            service.submit(6, SHORT),
+            evaluate_locally("currents-v1", SHORT, seed=SEED, controller="pi").digest,
+        ),
+        "an uploaded program": (
+            service.submit(6, UPLOADED, controller=None, program=program),
+            evaluate_locally("currents-v1", UPLOADED, seed=SEED, controller="p").digest,
+        ),
+        "a ranked run": (
+            [client.submit("currents-v1", **RANKED) for client in service.clients * 2],
+            evaluate_locally("currents-v1", full, seed=hidden, controller="pi").digest,
+        ),
+    }
+    for name, (runs, wanted) in cases.items():
+        found = service.finished(runs)
+        machines = sorted({service.worker_of(run) for run in runs})
+        both = machines == ["worker-a", "worker-b"]
+        service.session.saw(f"{name}: {len(runs)} runs on {' and '.join(machines)}", both)
+        service.session.saw(f"{name}: the digest of a local run", found == {("succeeded", wanted)})
+        rows = {len(run.telemetry()) for run in runs}
+        service.session.saw(f"{name}: {max(rows)} rows of data by both web servers", len(rows) == 1)
+
+
+def killed_worker(service: Service) -> None:
+    """The run of a worker that dies ends on the other one."""
+    [run] = service.submit(1, LONG)
+    wait_until(lambda: run.refresh().state == "running" and run.progress > 0.02)
+    first = service.worker_of(run)
+    service.session.running[first].stop(signal.SIGKILL)
+    found = service.finished([run])
+    wanted = evaluate_locally("currents-v1", LONG, seed=SEED, controller="pi").digest
+    last = service.worker_of(run)
+    service.session.saw(f"killed in the middle on {first}, the run ended on {last}", first != last)
+    service.session.saw("with the same digest", found == {("succeeded", wanted)})
+    _start_worker(service.session, first)
+
+
+def refused_workers(service: Service) -> None:
+    """A worker that would compute something else does not start, and says why."""
+    other = {"SEAMARK_SEED_KEY_FILE": "/run/secrets/storage_secret_key"}
+    elsewhere = {"SEAMARK_STORAGE_URL": "s3://seamark/elsewhere"}
+    version = f"sed -i 's/ALIVE_S = 35.0/ALIVE_S = 36.0/' .{compose.ROOT}/server/workers.py"
+    cases: dict[str, dict[str, Any]] = {
+        "another secret": {"environment": other},
+        "another storage": {"environment": elsewhere},
+        "other code": {"prepare": version},
+    }
+    for name, options in cases.items():
+        refused = service.session.start("worker", ELSEWHERE, name="refused", **options)
+        try:
+            code = refused.wait(START_S)
+        except subprocess.TimeoutExpired:
+            code = 0
+            refused.stop(signal.SIGKILL)
+        del service.session.running["refused"]
+        lines = refused.log.read_text().splitlines()
+        refused.log.unlink()
+        sentence = lines[-1] if lines else ""
+        service.session.saw(f"a worker with {name} ends with {code}: {sentence}", code and sentence)
+
+
+def rolling_restart(service: Service) -> None:
+    """Web servers and workers are replaced one after the other, while runs and streams go on."""
+    runs = service.submit(12, SHORT)
+    with ThreadPoolExecutor(1) as thread:
+        ended = thread.submit(service.finished, runs)
+        unreachable = 0
+        for name in ("web-1", "web-2", "worker-a", "worker-b"):
+            container = service.session.running[name]
+            container.stop()
+            others = [
+                client for client in service.clients if container.address not in client.server
+            ]
+            unreachable += sum(not _answers(client) for client in others)
+            (_start_web if name.startswith("web") else _start_worker)(service.session, name)
+        found = ended.result()
+    wanted = evaluate_locally("currents-v1", SHORT, seed=SEED, controller="pi").digest
+    session = service.session
+    session.saw("during a rolling restart the other web server answers", unreachable == 0)
+    session.saw(f"{len(runs)} runs and their streams survive it", found == {("succeeded", wanted)})
+
+
+def _answers(client: Client) -> bool:
+    try:
+        client.account()
+    except ServerUnavailable:
+        return False
+    return True
+
+
+def _start_worker(session: Session, name: str) -> None:
+    machine = HERE if name == "worker-a" else ELSEWHERE
+    extra = QUOTAS | ONE_TRIAL | {"SEAMARK_WORKERS": "1"}
+    worker = session.start("worker", machine, name=name, environment=extra)
+    wait_until(worker.is_healthy, START_S)
+
+
+def _start_web(session: Session, name: str) -> None:
+    number = {"web-1": 5, "web-2": 6}[name]  # a proxy finds a replica again by its name
+    extra = QUOTAS | ONE_TRIAL
+    web = session.start("web", name=name, number=number, environment=extra)
+    wait_until(lambda: _is_up(web.address), START_S)
+
+
+def _is_up(address: str) -> bool:
+    try:
+        return httpx.get(f"http://{address}:8000/healthz").is_success
+    except httpx.TransportError:
+        return False
+
+
+def _start_all(session: Session) -> Service:
+    for name in ("web-1", "web-2"):
+        _start_web(session, name)
+    service = Service(session)
+    for name in ("worker-a", "worker-b"):
+        _start_worker(session, name)
+        session.saw(f"the health check of {name} passes", True)
+    for name in ("web-1", "web-2"):
+        wait_until(session.running[name].is_healthy, START_S)
+        session.saw(f"the health check of {name} passes", True)
+    return service
+
+
+def _own_namespaces() -> None:
+    """Continue in a network and a mount namespace of this session."""
+    if os.geteuid() != 0:
+        sys.exit("The session makes namespaces: run it as root.")
+    libc = ctypes.CDLL(None, use_errno=True)
+    if libc.unshare(0x40000000 | 0x00020000) != 0:  # CLONE_NEWNET | CLONE_NEWNS
+        sys.exit(f"No namespaces: {os.strerror(ctypes.get_errno())}.")
+    subprocess.run(["mount", "--make-rprivate", "/"], check=True)
+
+
+def main() -> int:
+    """Run the session; return the exit code."""
+    _own_namespaces()
+    with tempfile.TemporaryDirectory(prefix="machines") as folder:
+        host = Host.create(Path(folder), numba_folder(os.environ), (HERE, ELSEWHERE))
+        host.names(STORES)
+        session = Session(host)
+        try:
+            _start_stores(session)
+            for step in ("migrate", "worker-rights", "reference-entries"):
+                session.step(step)
+            service = _start_all(session)
+            cancel_baselines(service.database)
+            for part in (equal_results, killed_worker, refused_workers, rolling_restart):
+                part(service)
+        finally:
+            session.stop()
+    return 1 if session.wrong else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
