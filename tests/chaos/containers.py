@@ -47,7 +47,7 @@ copy() { # LOWER NAME TARGET
 }
 copy "$CHECKOUT" source "$CHECKOUT"
 copy "$CODE" code "$CACHE"
-chown "0:$GROUP" ".$CACHE" && chmod 0775 ".$CACHE"
+find ".$CACHE" -type d -exec chown "0:$GROUP" {} + -exec chmod 0775 {} +
 for volume in $VOLUMES; do
     mkdir -p "$FOLDER/volumes$volume"
     mount --bind "$FOLDER/volumes$volume" "$(place "$volume")"
@@ -184,7 +184,12 @@ class Container:
         words = ["setpriv", f"--bounding-set=-all{added}", "--inh-caps=-all", "--no-new-privs"]
         words += ["--clear-groups", f"--regid={gid}", f"--reuid={uid}"]
         path = f"{Path(sys.executable).parent}:/usr/local/bin:/usr/bin:/bin:/usr/sbin:/sbin"
-        image = {"PATH": path, "SEAMARK_DATA": "/data", "NUMBA_CACHE_DIR": CACHE}
+        image = {
+            "PATH": path,
+            "HOME": "/nonexistent",
+            "SEAMARK_DATA": "/data",
+            "NUMBA_CACHE_DIR": CACHE,
+        }
         pairs = [f"{name}={text}" for name, text in (image | self._given).items()]
         return [*words, "env", "-i", *pairs]
 

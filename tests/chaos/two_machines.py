@@ -24,6 +24,7 @@ from sqlalchemy import select
 from seamark.client import Client, ServerUnavailable
 from seamark.client.sync_runs import Run as ClientRun
 from seamark.embedded.broker import find_server
+from seamark.server import workers
 from seamark.server.database.engine import Database
 from seamark.server.database.tables import Run
 from seamark.sim.engine.seeds import hidden_seed
@@ -40,7 +41,7 @@ STORES = {"redis": "10.77.0.2", "postgres": "10.77.0.3", "objects": "10.77.0.4"}
 START_S = 300.0
 SEED = 3
 SHORT = {"levels": [0.0, 0.2], "level_duration_s": 60.0, "settle_s": 1.0}
-LONG = SHORT | {"level_duration_s": 3000.0}
+LONG = SHORT | {"levels": [0.0, 0.1, 0.2, 0.3, 0.4], "level_duration_s": 600.0}
 UPLOADED = {"levels": [0.0, 0.2], "level_duration_s": 8.0, "settle_s": 1.0}
 RANKED: Any = {"controller": "pi", "kind": "ranked"}
 QUOTAS = {"SEAMARK_QUOTA_LIVE": "1000", "SEAMARK_QUOTA_DAY": "10000", "SEAMARK_RANKED_DAY": "100"}
@@ -104,7 +105,7 @@ class Session:
         if command is None:
             self.saw(f"{service} ends with 0", code == 0)
         if code:
-            print(printed, file=sys.stderr)
+            raise RuntimeError(printed)
         return printed
 
     def stop(self) -> None:
@@ -176,6 +177,12 @@ class Service:
         clients = [self.clients[number % 2] for number in range(count)]
         return [client.submit("currents-v1", **order) for client in clients]
 
+    def all_evaluate(self) -> bool:
+        """Return whether the simulators of both workers are loaded."""
+        with self.database.reading() as session:
+            alive = [worker for worker in workers.listed(session) if worker.alive]
+        return len(alive) >= 2 and not any(worker.preparing for worker in alive)
+
     def worker_of(self, run: ClientRun) -> str:
         """Return the name of the container that has or had a run."""
         with self.database.reading() as session:
@@ -199,7 +206,7 @@ def equal_results(service: Service) -> None:
     full: dict[str, object] = {}
     cases: dict[str, tuple[list[ClientRun], str]] = {
         "a built-in controller": (
-            service.submit(6, SHORT),
+            service.submit(8, SHORT),
             evaluate_locally("currents-v1", SHORT, seed=SEED, controller="pi").digest,
         ),
         "an uploaded program": (
@@ -313,9 +320,11 @@ def _start_all(session: Session) -> Service:
     for name in ("web-1", "web-2"):
         _start_web(session, name)
     service = Service(session)
+    cancel_baselines(service.database)  # they would keep the workers busy for an hour
     for name in ("worker-a", "worker-b"):
         _start_worker(session, name)
         session.saw(f"the health check of {name} passes", True)
+    wait_until(service.all_evaluate, START_S)
     for name in ("web-1", "web-2"):
         wait_until(session.running[name].is_healthy, START_S)
         session.saw(f"the health check of {name} passes", True)
@@ -341,10 +350,9 @@ def main() -> int:
         session = Session(host)
         try:
             _start_stores(session)
-            for step in ("migrate", "worker-rights", "reference-entries"):
+            for step in ("migrate", "reference-entries"):
                 session.step(step)
             service = _start_all(session)
-            cancel_baselines(service.database)
             for part in (equal_results, killed_worker, refused_workers, rolling_restart):
                 part(service)
         finally:
