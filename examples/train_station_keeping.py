@@ -81,7 +81,8 @@ def returns(env: gymnasium.vector.VectorEnv, gains: np.ndarray, seed: int) -> np
 def train(seconds: float, *, candidates: int, elite: int, settings: dict[str, object]) -> dict:
     """Return the best gains and the learning curve."""
     random = np.random.default_rng(0)
-    mean, spread = np.array(list(STARTS.values())).T
+    start, spread = np.array(list(STARTS.values())).T
+    mean = start
     levels = len(settings["levels"])
     env = gymnasium.make_vec(
         "seamark/StationKeeping-v2",
@@ -93,12 +94,14 @@ def train(seconds: float, *, candidates: int, elite: int, settings: dict[str, ob
     while not curve or curve[-1][0] < seconds:
         drawn = mean + spread * random.standard_normal((candidates, len(mean)))
         drawn[0] = mean  # the candidate that would be the result
+        drawn[1] = start  # the published PI, to compare with in the same water
         scores = returns(env, drawn, seed=iteration)
         best = drawn[np.argsort(scores)[-elite:]]
         mean, spread = np.abs(best).mean(axis=0), 0.8 * best.std(axis=0) + 0.2 * spread
         seconds_so_far = time.monotonic() - begin
-        curve.append((seconds_so_far, time.process_time(), *map(float, (scores[0], scores.max()))))
-        print(f"{seconds_so_far:5.0f} s  mean reward {scores[0]:.3f}, best {scores.max():.3f}")
+        rewards = tuple(map(float, (scores[0], scores[1], scores.max())))
+        curve.append((seconds_so_far, time.process_time(), *rewards))
+        print("{:5.0f} s  mean reward {:.3f}, PI {:.3f}".format(seconds_so_far, *rewards))
         iteration += 1
     env.close()
     gains = dict(zip(STARTS, np.abs(mean).round(4).tolist(), strict=True))

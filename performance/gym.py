@@ -1,13 +1,17 @@
 """One control step of the vector environment beside others that simulate less.
 
-All rows are wall time per vehicle and control step (0.05 s, five physics steps), with everything
-that a step has: current, sensors, noise, velocity controller, true corners, reward and `info`. The
-NumPy vectorisation has the vehicle's rigid-body dynamics alone, MuJoCo a free body in a fluid.
+A control step is 0.05 s, five physics steps. In the environments it has everything: current,
+sensors, noise, velocity controller, true corners, reward and `info`. The NumPy vectorisation has
+the vehicle's rigid-body dynamics alone, MuJoCo a free body in a fluid. Resets are not included: a
+level of 60 s has 1200 control steps.
 """
 
+import os
+import threading
 import time
-from collections.abc import Callable
-from typing import Any
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any, NamedTuple
 
 import gymnasium
 import mujoco
@@ -15,82 +19,110 @@ import numpy as np
 
 import seamark.gym  # noqa: F401  # registers the environments
 from performance.physics import MUJOCO_MODEL
-from performance.table import Row
+from performance.validation import markdown
 from seamark.sim.physics.dynamics import body_parameters
 from seamark.sim.vehicles import load
 
-_VEHICLES = 2048
-_STEPS, _REPEATS, _PHYSICS_STEPS, _STEP_S = 20, 5, 5, 0.01
+_VEHICLES = 1024
+_STEPS, _REPEATS, _PHYSICS_STEPS, _STEP_S = 40, 9, 5, 0.01
 _NAME = "seamark/StationKeeping-v2"
 _SETTINGS = {"tracker": "truth", "vehicle": "girona500"}
 _PER_SECOND = 1e6  # us
+_HEAD = (
+    "",
+    "control steps a second",
+    "wall time of a step [µs]",
+    "CPU time of a step [µs]",
+    "wall",
+)
 
 
-def rows() -> list[Row]:
-    """Measure and return the rows."""
-    fleet = {threads: _fleet_us(threads) for threads in (1, 2)}
-    peers = {
-        "the vector environment, one thread": fleet[1],
-        "the single environment, true corners": _single_us(),
-        "plain NumPy, rigid-body dynamics alone": _numpy_us(),
-        "MuJoCo implicitfast, free body in a fluid, one by one": _mujoco_us(),
+class Cost(NamedTuple):
+    """Least time of a vehicle's control step over several repetitions [us]."""
+
+    wall: float
+    cpu: float
+
+
+def table() -> str:
+    """Measure and return the table, in Markdown."""
+    costs = {
+        f"vector environment, {_VEHICLES} vehicles, two threads": _fleet(2),
+        f"vector environment, {_VEHICLES} vehicles, one thread": _fleet(1),
+        "single environment, true corners": _single(),
+        f"plain NumPy, {_VEHICLES} vehicles: rigid-body dynamics alone": _numpy(),
+        "MuJoCo `implicitfast`: a free body in a fluid, one by one": _mujoco(),
     }
-    measured = [
-        Row(
-            what=f"vector environment, {_VEHICLES} vehicles, two threads",
-            value=fleet[2],
-            unit="us wall per vehicle",
-            baseline=name,
-            baseline_value=value,
+    ours = next(iter(costs.values()))
+    rows = (
+        (
+            name,
+            f"{_PER_SECOND / cost.wall:,.0f}",
+            f"{cost.wall:.3g}",
+            f"{cost.cpu:.3g}",
+            f"× {cost.wall / ours.wall:.1f}",
         )
-        for name, value in peers.items()
-    ]
-    per_second = Row(
-        what="the same", value=1e-3 * _PER_SECOND / fleet[2], unit="thousand control steps/s"
+        for name, cost in costs.items()
     )
-    return [*measured, per_second]
+    return markdown.table(_HEAD, rows)
 
 
-def _least_us(call: Callable[[], object], vehicles: int, steps: int = _STEPS) -> float:
-    """Return the least wall time [us] per vehicle and step of several repetitions."""
+def _least(call: Callable[[], object], vehicles: int, steps: int = _STEPS) -> Cost:
     call()
-    least = float("inf")
+    wall, cpu = [], []
     for _ in range(_REPEATS):
-        begin = time.perf_counter()
+        begin, busy = time.perf_counter(), time.process_time()
         for _ in range(steps):
             call()
-        least = min(least, time.perf_counter() - begin)
-    return least / (steps * vehicles) * _PER_SECOND
+        wall.append(time.perf_counter() - begin)
+        cpu.append(time.process_time() - busy)
+    scale = _PER_SECOND / (steps * vehicles)
+    return Cost(min(wall) * scale, min(cpu) * scale)
 
 
-def _fleet_us(threads: int) -> float:
+@contextmanager
+def _own_cores() -> Iterator[None]:
+    """Give each thread of the environment a core, where other processes do not move it."""
+    cores = sorted(os.sched_getaffinity(0))
+    others = [thread for thread in threading.enumerate() if thread.name.startswith("fleet")]
+    for core, thread in zip(cores, [threading.main_thread(), *others], strict=False):
+        os.sched_setaffinity(thread.native_id or 0, {core})
+    try:
+        yield
+    finally:
+        os.sched_setaffinity(0, cores)
+
+
+def _fleet(threads: int) -> Cost:
     env: Any = gymnasium.make_vec(_NAME, num_envs=_VEHICLES, settings=_SETTINGS, threads=threads)
     env.reset(seed=0)
-    actions = np.full((_VEHICLES, 4), 0.1)
+    actions = np.tile([0.1, 0.1, 0.0, 0.1], (_VEHICLES, 1))  # without coming near the bottom
+    env.step(actions)  # starts the threads
     try:
-        return _least_us(lambda: env.step(actions), _VEHICLES)
+        with _own_cores():
+            return _least(lambda: env.step(actions), _VEHICLES)
     finally:
         env.close()
 
 
-def _single_us() -> float:
+def _single() -> Cost:
     env = gymnasium.make(_NAME, settings=_SETTINGS).unwrapped
     env.reset(seed=0)
     action = np.full(4, 0.1)
     try:
-        return _least_us(lambda: env.step(action), 1, steps=200)
+        return _least(lambda: env.step(action), 1, steps=100)
     finally:
         env.close()
 
 
-def _mujoco_us() -> float:
+def _mujoco() -> Cost:
     model = mujoco.MjModel.from_xml_string(MUJOCO_MODEL.format("implicitfast"))
     data = mujoco.MjData(model)
-    return _least_us(lambda: mujoco.mj_step(model, data, _PHYSICS_STEPS), 1, steps=1000)
+    return _least(lambda: mujoco.mj_step(model, data, _PHYSICS_STEPS), 1, steps=1000)
 
 
-def _numpy_us() -> float:
-    """Return the time of RK4 over the columns of arrays (n, 6): one vehicle each."""
+def _numpy() -> Cost:
+    """Return the cost of RK4 over the columns of arrays (n, 6): one vehicle each."""
     body = body_parameters(load("girona500"))
     velocity = np.zeros((_VEHICLES, 6))
     attitude = np.tile([1.0, 0.0, 0.0, 0.0], (_VEHICLES, 1))
@@ -124,4 +156,4 @@ def _numpy_us() -> float:
             q = q + h / 6.0 * (b1 + 2.0 * (b2 + b3) + b4)
             q = q / np.linalg.norm(q, axis=1, keepdims=True)
 
-    return _least_us(step, _VEHICLES, steps=2)
+    return _least(step, _VEHICLES, steps=2)
