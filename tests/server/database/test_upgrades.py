@@ -20,7 +20,9 @@ from seamark.server.checks import queue as check_queue
 from seamark.server.classes import classrooms
 from seamark.server.database.account_tables import AccountDeletion, PasswordReset
 from seamark.server.database.class_tables import AssignedRun, Classroom
+from seamark.server.database.disk_tables import DiskUsage
 from seamark.server.database.engine import Database
+from seamark.server.database.rejudgement_tables import RejudgedRun
 from seamark.server.database.schema import check, config, upgrade
 from seamark.server.database.submission_tables import KeyOfSubmission
 from seamark.server.database.tables import Worker
@@ -89,6 +91,8 @@ def _fill(backend: Backend) -> None:
         first = {"number": 1, "created_at": 0.0}
         session.add(KeyOfSubmission(user_id=ann, key="k", request="r", **first))
         session.add(PasswordReset(hash="h", user_id=ann, expires_at=1.0))
+        session.add(RejudgedRun(run_id=2, rejudgement_id=1))
+        session.add(DiskUsage(kind="area", name="runs", bytes=1, count=1))
         session.add(AccountDeletion(user_id=backend.user_id("eva"), requested_at=1.0))
 
 
