@@ -27,6 +27,7 @@ from seamark.server.settings import Settings
 LIST_EVERY_S = 1.0  # between two looks at the objects of a run that has not ended
 SETTLED_S = 600.0  # after which files without the sign of their end are taken for complete
 KEPT_S = 3600.0  # copies that somebody read within this time are not removed
+UNREAD_S = 86_400.0  # after which a copy goes, even if there is room for it
 TRIM_EVERY_S = 60.0
 LOCKS = 64
 _COMPLETE = ".complete"  # a copy that needs no look at the storage any more
@@ -187,7 +188,10 @@ def _locked(data: Path, run_id: int) -> Iterator[None]:
 
 
 def _trim(data: Path, limit: int) -> None:
-    """Remove the copies that nobody has read for the longest time, beyond `limit` bytes."""
+    """Remove the copies that nobody has read for long: beyond `limit` bytes, and after a day.
+
+    After a day also what has meanwhile been deleted on another machine is gone from this one.
+    """
     last = data / "trimmed"
     if _age_s(last) < TRIM_EVERY_S:
         return
@@ -195,7 +199,8 @@ def _trim(data: Path, limit: int) -> None:
     copies = sorted(_copies(data / "runs"))
     excess = sum(size for _, size, _ in copies) - limit
     for read_at, size, folder in copies:
-        if excess <= 0 or read_at > time.time() - KEPT_S:
+        unread_s = time.time() - read_at
+        if unread_s < UNREAD_S and (excess <= 0 or unread_s < KEPT_S):
             return
         shutil.rmtree(folder, ignore_errors=True)
         excess -= size

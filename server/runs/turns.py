@@ -127,6 +127,6 @@ def _priority(session: Session, owner: str) -> Priority:
         return Priority.GUEST
     if owner.startswith(REJUDGEMENTS):
         return Priority.REJUDGEMENT
-    number = owner.removeprefix(_USERS)
-    user = session.get(User, int(number)) if number.isdigit() else None
-    return Priority.BASELINE if user is not None and user.is_baseline else Priority.ACCOUNT
+    number = owner.removeprefix(_USERS) if owner.startswith(_USERS) else ""
+    is_baseline = select(User.is_baseline).where(User.id == int(number or 0))
+    return Priority.BASELINE if session.scalar(is_baseline) else Priority.ACCOUNT

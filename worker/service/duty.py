@@ -11,7 +11,7 @@ from redis.exceptions import LockError, RedisError
 from redis.lock import Lock
 
 HOLDERS = 3
-KEY = "seamark:duty:{}"
+KEY = "seamark:duty:{}{}"
 
 
 class Duty:
@@ -19,13 +19,15 @@ class Duty:
 
     Parameters
     ----------
+    rights
+        Names a duty that not every worker has the rights for.
     kept_s
         Time after which a silent holder loses its place.
     """
 
-    def __init__(self, redis: "Redis", *, kept_s: float) -> None:
+    def __init__(self, redis: "Redis", rights: str = "", *, kept_s: float) -> None:
         self._places = [
-            redis.lock(KEY.format(number), timeout=kept_s, blocking=False)
+            redis.lock(KEY.format(rights, number), timeout=kept_s, blocking=False)
             for number in range(HOLDERS)
         ]
         self._place: Lock | None = None

@@ -17,6 +17,7 @@ from redis import Redis
 
 from seamark.server import audit, log, meters, storage
 from seamark.server.checks import queue
+from seamark.server.database import worker_role
 from seamark.server.database.engine import Database
 from seamark.server.messaging import broker
 from seamark.server.messaging.shared_meters import SharedMeters
@@ -39,6 +40,8 @@ TRIM_EVERY_S = 60.0
 COMPLETE_EVERY_S = 60.0
 PASS_EVERY_S = 2.0  # between the steps of a pass that an admin has asked for
 MEASURE_EVERY_S = 30.0
+# More than the role of a worker may do (seamark.server.database.worker_role).
+NEEDS_ALL_RIGHTS = ("delete_accounts", "forget_audit", "retention_pass")
 _log = structlog.get_logger()
 
 
@@ -171,11 +174,18 @@ def main(parent: str) -> None:
         PeriodicTask("retention_pass", PASS_EVERY_S, RetentionPass(database, settings).step),
         PeriodicTask("measure_disk", MEASURE_EVERY_S, lambda: measure_if_old(database, settings)),
     ]
-    duty = Duty(redis, kept_s=3 * recovery_s)
+    with database.engine.connect() as connection:
+        restricted = worker_role.is_restricted(connection)
+    common = [task for task in tasks if task.name not in NEEDS_ALL_RIGHTS]
+    rest = [] if restricted else [task for task in tasks if task.name in NEEDS_ALL_RIGHTS]
+    kept_s = 3 * recovery_s
+    # The rest has holders of its own: those of the common tasks may all be restricted.
+    duties = (Duty(redis, kept_s=kept_s), common), (Duty(redis, "all", kept_s=kept_s), rest)
     while not stopping.wait(POLL_S):
-        if run_due(tasks, on_duty=duty.is_mine):
+        if any([run_due(its, on_duty=duty.is_mine) for duty, its in duties]):
             shared.add()
-    duty.give_up()
+    for duty, _ in duties:
+        duty.give_up()
 
 
 if __name__ == "__main__":

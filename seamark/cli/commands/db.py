@@ -46,6 +46,40 @@ def upgrade(data: Path | None, as_json: bool) -> None:
         click.echo(f"The database is up to date: {url}")
 
 
+@db.command("grant-worker")
+@click.argument("role")
+@data_option
+@json_option
+def grant_worker(role: str, data: Path | None, as_json: bool) -> None:
+    """Give ROLE, an existing role of PostgreSQL, the rights that a worker needs, and no others.
+
+    Run it again after each upgrade of the database.
+
+    \b
+    Example:
+      seamark db grant-worker seamark_worker
+    """
+    from sqlalchemy.exc import SQLAlchemyError
+
+    from seamark.failures import PlatformFailed, UsageRefused
+    from seamark.server.database import worker_role
+
+    database = database_of(settings_of(data))
+    try:
+        with database.engine.begin() as connection:
+            worker_role.grant(connection, role)
+    except worker_role.NotPostgreSQL as error:
+        raise UsageRefused(f"{error}.") from None
+    except SQLAlchemyError as error:
+        raise PlatformFailed(f"The rights cannot be granted: {error}.") from None
+    finally:
+        database.close()
+    if as_json:
+        print_json({"role": role})
+    else:
+        click.echo(f"{role} has the rights of a worker.")
+
+
 @db.command()
 @click.argument("revision")
 @data_option

@@ -48,7 +48,7 @@ CASES = {  # command -> arguments; {first} and {second} are finished runs
 }
 PROCESSES = ("web", "worker")  # they run until they are stopped
 ELSEWHERE = frozenset(
-    {"run", "plot", "tune", "up", "db reference-entries"}
+    {"run", "plot", "tune", "up", "db reference-entries", "db grant-worker"}
 )  # they take long or log, and have tests that read their JSON
 
 

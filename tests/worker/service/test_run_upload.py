@@ -1,5 +1,6 @@
 """What a worker takes to the object storage is what the web processes read."""
 
+import os
 import threading
 import time
 from pathlib import Path
@@ -170,6 +171,23 @@ def test_copies_that_nobody_reads_make_room(machines: Machines, monkeypatch: Any
     assert size[0] > 12_500
     assert left == ["3"]
     assert machines.read(1, 1).row_count() == 30
+
+
+def test_a_copy_that_nobody_has_read_for_a_day_goes_even_if_there_is_room(
+    machines: Machines, monkeypatch: Any
+) -> None:
+    monkeypatch.setattr(stored_files, "TRIM_EVERY_S", 0.0)
+    for run_id in (1, 2):
+        files, upload = machines.recording(run_id)
+        files.append_rows(_rows(0, 30))
+        _end(upload)
+    for file in machines.read(1, 1).root.rglob("*"):
+        os.utime(file, (0, 0))
+
+    machines.read(2, 1)
+
+    copies = storage.copies(machines.web) / "runs" / "0"
+    assert [folder.name for folder in copies.iterdir()] == ["2"]
 
 
 def test_while_the_storage_is_away_readers_see_what_was_copied(
