@@ -76,8 +76,8 @@ def _ended(session: Session) -> dict[RunState, int]:
 
 
 def _causes(session: Session) -> dict[str, int]:
-    failed = (Run.state == RunState.FAILED, IS_LISTED)
-    recent = (Run.finished_at > time.time() - _DAY_S, *failed)
+    # Not by the state: SQLite would look at all runs that ever failed.
+    recent = (Run.finished_at > time.time() - _DAY_S, Run.cause.is_not(None), IS_LISTED)
     count = func.count().label("count")
     query = select(Run.cause, count).where(*recent).group_by(Run.cause)
     return {str(cause): number for cause, number in session.execute(query.order_by(count.desc()))}

@@ -12,7 +12,7 @@ from seamark.server.runs.states import RunKind, RunState
 from seamark.sim.recording.manifest import code_sha256
 
 RUNS_MAX = 1000  # of one rejudgement: the newest that match; a later one can have the others
-SEEN_MAX = 3000  # runs of the benchmark and the period that are looked at, the newest first
+SEEN_MAX = 2000  # runs of the benchmark and the period that are looked at, the newest first
 BUILT_IN = "built-in"
 
 
