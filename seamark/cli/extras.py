@@ -5,7 +5,9 @@ from __future__ import annotations
 import importlib.metadata
 import importlib.util
 import json
+import site
 from collections.abc import Iterable
+from pathlib import Path
 
 import click
 
@@ -31,6 +33,18 @@ def install_line(extra: str) -> str:
     source = json.loads(origin) if origin else {}
     where = f" @ {source['url']}" if "archive_info" in source else ""
     return f'pip install "seamark[{extra}]{where}"'
+
+
+def refuse_packages_of_the_user() -> None:
+    """Raise UsageRefused if this is one of the user's own packages.
+
+    The processes of a service start without them: whatever lies in a user's home is not its code.
+    """
+    if site.ENABLE_USER_SITE and Path(__file__).is_relative_to(site.getusersitepackages()):
+        raise UsageRefused(
+            "A service needs a virtual environment, pipx or uv: it does not see packages that "
+            "`pip install --user` has installed."
+        )
 
 
 def refuse_without_server(command: click.Command) -> None:

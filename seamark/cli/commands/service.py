@@ -94,6 +94,9 @@ def _ping(settings: Settings, as_json: bool) -> None:
 
 
 def _settings(data: Path | None, **chosen: Any) -> Settings:
+    from seamark.cli.extras import refuse_packages_of_the_user
+
+    refuse_packages_of_the_user()
     settings = settings_of(data, **chosen)
     if not settings.broker_url:
         raise UsageRefused(

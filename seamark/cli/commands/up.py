@@ -48,8 +48,10 @@ def up(
       seamark up --port 8080 --data ~/seamark
       SEAMARK_PUBLIC=true seamark up --host 0.0.0.0
     """
+    from seamark.cli.extras import refuse_packages_of_the_user
     from seamark.embedded.service import Embedded, address_of, free_port
 
+    refuse_packages_of_the_user()
     settings = settings_of(data, port=port, host=host, workers=workers)
     if settings.port == 0:
         settings = settings.model_copy(update={"port": free_port(settings.host)})

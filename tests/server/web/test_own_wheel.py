@@ -130,6 +130,23 @@ def test_an_extra_is_installed_from_where_the_wheel_came_from(
     assert done.stdout == 'pip install "seamark[gym] @ http://water.example/seamark.whl"\n'
 
 
+def test_a_service_of_packages_that_it_would_not_see_is_refused(
+    installed: Path, tmp_path: Path
+) -> None:
+    done = subprocess.run(
+        [Path(sys.executable).resolve(), "-m", "seamark.cli.main", "up", "--data", "data"],
+        cwd=tmp_path,
+        env={"PYTHONUSERBASE": str(installed.parents[1])},  # as `pip install --user` leaves it
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+    )
+
+    assert done.returncode == 2, done.stderr
+    assert "needs a virtual environment, pipx or uv" in done.stderr
+
+
 @pytest.mark.slow
 def test_it_runs_beside_folders_with_the_names_of_the_checkout(
     installed: Path, tmp_path: Path
