@@ -23,7 +23,7 @@ _USERS = "user:"
 class Owner:
     """Somebody whose runs take much room."""
 
-    user_id: int | None  # None: the guests of a network, or an account that is deleted
+    user_id: int | None  # None: guests, a deleted account, or a baseline, which have no page
     name: str
     usage: Usage
 
@@ -85,18 +85,18 @@ def _owners(session: Session, usages: Sequence[Usage]) -> list[Owner]:
         for usage in usages
         if usage.name.startswith(_USERS)
     }
-    query = select(User.id, User.name).where(User.id.in_(ids.values()))
-    names = {user_id: name for user_id, name in session.execute(query)}
-    found = []
-    for usage in usages:
-        user_id = ids.get(usage.name)
-        if user_id is None:
-            found.append(Owner(None, "Guests of one network", usage))
-        elif user_id in names:
-            found.append(Owner(user_id, names[user_id], usage))
-        else:
-            found.append(Owner(None, "Deleted account", usage))
-    return found
+    query = select(User.id, User.name, User.is_baseline).where(User.id.in_(ids.values()))
+    known = {user.id: user for user in session.execute(query)}
+    return [_owner(usage, ids.get(usage.name), known) for usage in usages]
+
+
+def _owner(usage: Usage, user_id: int | None, known: Mapping[int, Any]) -> Owner:
+    if user_id is None:
+        return Owner(None, "Guests of one network", usage)
+    if user_id not in known:
+        return Owner(None, "Deleted account", usage)
+    user = known[user_id]
+    return Owner(None if user.is_baseline else user_id, user.name, usage)
 
 
 def _last(session: Session, action: AuditAction, count: int) -> list[Event]:

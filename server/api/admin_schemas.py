@@ -155,7 +155,7 @@ class UsageResponse(ResponseModel):
 class OwnerResponse(UsageResponse):
     """Room that the runs of an owner take."""
 
-    user_id: int | None = Field(description="null: the guests of a network")
+    user_id: int | None = Field(description="null: guests, a deleted account, a baseline")
 
 
 class StorageResponse(ResponseModel):

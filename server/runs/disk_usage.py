@@ -23,7 +23,7 @@ from seamark.server.runs import retention
 from seamark.server.settings import Settings
 
 EVERY_S = 900.0  # between two measurements
-OWNERS = 20  # who take most
+OWNERS = 10  # who take most
 MEASURED_AT = "disk_measured_at"
 # Of the data folder; with object storage it has copies and what workers are about to upload.
 _FOLDERS = ("programs", "compiled", "logs", "cache", "workspace")

@@ -9,7 +9,7 @@ from sqlalchemy import update
 from seamark.server import audit
 from seamark.server.administration import disk
 from seamark.server.audit import Actor, AuditFilter
-from seamark.server.database.tables import Run
+from seamark.server.database.tables import Run, User
 from seamark.server.runs import disk_usage
 from seamark.server.runs.disk_usage import Report
 from seamark.server.runs.files import RunFiles
@@ -61,6 +61,13 @@ def test_the_measurement_adds_up_runs_files_owners_and_what_is_due(both: Backend
     owners = [(each.name, each.bytes) for each in found.owners]
     ann, eva = (f"user:{both.user_id(name)}" for name in ("ann", "eva"))
     assert owners == [(eva, 40 * ROW_BYTES), (ann, 30 * ROW_BYTES)]
+    with both.database.writing() as session:
+        session.execute(update(User).where(User.name == "eva").values(is_baseline=True))
+        shown = disk.state(session, both.settings).owners
+    assert [(one.name, one.user_id) for one in shown] == [
+        ("eva", None),
+        ("ann", both.user_id("ann")),
+    ]
     due = {each.name: (each.bytes, each.count) for each in found.due}
     assert due == {"accounts": (10 * ROW_BYTES, 1), "guests": (0, 0), "size": (0, 0)}
 
