@@ -10,6 +10,7 @@ psql --no-psqlrc --set ON_ERROR_STOP=1 --username "$POSTGRES_USER" --dbname "$PO
     --set worker_password="$(cat "$secrets/worker_database_password")" \
     --set database="$POSTGRES_DB" <<'SQL'
 CREATE ROLE seamark LOGIN PASSWORD :'owner_password';
+-- `seamark db grant-worker` gives this one its rights, when the tables are there.
 CREATE ROLE seamark_worker LOGIN PASSWORD :'worker_password';
 ALTER DATABASE :"database" OWNER TO seamark;
 REVOKE ALL ON DATABASE :"database" FROM PUBLIC;
@@ -17,9 +18,4 @@ GRANT CONNECT ON DATABASE :"database" TO seamark_worker;
 ALTER SCHEMA public OWNER TO seamark;
 REVOKE ALL ON SCHEMA public FROM PUBLIC;
 GRANT USAGE ON SCHEMA public TO seamark_worker;
--- Tables that `seamark db upgrade` will create: no other right, such as to create or drop one.
-ALTER DEFAULT PRIVILEGES FOR ROLE seamark IN SCHEMA public
-    GRANT SELECT, INSERT, UPDATE, DELETE ON TABLES TO seamark_worker;
-ALTER DEFAULT PRIVILEGES FOR ROLE seamark IN SCHEMA public
-    GRANT USAGE ON SEQUENCES TO seamark_worker;
 SQL

@@ -39,6 +39,7 @@ from tests.services.embedded import cancel_baselines
 HERE, ELSEWHERE = Machine("sea-a", "10.77.0"), Machine("sea-b", "10.77.1")
 STORES = {"redis": "10.77.0.2", "postgres": "10.77.0.3", "objects": "10.77.0.4"}
 START_S = 300.0
+REFUSED_S = 120.0
 SEED = 3
 SHORT = {"levels": [0.0, 0.2], "level_duration_s": 60.0, "settle_s": 1.0}
 LONG = SHORT | {"levels": [0.0, 0.1, 0.2, 0.3, 0.4], "level_duration_s": 600.0}
@@ -246,7 +247,7 @@ def refused_workers(service: Service) -> None:
     """A worker that would compute something else does not start, and says why."""
     other = {"SEAMARK_SEED_KEY_FILE": "/run/secrets/storage_secret_key"}
     elsewhere = {"SEAMARK_STORAGE_URL": "s3://seamark/elsewhere"}
-    version = f"sed -i 's/ALIVE_S = 35.0/ALIVE_S = 36.0/' .{compose.ROOT}/server/workers.py"
+    version = f"echo '# changed' >> .{compose.ROOT}/sim/physics/plant.py"
     cases: dict[str, dict[str, Any]] = {
         "another secret": {"environment": other},
         "another storage": {"environment": elsewhere},
@@ -255,7 +256,7 @@ def refused_workers(service: Service) -> None:
     for name, options in cases.items():
         refused = service.session.start("worker", ELSEWHERE, name="refused", **options)
         try:
-            code = refused.wait(START_S)
+            code = refused.wait(REFUSED_S)
         except subprocess.TimeoutExpired:
             code = 0
             refused.stop(signal.SIGKILL)
@@ -285,6 +286,13 @@ def rolling_restart(service: Service) -> None:
     session = service.session
     session.saw("during a rolling restart the other web server answers", unreachable == 0)
     session.saw(f"{len(runs)} runs and their streams survive it", found == {("succeeded", wanted)})
+
+
+def caretaker(service: Service) -> None:
+    """The worker with the role of the owner starts as a plain user without a sandbox."""
+    container = service.session.start("caretaker")
+    wait_until(container.is_healthy, START_S)
+    service.session.saw("the health check of caretaker passes", True)
 
 
 def _answers(client: Client) -> bool:
@@ -350,10 +358,10 @@ def main() -> int:
         session = Session(host)
         try:
             _start_stores(session)
-            for step in ("migrate", "reference-entries"):
+            for step in ("migrate", "worker-rights", "reference-entries"):
                 session.step(step)
             service = _start_all(session)
-            for part in (equal_results, killed_worker, refused_workers, rolling_restart):
+            for part in (equal_results, killed_worker, refused_workers, rolling_restart, caretaker):
                 part(service)
         finally:
             session.stop()

@@ -147,6 +147,7 @@ def test_the_reference_entries_are_queued_before_anybody_looks() -> None:
     steps = [" ".join(each["command"]) for each in services.values() if _is_step(each)]
 
     assert "seamark db upgrade" in steps
+    assert "seamark db grant-worker seamark_worker" in steps
     assert "seamark db reference-entries" in steps
 
 
