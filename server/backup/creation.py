@@ -56,11 +56,6 @@ def make(database: Database, settings: Settings, target: Path, on_bytes: OnBytes
     BackupFailed
         The data folder is away, there is such a file, or there is no room for it.
     """
-    if settings.storage_url:
-        raise BackupFailed(
-            f"Runs and programs are in {settings.storage_url}: use the versions or the replication "
-            "of the bucket, and back up the database with its own tools."
-        )
     if storage.is_away(settings):
         raise BackupFailed(f"The data folder {settings.data} is away or not permitted.")
     try:

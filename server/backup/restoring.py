@@ -54,12 +54,6 @@ def restore(settings: Settings, source: Path, *, force: bool, on_bytes: OnBytes)
     RestoreRefused, ArchiveRejected
         Nothing was changed.
     """
-    if settings.storage_url:
-        raise RestoreRefused(
-            f"A backup is restored into a data folder, and this service has its data in "
-            f"{settings.storage_url}. Unset SEAMARK_STORAGE_URL, restore, then move the data "
-            "(docs/hosting.md, Several machines)"
-        )
     header, keys = _beginning(source)
     _require_known(header)
     _require_same_storage(header, settings)
