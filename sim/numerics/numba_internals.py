@@ -21,6 +21,7 @@ Importing this module loads neither Numba nor NumPy.
 import hashlib
 import importlib
 import importlib.metadata
+import sys
 import warnings
 from collections.abc import Iterable, Mapping, MutableMapping
 from pathlib import Path
@@ -36,6 +37,7 @@ _FALL_BACK = "numba-all-"
 
 CACHE_INTERNALS = (
     "numba.core.config:CACHE_LOCATOR_CLASSES",  # the variable, as Numba has read it
+    "numba.core.config:reload_config",
     "numba.core.caching:CacheImpl",  # calls the locators
 )
 SIMD_INTERNALS = (
@@ -91,9 +93,10 @@ def require_simd() -> None:
 
 
 def configure_cache(environ: MutableMapping[str, str], numba_version: str) -> None:
-    """Set the variables by which Numba finds its cache; call it before Numba is imported."""
+    """Set the variables by which Numba finds its cache; call it before anything is compiled."""
     if numba_version.startswith(f"{TESTED_NUMBA}."):
         environ.setdefault("NUMBA_CACHE_LOCATOR_CLASSES", LOCATORS)
+        _read_again()
         return
     folder = _shared_folder(environ)
     environ["NUMBA_CACHE_DIR"] = str(folder)
@@ -104,6 +107,13 @@ def configure_cache(environ: MutableMapping[str, str], numba_version: str) -> No
         RuntimeWarning,
         stacklevel=2,
     )
+    _read_again()
+
+
+def _read_again() -> None:
+    """Have Numba read its variables again, if it was imported before the simulator."""
+    if (config := sys.modules.get("numba.core.config")) is not None:
+        config.reload_config()
 
 
 def numba_folder(environ: Mapping[str, str]) -> Path:

@@ -2,6 +2,8 @@
 
 import ast
 import os
+import subprocess
+import sys
 import time
 from pathlib import Path
 
@@ -63,6 +65,16 @@ def test_compiled_functions_are_kept_under_the_stamp_of_their_sources() -> None:
         assert (
             Path(function._cache.cache_path).name == f"numba-{path.stem}-{stamp(path, ROOT)[:16]}"
         )
+
+
+def test_code_is_kept_under_the_stamp_also_if_numba_was_imported_before_the_simulator() -> None:
+    code = (
+        "import numba\nfrom seamark.sim.numerics import libm\nprint(libm.sin._cache.cache_path)\n"
+    )
+
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+
+    assert Path(done.stdout.strip()) == Path(libm.sin._cache.cache_path)
 
 
 def _by_syntax(source: str) -> set[str]:
