@@ -8,6 +8,7 @@ end they must get there, before the result is stored.
 
 import json
 import threading
+import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -100,26 +101,20 @@ class RunUpload:
         Raises
         ------
         StorageFailed
-            It was away for longer.
+            It was away for longer, or the files cannot be read.
         """
         self._ending.set()
         done, given_up = threading.Event(), threading.Event()
-        failures: list[ObjectsAway] = []
+        failures: list[Exception] = []
 
         def store() -> None:
-            self.stop()
-            waited_s = 0.0
-            while not given_up.is_set():
-                try:
-                    self._store_whole()
-                    break
-                except ObjectsAway as error:
-                    waited_s += RETRY_S
-                    if waited_s >= within_s:
-                        failures.append(error)
-                        break
-                    given_up.wait(RETRY_S)
-            done.set()
+            try:
+                self.stop()
+                self._store_whole_within(within_s, given_up)
+            except Exception as error:
+                failures.append(error)
+            finally:  # whatever happened: the run waits for it
+                done.set()
 
         threading.Thread(target=store, name="upload-end", daemon=True).start()
         try:
@@ -197,8 +192,19 @@ class RunUpload:
         except FileNotFoundError:
             return b""
 
+    def _store_whole_within(self, seconds: float, given_up: threading.Event) -> None:
+        until = time.monotonic() + seconds
+        while not given_up.is_set():
+            try:
+                return self._store_whole()
+            except ObjectsAway:
+                if time.monotonic() + RETRY_S >= until:
+                    raise
+                given_up.wait(RETRY_S)
+
     def _store_whole(self) -> None:
-        names = sorted(file.name for file in self._files.folder.iterdir())
+        folder = self._files.folder  # none: the run ended before it recorded anything
+        names = sorted(file.name for file in folder.iterdir()) if folder.is_dir() else []
         for name in names:
             self._objects.put(f"{self._folder}/{name}", self._files.folder / name)
         self._objects.put(f"{self._folder}/{COMPLETE}", json.dumps(names).encode())

@@ -14,7 +14,7 @@ from seamark.server.database import schema
 from seamark.server.database.data_folder import WrongDataFolder
 from seamark.server.objects import Objects
 from seamark.server.runs import run_objects, stored_files
-from seamark.server.runs.files import RunFiles
+from seamark.server.runs.files import RunFiles, StorageFailed
 from seamark.server.settings import Settings
 from seamark.sim.recording.telemetry import INDEX, WIDTH
 from seamark.worker.service import run_upload
@@ -103,6 +103,31 @@ def test_a_run_is_read_while_it_goes_on_and_as_it_was_written_when_it_has_ended(
     assert going_on.rows().tolist() == ended.rows().tolist() == _rows(0, 50).tolist()
     assert (ended.manifest(), ended.log_text()) == ({"digest": "d"}, "first\n")
     assert machines.parts() == 0
+
+
+def test_a_run_that_has_recorded_nothing_is_complete(machines: Machines) -> None:
+    files, upload = machines.recording()
+    files.remove()
+
+    _end(upload)
+
+    assert not files.folder.exists()
+    assert machines.read(attempt=1).row_count() == 0
+
+
+def test_a_disk_that_cannot_be_read_ends_the_upload_as_a_failure_of_the_storage(
+    machines: Machines, monkeypatch: Any
+) -> None:
+    files, upload = machines.recording()
+    files.append_rows(_rows(0, 3))
+
+    def broken(path: Path) -> Any:
+        raise OSError("Input/output error")
+
+    monkeypatch.setattr(Path, "iterdir", broken)
+
+    with pytest.raises(StorageFailed, match="Input/output error"):
+        _end(upload)
 
 
 def test_rows_that_a_trial_takes_back_are_replaced_for_readers_too(machines: Machines) -> None:
