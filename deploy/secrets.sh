@@ -16,8 +16,8 @@ hex() {
     od -An -N "$1" -tx1 /dev/urandom | tr -d ' \n'
 }
 
-for name in secret_key seed_key postgres_password database_password worker_database_password \
-    broker_password storage_secret_key; do
+for name in secret_key seed_key metrics_token postgres_password database_password \
+    worker_database_password broker_password storage_secret_key; do
     hex 32 | keep "$name"
 done
 printf 'GK%s' "$(hex 12)" | keep storage_access_key # the form that Garage requires
