@@ -1,10 +1,12 @@
 """Fixtures that several packages share: real databases, a real broker, the cast."""
 
+import sys
 import uuid
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+import structlog
 from hypothesis import HealthCheck
 from hypothesis import settings as hypothesis_settings
 from redis import Redis
@@ -17,6 +19,8 @@ from seamark.server.settings import Settings
 from tests.cast import Backend
 from tests.services import postgres, s3, valkey
 
+# As in the processes of the service; standard output is that of the command under test.
+structlog.configure(logger_factory=lambda *_: structlog.PrintLogger(sys.stderr))
 # A busy machine fails no property.
 hypothesis_settings.register_profile(
     "patient",

@@ -6,14 +6,20 @@ from typing import Any
 
 from sqlalchemy import ColumnElement, or_, select
 from sqlalchemy.orm import Session
+from sqlalchemy.sql.base import ReadOnlyColumnCollection
+from sqlalchemy.sql.elements import KeyedColumnElement
 
-from seamark.server.database.tables import IS_LISTED, Result, Run
+from seamark.server.database.tables import Result, Run
 from seamark.server.runs.states import RunKind, RunState
 from seamark.sim.recording.manifest import code_sha256
 
-RUNS_MAX = 1000  # of one rejudgement: the newest that match; a later one can have the others
-SEEN_MAX = 2000  # runs of the benchmark and the period that are looked at, the newest first
+RUNS_MAX = 1000  # of the benchmark and the period that are looked at, the newest first
 BUILT_IN = "built-in"
+_COLUMNS = (
+    *(Run.id, Run.kind, Run.state, Run.started_at, Run.finished_at, Run.deleted_at, Run.rejudges),
+    *(Run.data_bytes, Run.data_deleted_at, Run.program_sha256, Run.language, Run.worker),
+)
+_Columns = ReadOnlyColumnCollection[str, KeyedColumnElement[Any]]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -38,9 +44,8 @@ class RunChoice:
 class Chosen:
     """The runs that match, newest first, and what computing them again takes."""
 
-    runs: Sequence[int]  # at most RUNS_MAX
-    matching: int  # among the SEEN_MAX that were looked at
-    complete: bool  # whether these are all runs of the benchmark and the period
+    runs: Sequence[int]
+    complete: bool  # whether all runs of the benchmark and the period were looked at
     machine_s: float  # wall time that their first computation took, one after the other
     data_bytes: int  # that they may record
 
@@ -51,26 +56,18 @@ def choose(session: Session, choice: RunChoice) -> Chosen:
     Succeeded and failed ones whose program is still there; what its owner cancelled has no result.
     """
     period = _period(choice)
-    window = (
-        select(Run.id)
-        .where(*period)
-        .order_by(Run.finished_at.desc(), Run.id.desc())
-        .limit(SEEN_MAX)
-        .subquery()
-    )
-    columns = (Run.id, Run.started_at, Run.finished_at, Run.data_bytes)
-    query = select(*columns).where(Run.id.in_(select(window.c.id)), *_conditions(choice))
-    if choice.version or choice.other_code:
-        query = query.outerjoin(Result, Result.run_id == Run.id)
-    found = session.execute(query.order_by(Run.id.desc())).all()
-    taken = found[:RUNS_MAX]
-    next_one = select(Run.id).where(*period).limit(1).offset(SEEN_MAX)
+    newest = select(*_COLUMNS).where(*period).order_by(Run.finished_at.desc(), Run.id.desc())
+    window = newest.limit(RUNS_MAX).subquery("seen")
+    seen = window.c
+    columns = (seen.id, seen.started_at, seen.finished_at, seen.data_bytes)
+    query = select(*columns).where(*_conditions(choice, seen))
+    found = session.execute(query.order_by(seen.id.desc())).all()
+    next_one = select(Run.id).where(*period).limit(1).offset(RUNS_MAX)
     return Chosen(
-        runs=[row.id for row in taken],
-        matching=len(found),
+        runs=[row.id for row in found],
         complete=session.scalar(next_one) is None,
-        machine_s=sum((row.finished_at or 0.0) - (row.started_at or 0.0) for row in taken),
-        data_bytes=sum(row.data_bytes for row in taken),
+        machine_s=sum((row.finished_at or 0.0) - (row.started_at or 0.0) for row in found),
+        data_bytes=sum(row.data_bytes for row in found),
     )
 
 
@@ -87,23 +84,26 @@ def _period(choice: RunChoice) -> list[ColumnElement[bool]]:
     return found
 
 
-def _conditions(choice: RunChoice) -> list[ColumnElement[bool]]:
-    with_program = or_(Run.program_sha256.is_(None), Run.data_deleted_at.is_(None))
-    ended = Run.state.in_((RunState.SUCCEEDED, RunState.FAILED))
-    found = [IS_LISTED, ended, Run.started_at.is_not(None), Run.deleted_at.is_(None), with_program]
+def _conditions(choice: RunChoice, seen: _Columns) -> list[ColumnElement[bool]]:
+    with_program = or_(seen.program_sha256.is_(None), seen.data_deleted_at.is_(None))
+    found = [
+        *(seen.rejudges.is_(None), seen.deleted_at.is_(None), seen.started_at.is_not(None)),
+        *(seen.state.in_((RunState.SUCCEEDED, RunState.FAILED)), with_program),
+    ]
     if choice.kind:
-        found.append(Run.kind == RunKind(choice.kind))
+        found.append(seen.kind == RunKind(choice.kind))
     if choice.language == BUILT_IN:
-        found.append(Run.language.is_(None))
+        found.append(seen.language.is_(None))
     elif choice.language:
-        found.append(Run.language == choice.language)
+        found.append(seen.language == choice.language)
     if choice.worker:
-        its_slots = Run.worker.startswith(f"{choice.worker}/", autoescape=True)
-        found.append(or_(Run.worker == choice.worker, its_slots))
+        its_slots = seen.worker.startswith(f"{choice.worker}/", autoescape=True)
+        found.append(or_(seen.worker == choice.worker, its_slots))
+    manifest = select(Result.manifest).where(Result.run_id == seen.id).scalar_subquery()
     if choice.version:
-        found.append(Result.manifest["versions"]["seamark"].as_string() == choice.version)
+        found.append(manifest["versions"]["seamark"].as_string() == choice.version)
     if choice.other_code:
-        code = Result.manifest["code_sha256"].as_string()
+        code = manifest["code_sha256"].as_string()
         found.append(or_(code.is_(None), code != code_sha256()))
     return found
 

@@ -58,9 +58,8 @@ class RejudgementsQuery(BaseModel):
 class PreviewResponse(ResponseModel):
     """What a rejudgement would compute again."""
 
-    runs: int = Field(description=f"The newest that match, at most {rejudge_choice.RUNS_MAX}")
-    matching: int = Field(description=f"Among the newest {rejudge_choice.SEEN_MAX}")
-    complete: bool = Field(description="Whether these are all runs of the benchmark and period")
+    runs: int = Field(description=f"Those that match of the newest {rejudge_choice.RUNS_MAX}")
+    complete: bool = Field(description="Whether all of the benchmark and period were looked at")
     machine_s: float = Field(description="Wall time that they took the first time, in total")
     data_bytes: int = Field(description="That they may record until the decision")
 

@@ -137,7 +137,7 @@ def _form(sent: Mapping[str, str], *, error: str = "") -> str:
         choices=_CHOICES,
         languages={name: language.label for name, language in LANGUAGES.items()},
         texts=_TEXTS,
-        seen_max=rejudge_choice.SEEN_MAX,
+        seen_max=rejudge_choice.RUNS_MAX,
         reason_max=rejudgements.REASON_MAX,
     )
 

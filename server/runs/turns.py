@@ -90,9 +90,9 @@ class Lane:
 
 def lanes(session: Session) -> list[Lane]:
     """Return what waits in each lane, at the cost of a row for each owner who waits."""
+    queued_at = select(Run.queued_at).where(Run.id == Turn.next_run).scalar_subquery()
     waiting = (
-        select(Turn.priority, func.sum(Turn.queued), func.min(Run.queued_at))
-        .join(Run, Run.id == Turn.next_run)
+        select(Turn.priority, func.sum(Turn.queued), func.min(queued_at))
         .where(IS_WAITING)
         .group_by(Turn.priority)
     )

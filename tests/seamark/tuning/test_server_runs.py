@@ -79,4 +79,4 @@ def test_a_run_that_says_nothing_about_the_candidate_ends_the_search(
         return httpx.Response(200, json=ENDED | changes)
 
     with _runs(answer) as runs, pytest.raises(failure, match=message):
-        list(runs.evaluate(ORDERS))
+        list(runs.evaluate(ORDERS[:1]))  # each answer is about run 1

@@ -113,8 +113,8 @@ def test_every_response_matches_the_openapi_document(
             break
 
     served = {operation for operation, status in answers if status < 400}
-    # An anonymous caller is refused by the classes and the administration, a third of all.
-    assert len(served) > len(operations) / 4
+    # An anonymous caller is refused by the classes and the administration, almost half of all.
+    assert len(served) > len(operations) / 5
 
 
 def _cases(operation: Any) -> st.SearchStrategy[Any]:

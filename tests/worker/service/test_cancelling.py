@@ -72,6 +72,8 @@ def test_a_cancel_ends_the_run_and_its_box(service: Service, doing: str) -> None
 class Finished:
     """A simulation that has ended, at a moment at which something else happens."""
 
+    started_at = None
+
     def __init__(self, meanwhile: Callable[[], object]) -> None:
         self._meanwhile = meanwhile
 
