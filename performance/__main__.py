@@ -1,9 +1,11 @@
 """`./run performance [NAME ...]`: measure and print the quick tables, named tables or `all`."""
 
 import importlib
+import os
 import sys
 
 from performance.table import text
+from seamark.server import log
 
 QUICK = ("full_run", "physics", "camera", "exchange")
 SERVICE = ("streams", "many_runs", "start_latency", "fake_runs", "player", "downloads")
@@ -29,6 +31,8 @@ def main(names: list[str]) -> int:
     if unknown:
         print(f"Unknown table: {', '.join(unknown)}. Choose from {', '.join(TABLES)} or {ALL}.")
         return 2
+    os.environ.setdefault("SEAMARK_LOG_LEVEL", "warning")  # of services that are measured
+    log.configure("warning", "text")
     chosen = TABLES if ALL in names else names or QUICK
     if not names:
         print(f"The quick tables: {', '.join(QUICK)}. `./run performance {ALL}` prints all tables.")
