@@ -1,5 +1,6 @@
 """Fixtures that several packages share: real databases, a real broker, the cast."""
 
+import signal
 import sys
 import uuid
 from collections.abc import Iterator
@@ -19,6 +20,8 @@ from seamark.server.settings import Settings
 from tests.cast import Backend
 from tests.services import postgres, s3, valkey
 
+# A shell that starts the tests in the background makes them, and what they start, ignore Ctrl-C.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 # As in the processes of the service; standard output is that of the command under test.
 structlog.configure(logger_factory=lambda *_: structlog.PrintLogger(sys.stderr))
 # A busy machine fails no property.
