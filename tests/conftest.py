@@ -22,8 +22,8 @@ from tests.services import postgres, s3, valkey
 
 # A shell that starts the tests in the background makes them, and what they start, ignore Ctrl-C.
 signal.signal(signal.SIGINT, signal.default_int_handler)
-# As in the processes of the service; standard output is that of the command under test.
-structlog.configure(logger_factory=lambda *_: structlog.PrintLogger(sys.stderr))
+# Not to what a command under test prints.
+structlog.configure(logger_factory=lambda *_: structlog.PrintLogger(sys.__stderr__))
 # A busy machine fails no property.
 hypothesis_settings.register_profile(
     "patient",

@@ -20,6 +20,7 @@ from seamark.client.documents import (
     SweepDocument,
     Values,
 )
+from seamark.client.errors import ServerRefused
 from seamark.client.exchange import Call, Request
 
 API: Final = "/api/v1"
@@ -37,6 +38,7 @@ RUN_KEYS = (
     "failure",
     "links",
 )
+FIRST_ANSWER_S = 4.0  # of pauses until an address that has never answered is given up
 SWEEP_KEYS = ("id", "live", "best", "cells", "links")
 
 
@@ -58,11 +60,26 @@ class Calls:
         self.server = server
         self._signed_in = signed_in
         self._patience_s = patience_s
+        self._has_answered = False
 
     def send(self, method: str, path: str, **options: Any) -> Call[httpx.Response]:
         """Return the response to a request below /api/v1."""
         request = Request(method, API + path, options)
-        return exchange.exchange(self.server, request, patience_s=self._patience_s)
+        return self._exchange(request)
+
+    def _exchange(self, request: Request) -> Call[httpx.Response]:
+        # An address that never answered is likely to be wrong; a known server may be restarting.
+        reach_s = self._patience_s if self._has_answered else FIRST_ANSWER_S
+        attempts = exchange.exchange(
+            self.server, request, patience_s=self._patience_s, reach_s=reach_s
+        )
+        try:
+            response = yield from attempts
+        except ServerRefused:
+            self._has_answered = True
+            raise
+        self._has_answered = True
+        return response
 
     def document(
         self, method: str, path: str, *, needs: Sequence[str] = (), **options: Any
@@ -179,5 +196,5 @@ class Calls:
         # The server starts one run for a key, so that a request without an answer can be repeated.
         headers = {"Idempotency-Key": secrets.token_hex(16)} if self._signed_in else {}
         request = Request("POST", API + path, content | {"headers": headers}, self._signed_in)
-        response = yield from exchange.exchange(self.server, request, patience_s=self._patience_s)
+        response = yield from self._exchange(request)
         return exchange.document(self.server, response, needs)

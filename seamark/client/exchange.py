@@ -60,11 +60,14 @@ def advance(call: Call[Result], answer: Answer) -> Request | Pause:
     return call.throw(answer) if isinstance(answer, Exception) else call.send(answer)
 
 
-def exchange(server: str, request: Request, *, patience_s: float) -> Call[httpx.Response]:
+def exchange(
+    server: str, request: Request, *, patience_s: float, reach_s: float
+) -> Call[httpx.Response]:
     """Return the response to a request; repeats it while that is safe and may help.
 
     A request that changes something is repeated only if the server cannot have accepted it, or
-    recognises the repetition. All pauses together last `patience_s` at most.
+    recognises the repetition. All pauses together last `patience_s` at most;
+    without any connection it is given up after `reach_s` of them.
 
     Raises
     ------
@@ -76,7 +79,9 @@ def exchange(server: str, request: Request, *, patience_s: float) -> Call[httpx.
         try:
             response = yield request
         except httpx.HTTPError as error:
-            if not _may_repeat(request, error) or wait_s > left_s:
+            reached = not isinstance(error, httpx.ConnectError | httpx.ConnectTimeout)
+            most_s = left_s if reached else min(left_s, reach_s + left_s - patience_s)
+            if not _may_repeat(request, error) or wait_s > most_s:
                 raise _unavailable(server, error) from None
         except httpx.InvalidURL as error:
             raise ServerUnavailable(f"{server} is not the address of a server: {error}.") from None

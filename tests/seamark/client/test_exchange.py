@@ -20,7 +20,7 @@ from seamark.client import (
     ServerUnavailable,
     TooManyRequests,
 )
-from seamark.client.calls import Calls
+from seamark.client.calls import FIRST_ANSWER_S, Calls
 from seamark.client.exchange import Answer, Call, Pause, Request, advance
 from seamark.server.web.problems import PROBLEM_TYPES
 
@@ -122,13 +122,23 @@ def test_without_patience_nothing_is_repeated() -> None:
         drive(calls(patience_s=0.0).run(1), [NO_SERVER])
 
 
-def test_all_pauses_together_last_as_long_as_the_patience() -> None:
-    pauses: list[float] = []
+def test_all_pauses_together_last_as_long_as_the_patience_if_the_server_has_answered() -> None:
+    known, pauses = calls(patience_s=20.0), list[float]()
+    drive(known.run(1), [OK])
 
     with pytest.raises(ServerUnavailable):
-        drive(calls(patience_s=20.0).run(1), [NO_SERVER] * 100, pauses)
+        drive(known.run(1), [NO_SERVER] * 100, pauses)
 
     assert 12.0 < sum(pauses) <= 20.0
+
+
+def test_an_address_that_never_answered_is_given_up_soon() -> None:
+    pauses: list[float] = []
+
+    with pytest.raises(ServerUnavailable, match="does not answer"):
+        drive(calls(patience_s=20.0).run(1), [NO_SERVER] * 100, pauses)
+
+    assert 1.0 < sum(pauses) <= FIRST_ANSWER_S
 
 
 @pytest.mark.parametrize(
