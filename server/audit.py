@@ -35,6 +35,8 @@ class AuditAction(StrEnum):
     ACCESS_REVOKED = "access_revoked"
     RESET_LINK_MADE = "reset_link_made"
     PASSWORD_CHANGED = "password_changed"  # noqa: S105 - the name of an action
+    MAIL_ADDRESS_CHANGED = "mail_address_changed"
+    MAIL_ADDRESS_REMOVED = "mail_address_removed"
     TOKEN_MADE = "token_made"  # noqa: S105
     TOKEN_REVOKED = "token_revoked"  # noqa: S105
     RUN_PUBLISHED = "run_published"

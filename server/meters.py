@@ -103,6 +103,15 @@ MAINTENANCE_FAILURES = Counter(
     ("task",),
     registry=REGISTRY,
 )
+MAILS = Counter(
+    "seamark_mails_total",
+    "E-mails by outcome: sent, delayed (tried again), refused by the server, given up after a day, "
+    "or dropped because nobody has confirmed the address",
+    ("outcome",),
+    registry=REGISTRY,
+)
+for _outcome in ("sent", "delayed", "refused", "given_up", "dropped"):
+    MAILS.labels(_outcome)
 RETENTION_RUNS = Counter(
     "seamark_retention_runs_total",
     "Runs whose data were deleted by a rule of retention: age or size",

@@ -1,12 +1,13 @@
 """All settings of a service, read once from the environment."""
 
 import os
+import re
 import secrets
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
 
 PREFIX = "SEAMARK_"
 LevelName = Literal["none", "medium", "strong"]  # of seamark.sandbox.isolation.level
@@ -33,10 +34,19 @@ DEFAULTS_IN_WORDS = {  # of settings whose default depends on others or on the m
     "workers": "one per core",
     "metrics": "`local`; `token` if there is one",
     "metrics_token": "none",
+    "mail_url": "none: nothing is sent",
+    "mail_from": "none",
 }
-
+# An address as browsers accept it in a form (HTML Living Standard, 4.10.5.1.5), with a domain.
+MAIL_ADDRESS = r"[A-Za-z0-9.!#$%&'*+/=?^_`{|}~-]{1,64}@[A-Za-z0-9-]{1,63}(\.[A-Za-z0-9-]{1,63})*"
 
 _ORIGIN = r"https?://[A-Za-z0-9.-]+(:\d{1,5})?"
+_MAIL_HOST = r"[A-Za-z0-9.-]+(:\d{1,5})?"
+_MAIL_USER = r"([^\s:@/]+:[^\s@/]+@)?"
+_MAIL_URL = re.compile(
+    rf"smtps://{_MAIL_USER}{_MAIL_HOST}|smtp://{_MAIL_USER}{_MAIL_HOST}(\?tls=starttls)?"
+    rf"|smtp://{_MAIL_HOST}\?tls=none"
+)
 
 
 class SettingsInvalid(Exception):
@@ -84,7 +94,7 @@ class Settings(BaseModel):
         "",
         pattern=rf"^({_ORIGIN})?$",
         description="Public address of the site, such as https://seamark.example: for the pictures "
-        "of link previews",
+        "of link previews, and for links in e-mails",
     )
     proxies: int = Field(
         0,
@@ -192,6 +202,27 @@ class Settings(BaseModel):
     sign_ups_per_hour: int = Field(
         10, ge=1, description="Accounts per address and hour; a class often shares one"
     )
+    mail_url: str = Field(
+        "",
+        repr=False,
+        description="SMTP server that sends e-mail: `smtp://user:password@host:587`, `smtps://...`",
+    )
+    mail_from: str = Field(
+        "",
+        pattern=rf"^([^<>\"\x00-\x1f\x7f]{{1,80}} <{MAIL_ADDRESS}>|{MAIL_ADDRESS})?$",
+        description="Sender of e-mails, such as `Seamark <seamark@example.org>`",
+    )
+
+    @field_validator("mail_url")
+    @classmethod
+    def _mail_url_is_known(cls, url: str) -> str:
+        """Refuse an address without a known kind of TLS, and a password without TLS."""
+        if url and not _MAIL_URL.fullmatch(url):
+            raise ValueError(
+                "write smtp://user:password@host:587 (STARTTLS), smtps://user:password@host:465 "
+                "or, without a password, smtp://host:25?tls=none; %40 is @ in a password"
+            )
+        return url
 
     @model_validator(mode="before")
     @classmethod
@@ -216,6 +247,8 @@ class Settings(BaseModel):
             raise ValueError("lease_s must be more than twice heartbeat_s, or live runs are lost")
         if self.metrics == "token" and not self.metrics_token:
             raise ValueError("metrics is `token`, so metrics_token must be set")
+        if self.mail_url and not (self.mail_from and self.url):
+            raise ValueError("mail_url is set, so mail_from and url must be set: of what is sent")
         return self
 
     def model_post_init(self, context: object, /) -> None:

@@ -56,6 +56,7 @@ class User(Base):
     created_at: Mapped[float]
     disabled_at: Mapped[float | None]  # by an admin: the account is refused everywhere
     quota_day: Mapped[int | None]  # runs in 24 h, instead of the setting
+    notify_minutes: Mapped[int | None]  # e-mail about runs that took as long; NULL: none
     # What the page of the user shows; empty: nothing.
     public_name: Mapped[str] = mapped_column(String(80), default="", server_default="")
     affiliation: Mapped[str] = mapped_column(String(120), default="", server_default="")

@@ -6,8 +6,8 @@ session, token or audit entry, and adds and deletes neither runs nor accounts.
 
 from sqlalchemy import Connection, inspect, text
 
-# Tables that workers only read, those that they also change, and those whose rows they also add
-# and delete.
+# Tables that workers only read, those that they also change, those whose rows they also add and
+# delete.
 READ = (
     *("alembic_version", "data_folder", "assignments", "classes", "memberships", "sweeps"),
     "rejudgements",
@@ -17,6 +17,7 @@ OWN = (
     *("best", "checks", "counters", "disk_usage", "paces", "rank_points", "results"),
     *("score_counts", "turns", "workers"),
 )
+ADDED = ("run_notices",)  # to which they only add
 _USERS_HIDDEN = frozenset(("password_hash",))
 # What only the role of the service may do; see seamark.worker.service.maintenance.
 BEYOND = ("users", "audit_entries")
@@ -47,6 +48,7 @@ def grant(connection: Connection, role: str) -> None:
         f"GRANT SELECT ON {', '.join((*READ, *CHANGED))} TO {name}",
         f"GRANT SELECT ({shown}) ON users TO {name}",
         f"GRANT UPDATE ON {', '.join(CHANGED)} TO {name}",
+        f"GRANT INSERT ON {', '.join(ADDED)} TO {name}",
         f"GRANT SELECT, INSERT, UPDATE, DELETE ON {', '.join(OWN)} TO {name}",
         f"GRANT USAGE ON ALL SEQUENCES IN SCHEMA public TO {name}",
     ):

@@ -18,6 +18,7 @@ from seamark.server.accounts.profiles import Profile
 from seamark.server.database.account_tables import AccountDeletion, PasswordReset
 from seamark.server.database.class_tables import Classroom, Membership
 from seamark.server.database.engine import Database
+from seamark.server.database.mail_tables import MailAddress, OutgoingMail, RunNotice
 from seamark.server.database.submission_tables import KeyOfSubmission
 from seamark.server.database.tables import (
     Best,
@@ -44,7 +45,8 @@ def close(session: Session, user_id: int, *, keep_published: bool) -> None:
     if not keep_published:
         _withdraw_all(session, user_id)
     secrets = (Token, BrowserSession, Invitation, PasswordReset, KeyOfSubmission)
-    for table in (*secrets, Check, Membership):
+    mail = (MailAddress, OutgoingMail, RunNotice)
+    for table in (*secrets, *mail, Check, Membership):
         session.execute(delete(table).where(table.user_id == user_id))
     session.execute(delete(Classroom).where(Classroom.teacher_id == user_id))
     # No name that a person may choose has a space, so nobody can have this one.
@@ -52,7 +54,9 @@ def close(session: Session, user_id: int, *, keep_published: bool) -> None:
     anonymous = {"name": name, "name_key": name.casefold(), "password_hash": None}
     profile = asdict(Profile())
     change = update(User).where(User.id == user_id)
-    session.execute(change.values(**anonymous, **profile, role=Role.USER.label))
+    session.execute(
+        change.values(**anonymous, **profile, role=Role.USER.label, notify_minutes=None)
+    )
     session.add(AccountDeletion(user_id=user_id, requested_at=time.time()))
 
 

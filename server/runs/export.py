@@ -8,10 +8,13 @@ from io import RawIOBase
 from pathlib import Path
 from typing import Any
 
+from sqlalchemy.orm import Session
+
 from seamark.server.accounts import accounts, profiles
 from seamark.server.accounts.permissions import Viewer
 from seamark.server.classes import classrooms
 from seamark.server.database.engine import Database
+from seamark.server.database.mail_tables import MailAddress
 from seamark.server.database.tables import User
 from seamark.server.programs import store
 from seamark.server.runs import run_lists, stored_files, views
@@ -55,6 +58,7 @@ def _account(database: Database, viewer: Viewer) -> dict[str, Any]:
             "role": user.role,
             "profile": asdict(profiles.of(user)),
             "created_at": user.created_at,
+            "mail": _mail(session, user),
             "tokens": [
                 {"name": token.name, "created_at": token.created_at, "scopes": token.scopes}
                 for token in accounts.tokens(session, user_id)
@@ -62,6 +66,15 @@ def _account(database: Database, viewer: Viewer) -> dict[str, Any]:
             "classes_joined": [each.name for each in classrooms.joined_by(session, user_id)],
             "classes_taught": [each.name for each in classrooms.taught_by(session, user_id)],
         }
+
+
+def _mail(session: Session, user: User) -> dict[str, Any]:
+    found = session.get(MailAddress, user.id) or MailAddress()
+    return {
+        "address": found.address,
+        "not_confirmed": found.pending,
+        "notify_minutes": user.notify_minutes,
+    }
 
 
 def _run_ids(database: Database, viewer: Viewer) -> Iterator[int]:

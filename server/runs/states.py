@@ -13,7 +13,7 @@ from sqlalchemy.sql.dml import ReturningUpdate
 from seamark.server import meters
 from seamark.server.database.engine import after_commit
 from seamark.server.database.tables import Run
-from seamark.server.runs import turns
+from seamark.server.runs import run_notices, turns
 
 
 class RunState(StrEnum):
@@ -46,6 +46,7 @@ NEXT_STATES: dict[RunState, frozenset[RunState]] = {
 }
 LIVE = tuple(NEXT_STATES)
 FINAL = tuple(state for state in RunState if state.final)
+_TOLD = (RunState.SUCCEEDED, RunState.FAILED)  # by e-mail; who cancels a run knows
 
 
 _NEW = "new_"  # before the names of bound values: those of columns are reserved
@@ -94,6 +95,8 @@ def move(
     if (loaded := session.identity_map.get(identity_key(Run, run_id))) is not None:
         session.expire(loaded, ["state", "attempt", *values])
     turns.refresh(session, moved.owner, served=new is RunState.RUNNING)
+    if new in _TOLD:
+        run_notices.note(session, run_id)
     if new.final:
         ended = meters.RUNS_ENDED.labels(moved.kind, new, values.get("cause") or "")
         after_commit(session, ended.inc)

@@ -70,6 +70,8 @@ class Host:
         """Return the processes beside the pool: name -> arguments of the Python interpreter."""
         parent = str(os.getpid())
         commands = {"maintenance": ["-m", "seamark.worker.service.maintenance", parent]}
+        if self.settings.mail_url:
+            commands["mail"] = ["-m", "seamark.worker.service.mail_sender", parent]
         if self.languages:
             cores = sorted(os.sched_getaffinity(0), reverse=True)
             for number in range(CHECK_LANES):

@@ -15,6 +15,7 @@ from seamark.server import workers
 from seamark.server.checks import queue as check_queue
 from seamark.server.database import worker_role
 from seamark.server.database.engine import Database
+from seamark.server.database.mail_tables import RunNotice
 from seamark.server.database.schema import check_all, upgrade
 from seamark.server.database.tables import Best, Worker
 from seamark.server.programs import store
@@ -29,7 +30,7 @@ from tests.cast import Backend
 ROLE = "seamark_worker"
 WITHHELD = {
     *("account_deletions", "audit_entries", "browser_sessions", "invitations", "password_resets"),
-    *("submission_keys", "tokens", "users"),
+    *("mail_addresses", "outgoing_mails", "submission_keys", "tokens", "users"),
 }
 REFUSED = (
     "SELECT password_hash FROM users",
@@ -38,6 +39,8 @@ REFUSED = (
     "SELECT hash FROM tokens",
     "SELECT hash FROM invitations",
     "SELECT * FROM password_resets",
+    "SELECT * FROM mail_addresses",
+    "SELECT * FROM run_notices",
     "SELECT * FROM audit_entries",
     "DELETE FROM audit_entries",
     "UPDATE users SET role = 'admin'",
@@ -143,10 +146,23 @@ def test_a_worker_is_refused_what_it_does_not_need(worker: Backend) -> None:
 
 
 def test_of_every_table_it_is_known_whether_workers_have_rights_on_it(service: Backend) -> None:
-    granted = {*worker_role.READ, *worker_role.CHANGED, *worker_role.OWN}
+    granted = {*worker_role.READ, *worker_role.CHANGED, *worker_role.OWN, *worker_role.ADDED}
 
     with service.database.engine.connect() as connection:
         assert {*inspect(connection).get_table_names()} == granted | WITHHELD
+
+
+def test_a_worker_notes_that_a_run_has_ended_without_reading_whom_to_tell(
+    service: Backend, worker: Backend
+) -> None:
+    with service.database.writing() as session:
+        session.execute(text("UPDATE users SET notify_minutes = 0 WHERE name = 'ann'"))
+    run_id = service.queue("ann")
+
+    assert worker.finish(worker.claim_next())
+
+    with service.database.reading() as session:
+        assert session.scalars(select(RunNotice.run_id)).all() == [run_id]
 
 
 def test_a_worker_leaves_to_others_what_its_role_may_not_do(
