@@ -60,7 +60,7 @@ def _copy(source: Path, target: Path) -> None:
     partial = target.with_name(target.name + ".partial")
     shutil.rmtree(partial, ignore_errors=True)
     if source.is_dir():
-        shutil.copytree(source, partial, ignore=NOT_COPIED)
+        shutil.copytree(source, partial, ignore=NOT_COPIED, ignore_dangling_symlinks=True)
     else:
         shutil.copy(source, partial)
     for path in (partial, *partial.rglob("*")):

@@ -17,6 +17,8 @@ from seamark.sandbox.runtime import BindMount, Runtime
 SHARED = Path(__file__).with_name("inside")
 PACKAGES = "/box/python"
 PACKAGE = "seamark_inside"  # an upload is unlikely to have this name
+HOMES = ("/home/", "/root/")
+PYTHON_INSIDE = Path("/box/interpreter")  # of an interpreter below a home
 
 
 def script_runtime(
@@ -70,17 +72,27 @@ def inside_mounts(packages: str, *folders: Path) -> list[BindMount]:
 def interpreter_files() -> tuple[tuple[str, ...], list[BindMount]]:
     """Return the command of this service's interpreter, and its files without any package."""
     interpreter = Path(os.path.realpath(sys.executable))
-    command = (str(interpreter), "-s", "-P", "-B", "-S", "-X", "utf8")
-    return command, [BindMount(interpreter, str(interpreter)), *_standard_library()]
+    command = (_target(interpreter), "-s", "-P", "-B", "-S", "-X", "utf8")
+    return command, [BindMount(interpreter, command[0]), *_standard_library()]
+
+
+def _target(file: Path) -> str:
+    """Return the path in the box of a file of the interpreter: no home is to be seen there."""
+    prefix = os.path.realpath(sys.base_prefix)
+    if prefix.startswith(HOMES) and file.is_relative_to(prefix):  # of pyenv or uv, for instance
+        return str(PYTHON_INSIDE / file.relative_to(prefix))
+    return str(file)
 
 
 def _standard_library() -> list[BindMount]:
     # The interpreter's own: in a virtual environment "platstdlib" would be the environment's
     # folder, with all of its packages.
-    base = {"base": sys.base_prefix, "platbase": sys.base_exec_prefix}
-    folders = {sysconfig.get_path(name, vars=base) for name in ("stdlib", "platstdlib")}
-    mounts = [BindMount(Path(folder), folder) for folder in sorted(folders)]
+    base = {"installed_base": sys.base_prefix, "platbase": sys.base_exec_prefix}
+    paths = [sysconfig.get_path(name, vars=base) for name in ("stdlib", "platstdlib")]
+    folders = {Path(os.path.realpath(path)) for path in paths}
+    mounts = [BindMount(folder, _target(folder)) for folder in sorted(folders)]
     if sys.base_prefix != "/usr":  # an interpreter outside /usr may bring its own library
-        shared = sorted(Path(sys.base_prefix, "lib").glob("libpython*.so*"))
-        mounts += [BindMount(Path(os.path.realpath(path)), str(path)) for path in shared]
+        libraries = Path(os.path.realpath(sys.base_prefix), "lib")
+        shared = sorted(libraries.glob("libpython*.so*"))
+        mounts += [BindMount(Path(os.path.realpath(path)), _target(path)) for path in shared]
     return mounts
