@@ -17,8 +17,9 @@ from seamark.failures import UsageRefused
 # and PyBullet: the runs of a service have contacts.
 SERVER = (
     *("alembic", "argon2", "celery", "flask", "flask_limiter", "flask_login", "flask_openapi3"),
-    *("flask_wtf", "gunicorn", "markdown_it", "obstore", "prometheus_client", "psycopg"),
-    *("pybullet", "pygments", "redis", "sqlalchemy", "structlog", "uvicorn", "uvicorn_worker"),
+    *("flask_wtf", "gunicorn", "markdown_it", "mcap_ros2", "obstore", "prometheus_client"),
+    *("psycopg", "pyarrow", "pybullet", "pygments", "redis", "sqlalchemy", "structlog", "uvicorn"),
+    "uvicorn_worker",
 )
 
 

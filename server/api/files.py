@@ -48,21 +48,22 @@ def telemetry_csv(path: RunPath, query: TelemetryQuery) -> Response:
     files = access.files_of(view)
     stop = files.row_count()
     answer = Response(
-        _csv(files, _comments(view, files, stop), query.start, stop),
+        _csv(files, comments(view, files, stop), query.start, stop),
         content_type="text/csv; charset=utf-8",
     )
-    _as_attachment(answer, view, "telemetry.csv")
+    as_attachment(answer, view, "telemetry.csv")
     answer.headers["X-Next-Row"] = str(max(stop, query.start))
     return answer
 
 
-def _csv(files: RunFiles, comments: list[str], start: int, stop: int) -> Iterator[str]:
-    yield telemetry.header(comments, width=len(files.columns))
+def _csv(files: RunFiles, lines: list[str], start: int, stop: int) -> Iterator[str]:
+    yield telemetry.header(lines, width=len(files.columns))
     for at in range(start, stop, CHUNK_ROWS):
         yield telemetry.csv_lines(files.rows(at, min(at + CHUNK_ROWS, stop)))
 
 
-def _comments(view: RunView, files: RunFiles, rows: int) -> list[str]:
+def comments(view: RunView, files: RunFiles, rows: int) -> list[str]:
+    """Return the lines above the rows of a CSV."""
     benchmark = registry.benchmark(view.benchmark)
     solution = view.program_name or benchmark.solution_label_of(view.controller, view.config)
     seed = view.seed if view.seed is not None else HIDDEN if seeds_hidden(view) else DISCLOSED
@@ -88,7 +89,7 @@ def telemetry_f64(path: RunPath, query: TelemetryQuery) -> Response:
     answer = Response(pieces, content_type="application/octet-stream")
     answer.headers["X-Columns"] = ",".join(files.columns)
     answer.headers["X-Next-Row"] = str(max(stop, query.start))
-    _as_attachment(answer, view, "telemetry.f64")
+    as_attachment(answer, view, "telemetry.f64")
     return answer
 
 
@@ -134,7 +135,7 @@ def config(path: RunPath) -> Response:
     """Download the configuration; `seamark run --config` reads it."""
     view = access.run_for(path.run_id)
     answer = jsonify(view.config)
-    _as_attachment(answer, view, "config.json")
+    as_attachment(answer, view, "config.json")
     return answer
 
 
@@ -161,7 +162,7 @@ def program(path: RunPath) -> Response:
     except FileNotFoundError:
         raise Problem("not-found", "The program has been deleted.") from None
     answer = Response(source, content_type="text/plain; charset=utf-8")
-    _as_attachment(answer, view, view.program_name or "program")
+    as_attachment(answer, view, view.program_name or "program")
     answer.set_etag(view.program_sha256)
     return caching.conditional(answer)
 
@@ -182,7 +183,8 @@ def camera(path: RunPath, query: CameraQuery) -> Response:
     return caching.conditional(answer)
 
 
-def _as_attachment(answer: Response, view: RunView, name: str) -> None:
+def as_attachment(answer: Response, view: RunView, name: str) -> None:
+    """Name the file as which a browser stores the answer."""
     answer.headers.set(
         "Content-Disposition", "attachment", filename=f"seamark-run-{view.id}-{name}"
     )

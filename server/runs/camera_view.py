@@ -16,6 +16,7 @@ import numpy as np
 import structlog
 from numpy.typing import NDArray
 
+from seamark.formats.jpeg import jpeg
 from seamark.server.runs import stored_files
 from seamark.server.runs.files import RunFiles
 from seamark.server.runs.seeds import TrialSeeds, trial_seeds
@@ -28,7 +29,6 @@ if TYPE_CHECKING:
     from seamark.sim.camera.camera import Camera
     from seamark.sim.engine.replay import Replay
 
-JPEG_QUALITY = 88
 IMAGES_KEPT = 64  # of 60 KB
 GREEN, AMBER, WHITE = (75, 230, 70), (0, 176, 255), (235, 240, 240)  # blue, green, red
 _CROSS_PX = 9  # half of the centre cross
@@ -142,14 +142,3 @@ def _outline(image: Image, corners: Row, colour: tuple[int, int, int], thickness
         return
     points = np.round(corners * (1 << _SUBPIXEL_BITS)).astype(np.int32)
     cv2.polylines(image, [points], True, colour, thickness, cv2.LINE_AA, _SUBPIXEL_BITS)
-
-
-def jpeg(image: Image) -> bytes:
-    """Return an image (H, W, 3) in blue, green, red as JPEG."""
-    import cv2  # noqa: PLC0415 - loads OpenCV
-
-    done, encoded = cv2.imencode(".jpg", image, [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY])
-    if not done:
-        raise RuntimeError("OpenCV could not encode the image")
-    data: bytes = encoded.tobytes()
-    return data

@@ -54,7 +54,7 @@ class RunFiles:
         chosen = attempt if attempt is not None else max(self.attempts(), default=0)
         self.attempt = chosen  # 0 while there are no files
         self.folder = self.root / str(chosen)
-        self._data = data
+        self.data, self.run_id = data, run_id
         self._made = False  # whether the folder was made here: it is never made again
         self._tail = b""
         self._written = 0
@@ -263,7 +263,7 @@ class RunFiles:
         try:
             if not self._made:
                 # Not by `parents`: a data folder that is away must not be replaced by a new one.
-                for folder in (self._data / "runs", self.root.parent, self.root, self.folder):
+                for folder in (self.data / "runs", self.root.parent, self.root, self.folder):
                     folder.mkdir(exist_ok=True)
                 self._made = True
             yield

@@ -10,6 +10,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from seamark.formats.jpeg import jpeg
 from seamark.server.runs import camera_view
 from seamark.server.runs.views import RunView
 from seamark.server.settings import Settings
@@ -73,7 +74,7 @@ def texture(settings: Settings, run: RunView, *, trial: int, level: int, part: P
     """Return the seabed's tile, columns to the north and rows to the east, or the target's top."""
     with camera_view.camera_of(settings, run, trial=trial, level=level) as camera:
         if part == "target":
-            return camera_view.jpeg(_top_of(camera.target))
+            return jpeg(_top_of(camera.target))
         ground = camera.ground
     return _seabed(ground)
 
@@ -96,7 +97,7 @@ def _seabed(ground: str) -> bytes:
     else:
         planes = [pictures.tile(ground)] * 3
     small = cv2.resize(np.dstack(planes), (TEXTURE_PX, TEXTURE_PX), interpolation=cv2.INTER_AREA)
-    return camera_view.jpeg(small.astype(np.uint8))
+    return jpeg(small.astype(np.uint8))
 
 
 def _top_of(target: Any) -> Surface:

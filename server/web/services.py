@@ -12,6 +12,7 @@ from seamark.server.database.engine import Database
 from seamark.server.messaging import broker
 from seamark.server.messaging.shared_meters import SharedMeters
 from seamark.server.programs.reader import ProgramReader
+from seamark.server.runs.conversions import Conversions
 from seamark.server.settings import Settings
 from seamark.server.streams.hub import Hub
 
@@ -26,6 +27,7 @@ class Services:
     streams: Hub
     celery: Celery
     reader: ProgramReader
+    conversions: Conversions
     meters: SharedMeters
 
     @classmethod
@@ -39,6 +41,7 @@ class Services:
             streams=Hub(database, settings),
             celery=broker.celery_app(settings),
             reader=ProgramReader(),
+            conversions=Conversions(),
             meters=SharedMeters(redis),
         )
 

@@ -23,7 +23,8 @@ def test_the_result_of_a_run_stays_without_its_data(site: Site) -> None:
 def test_deleted_files_are_gone_not_empty(site: Site) -> None:
     path = _delete(site)
 
-    for file in ("telemetry.csv", "telemetry.f64", "series.json?columns=x", "log", "camera.jpg"):
+    rows = ("telemetry.csv", "telemetry.f64", "telemetry.parquet", "archive.zip")
+    for file in (*rows, "series.json?columns=x", "log", "camera.jpg"):
         answer = site.call("owner", "GET", f"{path}/{file}")
         assert (answer.status_code, answer.get_json()["type"]) == (410, "/problems/data-deleted")
         assert "was deleted on 20" in answer.get_json()["detail"]

@@ -254,6 +254,7 @@ ROUTES: dict[tuple[str, str], Entry] = {
         everybody, path="/api/v1/leaderboards/currents-v1"
     ),
     ("GET", "/api/v1/environment"): OPEN,
+    ("GET", "/api/v1/foxglove-layout.json"): OPEN,
     ("GET", "/api/v1/me"): OPEN,
     ("GET", "/api/v1/me/data.zip"): Entry(reads_account),
     ("GET", "/api/v1/runs"): Entry(lists),
@@ -261,6 +262,8 @@ ROUTES: dict[tuple[str, str], Entry] = {
     ("POST", "/api/v1/checks"): Entry(uploads, 422, options=UPLOAD),  # there is no worker
     ("GET", "/api/v1/checks/<int:check_id>"): Entry(reads_its_own, path="/api/v1/checks/{check}"),
     **_reading("", "/events", "/telemetry.csv", "/telemetry.f64", "/series.json", "/metrics.json"),
+    **_reading("/telemetry.parquet", "/telemetry.mcap", "/telemetry.npz", "/telemetry.mat"),
+    **_reading("/archive.zip"),
     **_reading("/manifest.json", "/config.json", "/log", "/program", "/camera.jpg", "/dataset.zip"),
     **_reading("/scene.json", "/texture.jpg", "/moments.json"),
     ("GET", "/compare"): Entry(reads_run, path="/compare?runs={run},{other}"),

@@ -4,6 +4,7 @@ What a caller may do is written in `callers`, and for which routes it counts in 
 """
 
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -16,6 +17,7 @@ from seamark.server.classes import assignments, classrooms
 from seamark.server.classes.assignments import Draft
 from seamark.server.database.rejudgement_tables import Rejudgement
 from seamark.server.database.sweep_tables import Sweep
+from seamark.server.runs.conversions import Conversions
 from seamark.server.web import authentication
 from tests.cast import Backend
 from tests.server.api.conftest import Site
@@ -38,6 +40,9 @@ def site(backend: Backend) -> Iterator[Site]:
     app = create_app(settings)
     app.config.update(WTF_CSRF_METHODS=[])
     site = Site(backend.database, settings, backend.viewers, app, headers={})
+    # Who may have a file is decided before it is written; writing them all takes minutes.
+    written = Conversions(command=("true",))
+    app.extensions["seamark"] = replace(site.services, conversions=written)
     yield site
     site.services.close()
 

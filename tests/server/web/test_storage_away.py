@@ -128,7 +128,10 @@ def test_without_the_data_folder_pages_show_what_the_database_has(
 
 @pytest.mark.parametrize(
     "file",
-    ["telemetry.csv", "telemetry.f64", "series.json?columns=x", "log", "camera.jpg", "dataset.zip"],
+    [
+        *("telemetry.csv", "telemetry.f64", "telemetry.npz", "archive.zip"),
+        *("series.json?columns=x", "log", "camera.jpg", "dataset.zip"),
+    ],
 )
 def test_without_the_data_folder_its_files_are_unavailable_not_empty(
     away: Browser, recorded: int, file: str

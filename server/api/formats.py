@@ -1,0 +1,151 @@
+"""Runs in the formats of other programs, at any time, also while they are running."""
+
+from __future__ import annotations
+
+import hashlib
+from typing import Any
+
+from flask import Response, g, request
+from flask_openapi3.blueprint import APIBlueprint
+from flask_openapi3.models.tag import Tag
+
+from seamark.formats import mat
+from seamark.formats.registry import FORMATS, REVISION, Format
+from seamark.formats.ros import layout
+from seamark.server.accounts.permissions import Action, Viewer, can
+from seamark.server.api import files as run_files
+from seamark.server.api.operation_ids import operation_id
+from seamark.server.api.schemas import RunPath
+from seamark.server.programs import store
+from seamark.server.runs.conversions import ConversionsBusy, Job
+from seamark.server.runs.files import RunFiles
+from seamark.server.runs.seeds import trial_seeds
+from seamark.server.runs.views import RunView
+from seamark.server.web import access, caching, rate_limits
+from seamark.server.web.problems import Problem
+from seamark.server.web.services import services
+from seamark.sim.recording.manifest import versions
+
+_BUSY_RETRY_S = 10
+
+api = APIBlueprint(
+    "api_formats",
+    __name__,
+    url_prefix="/api/v1",
+    operation_id_callback=operation_id,
+    abp_tags=[Tag(name="Data", description="The data of a run, at any time.")],
+)
+
+
+def _content_of(media_type: str, kind: str) -> Any:
+    return {200: {"content": {media_type: {"schema": {"type": kind}}}}}
+
+
+def _content(name: str) -> Any:
+    return _content_of(FORMATS[name].media_type, "string")
+
+
+@api.get("/runs/<int:run_id>/telemetry.parquet", responses=_content("parquet"))
+def telemetry_parquet(path: RunPath) -> Response:
+    """Download all rows so far as Apache Parquet; the metadata of a column has its unit."""
+    return _converted(path.run_id, FORMATS["parquet"])
+
+
+@api.get("/runs/<int:run_id>/telemetry.mcap", responses=_content("mcap"))
+def telemetry_mcap(path: RunPath) -> Response:
+    """Download all rows so far as MCAP: ROS 2 messages with poses and camera images, for Foxglove.
+
+    An image per second of simulated time, 600 at most; the layout for Foxglove is attached.
+    """
+    return _converted(path.run_id, FORMATS["mcap"])
+
+
+@api.get("/foxglove-layout.json", responses=_content_of("application/json", "object"))
+def foxglove_layout() -> Response:
+    """Download the layout with which Foxglove shows a run that was downloaded as MCAP."""
+    answer = Response(layout.TEXT, content_type="application/json")
+    answer.headers.set("Content-Disposition", "attachment", filename=layout.FILE)
+    answer.add_etag()
+    return caching.conditional(answer)
+
+
+@api.get("/runs/<int:run_id>/telemetry.npz", responses=_content("npz"))
+def telemetry_npz(path: RunPath) -> Response:
+    """Download all rows so far for NumPy: a structured array, and arrays with the units."""
+    return _converted(path.run_id, FORMATS["npz"])
+
+
+@api.get("/runs/<int:run_id>/telemetry.mat", responses=_content("mat"))
+def telemetry_mat(path: RunPath) -> Response:
+    """Download all rows so far as a MAT-file (version 7): a variable for each column."""
+    return _converted(path.run_id, FORMATS["mat"])
+
+
+@api.get("/runs/<int:run_id>/archive.zip", responses=_content("archive"))
+def archive(path: RunPath) -> Response:
+    """Download manifest, configuration, metrics, telemetry and program for `seamark rerun`.
+
+    The program is in the archive of your own and of public runs. A run that has not ended has no
+    manifest and no metrics yet.
+    """
+    return _converted(path.run_id, FORMATS["archive"])
+
+
+def _converted(run_id: int, kind: Format) -> Response:
+    view = access.run_for(run_id)
+    files = access.files_of(view)
+    job, program = _job(view, files, kind)
+    if kind.name == "mat" and (reason := mat.refusal(job.rows)):
+        raise Problem("conflict", reason)
+    line = job.request(kind, files)
+    version = f"{versions()['seamark']} {REVISION}"
+    answer = Response(content_type=kind.media_type)
+    answer.set_etag(hashlib.sha256(line + version.encode()).hexdigest())
+    run_files.as_attachment(answer, view, kind.file)
+    if request.if_none_match.contains(answer.get_etag()[0] or ""):
+        return caching.conditional(answer)
+    try:
+        conversion = services().conversions.start(line + program, owner=rate_limits.client())
+    except ConversionsBusy:
+        raise Problem(
+            "unavailable",
+            "Other files are being written.",
+            headers={"Retry-After": str(_BUSY_RETRY_S)},
+        ) from None
+    answer.response = conversion  # which is closed with it
+    return answer
+
+
+def _job(view: RunView, files: RunFiles, kind: Format) -> tuple[Job, bytes]:
+    """Return what is to be written, and the program if the archive has it."""
+    count = files.row_count()
+    settings = services().settings
+    manifest = view.manifest or files.manifest()
+    metrics = view.metrics or files.metrics()
+    program = _program(view) if kind.name == "archive" else None
+    job = Job(
+        title=f"Run {view.id}",
+        benchmark=view.benchmark,
+        config=view.config,
+        rows=count,
+        seeds=list(map(trial_seeds(view, settings), range(view.trials)))
+        if kind.name == "mcap"
+        else None,
+        comments=run_files.comments(view, files, count),
+        manifest=run_files.without_hidden_seeds(manifest, view),
+        metrics=run_files.without_hidden_seeds(metrics, view),
+        program=None if program is None else view.program_name or "program",
+        extra_files={},
+    )
+    return job, program or b""
+
+
+def _program(view: RunView) -> bytes | None:
+    """Return the uploaded program if the viewer may have it; None too if it was deleted."""
+    viewer: Viewer = g.viewer
+    if view.program_sha256 is None or not can(viewer, Action.VIEW_PROGRAM, view):
+        return None
+    try:
+        return store.read(services().settings, view.program_sha256)
+    except FileNotFoundError:
+        return None

@@ -1,0 +1,103 @@
+"""The process that writes one run in one format: limited in CPU time and memory, then gone.
+
+Protocol: a line of JSON with the job and then the program, if any, on standard input; the file on
+standard output. Started by `conversions`.
+"""
+
+import json
+import os
+import resource
+import signal
+import sys
+import time
+from pathlib import Path
+from typing import Any, BinaryIO
+
+from seamark.formats.recording import Program, Recording
+from seamark.formats.registry import FORMATS
+from seamark.server.runs.files import RunFiles
+
+CPU_S = 900  # the largest run as MCAP, with its images, takes a third of it
+DATA_MIB = 2048  # beyond this a format does not keep its promise; Arrow and OpenCV need 400
+OPEN_FILES = 128
+NICENESS = 10  # pages go first
+PATIENCE_S = 60.0  # for a client that takes nothing, and
+PACE_BYTES_S = 50_000.0  # this much longer for what it has taken: a place is not held for ever
+
+
+def main() -> None:
+    """Write one file."""
+    _limit()
+    job: dict[str, Any] = json.loads(sys.stdin.buffer.readline())
+    recording = _recording(job, sys.stdin.buffer.read())
+    FORMATS[job["format"]].write(recording, _Paced(sys.stdout.buffer))  # type: ignore[arg-type]
+    sys.stdout.buffer.flush()
+
+
+def _recording(job: dict[str, Any], program: bytes) -> Recording:
+    files = RunFiles(Path(job["data"]), job["run"], job["attempt"])
+    return Recording(
+        title=job["title"],
+        benchmark=job["benchmark"],
+        config=job["config"],
+        width=len(files.columns),
+        row_count=job["rows"],
+        read=files.rows,
+        seeds=job["seeds"],
+        comments=job["comments"],
+        manifest=job["manifest"],
+        metrics=job["metrics"],
+        program=Program(job["program"], program) if job["program"] else None,
+        extra_files=job["extra_files"],
+    )
+
+
+class _Paced:
+    """A file for writing that ends the process if nobody takes what is written."""
+
+    def __init__(self, file: BinaryIO) -> None:
+        self._file = file
+        self._began_at = time.monotonic()
+        self._written = 0
+
+    def write(self, data: Any) -> int:
+        """Write all of the data."""
+        allowed_s = PATIENCE_S + self._written / PACE_BYTES_S
+        left_s = allowed_s - (time.monotonic() - self._began_at)
+        signal.setitimer(signal.ITIMER_REAL, max(left_s, PATIENCE_S))  # SIGALRM kills
+        count = self._file.write(data)
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        self._written += count
+        return count
+
+    def tell(self) -> int:
+        """Return how much was written."""
+        return self._written
+
+    def flush(self) -> None:
+        """Pass on what was written."""
+        self._file.flush()
+
+    @property
+    def closed(self) -> bool:
+        """Return whether it is closed: it never is."""
+        return False
+
+    def close(self) -> None:
+        """Do nothing: the process ends."""
+
+
+def _limit() -> None:
+    """Limit this process; what it has used for its start counts."""
+    os.nice(NICENESS)
+    for kind, most in (
+        (resource.RLIMIT_CPU, CPU_S),
+        (resource.RLIMIT_DATA, DATA_MIB << 20),
+        (resource.RLIMIT_NOFILE, OPEN_FILES),
+        (resource.RLIMIT_CORE, 0),
+    ):
+        resource.setrlimit(kind, (most, most))
+
+
+if __name__ == "__main__":
+    main()
