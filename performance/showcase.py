@@ -21,7 +21,7 @@ from seamark.server.classes import assignments, classrooms
 from seamark.server.classes.assignments import Draft
 from seamark.server.database.engine import Database
 from seamark.server.database.tables import Run, User
-from seamark.server.runs import results
+from seamark.server.runs import publications
 from seamark.server.runs.states import LIVE
 from seamark.server.settings import Settings
 from tests.services.embedded import cancel_baselines, started
@@ -92,7 +92,7 @@ def _fill(
     _wait(database)
     with database.writing() as session:
         for run_id in ranked:
-            results.publish(session, run_id)
+            publications.publish(session, run_id)
     return own, failed, ranked[-1]
 
 

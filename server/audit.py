@@ -41,6 +41,7 @@ class AuditAction(StrEnum):
     TOKEN_REVOKED = "token_revoked"  # noqa: S105
     RUN_PUBLISHED = "run_published"
     RUN_WITHDRAWN = "run_withdrawn"
+    RUN_REVEALED = "run_revealed"  # the author of an anonymous one
     RUN_CANCELLED = "run_cancelled"  # by somebody else than its owner
     WORKER_DRAINED = "worker_drained"
     WORKER_RESUMED = "worker_resumed"

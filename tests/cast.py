@@ -14,8 +14,9 @@ from seamark.server.accounts.permissions import Role, Viewer
 from seamark.server.database.engine import Database
 from seamark.server.programs import preparation, store
 from seamark.server.programs.store import StoredProgram
+from seamark.server.runs import publications, results, submission, views
 from seamark.server.runs import queue as run_queue
-from seamark.server.runs import results, submission, views
+from seamark.server.runs.publications import Terms
 from seamark.server.runs.queue import Claim
 from seamark.server.runs.results import Report
 from seamark.server.runs.states import RunKind, RunState
@@ -130,9 +131,9 @@ class Backend:
     def published(self, who: str = "eva", **changes: Any) -> int:
         return self.publish(self.succeeded(who, **changes))
 
-    def publish(self, run_id: int) -> int:
+    def publish(self, run_id: int, **terms: Any) -> int:
         with self.database.writing() as session:
-            assert results.publish(session, run_id)
+            assert publications.publish(session, run_id, Terms(**terms))
         return run_id
 
     def cancel(self, run_id: int) -> bool:

@@ -145,14 +145,16 @@ class Owned(Protocol):
     @property
     def public(self) -> bool: ...  # noqa: D102
     @property
+    def program_public(self) -> bool: ...  # noqa: D102 - False: only the results are published
+    @property
     def teacher_id(self) -> int | None: ...  # noqa: D102 - of the class it was submitted for
 
 
 def can(viewer: Viewer, action: Action, run: Owned | None = None) -> bool:
     """Return whether `viewer` may perform `action`, on `run` if it applies to a run."""
     rule = RULES[action]
-    if run is not None and run.public and action in _READS:
-        return True  # everybody may, so no scope is needed
+    if run is not None and _everybody_may(action, run):
+        return True  # so no scope is needed
     if viewer.role < rule.role or rule.scope not in viewer.scopes:
         return False
     if rule.in_browser and viewer.token_expires_at is not None:
@@ -160,6 +162,10 @@ def can(viewer: Viewer, action: Action, run: Owned | None = None) -> bool:
     if action not in _ON_RUN:
         return True
     return run is not None and _may_on_run(viewer, action, run)
+
+
+def _everybody_may(action: Action, run: Owned) -> bool:
+    return run.public and (action is Action.VIEW or (action in _READS and run.program_public))
 
 
 def grantable(viewer: Viewer) -> tuple[str, ...]:
@@ -173,7 +179,7 @@ def _may_on_run(viewer: Viewer, action: Action, run: Owned) -> bool:
     if owns(viewer, run):
         return True
     if action is Action.RERUN:
-        return run.public
+        return run.public and run.program_public
     if action is Action.WITHDRAW and run.public and can(viewer, Action.MODERATE):
         return True
     if action in _READS and run.teacher_id is not None and teaches(viewer, run.teacher_id):

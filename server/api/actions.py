@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
-from flask import Response
+from flask import Response, request
 from flask_openapi3.blueprint import APIBlueprint
 from flask_openapi3.models.tag import Tag
 from sqlalchemy.orm import Session
 
 from seamark.server.accounts.permissions import Action
+from seamark.server.api import request_body
 from seamark.server.api.operation_ids import operation_id
+from seamark.server.api.publication_schemas import PublicationRequest
 from seamark.server.api.run_lists import RunEdit
 from seamark.server.api.schemas import RunPath, RunResponse, run_answer
 from seamark.server.runs import cancellation, deletion, retention, run_notes, views
+from seamark.server.runs.publications import PublicationRefused
 from seamark.server.web import access, publication
 from seamark.server.web.problems import Problem
 from seamark.server.web.services import services
@@ -40,14 +44,35 @@ def cancel(path: RunPath) -> dict[str, Any]:
 
 @api.post("/runs/<int:run_id>/publish", responses={200: RunResponse})
 def publish(path: RunPath) -> dict[str, Any]:
-    """Make a finished run public; a ranked one enters the leaderboard."""
+    """Make a finished run public; a ranked one enters the leaderboard.
+
+    The body may be left out: then the program is public too, without a licence, under your name.
+    """
+    wanted = PublicationRequest.model_validate({})
+    if request.content_length:
+        wanted = request_body.json_body(PublicationRequest)
     before = access.run_for(path.run_id, Action.PUBLISH)
     why_not = (
         "The run is already public."
         if before.public
         else "Only a finished run that has its data can be published."
     )
-    _change(path.run_id, publication.publish, why_not)
+    try:
+        _change(path.run_id, partial(publication.publish, terms=wanted.terms()), why_not)
+    except PublicationRefused as refusal:
+        errors = {refusal.field: str(refusal)}
+        raise Problem("invalid-request", str(refusal), errors=errors) from None
+    return _answer(path.run_id)
+
+
+@api.post("/runs/<int:run_id>/reveal", responses={200: RunResponse})
+def reveal(path: RunPath) -> dict[str, Any]:
+    """Show who made a run that is published for review.
+
+    With a ranked run, your other ranked runs of the same benchmark show your name as well.
+    """
+    access.run_for(path.run_id, Action.PUBLISH)
+    _change(path.run_id, publication.reveal, "The run is not published anonymously.")
     return _answer(path.run_id)
 
 

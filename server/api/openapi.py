@@ -17,6 +17,7 @@ from seamark.server.api.class_schemas import (
     ClassRequest,
     JoinRequest,
 )
+from seamark.server.api.publication_schemas import PublicationRequest
 from seamark.server.api.schemas import InvitationsRequest, RunRequest, TokenRequest
 from seamark.server.api.sweeps import SweepRequest
 from seamark.server.web.problems import MEDIA_TYPE, PROBLEM_TYPES
@@ -27,6 +28,7 @@ _REF = "#/components/schemas/{model}"
 _SECURITY: list[dict[str, list[str]]] = [{}, {"token": []}, {"cookie": []}]
 _REFUSALS = (400, 401, 403, 404, 409, 410, 422, 500, 503)
 _REFUSALS_OF_CHANGES = (413, 415, 429)
+_PUBLISH = "runs/{run_id}/publish"
 _JSON_BODIES: dict[tuple[str, str], type[BaseModel]] = {
     ("post", "tokens"): TokenRequest,
     ("post", "invitations"): InvitationsRequest,
@@ -35,6 +37,7 @@ _JSON_BODIES: dict[tuple[str, str], type[BaseModel]] = {
     ("patch", "classes/{class_id}"): ClassChange,
     ("post", "classes/{class_id}/assignments"): AssignmentRequest,
     ("patch", "assignments/{assignment_id}"): AssignmentChange,
+    ("post", _PUBLISH): PublicationRequest,
 }
 _BINARY = ("image/", "application/octet-stream", "application/zip")
 PROBLEM_SCHEMA: dict[str, Any] = {
@@ -122,7 +125,10 @@ def _add_bodies(paths: dict[str, Any], schemas: dict[str, Any]) -> None:
 
 
 def _add_body(paths: dict[str, Any], method: str, path: str, content: dict[str, Any]) -> None:
-    paths[f"/api/v1/{path}"][method]["requestBody"] = {"required": True, "content": content}
+    paths[f"/api/v1/{path}"][method]["requestBody"] = {
+        "required": path != _PUBLISH,
+        "content": content,
+    }
 
 
 def _as_json(model: type[BaseModel]) -> dict[str, Any]:

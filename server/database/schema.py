@@ -19,6 +19,7 @@ from seamark.server.database.class_tables import Classroom
 from seamark.server.database.disk_tables import DiskUsage
 from seamark.server.database.engine import Database
 from seamark.server.database.mail_tables import MailAddress
+from seamark.server.database.publication_tables import Publication
 from seamark.server.database.queue_tables import Turn
 from seamark.server.database.rank_tables import RankPoint
 from seamark.server.database.rejudgement_tables import Rejudgement
@@ -33,7 +34,7 @@ _FOLDER = Path(migrations.__file__).parent
 # A table of each module of tables: its import declares the others of the module.
 _TABLES = (
     *(Turn, RankPoint, Classroom, AccountDeletion, Sweep, KeyOfSubmission, AuditEntry, DiskUsage),
-    *(Rejudgement, MailAddress),
+    *(Rejudgement, MailAddress, Publication),
 )
 
 

@@ -16,6 +16,7 @@ from sqlalchemy import (
     false,
     literal,
     text,
+    true,
 )
 from sqlalchemy.orm import DeclarativeBase, Mapped, mapped_column
 
@@ -157,6 +158,10 @@ class Run(Base):
     isolation: Mapped[str | None] = mapped_column(String(10))
     public: Mapped[bool] = mapped_column(default=False)
     published_at: Mapped[float | None]
+    anonymous: Mapped[bool] = mapped_column(default=False, server_default=false())  # while public
+    program_public: Mapped[bool] = mapped_column(default=True, server_default=true())
+    licence: Mapped[str | None] = mapped_column(String(40))  # SPDX, of the program
+    draw: Mapped[int | None]  # of fresh water for the same submission; NULL: the first
     # [B] of its files and its program: an estimate from above until they are measured
     data_bytes: Mapped[int] = mapped_column(BigInteger, default=0, server_default="0")
     data_measured: Mapped[bool] = mapped_column(default=False, server_default=false())
@@ -325,7 +330,7 @@ class Best(Base):
             "benchmark",
             text("score DESC"),
             "reached_at",
-            "user_id",
+            "run_id",
             "is_baseline",  # so that counting people reads the index alone
         ),
         Index(

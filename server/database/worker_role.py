@@ -12,10 +12,10 @@ READ = (
     *("alembic_version", "data_folder", "assignments", "classes", "memberships", "sweeps"),
     "rejudgements",
 )
-CHANGED = ("runs", "assigned_runs", "rejudged_runs")
+CHANGED = ("runs", "assigned_runs", "rejudged_runs", "verifications")
 OWN = (
     *("best", "checks", "counters", "disk_usage", "paces", "rank_points", "results"),
-    *("score_counts", "turns", "workers"),
+    *("publications", "score_counts", "turns", "workers"),
 )
 ADDED = ("run_notices",)  # to which they only add
 _USERS_HIDDEN = frozenset(("password_hash",))

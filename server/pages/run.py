@@ -30,7 +30,6 @@ from seamark.sim.settings.grid import axes
 
 LOG_SHOWN = 64 * 1024  # [character] of the log on the page; the download has all
 LAST_LINES = 40  # of the log, beside the cause of a failure
-_NOT_PUBLISHABLE = "Only a finished run that has its data can be published."
 page = Blueprint("run", __name__, url_prefix="/runs")
 
 
@@ -102,14 +101,6 @@ def cancel(run_id: int) -> ResponseReturnValue:
     cancelled = cancellation.cancel(held.database, held.redis, run_id, not_owner=by)
     done = "The run is cancelled. What it recorded so far is kept."
     return _back(run_id, cancelled, done, "The run had already ended.")
-
-
-@page.post("/<row:run_id>/publish")
-def publish(run_id: int) -> ResponseReturnValue:
-    """Make a run public."""
-    access.run_for(run_id, Action.PUBLISH)
-    done = "The run is now public, with its program and its data."
-    return _change(run_id, publication.publish, done, _NOT_PUBLISHABLE)
 
 
 @page.post("/<row:run_id>/withdraw")

@@ -21,7 +21,6 @@ from seamark.server.database.engine import Database
 from seamark.server.database.mail_tables import MailAddress, OutgoingMail, RunNotice
 from seamark.server.database.submission_tables import KeyOfSubmission
 from seamark.server.database.tables import (
-    Best,
     BrowserSession,
     Check,
     Invitation,
@@ -29,7 +28,7 @@ from seamark.server.database.tables import (
     Token,
     User,
 )
-from seamark.server.runs import deletion, leaderboard, results
+from seamark.server.runs import deletion, publications, results
 from seamark.server.runs.states import LIVE
 from seamark.server.settings import Settings
 
@@ -43,7 +42,7 @@ def close(session: Session, user_id: int, *, keep_published: bool) -> None:
     for run_id in session.scalars(live).all():
         results.cancel(session, run_id)
     if not keep_published:
-        _withdraw_all(session, user_id)
+        publications.withdraw_all(session, _own(user_id))
     secrets = (Token, BrowserSession, Invitation, PasswordReset, KeyOfSubmission)
     mail = (MailAddress, OutgoingMail, RunNotice)
     for table in (*secrets, *mail, Check, Membership):
@@ -80,15 +79,6 @@ def step(database: Database, settings: Settings) -> bool:
 
 def _own(user_id: int) -> ColumnElement[bool]:
     return Run.owner == (Viewer(user_id=user_id).owner or "")
-
-
-def _withdraw_all(session: Session, user_id: int) -> None:
-    """Make all runs private in one statement, then take the account off each leaderboard."""
-    boards = session.scalars(select(Best.benchmark).where(Best.user_id == user_id)).all()
-    public = update(Run).where(_own(user_id), Run.public)
-    session.execute(public.values(public=False, published_at=None))
-    for benchmark in boards:
-        leaderboard.refresh(session, benchmark, user_id)
 
 
 def _complete(session: Session, user_id: int) -> None:

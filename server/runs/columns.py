@@ -64,6 +64,9 @@ class PublicRun(RunSpec):
     isolation: str | None
     public: bool
     published_at: float | None
+    anonymous: bool = False  # published for review: `user` is no name
+    program_public: bool = True  # published with its program and log, not the results only
+    licence: str | None = None  # SPDX identifier; None: none is granted here
     data_bytes: int  # of its files and its program; an estimate from above until it has ended
     data_deleted_at: float | None  # telemetry, log and program are gone since then
     metrics: dict[str, Any] | None = None

@@ -14,7 +14,7 @@ from sqlalchemy.orm import Session
 
 from seamark.server.database.advisory_locks import AdvisoryLock, acquire
 from seamark.server.database.tables import IS_BASELINE, Best, Result, Run, User
-from seamark.server.runs import board_metrics, rank_history, score_counts, solutions
+from seamark.server.runs import anonymity, board_metrics, rank_history, score_counts, solutions
 from seamark.server.runs.quota import ranked_ended
 from seamark.server.runs.ranking import Estimate, Population
 from seamark.server.runs.states import RunKind, RunState
@@ -30,29 +30,30 @@ class Cursor:
 
     score: float
     reached_at: float
-    user_id: int
+    run_id: int  # not the user, who may be anonymous
 
     def text(self) -> str:
         """Return a text for a URL; `parse` reads it back exactly."""
-        return f"{self.score.hex()}_{self.reached_at.hex()}_{self.user_id}"
+        return f"{self.score.hex()}_{self.reached_at.hex()}_{self.run_id}"
 
     @classmethod
     def parse(cls, text: str) -> Self:
         """Read a cursor; raises ValueError if it is none."""
-        score, reached_at, user_id = text.split("_")
-        cursor = cls(float.fromhex(score), float.fromhex(reached_at), int(user_id))
-        if not (math.isfinite(cursor.score + cursor.reached_at) and abs(cursor.user_id) < 2**53):
+        score, reached_at, run_id = text.split("_")
+        cursor = cls(float.fromhex(score), float.fromhex(reached_at), int(run_id))
+        if not (math.isfinite(cursor.score + cursor.reached_at) and abs(cursor.run_id) < 2**53):
             raise ValueError("no row of a leaderboard has this key")
         return cursor
 
 
-_ORDER = (Best.score.desc(), Best.reached_at, Best.user_id)
+_ORDER = (Best.score.desc(), Best.reached_at, Best.run_id)
 # What a `Rank` has of its rows, by its names. Columns alone: objects of the ORM take longer.
 _COLUMNS = (
     *(Best.user_id, Best.run_id, Best.is_baseline, Best.score, Best.level_held, Best.submissions),
     *(Best.reached_at, Best.language, Best.vehicle, Best.tracker, Best.metrics),
     *(Best.score_low.label("low"), Best.score_high.label("high")),
     *(Run.benchmark, Run.config, Run.controller, Run.program_name, Run.title, Run.notes),
+    Run.anonymous,
     *(User.name.label("user"), User.affiliation),
 )
 
@@ -69,6 +70,7 @@ class Rank:
     rank_high: int | None  # see server/runs/ranking.py
     user_id: int
     user: str
+    anonymous: bool  # then `user` is no name
     is_baseline: bool
     run_id: int
     benchmark: str
@@ -92,7 +94,7 @@ class Rank:
     @property
     def cursor(self) -> Cursor:
         """Where to go on after this row."""
-        return Cursor(self.score, self.reached_at, self.user_id)
+        return Cursor(self.score, self.reached_at, self.run_id)
 
 
 def page(
@@ -125,6 +127,7 @@ class Key:
 
     number: int
     user_id: int
+    run_id: int
     is_baseline: bool
     score: float
     reached_at: float
@@ -141,7 +144,7 @@ class Key:
     @property
     def cursor(self) -> Cursor:
         """Where to go on after this row."""
-        return Cursor(self.score, self.reached_at, self.user_id)
+        return Cursor(self.score, self.reached_at, self.run_id)
 
 
 def keys(session: Session, benchmark: str, *, after: Cursor | None = None, limit: int) -> list[Key]:
@@ -182,7 +185,7 @@ def rank_of(session: Session, benchmark: str, user_id: int) -> Rank | None:
     found = session.execute(_rows(benchmark).where(Best.user_id == user_id)).one_or_none()
     if found is None:
         return None
-    here = Cursor(found.score, found.reached_at, found.user_id)
+    here = Cursor(found.score, found.reached_at, found.run_id)
     number = people_down_to(session, benchmark, here)
     return _rank(found, number, score_counts.population(session, benchmark))
 
@@ -265,10 +268,14 @@ def _record_rank(session: Session, benchmark: str, user_id: int) -> None:
     best = session.get(Best, (benchmark, user_id))
     if best is None:
         rank_history.record(session, user_id, benchmark, rank=None, score=None)
-    elif not best.is_baseline:
-        here = Cursor(best.score, best.reached_at, best.user_id)
+    elif not best.is_baseline and not _is_anonymous(session, best):
+        here = Cursor(best.score, best.reached_at, best.run_id)
         number = people_down_to(session, benchmark, here)
         rank_history.record(session, user_id, benchmark, rank=number, score=best.score)
+
+
+def _is_anonymous(session: Session, best: Best) -> bool:
+    return bool(session.scalar(select(Run.anonymous).where(Run.id == best.run_id)))
 
 
 def _count_person(session: Session, best: Best, by: int) -> None:
@@ -321,14 +328,14 @@ def _rows(benchmark: str) -> Select[*tuple[Any, ...]]:
 
 
 def _keys(benchmark: str) -> Select[*tuple[Any, ...]]:
-    columns = (Best.user_id, Best.is_baseline, Best.score, Best.reached_at)
+    columns = (Best.user_id, Best.run_id, Best.is_baseline, Best.score, Best.reached_at)
     query = select(*columns, Best.language, Best.vehicle, Best.tracker, Best.metrics)
     return query.where(Best.benchmark == benchmark)
 
 
 def place(cursor: Cursor) -> tuple[float, float, int]:
     """Return what sorts as `_ORDER` does."""
-    return -cursor.score, cursor.reached_at, cursor.user_id
+    return -cursor.score, cursor.reached_at, cursor.run_id
 
 
 def _below(cursor: Cursor) -> tuple[ColumnElement[bool], ...]:
@@ -341,7 +348,7 @@ def _not_below(cursor: Cursor) -> ColumnElement[bool]:
     return or_(
         Best.score > cursor.score,
         and_(same, Best.reached_at < cursor.reached_at),
-        and_(same, Best.reached_at == cursor.reached_at, Best.user_id <= cursor.user_id),
+        and_(same, Best.reached_at == cursor.reached_at, Best.run_id <= cursor.run_id),
     )
 
 
@@ -360,6 +367,9 @@ def _rank(row: Row[*tuple[Any, ...]], number: int, people: Population | None) ->
     if people is not None and not row.is_baseline:
         low, high = people.rank_range(_estimate(row))
     values = row._asdict() | {"metrics": row.metrics or {}}
+    if row.anonymous:
+        masked = {"user": anonymity.NAME, "affiliation": ""}
+        values |= masked | {"program_name": anonymity.file_name(row.program_name)}
     del values["standard_error"], values["degrees"]
     rank = None if row.is_baseline else number
     return Rank(rank=rank, rank_low=low, rank_high=high, **values)

@@ -76,7 +76,7 @@ def _standing(
     """Yield where people are on the leaderboard."""
     here = (Best.benchmark == benchmark, Best.user_id.in_(users), Best.is_baseline.is_(False))
     for best in session.scalars(select(Best).where(*here)):
-        yield best.user_id, Cursor(best.score, best.reached_at, best.user_id)
+        yield best.user_id, Cursor(best.score, best.reached_at, best.run_id)
 
 
 def _best(
@@ -95,7 +95,7 @@ def _best(
         score = replaced.get(row.id, row.score if row.rankable else None)
         if score is None or row.user_id is None or row.finished_at is None:
             continue
-        here = Cursor(score, row.finished_at, row.user_id)
+        here = Cursor(score, row.finished_at, row.id)
         known = best.get(row.user_id)
         if known is None or leaderboard.place(here) < leaderboard.place(known):
             best[row.user_id] = here

@@ -10,7 +10,7 @@ from sqlalchemy.orm import Session
 
 from seamark.server.classes import assignments
 from seamark.server.database.tables import Result, Run, User
-from seamark.server.runs import leaderboard, paces, rejudged
+from seamark.server.runs import leaderboard, paces, publications, rejudged
 from seamark.server.runs.error_curve import Curve
 from seamark.server.runs.queue import Claim
 from seamark.server.runs.quota import ranked_ended
@@ -93,29 +93,6 @@ def finish(session: Session, claim: Claim, report: Report) -> bool:
     return True
 
 
-def publish(session: Session, run_id: int) -> bool:
-    """Make a finished run public; False if it has not finished, has no data or is public."""
-    change = (
-        update(Run)
-        .where(Run.id == run_id, Run.public.is_(False))
-        .where(Run.state.in_((RunState.SUCCEEDED, RunState.FAILED)), Run.data_deleted_at.is_(None))
-        .values(public=True, published_at=time.time())
-    )
-    if session.scalar(change.returning(Run.id)) is None:
-        return False
-    _rank(session, run_id)
-    return True
-
-
-def withdraw(session: Session, run_id: int) -> bool:
-    """Make a run private again and take it off the leaderboard; False if it is not public."""
-    change = update(Run).where(Run.id == run_id, Run.public).values(public=False, published_at=None)
-    if session.scalar(change.returning(Run.id)) is None:
-        return False
-    _rank(session, run_id)
-    return True
-
-
 def cancel(session: Session, run_id: int) -> RunState | None:
     """Cancel a queued or running run and return the state it was in; None if it has ended.
 
@@ -193,12 +170,6 @@ def _refusal(session: Session, claim: Claim, report: Report) -> str | None:
     )
 
 
-def _rank(session: Session, run_id: int) -> None:
-    run = session.get_one(Run, run_id)
-    if run.user_id is not None:
-        leaderboard.refresh(session, run.benchmark, run.user_id)
-
-
 def _is_baseline(session: Session, claim: Claim) -> bool:
     """Return whether the run is a baseline: a mark, which no rule keeps off the leaderboard."""
     owner = select(User.is_baseline).join(Run, Run.user_id == User.id)
@@ -208,4 +179,4 @@ def _is_baseline(session: Session, claim: Claim) -> bool:
 def _publish_baseline(session: Session, claim: Claim, report: Report) -> None:
     """Baselines are for everybody to compare with: public as soon as they have succeeded."""
     if report.state is RunState.SUCCEEDED and _is_baseline(session, claim):
-        publish(session, claim.run_id)
+        publications.publish(session, claim.run_id)

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any, Literal
 
-from sqlalchemy import ColumnElement, Select, false, func, or_, select
+from sqlalchemy import ColumnElement, Select, case, false, func, or_, select
 from sqlalchemy.orm import Session, defer
 from sqlalchemy.sql.base import ReadOnlyColumnCollection
 
@@ -28,7 +28,9 @@ Columns = ReadOnlyColumnCollection[str, ColumnElement[Any]]
 # What filters and orders look at: a window of whole rows would cost several times as much.
 _NEEDED = (
     *(Run.id, Run.state, Run.benchmark, Run.kind, Run.language, Run.title),
-    *(Run.program_name, Run.controller, Run.started_at, Run.finished_at),
+    *(Run.controller, Run.started_at, Run.finished_at, Run.anonymous),
+    # Not to be guessed by a search.
+    case((Run.anonymous, ""), else_=Run.program_name).label("program_name"),
 )
 PROGRAMS: Sequence[str] = (BUILT_IN, UPLOADED, *LANGUAGES)
 
@@ -232,6 +234,8 @@ def _whose(session: Session, viewer: Viewer, run_filter: RunFilter) -> Select[Ru
         query = query.where(Run.state == run_filter.states[0])
     if run_filter.user is not None:
         query = query.where(Run.owner == Viewer(user_id=_user_id(session, run_filter.user)).owner)
+        if run_filter.which == "public":
+            query = query.where(Run.anonymous.is_(False))
     return query
 
 

@@ -32,6 +32,8 @@ def of_user(session: Session, user_id: int) -> list[Standing]:
     for name in registry.BENCHMARKS:
         history = rank_history.of_user(session, user_id, name)
         rank = leaderboard.rank_of(session, name, user_id)
+        if rank is not None and rank.anonymous:
+            rank = None
         if rank is not None or history:
             found.append(Standing(name, rank, score_counts.size(session, name), history))
     return found

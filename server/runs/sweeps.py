@@ -57,6 +57,7 @@ class SweepView:
     created_at: float
     cells: tuple[Cell, ...]
     public: bool = False
+    program_public: bool = False
     teacher_id: int | None = None  # nobody else sees it: its runs may be those of an assignment
 
     @property

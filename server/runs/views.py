@@ -8,11 +8,13 @@ from sqlalchemy.orm import Session, defer, undefer
 from seamark.sandbox.printable_text import printable_text
 from seamark.server.classes import classrooms
 from seamark.server.database.tables import IS_LISTED, Result, Run, User
-from seamark.server.runs import wait_estimate
+from seamark.server.runs import anonymity, wait_estimate
 from seamark.server.runs.columns import PublicRun
 from seamark.server.runs.error_curve import Curve
 from seamark.server.runs.states import RunState
 from seamark.server.settings import Settings
+
+_OF_PROGRAM = frozenset(("traceback", "log_tail"))
 
 
 class RunView(PublicRun):
@@ -44,7 +46,8 @@ class RunView(PublicRun):
         """A text that changes whenever the view does: for an ETag."""
         progress = (self.state, self.attempt, round(self.progress, 3), self.position)
         result = (self.data_run, self.score, self.cause)  # it may be computed again
-        parts = (*progress, *result, self.public, self.data_deleted_at, self.title, self.notes)
+        shown = (self.public, self.anonymous, self.licence, self.title, self.notes)
+        parts = (*progress, *result, *shown, self.data_deleted_at)
         return "-".join(str(part) for part in parts)
 
 
@@ -86,7 +89,20 @@ def view(run: Run, result: Result | None, user: User | None, /, **more: object) 
     shown = RunView.from_rows(result, run, user=name, is_baseline=is_baseline, **more)
     # Printable when it was stored by this version; not by an earlier one.
     detail = {name: _shown(value) for name, value in shown.detail.items()}
-    return shown.model_copy(update={"detail": detail})
+    if run.public and not run.program_public:  # they quote the program and what it prints
+        detail = {name: value for name, value in detail.items() if name not in _OF_PROGRAM}
+    return shown.model_copy(update={"detail": detail} | _masked(run))
+
+
+def _masked(run: Run) -> dict[str, object]:
+    """Return what stands in place of values that tell who published a run for review."""
+    if not run.anonymous:
+        return {}
+    links = {"rerun_of": None, "sweep_id": None}
+    return links | {
+        "user": anonymity.NAME,
+        "program_name": anonymity.file_name(run.program_name),
+    }
 
 
 def _shown(value: object) -> object:

@@ -99,6 +99,12 @@ PROBLEM_TYPES: Mapping[str, ProblemType] = {
             "Its result, metrics and configuration are kept. Run it again to record new data.",
         ),
         (
+            "withdrawn",
+            410,
+            "This publication has been withdrawn",
+            "The run was public and is private again. Ask its author for the data.",
+        ),
+        (
             "payload-too-large",
             413,
             "The upload is too large",

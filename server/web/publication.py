@@ -1,23 +1,40 @@
 """Publishing and withdrawing runs, with their entries in the audit log: for pages and API alike."""
 
+from dataclasses import asdict
+
 from sqlalchemy.orm import Session
 
 from seamark.server.audit import AuditAction
-from seamark.server.runs import results
+from seamark.server.runs import publications
+from seamark.server.runs.publications import BY_NAME, Terms
 from seamark.server.web import access
 
 
-def publish(session: Session, run_id: int) -> bool:
-    """Make a finished run public; False if it has not finished, has no data or is public."""
-    changed = results.publish(session, run_id)
+def publish(session: Session, run_id: int, terms: Terms = BY_NAME) -> bool:
+    """Make a finished run public; False if it has not finished, has no data or is public.
+
+    Raises
+    ------
+    PublicationRefused
+        The terms are not possible for this run.
+    """
+    changed = publications.publish(session, run_id, terms)
     if changed:
-        access.record(session, AuditAction.RUN_PUBLISHED, f"run {run_id}")
+        access.record(session, AuditAction.RUN_PUBLISHED, f"run {run_id}", asdict(terms))
     return changed
 
 
 def withdraw(session: Session, run_id: int) -> bool:
     """Make a run private again and take it off the leaderboard; False if it is not public."""
-    changed = results.withdraw(session, run_id)
+    changed = publications.withdraw(session, run_id)
     if changed:
         access.record(session, AuditAction.RUN_WITHDRAWN, f"run {run_id}")
+    return changed
+
+
+def reveal(session: Session, run_id: int) -> bool:
+    """Show the author of an anonymous run; False if it is not anonymous."""
+    changed = publications.reveal(session, run_id)
+    if changed:
+        access.record(session, AuditAction.RUN_REVEALED, f"run {run_id}")
     return changed

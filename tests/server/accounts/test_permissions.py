@@ -11,6 +11,7 @@ class Thing:
     guest: str | None
     public: bool
     teacher_id: int | None = None
+    program_public: bool = True
 
 
 PRIVATE, PUBLIC = Thing(1, None, public=False), Thing(1, None, public=True)

@@ -112,8 +112,8 @@ def _leaderboard(both: Backend) -> list[Rank]:
         return leaderboard.page(session, "currents-v1")
 
 
-PAGE = "SELECT * FROM best WHERE benchmark = 'b' ORDER BY score DESC, reached_at, user_id LIMIT 50"
-NEXT_PAGE = PAGE.replace("ORDER", "AND score <= 5 AND NOT (score > 5 OR user_id < 3) ORDER")
+PAGE = "SELECT * FROM best WHERE benchmark = 'b' ORDER BY score DESC, reached_at, run_id LIMIT 50"
+NEXT_PAGE = PAGE.replace("ORDER", "AND score <= 5 AND NOT (score > 5 OR run_id < 3) ORDER")
 PEOPLE = "SELECT count(*) FROM best WHERE benchmark = 'b' AND score >= 4 AND NOT is_baseline"
 
 

@@ -22,6 +22,7 @@ from seamark.server.database.account_tables import AccountDeletion, PasswordRese
 from seamark.server.database.class_tables import AssignedRun, Classroom
 from seamark.server.database.disk_tables import DiskUsage
 from seamark.server.database.engine import Database
+from seamark.server.database.publication_tables import Verification
 from seamark.server.database.rejudgement_tables import RejudgedRun
 from seamark.server.database.schema import check, config, upgrade
 from seamark.server.database.submission_tables import KeyOfSubmission
@@ -92,6 +93,7 @@ def _fill(backend: Backend) -> None:
         session.add(KeyOfSubmission(user_id=ann, key="k", request="r", **first))
         session.add(PasswordReset(hash="h", user_id=ann, expires_at=1.0))
         session.add(RejudgedRun(run_id=2, rejudgement_id=1))
+        session.add(Verification(again_id=2, run_id=1, requested_at=1.0))
         session.add(DiskUsage(kind="area", name="runs", bytes=1, count=1))
         session.add(AccountDeletion(user_id=backend.user_id("eva"), requested_at=1.0))
 

@@ -9,7 +9,7 @@ from sqlalchemy import update
 from seamark.server.accounts.accounts import RESERVED_PREFIX
 from seamark.server.database.tables import User
 from seamark.server.pages.plots import Axis
-from seamark.server.runs import baselines, leaderboard, results
+from seamark.server.runs import baselines, leaderboard, publications
 from seamark.server.runs.failure_reasons import FailureReason
 from seamark.server.runs.states import RunState
 from seamark.sim.benchmarks import reference_results
@@ -152,7 +152,7 @@ def test_a_run_that_failed_for_any_reason_never_ranks(
     metrics = {"score": 99.0, "rankable": True}
     assert backend.finish(claim, state=RunState.FAILED, cause=cause, metrics=metrics)
     with backend.database.writing() as session:
-        assert results.publish(session, claim.run_id)
+        assert publications.publish(session, claim.run_id)
         assert leaderboard.page(session, "currents-v1") == []
         assert leaderboard.rebuild(session) == 0
 

@@ -7,7 +7,7 @@ import cv2
 import numpy as np
 import pytest
 
-from seamark.server.runs import leaderboard, preview_pictures, results
+from seamark.server.runs import leaderboard, preview_pictures, publications
 from seamark.server.runs.files import RunFiles
 from seamark.server.settings import Settings
 from seamark.sim import registry
@@ -96,7 +96,7 @@ def test_a_picture_is_gone_when_the_run_is_withdrawn(site: Site) -> None:
     assert site.browser().get(path).status_code == 200
 
     with site.database.writing() as session:
-        assert results.withdraw(session, run_id)
+        assert publications.withdraw(session, run_id)
 
     assert site.browser().get(path).status_code == 404
 

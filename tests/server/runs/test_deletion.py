@@ -8,8 +8,8 @@ from seamark.server.database.tables import Result, Run
 from seamark.server.runs import (
     deletion,
     leaderboard,
+    publications,
     quota,
-    results,
     retention,
     score_counts,
     views,
@@ -68,7 +68,7 @@ def test_after_the_deletion_of_the_best_run_the_next_one_ranks(both: Backend) ->
     assert both.finish(claim, score=90.0)
     both.publish(claim.run_id)
     with both.database.writing() as session:
-        assert results.withdraw(session, claim.run_id)
+        assert publications.withdraw(session, claim.run_id)
 
     _delete(both, claim.run_id)
 

@@ -11,7 +11,7 @@ from sqlalchemy.orm import Session
 
 from seamark.server.database.rank_tables import ScoreCount
 from seamark.server.database.tables import Best, User
-from seamark.server.runs import leaderboard, results, score_counts
+from seamark.server.runs import leaderboard, publications, score_counts
 from seamark.server.runs.leaderboard import Cursor
 from seamark.server.runs.ranking import Estimate
 from seamark.server.runs.states import RunKind, RunState
@@ -29,7 +29,7 @@ def _ranked(both: Backend, who: str, score: float, **changes: object) -> int:
 
 def _publish(both: Backend, run_id: int) -> bool:
     with both.database.writing() as session:
-        return results.publish(session, run_id)
+        return publications.publish(session, run_id)
 
 
 def _board(both: Backend) -> list[tuple[str, float]]:
@@ -60,7 +60,7 @@ def test_the_best_run_of_a_user_counts_and_withdrawing_it_ranks_the_next_one(bot
     assert _board(both) == [("ann", 80.0), ("ben", 60.0)]
 
     with both.database.writing() as session:
-        assert results.withdraw(session, high)
+        assert publications.withdraw(session, high)
 
     assert _board(both) == [("ben", 60.0), ("ann", 40.0)]
 
@@ -122,7 +122,7 @@ def test_a_rebuild_gives_the_rows_that_were_maintained(
             made.append(_ranked(both, users[who].name, float(number)))
         elif made:
             with both.database.writing() as session:
-                getattr(results, act)(session, made[number % len(made)])
+                getattr(publications, act)(session, made[number % len(made)])
 
     user_ids = [user.user_id for user in users]
     with both.database.writing() as session:

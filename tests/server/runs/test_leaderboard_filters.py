@@ -6,7 +6,7 @@ import pytest
 from sqlalchemy import select, update
 
 from seamark.server.database.tables import Best, User
-from seamark.server.runs import leaderboard, leaderboard_filters, rank_history, results
+from seamark.server.runs import leaderboard, leaderboard_filters, publications, rank_history
 from seamark.server.runs.leaderboard import Rank
 from seamark.server.runs.leaderboard_filters import BoardFilter
 from seamark.server.runs.states import RunKind
@@ -35,7 +35,7 @@ def _entry(
     levels = [{RMSE.name: rmse_m, ENERGY.name: energy}] * 2
     assert both.finish(claim, score=score, metrics={"score": score, "levels": levels})
     with both.database.writing() as session:
-        results.publish(session, claim.run_id)  # baselines are public already
+        publications.publish(session, claim.run_id)  # baselines are public already
     return claim.run_id
 
 
@@ -139,7 +139,7 @@ def test_the_history_of_a_rank_has_a_point_for_each_change_of_the_own_row(both: 
     _entry(both, "ben", 30.0)  # not the best: nothing changes
     for run_id in (second, first):
         with both.database.writing() as session:
-            results.withdraw(session, run_id)
+            publications.withdraw(session, run_id)
     with both.database.reading() as session:
         points = rank_history.of_user(session, both.user_id("ben"), NAME)
 

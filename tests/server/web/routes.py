@@ -75,6 +75,7 @@ ACTIONS = {
     "withdraw": (withdraws, "public"),
 }
 DELETE_DATA = {"delete-data": (changes_run, "recorded")}
+REVEAL = {"reveal": (changes_run, "anonymous")}
 EDIT = {"edit": (changes_run, "recorded"), "delete": (changes_run, "recorded")}
 RERUN = {"rerun": (changes_its_own, "recorded")}
 CODE: dict[str, Any] = {"code": "0000000000"}
@@ -193,7 +194,11 @@ ROUTES: dict[tuple[str, str], Entry] = {
     ("GET", "/benchmarks/<name>"): Entry(everybody, path="/benchmarks/currents-v1"),
     ("GET", "/runs/<row:run_id>"): Entry(reads_run, path="/runs/{run}"),
     ("GET", "/runs/<row:run_id>/embed"): Entry(reads_run, path="/runs/{run}/embed"),
-    **_changing("/runs/", "<row:run_id>", 303, **ACTIONS, **DELETE_DATA, **EDIT),
+    **_changing("/runs/", "<row:run_id>", 303, **ACTIONS, **REVEAL, **DELETE_DATA, **EDIT),
+    ("GET", "/p/<row:run_id>"): Entry(everybody, 404, "/p/{run}"),  # it was never public
+    ("GET", "/runs/<row:run_id>/publish"): Entry(
+        changes_run, path="/runs/{run}/publish", run="recorded"
+    ),
     ("GET", "/runs/"): Entry(lists),
     ("GET", "/sweeps/<row:sweep_id>"): Entry(reads_run, path="/sweeps/{sweep}"),
     ("POST", "/sweeps/<row:sweep_id>/cancel"): Entry(changes_run, 303, "/sweeps/{sweep}/cancel"),
@@ -275,7 +280,7 @@ ROUTES: dict[tuple[str, str], Entry] = {
         everybody, path="/leaderboards/currents-v1/preview.jpg"
     ),
     ("GET", "/api/v1/compare"): Entry(reads_run, path="/api/v1/compare?runs={run},{other}"),
-    **_changing("/api/v1/runs/", "<int:run_id>", 200, **ACTIONS),
+    **_changing("/api/v1/runs/", "<int:run_id>", 200, **ACTIONS, **REVEAL),
     **_changing("/api/v1/runs/", "<int:run_id>", 202, **RERUN),
     ("GET", "/api/v1/runs/<int:run_id>/recomputations"): Entry(
         reads_run, path="/api/v1/runs/{run}/recomputations"

@@ -122,7 +122,7 @@ def run_of(site: Site, state: str) -> int:
     if state == "queued":
         return site.queue("ann")
     run_id = site.recorded()
-    return site.publish(run_id) if state == "public" else run_id
+    return run_id if state == "recorded" else site.publish(run_id, anonymous=state == "anonymous")
 
 
 def test_every_role_of_an_account_has_callers_in_the_matrix() -> None:

@@ -1,0 +1,44 @@
+"""Request and response models of publications."""
+
+from __future__ import annotations
+
+import re
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from seamark.server.api.schemas import ResponseModel
+from seamark.server.runs.licences import LICENCES
+from seamark.server.runs.publications import Terms
+
+
+class PublicationRequest(BaseModel):
+    """On which terms a run is published."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    program: bool = Field(True, description="With the uploaded program and its log; false: results")
+    licence: str | None = Field(
+        None,
+        pattern=f"^({'|'.join(map(re.escape, LICENCES))})$",
+        description="Of the program, an SPDX identifier; null: other, or none is granted",
+    )
+    anonymous: bool = Field(
+        False, description="For review: nobody sees whose run it is, until `reveal`"
+    )
+
+    def terms(self) -> Terms:
+        """Return the terms."""
+        return Terms(program=self.program, licence=self.licence, anonymous=self.anonymous)
+
+
+class PublicationResponse(ResponseModel):
+    """A publication and where it is found for ever."""
+
+    run: int
+    address: str = Field(description="Permanent; absolute if the service knows its own address")
+    author: str = Field(description='"Anonymous author" while it is published for review')
+    anonymous: bool
+    program_public: bool
+    licence: str | None
+    published_at: float
+    first_published_at: float

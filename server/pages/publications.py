@@ -1,0 +1,103 @@
+"""Publishing a run on chosen terms, and the address under which it is found for ever."""
+
+from datetime import UTC, datetime
+
+from flask import Blueprint, flash, redirect, render_template, request, url_for
+from flask.typing import ResponseReturnValue
+
+from seamark.server.accounts.permissions import Action
+from seamark.server.pages import benchmarks
+from seamark.server.runs import publications, views
+from seamark.server.runs.licences import LICENCES, NONE
+from seamark.server.runs.publications import PublicationRefused, Terms
+from seamark.server.runs.views import RunView
+from seamark.server.web import access, publication
+from seamark.server.web.problems import Problem
+from seamark.server.web.services import services
+
+_NOT_PUBLISHABLE = "Only a finished run that has its data can be published."
+page = Blueprint("publications", __name__)
+
+
+@page.get("/p/<row:run_id>")
+def permanent(run_id: int) -> ResponseReturnValue:
+    """Lead to a published run; say of a withdrawn one that it was there."""
+    with services().database.reading() as session:
+        found = publications.history(session, run_id)
+        run = views.show(session, run_id)
+    if found is None or (run is None and found.withdrawn_at is None):
+        raise Problem("not-found")
+    if found.withdrawn_at is None:
+        return redirect(url_for("run.show", run_id=run_id))
+    days = (_day(found.first_at), _day(found.withdrawn_at))
+    page = render_template("publications/withdrawn.html", run_id=run_id, days=days)
+    return page, 410
+
+
+@page.get("/runs/<row:run_id>/publish")
+def form(run_id: int) -> ResponseReturnValue:
+    """Show on which terms the run can be published."""
+    run = access.run_for(run_id, Action.PUBLISH)
+    if run.public or not run.state.final or run.data_deleted_at is not None:
+        return _back(run_id, "The run is already public." if run.public else _NOT_PUBLISHABLE)
+    return _form(run, Terms(), "")
+
+
+@page.post("/runs/<row:run_id>/publish")
+def publish(run_id: int) -> ResponseReturnValue:
+    """Make a run public, or show the form again with the reason why not."""
+    run = access.run_for(run_id, Action.PUBLISH)
+    terms = _terms()
+    try:
+        with services().database.writing() as session:
+            changed = publication.publish(session, run_id, terms)
+    except PublicationRefused as refusal:
+        return _form(run, terms, str(refusal)), 422
+    return _back(run_id, "" if changed else _NOT_PUBLISHABLE, _done(run, terms))
+
+
+@page.post("/runs/<row:run_id>/reveal")
+def reveal(run_id: int) -> ResponseReturnValue:
+    """Show who made an anonymous run."""
+    access.run_for(run_id, Action.PUBLISH)
+    with services().database.writing() as session:
+        changed = publication.reveal(session, run_id)
+    done = "The run now shows your name."
+    return _back(run_id, "" if changed else "The run is not published anonymously.", done)
+
+
+def _terms() -> Terms:
+    program = request.form.get("content") != "results"
+    return Terms(
+        program=program,
+        licence=(request.form.get("licence") or None) if program else None,
+        anonymous=request.form.get("author") == "anonymous",
+    )
+
+
+def _done(run: RunView, terms: Terms) -> str:
+    with_program = " with its program" if terms.program and run.program_sha256 else ""
+    how = ", without your name" if terms.anonymous else ""
+    return f"The run is now public{with_program}{how}."
+
+
+def _form(run: RunView, terms: Terms, error: str) -> str:
+    return render_template(
+        "publications/form.html",
+        run=run,
+        benchmark=benchmarks.by_name(run.benchmark),
+        name=access.viewer().name,
+        terms=terms,
+        licences=LICENCES,
+        none=NONE,
+        error=error,
+    )
+
+
+def _day(at: float) -> str:
+    return datetime.fromtimestamp(at, UTC).date().isoformat()
+
+
+def _back(run_id: int, refusal: str, done: str = "") -> ResponseReturnValue:
+    flash(refusal or done, "warn" if refusal else "good")
+    return redirect(url_for("run.show", run_id=run_id), code=303)

@@ -1,0 +1,60 @@
+import pytest
+
+from tests.server.pages.conftest import Site
+
+
+def test_a_run_is_published_on_the_terms_that_its_owner_chose_on_the_form(site: Site) -> None:
+    run_id, ann = site.succeeded("ann", controller="upload", program=site.store_program()), "ann"
+    browser = site.browser(ann)
+    chosen = {"content": "program", "licence": "MIT", "author": "anonymous"}
+
+    form = browser.get(f"/runs/{run_id}/publish").text
+    answer = browser.post(f"/runs/{run_id}/publish", chosen)
+
+    assert "Apache-2.0" in form
+    assert answer.status_code == 303
+    run = site.show(run_id)
+    assert (run.public, run.licence, run.anonymous, run.program_public) == (True, "MIT", True, True)
+    assert "Anonymous author" in site.browser().get(f"/runs/{run_id}").text
+    browser.post(f"/runs/{run_id}/reveal")
+    assert "by ann" in site.browser().get(f"/runs/{run_id}").text
+
+
+def test_terms_that_are_not_possible_are_explained_on_the_form_with_what_was_chosen(
+    site: Site,
+) -> None:
+    site.published("ann", kind="ranked")
+    run_id = site.succeeded("ann", kind="ranked")
+
+    answer = site.browser("ann").post(f"/runs/{run_id}/publish", {"author": "anonymous"})
+
+    assert answer.status_code == 422
+    assert "The leaderboard has one row for each user" in answer.text
+    assert 'value="anonymous" checked' in answer.text
+    assert not site.show(run_id).public
+
+
+def test_a_permanent_address_leads_to_the_run_and_later_says_that_it_was_withdrawn(
+    site: Site,
+) -> None:
+    run_id = site.published("ann")
+    address = f"/p/{run_id}"
+
+    found = site.browser().get(address)
+    site.browser("ann").post(f"/runs/{run_id}/withdraw")
+    gone = site.browser().get(address)
+
+    assert (found.status_code, found.location) == (302, f"/runs/{run_id}")
+    assert gone.status_code == 410
+    assert "ann" not in gone.text.split("<main")[1].split("</main")[0].replace("cannot", "")
+    assert f"Run {run_id} was published on" in gone.text
+    assert site.browser().get("/p/999999").status_code == 404
+
+
+@pytest.mark.parametrize("state", ["queued", "public"])
+def test_the_form_leads_back_where_there_is_nothing_to_publish(site: Site, state: str) -> None:
+    run_id = site.queue("ann") if state == "queued" else site.published("ann")
+
+    answer = site.browser("ann").get(f"/runs/{run_id}/publish")
+
+    assert (answer.status_code, answer.location) == (303, f"/runs/{run_id}")
