@@ -94,25 +94,30 @@ def json_option(command: Command) -> Command:
 
 def run_options(command: Command) -> Command:
     """Add the options that describe a run: --controller, --set, --config, --seed, --trials."""
+    return controller_option(configuration_options(_repetition_options(command)))
+
+
+def bridged_run_options(command: Command) -> Command:
+    """Add the options of a run whose controller is connected: --set to --trials, and --out."""
+    folder = click.Path(path_type=Path)
+    command = click.option("--out", type=folder, metavar="DIR", help="Folder for the data.")(
+        command
+    )
+    return configuration_options(_repetition_options(command))
+
+
+def _repetition_options(command: Command) -> Command:
+    """Add --seed and --trials."""
     from seamark.sim.engine.seeds import SEED_MAX
 
-    for option in reversed(
-        (
-            controller_option,
-            configuration_options,
-            click.option(
-                "--seed", type=click.IntRange(0, SEED_MAX), help="Random seed.  [default: random]"
-            ),
-            click.option(
-                "--trials",
-                type=click.IntRange(1, 100),
-                help="Number of trials; `seamark run` evaluates one per core at a time.  "
-                "[default: 1]",
-            ),
-        )
-    ):
-        command = option(command)
-    return command
+    command = click.option(
+        "--trials",
+        type=click.IntRange(1, 100),
+        help="Number of trials; `seamark run` evaluates one per core at a time.  [default: 1]",
+    )(command)
+    return click.option(
+        "--seed", type=click.IntRange(0, SEED_MAX), help="Random seed.  [default: random]"
+    )(command)
 
 
 def configuration_options(command: Command) -> Command:

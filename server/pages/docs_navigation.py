@@ -12,7 +12,9 @@ _GROUPS: Mapping[str, Sequence[str]] = {
     "Get started": (
         *("start", "tutorial.md", "install", "command-line.md", "tuning.md", "python-client.md"),
     ),
-    "Write a program": ("controller", "tracker", "languages", "box", "protocol.md", "training.md"),
+    "Write a program": (
+        *("controller", "tracker", "languages", "box", "protocol.md", "bridges.md", "training.md"),
+    ),
     "Runs and results": ("runs", "metrics", "telemetry", "ranking.md", "datasets.md"),
     "Benchmarks and models": (
         *("benchmarks.md", "physics", "camera.md", "controllers.md", "trackers.md"),

@@ -6,6 +6,7 @@ of that state, and the thrust acting at that moment. New commands take effect af
 
 import math
 import time
+from collections import deque
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,7 @@ from numpy.typing import NDArray
 from seamark.sim.control.observation import empty
 from seamark.sim.engine.delay import CommandDelay, ImageDelay
 from seamark.sim.engine.perception import perceive
-from seamark.sim.engine.program import BuiltIn, Command, Program
+from seamark.sim.engine.program import Autopilot, BuiltIn, Command, Program, Seeing
 from seamark.sim.engine.world import World
 from seamark.sim.recording.telemetry import INDEX, STEP_US, OnRows, Recorder
 
@@ -46,6 +47,8 @@ class ClosedLoop:
         config = world.config
         self._world, self._program = world, program
         self._oracle = program.oracle if isinstance(program, BuiltIn) else None
+        self._autopilot = program if isinstance(program, Autopilot) else None
+        self._seeing = program if isinstance(program, Seeing) else None
         self._trial, self._level = trial, level
         self._steps, self._dt = config.control_steps_per_level, config.control_period_s
         self._physics_steps = config.physics_steps_per_control_step
@@ -53,9 +56,14 @@ class ClosedLoop:
         self._first_frame = self._position * self._steps
         self._start_s = self._position * config.level_duration_s
         self._seen = ImageDelay(world.tracking.corners, world.conditions.camera_delay_steps)
+        # Pose and velocity of the images from the one that the observation is of to the present one
+        self._motions: deque[tuple[int, Row]] = deque(
+            maxlen=world.conditions.camera_delay_steps + 1
+        )
         self._delayed = CommandDelay(world.conditions.command_delay_steps)
         self._motion_blur = world.camera.effects.exposure_s > 0.0
         self._thrusters = len(world.plant.vehicle.thrusters)
+        self._contact_n = 0.0
         self._pose = np.zeros(6)
         self.observation = empty(self._thrusters)
         self._constant_arguments = self._perception_arguments()
@@ -120,16 +128,31 @@ class ClosedLoop:
             self._reset()
         row[_REFERENCE] = reference = self._program_step()
         row[STEP_US] = self._step_us
+        plant, steps = self._world.plant, self._physics_steps
+        if self._autopilot is not None:
+            self._fly(self._autopilot, step * steps)
+            return
         commands = self.commands(reference)
         if not all(map(math.isfinite, commands.tolist())):
             raise _invalid(self._start_s + step * self._dt, "the thrusters' command")
-        plant, steps = self._world.plant, self._physics_steps
         plant.advance(step * steps, commands, steps)
+        self._contact_n = plant.contact_force()
+
+    def _fly(self, autopilot: Autopilot, first_step: int) -> None:
+        """Advance the vehicle by a control step, with commands of its own for each physics step."""
+        plant, steps = self._world.plant, self._physics_steps
+        contact_n = 0.0
+        for step in range(first_step, first_step + steps):
+            plant.advance(step, autopilot.thrusters(plant), 1)
+            contact_n += plant.contact_force()
+        self._contact_n = contact_n / steps
 
     def _track(self, step: int) -> None:
         pose, tracking = self._pose, self._world.tracking
         if self._motion_blur:
             pose = np.concatenate([pose, self._world.plant.velocity()])
+        if self._seeing is not None:
+            self._motions.append((self._first_frame + step, pose.copy()))
         track = tracking.update if step else tracking.start
         track(pose, self._first_frame + step)
         self._seen.step(tracking.ok)
@@ -138,11 +161,15 @@ class ClosedLoop:
         """Sample the sensors and update the position error; fill the row and the observation."""
         world = self._world
         altitude, echoes = world.bottom.sound(self._pose)
-        contact_n = world.plant.contact_force()
         seen = (world.tracking.ok, self._seen.ok)
-        now = (step * self._physics_steps, t, *seen, altitude, echoes, contact_n)
+        now = (step * self._physics_steps, t, *seen, altitude, echoes, self._contact_n)
         outputs = (row, self.observation, world.velocity_controller.measured)
         perceive(now, *self._constant_arguments, outputs)
+
+    def _image(self) -> NDArray[np.uint8]:
+        """Return the image that the station keeper has now, in blue, green, red."""
+        frame, pose = self._motions[0]
+        return self._world.camera.colour(pose, frame)
 
     def _reset(self) -> None:
         config = self._world.config
@@ -150,6 +177,8 @@ class ClosedLoop:
         if self._oracle is not None:
             world = self._world
             self._oracle.attach(world.plant, world.station, world.tool_m)
+        if self._seeing is not None:
+            self._seeing.look_through(self._image)
         self._program.reset(
             {
                 "index": self._position,

@@ -1,6 +1,6 @@
 """The program in the loop: the user's in a box, or one of the built-in controllers."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pkgutil import resolve_name
 from typing import Any, ClassVar, Protocol, runtime_checkable
 
@@ -59,6 +59,25 @@ class Oracle(Protocol):
 
     def commands(self) -> Array:
         """Return the thrusters' commands, (n,) in [-1, 1], after `step`."""
+
+
+@runtime_checkable
+class Seeing(Protocol):
+    """A `Program` that looks through the camera; one in a box has no such method."""
+
+    def look_through(self, camera: Callable[[], NDArray[np.uint8]]) -> None:
+        """Take the function that renders an image, (H, W, 3) in blue, green, red; before `reset`.
+
+        It is the one behind the observation of the present step, so as late as that.
+        """
+
+
+@runtime_checkable
+class Autopilot(Protocol):
+    """A `Program` that commands the thrusters itself, in place of the velocity controller."""
+
+    def thrusters(self, plant: Plant) -> Array:
+        """Return the commands, (n,) in [-1, 1], until the next physics step."""
 
 
 class BuiltIn:

@@ -57,7 +57,8 @@ def manifest(
         Of each trial of a ranked run, where they concern this submission alone. None if they are
         hidden, because other runs have the same ones, or if there is only one.
     controller : str
-        Name of a built-in controller, or "upload" together with the program's SHA-256.
+        Name of a built-in controller or of the bridge that connected a program, or "upload"
+        together with the program's SHA-256.
     digest : str
         Of the telemetry of all trials in order.
     more

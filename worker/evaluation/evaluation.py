@@ -14,6 +14,7 @@ from seamark.sandbox.pool import Pool
 from seamark.server.programs.parameters import KEY
 from seamark.server.runs.failure_reasons import FailureReason
 from seamark.sim import registry
+from seamark.sim.engine.program import Program
 from seamark.sim.engine.summary import summarise
 from seamark.sim.engine.trial import TrialResult
 from seamark.sim.recording.manifest import manifest
@@ -33,7 +34,8 @@ NO_SCORE = "A trial ended without a score: its state left the range in which num
 class Evaluation:
     """Runs a job's trials: in parallel on `cores`; without `cores` one after the other, here.
 
-    With a `pool`, whose `take` is `make_box`, the boxes of parallel trials come from it too.
+    With a `pool`, whose `take` is `make_box`, the boxes of parallel trials come from it too. A
+    `connected` program, which runs outside, takes part in all trials in place of the job's.
     """
 
     def __init__(
@@ -45,10 +47,12 @@ class Evaluation:
         compile_program: Compile = without_compiling,
         cores: Cores | None = None,
         pool: Pool | None = None,
+        connected: Program | None = None,
     ) -> None:
         self._job = job
+        self._connected = connected is not None
         self._listener = _DigestingListener(listener)
-        self._runner = TrialRunner(job, make_box, compile_program)
+        self._runner = TrialRunner(job, make_box, compile_program, connected=connected)
         self._cores = cores
         self._warm_boxes: WarmBoxes | None = None
         if cores is not None and pool is not None and job.program is not None:
@@ -115,7 +119,11 @@ class Evaluation:
     def _manifest(self, digest: str) -> dict[str, Any]:
         """Return the manifest; seeds that concern other runs too stay hidden."""
         job, source = self._job, self._runner.source
-        own = {KEY: dict(self._runner.parameters)} if self._runner.parameters else {}
+        own: dict[str, Any] = {}
+        if self._runner.parameters:
+            own[KEY] = dict(self._runner.parameters)
+        if self._connected:
+            own["same_bits_on_every_cpu"] = False  # nobody knows what it computes with
         disclosed = job.ranked and registry.benchmark(job.benchmark).protocol is not None
         return manifest(
             job.benchmark,

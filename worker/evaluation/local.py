@@ -19,6 +19,7 @@ from seamark.sandbox.languages import DEFAULT_LANGUAGE, language_of
 from seamark.server.programs import parameters
 from seamark.server.programs.preparation import PreparedProgram
 from seamark.sim import registry
+from seamark.sim.engine.program import Program
 from seamark.sim.engine.warm_up import warm_up_benchmark
 from seamark.sim.recording.telemetry import INDEX
 from seamark.worker.evaluation.check import SEED, CheckRecorder, check
@@ -101,6 +102,38 @@ def evaluate_locally(
                 cores=cores,
                 pool=pool,
             ).run()
+
+
+def evaluate_connected(
+    benchmark: str,
+    config: Mapping[str, object],
+    program: Program,
+    *,
+    name: str,
+    seed: int,
+    trials: int = 1,
+    callbacks: Callbacks | None = None,
+) -> RunOutcome:
+    """Evaluate a program that runs outside and is connected, one trial after the other.
+
+    Parameters
+    ----------
+    program
+        May raise ProgramEnded, as a box does.
+    name
+        Of the connection, which the manifest names as the controller.
+
+    Raises
+    ------
+    ConfigurationInvalid
+        The configuration is wrong.
+    """
+    entry = registry.benchmark(benchmark)
+    duration = entry.trial_duration_s(entry.read(config))
+    listener = _CallbackListener(callbacks or Callbacks(), duration, trials)
+    with job_of(benchmark, config, name, seeds=(seed,) * trials) as job:
+        slot = WorkerSlot(IsolationLevel.NONE, None)
+        return Evaluation(job, listener, box_pool(slot).take, connected=program).run()
 
 
 def check_locally(

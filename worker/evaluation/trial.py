@@ -13,6 +13,7 @@ from seamark.server.programs import parameters
 from seamark.server.runs import trial_limits
 from seamark.sim import registry
 from seamark.sim.engine.closed_loop import StateInvalid
+from seamark.sim.engine.program import Program
 from seamark.sim.engine.trial import TrialResult, run_trial
 from seamark.sim.settings.configuration import Configuration
 from seamark.worker.evaluation.job import Job
@@ -38,8 +39,11 @@ class TrialRunner:
         compile_program: Compile,
         *,
         limits: Limits | None = None,
+        connected: Program | None = None,
     ) -> None:
+        """Set up the trials of a job; `connected` takes part in place of its controller."""
         self._job = job
+        self._connected = connected
         self._make_box = make_box
         self._compile = compile_program
         benchmark = registry.benchmark(job.benchmark)
@@ -70,6 +74,8 @@ class TrialRunner:
             return TrialOutcome(divergence=str(invalid))
 
     def _attempt(self, trial: int, listener: Listener) -> TrialOutcome:
+        if self._connected is not None:
+            return TrialOutcome(result=self._simulate(trial, self._connected, listener.rows))
         if self._job.program is None:
             config = self.config.for_trial(trial)
             built_in = self._experiment.built_in(self._job.controller, config)

@@ -89,7 +89,7 @@ def run(  # noqa: PLR0913  # one argument per option
         click.echo("Stopped." + (f" Partial data: {out}" if out else ""), err=True)
         exit_with(INTERRUPTED)
     output.save(local_run.benchmark, outcome)
-    _report(local_run, outcome, out, as_json=as_json)
+    report(local_run, outcome, out, as_json=as_json)
     exit_with(0 if outcome.failure is None else 1)
 
 
@@ -173,7 +173,8 @@ def _evaluate(local_run: LocalRun, output: OutputFolder, *, quiet: bool) -> RunO
         )
 
 
-def _report(local_run: LocalRun, outcome: RunOutcome, out: Path | None, *, as_json: bool) -> None:
+def report(local_run: LocalRun, outcome: RunOutcome, out: Path | None, *, as_json: bool) -> None:
+    """Print how a run ended."""
     from seamark.cli.run_summary import custom_score, level_table
     from seamark.sandbox.printable_text import printable_text
     from seamark.sim.recording.manifest import contacts

@@ -1,0 +1,174 @@
+"""The WebSocket server of a bridge: it carries out the operations of its clients."""
+
+import asyncio
+import re
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from websockets.asyncio.server import ServerConnection, serve
+from websockets.exceptions import ConnectionClosed
+
+from seamark.bridge.rosbridge.client import MOST_SUBSCRIPTIONS, Client
+from seamark.bridge.rosbridge.lock_step import LockStep
+from seamark.bridge.rosbridge.protocol import (
+    LONGEST_MESSAGE,
+    Advertise,
+    CallService,
+    Operation,
+    Publish,
+    Refused,
+    SetLevel,
+    Subscribe,
+    Unadvertise,
+    Unsubscribe,
+    read,
+)
+from seamark.bridge.rosbridge.topics import REFERENCES, RESULT, TOPICS, Moment, Ros, Topic, resolved
+from seamark.sim.engine.program import Command
+
+MOST_CLIENTS = 8
+CLOSE_WITHIN_S = 2.0  # [s] for a client to agree to the end of the connection
+TRY_AGAIN_LATER = 1013  # close code, IANA WebSocket registry
+# Pages of this machine; a browser lets every page of the web connect to it.
+LOCAL_ORIGIN = re.compile(r"https?://(localhost|127\.0\.0\.1|\[::1\])(:\d+)?")
+RESULT_TOPIC = Topic(
+    "std_msgs", "String", "once: how the run ended, as JSON", lambda _now, _ros: {}
+)
+
+
+class Server:
+    """The clients of one run. Belongs to the event loop."""
+
+    def __init__(self, lock_step: LockStep, say: Callable[[str], None]) -> None:
+        """`say` gets sentences for the one who started the bridge."""
+        self._lock_step = lock_step
+        self._say = say
+        self._clients: set[Client] = set()
+
+    async def exchange(self, now: Moment) -> Command:
+        """Publish an observation and return the reference that answers it; raises ProgramEnded."""
+        return await self._lock_step.exchange(now, self._clients)
+
+    async def publish_result(self, text: str) -> None:
+        """Publish how the run ended."""
+        for client in tuple(self._clients):
+            await client.publish_result(RESULT, {"data": text})
+
+    async def handle(self, connection: ServerConnection) -> None:
+        """Serve one connection until it closes."""
+        if len(self._clients) >= MOST_CLIENTS:
+            await connection.close(TRY_AGAIN_LATER, f"at most {MOST_CLIENTS} clients")
+            return
+        client = Client(connection)
+        self._clients.add(client)
+        self._say(f"{client.address} has connected.")
+        try:
+            async for message in connection:
+                await self._carry_out(client, message)
+        except ConnectionClosed:
+            pass
+        finally:
+            self._clients.discard(client)
+            self._lock_step.release(client)
+            self._say(f"{client.address} has disconnected.")
+
+    async def _carry_out(self, client: Client, message: str | bytes) -> None:
+        try:
+            await self._dispatch(client, read(message))
+        except Refused as refusal:
+            self._lock_step.refused(client, str(refusal))
+            self._say(f"{client.address}: {refusal}")
+            await client.status("error", str(refusal), refusal.reply_to)
+
+    async def _dispatch(self, client: Client, operation: Operation) -> None:
+        match operation:
+            case Publish():
+                _check_reference(operation.topic)
+                self._lock_step.take(client, operation)
+            case Advertise():
+                _check_reference(operation.topic)
+                self._lock_step.become_controller(client, operation.topic)
+            case Unadvertise():
+                self._lock_step.release(client)
+            case Subscribe():
+                await self._subscribe(client, operation)
+            case Unsubscribe():
+                client.unsubscribe(operation)
+            case CallService():
+                await client.send(_service_response(operation))
+            case SetLevel():
+                client.level = operation.level
+
+    async def _subscribe(self, client: Client, order: Subscribe) -> None:
+        """Subscribe a client, and send it what waits for an answer now: topics are latched."""
+        name = resolved(order.topic)
+        topic = RESULT_TOPIC if name == RESULT else TOPICS.get(name)
+        if topic is None:
+            raise Refused(f"There is no topic {order.topic}.", reply_to=order.id)
+        ros = topic.ros_of(order.type)
+        if ros is None:
+            right = topic.type_in(Ros.ONE)
+            text = f"{order.topic} has messages of type {right}, not {order.type}."
+            raise Refused(text, reply_to=order.id)
+        if not client.subscribe(order, ros):
+            text = f"A client may have at most {MOST_SUBSCRIPTIONS} subscriptions."
+            raise Refused(text, reply_to=order.id)
+        if order.compression != "none":
+            text = f"{order.topic} comes as JSON: the compression {order.compression} is not used."
+            await client.status("warning", text, order.id)
+        if (now := self._lock_step.waiting) is not None:
+            await client.publish(now, name)
+
+
+def _check_reference(topic: str) -> None:
+    if resolved(topic) not in REFERENCES:
+        raise Refused(f"{topic}: publish on {' or '.join(REFERENCES)}.")
+
+
+def _service_response(call: CallService) -> dict[str, Any]:
+    """Return the answer to a call of one of the services of rosapi, which list the topics."""
+    types = {name: topic.type_in(Ros.ONE) for name, topic in TOPICS.items()}
+    types |= {RESULT: RESULT_TOPIC.type_in(Ros.ONE)}
+    types |= {name: f"geometry_msgs/{kind}" for name, kind in REFERENCES.items()}
+    given = call.args if isinstance(call.args, dict) else {}
+    values: Any = {}
+    match resolved(call.service):
+        case "/rosapi/topics":
+            values = {"topics": [*types], "types": [*types.values()]}
+        case "/rosapi/topic_type":
+            values = {"type": types.get(resolved(str(given.get("topic", ""))), "")}
+        case "/rosapi/topics_for_type":
+            values = {"topics": [name for name, kind in types.items() if kind == given.get("type")]}
+        case _:
+            values = f"There is no service {call.service}."
+    done = isinstance(values, dict)
+    answer = {"op": "service_response", "service": call.service, "values": values, "result": done}
+    return answer if call.id is None else answer | {"id": call.id}
+
+
+async def serve_until(
+    end: asyncio.Event,
+    server: Server,
+    *,
+    host: str,
+    port: int,
+    origins: Sequence[str],
+    listening: Callable[[int], None],
+) -> None:
+    """Serve clients until `end` is set; `listening` gets the port.
+
+    Raises
+    ------
+    OSError
+        The address cannot be used.
+    """
+    allowed: list[Any] = [None, LOCAL_ORIGIN, *origins]  # None: no browser
+    async with serve(
+        *(server.handle, host, port),
+        origins=allowed,
+        max_size=LONGEST_MESSAGE,
+        compression=None,
+        close_timeout=CLOSE_WITHIN_S,
+    ) as running:
+        listening(next(iter(running.sockets)).getsockname()[1])
+        await end.wait()

@@ -1,0 +1,216 @@
+"""`seamark bridge`: programs that exist already take part in a run on this machine."""
+
+from __future__ import annotations
+
+import json
+import secrets
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from seamark.cli.commands.run import INTERRUPTED, LocalRun, report
+from seamark.cli.console import exit_with
+from seamark.cli.options import benchmark_argument, bridged_run_options, json_option
+from seamark.failures import PlatformFailed, UsageRefused
+
+if TYPE_CHECKING:
+    from seamark.sim.engine.program import Program
+    from seamark.sim.settings.experiment import ExperimentSettings
+    from seamark.worker.ipc.outcomes import RunOutcome
+
+LOCAL = "127.0.0.1"
+ROSBRIDGE_PORT = 9090  # as rosbridge_server's
+Say = Callable[[str], None]
+
+
+@click.group()
+def bridge() -> None:
+    """Connect programs that exist already: ROS programs and autopilots."""
+
+
+@bridge.command()
+@benchmark_argument
+@bridged_run_options
+@click.option("--host", default=LOCAL, show_default=True, help="Address to listen on.")
+@click.option(
+    "--port",
+    type=click.IntRange(0, 65535),
+    default=ROSBRIDGE_PORT,
+    show_default=True,
+    help="Port to listen on; 0: one that is free.",
+)
+@click.option(
+    "--answer-within",
+    type=click.FloatRange(0.1, 3600.0),
+    default=10.0,
+    show_default=True,
+    metavar="SECONDS",
+    help="How long the simulation waits for each velocity reference.",
+)
+@click.option(
+    "--real-time",
+    is_flag=True,
+    help="Follow the wall clock instead of waiting for the program; not reproducible.",
+)
+@click.option(
+    "--origin",
+    "origins",
+    multiple=True,
+    metavar="URL",
+    help="Let pages of this origin connect, such as https://example.org; repeatable.  "
+    "[default: pages of this machine]",
+)
+@json_option
+def rosbridge(  # noqa: PLR0913  # one argument per option
+    *,
+    benchmark: str,
+    pairs: tuple[str, ...],
+    config: Path | None,
+    seed: int | None,
+    trials: int | None,
+    out: Path | None,
+    host: str,
+    port: int,
+    answer_within: float,
+    real_time: bool,
+    origins: tuple[str, ...],
+    as_json: bool,
+) -> None:
+    """Evaluate a program that speaks rosbridge v2, such as one with roslibpy or roslibjs.
+
+    The bridge publishes each observation and waits for the velocity reference that answers it, so
+    a program that publishes exactly one per observation gives the same digest every time. The run
+    begins with the first reference. docs/bridges.md has the topics.
+
+    \b
+    Examples:
+      seamark bridge rosbridge currents-v1 --seed 7 --out result
+      seamark bridge rosbridge currents-v2 --set levels=0.2 --port 9091
+    """
+    _refuse_without_websockets()
+    from seamark.bridge.rosbridge.lock_step import LockStep
+    from seamark.bridge.rosbridge.program import RosProgram, opened
+    from seamark.sim.engine.world import target_and_optics
+
+    run = _local_run(benchmark, "rosbridge", pairs, config, trials=trials, seed=seed)
+    _target, optics = target_and_optics(_restored(run))
+    say = _say(quiet=as_json)
+    with ExitStack() as stack:
+        lock_step = LockStep(answer_within_s=answer_within, real_time=real_time)
+        try:
+            opening = opened(lock_step, host=host, port=port, origins=origins, say=say)
+            server = stack.enter_context(opening)
+        except OSError as error:
+            raise UsageRefused(f"{host}:{port} cannot be used: {error.strerror}.") from None
+        click.echo(f"Waiting for a program at ws://{_shown(host)}:{server.port}.", err=True)
+        outcome = _evaluate(run, RosProgram(server, optics), out, quiet=as_json)
+        server.publish_result(_result(outcome))
+    _report(run, outcome, out, as_json=as_json)
+
+
+def _refuse_without_websockets() -> None:
+    from seamark.cli.extras import install_line, missing
+
+    if missing(["websockets"]):
+        raise UsageRefused(f"This bridge needs a further package: {install_line('ros')}.")
+
+
+def _shown(host: str) -> str:
+    return f"[{host}]" if ":" in host else host
+
+
+def _say(*, quiet: bool) -> Say:
+    """Return the function that prints what happens at the connection."""
+
+    def say(sentence: str) -> None:
+        from seamark.sandbox.printable_text import printable_text
+
+        if not quiet:
+            click.echo(printable_text(sentence), err=True)
+
+    return say
+
+
+def _local_run(
+    benchmark: str,
+    name: str,
+    pairs: Sequence[str],
+    file: Path | None,
+    *,
+    trials: int | None,
+    seed: int | None,
+) -> LocalRun:
+    """Return the run as the options describe it; refuses a benchmark of trackers."""
+    from seamark.cli.configuration import benchmark_of, run_configuration_of
+    from seamark.sim.engine.seeds import SEED_MAX
+
+    role = benchmark_of(benchmark).role
+    if role != "controller":
+        raise UsageRefused(f"{benchmark} evaluates a {role}; a bridge connects a controller.")
+    return LocalRun(
+        benchmark=benchmark,
+        config=run_configuration_of(benchmark, file, tuple(pairs), None),
+        controller=name,
+        role=role,
+        program=None,
+        seed=secrets.randbelow(SEED_MAX + 1) if seed is None else seed,
+        trials=trials or 1,
+    )
+
+
+def _restored(run: LocalRun) -> ExperimentSettings:
+    from seamark.sim import registry
+    from seamark.sim.settings.experiment import ExperimentSettings
+
+    config = registry.benchmark(run.benchmark).restore(run.config)
+    if not isinstance(config, ExperimentSettings):
+        raise PlatformFailed(f"{run.benchmark} has no vehicle.")
+    return config
+
+
+def _evaluate(run: LocalRun, program: Program, out: Path | None, *, quiet: bool) -> RunOutcome:
+    from seamark.cli.output_folder import OutputFolder
+    from seamark.cli.simulator_loading import loading_shown
+    from seamark.progress import Progress
+    from seamark.sim.recording import telemetry
+
+    output = OutputFolder(out)
+    what = f"{run.controller}, seed {run.seed}, trials {run.trials}"
+    output.comments = [what, telemetry.units()]
+    with Progress(run.benchmark, quiet=quiet) as bar, loading_shown(bar):
+        from seamark.worker.evaluation.local import Callbacks, evaluate_connected
+
+        callbacks = Callbacks(
+            rows=output.add_rows,
+            progress=lambda p: bar.show(p.fraction, f"{p.t_simulated:.0f} s simulated"),
+        )
+        try:
+            outcome = evaluate_connected(
+                *(run.benchmark, run.config, program),
+                name=run.controller,
+                seed=run.seed,
+                trials=run.trials,
+                callbacks=callbacks,
+            )
+        except KeyboardInterrupt:
+            output.save(run.benchmark, None)
+            click.echo("Stopped." + (f" Partial data: {out}" if out else ""), err=True)
+            exit_with(INTERRUPTED)
+    output.save(run.benchmark, outcome)
+    return outcome
+
+
+def _result(outcome: RunOutcome) -> str:
+    """Return how a run ended, for its program."""
+    metrics = outcome.metrics or {}
+    verdict = str(outcome.failure or "ok")
+    told = {"verdict": verdict, "sentence": outcome.sentence, "score": metrics.get("score")}
+    return json.dumps(told | {"digest": outcome.digest}, allow_nan=False)
+
+
+def _report(run: LocalRun, outcome: RunOutcome, out: Path | None, *, as_json: bool) -> None:
+    report(run, outcome, out, as_json=as_json)
+    exit_with(0 if outcome.failure is None else 1)

@@ -1,0 +1,39 @@
+"""A short run whose controller is connected."""
+
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any
+
+from seamark.sim import registry
+from seamark.sim.engine.program import Program
+from seamark.worker.evaluation.local import evaluate_connected, evaluate_locally
+from seamark.worker.ipc.outcomes import RunOutcome
+
+BENCHMARK, SEED = "currents-v1", 7
+SHORT = {"levels": [0.1, 0.3], "level_duration_s": 2, "settle_s": 1, "tracker": "truth"}
+
+
+def configuration(**settings: Any) -> dict[str, Any]:
+    """Return a short configuration as a document."""
+    return registry.benchmark(BENCHMARK).read(SHORT | settings).model_dump(mode="json")
+
+
+def built_in(name: str, **settings: Any) -> RunOutcome:
+    """Return the outcome of a built-in controller in the same run."""
+    return evaluate_locally(BENCHMARK, configuration(**settings), seed=SEED, controller=name)
+
+
+class Running:
+    """A run in another thread."""
+
+    def __init__(self, program: Program, **settings: Any) -> None:
+        self._pool = ThreadPoolExecutor(1)
+        config = configuration(**settings)
+        self._outcome = self._pool.submit(
+            evaluate_connected, BENCHMARK, config, program, name="test", seed=SEED
+        )
+
+    def outcome(self) -> RunOutcome:
+        """Wait for the end of the run."""
+        outcome = self._outcome.result(timeout=60)
+        self._pool.shutdown()
+        return outcome

@@ -1,0 +1,92 @@
+"""A bridge in this process, and a client that speaks the protocol without a library for it."""
+
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
+from typing import Any
+
+import orjson
+import pytest
+from websockets.sync.client import ClientConnection, connect
+
+from seamark.bridge.rosbridge.lock_step import LockStep
+from seamark.bridge.rosbridge.program import Bridge, RosProgram, opened
+from seamark.sim.camera.optics import CURRENTS
+from tests.seamark.bridge.conftest import Running
+
+PATIENCE_S = 30.0
+
+
+class Client:
+    """A client; what it gets beside what it waits for is in `others`."""
+
+    def __init__(self, socket: ClientConnection) -> None:
+        self.socket = socket
+        self.others: list[dict[str, Any]] = []
+
+    def send(self, **message: Any) -> None:
+        self.socket.send(orjson.dumps(message).decode())
+
+    def subscribe(self, topic: str, kind: str = "", **more: Any) -> None:
+        self.send(op="subscribe", topic=topic, type=kind, **more)
+
+    def command(self, surge: float, *, ns: int | None = None) -> None:
+        twist = {"linear": {"x": surge, "y": 0.0, "z": 0.0}}
+        if ns is None:
+            self.send(op="publish", topic="/cmd_vel", msg=twist)
+            return
+        stamp = {"secs": ns // 10**9, "nsecs": ns % 10**9}
+        message = {"header": {"stamp": stamp}, "twist": twist}
+        self.send(op="publish", topic="/dataNavigator", msg=message)
+
+    def receive(self, **wanted: Any) -> dict[str, Any]:
+        """Return the next message with these values."""
+        while True:
+            message: dict[str, Any] = orjson.loads(self.socket.recv(timeout=PATIENCE_S))
+            if wanted.items() <= message.items():
+                return message
+            self.others.append(message)
+
+    def answer_all(self, topic: str, answer: Callable[[Any], float]) -> dict[str, Any]:
+        """Answer each message of a topic until the result comes, and return that."""
+        self.subscribe("/seamark/result")
+        while True:
+            message: dict[str, Any] = orjson.loads(self.socket.recv(timeout=PATIENCE_S))
+            if message.get("topic") == "/seamark/result":
+                result: dict[str, Any] = orjson.loads(message["msg"]["data"])
+                return result
+            if message.get("topic") == topic:
+                self.command(answer(message["msg"]))
+            else:
+                self.others.append(message)
+
+
+class Bridged:
+    """A bridge, its clients and the run behind it."""
+
+    def __init__(self, bridge: Bridge, stack: ExitStack) -> None:
+        self.bridge = bridge
+        self._stack = stack
+
+    def start(self, **settings: Any) -> Running:
+        return Running(RosProgram(self.bridge, CURRENTS), **settings)
+
+    def client(self, **options: Any) -> Client:
+        url = f"ws://127.0.0.1:{self.bridge.port}"
+        connecting = connect(url, compression=None, max_size=None, max_queue=None, **options)
+        return Client(self._stack.enter_context(connecting))
+
+
+Open = Callable[..., Bridged]
+
+
+@pytest.fixture
+def open_bridge() -> Iterator[Open]:
+    """Open a bridge: `open_bridge(answer_within_s=1.0)`."""
+    with ExitStack() as stack:
+
+        def start(*, answer_within_s: float = 30.0, real_time: bool = False) -> Bridged:
+            lock_step = LockStep(answer_within_s=answer_within_s, real_time=real_time)
+            opening = opened(lock_step, host="127.0.0.1", port=0, say=lambda _sentence: None)
+            return Bridged(stack.enter_context(opening), stack)
+
+        yield start
