@@ -8,7 +8,7 @@ from performance.table import text
 from seamark.server import log
 
 QUICK = ("full_run", "physics", "camera", "exchange")
-SERVICE = ("streams", "many_runs", "start_latency", "fake_runs", "player", "downloads")
+SERVICE = ("streams", "live_lag", "many_runs", "start_latency", "fake_runs", "player", "downloads")
 TABLES = (
     *QUICK,
     "gym",

@@ -13,6 +13,7 @@ from seamark.server.objects import Object, Objects
 from seamark.server.runs.files import RUNS_PER_FOLDER
 
 GROWING = ("telemetry.f64", "log.txt")
+REPLACED = ("columns.json", "log.tail")  # each time as a whole, while the run goes on
 COMPLETE = "complete"
 _PARTS = "parts"
 

@@ -1,26 +1,28 @@
 """The files of a run for those who read them, wherever they are kept.
 
 With object storage they are copied into a folder of this machine when somebody asks for them: once,
-however many ask, and of a run that is going on only what has been added.
+however many ask, and of a run that is going on only what has been added. What a watched run records
+comes through the broker before it is stored, and the storage heals what was lost on the way.
 """
 
 import fcntl
-import json
 import os
 import shutil
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Protocol
 
 import structlog
 
 from seamark.server import objects, storage
+from seamark.server.messaging.live_data import Increment
 from seamark.server.objects import Objects, ObjectsAway
 from seamark.server.runs import run_objects
+from seamark.server.runs.attempt_copy import AttemptCopy
 from seamark.server.runs.files import RunFiles
-from seamark.server.runs.run_objects import GROWING, Attempt, Part
+from seamark.server.runs.run_objects import Attempt
 from seamark.server.runs.states import RunState
 from seamark.server.settings import Settings
 
@@ -31,7 +33,7 @@ UNREAD_S = 86_400.0  # after which a copy goes, even if there is room for it
 TRIM_EVERY_S = 60.0
 LOCKS = 64
 _COMPLETE = ".complete"  # a copy that needs no look at the storage any more
-_KNOWN = ".known"  # what of the parts has been copied
+_LOOKED = ".looked"  # when the copy was known to have everything
 _log = structlog.get_logger()
 
 
@@ -83,7 +85,7 @@ def _refresh(stored: Objects, data: Path, run_id: int, attempt: int | None) -> N
         # Others may have copied it while this one waited for the lock.
         if attempt is not None and _is_complete(RunFiles(data, run_id, attempt).folder):
             return
-        looked = RunFiles(data, run_id).root / ".looked"
+        looked = RunFiles(data, run_id).root / _LOOKED
         if attempt is None and _age_s(looked) < LIST_EVERY_S:
             return
         _copy(stored, data, run_id, attempt)
@@ -99,66 +101,42 @@ def _copy(stored: Objects, data: Path, run_id: int, attempt: int | None) -> None
     if chosen not in found:
         return
     files.folder.mkdir(parents=True, exist_ok=True)
+    copy = AttemptCopy(files.folder)
+    copy.take_whole(stored, found[chosen])
     if found[chosen].complete or not found[chosen].parts:
-        _copy_whole(stored, found[chosen], files.folder)
         if attempt is not None and _will_not_change(found[chosen]):
             (files.folder / _COMPLETE).touch()
     else:
-        _copy_parts(stored, found[chosen], files.folder)
+        copy.take_parts(stored, found[chosen])
+
+
+def append(settings: Settings, run_id: int, increments: Sequence[Increment]) -> bool:
+    """Add what a worker has published to the copies; False if something before it is missing.
+
+    As long as nothing is, nobody has to look at the storage.
+    """
+    data = storage.copies(settings)
+    with _locked(data, run_id):
+        if not all(_append(data, run_id, one) for one in increments):
+            return False
+        if increments:
+            (RunFiles(data, run_id).root / _LOOKED).touch()
+    return True
+
+
+def _append(data: Path, run_id: int, increment: Increment) -> bool:
+    files = RunFiles(data, run_id, increment.attempt)
+    if increment.attempt < RunFiles(data, run_id).attempt or _is_complete(files.folder):
+        return True
+    files.remove_earlier_attempts()
+    files.folder.mkdir(parents=True, exist_ok=True)
+    copy = AttemptCopy(files.folder)
+    return copy.is_whole or copy.take_increment(increment)
 
 
 def _will_not_change(attempt: Attempt) -> bool:
     """Return whether the worker has stored everything, or has been silent for long."""
     return attempt.complete or attempt.changed_at < time.time() - SETTLED_S
-
-
-def _copy_whole(stored: Objects, attempt: Attempt, folder: Path) -> None:
-    known = _known(folder)
-    for name, one in attempt.files.items():
-        if name != run_objects.COMPLETE and known.get(name) != one.tag:
-            stored.fetch(one.path, folder / name)
-            known[name] = one.tag
-    _remember(folder, known)
-
-
-def _copy_parts(stored: Objects, attempt: Attempt, folder: Path) -> None:
-    _copy_whole(stored, attempt, folder)
-    known = _known(folder)
-    for name in GROWING:
-        for part in attempt.parts.get(name, ()):
-            generation, size = known.get(f"{name} parts", (0, 0))
-            known[f"{name} parts"] = _apply(stored, part, folder / name, generation, size)
-            _remember(folder, known)
-
-
-def _apply(stored: Objects, part: Part, file: Path, generation: int, size: int) -> tuple[int, int]:
-    """Add a part to a file of which `size` bytes are known; return what is known then."""
-    if part.generation > generation:
-        generation, size = part.generation, min(size, part.offset)
-    if part.generation < generation or part.offset != size:
-        return generation, size
-    content = stored.get(part.path)
-    if content is None:  # meanwhile replaced by the whole file
-        return generation, size
-    with file.open("r+b" if file.exists() else "wb") as copy:
-        copy.truncate(size)
-        copy.seek(size)
-        copy.write(content)
-    return generation, size + len(content)
-
-
-def _known(folder: Path) -> dict[str, Any]:
-    try:
-        known: dict[str, Any] = json.loads((folder / _KNOWN).read_bytes())
-    except FileNotFoundError:
-        return {}
-    return known
-
-
-def _remember(folder: Path, known: dict[str, Any]) -> None:
-    draft = folder / f"{_KNOWN}.draft"
-    draft.write_text(json.dumps(known), encoding="utf-8")
-    draft.replace(folder / _KNOWN)
 
 
 def _is_complete(folder: Path) -> bool:

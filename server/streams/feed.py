@@ -6,12 +6,14 @@ import asyncio
 from collections import OrderedDict
 from collections.abc import Callable
 from concurrent.futures import Executor
+from dataclasses import replace
 from typing import Any, TypeVar
 
 import structlog
 from sqlalchemy.exc import SQLAlchemyError
 
 from seamark.server.database.engine import Database
+from seamark.server.messaging import live_data
 from seamark.server.runs import stored_files, views
 from seamark.server.runs.files import RunFiles
 from seamark.server.runs.states import RunState
@@ -32,6 +34,7 @@ from seamark.server.streams.inbox import Inbox, TooSlow
 TICK_S = 0.25  # between two looks at the files of a running run
 TICK = Budget(telemetry=3_300, log=900)  # with names and ids 20 KB/s, however fast the run is
 POLL_S = 10.0  # between two looks at the database; states are published in between
+PENDING_MAX = 4 * 2**20  # [byte] of published data between two looks; more is dropped
 _STARTS_MAX = 8  # kept for viewers that come at the same moment
 _log = structlog.get_logger()
 
@@ -65,8 +68,15 @@ class Feed:
         self._starts: OrderedDict[object, asyncio.Task[Excerpt]] = OrderedDict()
         self._reading = asyncio.Lock()
         self._woken = asyncio.Event()
+        self._pending = list[bytes]()  # published since the last look
         self._poll_now = self._running = self._closed = False
+        self.misses_data = True  # of what was published; the worker sends the newest again
         self.viewers = 0  # with those that are about to join
+
+    @property
+    def wants_data(self) -> bool:
+        """Whether what the worker records comes through the broker before it can be read."""
+        return self._running and bool(self._settings.storage_url)
 
     async def run(self) -> None:
         """Send events until the run has ended."""
@@ -129,6 +139,12 @@ class Feed:
             self._send(events.state(values | {"viewers": self.viewers}))
             self._woken.set()
 
+    def on_data(self, message: bytes) -> None:
+        """Keep what was published of the files until the next look at them."""
+        self._pending.append(message)
+        if sum(map(len, self._pending)) > PENDING_MAX:
+            self._pending.clear()  # the next message does not fit, and the rest is asked for
+
     def poll(self) -> None:
         """Look at the database now."""
         self._poll_now = True
@@ -151,6 +167,8 @@ class Feed:
     async def _advance(self, budget: Budget) -> Position:
         """Send what the files have had since the last time; return the position after it."""
         async with self._reading:
+            published, self._pending = self._pending, []
+            await self._thread(lambda: self._append(published))
             found = await self._thread(lambda: self._excerpt(self._position, None, budget))
             self._position = found.end
             for frame in found.frames:
@@ -188,10 +206,22 @@ class Feed:
     def _files(self) -> RunFiles:
         return stored_files.latest(self._settings, self._run_id, self._attempt)
 
+    def _append(self, published: list[bytes]) -> None:
+        """Add what was published to this machine's copies of the files."""
+        if not published:
+            return
+        try:
+            increments = [live_data.parse(message) for message in published]
+            fits = stored_files.append(self._settings, self._run_id, increments)
+        except (OSError, ValueError) as error:
+            _log.warning("data_not_appended", run=self._run_id, error=str(error))
+            fits = False
+        self.misses_data = not fits
+
     def _excerpt(self, since: Position | None, until: Position | None, budget: Budget) -> Excerpt:
         try:
             files = self._files()
-            until = until or position_now(files)
+            until = until or _not_before(since, position_now(files))
             return Excerpt((), until) if since is None else excerpt(files, since, until, budget)
         except OSError as error:  # the storage may come back
             _log.warning("files_not_read", run=self._run_id, error=str(error))
@@ -199,3 +229,10 @@ class Feed:
 
     async def _thread(self, function: Callable[[], Result]) -> Result:
         return await asyncio.get_running_loop().run_in_executor(self._threads, function)
+
+
+def _not_before(last: Position | None, now: Position) -> Position:
+    """Return the position now; stored, the end of a long log is older than what was published."""
+    if last is None or last.attempt != now.attempt:
+        return now
+    return replace(now, log=max(now.log, last.log))

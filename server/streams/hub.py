@@ -9,21 +9,18 @@ from functools import partial
 from typing import Any
 
 import structlog
-from redis.exceptions import RedisError
 from sqlalchemy.exc import SQLAlchemyError
 
 from seamark.server.accounts import accounts
 from seamark.server.database.engine import Database
-from seamark.server.messaging import broker, live_events
 from seamark.server.settings import Settings
 from seamark.server.streams.events import LOG, Position
 from seamark.server.streams.feed import Feed
 from seamark.server.streams.inbox import WAITING_MAX, Inbox
+from seamark.server.streams.listener import Listener
 
 THREADS = 4  # that read files and the database for streams; pages have others
-BROKER_RETRY_S = 2.0
 ACCOUNTS_S = 2.0  # between two looks at whether the viewers' accounts are still accepted
-LISTEN_S = 0.5  # before the listener looks whether it is to end
 _log = structlog.get_logger()
 
 
@@ -129,7 +126,8 @@ class Hub:
             self._tasks[run_id] = asyncio.create_task(feed.run())
             self._tasks[run_id].add_done_callback(partial(self._ended, run_id, feed))
         if self._listener is None:
-            self._listener = asyncio.create_task(self._listen())
+            listener = Listener(self._settings, self._feeds)
+            self._listener = asyncio.create_task(listener.listen())
             self._account_watch = asyncio.create_task(self._watch_accounts())
         return self._feeds[run_id]
 
@@ -166,40 +164,3 @@ class Hub:
             return set()
         with self._database.reading() as session:
             return accounts.refused(session, user_ids)
-
-    async def _listen(self) -> None:
-        """Pass on published states; while the broker is away, look at the database more often.
-
-        Redis sends by `asyncio.wait_for`, which in Python 3.11 drops a cancellation that comes
-        while its task ends. So nothing here waits without a limit, and each wait asks again.
-        """
-        while not _cancelled():
-            try:
-                async with broker.connect_async(self._settings) as redis, redis.pubsub() as channel:
-                    await channel.subscribe(live_events.CHANNEL)
-                    self._poll_all()  # there may have been messages in the meantime
-                    while not _cancelled():
-                        message = await channel.get_message(
-                            ignore_subscribe_messages=True, timeout=LISTEN_S
-                        )
-                        if message is not None:
-                            self._pass_on(message["data"])
-            except RedisError as error:
-                _log.warning("states_not_received", error=str(error))
-                self._poll_all()
-                await asyncio.sleep(BROKER_RETRY_S)
-
-    def _poll_all(self) -> None:
-        for feed in self._feeds.values():
-            feed.poll()
-
-    def _pass_on(self, message: bytes) -> None:
-        run_id, values = live_events.parse(message)
-        if run_id in self._feeds:
-            self._feeds[run_id].on_state(values)
-
-
-def _cancelled() -> bool:
-    """Return whether the running task was asked to end, even if a library dropped that."""
-    task = asyncio.current_task()
-    return task is not None and task.cancelling() > 0

@@ -130,9 +130,10 @@ class RunDriver:
     def __init__(self, context: RunContext, claim: Claim) -> None:
         self._context, self._claim = context, claim
         self._claimed_at = time.monotonic()
-        settings, stored = context.settings, objects.of(context.settings)
-        self._files = RunFiles(storage.workspace(settings), claim.run_id, claim.attempt)
-        self._upload = None if stored is None else RunUpload(stored, self._files, claim.run_id)
+        self._files = RunFiles(storage.workspace(context.settings), claim.run_id, claim.attempt)
+        self._upload: RunUpload | None = None
+        if (stored := objects.of(context.settings)) is not None:
+            self._upload = RunUpload(stored, context.redis, self._files, claim.run_id)
         self._live = LivePublisher(context.redis, claim.run_id)
         benchmark = registry.benchmark(claim.benchmark)
         chosen, _ = parameters.split(claim.config)

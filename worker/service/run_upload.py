@@ -10,10 +10,10 @@ import json
 import threading
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
 
 import structlog
+from redis import Redis
 from sqlalchemy.orm import Session
 
 from seamark.server.database import data_folder
@@ -22,22 +22,16 @@ from seamark.server.objects import Objects, ObjectsAway
 from seamark.server.programs import store
 from seamark.server.runs import run_objects
 from seamark.server.runs.files import RunFiles, StorageFailed
-from seamark.server.runs.run_objects import COMPLETE, GROWING
+from seamark.server.runs.run_objects import COMPLETE, GROWING, REPLACED
 from seamark.server.settings import Settings
 from seamark.server.storage import StorageUnavailable
+from seamark.worker.service.growing_files import GrowingFiles
+from seamark.worker.service.live_data import LiveData
 
 PART_EVERY_S = 2.0
 PART_MAX = 8 * 2**20  # [B] that are read at once
 RETRY_S = 1.0
 _log = structlog.get_logger()
-
-
-@dataclass(slots=True)
-class _Grown:
-    """How much of a file that grows has been stored."""
-
-    generation: int = 0
-    size: int = 0
 
 
 def program_file(settings: Settings, sha256: str) -> Path:
@@ -59,31 +53,28 @@ def require_own(session: Session, settings: Settings) -> None:
 
 
 class RunUpload:
-    """The upload of one attempt, in a thread of its own."""
+    """The upload of one attempt, in a thread of its own; who watches it is served before."""
 
-    def __init__(self, objects: Objects, files: RunFiles, run_id: int) -> None:
+    def __init__(self, objects: Objects, redis: "Redis", files: RunFiles, run_id: int) -> None:
         self._objects, self._files, self._run_id = objects, files, run_id
-        self._grown = {name: _Grown() for name in GROWING}
+        self._growing = GrowingFiles(files)
+        self._live = LiveData(redis, self._growing, run_id)
         self._replaced: dict[str, float] = {}  # file -> when it was written last
-        self._lock = threading.Lock()  # between reading a file and taking rows back
         self._ending = threading.Event()
         self._thread = threading.Thread(target=self._store_parts, name="upload", daemon=True)
 
     def start(self) -> None:
         """Remove what earlier attempts have stored, and store parts from now on."""
         self._thread.start()
+        self._live.start()
 
     def truncate_rows(self, count: int) -> None:
         """Keep only the first rows of the telemetry; see `RunFiles.truncate_rows`."""
-        with self._lock:
-            self._files.truncate_rows(count)
-            grown = self._grown[self._files.telemetry_path.name]
-            size = self._files.telemetry_path.stat().st_size if count else 0
-            if size < grown.size:
-                grown.generation, grown.size = grown.generation + 1, size
+        self._growing.truncate_rows(count)
 
     def stop(self) -> None:
-        """Store no more parts."""
+        """Store no more parts, and publish no more."""
+        self._live.stop()
         self._ending.set()
         if self._thread.ident is not None:
             self._thread.join()
@@ -148,7 +139,8 @@ class RunUpload:
         away = False
         while not self._ending.wait(PART_EVERY_S):
             try:
-                for name in ("columns.json", "log.tail"):
+                self._growing.begin_parts()
+                for name in REPLACED:
                     self._store_replaced(name)
                 for name in GROWING:
                     self._store_grown(name)
@@ -169,28 +161,16 @@ class RunUpload:
             self._replaced[name] = written_at
 
     def _store_grown(self, name: str) -> None:
-        grown = self._grown[name]
-        while True:
-            with self._lock:
-                generation, offset = grown.generation, grown.size
-                content = self._read(name, offset)
-            if not content:
-                return
+        while (piece := self._growing.unstored(name, limit=PART_MAX)).content:
             path = run_objects.part(
-                self._run_id, self._files.attempt, name, generation=generation, offset=offset
+                self._run_id,
+                self._files.attempt,
+                name,
+                generation=piece.generation,
+                offset=piece.offset,
             )
-            self._objects.put(path, content)
-            with self._lock:
-                if grown.generation == generation:
-                    grown.size = offset + len(content)
-
-    def _read(self, name: str, offset: int) -> bytes:
-        try:
-            with (self._files.folder / name).open("rb") as file:
-                file.seek(offset)
-                return file.read(PART_MAX)
-        except FileNotFoundError:
-            return b""
+            self._objects.put(path, piece.content)
+            self._growing.stored(piece)
 
     def _store_whole_within(self, seconds: float, given_up: threading.Event) -> None:
         until = time.monotonic() + seconds

@@ -2,7 +2,6 @@
 
 import os
 import threading
-import time
 from pathlib import Path
 from typing import Any
 
@@ -13,71 +12,34 @@ from seamark.server import objects, storage
 from seamark.server.database import schema
 from seamark.server.database.data_folder import WrongDataFolder
 from seamark.server.objects import Objects
-from seamark.server.runs import run_objects, stored_files
-from seamark.server.runs.files import RunFiles, StorageFailed
+from seamark.server.runs import stored_files
+from seamark.server.runs.files import StorageFailed
 from seamark.server.settings import Settings
-from seamark.sim.recording.telemetry import INDEX, WIDTH
 from seamark.worker.service import run_upload
 from seamark.worker.service.run_upload import RunUpload
 from tests.services import s3
+from tests.services.machines import Machines, numbered_rows
 
 
 @pytest.fixture(params=["file", "s3"])
 def shared(
-    request: pytest.FixtureRequest, tmp_path: Path, s3_server: s3.Server, monkeypatch: Any
+    request: pytest.FixtureRequest,
+    tmp_path: Path,
+    redis_url: str,
+    s3_server: s3.Server,
+    monkeypatch: Any,
 ) -> dict[str, str]:
-    """Settings of storage that two machines share."""
+    """Settings of storage and a broker that two machines share."""
     monkeypatch.setattr(run_upload, "PART_EVERY_S", 0.01)
     monkeypatch.setattr(stored_files, "LIST_EVERY_S", 0.0)
     if request.param == "s3":
-        return s3_server.settings(tmp_path.name)
-    return {"storage_url": f"file://{tmp_path / 'shared'}"}
-
-
-class Machines:
-    """A web machine and a worker's machine without a shared folder."""
-
-    def __init__(self, folder: Path, shared: dict[str, str]) -> None:
-        self.web, self.worker = (
-            Settings.model_validate(shared | {"data": folder / name}) for name in ("web", "worker")
-        )
-        stored = objects.of(self.web)
-        assert stored is not None
-        self.stored: Objects = stored
-        self.stored.put(objects.MARK, b"mine")
-
-    def recording(self, run_id: int = 7, attempt: int = 1) -> tuple[RunFiles, RunUpload]:
-        files = RunFiles(storage.workspace(self.worker), run_id, attempt)
-        upload = RunUpload(self.stored, files, run_id)
-        upload.start()
-        return files, upload
-
-    def parts(self, run_id: int = 7) -> int:
-        attempts = run_objects.attempts(self.stored, run_id).values()
-        return sum(part.size for one in attempts for part in one.parts.get("telemetry.f64", ()))
-
-    def read(self, run_id: int = 7, attempt: int | None = None) -> RunFiles:
-        return stored_files.latest(self.web, run_id, attempt)
-
-    def wait_for(self, rows: int, log: str = "") -> RunFiles:
-        """Return the files once the web machine has exactly so many rows, and this log."""
-        for _ in range(3000):
-            files = self.read()
-            if (files.row_count(), files.log_text()) == (rows, log):
-                return files
-            time.sleep(0.01)  # parts are not announced
-        raise AssertionError(f"{files.row_count()} rows instead of {rows}")
+        return s3_server.settings(tmp_path.name) | {"broker_url": redis_url}
+    return {"storage_url": f"file://{tmp_path / 'shared'}", "broker_url": redis_url}
 
 
 @pytest.fixture
 def machines(tmp_path: Path, shared: dict[str, str]) -> Machines:
     return Machines(tmp_path, shared)
-
-
-def _rows(start: int, count: int, value: float = 0.0) -> Any:
-    rows = np.full((count, WIDTH), value)
-    rows[:, INDEX["t"]] = 0.05 * np.arange(start, start + count)
-    return rows
 
 
 def _end(upload: RunUpload) -> None:
@@ -88,11 +50,11 @@ def test_a_run_is_read_while_it_goes_on_and_as_it_was_written_when_it_has_ended(
     machines: Machines,
 ) -> None:
     files, upload = machines.recording()
-    files.append_rows(_rows(0, 20))
+    files.append_rows(numbered_rows(0, 20))
     files.append_log(b"first\n")
     machines.wait_for(20, log="first\n")
 
-    files.append_rows(_rows(20, 30))
+    files.append_rows(numbered_rows(20, 30))
     going_on = machines.wait_for(50, log="first\n")
     files.write_json("manifest.json", {"digest": "d"})
     _end(upload)
@@ -100,7 +62,7 @@ def test_a_run_is_read_while_it_goes_on_and_as_it_was_written_when_it_has_ended(
     files.remove()
 
     ended = machines.read(attempt=1)
-    assert going_on.rows().tolist() == ended.rows().tolist() == _rows(0, 50).tolist()
+    assert going_on.rows().tolist() == ended.rows().tolist() == numbered_rows(0, 50).tolist()
     assert (ended.manifest(), ended.log_text()) == ({"digest": "d"}, "first\n")
     assert machines.parts() == 0
 
@@ -119,7 +81,7 @@ def test_a_disk_that_cannot_be_read_ends_the_upload_as_a_failure_of_the_storage(
     machines: Machines, monkeypatch: Any
 ) -> None:
     files, upload = machines.recording()
-    files.append_rows(_rows(0, 3))
+    files.append_rows(numbered_rows(0, 3))
 
     def broken(path: Path) -> Any:
         raise OSError("Input/output error")
@@ -132,36 +94,36 @@ def test_a_disk_that_cannot_be_read_ends_the_upload_as_a_failure_of_the_storage(
 
 def test_rows_that_a_trial_takes_back_are_replaced_for_readers_too(machines: Machines) -> None:
     files, upload = machines.recording()
-    files.append_rows(_rows(0, 30))
+    files.append_rows(numbered_rows(0, 30))
     machines.wait_for(30)
 
     upload.truncate_rows(10)
-    files.append_rows(_rows(10, 15, value=1.0))
+    files.append_rows(numbered_rows(10, 15, value=1.0))
 
     found = machines.wait_for(25).rows()
-    wanted = np.concatenate([_rows(0, 10), _rows(10, 15, value=1.0)])
+    wanted = np.concatenate([numbered_rows(0, 10), numbered_rows(10, 15, value=1.0)])
     upload.stop()
     assert found.tolist() == wanted.tolist()
 
 
 def test_the_objects_of_a_dead_attempt_are_neither_read_nor_kept(machines: Machines) -> None:
     dead, dying = machines.recording(attempt=1)
-    dead.append_rows(_rows(0, 40))
+    dead.append_rows(numbered_rows(0, 40))
     machines.wait_for(40)
 
     files, upload = machines.recording(attempt=2)
-    files.append_rows(_rows(0, 5, value=2.0))
+    files.append_rows(numbered_rows(0, 5, value=2.0))
     found = machines.wait_for(5)
     _end(dying)  # it does not know yet that it has lost the run
     _end(upload)
 
     assert found.attempt == 2
-    assert machines.read(attempt=2).rows().tolist() == _rows(0, 5, value=2.0).tolist()
+    assert machines.read(attempt=2).rows().tolist() == numbered_rows(0, 5, value=2.0).tolist()
 
 
 def test_a_file_is_fetched_once_however_many_ask(machines: Machines, monkeypatch: Any) -> None:
     files, upload = machines.recording()
-    files.append_rows(_rows(0, 10))
+    files.append_rows(numbered_rows(0, 10))
     _end(upload)
     fetched = list[str]()
     fetch = Objects.fetch
@@ -186,7 +148,7 @@ def test_copies_that_nobody_reads_make_room(machines: Machines, monkeypatch: Any
     machines.web = machines.web.model_copy(update={"cache_bytes": 25_000})
     for run_id in (1, 2, 3):
         files, upload = machines.recording(run_id)
-        files.append_rows(_rows(0, 30))
+        files.append_rows(numbered_rows(0, 30))
         _end(upload)
 
     size = [machines.read(run_id, 1).size() for run_id in (1, 2, 3)]
@@ -204,7 +166,7 @@ def test_a_copy_that_nobody_has_read_for_a_day_goes_even_if_there_is_room(
     monkeypatch.setattr(stored_files, "TRIM_EVERY_S", 0.0)
     for run_id in (1, 2):
         files, upload = machines.recording(run_id)
-        files.append_rows(_rows(0, 30))
+        files.append_rows(numbered_rows(0, 30))
         _end(upload)
     for file in machines.read(1, 1).root.rglob("*"):
         os.utime(file, (0, 0))
@@ -219,7 +181,7 @@ def test_while_the_storage_is_away_readers_see_what_was_copied(
     machines: Machines, monkeypatch: Any
 ) -> None:
     files, upload = machines.recording()
-    files.append_rows(_rows(0, 10))
+    files.append_rows(numbered_rows(0, 10))
     _end(upload)
     machines.wait_for(10)
 
@@ -238,7 +200,7 @@ def test_a_run_that_ends_while_the_storage_is_away_waits_for_it(
     monkeypatch.setattr(run_upload, "RETRY_S", 0.01)
     files, upload = machines.recording()
     upload.stop()
-    files.append_rows(_rows(0, 10))
+    files.append_rows(numbered_rows(0, 10))
     put, failures = Objects.put, iter([True] * 3)
 
     def sometimes(self: Objects, path: str, content: Any) -> None:
