@@ -148,5 +148,6 @@ def _common() -> dict[str, Any]:
         "viewer": g.viewer,
         "version": version("seamark"),
         "sign_up": services().settings.sign_up,
+        "sends_mail": bool(services().settings.mail_url),
         "administers": can(g.viewer, Action.ADMINISTER),
     }

@@ -23,7 +23,7 @@ def upgrade() -> None:
         "mail_addresses",
         sa.Column("user_id", _ROW_ID, autoincrement=False, nullable=False),
         sa.Column("address", sa.String(254), nullable=True),
-        sa.Column("address_key", sa.String(254), nullable=True),
+        sa.Column("address_hash", sa.String(64), nullable=True),
         sa.Column("pending", sa.String(254), nullable=True),
         sa.Column("pending_hash", sa.String(64), nullable=True),
         sa.Column("pending_until", sa.Double(), nullable=True),
@@ -31,24 +31,24 @@ def upgrade() -> None:
         sa.PrimaryKeyConstraint("user_id", name="pk_mail_addresses"),
         sa.UniqueConstraint("pending_hash", name="uq_mail_addresses_pending_hash"),
     )
-    op.create_index("ix_mail_addresses_address_key", "mail_addresses", ["address_key"])
+    op.create_index("ix_mail_addresses_address_hash", "mail_addresses", ["address_hash"])
     op.create_table(
         "outgoing_mails",
         sa.Column("id", _ROW_ID, nullable=False),
         sa.Column("kind", sa.String(20), nullable=False),
         sa.Column("user_id", _ROW_ID, nullable=True),
-        sa.Column("address_key", sa.String(254), nullable=False),
+        sa.Column("address_hash", sa.String(64), nullable=False),
         sa.Column("created_at", sa.Double(), nullable=False),
         sa.Column("next_try_at", sa.Double(), nullable=False),
         sa.Column("tries", sa.Integer(), nullable=False),
         sa.Column("ended_at", sa.Double(), nullable=True),
-        _of_user("outgoing_mails"),
+        _of_user("outgoing_mails", "SET NULL"),
         sa.PrimaryKeyConstraint("id", name="pk_outgoing_mails"),
         sqlite_autoincrement=True,
     )
     op.create_index("ix_outgoing_mails_user_id", "outgoing_mails", ["user_id"])
     op.create_index(
-        "ix_outgoing_mails_address_key_created", "outgoing_mails", ["address_key", "created_at"]
+        "ix_outgoing_mails_address_hash_created", "outgoing_mails", ["address_hash", "created_at"]
     )
     op.create_index(
         "ix_outgoing_mails_due",
@@ -80,7 +80,7 @@ def downgrade() -> None:
     op.drop_column("users", "notify_minutes")
 
 
-def _of_user(table: str) -> sa.ForeignKeyConstraint:
+def _of_user(table: str, then: str = "CASCADE") -> sa.ForeignKeyConstraint:
     return sa.ForeignKeyConstraint(
-        ["user_id"], ["users.id"], name=f"fk_{table}_user_id", ondelete="CASCADE"
+        ["user_id"], ["users.id"], name=f"fk_{table}_user_id", ondelete=then
     )

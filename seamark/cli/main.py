@@ -26,6 +26,7 @@ COMMANDS = {  # name -> module:attribute, help; with the help here, --help impor
     "doctor": ("doctor:doctor", "Check this machine and say how to fix what is missing."),
     "user": ("user:user", "Manage accounts."),
     "token": ("token:token", "Create API tokens."),
+    "mail": ("mail:mail", "Try the mail server."),
     "audit": ("audit:audit", "Print who did what: the audit log."),
     "backup": ("backup:backup", "Back up the whole service into one file."),
     "restore": ("backup:restore", "Restore the service from a backup."),
@@ -34,7 +35,7 @@ COMMANDS = {  # name -> module:attribute, help; with the help here, --help impor
     "worker": ("service:worker", "Run only a worker."),
 }
 SERVICE = frozenset(  # need the extra `server`
-    ("up", "user", "token", "audit", "backup", "restore", "db", "web", "worker")
+    ("up", "user", "token", "mail", "audit", "backup", "restore", "db", "web", "worker")
 )
 
 

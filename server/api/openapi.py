@@ -17,6 +17,7 @@ from seamark.server.api.class_schemas import (
     ClassRequest,
     JoinRequest,
 )
+from seamark.server.api.mail import MailRequest
 from seamark.server.api.publication_schemas import PublicationRequest
 from seamark.server.api.schemas import InvitationsRequest, RunRequest, TokenRequest
 from seamark.server.api.sweeps import SweepRequest
@@ -32,6 +33,7 @@ _PUBLISH = "runs/{run_id}/publish"
 _JSON_BODIES: dict[tuple[str, str], type[BaseModel]] = {
     ("post", "tokens"): TokenRequest,
     ("post", "invitations"): InvitationsRequest,
+    ("patch", "me/mail"): MailRequest,
     ("post", "classes"): ClassRequest,
     ("post", "classes/join"): JoinRequest,
     ("patch", "classes/{class_id}"): ClassChange,

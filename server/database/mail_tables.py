@@ -15,7 +15,7 @@ class MailAddress(Base):
         ForeignKey("users.id", ondelete="CASCADE"), primary_key=True, autoincrement=False
     )
     address: Mapped[str | None] = mapped_column(String(254))  # confirmed
-    address_key: Mapped[str | None] = mapped_column(String(254), index=True)  # case-folded
+    address_hash: Mapped[str | None] = mapped_column(String(64), index=True)
     pending: Mapped[str | None] = mapped_column(String(254))  # not yet confirmed
     pending_hash: Mapped[str | None] = mapped_column(String(64), unique=True)  # of its link
     pending_until: Mapped[float | None]
@@ -32,16 +32,16 @@ class OutgoingMail(Base):
     id: Mapped[int] = mapped_column(RowId, primary_key=True)
     kind: Mapped[str] = mapped_column(String(20))
     user_id: Mapped[int | None] = mapped_column(  # NULL: whoever has the address
-        ForeignKey("users.id", ondelete="CASCADE"), index=True
+        ForeignKey("users.id", ondelete="SET NULL"), index=True
     )
-    address_key: Mapped[str] = mapped_column(String(254))
+    address_hash: Mapped[str] = mapped_column(String(64))  # who gets it, for finding and counting
     created_at: Mapped[float]
     next_try_at: Mapped[float]
     tries: Mapped[int] = mapped_column(default=0)
     ended_at: Mapped[float | None]
 
     __table_args__ = (
-        Index("ix_outgoing_mails_address_key_created", "address_key", "created_at"),
+        Index("ix_outgoing_mails_address_hash_created", "address_hash", "created_at"),
         Index(
             "ix_outgoing_mails_due",
             "next_try_at",

@@ -9,7 +9,7 @@ from sqlalchemy import delete, select
 from sqlalchemy.orm import Session
 
 from seamark.server.accounts import accounts
-from seamark.server.database.mail_tables import MailAddress, OutgoingMail
+from seamark.server.database.mail_tables import MailAddress
 from seamark.server.database.tables import User
 from seamark.server.mail import outbox
 from seamark.server.mail.outbox import MailKind
@@ -62,7 +62,7 @@ def propose(session: Session, user_id: int, address: str) -> None:
         session.add(found)
     found.pending, found.pending_hash = address, None
     found.pending_until = time.time() + HOURS * 3600.0
-    if not outbox.add(session, MailKind.CONFIRMATION, address, user_id=user_id):
+    if not outbox.add(session, MailKind.CONFIRMATION, outbox.hashed(address), user_id=user_id):
         raise MailRejected(
             "Too many e-mails are waiting or have been sent to this address. Try again in an hour."
         )
@@ -97,15 +97,15 @@ def confirm(session: Session, text: str) -> User:
             "This link is unknown, expired or has been used. Enter the address again on the "
             "account page."
         )
-    found.address, found.address_key = found.pending, found.pending.casefold()
+    found.address, found.address_hash = found.pending, outbox.hashed(found.pending)
     found.pending = found.pending_hash = found.pending_until = None
     return session.get_one(User, found.user_id)
 
 
 def remove(session: Session, user_id: int) -> None:
     """Forget the address of an account, and what was to be sent to it."""
-    for table in (MailAddress, OutgoingMail):
-        session.execute(delete(table).where(table.user_id == user_id))
+    session.execute(delete(MailAddress).where(MailAddress.user_id == user_id))
+    outbox.cancel(session, user_id)
     set_notification(session, user_id, None)
 
 
@@ -125,10 +125,10 @@ def set_notification(session: Session, user_id: int, minutes: int | None) -> Non
     session.get_one(User, user_id).notify_minutes = minutes
 
 
-def owners(session: Session, address: str) -> list[User]:
+def owners(session: Session, address_hash: str) -> list[User]:
     """Return the accounts that have confirmed an address and are not disabled, oldest first."""
     query = select(User).join(MailAddress, MailAddress.user_id == User.id)
-    query = query.where(MailAddress.address_key == address.casefold(), User.disabled_at.is_(None))
+    query = query.where(MailAddress.address_hash == address_hash, User.disabled_at.is_(None))
     return list(session.scalars(query.order_by(User.id).limit(ACCOUNTS_MAX)))
 
 
@@ -151,7 +151,7 @@ def request_reset(session: Session, address: str) -> None:
     MailRejected
         It is no address.
     """
-    outbox.add(session, MailKind.RESET, checked(address))
+    outbox.add(session, MailKind.RESET, outbox.hashed(checked(address)))
 
 
 def _pending_of(found: MailAddress) -> str | None:

@@ -54,12 +54,12 @@ def queue_due(session: Session) -> None:
         OutgoingMail.ended_at.is_(None) | (OutgoingMail.created_at > since),
     )
     due = (
-        select(MailAddress.user_id, MailAddress.address_key)
+        select(MailAddress.user_id, MailAddress.address_hash)
         .where(MailAddress.user_id.in_(select(RunNotice.user_id)), ~recent.exists())
         .limit(BATCH)
     )
-    for user_id, address_key in session.execute(due).all():
-        outbox.add(session, MailKind.RUNS, address_key or "", user_id=user_id)
+    for user_id, address_hash in session.execute(due).all():
+        outbox.add(session, MailKind.RUNS, address_hash or "", user_id=user_id)
 
 
 def ended_runs(session: Session, user_id: int) -> EndedRuns | None:

@@ -1,5 +1,6 @@
 """E-mails to be sent: rows that a sender claims, so that no request waits for a mail server."""
 
+import hashlib
 import time
 from dataclasses import dataclass
 from enum import StrEnum
@@ -31,18 +32,23 @@ class ClaimedMail:
     id: int
     kind: MailKind
     user_id: int | None
-    address_key: str
+    address_hash: str
     created_at: float
     tries: int
 
 
-def add(session: Session, kind: MailKind, address: str, *, user_id: int | None = None) -> bool:
+def hashed(address: str) -> str:
+    """Return what stands for an address in the outbox, the same in whatever case."""
+    return hashlib.sha256(address.casefold().encode()).hexdigest()
+
+
+def add(session: Session, kind: MailKind, address_hash: str, *, user_id: int | None = None) -> bool:
     """Add an e-mail; False, with nothing written, if there are too many, in all or to the address.
 
     An earlier one of the same kind to the same address that has not been tried is enough.
     """
-    key, now = address.casefold(), time.time()
-    same = OutgoingMail.address_key == key
+    now = time.time()
+    same = OutgoingMail.address_hash == address_hash
     recent = select(OutgoingMail.kind, OutgoingMail.user_id, OutgoingMail.tries).where(
         same, OutgoingMail.created_at > now - KEPT_S, OutgoingMail.kind != MailKind.RUNS
     )
@@ -54,7 +60,7 @@ def add(session: Session, kind: MailKind, address: str, *, user_id: int | None =
             return False
     if (session.scalar(select(func.count()).select_from(OutgoingMail)) or 0) >= WAITING_MAX:
         return False
-    mail = OutgoingMail(kind=kind, user_id=user_id, address_key=key, tries=0)
+    mail = OutgoingMail(kind=kind, user_id=user_id, address_hash=address_hash, tries=0)
     mail.created_at = mail.next_try_at = now
     session.add(mail)
     return True
@@ -75,9 +81,16 @@ def claim(session: Session) -> ClaimedMail | None:
         OutgoingMail.id == mail.id, OutgoingMail.tries == mail.tries, *due
     )
     claimed = mine.values(tries=OutgoingMail.tries + 1, next_try_at=time.time() + pause_s)
-    found = (mail.id, MailKind(mail.kind), mail.user_id, mail.address_key, mail.created_at)
+    found = (mail.id, MailKind(mail.kind), mail.user_id, mail.address_hash, mail.created_at)
     tries = session.scalar(claimed.returning(OutgoingMail.tries))
     return None if tries is None else ClaimedMail(*found, tries)
+
+
+def cancel(session: Session, user_id: int) -> None:
+    """Send nothing more of what an account caused; what was sent to its address still counts."""
+    own = update(OutgoingMail).where(OutgoingMail.user_id == user_id)
+    now = time.time()
+    session.execute(own.values(user_id=None, ended_at=func.coalesce(OutgoingMail.ended_at, now)))
 
 
 def end(session: Session, mail_id: int) -> None:

@@ -12,7 +12,7 @@ from seamark.server.accounts import password_resets
 from seamark.server.audit import AuditAction
 from seamark.server.database.mail_tables import MailAddress
 from seamark.server.database.tables import User
-from seamark.server.mail import addresses, notices
+from seamark.server.mail import addresses, notices, outbox
 from seamark.server.mail.notices import EndedRun
 from seamark.server.mail.outbox import ClaimedMail, MailKind
 from seamark.server.mail.smtp import message
@@ -59,29 +59,29 @@ class Composed:
 
 def compose(session: Session, settings: Settings, mail: ClaimedMail) -> Composed | None:
     """Return what is to be sent, with links drawn in this transaction; None if nothing is."""
-    if mail.user_id is None:
-        return _reset(session, settings, mail.address_key)
-    user = session.get(User, mail.user_id)
+    if mail.kind is MailKind.RESET:
+        return _reset(session, settings, mail.address_hash)
+    user = None if mail.user_id is None else session.get(User, mail.user_id)
     if user is None or user.disabled_at is not None:
         return None
     if mail.kind is MailKind.CONFIRMATION:
-        return _confirmation(session, settings, user, mail.address_key)
+        return _confirmation(session, settings, user, mail.address_hash)
     return _runs(session, settings, user)
 
 
 def _confirmation(
-    session: Session, settings: Settings, user: User, address_key: str
+    session: Session, settings: Settings, user: User, address_hash: str
 ) -> Composed | None:
     drawn = addresses.draw_link(session, user.id)
-    if drawn is None or drawn[0].casefold() != address_key:  # another one was entered since
+    if drawn is None or outbox.hashed(drawn[0]) != address_hash:  # another one was entered since
         return None
     link = f"{settings.url}/mail/confirm?link={quote(drawn[1])}"
     text = CONFIRMATION.format(name=user.name, url=settings.url, hours=addresses.HOURS, link=link)
     return Composed(message(settings, drawn[0], "Confirm your e-mail address", text))
 
 
-def _reset(session: Session, settings: Settings, address_key: str) -> Composed | None:
-    owners = addresses.owners(session, address_key)
+def _reset(session: Session, settings: Settings, address_hash: str) -> Composed | None:
+    owners = addresses.owners(session, address_hash)
     if not owners:
         return None
     links = []
@@ -95,7 +95,7 @@ def _reset(session: Session, settings: Settings, address_key: str) -> Composed |
     text = RESET.format(
         url=settings.url, which=which, links="\n".join(links), hours=password_resets.HOURS
     )
-    to = session.get_one(MailAddress, owners[0].id).address or address_key
+    to = session.get_one(MailAddress, owners[0].id).address or ""
     return Composed(message(settings, to, "New password", text))
 
 

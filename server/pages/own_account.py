@@ -1,4 +1,4 @@
-"""The account page: password, browsers, tokens, one's data, deletion; and the links for resets."""
+"""What the account page does: password, browsers, data, deletion; and the links for resets."""
 
 from flask import (
     Blueprint,
@@ -13,10 +13,11 @@ from flask import (
 )
 from flask.typing import ResponseReturnValue
 
-from seamark.server.accounts import accounts, browser_sessions, password_resets, profiles
+from seamark.server.accounts import accounts, browser_sessions, password_resets
 from seamark.server.accounts.accounts import AccountRejected
-from seamark.server.accounts.permissions import Action, can
+from seamark.server.accounts.permissions import Action
 from seamark.server.audit import AuditAction
+from seamark.server.pages import account_page
 from seamark.server.runs import account_deletion, export
 from seamark.server.web import access, authentication
 from seamark.server.web.problems import Problem
@@ -38,7 +39,7 @@ page = Blueprint("own_account", __name__)
 def show() -> ResponseReturnValue:
     """Show the account."""
     access.require(Action.VIEW_ACCOUNT)
-    return _page()
+    return account_page.render()
 
 
 @page.post("/password")
@@ -53,7 +54,7 @@ def change_password() -> ResponseReturnValue:
             user_id = accounts.change_password(database, g.viewer.name, old, new).id
             access.record(database, AuditAction.PASSWORD_CHANGED, g.viewer.name)
     except AccountRejected as reason:
-        return _page(password_error=str(reason)), 422
+        return account_page.render(password=str(reason)), 422
     authentication.sign_in(user_id)
     flash("Your password has been changed. Other browsers are signed out, tokens revoked.", "good")
     return redirect(url_for("own_account.show"))
@@ -91,11 +92,11 @@ def delete() -> ResponseReturnValue:
     """Delete the account, after its name and password have been typed to confirm it."""
     user_id = access.require_account(Action.CLOSE_ACCOUNT)
     if request.form.get("confirm", "").strip() != g.viewer.name:
-        return _page(delete_error="Type the name of your account to confirm."), 422
+        return account_page.render(delete="Type the name of your account to confirm."), 422
     with services().database.reading() as database:
         password = request.form.get("password", "")
         if accounts.authenticate(database, g.viewer.name, password) is None:
-            return _page(delete_error="The current password is incorrect."), 422
+            return account_page.render(delete="The current password is incorrect."), 422
     kept = request.form.get("published") == "keep"
     with services().database.writing() as database:
         detail = {"keep_published": kept}
@@ -126,26 +127,6 @@ def set_password() -> ResponseReturnValue:
     authentication.sign_in(user.id)
     flash("Your password has been changed. You are signed in.", "good")
     return redirect(url_for("own_account.show"), code=303)
-
-
-def _page(*, password_error: str = "", delete_error: str = "") -> str:
-    with services().database.reading() as database:
-        text = authentication.session_text()
-        browsers = browser_sessions.of_account(database, g.viewer.user_id, text)
-        tokens = len(accounts.tokens(database, g.viewer.user_id))
-        profile = profiles.of(accounts.person(database, g.viewer.name))
-    return render_template(
-        "account/show.html",
-        browsers=browsers,
-        tokens=tokens,
-        profile=profile,
-        may_invite=can(g.viewer, Action.INVITE),
-        password_error=password_error,
-        delete_error=delete_error,
-        password_min=accounts.PASSWORD_MIN,
-        password_max=accounts.PASSWORD_MAX,
-        name_max=accounts.NAME_MAX,
-    )
 
 
 def _reset_form(error: str = "") -> str:

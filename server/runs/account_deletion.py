@@ -44,10 +44,11 @@ def close(session: Session, user_id: int, *, keep_published: bool) -> None:
     if not keep_published:
         publications.withdraw_all(session, _own(user_id))
     secrets = (Token, BrowserSession, Invitation, PasswordReset, KeyOfSubmission)
-    mail = (MailAddress, OutgoingMail, RunNotice)
-    for table in (*secrets, *mail, Check, Membership):
+    for table in (*secrets, MailAddress, RunNotice, Check, Membership):
         session.execute(delete(table).where(table.user_id == user_id))
     session.execute(delete(Classroom).where(Classroom.teacher_id == user_id))
+    unsent = (OutgoingMail.user_id == user_id, OutgoingMail.ended_at.is_(None))
+    session.execute(update(OutgoingMail).where(*unsent).values(ended_at=time.time()))
     # No name that a person may choose has a space, so nobody can have this one.
     name = f"Deleted user {user_id}"
     anonymous = {"name": name, "name_key": name.casefold(), "password_hash": None}

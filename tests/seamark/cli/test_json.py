@@ -48,8 +48,8 @@ CASES = {  # command -> arguments; {first} and {second} are finished runs
 }
 PROCESSES = ("web", "worker")  # they run until they are stopped
 ELSEWHERE = frozenset(
-    {"run", "plot", "tune", "up", "db reference-entries", "db grant-worker"}
-)  # they take long or log, and have tests that read their JSON
+    {"run", "plot", "tune", "up", "db reference-entries", "db grant-worker", "mail test"}
+)  # they take long, log or need a server, and have tests that read their JSON
 
 
 def _commands(group: click.Group, *names: str) -> Iterator[tuple[str, click.Command]]:

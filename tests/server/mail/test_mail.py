@@ -3,8 +3,10 @@
 import time
 
 import pytest
+from click.testing import CliRunner
 from sqlalchemy import func, select, update
 
+from seamark.cli.main import cli
 from seamark.server.accounts import accounts, password_resets
 from seamark.server.database.mail_tables import MailAddress, OutgoingMail, RunNotice
 from seamark.server.database.tables import Run
@@ -183,6 +185,17 @@ def test_an_address_gets_five_e_mails_in_an_hour(post: Post) -> None:
     post.propose("ben", ANN)
 
 
+def test_removing_an_address_does_not_reset_what_was_sent_to_it(post: Post) -> None:
+    for _ in range(outbox.PER_HOUR):
+        post.propose("ann", ANN)
+        post.send_all()
+        with post.database.writing() as session:
+            addresses.remove(session, post.user_id("ann"))
+
+    with pytest.raises(MailRejected, match="in an hour"):
+        post.propose("ann", ANN)
+
+
 def test_the_outbox_is_bounded(post: Post, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(outbox, "WAITING_MAX", 3)
 
@@ -250,7 +263,7 @@ def test_no_password_and_no_e_mail_goes_to_a_server_without_the_tls_it_was_set_f
 
 def test_of_two_senders_only_one_has_an_e_mail(both: Backend) -> None:
     with both.database.writing() as session:
-        outbox.add(session, MailKind.RESET, ANN)
+        outbox.add(session, MailKind.RESET, outbox.hashed(ANN))
     with both.database.writing() as session:
         first = outbox.claim(session)
     with both.database.writing() as session:
@@ -357,6 +370,26 @@ def test_a_closed_account_leaves_no_address_and_gets_nothing(post: Post) -> None
 
     assert post.inbox.received == []
     assert (rows(post, MailAddress), rows(post, RunNotice)) == (0, 0)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "changes", "code", "says"),
+    [
+        ((ANN, "--json"), {}, 0, '"sent": true'),
+        (("ann",), {}, 2, "Enter an e-mail address"),
+        ((ANN,), {"mail_url": "smtp://127.0.0.1:1?tls=none"}, 3, "Connection refused"),
+        ((ANN,), {"mail_url": ""}, 2, "SEAMARK_MAIL_URL is not set"),
+    ],
+)
+def test_an_operator_tries_the_mail_server(
+    post: Post, arguments: tuple[str, ...], changes: dict[str, str], code: int, says: str
+) -> None:
+    environment = post.settings.model_copy(update=changes).environment()
+
+    answer = CliRunner().invoke(cli, ["mail", "test", *arguments], env=environment)
+
+    assert (answer.exit_code, says in answer.output) == (code, True)
+    assert len(post.inbox.received) == (code == 0)
 
 
 def test_the_sender_drops_what_nobody_needs_any_more(post: Post) -> None:

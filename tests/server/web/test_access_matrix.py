@@ -36,7 +36,8 @@ from tests.server.web.routes import ROUTES, Entry
 
 @pytest.fixture
 def site(backend: Backend) -> Iterator[Site]:
-    settings = backend.settings.model_copy(update={"quota_live": 1000, "quota_day": 1000})
+    changes = {"quota_live": 1000, "quota_day": 1000, "mail_url": "smtp://127.0.0.1"}
+    settings = backend.settings.model_copy(update=changes)
     app = create_app(settings)
     app.config.update(WTF_CSRF_METHODS=[])
     site = Site(backend.database, settings, backend.viewers, app, headers={})
