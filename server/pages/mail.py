@@ -59,7 +59,7 @@ def propose() -> ResponseReturnValue:
     except MailRejected as reason:
         return account_page.render(mail=str(reason)), 422
     flash("A link has been sent. Open it to confirm the address.", "good")
-    return redirect(url_for("own_account.show", _anchor="mail"), code=303)
+    return redirect(url_for("own_account.show"), code=303)
 
 
 @page.post("/account/mail/remove")
@@ -70,7 +70,7 @@ def remove() -> ResponseReturnValue:
         addresses.remove(database, user_id)
         access.record(database, AuditAction.MAIL_ADDRESS_REMOVED, g.viewer.name)
     flash("The e-mail address has been removed.", "good")
-    return redirect(url_for("own_account.show", _anchor="mail"), code=303)
+    return redirect(url_for("own_account.show"), code=303)
 
 
 @page.post("/account/mail/notify")
@@ -84,7 +84,7 @@ def notify() -> ResponseReturnValue:
     except MailRejected as reason:
         return account_page.render(mail=str(reason)), 422
     flash("Your choice is saved.", "good")
-    return redirect(url_for("own_account.show", _anchor="mail"), code=303)
+    return redirect(url_for("own_account.show"), code=303)
 
 
 @page.get("/mail/confirm")

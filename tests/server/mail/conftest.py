@@ -4,15 +4,10 @@ import re
 import shutil
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from email import message_from_bytes, policy
-from email.message import EmailMessage
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 import pytest
-from aiosmtpd.controller import Controller
-from aiosmtpd.smtp import Envelope
 
 from seamark.server.accounts.permissions import Viewer
 from seamark.server.database.engine import Database
@@ -20,33 +15,9 @@ from seamark.server.database.schema import upgrade
 from seamark.server.mail import addresses, sending, smtp
 from seamark.server.settings import Settings
 from tests.cast import Backend
+from tests.services.smtp import Inbox, server, with_mail
 
-SITE = "https://seamark.example"
 LINK = re.compile(r"link=([\w-]+)")
-
-
-class Inbox:
-    """What an SMTP server has received; it can refuse."""
-
-    def __init__(self) -> None:
-        self.received: list[tuple[str, EmailMessage]] = []  # recipient, message
-        self.answer = "250 OK"
-
-    async def handle_DATA(self, _server: Any, _session: Any, envelope: Envelope) -> str:  # noqa: N802
-        if self.answer.startswith("250"):
-            content = envelope.content
-            assert isinstance(content, bytes)
-            mail = message_from_bytes(content, EmailMessage, policy=policy.default)
-            self.received += [(to, mail) for to in envelope.rcpt_tos]
-        return self.answer
-
-
-class OnFreePort(Controller):
-    """A mail server on a port that the system chooses."""
-
-    def _trigger_server(self) -> None:
-        self.port = self.server.sockets[0].getsockname()[1]  # type: ignore[union-attr]
-        super()._trigger_server()  # type: ignore[no-untyped-call]
 
 
 @dataclass
@@ -80,20 +51,10 @@ class Post(Backend):
         return text
 
 
-def with_mail(settings: Settings, url: str) -> Settings:
-    """Return settings with which e-mail is sent to a server."""
-    changes = {"mail_url": url, "mail_from": "Seamark <seamark@seamark.example>", "url": SITE}
-    return settings.model_copy(update=changes)
-
-
 @pytest.fixture
 def inbox() -> Iterator[tuple[Inbox, str]]:
-    """An SMTP server on a free port, and its URL."""
-    received = Inbox()
-    controller = OnFreePort(received, hostname="127.0.0.1", port=0)
-    controller.start()
-    yield received, f"smtp://127.0.0.1:{controller.port}?tls=none"
-    controller.stop()
+    with server() as started:
+        yield started
 
 
 @pytest.fixture(scope="session")

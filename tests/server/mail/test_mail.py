@@ -15,7 +15,8 @@ from seamark.server.mail.addresses import MailRejected
 from seamark.server.mail.outbox import MailKind
 from seamark.server.runs import account_deletion
 from tests.cast import Backend
-from tests.server.mail.conftest import SITE, Post
+from tests.server.mail.conftest import Post
+from tests.services.smtp import SITE
 
 ANN = "Ann@example.org"
 WORDS = "correct horse battery"
