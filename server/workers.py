@@ -1,23 +1,27 @@
 """The workers of the service: which are alive, what their hosts can run, how they are doing."""
 
-import time
 from collections import Counter
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from sqlalchemy import ColumnElement, ScalarSelect, bindparam, delete, func, select, update
+from sqlalchemy import ColumnElement, ScalarSelect, bindparam, delete, false, func, select, update
 from sqlalchemy.orm import Session
 
 from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.languages import LANGUAGES
+from seamark.server.database import clock, data_folder
+from seamark.server.database.clock import Now
 from seamark.server.database.tables import Worker
 from seamark.server.settings import Settings
 
 ALIVE_S = 35.0  # a worker counts as dead after this time without a heartbeat
 LISTED_S = 86_400.0  # dead workers stay listed for a day
-_ALIVE = Worker.seen_at.between(bindparam("seen_since"), bindparam("seen_until"))
-_CLAIMS = _ALIVE & Worker.drained_at.is_(None)  # with the values of `bound`
+# No heartbeat is from the future, unless the clock of the database was set back since.
+_ALIVE = Worker.seen_at.between(Now() - ALIVE_S, Now() + ALIVE_S)
+# Not known of workers of versions that did not report it.
+_OUTDATED = func.coalesce(Worker.result_code != data_folder.CURRENT_CODE, false())
+_CLAIMS = _ALIVE & Worker.drained_at.is_(None) & ~_OUTDATED
 LISTED_MAX = 1000  # workers whose boxes are compared
 RUNNING = "running"  # state of a process; any other text but the next says what is wrong
 PREPARING = "preparing"  # state of a simulator that is loading, or compiled for the first time
@@ -38,12 +42,14 @@ class WorkerStatus:
     version: str
     started_at: float
     seen_at: float
+    silent_s: float  # since it was seen
     drained_at: float | None  # since when it claims no more runs
+    outdated: bool  # it would compute something else than the service, and claims no runs
 
     @property
     def claims(self) -> bool:
-        """Whether it starts runs: alive and not drained."""
-        return self.alive and self.drained_at is None
+        """Whether it starts runs: alive, not drained and not outdated."""
+        return self.alive and self.drained_at is None and not self.outdated
 
     @property
     def broken_processes(self) -> dict[str, str]:
@@ -59,7 +65,7 @@ class WorkerStatus:
 
 def register(session: Session, worker: Worker) -> None:
     """List a worker that starts; replaces an earlier entry of the same name, but stays drained."""
-    worker.started_at = worker.seen_at = time.time()
+    worker.started_at = worker.seen_at = clock.now(session)
     worker.processes = {}
     session.merge(worker)  # leaves `drained_at`, which nobody has set in `worker`
 
@@ -73,7 +79,7 @@ def heartbeat(session: Session, name: str, processes: Mapping[str, str]) -> bool
         Process -> `RUNNING`, `PREPARING`, or for instance "restarting since 12:00:05".
     """
     change = update(Worker).where(Worker.name == name, Worker.slots > 0)  # 0: it has stopped
-    change = change.values(seen_at=time.time(), processes=dict(processes))
+    change = change.values(seen_at=Now(), processes=dict(processes))
     return session.scalar(change.returning(Worker.name)) is not None
 
 
@@ -81,8 +87,7 @@ def unregister(session: Session, name: str) -> None:
     """Take a worker that shuts down off the list; a drained one stays listed for a day."""
     named = Worker.name == name
     session.execute(delete(Worker).where(named, Worker.drained_at.is_(None)))
-    silent = time.time() - ALIVE_S - 1.0
-    session.execute(update(Worker).where(named).values(seen_at=silent, slots=0))
+    session.execute(update(Worker).where(named).values(seen_at=Now() - ALIVE_S - 1.0, slots=0))
 
 
 def drain(session: Session, name: str) -> bool:
@@ -91,7 +96,7 @@ def drain(session: Session, name: str) -> bool:
     The decision outlasts a restart of the worker, unless it is away for more than a day.
     """
     change = update(Worker).where(Worker.name == name, Worker.drained_at.is_(None))
-    change = change.values(drained_at=time.time())
+    change = change.values(drained_at=Now())
     return session.scalar(change.returning(Worker.name)) is not None
 
 
@@ -112,11 +117,9 @@ def drained() -> ColumnElement[bool]:
     return select(Worker.name).where(*mine).exists()
 
 
-def bound(process: str = "") -> dict[str, object]:
-    """Return the values of the expressions that `drained` and `slots` return."""
-    now = time.time()  # no heartbeat is from the future, unless the clock was set back since
-    since, until = now - ALIVE_S, now + ALIVE_S
-    return {"this_worker": worker_of(process), "seen_since": since, "seen_until": until}
+def bound(process: str) -> dict[str, object]:
+    """Return the values of the expression that `drained` returns."""
+    return {"this_worker": worker_of(process)}
 
 
 def worker_of(process: str) -> str:
@@ -126,17 +129,17 @@ def worker_of(process: str) -> str:
 
 def forget_dead(session: Session) -> None:
     """Take the workers off the list that have been dead for a day."""
-    session.execute(delete(Worker).where(Worker.seen_at < time.time() - LISTED_S))
+    session.execute(delete(Worker).where(Worker.seen_at < Now() - LISTED_S))
 
 
 def listed(session: Session) -> list[WorkerStatus]:
     """Return all workers that were seen in the last day, by name."""
-    now = time.time()
-    recent = select(Worker).where(Worker.seen_at > now - LISTED_S).order_by(Worker.name)
+    values = (Worker, _ALIVE, Now() - Worker.seen_at, _OUTDATED)
+    recent = select(*values).where(Worker.seen_at > Now() - LISTED_S).order_by(Worker.name)
     return [
         WorkerStatus(
             name=worker.name,
-            alive=abs(now - worker.seen_at) < ALIVE_S,
+            alive=alive,
             slots=worker.slots,
             level=worker.level,
             languages=worker.languages,
@@ -145,24 +148,26 @@ def listed(session: Session) -> list[WorkerStatus]:
             version=worker.version,
             started_at=worker.started_at,
             seen_at=worker.seen_at,
+            silent_s=max(silent_s, 0.0),
             drained_at=worker.drained_at,
+            outdated=outdated,
         )
-        for worker in session.scalars(recent)
+        for worker, alive, silent_s, outdated in session.execute(recent)
     ]
 
 
 def alive_count(session: Session) -> int:
-    """Return how many workers are alive and not drained."""
-    return session.scalar(select(func.count()).where(_CLAIMS), bound()) or 0
+    """Return how many workers claim runs."""
+    return session.scalar(select(func.count()).where(_CLAIMS)) or 0
 
 
 def slot_count(session: Session) -> int:
-    """Return how many runs the workers that are alive and not drained can run together."""
-    return session.scalar(select(slots()), bound()) or 0
+    """Return how many runs the workers that claim runs can run together."""
+    return session.scalar(select(slots())) or 0
 
 
 def slots() -> ScalarSelect[int | None]:
-    """Return `slot_count` as an expression, see `bound`; NULL without workers."""
+    """Return `slot_count` as an expression; NULL without workers."""
     return select(func.sum(Worker.slots)).where(_CLAIMS).scalar_subquery()
 
 
@@ -190,7 +195,7 @@ class Environment:
 
 def environments(session: Session) -> list[Environment]:
     """Return what programs find now, for each language that a worker can run."""
-    alive = list(session.scalars(select(Worker).where(_CLAIMS).limit(LISTED_MAX), bound()))
+    alive = list(session.scalars(select(Worker).where(_CLAIMS).limit(LISTED_MAX)))
     found = []
     for language in LANGUAGES:
         running = [worker for worker in alive if language in worker.languages]
@@ -221,7 +226,7 @@ def upload_refusal(session: Session, language: str, settings: Settings) -> str |
 
     Without a worker that claims runs, the run waits for one and is not refused.
     """
-    alive = list(session.scalars(select(Worker).where(_CLAIMS), bound()))
+    alive = list(session.scalars(select(Worker).where(_CLAIMS)))
     if not alive:
         return None
     needed = IsolationLevel[settings.sandbox_min_level.upper()]

@@ -85,12 +85,10 @@ def _causes(session: Session) -> dict[str, int]:
 
 def _about_workers(listed: Sequence[WorkerStatus]) -> Iterator[Alert]:
     if not any(worker.claims for worker in listed):
-        yield Alert("No worker starts runs: none is online that is not drained.", "workers")
+        yield Alert("No worker starts runs: all are offline, drained or outdated.", "workers")
     for worker in listed:
-        if not worker.alive:
-            yield Alert(f"Worker {worker.name} is offline.", "workers")
-        elif worker.drained_at is not None:
-            yield Alert(f"Worker {worker.name} is drained and starts no runs.", "workers")
+        if why := _idle(worker):
+            yield Alert(f"Worker {worker.name} is {why}.", "workers")
         for name, state in worker.broken_processes.items():
             yield Alert(f"Worker {worker.name}: its process {name} is {state}.", "workers")
         failed = sum(not finding.get("ok") for finding in worker.findings)
@@ -100,6 +98,15 @@ def _about_workers(listed: Sequence[WorkerStatus]) -> Iterator[Alert]:
     versions = {worker.version for worker in listed if worker.alive}
     if len(versions) > 1:
         yield Alert(f"Workers have different versions: {', '.join(sorted(versions))}.", "workers")
+
+
+def _idle(worker: WorkerStatus) -> str | None:
+    """Return why a worker starts no runs; None if it does."""
+    if not worker.alive:
+        return "offline"
+    if worker.drained_at is not None:
+        return "drained and starts no runs"
+    return "outdated and starts no runs" if worker.outdated else None
 
 
 def _about_storage(settings: Settings) -> Iterator[Alert]:

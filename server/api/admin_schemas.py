@@ -98,6 +98,7 @@ class WorkerResponse(ResponseModel):
     name: str
     alive: bool
     drained_at: float | None
+    outdated: bool = Field(description="It would compute other results, and starts no runs")
     version: str
     level: str
     languages: list[str]

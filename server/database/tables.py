@@ -394,3 +394,4 @@ class Worker(Base):
     started_at: Mapped[float]
     seen_at: Mapped[float]
     drained_at: Mapped[float | None]  # by an admin: it claims no more runs
+    result_code: Mapped[str | None] = mapped_column(Text)  # what it would compute

@@ -26,7 +26,7 @@ from seamark.server.web.services import Services
 from seamark.server.workers import WorkerStatus
 
 Gauge = GaugeMetricFamily
-_STATES = ("ready", "preparing", "drained", "lost")  # of workers
+_STATES = ("ready", "preparing", "drained", "outdated", "lost")  # of workers
 
 
 def of_all_processes(held: Services) -> Iterable[Metric]:
@@ -139,7 +139,7 @@ def _workers(session: Session) -> Iterable[Metric]:
         counts.add_metric([state], states[state])
     yield counts
     alive = [worker for worker in listed if worker.alive]
-    places = sum(worker.slots for worker in alive if worker.drained_at is None)
+    places = sum(worker.slots for worker in listed if worker.claims)
     yield Gauge("seamark_places", "Runs that the living workers can run together", value=places)
     yield from _each_worker(listed)
     yield _side_processes(alive)
@@ -157,7 +157,7 @@ def _each_worker(listed: Iterable[WorkerStatus]) -> Iterable[Metric]:
     )
     for worker in listed:
         info.add_metric([worker.name], {"version": worker.version, "level": worker.level})
-        heartbeat.add_metric([worker.name], max(time.time() - worker.seen_at, 0.0))
+        heartbeat.add_metric([worker.name], worker.silent_s)
         places.add_metric([worker.name], worker.slots)
     yield from (info, heartbeat, places)
 
@@ -167,6 +167,8 @@ def _state(worker: WorkerStatus) -> str:
         return "lost"
     if worker.drained_at is not None:
         return "drained"
+    if worker.outdated:
+        return "outdated"
     return "preparing" if worker.preparing else "ready"
 
 

@@ -1,15 +1,18 @@
 import time
+from typing import Any
 
 from sqlalchemy import update
 
 from seamark.server import workers
 from seamark.server.database.tables import Worker
+from seamark.server.result_code import result_code
 from tests.cast import Backend
 
 
-def _register(both: Backend, name: str, *, slots: int = 2) -> None:
+def _register(both: Backend, name: str, *, slots: int = 2, code: str | None = None) -> None:
     with both.database.writing() as session:
         worker = Worker(name=name, slots=slots, level="strong", languages=[], findings=[])
+        worker.result_code = code
         workers.register(session, worker)
 
 
@@ -178,6 +181,37 @@ def test_a_drained_worker_counts_for_nobody_who_waits(both: Backend) -> None:
         counts = workers.alive_count(session), workers.slot_count(session)
 
     assert (status.alive, status.claims, counts) == (True, False, (0, 0))
+
+
+def test_a_worker_that_would_compute_other_results_counts_for_nobody_who_waits(
+    both: Backend,
+) -> None:
+    _register(both, "old", slots=1, code="{}")
+    _register(both, "new", slots=2, code=result_code())
+    _register(both, "unknown", slots=4)  # of a version that did not report it
+
+    with both.database.reading() as session:
+        claims = {worker.name: worker.claims for worker in workers.listed(session)}
+        counts = workers.alive_count(session), workers.slot_count(session)
+
+    assert claims == {"new": True, "old": False, "unknown": True}
+    assert counts == (2, 6)
+
+
+def test_the_clocks_of_the_machines_do_not_matter(both: Backend, monkeypatch: Any) -> None:
+    true_time = time.time
+    for name, ahead_s in (("a", 3600.0), ("b", -3600.0)):
+        monkeypatch.setattr(time, "time", lambda ahead_s=ahead_s: true_time() + ahead_s)
+        _register(both, name)
+        with both.database.writing() as session:
+            workers.heartbeat(session, name, {})
+            workers.forget_dead(session)
+            listed = workers.listed(session)
+            alive = workers.alive_count(session)
+
+    assert [worker.alive for worker in listed] == [True, True]
+    assert alive == 2
+    assert all(worker.silent_s < workers.ALIVE_S for worker in listed)
 
 
 def test_a_worker_stays_drained_when_it_is_stopped_and_starts_again(both: Backend) -> None:

@@ -18,6 +18,7 @@ from seamark.sandbox.probing.report import Component, Finding, IsolationReport
 from seamark.server import workers
 from seamark.server.database.engine import Database
 from seamark.server.database.tables import Worker
+from seamark.server.result_code import result_code
 from seamark.server.settings import Settings
 from seamark.worker.evaluation.cores import new_locks
 from seamark.worker.evaluation.worker_slot import WorkerSlot
@@ -110,6 +111,7 @@ class Host:
             slots=self.settings.workers,
             level=self.isolation.name.lower(),
             version=version("seamark"),
+            result_code=result_code(),
             languages=list(self.languages),
             findings=[asdict(finding) for finding in self.findings],
             contents={

@@ -131,3 +131,19 @@ def test_the_estimate_of_a_running_run_falls_between_heartbeats_and_does_not_jum
     assert seen[0] == pytest.approx(100.0, abs=2.0)
     assert seen[-1] == pytest.approx(0.0, abs=2.0)
     assert max(map(abs, steps)) < 4.0
+
+
+def test_workers_of_before_an_upgrade_shorten_no_wait(both: Backend) -> None:
+    _places(both, 1)
+    _measured(both, 1.0)
+    for name in ("ben", "eva"):
+        both.queue(name, config=LONG)
+    waiting = both.queue("ann", config=SHORT)
+    alone_s = _estimate(both, waiting)
+
+    with both.database.writing() as session:
+        old = Worker(name="old", slots=8, level="none", languages=[], findings=[])
+        old.result_code = "{}"
+        workers.register(session, old)
+
+    assert _estimate(both, waiting) == pytest.approx(alone_s, abs=1.0)
