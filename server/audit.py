@@ -42,6 +42,7 @@ class AuditAction(StrEnum):
     RUN_PUBLISHED = "run_published"
     RUN_WITHDRAWN = "run_withdrawn"
     RUN_REVEALED = "run_revealed"  # the author of an anonymous one
+    VERIFICATION_REQUESTED = "verification_requested"
     RUN_CANCELLED = "run_cancelled"  # by somebody else than its owner
     WORKER_DRAINED = "worker_drained"
     WORKER_RESUMED = "worker_resumed"

@@ -122,6 +122,13 @@ class Settings(BaseModel):
         le=100,
         description="Trials of a ranked run of a first benchmark version; later ones fix it",
     )
+    verify_top: int = Field(
+        0,
+        ge=0,
+        le=100,
+        description="How many of the first entries of each leaderboard are verified without being "
+        "asked: evaluated again in fresh water, after the runs of users",
+    )
     practice_trials_max: int = Field(
         10, ge=1, le=100, description="Maximum trials of a practice run"
     )

@@ -38,11 +38,11 @@ def upgrade() -> None:
 
 def downgrade() -> None:
     """Runs that are anonymous or without their program become private: they would show both."""
-    hidden = "SELECT id FROM runs WHERE owner = 'verifications'"
+    hidden = "SELECT id FROM runs WHERE owner = 'rejudgement:verifications'"
     op.execute(f"DELETE FROM results WHERE run_id IN ({hidden})")
     op.drop_table("verifications")
-    op.execute("DELETE FROM runs WHERE owner = 'verifications'")
-    op.execute("DELETE FROM turns WHERE owner = 'verifications'")
+    op.execute("DELETE FROM runs WHERE owner = 'rejudgement:verifications'")
+    op.execute("DELETE FROM turns WHERE owner = 'rejudgement:verifications'")
     op.drop_table("publications")
     shown = "anonymous OR NOT program_public"
     op.execute(f"DELETE FROM best WHERE run_id IN (SELECT id FROM runs WHERE {shown})")

@@ -21,6 +21,7 @@ class ComparedResult:
     id: int  # its position, from 1
     result: Result
     language: str | None = None  # manifests do not name it
+    draw: int | None = None  # a local run verifies nothing
 
     @property
     def benchmark(self) -> str:

@@ -9,6 +9,7 @@ READ, SUBMIT, ADMIN = "read", "submit", "admin"
 SCOPES: tuple[str, ...] = (READ, SUBMIT, ADMIN)
 GUESTS = "guest:"  # start of the owner of a guest's runs
 REJUDGEMENTS = "rejudgement:"  # of runs that compute others again
+VERIFICATIONS = f"{REJUDGEMENTS}verifications"  # of those that do so in fresh water
 
 
 class Role(IntEnum):
@@ -54,6 +55,7 @@ class Action(StrEnum):
     VIEW_LOG = "view_log"
     CANCEL = "cancel"
     PUBLISH = "publish"
+    VERIFY = "verify"  # have a public ranked run evaluated again
     WITHDRAW = "withdraw"
     RERUN = "rerun"
     DELETE_DATA = "delete_data"
@@ -91,6 +93,7 @@ RULES: Mapping[Action, Rule] = {
     Action.VIEW_LOG: Rule(READ, Role.ANONYMOUS),
     Action.CANCEL: Rule(SUBMIT, Role.GUEST),
     Action.PUBLISH: Rule(SUBMIT, Role.USER),  # a guest has no name to publish under
+    Action.VERIFY: Rule(SUBMIT, Role.USER),
     Action.WITHDRAW: Rule(SUBMIT, Role.GUEST),
     Action.RERUN: Rule(SUBMIT, Role.GUEST),
     Action.DELETE_DATA: Rule(SUBMIT, Role.GUEST),
@@ -99,7 +102,7 @@ RULES: Mapping[Action, Rule] = {
 }
 _READS = {Action.VIEW, Action.VIEW_PROGRAM, Action.VIEW_LOG}
 _CHANGES = {
-    *(Action.CANCEL, Action.PUBLISH, Action.WITHDRAW, Action.RERUN),
+    *(Action.CANCEL, Action.PUBLISH, Action.VERIFY, Action.WITHDRAW, Action.RERUN),
     *(Action.EDIT, Action.DELETE, Action.DELETE_DATA),
 }
 _ON_RUN = _READS | _CHANGES

@@ -113,10 +113,11 @@ def start(
     session.flush()
     whole = select(Run).options(undefer(Run.program_parameters)).order_by(Run.id)
     originals = session.scalars(whole.where(Run.id.in_(chosen.runs))).all()
-    again = [rejudged.enqueue(session, run, row.id, _expected_s(run)) for run in originals]
+    owner = rejudged.owner_of(row.id)
+    again = [rejudged.enqueue(session, run, owner) for run in originals]
     session.flush()
     session.add_all(RejudgedRun(run_id=run.id, rejudgement_id=row.id) for run in again)
-    turns.refresh(session, rejudged.owner_of(row.id))
+    turns.refresh(session, owner)
     what = {"benchmark": choice.benchmark, "runs": len(again), "reason": reason}
     audit.record(session, actor, AuditAction.REJUDGEMENT_STARTED, _target(row), what)
     return row.id
@@ -282,12 +283,6 @@ def _progress(session: Session, rejudgement_id: int) -> Progress:
     return Progress(
         runs=runs, live=waiting, same=same, different=different, part=part / runs if runs else 1.0
     )
-
-
-def _expected_s(run: Run) -> float | None:
-    if run.started_at is None or run.finished_at is None:
-        return run.expected_s
-    return max(run.finished_at - run.started_at, 0.0)
 
 
 def _target(row: Rejudgement) -> str:

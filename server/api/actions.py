@@ -6,7 +6,7 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any
 
-from flask import Response, request
+from flask import Response, jsonify, request
 from flask_openapi3.blueprint import APIBlueprint
 from flask_openapi3.models.tag import Tag
 from sqlalchemy.orm import Session
@@ -14,11 +14,12 @@ from sqlalchemy.orm import Session
 from seamark.server.accounts.permissions import Action
 from seamark.server.api import request_body
 from seamark.server.api.operation_ids import operation_id
-from seamark.server.api.publication_schemas import PublicationRequest
+from seamark.server.api.publication_schemas import PublicationRequest, VerificationRequested
 from seamark.server.api.run_lists import RunEdit
 from seamark.server.api.schemas import RunPath, RunResponse, run_answer
 from seamark.server.runs import cancellation, deletion, retention, run_notes, views
 from seamark.server.runs.publications import PublicationRefused
+from seamark.server.runs.verifications import VerificationRefused
 from seamark.server.web import access, publication
 from seamark.server.web.problems import Problem
 from seamark.server.web.services import services
@@ -63,6 +64,23 @@ def publish(path: RunPath) -> dict[str, Any]:
         errors = {refusal.field: str(refusal)}
         raise Problem("invalid-request", str(refusal), errors=errors) from None
     return _answer(path.run_id)
+
+
+@api.post("/runs/<int:run_id>/verify", responses={202: VerificationRequested})
+def verify(path: RunPath) -> Response:
+    """Have a published ranked run evaluated again in fresh water, behind the runs of all users.
+
+    Each version of Seamark verifies a run once for its owner; admins may ask for more.
+    """
+    access.run_for(path.run_id, Action.VERIFY)
+    try:
+        publication.verify(path.run_id)
+    except VerificationRefused as refusal:
+        raise Problem("conflict", str(refusal)) from None
+    address = f"/api/v1/runs/{path.run_id}/publication"
+    answer = jsonify({"run": path.run_id, "publication": address})
+    answer.status_code, answer.headers["Location"] = 202, address
+    return answer
 
 
 @api.post("/runs/<int:run_id>/reveal", responses={200: RunResponse})

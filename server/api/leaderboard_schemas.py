@@ -6,6 +6,7 @@ from typing import Literal
 
 from pydantic import Field
 
+from seamark.server.api.publication_schemas import VerificationResponse
 from seamark.server.api.query import Query
 from seamark.server.api.schemas import ResponseModel
 from seamark.server.runs.leaderboard_filters import SORTED_MAX
@@ -62,6 +63,10 @@ class RankResponse(ResponseModel):
     vehicle: str
     tracker: str = Field(description="built-in tracker; empty if the program is the tracker")
     metrics: dict[str, float] = Field(description="by name, such as the benchmark lists them")
+    anonymous: bool = Field(description="published for review: `user` is no name")
+    verification: VerificationResponse | None = Field(
+        description="the newest one; in the CSV its outcome alone"
+    )
 
 
 class ReferenceEntryResponse(ResponseModel):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict
 from typing import Any
 
 from flask import Response, jsonify, request
@@ -15,19 +16,22 @@ from seamark.server.api.leaderboard_schemas import RankQuery, RanksResponse
 from seamark.server.api.operation_ids import operation_id
 from seamark.server.api.schemas import BenchmarkPath
 from seamark.server.database.engine import Database
-from seamark.server.runs import leaderboard_filters, reference_entries
+from seamark.server.runs import leaderboard_filters, reference_entries, verifications
 from seamark.server.runs.leaderboard import Cursor, Rank
 from seamark.server.runs.leaderboard_filters import BoardFilter, BoardPage
+from seamark.server.runs.verifications import VerificationView
 from seamark.server.web import access, csv_export
 from seamark.server.web.problems import Problem
 from seamark.server.web.services import services
 from seamark.sim import registry
 from seamark.sim.metrics.metric import Metric
 
+Verified = Mapping[int, VerificationView]
 COLUMNS = (
     *("rank", "rank_low", "rank_high", "user", "affiliation", "controller", "run"),
     *("score", "score_low", "score_high", "level_held", "submissions", "reached_at"),
     *("is_baseline", "title", "language", "vehicle", "tracker", "notes"),
+    *("anonymous", "verification"),
 )
 PAGE = 50  # rows of a page by default
 CSV_PAGE = 500  # rows that are read at a time
@@ -52,7 +56,8 @@ def show(path: BenchmarkPath, query: RankQuery) -> Response:
     else:
         page = board.page(after, query.limit or PAGE)
         following = None if page.next is None else page.next.text()
-        rows = [_row(rank) for rank in page.ranks]
+        verified = board.verified(page)
+        rows = [_row(rank, verified) for rank in page.ranks]
         marks = _reference_entries(path.benchmark)
         found = {"ranks": rows, "reference_entries": marks, "next": following}
         answer = jsonify({"benchmark": path.benchmark} | found)
@@ -77,6 +82,11 @@ class _Board:
             ranks = leaderboard_filters.by_metric(*shown, self._metric, self._filter, limit=limit)
             return BoardPage(ranks, None)
 
+    def verified(self, page: BoardPage) -> Verified:
+        """Return the newest verifications of the rows of a page."""
+        with self._database.reading() as session:
+            return verifications.newest(session, [rank.run_id for rank in page.ranks])
+
     def lines(self, after: Cursor | None, limit: int | None) -> Iterator[str]:
         """Yield the CSV page by page: no transaction stays open while a slow client reads."""
         metrics = [metric.name for metric in registry.benchmark(self._name).board_metrics]
@@ -84,7 +94,8 @@ class _Board:
         yield csv_export.lines(columns, ())
         while True:
             page = self.page(after, limit or CSV_PAGE)
-            rows = (_flat(rank, metrics) for rank in page.ranks)
+            verified = self.verified(page)
+            rows = (_flat(rank, metrics, verified) for rank in page.ranks)
             yield csv_export.lines(columns, rows, header=False)
             after = page.next
             if limit is not None or after is None:
@@ -131,7 +142,8 @@ def _cursor(query: RankQuery) -> Cursor | None:
         ) from None
 
 
-def _row(rank: Rank) -> dict[str, Any]:
+def _row(rank: Rank, verified: Verified) -> dict[str, Any]:
+    verification = verified.get(rank.run_id)
     return {
         "rank": rank.rank,
         "rank_low": rank.rank_low,
@@ -153,6 +165,8 @@ def _row(rank: Rank) -> dict[str, Any]:
         "tracker": rank.tracker,
         "notes": rank.notes,
         "metrics": dict(rank.metrics),
+        "anonymous": rank.anonymous,
+        "verification": None if verification is None else asdict(verification),
     }
 
 
@@ -172,5 +186,7 @@ def _reference_entries(name: str) -> list[dict[str, Any]]:
     ]
 
 
-def _flat(rank: Rank, metrics: Sequence[str]) -> Mapping[str, Any]:
-    return _row(rank) | {name: rank.metrics.get(name) for name in metrics}
+def _flat(rank: Rank, metrics: Sequence[str], verified: Verified) -> Mapping[str, Any]:
+    verification = verified.get(rank.run_id)
+    mark = {"verification": None if verification is None else verification.outcome.value}
+    return _row(rank, verified) | mark | {name: rank.metrics.get(name) for name in metrics}

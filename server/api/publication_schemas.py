@@ -9,6 +9,7 @@ from pydantic import BaseModel, ConfigDict, Field
 from seamark.server.api.schemas import ResponseModel
 from seamark.server.runs.licences import LICENCES
 from seamark.server.runs.publications import Terms
+from seamark.server.runs.verifications import Outcome
 
 
 class PublicationRequest(BaseModel):
@@ -31,6 +32,28 @@ class PublicationRequest(BaseModel):
         return Terms(program=self.program, licence=self.licence, anonymous=self.anonymous)
 
 
+class VerificationRequested(ResponseModel):
+    """A verification that has been queued."""
+
+    run: int
+    publication: str = Field(description="Where its result will be")
+
+
+class VerificationResponse(ResponseModel):
+    """What came out when the service evaluated a published run again in fresh water."""
+
+    outcome: Outcome = Field(description="Whether the score agrees with the published one")
+    at: float
+    version: str = Field(description="Of Seamark")
+    digest: str | None = Field(description="Of the telemetry")
+    cause: str | None = Field(description="Why the program failed")
+    score: float | None
+    score_low: float | None
+    score_high: float | None
+    expected_low: float | None = Field(description="Scores between these agree (99 %)")
+    expected_high: float | None
+
+
 class PublicationResponse(ResponseModel):
     """A publication and where it is found for ever."""
 
@@ -41,4 +64,6 @@ class PublicationResponse(ResponseModel):
     program_public: bool
     licence: str | None
     published_at: float
+    verification_pending: bool
+    verifications: list[VerificationResponse] = Field(description="The newest first")
     first_published_at: float

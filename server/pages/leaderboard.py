@@ -16,6 +16,7 @@ from seamark.server.runs import (
     rank_history,
     reference_entries,
     score_counts,
+    verifications,
 )
 from seamark.server.runs.leaderboard import Cursor, Rank
 from seamark.server.runs.leaderboard_filters import (
@@ -58,11 +59,13 @@ def show(name: str) -> ResponseReturnValue:
         leader = leader_replay.leader(session, board.ranks) if begin and not metric else None
         own = _own(session, name)
         count = score_counts.size(session, name)
+        verified = verifications.newest(session, [rank.run_id for rank in board.ranks])
     return render_template(
         "leaderboard/show.html",
         benchmark=benchmark,
         benchmarks=benchmarks.labels(),
         ranks=board.ranks,
+        verified=verified,
         next=board.next.text() if board.next else None,
         first=begin,
         count=count,

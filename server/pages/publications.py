@@ -10,6 +10,7 @@ from seamark.server.pages import benchmarks
 from seamark.server.runs import publications, views
 from seamark.server.runs.licences import LICENCES, NONE
 from seamark.server.runs.publications import PublicationRefused, Terms
+from seamark.server.runs.verifications import VerificationRefused
 from seamark.server.runs.views import RunView
 from seamark.server.web import access, publication
 from seamark.server.web.problems import Problem
@@ -64,6 +65,18 @@ def reveal(run_id: int) -> ResponseReturnValue:
         changed = publication.reveal(session, run_id)
     done = "The run now shows your name."
     return _back(run_id, "" if changed else "The run is not published anonymously.", done)
+
+
+@page.post("/runs/<row:run_id>/verify")
+def verify(run_id: int) -> ResponseReturnValue:
+    """Have a published ranked run evaluated again in fresh water."""
+    access.run_for(run_id, Action.VERIFY)
+    done = "The run will be evaluated again in fresh water, after the runs of users."
+    try:
+        publication.verify(run_id)
+    except VerificationRefused as refusal:
+        return _back(run_id, str(refusal))
+    return _back(run_id, "", done)
 
 
 def _terms() -> Terms:

@@ -50,6 +50,7 @@ class Claim(RunSpec):
     lease_s: float
     program_sha256: str | None
     user_id: int | None = None
+    draw: int | None = None  # of fresh water, if it verifies another run
     request_id: str | None = None  # that queued the run, for the log
 
 

@@ -47,12 +47,19 @@ def owner_of(rejudgement_id: int) -> str:
     return f"{REJUDGEMENTS}{rejudgement_id}"
 
 
-def enqueue(session: Session, original: Run, rejudgement_id: int, expected_s: float | None) -> Run:
-    """Return a new queued run that computes another one again; the caller refreshes the turn."""
+def enqueue(session: Session, original: Run, owner: str, *, draw: int | None = None) -> Run:
+    """Return a new queued run that computes another one again; the caller refreshes the turn.
+
+    Parameters
+    ----------
+    draw
+        Of other fresh water; None: that of the original.
+    """
     run = Run(
-        owner=owner_of(rejudgement_id),
+        owner=owner,
         rejudges=original.id,
-        expected_s=expected_s,
+        draw=draw,
+        expected_s=_expected_s(original),
         state=RunState.QUEUED,
         queued_at=time.time(),
         data_bytes=original.data_bytes,
@@ -60,6 +67,12 @@ def enqueue(session: Session, original: Run, rejudgement_id: int, expected_s: fl
     )
     session.add(run)
     return run
+
+
+def _expected_s(run: Run) -> float | None:
+    if run.started_at is None or run.finished_at is None:
+        return run.expected_s
+    return max(run.finished_at - run.started_at, 0.0)
 
 
 def compare(session: Session, run_id: int) -> None:

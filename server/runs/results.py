@@ -10,7 +10,7 @@ from sqlalchemy.orm import Session
 
 from seamark.server.classes import assignments
 from seamark.server.database.tables import Result, Run, User
-from seamark.server.runs import leaderboard, paces, publications, rejudged
+from seamark.server.runs import leaderboard, paces, publications, rejudged, verifications
 from seamark.server.runs.error_curve import Curve
 from seamark.server.runs.queue import Claim
 from seamark.server.runs.quota import ranked_ended
@@ -90,6 +90,7 @@ def finish(session: Session, claim: Claim, report: Report) -> bool:
     leaderboard.recount(session, claim.run_id)
     _publish_baseline(session, claim, report)
     rejudged.compare(session, claim.run_id)
+    verifications.record(session, claim.run_id)
     return True
 
 

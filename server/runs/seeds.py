@@ -26,6 +26,8 @@ class Seeded(Protocol):
     def program_sha256(self) -> str | None: ...  # noqa: D102
     @property
     def seed(self) -> int | None: ...  # noqa: D102
+    @property
+    def draw(self) -> int | None: ...  # noqa: D102
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -33,12 +35,14 @@ class TrialSeeds:
     """Trial -> seed.
 
     A practice run uses its own seed in all trials. A ranked run has the public seed of the
-    benchmark's protocol in the reference trials, then fresh ones; without a protocol hidden ones.
+    benchmark's protocol in the reference trials, then fresh ones; without a protocol hidden ones,
+    unless it verifies another run.
     """
 
     benchmark: str
     seed: int | None  # None: ranked
     submission: str  # digest of what was submitted
+    draw: int | None = None  # of fresh water for a verification; None: the submission's own
     secret: bytes = field(repr=False)
 
     def __call__(self, trial: int) -> int:
@@ -46,11 +50,12 @@ class TrialSeeds:
         if self.seed is not None:
             return self.seed
         protocol = registry.benchmark(self.benchmark).protocol
-        if protocol is None:
-            return hidden_seed(self.secret, self.benchmark, trial)
-        if trial < protocol.reference_trials:
+        if protocol is not None and trial < protocol.reference_trials:
             return protocol.reference_seed
-        return fresh_seed(self.secret, self.benchmark, self.submission, trial)
+        if protocol is None and self.draw is None:
+            return hidden_seed(self.secret, self.benchmark, trial)
+        of = self.submission if self.draw is None else f"{self.submission} draw {self.draw}"
+        return fresh_seed(self.secret, self.benchmark, of, trial)
 
 
 def trial_seeds(run: Seeded, settings: Settings) -> TrialSeeds:
@@ -59,6 +64,7 @@ def trial_seeds(run: Seeded, settings: Settings) -> TrialSeeds:
         benchmark=run.benchmark,
         seed=run.seed,
         submission=submission_digest(run),
+        draw=run.draw,
         secret=settings.seed_key.encode(),
     )
 

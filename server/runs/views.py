@@ -34,6 +34,7 @@ class RunView(PublicRun):
     digest: str | None = None
     manifest: dict[str, Any] | None = None
     data_run: int | None = None
+    draw: int | None = None  # none that is shown has one
     teacher_id: int | None = None  # of the class it was submitted for; not in lists
 
     @property

@@ -4,10 +4,18 @@ from dataclasses import asdict
 
 from sqlalchemy.orm import Session
 
+from seamark.server.accounts.permissions import Action, can
 from seamark.server.audit import AuditAction
-from seamark.server.runs import publications
+from seamark.server.runs import publications, verifications
 from seamark.server.runs.publications import BY_NAME, Terms
 from seamark.server.web import access
+from seamark.server.web.services import services
+
+
+def address_of(run_id: int) -> str:
+    """Return the permanent address of a publication, absolute if the service knows its own."""
+    path = f"/p/{run_id}"
+    return f"{services().settings.url}{path}"
 
 
 def publish(session: Session, run_id: int, terms: Terms = BY_NAME) -> bool:
@@ -22,6 +30,21 @@ def publish(session: Session, run_id: int, terms: Terms = BY_NAME) -> bool:
     if changed:
         access.record(session, AuditAction.RUN_PUBLISHED, f"run {run_id}", asdict(terms))
     return changed
+
+
+def verify(run_id: int) -> None:
+    """Queue a verification of a run; admins may have it repeated.
+
+    Raises
+    ------
+    VerificationRefused
+        The run cannot be verified now.
+    """
+    held, repeat = services(), can(access.viewer(), Action.ADMINISTER)
+    with held.database.writing() as session:
+        verifications.request(session, run_id, held.settings, repeat=repeat)
+        access.record(session, AuditAction.VERIFICATION_REQUESTED, f"run {run_id}")
+    held.wake_worker()
 
 
 def withdraw(session: Session, run_id: int) -> bool:

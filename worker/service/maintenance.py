@@ -22,7 +22,7 @@ from seamark.server.database.engine import Database
 from seamark.server.messaging import broker
 from seamark.server.messaging.shared_meters import SharedMeters
 from seamark.server.programs import store
-from seamark.server.runs import account_deletion, leaderboard
+from seamark.server.runs import account_deletion, leaderboard, verifications
 from seamark.server.runs import queue as run_queue
 from seamark.server.runs.disk_usage import measure_if_old
 from seamark.server.runs.retention import Sweep, trim
@@ -38,10 +38,11 @@ FORGET_EVERY_S = 3600.0
 SWEEP_EVERY_S = 30.0
 TRIM_EVERY_S = 60.0
 COMPLETE_EVERY_S = 60.0
+VERIFY_EVERY_S = 60.0
 PASS_EVERY_S = 2.0  # between the steps of a pass that an admin has asked for
 MEASURE_EVERY_S = 30.0
 # More than the role of a worker may do (seamark.server.database.worker_role).
-NEEDS_ALL_RIGHTS = ("delete_accounts", "forget_audit", "retention_pass")
+NEEDS_ALL_RIGHTS = ("delete_accounts", "forget_audit", "retention_pass", "verify_first")
 _log = structlog.get_logger()
 
 
@@ -137,6 +138,17 @@ def complete_leaderboards(database: Database) -> None:
         _log.info("leaderboards_completed", rows=count)
 
 
+def verify_first(app: Celery, database: Database, settings: Settings) -> None:
+    """Queue verifications of the first entries of each leaderboard."""
+    if not settings.verify_top or storage.is_away(settings):
+        return
+    with database.writing() as session:
+        queued = verifications.request_first(session, settings)
+    if queued:
+        _log.info("verifications_queued", count=len(queued))
+        broker.send_tickets(app, len(queued))
+
+
 def forget_audit(database: Database, settings: Settings) -> None:
     """Delete a batch of old entries of the audit log."""
     with database.writing() as session:
@@ -168,6 +180,7 @@ def main(parent: str) -> None:
         PeriodicTask(
             "complete_leaderboards", COMPLETE_EVERY_S, lambda: complete_leaderboards(database)
         ),
+        PeriodicTask("verify_first", VERIFY_EVERY_S, lambda: verify_first(app, database, settings)),
         PeriodicTask("delete_accounts", SWEEP_EVERY_S, lambda: delete_accounts(database, settings)),
         PeriodicTask("forget_audit", FORGET_EVERY_S, lambda: forget_audit(database, settings)),
         PeriodicTask("trim_data", TRIM_EVERY_S, lambda: trim(database, settings)),

@@ -15,6 +15,7 @@ class Thing:
 
 
 PRIVATE, PUBLIC = Thing(1, None, public=False), Thing(1, None, public=True)
+RESULTS = Thing(1, None, public=True, program_public=False)  # alone
 ASSIGNED = Thing(1, None, public=False, teacher_id=4)  # by TEACHER
 GUESTS = Thing(None, "g", public=False)
 OWNER, OTHER = Viewer(user_id=1), Viewer(user_id=2)
@@ -29,7 +30,8 @@ OF_USER = READING | {
 IN_BROWSER = {"change_password", "close_account"}
 OF_TEACHER = {"invite", "teach"}
 LOOK = {Action.VIEW, Action.VIEW_PROGRAM, Action.VIEW_LOG}
-CHANGE = {Action.CANCEL, Action.PUBLISH, Action.WITHDRAW, Action.RERUN, Action.DELETE_DATA}
+CHANGE = {Action.CANCEL, Action.PUBLISH, Action.VERIFY, Action.WITHDRAW, Action.RERUN}
+CHANGE |= {Action.DELETE_DATA}
 ON_RUN = LOOK | CHANGE
 
 
@@ -42,11 +44,13 @@ ON_RUN = LOOK | CHANGE
         (OTHER, PUBLIC, LOOK | {Action.RERUN}),
         (ADMIN, PRIVATE, ON_RUN - {Action.RERUN}),
         (ADMIN, PUBLIC, ON_RUN),
-        (GUEST, GUESTS, ON_RUN - {Action.PUBLISH}),
+        (GUEST, GUESTS, ON_RUN - {Action.PUBLISH, Action.VERIFY}),
         (GUEST, PRIVATE, set()),
         (OTHER_GUEST, GUESTS, set()),
         (OTHER_GUEST, PUBLIC, LOOK | {Action.RERUN}),
         (NOBODY, PRIVATE, set()),
+        (OTHER, RESULTS, {Action.VIEW}),
+        (OWNER, RESULTS, ON_RUN),
         (NOBODY, GUESTS, set()),
         (NOBODY, PUBLIC, LOOK),
         (OTHER, GUESTS, set()),

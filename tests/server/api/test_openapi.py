@@ -9,7 +9,8 @@ from seamark.server.api import RESOURCES, openapi
 
 WITHOUT_BODY = frozenset(  # they change something, and their address says it all
     {
-        *("actions_cancel", "actions_reveal", "actions_withdraw", "runs_rerun", "sweeps_cancel"),
+        *("actions_cancel", "actions_reveal", "actions_verify", "actions_withdraw"),
+        *("runs_rerun", "sweeps_cancel"),
         *("classes_leave", "administration_revoke_access", "administration_make_reset_link"),
         *("administration_run_retention", "rejudgements_accept", "rejudgements_discard"),
     }

@@ -21,6 +21,7 @@ def _run(**changes: object) -> SimpleNamespace:
         "language": "python",
         "program_sha256": "ab" * 32,
         "seed": None,
+        "draw": None,
     }
     return SimpleNamespace(**(values | changes))
 

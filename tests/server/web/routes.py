@@ -76,6 +76,8 @@ ACTIONS = {
 }
 DELETE_DATA = {"delete-data": (changes_run, "recorded")}
 REVEAL = {"reveal": (changes_run, "anonymous")}
+VERIFY = {"verify": (changes_run, "public")}
+PUBLIC = REVEAL | VERIFY
 EDIT = {"edit": (changes_run, "recorded"), "delete": (changes_run, "recorded")}
 RERUN = {"rerun": (changes_its_own, "recorded")}
 CODE: dict[str, Any] = {"code": "0000000000"}
@@ -194,7 +196,9 @@ ROUTES: dict[tuple[str, str], Entry] = {
     ("GET", "/benchmarks/<name>"): Entry(everybody, path="/benchmarks/currents-v1"),
     ("GET", "/runs/<row:run_id>"): Entry(reads_run, path="/runs/{run}"),
     ("GET", "/runs/<row:run_id>/embed"): Entry(reads_run, path="/runs/{run}/embed"),
-    **_changing("/runs/", "<row:run_id>", 303, **ACTIONS, **REVEAL, **DELETE_DATA, **EDIT),
+    **_changing(
+        "/runs/", "<row:run_id>", 303, **ACTIONS, **REVEAL, **VERIFY, **DELETE_DATA, **EDIT
+    ),
     ("GET", "/p/<row:run_id>"): Entry(everybody, 404, "/p/{run}"),  # it was never public
     ("GET", "/runs/<row:run_id>/publish"): Entry(
         changes_run, path="/runs/{run}/publish", run="recorded"
@@ -291,6 +295,10 @@ ROUTES: dict[tuple[str, str], Entry] = {
     ("GET", "/api/v1/compare"): Entry(reads_run, path="/api/v1/compare?runs={run},{other}"),
     **_changing("/api/v1/runs/", "<int:run_id>", 200, **ACTIONS, **REVEAL),
     **_changing("/api/v1/runs/", "<int:run_id>", 202, **RERUN),
+    **_changing("/api/v1/runs/", "<int:run_id>", 409, **VERIFY),  # it is a practice run
+    ("GET", "/api/v1/runs/<int:run_id>/publication"): Entry(  # it is private
+        everybody, 404, "/api/v1/runs/{run}/publication"
+    ),
     ("GET", "/api/v1/runs/<int:run_id>/recomputations"): Entry(
         reads_run, path="/api/v1/runs/{run}/recomputations"
     ),
