@@ -14,6 +14,8 @@ COMMANDS = {  # name -> module:attribute, help; with the help here, --help impor
     "init": ("init:init", "Write a starter program for a benchmark."),
     "check": ("check:check", "Check a program for errors, in seconds."),
     "run": ("run:run", "Evaluate a controller or tracker locally."),
+    "rerun": ("rerun:rerun", "Compute an archived run again and say what differs."),
+    "export": ("export:export", "Write a result as Parquet, MCAP, MAT, NPZ, CSV or an archive."),
     "bridge": ("bridge:bridge", "Connect a ROS program or an autopilot to a run."),
     "plot": ("plot:plot", "Plot results in the terminal or as a picture."),
     "tune": ("tune:tune", "Search for the best settings, and check them in fresh water."),

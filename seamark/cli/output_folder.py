@@ -18,6 +18,24 @@ if TYPE_CHECKING:
 FILES = ("manifest.json", "metrics.json", "telemetry.csv", "log.txt")
 
 
+class RowsInMemory:
+    """Collects the rows of one run."""
+
+    def __init__(self) -> None:
+        self.parts: list[NDArray[np.float64]] = []
+
+    def add(self, rows: NDArray[np.float64]) -> None:
+        """Collect rows of telemetry."""
+        self.parts.append(rows.copy())
+
+    def discard(self, trial: int) -> None:
+        """Discard the rows of a trial that starts again."""
+        from seamark.sim.recording.telemetry import INDEX
+
+        at = INDEX["trial"]
+        self.parts = [rows[rows[:, at] < trial] for rows in self.parts]
+
+
 class OutputFolder:
     """Collects the data of one run and writes its files; without a folder it keeps nothing.
 
@@ -29,7 +47,7 @@ class OutputFolder:
 
     def __init__(self, folder: Path | None) -> None:
         self._folder = folder
-        self._rows: list[NDArray[np.float64]] = []
+        self._rows = RowsInMemory()
         self._log: list[bytes] = []
         self.comments: list[str] = []  # lines for the header of the telemetry
         if folder is not None:
@@ -38,7 +56,7 @@ class OutputFolder:
     def add_rows(self, rows: NDArray[np.float64]) -> None:
         """Collect rows of telemetry."""
         if self._folder is not None:
-            self._rows.append(rows.copy())
+            self._rows.add(rows)
 
     def add_log(self, text: bytes) -> None:
         """Collect output of the program."""
@@ -46,10 +64,7 @@ class OutputFolder:
 
     def discard(self, trial: int) -> None:
         """Discard the rows of a trial that starts again."""
-        from seamark.sim.recording.telemetry import INDEX
-
-        at = INDEX["trial"]
-        self._rows = [rows[rows[:, at] < trial] for rows in self._rows]
+        self._rows.discard(trial)
 
     def save(self, benchmark: str, outcome: RunOutcome | None) -> None:
         """Write the files; without `outcome` (interrupted) only telemetry and log."""
@@ -61,9 +76,9 @@ class OutputFolder:
         with (self._folder / "telemetry.csv").open("w", encoding="utf-8") as table:
             if outcome is not None:
                 comments.append(f"digest {outcome.digest}")
-            width = self._rows[0].shape[1] if self._rows else telemetry.WIDTH
+            width = self._rows.parts[0].shape[1] if self._rows.parts else telemetry.WIDTH
             table.write(telemetry.header(comments, width=width))
-            for rows in self._rows:
+            for rows in self._rows.parts:
                 table.write(telemetry.csv_lines(rows))
         (self._folder / "log.txt").write_bytes(b"".join(self._log))
         if outcome is not None:

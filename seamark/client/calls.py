@@ -6,7 +6,7 @@ import json
 import secrets
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, Final, cast
+from typing import Any, BinaryIO, Final, cast
 
 import httpx
 
@@ -22,6 +22,7 @@ from seamark.client.documents import (
 )
 from seamark.client.errors import ServerRefused
 from seamark.client.exchange import Call, Request
+from seamark.formats.registry import FORMATS
 
 API: Final = "/api/v1"
 PAGE_MAX = 200  # runs, the largest page of the API
@@ -173,6 +174,13 @@ class Calls:
         """Return a file of a run."""
         response = yield from self.send("GET", f"/runs/{run_id}/{name}")
         return response.content
+
+    def download(self, run_id: int, kind: str, into: BinaryIO) -> Call[None]:
+        """Write a run in one of `seamark.formats` into a file."""
+        if kind not in FORMATS:
+            raise ValueError(f"The formats are {', '.join(FORMATS)}, not {kind!r}.")
+        path = f"{API}/runs/{run_id}/{FORMATS[kind].file}"
+        yield from self._exchange(Request("GET", path, into=into))
 
     def _post_run(
         self,

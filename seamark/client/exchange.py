@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from email.utils import parsedate_to_datetime
 from http import HTTPStatus
-from typing import Any, TypeVar
+from typing import Any, BinaryIO, TypeVar
 
 import httpx
 
@@ -30,12 +30,16 @@ Result = TypeVar("Result")
 
 @dataclass(frozen=True, slots=True)
 class Request:
-    """A request to the API; `options` are those of httpx."""
+    """A request to the API; `options` are those of httpx.
+
+    The body of a success goes to the file `into`, if there is one, and not into memory.
+    """
 
     method: str
     path: str
     options: Mapping[str, Any] = field(default_factory=dict)
     repeatable: bool = False  # although the method is not: it has an Idempotency-Key
+    into: BinaryIO | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,12 +2,25 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, BinaryIO
 
 from seamark.client.documents import RunDocument, RunState, SweepDocument
 from seamark.client.watch import run_ended, sweep_ended
 from seamark.progress import Progress
 from seamark.sandbox.printable_text import printable_text
+
+
+@contextmanager
+def written_to(file: str | Path | BinaryIO) -> Iterator[BinaryIO]:
+    """Provide a file to write to: the one at a path, or an open one as it is."""
+    if isinstance(file, str | Path):
+        with Path(file).open("w+b") as opened:
+            yield opened
+    else:
+        yield file
 
 
 class RunView:

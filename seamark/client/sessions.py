@@ -6,7 +6,7 @@ import asyncio
 import os
 import time
 from collections.abc import Mapping
-from typing import Any, Final, TypeVar
+from typing import Any, BinaryIO, Final, TypeVar
 
 import httpx
 
@@ -82,9 +82,21 @@ class Session(Connection):
             time.sleep(wanted.seconds)
             return None
         try:
+            if wanted.into is not None:
+                return self._download(wanted, wanted.into)
             return self._http.request(wanted.method, wanted.path, **wanted.options)
         except (httpx.HTTPError, httpx.InvalidURL) as error:
             return error
+
+    def _download(self, wanted: Request, into: BinaryIO) -> httpx.Response:
+        with self._http.stream(wanted.method, wanted.path, **wanted.options) as response:
+            if response.is_success:
+                _start_again(into)
+                for piece in response.iter_bytes():
+                    into.write(piece)
+            else:
+                response.read()
+        return response
 
 
 class AsyncSession(Connection):
@@ -120,6 +132,24 @@ class AsyncSession(Connection):
             await asyncio.sleep(wanted.seconds)
             return None
         try:
+            if wanted.into is not None:
+                return await self._download(wanted, wanted.into)
             return await self._http.request(wanted.method, wanted.path, **wanted.options)
         except (httpx.HTTPError, httpx.InvalidURL) as error:
             return error
+
+    async def _download(self, wanted: Request, into: BinaryIO) -> httpx.Response:
+        async with self._http.stream(wanted.method, wanted.path, **wanted.options) as response:
+            if response.is_success:
+                _start_again(into)
+                async for piece in response.aiter_bytes():
+                    into.write(piece)
+            else:
+                await response.aread()
+        return response
+
+
+def _start_again(into: BinaryIO) -> None:
+    """Forget what an attempt before this one has written."""
+    into.seek(0)
+    into.truncate()

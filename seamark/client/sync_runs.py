@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from typing import TYPE_CHECKING, Any, Literal, Self, overload
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, BinaryIO, Literal, Self, overload
 
 from seamark.client import plots, tables
 from seamark.client.documents import RunDocument, SweepDocument
-from seamark.client.run_view import RunView, SweepView
+from seamark.client.run_view import RunView, SweepView, written_to
 from seamark.client.sessions import Session
 from seamark.client.watch import watch_run, watch_sweep
 
@@ -77,6 +78,15 @@ class Run(RunView):
         `polars`, or an `arrow` table, where these are installed.
         """
         return tables.table(kind, *self._session.do(self._calls.telemetry(self.id)))
+
+    def download(self, kind: str, file: str | Path | BinaryIO) -> None:
+        """Write the run as `csv`, `parquet`, `mcap`, `npz`, `mat` or `archive` into a file.
+
+        `file` is a path, or a file that is open for writing and can be positioned. Rows are
+        those so far while the run is under way.
+        """
+        with written_to(file) as into:
+            self._session.do(self._calls.download(self.id, kind, into))
 
     def plot(self, *, trial: int = 1) -> Figure:
         """Return what `seamark plot` draws of a trial; needs Matplotlib."""

@@ -7,14 +7,12 @@ from collections.abc import Iterator
 from pathlib import PurePosixPath
 from typing import BinaryIO
 
-from seamark.formats import zip_writing
-from seamark.formats.recording import BLOCK_ROWS, Recording
-from seamark.sim.recording import telemetry
+from seamark.formats import csv_file, zip_writing
+from seamark.formats.recording import Recording
 
 FOLDER = "seamark-run"
 README, MANIFEST, CONFIG, METRICS = "README.md", "manifest.json", "config.json", "metrics.json"
 TELEMETRY, PROGRAM = "telemetry.csv", "program"
-CSV_ROWS = BLOCK_ROWS // 10  # of text at a time: 1 MB
 _README = """\
 # {title}
 
@@ -37,7 +35,7 @@ def write(recording: Recording, file: BinaryIO) -> None:
     with zip_writing.new_archive(file, compressed=True) as archive:
         for name, content in _documents(recording):
             zip_writing.add(archive, f"{FOLDER}/{name}", [content])
-        zip_writing.add(archive, f"{FOLDER}/{TELEMETRY}", _csv(recording))
+        zip_writing.add(archive, f"{FOLDER}/{TELEMETRY}", csv_file.pieces(recording))
 
 
 def _documents(recording: Recording) -> Iterator[tuple[str, bytes]]:
@@ -53,12 +51,6 @@ def _documents(recording: Recording) -> Iterator[tuple[str, bytes]]:
         yield f"{PROGRAM}/{name}", recording.program.content
     for name, content in recording.extra_files.items():
         yield name, content.encode()
-
-
-def _csv(recording: Recording) -> Iterator[bytes]:
-    yield telemetry.header(recording.comments, width=recording.width).encode()
-    for rows in recording.blocks(CSV_ROWS):
-        yield telemetry.csv_lines(rows).encode()
 
 
 def _json(value: object) -> bytes:

@@ -38,6 +38,13 @@ class Format:
 
 _ALL = (
     Format(
+        name="csv",
+        file="telemetry.csv",
+        media_type="text/csv",
+        label="text, with units in its comments",
+        module="seamark.formats.csv_file",
+    ),
+    Format(
         name="parquet",
         file="telemetry.parquet",
         media_type="application/vnd.apache.parquet",

@@ -84,10 +84,39 @@ def evaluate_locally(
     ConfigurationInvalid, SandboxBroken
         The configuration is wrong; the box failed, not the program.
     """
+    return evaluate_seeds(
+        *(benchmark, config),
+        seeds=(seed,) * trials,
+        controller=controller,
+        callbacks=callbacks,
+        isolation=isolation,
+        processes=processes,
+    )
+
+
+def evaluate_seeds(
+    benchmark: str,
+    config: Mapping[str, object],
+    *,
+    seeds: tuple[int, ...],
+    ranked: bool = False,
+    controller: Controller,
+    callbacks: Callbacks | None = None,
+    isolation: IsolationLevel = IsolationLevel.NONE,
+    processes: int | None = None,
+) -> RunOutcome:
+    """Evaluate a controller as `evaluate_locally`, with a seed of its own for each trial.
+
+    Parameters
+    ----------
+    ranked
+        Whether the metrics are those of a ranked run.
+    """
     entry = registry.benchmark(benchmark)
     duration = entry.trial_duration_s(entry.read(parameters.split(config)[0]))
+    trials = len(seeds)
     listener = _CallbackListener(callbacks or Callbacks(), duration, trials)
-    with job_of(benchmark, config, controller, seeds=(seed,) * trials) as job:
+    with job_of(benchmark, config, controller, seeds=seeds, ranked=ranked) as job:
         shared_cores = tuple(sorted(os.sched_getaffinity(0))[:processes])
         slot = WorkerSlot(isolation, None, shared_cores=shared_cores)
         cores = slot.cores_for(trials)
@@ -158,13 +187,19 @@ def check_locally(
 
 @contextmanager
 def job_of(
-    benchmark: str, config: Mapping[str, object], controller: Controller, *, seeds: tuple[int, ...]
+    benchmark: str,
+    config: Mapping[str, object],
+    controller: Controller,
+    *,
+    seeds: tuple[int, ...],
+    ranked: bool = False,
 ) -> Iterator[Job]:
     """Provide a job, with the program in a file that is deleted afterwards."""
     plain = Job(
         benchmark=benchmark,
         config=dict(config),
         seeds=seeds,
+        ranked=ranked,
         controller=controller if isinstance(controller, str) else "upload",
     )
     if isinstance(controller, str):

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import secrets
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -12,6 +10,7 @@ import click
 
 from seamark.cli.configuration import configuration_of
 from seamark.cli.console import print_json
+from seamark.cli.drafts import draft_of
 from seamark.cli.options import benchmark_argument, configuration_options, json_option
 from seamark.failures import UsageRefused
 from seamark.progress import Progress
@@ -133,17 +132,10 @@ def _rows(
 
 
 def _write(pieces: Iterator[bytes], out: Path, show: Callable[[int], None]) -> int:
-    """Write the archive to a draft, rename it when it is complete, and return its size."""
-    draft = out.with_name(f".{out.name}.{secrets.token_hex(4)}")
+    """Write the archive and return its size."""
     size = 0
-    try:
-        with draft.open("wb") as file:
-            for number, piece in enumerate(pieces):
-                size += file.write(piece)
-                show(number)
-        os.replace(draft, out)
-    except OSError as error:
-        raise UsageRefused(f"{out} cannot be written: {error.strerror}.") from None
-    finally:
-        draft.unlink(missing_ok=True)
+    with draft_of(out) as file:
+        for number, piece in enumerate(pieces):
+            size += file.write(piece)
+            show(number)
     return size

@@ -48,7 +48,10 @@ CASES = {  # command -> arguments; {first} and {second} are finished runs
 }
 PROCESSES = ("web", "worker")  # they run until they are stopped
 ELSEWHERE = frozenset(
-    {"run", "plot", "tune", "up", "db reference-entries", "db grant-worker", "mail test"}
+    {
+        *("run", "rerun", "export", "plot", "tune", "up"),
+        *("db reference-entries", "db grant-worker", "mail test"),
+    }
 )  # they take long, log or need a server, and have tests that read their JSON
 
 

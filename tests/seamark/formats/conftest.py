@@ -44,9 +44,9 @@ def rows() -> Rows:
         run_trial("currents-v1", config, program, seed=SEED, trial=trial, on_rows=parts.append)
     table = np.concatenate(parts)
     table[3, INDEX["target_x"]] = np.nan
-    table[4, INDEX["distance"]] = -0.0
-    table[5, INDEX["distance"]] = 5e-324
-    table[6, INDEX["distance"]] = 1.7976931348623157e308
+    table[4, INDEX["contact_n"]] = -0.0
+    table[5, INDEX["contact_n"]] = 5e-324
+    table[6, INDEX["contact_n"]] = 1.7976931348623157e308
     return table
 
 

@@ -1,0 +1,198 @@
+"""Reads the archive of a run, which may come from anybody: nothing is unpacked onto the disk.
+
+Files are read by their names, up to a limit for each, and only in the two ways of compression that
+need little memory. The rows are read a block at a time.
+"""
+
+from __future__ import annotations
+
+import io
+import json
+import zipfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path, PurePosixPath
+from typing import Annotated, Any
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from seamark.formats import csv_file
+from seamark.formats.archive import CONFIG, MANIFEST, METRICS, PROGRAM, TELEMETRY
+from seamark.formats.csv_file import NotTelemetry
+from seamark.formats.recording import Program
+from seamark.sim.engine.seeds import SEED_BITS
+from seamark.sim.recording.telemetry import Rows
+
+FILES_MAX = 100  # in an archive
+DOCUMENT_BYTES = 16 * 2**20  # of a JSON document
+PROGRAM_BYTES = 64 * 2**20
+LINE_CHARACTERS = 16384  # of a row: 100 columns take an eighth
+TRIALS_MAX = 100
+_METHODS = {zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED}
+Seed = Annotated[int, Field(ge=0, lt=2**SEED_BITS)]
+Sha256 = Annotated[str, Field(pattern="^[0-9a-f]{64}$")]
+
+
+class ArchiveRefused(Exception):
+    """It is not the archive of a run that can be computed again. The text is for the user."""
+
+
+class Manifest(BaseModel):
+    """What of a manifest decides a result, or tells why another one came out."""
+
+    model_config = ConfigDict(extra="ignore", strict=True, frozen=True)
+
+    benchmark: str = Field(max_length=100)
+    configuration: dict[str, Any]
+    parameters: dict[str, Any] = Field(default_factory=dict)  # of the program
+    seed: Seed | None
+    seeds: Annotated[list[Seed], Field(max_length=TRIALS_MAX)] | None = None
+    trials: int = Field(ge=1, le=TRIALS_MAX)
+    controller: str = Field(max_length=200)
+    program_sha256: Sha256 | None
+    digest: Sha256
+    code_sha256: Sha256
+    versions: dict[str, str]
+    contacts: str = Field(max_length=100)
+    cpu: dict[str, str] = Field(default_factory=dict)
+    same_bits_on_every_cpu: bool = True
+
+    def trial_seeds(self) -> tuple[int, ...]:
+        """Return the seed of each trial; raises ArchiveRefused if they are hidden."""
+        if self.seed is not None:
+            return (self.seed,) * self.trials
+        if self.seeds is None:
+            raise ArchiveRefused(
+                "The seeds of this ranked run are hidden, because other runs have the same ones: "
+                "it cannot be computed again elsewhere."
+            )
+        if len(self.seeds) != self.trials:
+            raise ArchiveRefused(
+                f"{MANIFEST} has {len(self.seeds)} seeds for {self.trials} trials."
+            )
+        return tuple(self.seeds)
+
+
+@dataclass(frozen=True, slots=True)
+class ArchivedRun:
+    """What an archive says about a run."""
+
+    manifest: Manifest
+    config: dict[str, Any]  # with the parameters of the program
+    metrics: dict[str, Any] | None
+    program: Program | None
+    _archive: zipfile.ZipFile
+    _root: str
+
+    def rows(self) -> Iterator[tuple[tuple[str, ...], Rows]]:
+        """Yield the names of the columns with each block of rows; raises ArchiveRefused."""
+        archive, name = self._archive, self._root + TELEMETRY
+        with _failures_told(TELEMETRY), archive.open(_info(archive, name)) as file:
+            lines = _lines(io.TextIOWrapper(file, "utf-8"))
+            names = csv_file.read_names(lines)
+            for block in csv_file.read_blocks(lines, len(names)):
+                yield names, block
+
+
+@contextmanager
+def opened(path: Path) -> Iterator[ArchivedRun]:
+    """Provide the run in an archive.
+
+    Raises
+    ------
+    ArchiveRefused
+        It cannot be read, or has no run that can be computed again.
+    """
+    with _failures_told(path.name), zipfile.ZipFile(path) as archive:
+        if len(archive.infolist()) > FILES_MAX:
+            raise ArchiveRefused(f"{path.name} has more than {FILES_MAX} files.")
+        root = _root(archive, path)
+        yield ArchivedRun(
+            _manifest(archive, root),
+            _object(archive, root + CONFIG),
+            _object(archive, root + METRICS) if root + METRICS in archive.namelist() else None,
+            _program(archive, root),
+            archive,
+            root,
+        )
+
+
+def _root(archive: zipfile.ZipFile, path: Path) -> str:
+    """Return the folder in the archive that has the manifest, "" or with a slash at its end."""
+    found = [name for name in archive.namelist() if PurePosixPath(name).name == MANIFEST]
+    if len(found) != 1 or found[0].count("/") > 1:
+        raise ArchiveRefused(
+            f"{path.name} has no {MANIFEST}: it is not the archive of a run that has ended."
+        )
+    return found[0].removesuffix(MANIFEST)
+
+
+def _manifest(archive: zipfile.ZipFile, root: str) -> Manifest:
+    try:
+        return Manifest.model_validate(_object(archive, root + MANIFEST))
+    except ValidationError as error:
+        first = error.errors()[0]
+        where = ".".join(map(str, first["loc"]))
+        raise ArchiveRefused(f"{MANIFEST}: {where}: {first['msg']}.") from None
+
+
+def _program(archive: zipfile.ZipFile, root: str) -> Program | None:
+    folder = f"{root}{PROGRAM}/"
+    names = [name for name in archive.namelist() if name.startswith(folder) and name != folder]
+    if not names:
+        return None
+    if len(names) > 1:
+        raise ArchiveRefused(f"{PROGRAM}/ has {len(names)} files instead of one.")
+    content = _read(archive, names[0], PROGRAM_BYTES)
+    return Program(PurePosixPath(names[0]).name, content)
+
+
+def _object(archive: zipfile.ZipFile, name: str) -> dict[str, Any]:
+    text = _read(archive, name, DOCUMENT_BYTES)
+    try:
+        value = json.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise ArchiveRefused(f"{name} is not JSON ({error}).") from None
+    if not isinstance(value, dict):
+        raise ArchiveRefused(f"{name} is not a JSON object.")
+    return value
+
+
+def _read(archive: zipfile.ZipFile, name: str, limit: int) -> bytes:
+    """Return a file, whatever size the archive claims for it."""
+    with archive.open(_info(archive, name)) as file:
+        content = file.read(limit + 1)
+    if len(content) > limit:
+        raise ArchiveRefused(f"{name} is larger than {limit >> 20} MiB.")
+    return content
+
+
+def _info(archive: zipfile.ZipFile, name: str) -> zipfile.ZipInfo:
+    try:
+        info = archive.getinfo(name)
+    except KeyError:
+        raise ArchiveRefused(f"{name} is missing.") from None
+    if info.compress_type not in _METHODS:
+        raise ArchiveRefused(f"{name} is compressed in a way that archives of runs are not.")
+    return info
+
+
+def _lines(text: io.TextIOWrapper) -> Iterator[str]:
+    while line := text.readline(LINE_CHARACTERS):
+        if len(line) == LINE_CHARACTERS:
+            raise NotTelemetry("a line is too long")
+        yield line
+
+
+@contextmanager
+def _failures_told(name: str) -> Iterator[None]:
+    """Raise ArchiveRefused for what the libraries raise."""
+    try:
+        yield
+    except (zipfile.BadZipFile, NotImplementedError, EOFError, OSError) as error:
+        raise ArchiveRefused(f"{name} cannot be read: {error}.") from None
+    except RuntimeError as error:  # zipfile's answer to an encrypted file
+        raise ArchiveRefused(f"{name} cannot be read: {error}.") from None
+    except (NotTelemetry, UnicodeDecodeError) as error:
+        raise ArchiveRefused(f"{name} is not a table of telemetry: {error}.") from None
