@@ -18,6 +18,7 @@ from seamark.server.runs.files import RunFiles
 from seamark.server.runs.seeds import seeds_hidden
 from seamark.server.runs.views import RunView
 from seamark.server.web import access, caching
+from seamark.server.web.citation import with_publication
 from seamark.server.web.problems import Problem
 from seamark.server.web.services import services
 from seamark.sim import registry
@@ -114,7 +115,7 @@ def manifest(path: RunPath) -> Response:
     found = view.manifest or access.files_of(view).manifest()
     if found is None:
         raise Problem("not-found", f"Run {view.id} has no manifest yet: it is {view.state.value}.")
-    return jsonify(without_hidden_seeds(found, view))
+    return jsonify(with_publication(without_hidden_seeds(found, view), view))
 
 
 def without_hidden_seeds(value: Any, view: RunView) -> Any:

@@ -17,11 +17,13 @@ from seamark.server.api import files as run_files
 from seamark.server.api.operation_ids import operation_id
 from seamark.server.api.schemas import RunPath
 from seamark.server.programs import store
+from seamark.server.runs import citations
 from seamark.server.runs.conversions import ConversionsBusy, Job
 from seamark.server.runs.files import RunFiles
 from seamark.server.runs.seeds import trial_seeds
 from seamark.server.runs.views import RunView
 from seamark.server.web import access, caching, rate_limits
+from seamark.server.web.citation import citation_of, with_publication
 from seamark.server.web.problems import Problem
 from seamark.server.web.services import services
 from seamark.sim.recording.manifest import versions
@@ -132,12 +134,24 @@ def _job(view: RunView, files: RunFiles, kind: Format) -> tuple[Job, bytes]:
         if kind.name == "mcap"
         else None,
         comments=run_files.comments(view, files, count),
-        manifest=run_files.without_hidden_seeds(manifest, view),
+        manifest=_manifest(view, manifest),
         metrics=run_files.without_hidden_seeds(metrics, view),
         program=None if program is None else view.program_name or "program",
-        extra_files={},
+        extra_files=_citation(view) if kind.name == "archive" else {},
     )
     return job, program or b""
+
+
+def _manifest(view: RunView, manifest: Any) -> Any:
+    """Return the manifest as it may be shown; a run that has not ended has none."""
+    if manifest is None:
+        return None
+    return with_publication(run_files.without_hidden_seeds(manifest, view), view)
+
+
+def _citation(view: RunView) -> dict[str, str]:
+    """Return the files by which the archive of a public run is cited and deposited."""
+    return dict(citations.files(citation_of(view))) if view.public else {}
 
 
 def _program(view: RunView) -> bytes | None:

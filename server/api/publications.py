@@ -2,22 +2,38 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import asdict
 from datetime import UTC, datetime
 from typing import Any
 
+from flask import Response, request
 from flask_openapi3.blueprint import APIBlueprint
 from flask_openapi3.models.tag import Tag
 
 from seamark.server.api.operation_ids import operation_id
 from seamark.server.api.publication_schemas import PublicationResponse
 from seamark.server.api.schemas import RunPath
-from seamark.server.runs import publications, verifications
+from seamark.server.runs import (
+    badge,
+    citations,
+    leaderboard,
+    publications,
+    score_counts,
+    verifications,
+)
+from seamark.server.runs.citations import Citation
+from seamark.server.runs.states import RunKind
+from seamark.server.runs.verifications import Outcome
 from seamark.server.runs.views import RunView
-from seamark.server.web import access
+from seamark.server.web import access, caching
+from seamark.server.web.citation import citation_of
 from seamark.server.web.problems import Problem
 from seamark.server.web.publication import address_of
 from seamark.server.web.services import services
+from seamark.server.web.template_filters import score, score_unit
+
+BADGE_S = 300  # for so long other sites and browsers keep a badge
 
 api = APIBlueprint(
     "api_publications",
@@ -26,6 +42,10 @@ api = APIBlueprint(
     operation_id_callback=operation_id,
     abp_tags=[Tag(name="Publications", description="Published runs: terms, citations, marks.")],
 )
+
+
+def _content(media_type: str) -> Any:
+    return {200: {"content": {media_type: {"schema": {"type": "string"}}}}}
 
 
 @api.get("/runs/<int:run_id>/publication", responses={200: PublicationResponse})
@@ -48,6 +68,53 @@ def show(path: RunPath) -> dict[str, Any]:
         "verification_pending": pending,
         "verifications": [asdict(each) for each in found],
     }
+
+
+@api.get("/runs/<int:run_id>/citation.bib", responses=_content("application/x-bibtex"))
+def citation_bib(path: RunPath) -> Response:
+    """Download how a public run is cited with BibTeX or biblatex."""
+    return _document(path.run_id, citations.bibtex, "application/x-bibtex; charset=utf-8")
+
+
+@api.get("/runs/<int:run_id>/citation.cff", responses=_content("application/yaml"))
+def citation_cff(path: RunPath) -> Response:
+    """Download the CITATION.cff (Citation File Format 1.2.0) of a public run."""
+    return _document(path.run_id, citations.cff, "application/yaml; charset=utf-8")
+
+
+@api.get("/runs/<int:run_id>/badge.svg", responses=_content("image/svg+xml"))
+def badge_svg(path: RunPath) -> Response:
+    """Show score and rank of a public run as a badge, for pages elsewhere."""
+    run = published(path.run_id)
+    answer = Response(badge.svg(f"Seamark {run.benchmark}", _standing(run)))
+    answer.content_type = "image/svg+xml; charset=utf-8"
+    answer.headers["Cross-Origin-Resource-Policy"] = "cross-origin"
+    answer.cache_control.public, answer.cache_control.max_age = True, BADGE_S
+    answer.add_etag()
+    answer.make_conditional(request)
+    return answer
+
+
+def _document(run_id: int, write: Callable[[Citation], str], content_type: str) -> Response:
+    run = published(run_id)
+    answer = Response(write(citation_of(run)), content_type=content_type)
+    answer.add_etag()
+    return caching.conditional(answer)
+
+
+def _standing(run: RunView) -> str:
+    """Return score and rank in the words of a badge."""
+    parts = [f"{score(run.score)} {score_unit(run)}" if run.score is not None else run.state.value]
+    with services().database.reading() as session:
+        mark = verifications.newest(session, [run.id]).get(run.id)
+        if run.kind is RunKind.RANKED and run.user_id is not None:
+            row = leaderboard.rank_of(session, run.benchmark, run.user_id)
+            if row is not None and row.run_id == run.id and row.rank is not None:
+                people = score_counts.size(session, run.benchmark)
+                parts.append(f"rank {row.rank} of {people}")
+    if mark is not None and mark.outcome is Outcome.AGREES:
+        parts.append("verified")
+    return ", ".join(parts)
 
 
 def published(run_id: int) -> RunView:

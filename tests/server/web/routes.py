@@ -296,9 +296,12 @@ ROUTES: dict[tuple[str, str], Entry] = {
     **_changing("/api/v1/runs/", "<int:run_id>", 200, **ACTIONS, **REVEAL),
     **_changing("/api/v1/runs/", "<int:run_id>", 202, **RERUN),
     **_changing("/api/v1/runs/", "<int:run_id>", 409, **VERIFY),  # it is a practice run
-    ("GET", "/api/v1/runs/<int:run_id>/publication"): Entry(  # it is private
-        everybody, 404, "/api/v1/runs/{run}/publication"
-    ),
+    **{  # they are of public runs, and this one is private
+        ("GET", f"/api/v1/runs/<int:run_id>/{name}"): Entry(
+            everybody, 404, f"/api/v1/runs/{{run}}/{name}"
+        )
+        for name in ("publication", "citation.bib", "citation.cff", "badge.svg")
+    },
     ("GET", "/api/v1/runs/<int:run_id>/recomputations"): Entry(
         reads_run, path="/api/v1/runs/{run}/recomputations"
     ),

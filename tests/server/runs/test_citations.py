@@ -1,0 +1,150 @@
+"""Judges: pybtex reads BibTeX, PyYAML and the official JSON schema a CITATION.cff."""
+
+import datetime
+import json
+from dataclasses import replace
+from functools import cache
+from importlib.resources import files
+from typing import Any
+from xml.etree import ElementTree
+
+import pytest
+import yaml
+from hypothesis import given
+from hypothesis import strategies as st
+from jsonschema import Draft7Validator
+from pybtex.database import parse_string
+
+from seamark.sandbox.printable_text import visible_text
+from seamark.server.runs import badge, citations
+from seamark.server.runs.citations import Author, Citation
+from seamark.server.runs.licences import LICENCES
+
+RUN = Citation(
+    run_id=17,
+    author=Author(name="Jane Doe", affiliation="Institute of Currents"),
+    title="Observer, first try",
+    benchmark="currents-v2",
+    address="https://seamark.example/p/17",
+    published=datetime.date(2026, 11, 23),
+    licence="MIT",
+    is_software=True,
+    note="Score 0.157 m/s (95 % interval 0.12 to 0.19).",
+)
+NAMES = [
+    "Jane Doe",
+    "Müller & Söhne",
+    "Doe, Jane, and many others and {friends}",
+    r"100% \TeX_user #1 ~^$ }{",
+    "Łukasz Ђорђе 山田太郎 Ólafsdóttir",
+    "van der Berg and Smith",
+    '"quoted" @misc',
+]
+TITLES = st.text(max_size=120).map(visible_text)
+
+
+def read_bibtex(text: str) -> Any:
+    (entry,) = parse_string(text, "bibtex").entries.values()
+    return entry
+
+
+def plain(tex: str) -> str:
+    """Return a TeX text as a reader of a reference list sees it, by the rules of TeX alone."""
+    names = {"textbackslash": "\\", "textbraceleft": "<<", "textbraceright": ">>"}
+    names |= {"textasciitilde": "~", "textasciicircum": "^"}
+    text = tex
+    for name, character in names.items():
+        text = text.replace(f"\\{name}{{}}", f"\0{ord(character[0])}.{len(character)}\0")
+    for special in "&%$#_":
+        text = text.replace(f"\\{special}", special)
+    text = text.strip("{}")
+    for name, character in names.items():
+        shown = {"textbraceleft": "{", "textbraceright": "}"}.get(name, character)
+        text = text.replace(f"\0{ord(character[0])}.{len(character)}\0", shown)
+    return text
+
+
+@cache
+def schema() -> Draft7Validator:
+    text = files("check_jsonschema").joinpath("builtin_schemas/vendor/citation-file-format.json")
+    return Draft7Validator(json.loads(text.read_text(encoding="utf-8")))
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_bibtex_keeps_a_name_whole_whatever_characters_it_has(name: str) -> None:
+    entry = read_bibtex(citations.bibtex(replace(RUN, author=Author(name=name))))
+
+    (person,) = entry.persons["author"]
+    assert plain(str(person)) == name
+
+
+@given(title=TITLES)
+def test_bibtex_keeps_any_title(title: str) -> None:
+    entry = read_bibtex(citations.bibtex(replace(RUN, title=title, note="")))
+
+    words = " ".join(title.split())
+    assert plain(entry.fields.get("title", "")) == words
+    assert set(entry.fields) >= {"year", "month", "url", "howpublished"}
+
+
+def test_bibtex_says_where_and_when_the_run_is_found() -> None:
+    entry = read_bibtex(citations.bibtex(RUN))
+
+    assert entry.type == "misc"
+    assert entry.fields["url"] == "https://seamark.example/p/17"
+    assert (entry.fields["year"], entry.fields["month"]) == ("2026", "November")
+    assert r"95 \% interval" in entry.fields["note"]
+    assert "url" not in read_bibtex(citations.bibtex(replace(RUN, address=""))).fields
+
+
+@pytest.mark.parametrize("licence", [None, *LICENCES])
+@pytest.mark.parametrize("name", [NAMES[0], NAMES[3], NAMES[4]])
+def test_a_citation_file_is_valid_by_the_official_schema(name: str, licence: str | None) -> None:
+    changed = replace(RUN, author=Author(name=name), licence=licence, is_software=bool(licence))
+
+    read = yaml.safe_load(citations.cff(changed))
+
+    read["date-released"] = str(read["date-released"])
+    assert [error.message for error in schema().iter_errors(read)] == []
+    assert read["authors"] == [{"name": name}]
+    assert read.get("license") == licence
+    assert read["type"] == ("software" if licence else "dataset")
+
+
+@given(title=TITLES.filter(str.strip))
+def test_a_citation_file_keeps_any_title(title: str) -> None:
+    read = yaml.safe_load(citations.cff(replace(RUN, title=title)))
+
+    assert read["title"] == title
+
+
+def test_the_metadata_for_zenodo_have_its_fields_and_escape_the_description() -> None:
+    read = json.loads(citations.zenodo(replace(RUN, note="<b>1 < 2</b>")))
+
+    required = {"title", "upload_type", "description", "creators", "access_right", "license"}
+    assert required <= read.keys()
+    assert read["creators"] == [{"name": "Jane Doe", "affiliation": "Institute of Currents"}]
+    assert read["license"] == "mit"
+    assert "&lt;b&gt;" in read["description"]
+    assert read["related_identifiers"][0]["identifier"] == RUN.address
+
+
+def test_an_archive_for_review_names_nobody() -> None:
+    written = citations.files(replace(RUN, author=citations.ANONYMOUS))
+
+    assert set(written) == {"CITATION.cff", "citation.bib", ".zenodo.json", "LICENSE"}
+    assert all("Anonymous author" in text for text in written.values())
+    assert not any("Jane" in text or "Institute" in text for text in written.values())
+
+
+@given(label=st.text(max_size=200).map(visible_text), value=st.text(max_size=200).map(visible_text))
+def test_a_badge_is_a_small_picture_with_a_name_and_without_links(label: str, value: str) -> None:
+    text = badge.svg(label, value)
+
+    root = ElementTree.fromstring(text)  # noqa: S314 - our own
+    tags = {element.tag.partition("}")[2] for element in root.iter()}
+    assert tags == {"svg", "title", "clipPath", "rect", "g", "text"}
+    assert root.get("role") == "img"
+    assert root.get("aria-label") == root[0].text
+    assert len(text) < 4000
+    assert "href" not in " ".join(key for element in root.iter() for key in element.keys())
