@@ -26,6 +26,7 @@ from seamark.server.web import (
     authentication,
     body_limits,
     compression,
+    confirmation,
     problems,
     rate_limits,
     request_log,
@@ -59,6 +60,7 @@ def create_app(settings: Settings) -> OpenAPI:
     body_limits.register(app, settings)
     _protect(app)
     rate_limits.register(app, settings)
+    confirmation.register(app)
     security_headers.register(app, public=settings.public)
     compression.register(app)
     pages.register(app)

@@ -77,9 +77,9 @@ def change_selected() -> ResponseReturnValue:
     access.require(Action.SUBMIT)
     ids = [number for number in request.form.getlist("runs", row_id) if number is not None]
     chosen = list(dict.fromkeys(ids))[:LIMIT_MAX]
-    if request.form.get("do") == "compare" and chosen:
+    if request.values.get("do", "") == "compare" and chosen:
         return redirect(f"{url_for('compare.show')}?runs={','.join(map(str, chosen))}", code=303)
-    selected_runs.change(request.form.get("do", ""), chosen)
+    selected_runs.change(request.values.get("do", ""), chosen)
     return redirect(url_for("runs.mine", **_kept(), after=request.args.get("after")), code=303)
 
 

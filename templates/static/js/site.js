@@ -53,17 +53,17 @@ document.addEventListener("click", (event) => {
   if ("copyCode" in button.dataset) copyCode(button);
 });
 
-// A button with data-confirm sends its form only after the question has been answered with yes.
+// A button named "question" sends its form only after its value has been answered with yes. Without this script
+// the server asks (server/web/confirmation.py).
 document.addEventListener("submit", async (event) => {
   const { submitter, target: form } = event;
-  const question = submitter?.dataset.confirm;
-  if (!question || submitter.dataset.confirmed === question) return;
+  if (submitter?.name !== "question") return;
   event.preventDefault();
   const yes = submitter.textContent.trim();
-  if (!(await ask(question, { yes, danger: submitter.classList.contains("danger") }))) return;
-  submitter.dataset.confirmed = question;
+  if (!(await ask(submitter.value, { yes, danger: submitter.classList.contains("danger") }))) return;
+  submitter.name = "answered";
   form.requestSubmit(submitter);
-  delete submitter.dataset.confirmed;
+  submitter.name = "question";
 });
 
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {

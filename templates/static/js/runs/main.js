@@ -7,7 +7,7 @@ const every = form?.querySelector("[data-every]");
 function show() {
   const count = boxes.filter((box) => box.checked).length;
   form.querySelector("[data-selected]").textContent = count ? `${count} selected` : "";
-  for (const button of form.querySelectorAll('button[name="do"]')) {
+  for (const button of form.querySelectorAll('button[type="submit"]')) {
     button.disabled = count < Number(button.dataset.from ?? 1) || count > Number(button.dataset.to ?? Infinity);
   }
   const all = every.querySelector("input");
