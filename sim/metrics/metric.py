@@ -12,6 +12,7 @@ from typing import Any, Generic, Literal, TypeVar
 from seamark.sim.numerics.statistics import mean, root_mean_square
 
 Levels = Sequence[Mapping[str, Any]]  # the metrics of each level by name
+Absent = frozenset[str]  # columns of the telemetry that a log does not have
 Source = TypeVar("Source")  # what a metric is computed from, such as a window of a level
 
 
@@ -62,8 +63,10 @@ MAX = _aggregation("maximum of the levels", _maximum)
 def weighted_by(weight: str) -> Aggregation:
     """Return the mean of the levels weighted by another metric; nan if all weights are 0."""
 
-    def of(name: str, levels: Levels) -> float:
+    def of(name: str, levels: Levels) -> float | None:
         weighted = [(level[name], level[weight]) for level in levels if level[weight]]
+        if any(value is None for value, _ in weighted):
+            return None
         total = math.fsum(count for _, count in weighted)
         return math.fsum(value * count for value, count in weighted) / total if total else math.nan
 
@@ -74,10 +77,12 @@ def weighted_by(weight: str) -> Aggregation:
 class LevelMetric(Metric, Generic[Source]):
     """A metric of one level, computed from its telemetry.
 
-    `compute` returns nan where the value is undefined, and None where there is none.
+    `compute` returns nan where the value is undefined, and None where there is none. `reads` are
+    the columns of the telemetry that it depends on, of metrics that logs of missions have too.
     """
 
     formula: str
+    reads: tuple[str, ...] = ()
     compute: Callable[[Source], float | None]
     over: Aggregation = MEAN
 
@@ -91,10 +96,20 @@ class MetricGroup:
 
 
 def compute_all(
-    metrics: Iterable[LevelMetric[Source]], source: Source, *, prefix: str = ""
+    metrics: Iterable[LevelMetric[Source]],
+    source: Source,
+    *,
+    prefix: str = "",
+    absent: Absent = frozenset(),
 ) -> dict[str, float | None]:
-    """Return name -> value of each metric, in the order of their declarations."""
-    return {f"{prefix}{metric.name}": metric.compute(source) for metric in metrics}
+    """Return name -> value of each metric, in the order of their declarations.
+
+    None of those that read a column that was not measured.
+    """
+    return {
+        f"{prefix}{metric.name}": None if absent & set(metric.reads) else metric.compute(source)
+        for metric in metrics
+    }
 
 
 def over_run(metrics: Iterable[LevelMetric[Any]], levels: Levels) -> dict[str, float | None]:
@@ -110,7 +125,7 @@ def mean_over_trials(trials: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
         if isinstance(first, Mapping):
             result[name] = mean_over_trials(values)
         elif name == "held":
-            result[name] = all(values)
+            result[name] = None if None in values else all(values)
         elif name == "level" or isinstance(first, str):
             result[name] = first
         else:

@@ -23,7 +23,15 @@ from seamark.sim.metrics.metric import (
     MetricGroup,
     compute_all,
 )
-from seamark.sim.metrics.windows import LOST_PX, Level, LevelFacts, Window, percent
+from seamark.sim.metrics.windows import (
+    LOST_COLUMNS,
+    LOST_PX,
+    THRUST_COLUMNS,
+    Level,
+    LevelFacts,
+    Window,
+    percent,
+)
 from seamark.sim.numerics.statistics import mean, percentile, root_mean_square
 from seamark.sim.recording.telemetry import INDEX, Rows
 
@@ -75,7 +83,7 @@ def _distance_metrics(
     def of(statistic: Any) -> Any:
         return lambda window: statistic(_defined(window.column(column)))
 
-    metric = partial(LevelMetric, unit=unit, better="lower")
+    metric = partial(LevelMetric, unit=unit, better="lower", reads=(column,))
     yield metric(
         name=f"rmse_{unit}",
         label=f"RMSE of the {what}",
@@ -116,6 +124,7 @@ def _mean_error_metric(axis: str, direction: str) -> LevelMetric[Window]:
         meaning=f"steady-state error under a constant current, along image "
         f"{axis.upper()} ({direction})",
         formula=f"sum of (target - centre) along image {axis.upper()} / N, signed",
+        reads=(f"error_{axis}_px",),
         compute=lambda window: mean(window.column(f"error_{axis}_px")),
     )
 
@@ -127,6 +136,7 @@ def _circle_metric(radius_m: float) -> LevelMetric[Window]:
         unit="%",
         better="higher",
         formula=f"100 x control steps with d <= {radius_m:g} m / N",
+        reads=("distance",),
         compute=lambda window: percent([d <= radius_m for d in window.distance_m]),
     )
 
@@ -182,6 +192,7 @@ METRICS: tuple[LevelMetric[Window], ...] = (
         better="lower",
         formula="sum d dt",
         over=SUM,
+        reads=("distance",),
         compute=lambda window: math.fsum(window.distance_m) * window.dt,
     ),
     LevelMetric(
@@ -191,6 +202,7 @@ METRICS: tuple[LevelMetric[Window], ...] = (
         better="lower",
         formula="sum d^2 dt",
         over=SUM,
+        reads=("distance",),
         compute=lambda window: math.fsum(d * d for d in window.distance_m) * window.dt,
     ),
     LevelMetric(
@@ -201,6 +213,7 @@ METRICS: tuple[LevelMetric[Window], ...] = (
         meaning="late errors cost more",
         formula="sum t d dt, t from the start of the window",
         over=SUM,
+        reads=("distance",),
         compute=lambda window: (
             math.fsum(at * window.dt * d for at, d in enumerate(window.distance_m)) * window.dt
         ),
@@ -212,6 +225,7 @@ METRICS: tuple[LevelMetric[Window], ...] = (
         better="lower",
         formula="sqrt(sum (yaw - reference)^2 / N), the angle within -pi to pi",
         over=RMS,
+        reads=("yaw",),
         compute=lambda window: root_mean_square(window.heading_error),
     ),
     LevelMetric(
@@ -221,6 +235,7 @@ METRICS: tuple[LevelMetric[Window], ...] = (
         better="lower",
         meaning="distance plus weighted heading error, as in the VRX competition",
         formula=f"sum (d + {VRX_BASE:g}^d abs(yaw - reference)) / N, as in the VRX competition",
+        reads=("distance", "yaw"),
         compute=_vrx,
     ),
     LevelMetric(
@@ -230,6 +245,7 @@ METRICS: tuple[LevelMetric[Window], ...] = (
         better="lower",
         formula="sqrt(sum over control steps and thrusters of thrust^2 / N)",
         over=RMS,
+        reads=THRUST_COLUMNS,
         compute=_thrust_rms,
     ),
     LevelMetric(
@@ -240,6 +256,7 @@ METRICS: tuple[LevelMetric[Window], ...] = (
         meaning=f"the power of an ideal propeller grows with thrust^{ENERGY_EXPONENT:g}",
         formula=f"sum over control steps and thrusters of abs(thrust)^{ENERGY_EXPONENT:g} dt",
         over=SUM,
+        reads=THRUST_COLUMNS,
         compute=_energy,
     ),
     LevelMetric(
@@ -250,6 +267,7 @@ METRICS: tuple[LevelMetric[Window], ...] = (
         meaning="sum of all changes: how restless the controller is",
         formula="sum of the absolute changes of the three velocity references",
         over=SUM,
+        reads=("ref_u", "ref_v", "ref_w"),
         compute=_variation,
     ),
     LevelMetric(
@@ -260,6 +278,7 @@ METRICS: tuple[LevelMetric[Window], ...] = (
         formula=f"control steps with a thruster at {100.0 * FULL_THRUST:g} % of its limit or more, "
         "times dt",
         over=SUM,
+        reads=THRUST_COLUMNS,
         compute=_saturated,
     ),
     LevelMetric(
@@ -269,6 +288,7 @@ METRICS: tuple[LevelMetric[Window], ...] = (
         better="lower",
         formula="100 x control steps at which the tracker reports a loss, or its corners are more "
         f"than {LOST_PX:g} px from the true ones / N",
+        reads=LOST_COLUMNS,
         compute=lambda window: window.lost_percent,
     ),
     LevelMetric(
@@ -279,6 +299,7 @@ METRICS: tuple[LevelMetric[Window], ...] = (
         meaning=f"contacts less than {REBOUND_S:g} s apart count as one",
         formula=f"number of contacts, those less than {REBOUND_S:g} s apart counted as one",
         over=SUM,
+        reads=("contact_n",),
         compute=_collisions,
     ),
     LevelMetric(
@@ -288,6 +309,7 @@ METRICS: tuple[LevelMetric[Window], ...] = (
         better="lower",
         formula="control steps with a contact force, times dt",
         over=SUM,
+        reads=("contact_n",),
         compute=_contact_time,
     ),
     LevelMetric(
@@ -300,6 +322,7 @@ METRICS: tuple[LevelMetric[Window], ...] = (
         meaning="the net force on the hull, mean over one control period",
         formula="maximum contact force, mean over a control period",
         over=MAX,
+        reads=("contact_n",),
         compute=lambda window: _largest(window.column("contact_n")),
     ),
 )
@@ -310,6 +333,7 @@ POINTS: LevelMetric[Level] = LevelMetric(
     better="higher",
     meaning=f"100 / (1 + RMSE / {SCORE_LENGTH_M:g} m) x (1 - share of the time lost)",
     formula=f"100 / (1 + rmse_m / {SCORE_LENGTH_M:g} m) x (1 - {WHOLE}lost_percent / 100)",
+    reads=("distance", *LOST_COLUMNS),
     compute=lambda level: points(
         root_mean_square(_defined(level.settled.distance_m)), level.whole.lost_percent / 100.0
     ),
@@ -322,6 +346,7 @@ SETTLING: LevelMetric[Level] = LevelMetric(
     meaning=f"time from the start of the level until the distance stays within {SETTLED_M:g} m",
     formula=f"first time from which d <= {SETTLED_M:g} m until the end; none if it ends outside",
     over=MAX,
+    reads=("distance",),
     compute=lambda level: settling_time(level.whole.distance_m, level.whole.dt),
 )
 HELD = Metric(
@@ -347,12 +372,16 @@ def level_metrics(
     rows: Rows, facts: LevelFacts, metrics: Iterable[LevelMetric[Window]] = METRICS
 ) -> dict[str, Any]:
     """Return the metrics of one level, name -> float (None where there is none)."""
-    level = Level(rows, facts)
-    within = percentile(_defined(level.whole.distance_m), 0.95) < HELD_P95_M
+    level, absent = Level(rows, facts), facts.absent
     return (
         {"level": facts.level, "speed": facts.speed}
-        | compute_all(metrics, level.settled)
-        | compute_all(metrics, level.whole, prefix=WHOLE)
-        | compute_all((SETTLING, POINTS), level)
-        | {"held": within and level.whole.lost_percent == 0.0}
+        | compute_all(metrics, level.settled, absent=absent)
+        | compute_all(metrics, level.whole, prefix=WHOLE, absent=absent)
+        | compute_all((SETTLING, POINTS), level, absent=absent)
+        | {"held": None if absent & set(POINTS.reads) else _held(level)}
     )
+
+
+def _held(level: Level) -> bool:
+    within = percentile(_defined(level.whole.distance_m), 0.95) < HELD_P95_M
+    return within and level.whole.lost_percent == 0.0

@@ -10,9 +10,16 @@ from collections.abc import Sequence
 import numpy as np
 
 from seamark.sim.metrics.metric import RMS, LevelMetric, Metric, MetricGroup
-from seamark.sim.metrics.windows import LevelFacts, Window, lost, percent
+from seamark.sim.metrics.windows import (
+    LOST_COLUMNS,
+    THRUST_COLUMNS,
+    LevelFacts,
+    Window,
+    lost,
+    percent,
+)
 from seamark.sim.numerics.statistics import mean, percentile, root_mean_square
-from seamark.sim.recording.telemetry import Rows
+from seamark.sim.recording.telemetry import POSE_COLUMNS, Rows
 
 TOOL_AHEAD_M = 1.0  # [m] E: reach of a manipulator
 # E: from what a gripper on a soft object tolerates down to a valve's; each about 1.6 times the next
@@ -72,6 +79,7 @@ QUALITY: LevelMetric[ToolWindow] = LevelMetric(
     + ", ".join(f"{radius:g}" for radius in CIRCLES_M)
     + " m of the share of the control steps with s within the radius and the target not lost, "
     f"times (1 - {POWER_WEIGHT:g} power_share)",
+    reads=(*POSE_COLUMNS, *THRUST_COLUMNS, *LOST_COLUMNS),
     compute=_quality,
 )
 TRANSIENT: LevelMetric[ToolWindow] = LevelMetric(
@@ -80,6 +88,7 @@ TRANSIENT: LevelMetric[ToolWindow] = LevelMetric(
     unit="s",
     better="lower",
     formula=f"first time with s <= {REACHED_M:g} m; the whole level if there is none",
+    reads=POSE_COLUMNS,
     compute=_transient,
 )
 POWER: LevelMetric[ToolWindow] = LevelMetric(
@@ -89,6 +98,7 @@ POWER: LevelMetric[ToolWindow] = LevelMetric(
     better="lower",
     meaning="relative to all thrusters at full thrust",
     formula="mean over control steps and thrusters of (abs(thrust) / its limit)^1.5",
+    reads=THRUST_COLUMNS,
     compute=_power_share,
 )
 NEAR: LevelMetric[ToolWindow] = LevelMetric(
@@ -99,6 +109,7 @@ NEAR: LevelMetric[ToolWindow] = LevelMetric(
     meaning="of the tool or of the camera, with the target in view",
     formula=f"100 x control steps with s or d <= {CIRCLES_M[0]:g} m and the target not lost / N, d "
     "the distance of the camera from its station",
+    reads=(*POSE_COLUMNS, "distance", *LOST_COLUMNS),
     compute=_near_percent,
 )
 METRICS: tuple[LevelMetric[ToolWindow], ...] = (
@@ -110,6 +121,7 @@ METRICS: tuple[LevelMetric[ToolWindow], ...] = (
         better="lower",
         formula="sqrt(sum s^2 / N)",
         over=RMS,
+        reads=POSE_COLUMNS,
         compute=lambda window: root_mean_square(window.error_m),
     ),
     LevelMetric(
@@ -118,6 +130,7 @@ METRICS: tuple[LevelMetric[ToolWindow], ...] = (
         unit="m",
         better="lower",
         formula="95th percentile of s over the control steps, interpolated",
+        reads=POSE_COLUMNS,
         compute=lambda window: percentile(window.error_m, 0.95),
     ),
     TRANSIENT,

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from seamark.sim.metrics.metric import (
     MAX,
     SUM,
+    Absent,
     Aggregation,
     LevelMetric,
     Levels,
@@ -23,6 +24,7 @@ from seamark.sim.metrics.metric import (
     over_run,
     weighted_by,
 )
+from seamark.sim.metrics.windows import LOST_COLUMNS
 from seamark.sim.numerics.statistics import mean
 from seamark.sim.recording.telemetry import INDEX, Rows
 
@@ -31,6 +33,9 @@ Point = tuple[float, float, float]  # [m] NED
 Column = NDArray[np.float64]  # (k,)
 Turn = tuple[Column, Column]  # sine and cosine
 ANGLES = ("roll", "pitch", "yaw")
+_POSITION = ("x", "y", "z")
+_CONTACT_COLUMNS = ("contact_n", "u", "v", "w")
+_CENTRED = ("distance_px", "error_x_px", "error_y_px")
 
 
 def time(rows: Rows) -> float:
@@ -211,6 +216,7 @@ CONTACTS: tuple[LevelMetric[Level], ...] = (
         unit="",
         formula="control steps with a contact force",
         over=SUM,
+        reads=("contact_n",),
         compute=lambda level: level.contacts["steps"],
     ),
     _metric(
@@ -219,6 +225,7 @@ CONTACTS: tuple[LevelMetric[Level], ...] = (
         unit="m/s",
         formula="mean speed over ground during contact; 0 without any",
         over=weighted_by("contactTicks"),
+        reads=_CONTACT_COLUMNS,
         compute=lambda level: level.contacts["mean_speed"],
     ),
     _metric(
@@ -227,6 +234,7 @@ CONTACTS: tuple[LevelMetric[Level], ...] = (
         unit="m/s",
         formula="maximum speed over ground during contact; 0 without any",
         over=MAX,
+        reads=_CONTACT_COLUMNS,
         compute=lambda level: level.contacts["max_speed"],
     ),
 )
@@ -237,6 +245,7 @@ METRICS: tuple[LevelMetric[Level], ...] = (
         unit="s",
         formula="control steps times dt, simulated",
         over=SUM,
+        reads=("t",),
         compute=lambda level: time(level.rows) + level.dt,  # the last row is a whole control step
     ),
     LevelMetric(
@@ -247,6 +256,7 @@ METRICS: tuple[LevelMetric[Level], ...] = (
         formula="max(0, 1 - (contactSpeedMean + contactSpeedMax) / "
         f"{COLLISION_SPEED_M_S:g} m/s); 1 without contact",
         over=Aggregation("the formula with the values over the run", _collision_over_run),
+        reads=_CONTACT_COLUMNS,
         compute=lambda level: collision(**level.contacts),
     ),
     *CONTACTS,
@@ -255,6 +265,7 @@ METRICS: tuple[LevelMetric[Level], ...] = (
         label="Mean distance from the reference position",
         unit="m",
         formula="mean distance from the position at which the level starts",
+        reads=_POSITION,
         compute=lambda level: level.position["total"],
     ),
     _metric(
@@ -262,6 +273,7 @@ METRICS: tuple[LevelMetric[Level], ...] = (
         label="Mean error along north",
         unit="m",
         formula="mean absolute error along north",
+        reads=_POSITION,
         compute=lambda level: level.position["x"],
     ),
     _metric(
@@ -269,6 +281,7 @@ METRICS: tuple[LevelMetric[Level], ...] = (
         label="Mean error along east",
         unit="m",
         formula="mean absolute error along east",
+        reads=_POSITION,
         compute=lambda level: level.position["y"],
     ),
     _metric(
@@ -276,6 +289,7 @@ METRICS: tuple[LevelMetric[Level], ...] = (
         label="Mean error along down",
         unit="m",
         formula="mean absolute error along down",
+        reads=_POSITION,
         compute=lambda level: level.position["z"],
     ),
     _metric(
@@ -283,6 +297,7 @@ METRICS: tuple[LevelMetric[Level], ...] = (
         label="Mean angle from the reference attitude",
         unit="rad",
         formula="mean angle of the rotation from the attitude at which the level starts",
+        reads=ANGLES,
         compute=lambda level: attitude_error(level.rows),
     ),
     _metric(
@@ -291,6 +306,7 @@ METRICS: tuple[LevelMetric[Level], ...] = (
         unit="m",
         formula="sum of the distances between control steps; the reset between levels not counted",
         over=SUM,
+        reads=(*_POSITION, "level"),
         compute=lambda level: distance(level.rows),
     ),
     _metric(
@@ -300,6 +316,7 @@ METRICS: tuple[LevelMetric[Level], ...] = (
         formula="mean norm of all eight numbers of (tracked - true corners), control steps with a "
         "tracked target",
         over=weighted_by("seenTicks"),
+        reads=LOST_COLUMNS,
         compute=lambda level: level.tracked["corners"],
     ),
     _metric(
@@ -308,6 +325,7 @@ METRICS: tuple[LevelMetric[Level], ...] = (
         unit="px",
         formula="mean norm of (tracked - true centre), control steps with a tracked target",
         over=weighted_by("seenTicks"),
+        reads=("tracker_ok", "tracked_x", "tracked_y", "target_x", "target_y"),
         compute=lambda level: level.tracked["centroid"],
     ),
     LevelMetric(
@@ -317,6 +335,7 @@ METRICS: tuple[LevelMetric[Level], ...] = (
         better="higher",
         formula="control steps at which the tracker reports the target",
         over=SUM,
+        reads=("tracker_ok",),
         compute=lambda level: float((level.rows[:, INDEX["tracker_ok"]] == 1.0).sum()),
     ),
     _metric(
@@ -324,6 +343,7 @@ METRICS: tuple[LevelMetric[Level], ...] = (
         label="Target to image centre",
         unit="px",
         formula="mean distance of the true target from the image centre",
+        reads=_CENTRED,
         compute=lambda level: level.centred["total"],
     ),
     _metric(
@@ -331,6 +351,7 @@ METRICS: tuple[LevelMetric[Level], ...] = (
         label="Target to image centre along X",
         unit="px",
         formula="mean absolute distance along image X",
+        reads=_CENTRED,
         compute=lambda level: level.centred["x"],
     ),
     _metric(
@@ -338,6 +359,7 @@ METRICS: tuple[LevelMetric[Level], ...] = (
         label="Target to image centre along Y",
         unit="px",
         formula="mean absolute distance along image Y",
+        reads=_CENTRED,
         compute=lambda level: level.centred["y"],
     ),
     _metric(
@@ -346,6 +368,7 @@ METRICS: tuple[LevelMetric[Level], ...] = (
         unit="m s",
         formula="sum of the distance to the path, times dt",
         over=SUM,
+        reads=(*_POSITION, "t"),
         compute=lambda level: level.path["iae"],
     ),
     _metric(
@@ -354,6 +377,7 @@ METRICS: tuple[LevelMetric[Level], ...] = (
         unit="m² s",
         formula="sum of the squared distance to the path, times dt",
         over=SUM,
+        reads=(*_POSITION, "t"),
         compute=lambda level: level.path["ise"],
     ),
     _metric(
@@ -361,6 +385,7 @@ METRICS: tuple[LevelMetric[Level], ...] = (
         label="Mean distance to the path",
         unit="m",
         formula="mean distance to the path",
+        reads=_POSITION,
         compute=lambda level: level.path["distanceToPath"],
     ),
 )
@@ -368,8 +393,8 @@ NAMES = tuple(metric.name for metric in METRICS)
 GROUP = MetricGroup("The original benchmark module", METRICS)
 
 
-def level_metrics(rows: Rows) -> dict[str, float | None]:
+def level_metrics(rows: Rows, *, absent: Absent = frozenset()) -> dict[str, float | None]:
     """Return all metrics of one level by name; nan where there is none."""
     if not len(rows):
         return dict.fromkeys(NAMES, math.nan)
-    return compute_all(METRICS, Level(rows))
+    return compute_all(METRICS, Level(rows), absent=absent)

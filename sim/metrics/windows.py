@@ -8,9 +8,19 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from seamark.sim.recording.telemetry import INDEX, Rows, thrusts
+from seamark.sim.metrics.metric import Absent
+from seamark.sim.recording.telemetry import (
+    COMMON_THRUSTERS,
+    INDEX,
+    Rows,
+    thrust_names,
+    thrusts,
+)
 
 LOST_PX = 15.0  # [px] E: half of the target's shorter side at 2.27 m
+# What a metric reads, by what it is computed from.
+THRUST_COLUMNS = thrust_names(COMMON_THRUSTERS)
+LOST_COLUMNS = ("tracker_error", "tracker_ok")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -24,6 +34,7 @@ class LevelFacts:
     limits_n: tuple[float, float]  # maximum thrust forward, reverse
     heading: float = 0.0  # [rad] reference
     thrusters: int = 0  # of the vehicle
+    absent: Absent = frozenset()  # columns that were not measured
 
 
 class Window:

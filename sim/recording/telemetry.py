@@ -80,6 +80,7 @@ NAMES: tuple[str, ...] = tuple(column.name for column in COLUMNS)
 INDEX: dict[str, int] = {name: at for at, name in enumerate(NAMES)}
 WIDTH = len(COLUMNS)
 STEP_US = INDEX["step_us"]
+POSE_COLUMNS: tuple[str, ...] = ("x", "y", "z", "roll", "pitch", "yaw")
 
 
 def columns(width: int) -> tuple[Column, ...]:

@@ -37,8 +37,9 @@ OVERALL = (
 )
 
 
-def _point(level: Mapping[str, Any]) -> tuple[float, float]:
-    return float(level["speed"]), float(level["quality"])
+def _point(level: Mapping[str, Any]) -> tuple[float, float] | None:
+    quality = level["quality"]
+    return None if quality is None else (float(level["speed"]), float(quality))
 
 
 _BENCHMARK = station_keeping_benchmark(

@@ -12,7 +12,7 @@ from seamark.sim.engine.tool_error import tool_errors
 from seamark.sim.engine.trial_conditions import TrialConditions, draw_conditions
 from seamark.sim.engine.world import target_and_optics
 from seamark.sim.metrics import tool_point
-from seamark.sim.metrics.metric import compute_all, over_run
+from seamark.sim.metrics.metric import Absent, LevelMetric, compute_all, over_run
 from seamark.sim.metrics.station_keeping import overall
 from seamark.sim.metrics.tool_point import CIRCLES_M, NEAR, ToolWindow
 from seamark.sim.numerics.random_streams import streams
@@ -55,15 +55,23 @@ class UnknownCurrents(StationKeeping[CurrentsConfiguration]):
         ahead, side, _down = optics.mount_m
         return ahead + tool_point.TOOL_AHEAD_M, side
 
-    def metrics(self, config: CurrentsConfiguration, level: int, rows: Rows) -> dict[str, Any]:
+    def metrics(
+        self,
+        config: CurrentsConfiguration,
+        level: int,
+        rows: Rows,
+        *,
+        absent: Absent = frozenset(),
+    ) -> dict[str, Any]:
         """Return the metrics of a level: those of station keeping, and those of the tool point."""
         target, optics = target_and_optics(config)
         station = start_pose(optics, target, config.at(level).altitude_m)
         errors = tool_errors(rows, station, optics.mount_m)
         window = ToolWindow(rows, level_facts(config, level), errors)
-        tool = compute_all(tool_point.METRICS, window)
-        metrics = super().metrics(config, level, rows) | tool
-        return metrics | {"held": (tool["quality"] or 0.0) >= tool_point.HELD_QUALITY}
+        tool = compute_all(tool_point.METRICS, window, absent=absent)
+        metrics = super().metrics(config, level, rows, absent=absent) | tool
+        quality = tool["quality"]
+        return metrics | {"held": None if quality is None else quality >= tool_point.HELD_QUALITY}
 
     def trial_score(
         self, config: CurrentsConfiguration, levels: Sequence[Mapping[str, Any]]
@@ -77,8 +85,12 @@ class UnknownCurrents(StationKeeping[CurrentsConfiguration]):
             level_held=base.level_held,
             rankable=math.isfinite(score) and near,
             reason="" if near else NOT_HELD,
-            overall=over_run((*overall(), *tool_point.METRICS), levels),
+            overall=over_run(self.overall_metrics(), levels),
         )
+
+    def overall_metrics(self) -> tuple[LevelMetric[Any], ...]:
+        """Return the metrics over all levels of a trial."""
+        return (*overall(), *tool_point.METRICS)
 
 
 def current_held(levels: Sequence[Mapping[str, Any]]) -> float:

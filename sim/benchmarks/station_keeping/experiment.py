@@ -22,7 +22,7 @@ from seamark.sim.engine.world import (
     draw_noise_seed,
     target_and_optics,
 )
-from seamark.sim.metrics.metric import LevelMetric, over_run
+from seamark.sim.metrics.metric import Absent, LevelMetric, over_run
 from seamark.sim.metrics.station_keeping import METRICS, level_metrics, overall
 from seamark.sim.metrics.windows import LevelFacts, Window
 from seamark.sim.numerics.random_streams import Streams, streams
@@ -111,10 +111,12 @@ class StationKeeping(Generic[Settings]):
         """Return the camera of the level: all its images show the same water."""
         return self.camera(config, seed=seed, trial=trial, level=level)
 
-    def metrics(self, config: Settings, level: int, rows: Rows) -> dict[str, Any]:
+    def metrics(
+        self, config: Settings, level: int, rows: Rows, *, absent: Absent = frozenset()
+    ) -> dict[str, Any]:
         """Return the metrics of a level, and its coordinates if there is a grid."""
         grid = config.grid_point(level)
-        metrics = level_metrics(rows, level_facts(config, level), self._metrics)
+        metrics = level_metrics(rows, level_facts(config, level, absent), self._metrics)
         return metrics | ({"grid": grid} if grid else {})
 
     def trial_score(self, config: Settings, levels: Sequence[Mapping[str, Any]]) -> TrialScore:
@@ -129,8 +131,12 @@ class StationKeeping(Generic[Settings]):
             level_held=_held(levels),
             rankable=math.isfinite(score) and not all_lost,
             reason=LOST if all_lost else "",
-            overall=over_run(overall(self._metrics), levels),
+            overall=over_run(self.overall_metrics(), levels),
         )
+
+    def overall_metrics(self) -> tuple[LevelMetric[Any], ...]:
+        """Return the metrics over all levels of a trial."""
+        return overall(self._metrics)
 
 
 def _held(levels: Sequence[Mapping[str, Any]]) -> float | None:
@@ -143,7 +149,9 @@ def _held(levels: Sequence[Mapping[str, Any]]) -> float | None:
     return held
 
 
-def level_facts(config: StationKeepingSettings, level: int) -> LevelFacts:
+def level_facts(
+    config: StationKeepingSettings, level: int, absent: Absent = frozenset()
+) -> LevelFacts:
     """Return what the metrics of a level need beside its telemetry."""
     vehicle = load(config.vehicle)
     forward, reverse = vehicle.curve.limits.value
@@ -154,6 +162,7 @@ def level_facts(config: StationKeepingSettings, level: int) -> LevelFacts:
         settle_s=config.settle_s,
         limits_n=(forward, reverse),
         thrusters=len(vehicle.thrusters),
+        absent=absent,
     )
 
 
