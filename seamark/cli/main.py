@@ -17,6 +17,7 @@ COMMANDS = {  # name -> module:attribute, help; with the help here, --help impor
     "rerun": ("rerun:rerun", "Compute an archived run again and say what differs."),
     "export": ("export:export", "Write a result as Parquet, MCAP, MAT, NPZ, CSV or an archive."),
     "bridge": ("bridge:bridge", "Connect a ROS program or an autopilot to a run."),
+    "replay": ("replay:replay", "Measure the log of a real mission."),
     "plot": ("plot:plot", "Plot results in the terminal or as a picture."),
     "tune": ("tune:tune", "Search for the best settings, and check them in fresh water."),
     "submit": ("submit:submit", "Submit a run to a server."),

@@ -15,7 +15,9 @@ _GROUPS: Mapping[str, Sequence[str]] = {
     "Write a program": (
         *("controller", "tracker", "languages", "box", "protocol.md", "bridges.md", "training.md"),
     ),
-    "Runs and results": ("runs", "metrics", "telemetry", "formats.md", "ranking.md", "datasets.md"),
+    "Runs and results": (
+        *("runs", "metrics", "telemetry", "formats.md", "ranking.md", "datasets.md", "logs.md"),
+    ),
     "Benchmarks and models": (
         *("benchmarks.md", "physics", "camera.md", "controllers.md", "trackers.md"),
         *("trackers-table.md", "visibility.md", "validation.md"),

@@ -49,7 +49,7 @@ CASES = {  # command -> arguments; {first} and {second} are finished runs
 PROCESSES = ("web", "worker")  # they run until they are stopped
 ELSEWHERE = frozenset(
     {
-        *("run", "rerun", "export", "plot", "tune", "up"),
+        *("run", "rerun", "replay", "export", "plot", "tune", "up"),
         *("db reference-entries", "db grant-worker", "mail test"),
     }
 )  # they take long, log or need a server, and have tests that read their JSON

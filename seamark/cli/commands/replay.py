@@ -1,0 +1,162 @@
+"""`seamark replay`: the log of a real mission, measured by the metrics of a benchmark."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from seamark.cli.console import print_json
+from seamark.cli.options import json_option
+from seamark.failures import PlatformFailed, UsageRefused
+
+if TYPE_CHECKING:
+    from seamark.cli.output_folder import OutputFolder
+    from seamark.mission_logs.mapping import LogMapping
+    from seamark.mission_logs.result import LogResult
+
+MISSING_SHOWN = 6  # metrics that the log does not allow, named on the terminal
+
+
+@click.command()
+@click.argument("log", type=click.Path(exists=True, path_type=Path))
+@click.option(
+    "--mapping",
+    type=click.Path(exists=True, dir_okay=False, path_type=Path),
+    metavar="FILE",
+    help="What the columns or topics are, in TOML or JSON.",
+)
+@click.option(
+    "--benchmark",
+    metavar="NAME",
+    help="Whose metrics.  [default: that of the mapping, or currents-v1]",
+)
+@click.option(
+    "--set",
+    "pairs",
+    multiple=True,
+    metavar="KEY=VALUE",
+    help="A setting of the benchmark, such as vehicle=bluerov2-heavy; repeatable.",
+)
+@click.option("--out", type=click.Path(path_type=Path), metavar="DIR", help="Folder for the data.")
+@json_option
+def replay(
+    *,
+    log: Path,
+    mapping: Path | None,
+    benchmark: str | None,
+    pairs: tuple[str, ...],
+    out: Path | None,
+    as_json: bool,
+) -> None:
+    """Measure the log of a real mission as a run is measured.
+
+    LOG is a CSV file, an MCAP file or a ROS bag (a .bag or .db3 file, or the folder of a ROS 2
+    bag) with the vehicle's pose, the corners of the target in the image, or both. --out DIR gets
+    manifest.json, metrics.json and telemetry.csv, which `seamark plot` and `compare` read.
+
+    \b
+    Examples:
+      seamark replay mission.csv --set settle_s=0 --out mission
+      seamark replay mission.bag --mapping mission.toml --benchmark currents-v2 --json
+    """
+    from seamark.cli.output_folder import OutputFolder
+    from seamark.mission_logs.refusal import LogRefused
+
+    output = OutputFolder(out)
+    try:
+        found = _measure(log, _mapping(mapping, benchmark or "", pairs), benchmark)
+    except LogRefused as reason:
+        raise UsageRefused(f"{log}: {reason}") from None
+    _save(output, found)
+    if as_json:
+        print_json(_document(found, out))
+    else:
+        _print(found, out)
+
+
+def _mapping(file: Path | None, benchmark: str, pairs: tuple[str, ...]) -> LogMapping:
+    from seamark.cli.configuration import benchmark_of, read_settings, typed
+    from seamark.mission_logs.mapping import LogMapping
+    from seamark.mission_logs.scope import BENCHMARK
+
+    try:
+        text = "" if file is None else file.read_text(encoding="utf-8")
+    except (OSError, ValueError) as error:
+        raise UsageRefused(f"{file} cannot be read: {error}.") from None
+    mapping = LogMapping.parse(text)
+    name = benchmark or mapping.benchmark or BENCHMARK
+    changes = typed(read_settings(None, pairs), benchmark_of(name).schema())
+    settings = {**mapping.settings, **changes}
+    return mapping.model_copy(update={"settings": settings, "benchmark": name})
+
+
+def _measure(log: Path, mapping: LogMapping, benchmark: str | None) -> LogResult:
+    from seamark.cli.extras import install_line, missing
+    from seamark.mission_logs.limited import LogReaderBroken, measure_limited
+    from seamark.mission_logs.scope import BENCHMARK, ROS_SUFFIXES
+
+    if (log.is_dir() or log.suffix in ROS_SUFFIXES) and missing(("rosbags",)):
+        raise UsageRefused(f"MCAP files and ROS bags need rosbags: {install_line('ros')}.")
+    try:
+        return measure_limited(log, mapping, benchmark=benchmark or mapping.benchmark or BENCHMARK)
+    except LogReaderBroken as error:
+        raise PlatformFailed(f"The log reader failed.\n{error}") from None
+
+
+def _save(output: OutputFolder, found: LogResult) -> None:
+    from seamark.sim.recording import telemetry
+    from seamark.worker.ipc.outcomes import RunOutcome
+
+    log = found.manifest["log"]
+    output.comments = [
+        f"{found.manifest['kind']}: {log['name']}, SHA-256 {log['sha256']}",
+        telemetry.units(found.rows.shape[1]),
+    ]
+    output.add_rows(found.rows)
+    outcome = RunOutcome(metrics=found.metrics, manifest=found.manifest, digest=found.digest)
+    output.save(found.benchmark, outcome)
+
+
+def _document(found: LogResult, out: Path | None) -> dict[str, Any]:
+    return {
+        "benchmark": found.benchmark,
+        "kind": found.manifest["kind"],
+        "score": found.metrics["score"],
+        "metrics": found.metrics,
+        "manifest": found.manifest,
+        "digest": found.digest,
+        "out": str(out) if out else None,
+    }
+
+
+def _print(found: LogResult, out: Path | None) -> None:
+    from seamark.cli.run_summary import level_table
+    from seamark.sandbox.printable_text import printable_text
+
+    manifest = found.manifest
+    steps, period_s = len(found.rows), manifest["period_s"]
+    lines = [
+        f"{found.benchmark}, {manifest['kind']}: {steps} control steps of {period_s:g} s",
+        *(["Resampled as the mapping says."] if manifest["resampled"] else []),
+        f"measured  {', '.join(manifest['measured'])}",
+        f"derived   {', '.join(manifest['derived']) or 'nothing'}",
+        *level_table(found.metrics),
+        *_missing_lines(found.metrics["not_measured"]),
+    ]
+    if found.metrics["score"] is not None:
+        lines.append(f"score   {found.metrics['score']:.4g}")
+    lines.append(f"digest  {found.digest}")
+    if out is not None:
+        lines.append(f"data    {out}")
+    click.echo(printable_text("\n".join(lines)))
+
+
+def _missing_lines(missing: dict[str, list[str]]) -> list[str]:
+    if not missing:
+        return []
+    names = [name for name in missing if not name.startswith("whole_")]
+    needed = sorted({column for columns in missing.values() for column in columns})
+    more = " and more" if len(names) > MISSING_SHOWN else ""
+    return [f"Without {', '.join(needed)} the log has no {', '.join(names[:MISSING_SHOWN])}{more}."]

@@ -1,0 +1,1 @@
+"""Logs of real missions: read, checked, and measured by the metrics of a benchmark."""

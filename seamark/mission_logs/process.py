@@ -1,0 +1,70 @@
+"""The process that reads and measures one log: limited in CPU time and memory, then gone.
+
+Protocol: a line of JSON with the request on standard input; on standard output a line of JSON with
+the answer and then the rows as little-endian float64. Started by `limited`.
+"""
+
+import json
+import os
+import resource
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from seamark.mission_logs.mapping import LogMapping
+from seamark.mission_logs.measuring import measure
+from seamark.mission_logs.refusal import LogRefused
+from seamark.sim.recording.telemetry import Rows
+
+CPU_S = 120  # the largest CSV with all columns takes half of it
+DATA_MIB = 2048  # the largest log takes half of it
+FILE_MIB = 512  # a compressed ROS 2 bag is unpacked into a temporary file
+OPEN_FILES = 64
+NICENESS = 10  # pages go first
+
+
+def main() -> None:
+    """Answer one request."""
+    limit()
+    request = json.loads(sys.stdin.buffer.readline())
+    answer, rows = _answer(request)
+    sys.stdout.buffer.write(json.dumps(answer, allow_nan=False).encode() + b"\n")
+    sys.stdout.buffer.write(np.ascontiguousarray(rows, dtype="<f8").data)
+    sys.stdout.buffer.flush()
+
+
+def _answer(request: dict[str, Any]) -> tuple[dict[str, Any], Rows]:
+    try:
+        mapping = LogMapping.model_validate(request["mapping"])
+        found = measure(Path(request["path"]), mapping, benchmark=request["benchmark"])
+    except LogRefused as reason:
+        return {"refused": str(reason)}, np.empty((0, 0))
+    answer = {
+        "benchmark": found.benchmark,
+        "config": found.config,
+        "trials": found.trials,
+        "metrics": found.metrics,
+        "manifest": found.manifest,
+        "digest": found.digest,
+        "width": found.rows.shape[1],
+    }
+    return answer, found.rows
+
+
+def limit() -> None:
+    """Limit this process; what it has used for its start counts."""
+    os.nice(NICENESS)
+    for kind, most in (
+        (resource.RLIMIT_CPU, CPU_S),
+        (resource.RLIMIT_DATA, DATA_MIB << 20),
+        (resource.RLIMIT_FSIZE, FILE_MIB << 20),
+        (resource.RLIMIT_NOFILE, OPEN_FILES),
+        (resource.RLIMIT_CORE, 0),
+    ):
+        resource.setrlimit(kind, (most, most))
+
+
+if __name__ == "__main__":
+    main()
