@@ -7,22 +7,19 @@ standard output. Started by `conversions`.
 import json
 import os
 import resource
-import signal
 import sys
-import time
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import Any
 
 from seamark.formats.recording import Program, Recording
 from seamark.formats.registry import FORMATS
 from seamark.server.runs.files import RunFiles
+from seamark.server.runs.paced_output import PacedOutput
 
 CPU_S = 900  # the largest run as MCAP, with its images, takes a third of it
 DATA_MIB = 2048  # beyond this a format does not keep its promise; Arrow and OpenCV need 400
 OPEN_FILES = 128
 NICENESS = 10  # pages go first
-PATIENCE_S = 60.0  # for a client that takes nothing, and
-PACE_BYTES_S = 50_000.0  # this much longer for what it has taken: a place is not held for ever
 
 
 def main() -> None:
@@ -30,7 +27,7 @@ def main() -> None:
     _limit()
     job: dict[str, Any] = json.loads(sys.stdin.buffer.readline())
     recording = _recording(job, sys.stdin.buffer.read())
-    FORMATS[job["format"]].write(recording, _Paced(sys.stdout.buffer))  # type: ignore[arg-type]
+    FORMATS[job["format"]].write(recording, PacedOutput(sys.stdout.buffer))  # type: ignore[arg-type]
     sys.stdout.buffer.flush()
 
 
@@ -50,41 +47,6 @@ def _recording(job: dict[str, Any], program: bytes) -> Recording:
         program=Program(job["program"], program) if job["program"] else None,
         extra_files=job["extra_files"],
     )
-
-
-class _Paced:
-    """A file for writing that ends the process if nobody takes what is written."""
-
-    def __init__(self, file: BinaryIO) -> None:
-        self._file = file
-        self._began_at = time.monotonic()
-        self._written = 0
-
-    def write(self, data: Any) -> int:
-        """Write all of the data."""
-        allowed_s = PATIENCE_S + self._written / PACE_BYTES_S
-        left_s = allowed_s - (time.monotonic() - self._began_at)
-        signal.setitimer(signal.ITIMER_REAL, max(left_s, PATIENCE_S))  # SIGALRM kills
-        count = self._file.write(data)
-        signal.setitimer(signal.ITIMER_REAL, 0.0)
-        self._written += count
-        return count
-
-    def tell(self) -> int:
-        """Return how much was written."""
-        return self._written
-
-    def flush(self) -> None:
-        """Pass on what was written."""
-        self._file.flush()
-
-    @property
-    def closed(self) -> bool:
-        """Return whether it is closed: it never is."""
-        return False
-
-    def close(self) -> None:
-        """Do nothing: the process ends."""
 
 
 def _limit() -> None:

@@ -18,7 +18,7 @@ from seamark.formats.registry import Format
 from seamark.server.programs.fair_places import FairPlaces, PlacesBusy
 from seamark.server.runs.files import RunFiles
 
-PLACES = 3  # runs that one web process has converted at the same time; the others wait
+PLACES = 2  # runs that one web process has converted at once, in up to 250 MB each; others wait
 WAIT_S = 20.0  # for a place; most files take less
 WAITING_MAX = 2  # downloads of one client: each has a thread of the web server
 _CHUNK = 64 * 1024

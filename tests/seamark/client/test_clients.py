@@ -19,6 +19,7 @@ from seamark.client.async_runs import AsyncRun, AsyncSweep
 from seamark.client.sync_client import Client
 from seamark.client.sync_runs import Run, Sweep
 from seamark.server.app import create_app
+from seamark.server.runs import publications
 from seamark.server.runs.files import RunFiles
 from seamark.sim.recording.telemetry import INDEX, WIDTH
 from tests.cast import PROGRAM, Backend
@@ -127,6 +128,31 @@ def test_a_run_is_published_and_withdrawn(backend: Backend, client: Client) -> N
         client.run(_with_rows(backend, who="ben"))
     with pytest.raises(NotPermitted):
         client.run(backend.published("ben")).withdraw()
+
+
+def test_both_clients_download_a_run_into_a_file_and_not_what_is_refused(
+    backend: Backend, client: Client, address: str, token: str, tmp_path: Path
+) -> None:
+    run_id, withdrawn = _with_rows(backend), client.run(backend.published("ben"))
+    kept = io.BytesIO(b"of an attempt before, and longer than all of this" * 100_000)
+
+    async def download() -> None:
+        async with AsyncClient(address, token) as connected:
+            await (await connected.run(run_id)).download("npz", kept)
+
+    asyncio.run(download())
+    run = client.run(run_id)
+    run.download("npz", tmp_path / "run.npz")
+    with pytest.raises(ValueError, match="formats are csv, parquet, "):
+        run.download("hdf5", tmp_path / "run.hdf5")
+    with backend.database.writing() as session:
+        assert publications.withdraw(session, withdrawn.id)
+    with pytest.raises(NotFound):
+        withdrawn.download("csv", tmp_path / "run.csv")
+
+    assert (tmp_path / "run.npz").read_bytes() == kept.getvalue()
+    assert np.array_equal(np.load(tmp_path / "run.npz")["telemetry"], run.telemetry())
+    assert (tmp_path / "run.csv").read_bytes() == b""
 
 
 def test_telemetry_log_and_plot_of_a_run(backend: Backend, client: Client) -> None:
