@@ -207,7 +207,10 @@ def test_a_result_is_exported_in_each_format_under_its_own_name(
     csv = pd.read_csv(results / "pi" / "telemetry.csv", comment="#")
 
     for kind in ("csv", "parquet", "npz"):
-        assert seamark("export", results / "pi", "--format", kind).exit_code == 0
+        done = seamark("export", results / "pi", "--format", kind, "--json")
+        name = f"pi-telemetry.{kind}"
+        told = {"out": name, "format": kind, "bytes": Path(name).stat().st_size}
+        assert (done.exit_code, json.loads(done.stdout)) == (0, told)
     parquet = pd.read_parquet("pi-telemetry.parquet")
     npz = np.load("pi-telemetry.npz")["telemetry"]
 

@@ -2,6 +2,7 @@
 
 import json
 import subprocess
+import sys
 from collections.abc import Callable
 from dataclasses import replace
 from io import BytesIO
@@ -132,3 +133,10 @@ def test_rows_that_vanish_meanwhile_end_the_writing(name: str, recording: Record
 
     with pytest.raises(RowsGone):
         FORMATS[name].write(shrunk, BytesIO())
+
+
+def test_the_names_of_the_formats_load_no_library() -> None:
+    heavy = "{'numpy', 'pyarrow', 'mcap', 'scipy', 'cv2', 'numba'}"
+    code = f"import sys, seamark.formats.registry; sys.exit(len({heavy} & set(sys.modules)))"
+
+    subprocess.run([sys.executable, "-c", code], check=True)
