@@ -27,11 +27,10 @@ from seamark.server.runs.states import RunKind
 from seamark.server.runs.verifications import Outcome
 from seamark.server.runs.views import RunView
 from seamark.server.web import access, caching
-from seamark.server.web.citation import citation_of
+from seamark.server.web.citation import citation_of, result_of
 from seamark.server.web.problems import Problem
 from seamark.server.web.publication import address_of
 from seamark.server.web.services import services
-from seamark.server.web.template_filters import score, score_unit
 
 BADGE_S = 300  # for so long other sites and browsers keep a badge
 
@@ -104,7 +103,7 @@ def _document(run_id: int, write: Callable[[Citation], str], content_type: str) 
 
 def _standing(run: RunView) -> str:
     """Return score and rank in the words of a badge."""
-    parts = [f"{score(run.score)} {score_unit(run)}" if run.score is not None else run.state.value]
+    parts = [run.state.value if run.score is None else result_of(run)[1]]
     with services().database.reading() as session:
         mark = verifications.newest(session, [run.id]).get(run.id)
         if run.kind is RunKind.RANKED and run.user_id is not None:

@@ -16,7 +16,8 @@ _GROUPS: Mapping[str, Sequence[str]] = {
         *("controller", "tracker", "languages", "box", "protocol.md", "bridges.md", "training.md"),
     ),
     "Runs and results": (
-        *("runs", "metrics", "telemetry", "formats.md", "ranking.md", "datasets.md", "logs.md"),
+        *("runs", "metrics", "telemetry", "formats.md", "ranking.md", "publishing.md"),
+        *("datasets.md", "logs.md"),
     ),
     "Benchmarks and models": (
         *("benchmarks.md", "physics", "camera.md", "controllers.md", "trackers.md"),

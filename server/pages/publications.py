@@ -1,18 +1,22 @@
 """Publishing a run on chosen terms, and the address under which it is found for ever."""
 
+from collections.abc import Sequence
+from dataclasses import dataclass
 from datetime import UTC, datetime
 
 from flask import Blueprint, flash, redirect, render_template, request, url_for
 from flask.typing import ResponseReturnValue
 
-from seamark.server.accounts.permissions import Action
+from seamark.server.accounts.permissions import Action, can
 from seamark.server.pages import benchmarks
-from seamark.server.runs import publications, views
+from seamark.server.runs import citations, publications, verifications, views
 from seamark.server.runs.licences import LICENCES, NONE
 from seamark.server.runs.publications import PublicationRefused, Terms
-from seamark.server.runs.verifications import VerificationRefused
+from seamark.server.runs.states import RunKind
+from seamark.server.runs.verifications import VerificationRefused, VerificationView
 from seamark.server.runs.views import RunView
 from seamark.server.web import access, publication
+from seamark.server.web.citation import citation_of
 from seamark.server.web.problems import Problem
 from seamark.server.web.services import services
 
@@ -79,6 +83,37 @@ def verify(run_id: int) -> ResponseReturnValue:
     return _back(run_id, "", done)
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Card:
+    """What the page of a public run says of its publication."""
+
+    address: str  # absolute if the service knows its own
+    bibtex: str
+    badge: str  # absolute, for pages elsewhere; empty if the service does not know its address
+    marks: Sequence[VerificationView]  # the newest first
+    pending: bool  # a verification is
+    verifiable: bool  # by the viewer
+
+
+def card_of(run: RunView) -> Card | None:
+    """Return what the page says of the publication of a run; None if it is not public."""
+    if not run.public:
+        return None
+    with services().database.reading() as session:
+        marks = verifications.of_run(session, run.id)
+        pending = verifications.is_pending(session, run.id)
+    url, may = services().settings.url, can(access.viewer(), Action.VERIFY, run)
+    repeats = not marks or can(access.viewer(), Action.ADMINISTER)
+    return Card(
+        address=publication.address_of(run.id),
+        bibtex=citations.bibtex(citation_of(run)),
+        badge=f"{url}/api/v1/runs/{run.id}/badge.svg" if url else "",
+        marks=marks,
+        pending=pending,
+        verifiable=bool(run.rankable) and run.kind is RunKind.RANKED and may and repeats,
+    )
+
+
 def _terms() -> Terms:
     program = request.form.get("content") != "results"
     return Terms(
@@ -102,7 +137,7 @@ def _form(run: RunView, terms: Terms, error: str) -> str:
         name=access.viewer().name,
         terms=terms,
         licences=LICENCES,
-        none=NONE,
+        no_licence=NONE,
         error=error,
     )
 

@@ -9,7 +9,13 @@ from sqlalchemy.orm import Session
 
 from seamark.server import storage
 from seamark.server.accounts.permissions import Action, can, owns
-from seamark.server.pages import benchmarks, level_chart, link_previews, metric_tables
+from seamark.server.pages import (
+    benchmarks,
+    level_chart,
+    link_previews,
+    metric_tables,
+    publications,
+)
 from seamark.server.pages.player_data import player_data
 from seamark.server.pages.ranked_parts import ranked_parts
 from seamark.server.runs import (
@@ -71,6 +77,7 @@ def show(run_id: int) -> ResponseReturnValue:
         preview=link_previews.of_run(run),
         assignment=class_access.assignment_of_run(run),
         recomputations=_recomputations(run),
+        publication=publications.card_of(run),
     )
 
 

@@ -59,14 +59,14 @@ class Citation:
 
 
 def of_run(
-    run: RunView, author: Author, *, address: str, unit: str, mark: VerificationView | None
+    run: RunView, author: Author, *, address: str, result: str, mark: VerificationView | None
 ) -> Citation:
     """Return the citation of a public run.
 
     Parameters
     ----------
-    unit
-        Of the score.
+    result
+        The score in words, with its unit.
     mark
         The newest verification, if there is one.
     """
@@ -80,7 +80,7 @@ def of_run(
         published=at.date(),
         licence=run.licence,
         is_software=run.program_sha256 is not None and run.program_public,
-        note=" ".join(filter(None, (_score(run, unit), _verified(mark)))),
+        note=" ".join(filter(None, (_score(run, result), _verified(mark)))),
     )
 
 
@@ -174,13 +174,13 @@ def _tex(text: str) -> str:
     return " ".join(text.split()).translate(_TEX)
 
 
-def _score(run: RunView, unit: str) -> str:
+def _score(run: RunView, result: str) -> str:
     if run.score is None:
         return ""
     interval = ""
     if run.score_low is not None and run.score_high is not None:
         interval = f" (95 % interval {run.score_low:.3g} to {run.score_high:.3g})"
-    return f"Score {run.score:.3g} {unit}{interval}."
+    return f"{result}{interval}."
 
 
 def _verified(mark: VerificationView | None) -> str:

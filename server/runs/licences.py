@@ -13,4 +13,4 @@ LICENCES: Mapping[str, str] = {
     "EUPL-1.2": "as the GPL, in the languages of the European Union",
     "CC0-1.0": "no conditions at all",
 }
-NONE = "Other, or none: what the files of the program say; if they say nothing, all rights reserved"
+NONE = "None of these: what its own files say, else all rights are reserved"

@@ -10,7 +10,8 @@ from seamark.server.runs.citations import ANONYMOUS, Author, Citation
 from seamark.server.runs.views import RunView
 from seamark.server.web.publication import address_of
 from seamark.server.web.services import services
-from seamark.server.web.template_filters import score_unit
+from seamark.server.web.template_filters import score
+from seamark.sim import registry
 
 
 def citation_of(run: RunView) -> Citation:
@@ -21,7 +22,17 @@ def citation_of(run: RunView) -> Citation:
         author = ANONYMOUS if user is None else _author(user)
     address = address_of(run.id) if services().settings.url else ""
     mark = marks[0] if marks else None
-    return citations.of_run(run, author, address=address, unit=score_unit(run), mark=mark)
+    result = " ".join(result_of(run))
+    return citations.of_run(run, author, address=address, result=result, mark=mark)
+
+
+def result_of(run: RunView) -> tuple[str, str]:
+    """Return what the score of a run is called, and the score with its unit."""
+    if run.benchmark not in registry.BENCHMARKS:  # of an earlier version
+        return "Score", score(run.score)
+    benchmark = registry.benchmark(run.benchmark)
+    headline = benchmark.headline_of(benchmark.restore(run.config))
+    return headline.label, f"{score(run.score)} {headline.unit}".strip()
 
 
 def with_publication(manifest: Mapping[str, Any], run: RunView) -> dict[str, Any]:

@@ -58,3 +58,24 @@ def test_the_form_leads_back_where_there_is_nothing_to_publish(site: Site, state
     answer = site.browser("ann").get(f"/runs/{run_id}/publish")
 
     assert (answer.status_code, answer.location) == (303, f"/runs/{run_id}")
+
+
+def test_the_page_of_a_public_run_cites_it_and_its_owner_can_have_it_verified(site: Site) -> None:
+    run_id = site.published("ann", kind="ranked", title="R&D <b>")
+    ann = site.browser("ann")
+
+    before = ann.get(f"/runs/{run_id}").text
+    ann.post(f"/runs/{run_id}/verify")
+    pending = ann.get(f"/runs/{run_id}").text
+    site.finish(site.claim_next(), score=51.0)
+    after = site.browser().get(f"/runs/{run_id}").text
+    board = site.browser().get("/leaderboards/currents-v1").text
+
+    assert "seamark-run" in before
+    assert "Verify in fresh water" in before
+    assert "Verify in fresh water" not in site.browser().get(f"/runs/{run_id}").text
+    assert "is being verified" in pending
+    assert "Evaluated again in fresh water on" in after
+    assert ">verified<" in after
+    assert ">verified<" in board
+    assert "<b>" not in after.partition("<main")[2].partition("cite-title")[2]

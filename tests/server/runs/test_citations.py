@@ -10,7 +10,7 @@ from xml.etree import ElementTree
 
 import pytest
 import yaml
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from jsonschema import Draft7Validator
 from pybtex.database import parse_string
@@ -78,6 +78,7 @@ def test_bibtex_keeps_a_name_whole_whatever_characters_it_has(name: str) -> None
     assert plain(str(person)) == name
 
 
+@settings(max_examples=40, deadline=None)
 @given(title=TITLES)
 def test_bibtex_keeps_any_title(title: str) -> None:
     entry = read_bibtex(citations.bibtex(replace(RUN, title=title, note="")))
@@ -111,6 +112,7 @@ def test_a_citation_file_is_valid_by_the_official_schema(name: str, licence: str
     assert read["type"] == ("software" if licence else "dataset")
 
 
+@settings(max_examples=40, deadline=None)
 @given(title=TITLES.filter(str.strip))
 def test_a_citation_file_keeps_any_title(title: str) -> None:
     read = yaml.safe_load(citations.cff(replace(RUN, title=title)))
@@ -137,6 +139,7 @@ def test_an_archive_for_review_names_nobody() -> None:
     assert not any("Jane" in text or "Institute" in text for text in written.values())
 
 
+@settings(max_examples=40, deadline=None)
 @given(label=st.text(max_size=200).map(visible_text), value=st.text(max_size=200).map(visible_text))
 def test_a_badge_is_a_small_picture_with_a_name_and_without_links(label: str, value: str) -> None:
     text = badge.svg(label, value)
