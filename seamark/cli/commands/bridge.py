@@ -23,6 +23,9 @@ if TYPE_CHECKING:
 
 LOCAL = "127.0.0.1"
 ROSBRIDGE_PORT = 9090  # as rosbridge_server's
+ARDUPILOT_PORT = 9002  # where SITL looks for physics
+# What an autopilot needs unless it is set: its loop of 400 Hz must get a state each time.
+ARDUSUB_SETTINGS = {"vehicle": "bluerov2-heavy", "physics_step_s": 0.0025}
 Say = Callable[[str], None]
 
 
@@ -109,6 +112,88 @@ def rosbridge(  # noqa: PLR0913  # one argument per option
         outcome = _evaluate(run, RosProgram(server, optics), out, quiet=as_json)
         server.publish_result(_result(outcome))
     _report(run, outcome, out, as_json=as_json)
+
+
+@bridge.command()
+@benchmark_argument
+@bridged_run_options
+@click.option("--host", default=LOCAL, show_default=True, help="Address to listen on.")
+@click.option(
+    "--port",
+    type=click.IntRange(0, 65535),
+    default=ARDUPILOT_PORT,
+    show_default=True,
+    help="UDP port to listen on; 0: one that is free.",
+)
+@click.option(
+    "--answer-within",
+    type=click.FloatRange(0.1, 3600.0),
+    default=30.0,
+    show_default=True,
+    metavar="SECONDS",
+    help="How long the simulation waits for each frame.",
+)
+@click.option(
+    "--start",
+    type=click.Choice(["armed", "connected"]),
+    default="armed",
+    show_default=True,
+    help="Hold the vehicle until ArduSub drives a thruster, or until it has the first state.",
+)
+@json_option
+def ardusub(  # noqa: PLR0913  # one argument per option
+    *,
+    benchmark: str,
+    pairs: tuple[str, ...],
+    config: Path | None,
+    seed: int | None,
+    trials: int | None,
+    out: Path | None,
+    host: str,
+    port: int,
+    answer_within: float,
+    start: str,
+    as_json: bool,
+) -> None:
+    """Evaluate ArduSub on a BlueROV2 Heavy, over ArduPilot's JSON interface for physics.
+
+    ArduSub takes the place of position and velocity controller: each of its frames is one physics
+    step, of 0.0025 s unless physics_step_s says otherwise. Start it with --model JSON:127.0.0.1
+    and the frame vectored_6dof. docs/bridges.md has the rest.
+
+    \b
+    Examples:
+      seamark bridge ardusub currents-v1 --set levels=0.2 --out result
+    """
+    from seamark.bridge.ardusub.link import Link
+    from seamark.bridge.ardusub.program import ArduSub
+    from seamark.cli.configuration import read_settings
+
+    given = read_settings(config, pairs)
+    missing = [f"{key}={value}" for key, value in ARDUSUB_SETTINGS.items() if key not in given]
+    all_pairs = (*pairs, *missing)
+    run = _local_run(benchmark, "ardusub", all_pairs, config, trials=trials, seed=seed)
+    _refuse_other_vehicles(run)
+    say = _say(quiet=as_json)
+    with ExitStack() as stack:
+        try:
+            link = stack.enter_context(Link(host, port, answer_within_s=answer_within, say=say))
+        except OSError as error:
+            raise UsageRefused(f"{host}:{port} cannot be used: {error.strerror}.") from None
+        click.echo(f"Waiting for ArduPilot at UDP {_shown(host)}:{link.port}.", err=True)
+        program = ArduSub(link, wait_for_arming=start == "armed", say=say)
+        outcome = _evaluate(run, program, out, quiet=as_json)
+    _report(run, outcome, out, as_json=as_json)
+
+
+def _refuse_other_vehicles(run: LocalRun) -> None:
+    from seamark.bridge.ardusub.motors import VEHICLE
+
+    others = {*_restored(run).vehicles()} - {VEHICLE}
+    if others:
+        raise UsageRefused(
+            f"ArduSub drives the vehicle {VEHICLE}, not {', '.join(sorted(others))}."
+        )
 
 
 def _refuse_without_websockets() -> None:

@@ -5,7 +5,8 @@ from typing import Any
 
 from seamark.sim import registry
 from seamark.sim.engine.program import Program
-from seamark.worker.evaluation.local import evaluate_connected, evaluate_locally
+from seamark.sim.recording.telemetry import OnRows
+from seamark.worker.evaluation.local import Callbacks, evaluate_connected, evaluate_locally
 from seamark.worker.ipc.outcomes import RunOutcome
 
 BENCHMARK, SEED = "currents-v1", 7
@@ -25,11 +26,14 @@ def built_in(name: str, **settings: Any) -> RunOutcome:
 class Running:
     """A run in another thread."""
 
-    def __init__(self, program: Program, **settings: Any) -> None:
+    def __init__(self, program: Program, *, rows: OnRows | None = None, **settings: Any) -> None:
         self._pool = ThreadPoolExecutor(1)
-        config = configuration(**settings)
         self._outcome = self._pool.submit(
-            evaluate_connected, BENCHMARK, config, program, name="test", seed=SEED
+            evaluate_connected,
+            *(BENCHMARK, configuration(**settings), program),
+            name="test",
+            seed=SEED,
+            callbacks=Callbacks(rows=rows) if rows else None,
         )
 
     def outcome(self) -> RunOutcome:
