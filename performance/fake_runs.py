@@ -33,14 +33,17 @@ from tests.services import valkey
 RUNS, USERS, PLACES = 10_000, 100, 8
 POLL_S = 0.1
 NOTHING = "performance.nothing"  # the task of `fake_worker` that does nothing
+CLAIMS = "performance.claims"  # key of a list with the duration of each claim [s]
+QUOTAS = {"quota_live": 10**6, "quota_day": 10**6, "quota_bytes": 10**15}
+COMMAND = ("-m", "celery", "-A", "performance.fake_worker", "worker")
+OPTIONS = ("--without-gossip", "--without-mingle", "--loglevel", "ERROR")
 
 
 def rows(runs: int = RUNS) -> list[Row]:
     """Measure and return the row."""
     with tempfile.TemporaryDirectory() as folder, valkey.on_socket() as broker_url:
-        many = {"quota_live": 10**6, "quota_day": 10**6, "quota_bytes": 10**15, "workers": PLACES}
-        values = {"data": Path(folder), "broker_url": broker_url}
-        settings = Settings.model_validate(values | many)
+        values = {"data": Path(folder), "broker_url": broker_url, "workers": PLACES}
+        settings = Settings.model_validate(values | QUOTAS)
         upgrade(settings)
         with (
             closing(Database(settings.database_url)) as database,
@@ -101,9 +104,8 @@ def submit_runs(database: Database, settings: Settings, runs: int) -> None:
 
 def fake_worker(settings: Settings) -> "subprocess.Popen[bytes]":
     """Start a worker whose runs simulate nothing."""
-    command = [sys.executable, "-m", "celery", "-A", "performance.fake_worker", "worker"]
-    options = ["-c", str(PLACES), "--without-gossip", "--without-mingle", "--loglevel", "ERROR"]
-    return subprocess.Popen([*command, *options], env=os.environ | settings.environment())
+    command = [sys.executable, *COMMAND, "-c", str(PLACES), *OPTIONS]
+    return subprocess.Popen(command, env=os.environ | settings.environment())
 
 
 def count(database: Database, *states: RunState) -> int:

@@ -1,15 +1,19 @@
 """A Celery application whose runs pass the real queue but simulate nothing; see `fake_runs`."""
 
 import os
+import time
 from collections.abc import Callable
+from socket import gethostname
 from typing import Any, Self
 
 from billiard import current_process
 from celery.signals import worker_process_init
 
-from performance.fake_runs import NOTHING
+from performance.fake_runs import CLAIMS, NOTHING
 from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.server.messaging import broker
+from seamark.server.result_code import result_code
+from seamark.server.runs.queue import Claim
 from seamark.server.settings import Settings
 from seamark.worker.evaluation.job import Job
 from seamark.worker.ipc.listener import Listener
@@ -20,6 +24,19 @@ from seamark.worker.service.run_loop import RunLoop
 settings = Settings.load()
 app = broker.celery_app(settings)
 _state: dict[str, RunLoop] = {}
+_broker = broker.connect(settings)
+
+
+class TimedLoop(RunLoop):
+    """Tells the broker how long each claim took, with its commit [s]."""
+
+    def claim(self) -> Claim | None:
+        """Claim the next run."""
+        began_at = time.perf_counter()
+        claim = super().claim()
+        if claim is not None:
+            _broker.rpush(CLAIMS, time.perf_counter() - began_at)
+        return claim
 
 
 class Nothing:
@@ -68,9 +85,11 @@ def nothing() -> None:
 
 @worker_process_init.connect
 def _start(**_: Any) -> None:
-    host = Host(settings, f"fake{os.getppid()}", IsolationLevel.NONE, (), ())
+    result_code()  # hashes the sources once; a worker proves at its start what it computes
+    name = f"fake{os.getppid()}@{gethostname()}"
+    host = Host(settings, name, IsolationLevel.NONE, (), ())
     index = int(getattr(current_process(), "index", 0) or 0)
-    _state["run_loop"] = RunLoop(
+    _state["run_loop"] = TimedLoop(
         app,
         settings,
         host,

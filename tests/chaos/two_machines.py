@@ -5,156 +5,37 @@ Of the images only what they add is done here: PostgreSQL's first start, and an 
 place of Garage. Prints a line for each thing that was seen, and ends with 1 if one was not.
 """
 
-import ctypes
-import os
 import signal
 import subprocess
 import sys
-import tempfile
 from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
-from pathlib import Path
 from typing import Any
 
 import httpx
-from redis import Redis
-from redis.exceptions import RedisError
 from sqlalchemy import select
 
 from seamark.client import Client, ServerUnavailable
 from seamark.client.sync_runs import Run as ClientRun
-from seamark.embedded.broker import find_server
 from seamark.server import workers
 from seamark.server.database.engine import Database
 from seamark.server.database.tables import Run
 from seamark.sim.engine.seeds import hidden_seed
-from seamark.sim.numerics.numba_internals import numba_folder
 from seamark.worker.evaluation.local import evaluate_locally
+from tests.chaos import machine_session
 from tests.chaos.campaign import PROGRAM
-from tests.chaos.containers import Container, Host, Machine
 from tests.chaos.installation import wait_until
-from tests.services import compose, postgres
+from tests.chaos.machine_session import ELSEWHERE, HERE, ONE_TRIAL, QUOTAS, START_S, Session
+from tests.services import compose
 from tests.services.embedded import cancel_baselines
 
-HERE, ELSEWHERE = Machine("sea-a", "10.77.0"), Machine("sea-b", "10.77.1")
-STORES = {"redis": "10.77.0.2", "postgres": "10.77.0.3", "objects": "10.77.0.4"}
-START_S = 300.0
 REFUSED_S = 120.0
+STEPS = ("migrate", "worker-rights", "reference-entries")
 SEED = 3
 SHORT = {"levels": [0.0, 0.2], "level_duration_s": 60.0, "settle_s": 1.0}
 LONG = SHORT | {"levels": [0.0, 0.1, 0.2, 0.3, 0.4], "level_duration_s": 600.0}
 UPLOADED = {"levels": [0.0, 0.2], "level_duration_s": 8.0, "settle_s": 1.0}
 RANKED: Any = {"controller": "pi", "kind": "ranked"}
-QUOTAS = {"SEAMARK_QUOTA_LIVE": "1000", "SEAMARK_QUOTA_DAY": "10000", "SEAMARK_RANKED_DAY": "100"}
-ONE_TRIAL = {"SEAMARK_RANKED_TRIALS": "1"}  # so that the session is short
-FIRST_START = """
-set -e
-cd /tmp
-mkdir -p /var/lib/postgresql/data/cluster
-initdb -D /var/lib/postgresql/data/cluster -U postgres --no-sync --encoding=UTF8 \
-    --auth-local=trust --auth-host=scram-sha-256 --pwfile="$POSTGRES_PASSWORD_FILE"
-echo 'host all all all scram-sha-256' >> /var/lib/postgresql/data/cluster/pg_hba.conf
-pg_ctl -D /var/lib/postgresql/data/cluster -o '-c listen_addresses= -k /var/run/postgresql' -w start
-export POSTGRES_USER=postgres
-createdb -U postgres "$POSTGRES_DB"
-sh {roles}
-pg_ctl -D /var/lib/postgresql/data/cluster -m fast -w stop
-exec postgres -D /var/lib/postgresql/data/cluster -c listen_addresses='*' -k /var/run/postgresql
-"""
-
-
-class Session:
-    """The service on both machines."""
-
-    def __init__(self, host: Host) -> None:
-        self.host = host
-        self._numbers = iter(range(10, 250))
-        self.running: dict[str, Container] = {}
-        self.wrong: list[str] = []
-
-    def saw(self, what: str, holds: object) -> None:
-        """Print what was seen, or remember that it was not."""
-        print(f"{'ok   ' if holds else 'WRONG'} {what}", flush=True)
-        if not holds:
-            self.wrong.append(what)
-
-    def start(
-        self,
-        service: str,
-        machine: Machine = HERE,
-        *,
-        name: str = "",
-        number: int = 0,
-        changed: Mapping[str, Any] | None = None,
-        **options: Any,
-    ) -> Container:
-        """Start a container of a service of compose.yaml, or of compose.worker.yaml elsewhere."""
-        file = "compose.yaml" if machine is HERE else "compose.worker.yaml"
-        words = compose.service(service, file) | dict(changed or {})
-        name = name or service
-        number = number or next(self._numbers)
-        self.running[name] = Container(self.host, machine, number, words, name=name, **options)
-        return self.running[name]
-
-    def step(self, service: str, command: list[str] | None = None) -> str:
-        """Run a step to its end; return what it printed."""
-        name = service if command is None else "command"
-        step = self.start(service, name=name, command=command or (), environment=QUOTAS | ONE_TRIAL)
-        code = step.wait(START_S)
-        del self.running[name]
-        printed = step.log.read_text()
-        if command is None:
-            self.saw(f"{service} ends with 0", code == 0)
-        if code:
-            raise RuntimeError(printed)
-        return printed
-
-    def stop(self) -> None:
-        """Stop everything, the stores last."""
-        for name in sorted(self.running, key=lambda name: name in STORES):
-            self.running[name].stop(within_s=20.0)
-
-
-def _start_stores(session: Session) -> None:
-    binaries = postgres.binaries()
-    assert binaries is not None
-    inside = {"PGHOST": "/var/run/postgresql"}
-    inside |= {"PATH": f"{binaries}:{Path(sys.executable).parent}:/usr/bin:/bin:/usr/sbin:/sbin"}
-    roles = compose.ROOT / "deploy" / "postgres" / "roles.sh"
-    first_start = ["sh", "-c", FIRST_START.replace("{roles}", str(roles))]
-    valkey = {"PATH": f"{find_server().parent}:/usr/bin:/bin"}
-    numbers = {name: int(address.rpartition(".")[2]) for name, address in STORES.items()}
-    session.start("redis", number=numbers["redis"], environment=valkey)
-    session.start("postgres", number=numbers["postgres"], command=first_start, environment=inside)
-    session.start("objects", number=numbers["objects"], command=_s3_server())
-    # The package with the server has no valkey-cli, which the health check of redis calls.
-    url = (
-        (session.host.secrets / "broker_url").read_text().replace("@redis:", f"@{STORES['redis']}:")
-    )
-    with Redis.from_url(url.replace("@redis:", f"@{STORES['redis']}:")) as client:
-        wait_until(lambda: _answers_ping(client), START_S)
-    wait_until(session.running["postgres"].is_healthy, START_S)
-    wait_until(_has_bucket, START_S)
-    session.saw("PostgreSQL, Valkey with its password and the S3 server answer", True)
-
-
-def _answers_ping(client: Redis) -> bool:
-    try:
-        return bool(client.ping())
-    except RedisError:
-        return False
-
-
-def _has_bucket() -> bool:
-    try:
-        return httpx.put(f"http://{STORES['objects']}:3900/seamark").is_success
-    except httpx.TransportError:
-        return False
-
-
-def _s3_server() -> list[str]:
-    address = STORES["objects"]
-    return [sys.executable, "-m", "moto.server", "--host", address, "--port", "3900"]
 
 
 class Service:
@@ -166,8 +47,7 @@ class Service:
         session.step("migrate", words)
         token = session.step("migrate", ["seamark", "token", "new", "ann"]).split()[-1]
         self.clients = [self._client(name, token) for name in ("web-1", "web-2")]
-        owner = (session.host.secrets / "database_url").read_text()
-        self.database = Database(owner.replace("@postgres/", f"@{STORES['postgres']}/"))
+        self.database = Database(session.url("database_url"))
 
     def _client(self, name: str, token: str) -> Client:
         return Client(f"http://{self.session.running[name].address}:8000", token=token)
@@ -339,32 +219,12 @@ def _start_all(session: Session) -> Service:
     return service
 
 
-def _own_namespaces() -> None:
-    """Continue in a network and a mount namespace of this session."""
-    if os.geteuid() != 0:
-        sys.exit("The session makes namespaces: run it as root.")
-    libc = ctypes.CDLL(None, use_errno=True)
-    if libc.unshare(0x40000000 | 0x00020000) != 0:  # CLONE_NEWNET | CLONE_NEWNS
-        sys.exit(f"No namespaces: {os.strerror(ctypes.get_errno())}.")
-    subprocess.run(["mount", "--make-rprivate", "/"], check=True)
-
-
 def main() -> int:
     """Run the session; return the exit code."""
-    _own_namespaces()
-    with tempfile.TemporaryDirectory(prefix="machines") as folder:
-        host = Host.create(Path(folder), numba_folder(os.environ), (HERE, ELSEWHERE))
-        host.names(STORES)
-        session = Session(host)
-        try:
-            _start_stores(session)
-            for step in ("migrate", "worker-rights", "reference-entries"):
-                session.step(step)
-            service = _start_all(session)
-            for part in (equal_results, killed_worker, refused_workers, rolling_restart, caretaker):
-                part(service)
-        finally:
-            session.stop()
+    with machine_session.started(STEPS) as session:
+        service = _start_all(session)
+        for part in (equal_results, killed_worker, refused_workers, rolling_restart, caretaker):
+            part(service)
     return 1 if session.wrong else 0
 
 

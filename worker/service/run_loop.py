@@ -63,10 +63,7 @@ class RunLoop:
         if why := storage.refusal(self._settings):  # recovery sends tickets again
             _log.error("no_claim", worker=self._name, why=why)
             return
-        with self._database.writing() as session:
-            claim = run_queue.claim(
-                session, self._name, languages=self._host.languages, settings=self._settings
-            )
+        claim = self.claim()
         if claim is None:
             self._pass_on()
             return
@@ -78,6 +75,13 @@ class RunLoop:
             waiting = run_queue.length(session)
         if waiting:  # also when this worker shuts down: another one takes its run over
             broker.send_tickets(self._app)
+
+    def claim(self) -> Claim | None:
+        """Claim the next run; None without one for this worker."""
+        with self._database.writing() as session:
+            return run_queue.claim(
+                session, self._name, languages=self._host.languages, settings=self._settings
+            )
 
     def _pass_on(self) -> None:
         """Leave the ticket of a drained worker to another one, if there is any that claims runs."""
