@@ -27,6 +27,7 @@ from seamark.server.web import (
     body_limits,
     compression,
     confirmation,
+    identity_provider,
     problems,
     rate_limits,
     request_log,
@@ -61,6 +62,7 @@ def create_app(settings: Settings) -> OpenAPI:
     _protect(app)
     rate_limits.register(app, settings)
     confirmation.register(app)
+    identity_provider.register(app, settings)
     security_headers.register(app, public=settings.public)
     compression.register(app)
     pages.register(app)
@@ -144,12 +146,18 @@ def _protect(app: OpenAPI) -> None:
         csrf.protect()
 
 
+def _name_of_provider(settings: Settings) -> str:
+    """Return what pages call the identity provider; empty if there is none."""
+    return settings.oidc_name if settings.oidc_issuer else ""
+
+
 def _common() -> dict[str, Any]:
     """Return the variables of all templates."""
     return {
         "viewer": g.viewer,
         "version": version("seamark"),
         "sign_up": services().settings.sign_up,
+        "identity_provider": _name_of_provider(services().settings),
         "sends_mail": bool(services().settings.mail_url),
         "administers": can(g.viewer, Action.ADMINISTER),
     }

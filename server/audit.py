@@ -35,6 +35,8 @@ class AuditAction(StrEnum):
     ACCESS_REVOKED = "access_revoked"
     RESET_LINK_MADE = "reset_link_made"
     PASSWORD_CHANGED = "password_changed"  # noqa: S105 - the name of an action
+    IDENTITY_LINKED = "identity_linked"
+    IDENTITY_UNLINKED = "identity_unlinked"
     MAIL_ADDRESS_CHANGED = "mail_address_changed"
     MAIL_ADDRESS_REMOVED = "mail_address_removed"
     TOKEN_MADE = "token_made"  # noqa: S105

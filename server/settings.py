@@ -36,6 +36,10 @@ DEFAULTS_IN_WORDS = {  # of settings whose default depends on others or on the m
     "metrics_token": "none",
     "mail_url": "none: nothing is sent",
     "mail_from": "none",
+    "oidc_issuer": "none",
+    "oidc_client_id": "none",
+    "oidc_client_secret": "none",
+    "oidc_sign_up": "as `SEAMARK_SIGN_UP`",
 }
 # An address as browsers accept it in a form (HTML Living Standard, 4.10.5.1.5), with a domain.
 MAIL_ADDRESS = r"[A-Za-z0-9.!#$%&'*+/=?^_`{|}~-]{1,64}@[A-Za-z0-9-]{1,63}(\.[A-Za-z0-9-]{1,63})*"
@@ -219,6 +223,20 @@ class Settings(BaseModel):
         pattern=rf"^([^<>\"\x00-\x1f\x7f]{{1,80}} <{MAIL_ADDRESS}>|{MAIL_ADDRESS})?$",
         description="Sender of e-mails, such as `Seamark <seamark@example.org>`",
     )
+    oidc_issuer: str = Field(
+        "",
+        pattern=rf"^({_ORIGIN}(/[A-Za-z0-9._~%/-]*)?)?$",
+        max_length=300,
+        description="Issuer of an OpenID Connect provider by which people may sign in",
+    )
+    oidc_client_id: str = Field("", description="Id of this service at the provider")
+    oidc_client_secret: str = Field("", repr=False, description="Secret of this service there")
+    oidc_name: str = Field(
+        "single sign-on", max_length=40, description="What the pages call the provider"
+    )
+    oidc_sign_up: SignUp = Field(
+        "open", description="Who of the provider's people may create an account here"
+    )
 
     @field_validator("mail_url")
     @classmethod
@@ -239,6 +257,7 @@ class Settings(BaseModel):
         data = Path(str(filled.get("data", "data"))).absolute()
         filled["data"] = data
         filled.setdefault("database_url", f"sqlite:///{data / 'seamark.db'}")
+        filled.setdefault("oidc_sign_up", filled.get("sign_up", "open"))
         if "metrics_token" in filled:
             filled.setdefault("metrics", "token")
         if str(filled.get("public", "")).lower() in {"1", "true", "yes", "on", "t", "y"}:
@@ -256,6 +275,10 @@ class Settings(BaseModel):
             raise ValueError("metrics is `token`, so metrics_token must be set")
         if self.mail_url and not (self.mail_from and self.url):
             raise ValueError("mail_url is set, so mail_from and url must be set: of what is sent")
+        if self.oidc_issuer and not (self.oidc_client_id and self.oidc_client_secret and self.url):
+            raise ValueError("oidc_issuer is set, so oidc_client_id, ..._secret and url must be")
+        if self.public and self.oidc_issuer.startswith("http:"):
+            raise ValueError("the oidc_issuer of a public service must be an https address")
         return self
 
     def model_post_init(self, context: object, /) -> None:

@@ -36,6 +36,12 @@ def begin(session: Session, user_id: int) -> str:
     return text
 
 
+def since(session: Session, text: str) -> float | None:
+    """Return when a browser signed in; None if it is not signed in."""
+    own = BrowserSession.hash == accounts.secret_hash(text)
+    return session.scalar(select(BrowserSession.created_at).where(own))
+
+
 def end(session: Session, text: str) -> None:
     """Sign a browser out."""
     session.execute(delete(BrowserSession).where(BrowserSession.hash == accounts.secret_hash(text)))

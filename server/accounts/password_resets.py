@@ -46,4 +46,4 @@ def use(session: Session, text: str, new: str) -> User:
     if user_id is None:
         raise AccountRejected("This link is unknown, expired or has been used. Ask for a new one.")
     name = session.scalar(select(User.name).where(User.id == user_id))
-    return accounts.change_password(session, name or "", None, new)
+    return accounts.change_password(session, name or "", new)

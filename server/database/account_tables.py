@@ -1,9 +1,9 @@
-"""The tables of what happens to accounts: new passwords by a link, and deletions."""
+"""The tables of what happens to accounts: passwords by a link, linked identities, deletions."""
 
-from sqlalchemy import ForeignKey, String
+from sqlalchemy import ForeignKey, String, UniqueConstraint
 from sqlalchemy.orm import Mapped, mapped_column
 
-from seamark.server.database.tables import Base
+from seamark.server.database.tables import Base, RowId
 
 
 class PasswordReset(Base):
@@ -25,3 +25,21 @@ class AccountDeletion(Base):
         ForeignKey("users.id", ondelete="CASCADE"), primary_key=True, autoincrement=False
     )
     requested_at: Mapped[float]
+
+
+class LinkedIdentity(Base):
+    """Whoever an identity provider recognises as this subject signs in to the account."""
+
+    __tablename__ = "linked_identities"
+
+    id: Mapped[int] = mapped_column(RowId, primary_key=True)
+    issuer: Mapped[str] = mapped_column(String(300))
+    subject: Mapped[str] = mapped_column(String(255))
+    user_id: Mapped[int] = mapped_column(ForeignKey("users.id", ondelete="CASCADE"))
+    label: Mapped[str] = mapped_column(String(120))  # what the provider called them
+    linked_at: Mapped[float]
+
+    __table_args__ = (
+        UniqueConstraint("issuer", "subject"),
+        UniqueConstraint("user_id", "issuer"),
+    )

@@ -1,7 +1,5 @@
 """Signing up, in and out; API tokens."""
 
-from urllib.parse import urlsplit
-
 from flask import Blueprint, abort, flash, g, redirect, render_template, request, url_for
 from flask.typing import ResponseReturnValue
 from flask_limiter import RequestLimit
@@ -22,6 +20,7 @@ from seamark.server.web.rate_limits import (
     limiter,
     sign_ups,
 )
+from seamark.server.web.redirects import own_path
 from seamark.server.web.services import services
 
 _DISABLED = "This account is disabled. Ask whoever runs this service."
@@ -51,8 +50,8 @@ def create_account() -> ResponseReturnValue:
         return _form("account/sign_up.html", str(reason)), 422
     adopted = authentication.sign_in(user_id)
     flash(f"Welcome, {name}. You can now upload programs and start ranked runs.", "good")
-    _flash_adopted(adopted)
-    return redirect(_next())
+    flash_adopted(adopted)
+    return redirect(own_path(request.values.get("next", "")))
 
 
 @page.get("/sign-in")
@@ -87,8 +86,8 @@ def check_credentials() -> ResponseReturnValue:
         return _form("account/sign_in.html", "Incorrect name or password."), 422
     if user.disabled_at is not None:
         return _form("account/sign_in.html", _DISABLED), 403
-    _flash_adopted(authentication.sign_in(user.id))
-    return redirect(_next())
+    flash_adopted(authentication.sign_in(user.id))
+    return redirect(own_path(request.values.get("next", "")))
 
 
 @page.post("/sign-out")
@@ -145,7 +144,8 @@ def _record_token(session: Session, action: AuditAction, token_id: int) -> None:
     access.record(session, action, g.viewer.name, {"token": token_id})
 
 
-def _flash_adopted(count: int) -> None:
+def flash_adopted(count: int) -> None:
+    """Tell how many runs of a guest the account has now."""
     if count:
         runs = "The run" if count == 1 else f"The {count} runs"
         flash(f"{runs} you started without an account can be found under My runs.", "good")
@@ -178,11 +178,3 @@ def _tokens(*, new: str = "", error: str = "") -> str:
         days=accounts.TOKEN_DAYS,
         days_max=accounts.PAGE_TOKEN_DAYS_MAX,
     )
-
-
-def _next() -> str:
-    """Return where to redirect to: always an address on this site."""
-    target = request.values.get("next", "").replace("\\", "/")
-    parts = urlsplit(target)
-    is_path = target.startswith("/") and not target.startswith("//")
-    return target if is_path and not parts.netloc and target.isprintable() else url_for("home.show")

@@ -2,7 +2,7 @@
 
 from flask import g, render_template
 
-from seamark.server.accounts import accounts, browser_sessions, profiles
+from seamark.server.accounts import accounts, browser_sessions, identities, profiles
 from seamark.server.accounts.permissions import Action, can
 from seamark.server.mail import addresses
 from seamark.server.web import authentication
@@ -10,12 +10,14 @@ from seamark.server.web.services import services
 
 
 def render(**errors: str) -> str:
-    """Return the page; `errors` has a sentence for a section: password, mail or delete."""
+    """Return the page; `errors` has a sentence for a section: password, mail, identity, delete."""
     with services().database.reading() as database:
         text = authentication.session_text()
         browsers = browser_sessions.of_account(database, g.viewer.user_id, text)
         tokens = len(accounts.tokens(database, g.viewer.user_id))
-        profile = profiles.of(accounts.person(database, g.viewer.name))
+        user = accounts.person(database, g.viewer.name)
+        profile, has_password = profiles.of(user), user.password_hash is not None
+        identity = identities.of_account(database, user.id, services().settings.oidc_issuer)
         mail = addresses.of_account(database, g.viewer.user_id)
     return render_template(
         "account/show.html",
@@ -23,6 +25,8 @@ def render(**errors: str) -> str:
         tokens=tokens,
         profile=profile,
         mail=mail,
+        identity=identity,
+        has_password=has_password,
         notify_choices=notify_choices(mail.notify_minutes),
         address_max=addresses.ADDRESS_MAX,
         hours=addresses.HOURS,

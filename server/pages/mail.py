@@ -3,13 +3,13 @@
 from flask import Blueprint, flash, g, redirect, render_template, request, url_for
 from flask.typing import ResponseReturnValue
 
-from seamark.server.accounts import accounts, password_resets
+from seamark.server.accounts import password_resets
 from seamark.server.accounts.permissions import Action
 from seamark.server.audit import AuditAction
 from seamark.server.mail import addresses
 from seamark.server.mail.addresses import MailRejected
 from seamark.server.pages import account_page
-from seamark.server.web import access
+from seamark.server.web import access, reauthentication
 from seamark.server.web.outgoing_mail import require_mail
 from seamark.server.web.rate_limits import (
     CREDENTIAL_ATTEMPTS,
@@ -50,9 +50,9 @@ def propose() -> ResponseReturnValue:
     """Have a link sent to a new address; needs the password, which it can later replace."""
     user_id = access.require_account(Action.CHANGE_PASSWORD)
     with services().database.reading() as database:
-        password = request.form.get("password", "")
-        if accounts.authenticate(database, g.viewer.name, password) is None:
-            return account_page.render(mail="The current password is incorrect."), 422
+        why = reauthentication.refusal(database, request.form.get("password", ""))
+    if why:
+        return account_page.render(mail=why), 422
     try:
         with services().database.writing() as database:
             addresses.propose(database, user_id, request.form.get("address", ""))
@@ -88,7 +88,7 @@ def notify() -> ResponseReturnValue:
 
 
 @page.get("/mail/confirm")
-def confirmation() -> ResponseReturnValue:
+def show_confirmation() -> ResponseReturnValue:
     """Show a button; programs that look at the links of e-mails must not confirm anything."""
     return _confirm_form()
 

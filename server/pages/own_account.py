@@ -19,7 +19,7 @@ from seamark.server.accounts.permissions import Action
 from seamark.server.audit import AuditAction
 from seamark.server.pages import account_page
 from seamark.server.runs import account_deletion, export
-from seamark.server.web import access, authentication
+from seamark.server.web import access, authentication, reauthentication
 from seamark.server.web.problems import Problem
 from seamark.server.web.rate_limits import (
     CREDENTIAL_ATTEMPTS,
@@ -51,7 +51,9 @@ def change_password() -> ResponseReturnValue:
     old, new = request.form.get("old", ""), request.form.get("new", "")
     try:
         with services().database.writing() as database:
-            user_id = accounts.change_password(database, g.viewer.name, old, new).id
+            if why := reauthentication.refusal(database, old):
+                raise AccountRejected(why)
+            user_id = accounts.change_password(database, g.viewer.name, new).id
             access.record(database, AuditAction.PASSWORD_CHANGED, g.viewer.name)
     except AccountRejected as reason:
         return account_page.render(password=str(reason)), 422
@@ -94,9 +96,9 @@ def delete() -> ResponseReturnValue:
     if request.form.get("confirm", "").strip() != g.viewer.name:
         return account_page.render(delete="Type the name of your account to confirm."), 422
     with services().database.reading() as database:
-        password = request.form.get("password", "")
-        if accounts.authenticate(database, g.viewer.name, password) is None:
-            return account_page.render(delete="The current password is incorrect."), 422
+        why = reauthentication.refusal(database, request.form.get("password", ""))
+    if why:
+        return account_page.render(delete=why), 422
     kept = request.form.get("published") == "keep"
     with services().database.writing() as database:
         detail = {"keep_published": kept}

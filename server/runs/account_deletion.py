@@ -15,7 +15,7 @@ from sqlalchemy.orm import Session
 
 from seamark.server.accounts.permissions import Role, Viewer
 from seamark.server.accounts.profiles import Profile
-from seamark.server.database.account_tables import AccountDeletion, PasswordReset
+from seamark.server.database.account_tables import AccountDeletion, LinkedIdentity, PasswordReset
 from seamark.server.database.class_tables import Classroom, Membership
 from seamark.server.database.engine import Database
 from seamark.server.database.mail_tables import MailAddress, OutgoingMail, RunNotice
@@ -44,7 +44,7 @@ def close(session: Session, user_id: int, *, keep_published: bool) -> None:
     if not keep_published:
         publications.withdraw_all(session, _own(user_id))
     secrets = (Token, BrowserSession, Invitation, PasswordReset, KeyOfSubmission)
-    for table in (*secrets, MailAddress, RunNotice, Check, Membership):
+    for table in (*secrets, LinkedIdentity, MailAddress, RunNotice, Check, Membership):
         session.execute(delete(table).where(table.user_id == user_id))
     session.execute(delete(Classroom).where(Classroom.teacher_id == user_id))
     unsent = (OutgoingMail.user_id == user_id, OutgoingMail.ended_at.is_(None))

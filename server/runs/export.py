@@ -10,7 +10,7 @@ from typing import Any
 
 from sqlalchemy.orm import Session
 
-from seamark.server.accounts import accounts, profiles
+from seamark.server.accounts import accounts, identities, profiles
 from seamark.server.accounts.permissions import Viewer
 from seamark.server.classes import classrooms
 from seamark.server.database.engine import Database
@@ -59,6 +59,10 @@ def _account(database: Database, viewer: Viewer) -> dict[str, Any]:
             "profile": asdict(profiles.of(user)),
             "created_at": user.created_at,
             "mail": _mail(session, user),
+            "identities": [
+                {"issuer": each.issuer, "subject": each.subject, "name": each.label}
+                for each in identities.all_of(session, user_id)
+            ],
             "tokens": [
                 {"name": token.name, "created_at": token.created_at, "scopes": token.scopes}
                 for token in accounts.tokens(session, user_id)

@@ -4,6 +4,8 @@ from urllib.parse import urlsplit, urlunsplit
 
 from flask import Flask, Response, request
 
+from seamark.server.web import redirects
+
 # No inline scripts or styles: malicious file names and logs are never executed, even if escaping
 # is forgotten somewhere. JSON data blocks are not scripts and remain allowed.
 FRAMES_DENIED = "frame-ancestors 'none'"
@@ -61,7 +63,7 @@ def register(app: Flask, *, public: bool) -> None:
     def redirect_to_paths(response: Response) -> Response:
         """Name no host in redirects: the router takes it from the request, where it is forged."""
         target = urlsplit(response.headers.get("Location", ""))
-        if target.netloc:
+        if target.netloc and not redirects.leaves():
             path = "/" + target.path.lstrip("/")
             response.headers["Location"] = urlunsplit(("", "", path, target.query, target.fragment))
             response.set_data(b"")  # the router's page names the host too

@@ -102,3 +102,58 @@ def test_a_child_process_loads_the_same_settings(tmp_path: Path) -> None:
 def test_only_origins_may_embed(origins: str) -> None:
     with pytest.raises(SettingsInvalid, match="EMBED_ORIGINS"):
         Settings.load({"SEAMARK_EMBED_ORIGINS": origins})
+
+
+MAIL = {"SEAMARK_MAIL_FROM": "Seamark <a@b.example>", "SEAMARK_URL": "https://b.example"}
+SMTP = "smtp://user:pass%40word@mail.example:587"
+PROVIDER = {
+    "SEAMARK_OIDC_ISSUER": "https://id.example/realms/x",
+    "SEAMARK_OIDC_CLIENT_ID": "seamark",
+    "SEAMARK_OIDC_CLIENT_SECRET": "hidden",
+    "SEAMARK_URL": "https://b.example",
+}
+
+
+@pytest.mark.parametrize(
+    "url", [SMTP, f"{SMTP}?tls=starttls", "smtps://mail.example", "smtp://10.0.0.1:25?tls=none"]
+)
+def test_a_mail_server_is_set_by_a_url_whose_password_is_not_shown(
+    tmp_path: Path, url: str
+) -> None:
+    settings = _load(tmp_path, SEAMARK_MAIL_URL=url, **MAIL)
+
+    assert settings.mail_url == url
+    assert "pass" not in repr(settings)
+
+
+@pytest.mark.parametrize(
+    "variables",
+    [
+        MAIL | {"SEAMARK_MAIL_URL": "smtp://user:secret@mail.example?tls=none"},
+        MAIL | {"SEAMARK_MAIL_URL": "http://mail.example"},
+        MAIL | {"SEAMARK_MAIL_URL": "smtp://mail.example\n"},
+        MAIL | {"SEAMARK_MAIL_FROM": "a@b.c\nBcc: d@e.f"},
+        {"SEAMARK_MAIL_URL": SMTP, "SEAMARK_URL": "https://b.example"},
+        {"SEAMARK_MAIL_URL": SMTP, "SEAMARK_MAIL_FROM": "a@b.c"},
+        PROVIDER | {"SEAMARK_OIDC_CLIENT_SECRET": ""},
+        PROVIDER | {"SEAMARK_URL": ""},
+        PROVIDER | {"SEAMARK_OIDC_ISSUER": "http://id.example", "SEAMARK_PUBLIC": "true"},
+        PROVIDER | {"SEAMARK_OIDC_ISSUER": "javascript:alert(1)"},
+    ],
+    ids=str,
+)
+def test_mail_and_identity_provider_are_set_completely_or_not_at_all(
+    tmp_path: Path, variables: dict[str, str]
+) -> None:
+    with pytest.raises(SettingsInvalid) as refused:
+        _load(tmp_path, **variables)
+
+    assert "secret@" not in str(refused.value)
+
+
+def test_who_may_sign_up_by_the_provider_is_as_for_others_unless_it_is_set(tmp_path: Path) -> None:
+    same = _load(tmp_path, SEAMARK_SIGN_UP="closed", **PROVIDER)
+    own = _load(tmp_path, SEAMARK_SIGN_UP="closed", SEAMARK_OIDC_SIGN_UP="open", **PROVIDER)
+
+    assert (same.oidc_sign_up, own.oidc_sign_up) == ("closed", "open")
+    assert "hidden" not in repr(own)

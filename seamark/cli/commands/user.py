@@ -270,7 +270,7 @@ def set_password(name: str, password: str | None, data: Path | None, as_json: bo
     database = database_of(settings_of(data))
     try:
         with database.writing() as session:
-            changed = accounts.change_password(session, name, None, password or drawn or "").name
+            changed = accounts.change_password(session, name, password or drawn or "").name
             action = audit.AuditAction.PASSWORD_CHANGED
             audit.record(session, audit.COMMAND_LINE, action, changed)
     except accounts.AccountRejected as reason:

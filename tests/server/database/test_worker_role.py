@@ -30,7 +30,14 @@ from tests.cast import Backend
 ROLE = "seamark_worker"
 WITHHELD = {
     *("account_deletions", "audit_entries", "browser_sessions", "invitations", "password_resets"),
-    *("mail_addresses", "outgoing_mails", "submission_keys", "tokens", "users"),
+    *(
+        "linked_identities",
+        "mail_addresses",
+        "outgoing_mails",
+        "submission_keys",
+        "tokens",
+        "users",
+    ),
 }
 REFUSED = (
     "SELECT password_hash FROM users",

@@ -1,19 +1,13 @@
 """A mail server on the loopback interface, and the cast with confirmed addresses."""
 
 import re
-import shutil
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import partial
-from pathlib import Path
 
 import pytest
 
-from seamark.server.accounts.permissions import Viewer
-from seamark.server.database.engine import Database
-from seamark.server.database.schema import upgrade
 from seamark.server.mail import addresses, sending, smtp
-from seamark.server.settings import Settings
 from tests.cast import Backend
 from tests.services.smtp import Inbox, server, with_mail
 
@@ -57,25 +51,8 @@ def inbox() -> Iterator[tuple[Inbox, str]]:
         yield started
 
 
-@pytest.fixture(scope="session")
-def cast_in_folder(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict[str, Viewer]]:
-    """A data folder with the cast, to be copied: faster than to migrate a new database."""
-    settings = Settings.model_validate({"data": tmp_path_factory.mktemp("cast")})
-    upgrade(settings)
-    database = Database(settings.database_url)
-    viewers = Backend.with_cast(database, settings).viewers
-    database.close()
-    return settings.data, viewers
-
-
 @pytest.fixture
-def post(
-    cast_in_folder: tuple[Path, dict[str, Viewer]], settings: Settings, inbox: tuple[Inbox, str]
-) -> Iterator[Post]:
-    (folder, viewers), (received, url) = cast_in_folder, inbox
-    shutil.copytree(folder, settings.data, dirs_exist_ok=True)
-    changed = {"database_url": f"sqlite:///{settings.data / 'seamark.db'}"}
-    settings = with_mail(settings.model_copy(update=changed), url)
-    database = Database(settings.database_url)
-    yield Post(database, settings, viewers, received)
-    database.close()
+def post(copied_backend: Backend, inbox: tuple[Inbox, str]) -> Post:
+    received, url = inbox
+    settings = with_mail(copied_backend.settings, url)
+    return Post(copied_backend.database, settings, copied_backend.viewers, received)

@@ -27,7 +27,7 @@ def _log(site: Site, **wanted: str) -> list[tuple[str, str, str, dict[str, Any]]
 
 def _with_password(site: Site, name: str) -> None:
     with site.database.writing() as session:
-        accounts.change_password(session, name, None, WORDS)
+        accounts.change_password(session, name, WORDS)
 
 
 def _register(site: Site, name: str = "w1@host") -> None:

@@ -28,7 +28,7 @@ def mailing(site: Site) -> Site:
     settings = current.settings.model_copy(update=changes)
     site.app.extensions["seamark"] = replace(current, settings=settings)
     with site.database.writing() as session:
-        accounts.change_password(session, "ann", None, WORDS)
+        accounts.change_password(session, "ann", WORDS)
     with site.app.app_context():
         site.cookies["ann"] = authentication.cookie_of(site.user_id("ann"))
     return site

@@ -243,9 +243,16 @@ ROUTES: dict[tuple[str, str], Entry] = {
     ("POST", "/account/mail/notify"): Entry(changes_tokens, 303),
     ("GET", "/api/v1/me/mail"): Entry(reads_account),
     ("PATCH", "/api/v1/me/mail"): Entry(changes_tokens, options={"json": {"notify_minutes": None}}),
+    ("GET", "/sign-in/provider"): Entry(everybody, 503),  # there is no provider
+    ("GET", "/sign-in/callback"): Entry(everybody, 503),
+    ("GET", "/sign-up/provider"): Entry(everybody, 302),
+    ("POST", "/sign-up/provider"): Entry(everybody, 303),
+    ("GET", "/account/identity"): Entry(changes_password, 302),
+    ("POST", "/account/identity"): Entry(changes_password, 303),
+    ("POST", "/account/identity/unlink"): Entry(changes_password, 422),  # it has no password
     ("GET", "/reset"): OPEN,
     ("POST", "/reset"): Entry(everybody, 422, options={"data": WRONG}),
-    ("POST", "/password"): Entry(changes_password, 422, options={"data": WRONG}),
+    ("POST", "/password"): Entry(changes_password, 422, options={"data": {"new": "short"}}),
     ("GET", "/invitations"): Entry(invites),
     ("POST", "/invitations"): Entry(invites, options={"data": {"count": "2"}}),
     **CLASSES,

@@ -36,7 +36,12 @@ from tests.server.web.routes import ROUTES, Entry
 
 @pytest.fixture
 def site(backend: Backend) -> Iterator[Site]:
-    changes = {"quota_live": 1000, "quota_day": 1000, "mail_url": "smtp://127.0.0.1"}
+    changes: dict[str, Any] = {
+        "quota_live": 1000,
+        "quota_day": 1000,
+        "mail_url": "smtp://127.0.0.1",
+    }
+    changes |= {"oidc_issuer": "http://127.0.0.1:1", "oidc_client_id": "seamark"}
     settings = backend.settings.model_copy(update=changes)
     app = create_app(settings)
     app.config.update(WTF_CSRF_METHODS=[])
