@@ -4,6 +4,7 @@ A test may change what it answers, as a broken or a hostile one would.
 """
 
 import json
+import os
 import secrets
 import threading
 import time
@@ -212,6 +213,7 @@ def _app(provider: Provider) -> Flask:
 @contextmanager
 def provider(redirect_uri: str) -> Iterator[Provider]:
     """Start a provider on a free port of the loopback interface, over HTTP."""
+    os.environ["AUTHLIB_INSECURE_TRANSPORT"] = "1"  # the server side refuses plain HTTP otherwise
     made = Provider(redirect_uri, person=Person(secrets.token_hex(8), "Ann.Smith"))
     server = make_server("127.0.0.1", 0, _app(made), threaded=True)
     made.issuer = f"http://127.0.0.1:{server.server_port}"

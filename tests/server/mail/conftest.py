@@ -6,11 +6,15 @@ from dataclasses import dataclass, field
 from functools import partial
 
 import pytest
+from sqlalchemy import func, select, update
 
+from seamark.server.database.mail_tables import OutgoingMail
+from seamark.server.database.tables import Run
 from seamark.server.mail import addresses, sending, smtp
 from tests.cast import Backend
 from tests.services.smtp import Inbox, server, with_mail
 
+ANN = "Ann@example.org"
 LINK = re.compile(r"link=([\w-]+)")
 
 
@@ -56,3 +60,27 @@ def post(copied_backend: Backend, inbox: tuple[Inbox, str]) -> Post:
     received, url = inbox
     settings = with_mail(copied_backend.settings, url)
     return Post(copied_backend.database, settings, copied_backend.viewers, received)
+
+
+def rows(post: Backend, table: type) -> int:
+    with post.database.reading() as session:
+        return session.scalar(select(func.count()).select_from(table)) or 0
+
+
+def age(post: Backend, seconds: float) -> None:
+    """Let all that waits have been written earlier, and be due."""
+    with post.database.writing() as session:
+        older = {"created_at": OutgoingMail.created_at - seconds, "next_try_at": 0.0}
+        session.execute(update(OutgoingMail).values(**older))
+
+
+def long_run(post: Post, who: str, *, minutes: float = 31.0, **changes: str) -> int:
+    """Return a run that ended so long after it was submitted, with 30 minutes to tell about."""
+    with post.database.writing() as session:
+        addresses.set_notification(session, post.user_id(who), 30)
+    claim = post.running(who, **changes)
+    with post.database.writing() as session:
+        earlier = Run.queued_at - minutes * 60.0
+        session.execute(update(Run).where(Run.id == claim.run_id).values(queued_at=earlier))
+    assert post.finish(claim)
+    return claim.run_id

@@ -4,34 +4,20 @@ import time
 
 import pytest
 from click.testing import CliRunner
-from sqlalchemy import func, select, update
+from sqlalchemy import select, update
 
 from seamark.cli.main import cli
 from seamark.server.accounts import accounts, password_resets
 from seamark.server.database.mail_tables import MailAddress, OutgoingMail, RunNotice
-from seamark.server.database.tables import Run
-from seamark.server.mail import addresses, notices, outbox, sending, smtp
+from seamark.server.mail import addresses, outbox, sending, smtp
 from seamark.server.mail.addresses import MailRejected
 from seamark.server.mail.outbox import MailKind
 from seamark.server.runs import account_deletion
 from tests.cast import Backend
-from tests.server.mail.conftest import Post
+from tests.server.mail.conftest import ANN, Post, age, long_run, rows
 from tests.services.smtp import SITE
 
-ANN = "Ann@example.org"
 WORDS = "correct horse battery"
-
-
-def rows(post: Backend, table: type) -> int:
-    with post.database.reading() as session:
-        return session.scalar(select(func.count()).select_from(table)) or 0
-
-
-def age(post: Backend, seconds: float) -> None:
-    """Let all that waits have been written earlier, and be due."""
-    with post.database.writing() as session:
-        older = {"created_at": OutgoingMail.created_at - seconds, "next_try_at": 0.0}
-        session.execute(update(OutgoingMail).values(**older))
 
 
 def ask_for_reset(post: Post, address: str) -> None:
@@ -104,18 +90,6 @@ def test_what_is_no_address_is_refused(post: Post, address: str) -> None:
 def test_a_line_break_never_gets_into_a_header(post: Post) -> None:
     with pytest.raises(ValueError, match="linefeed"):
         smtp.message(post.settings, "a@b.c", "Run\r\nBcc: x@y.z", "text")
-
-
-def test_a_title_of_a_run_adds_no_header_and_no_second_e_mail(post: Post) -> None:
-    post.confirm("ann", ANN)
-    long_run(post, "ann", title="x\r\n.\r\nMAIL FROM:<evil@x.y>")
-    post.inbox.received.clear()
-
-    post.send_all()
-
-    ((to, mail),) = post.inbox.received
-    assert (to, mail["Bcc"], "evil" in str(mail["From"])) == (ANN, None, False)
-    assert ".\n" not in mail.get_content().splitlines(keepends=True)
 
 
 def test_a_forgotten_password_is_set_by_the_link_of_an_e_mail(post: Post) -> None:
@@ -272,91 +246,6 @@ def test_of_two_senders_only_one_has_an_e_mail(both: Backend) -> None:
 
     assert first is not None
     assert (first.kind, first.tries, second) == (MailKind.RESET, 1, None)
-
-
-def long_run(post: Post, who: str, *, minutes: float = 31.0, **changes: str) -> int:
-    """Return a run that ended so long after it was submitted, with 30 minutes to tell about."""
-    with post.database.writing() as session:
-        addresses.set_notification(session, post.user_id(who), 30)
-    claim = post.running(who, **changes)
-    with post.database.writing() as session:
-        earlier = Run.queued_at - minutes * 60.0
-        session.execute(update(Run).where(Run.id == claim.run_id).values(queued_at=earlier))
-    assert post.finish(claim)
-    return claim.run_id
-
-
-def test_who_asked_for_it_is_told_of_a_run_that_took_long(post: Post) -> None:
-    post.confirm("ann", ANN)
-    post.inbox.received.clear()
-
-    run_id = long_run(post, "ann", title="slow")
-    post.send_all()
-    post.send_all()
-
-    ((to, mail),) = post.inbox.received
-    body = mail.get_content()
-    assert (to, mail["Subject"]) == (ANN, f"Run {run_id} succeeded")
-    assert f"Run {run_id} “slow”, currents-v1: succeeded, score 50.000" in body
-    assert f"{SITE}/runs/{run_id}" in body
-    assert rows(post, RunNotice) == 0
-
-
-def test_nobody_is_told_of_a_short_run_or_without_asking(post: Post) -> None:
-    post.confirm("ann", ANN)
-    post.confirm("ben", "ben@example.org")
-    post.inbox.received.clear()
-
-    long_run(post, "ann", minutes=29.0)
-    post.succeeded("ben")
-    cancelled = post.queue("ann")
-    assert post.cancel(cancelled)
-    post.send_all()
-
-    assert (rows(post, RunNotice), post.inbox.received) == (0, [])
-
-
-def test_many_runs_make_one_e_mail(post: Post, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(notices, "LISTED_MAX", 2)
-    post.confirm("ann", ANN)
-    post.inbox.received.clear()
-
-    first = long_run(post, "ann")
-    post.send_all()
-    others = [long_run(post, "ann") for _ in range(3)]
-    post.send_all()
-    soon = len(post.inbox.received)
-    age(post, notices.EVERY_S)
-    post.send_all()
-
-    assert soon == 1
-    assert f"Run {first}" in post.inbox.received[0][1]["Subject"]
-    body = post.last_text()
-    assert "3 of your runs have ended" in body
-    assert f"Run {others[-1]}, " in body
-    assert f"Run {others[0]}, " not in body
-    assert "The other 1: " in body
-
-
-def test_a_notice_is_repeated_when_the_server_was_away(post: Post) -> None:
-    post.confirm("ann", ANN)
-    post.inbox.received.clear()
-    long_run(post, "ann")
-    post.inbox.answer = "451 later"
-    post.send_all()
-
-    post.inbox.answer = "250 OK"
-    age(post, 60.0)
-    post.send_all()
-
-    assert len(post.inbox.received) == 1
-
-
-def test_no_notice_is_asked_for_without_a_confirmed_address(post: Post) -> None:
-    post.propose("ann", ANN)
-
-    with post.database.writing() as session, pytest.raises(MailRejected):
-        addresses.set_notification(session, post.user_id("ann"), 30)
 
 
 def test_a_closed_account_leaves_no_address_and_gets_nothing(post: Post) -> None:

@@ -10,10 +10,15 @@ from flask import Flask
 from flask.testing import FlaskClient
 from werkzeug.test import TestResponse
 
+from seamark.server.accounts import accounts
 from seamark.server.app import create_app
-from seamark.server.web import authentication
+from seamark.server.web import authentication, identity_provider
 from tests.cast import STAFF, USERS, Backend
+from tests.services import oidc
+from tests.services.oidc import Provider
 
+URL = "http://localhost"
+WORDS = "correct horse battery"
 _CSRF_TOKEN = re.compile(r'name="csrf_token" value="([^"]+)"')
 
 
@@ -60,3 +65,32 @@ def site(backend: Backend) -> Iterator[Site]:
             cookies[name] = authentication.cookie_of(backend.user_id(name))
     yield Site(**vars(backend), app=app, cookies=cookies)
     app.extensions["seamark"].close()
+
+
+def with_settings(backend: Backend, provider: Provider, **changes: Any) -> Site:
+    values = {"oidc_issuer": provider.issuer, "oidc_client_id": oidc.CLIENT, "url": URL}
+    values |= {"oidc_client_secret": oidc.SECRET, "oidc_name": "Example ID"} | changes
+    settings = backend.settings.model_copy(update=values)
+    app = create_app(settings)
+    cookies: dict[str, dict[str, Any]] = {"stranger": {}}
+    with app.app_context():
+        for name in ("ann", "ben"):
+            cookies[name] = authentication.cookie_of(backend.user_id(name))
+    state = vars(backend) | {"settings": settings}
+    return Site(**state, app=app, cookies=cookies)
+
+
+@pytest.fixture
+def provider() -> Iterator[Provider]:
+    with oidc.provider(URL + identity_provider.CALLBACK) as started:
+        yield started
+
+
+@pytest.fixture
+def federated(copied_backend: Backend, provider: Provider) -> Iterator[Site]:
+    """The site with an identity provider; ann has a password."""
+    with copied_backend.database.writing() as session:
+        accounts.change_password(session, "ann", WORDS)
+    made = with_settings(copied_backend, provider)
+    yield made
+    made.app.extensions["seamark"].close()
