@@ -6,7 +6,7 @@ from concurrent.futures import ProcessPoolExecutor
 from dataclasses import replace
 from io import RawIOBase
 from multiprocessing import get_context
-from resource import RUSAGE_SELF, getrusage
+from pathlib import Path
 from time import process_time
 from typing import Any, BinaryIO, cast
 
@@ -129,4 +129,11 @@ def measured(name: str, table: Rows, count: int) -> tuple[float, float, float]:
     file = _Discarded()
     began_s = process_time()
     FORMATS[name].write(recording, cast("BinaryIO", file))
-    return process_time() - began_s, file.count / 1e6, getrusage(RUSAGE_SELF).ru_maxrss / 1e3
+    return process_time() - began_s, file.count / 1e6, _peak_mb()
+
+
+def _peak_mb() -> float:
+    """Return the peak memory of this process; that of getrusage would include its parent's."""
+    status = Path("/proc/self/status").read_text()
+    line = next(line for line in status.splitlines() if line.startswith("VmHWM:"))
+    return int(line.split()[1]) / 1e3

@@ -4,11 +4,13 @@ import io
 import json
 import zipfile
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
 import scipy.io
+from mcap.reader import make_reader
 from werkzeug.test import TestResponse
 
 from seamark.formats import mat
@@ -42,6 +44,18 @@ def test_each_format_has_the_rows_of_the_run(site: Site) -> None:
     assert parquet.to_numpy().tobytes() == rows.tobytes()
     assert npz.tobytes() == rows.tobytes()
     assert found["distance"].tobytes() == rows[:, list(npz.dtype.names).index("distance")].tobytes()
+
+
+def test_mcap_has_the_rows_and_an_image_per_second(site: Site) -> None:
+    content = fetch(site, site.recorded(), "mcap").data
+
+    summary = make_reader(io.BytesIO(content)).get_summary()
+    assert summary is not None
+    assert summary.statistics is not None
+    topics = {number: channel.topic for number, channel in summary.channels.items()}
+    counts = summary.statistics.channel_message_counts
+    found = {topics[number]: count for number, count in counts.items()}
+    assert (found["/telemetry"], found["/camera/image/compressed"]) == (40, 2)
 
 
 def test_a_live_run_can_be_downloaded_in_each_format(site: Site) -> None:
@@ -98,7 +112,7 @@ def test_who_has_the_file_already_is_not_sent_it_again(site: Site) -> None:
 
 def test_one_client_has_one_file_written_at_a_time(site: Site) -> None:
     run_id = site.publish(site.recorded())
-    convert_with(site, Conversions(wait_s=0.05))
+    convert_with(site, Conversions(wait_s=0.05, command=("true",)))
     held = site.services.conversions.start(b"", owner=f"user:{site.user_id('ann')}")
 
     refused = fetch(site, run_id, "npz")
@@ -110,17 +124,16 @@ def test_one_client_has_one_file_written_at_a_time(site: Site) -> None:
     assert (of_another.status_code, after.status_code) == (200, 200)
 
 
-def test_a_client_that_leaves_frees_the_place(site: Site) -> None:
-    run_id = site.recorded()
-    site.record(run_id, rows=20_000)  # more than a pipe holds
-    convert_with(site, Conversions(wait_s=0.05))
-    path = f"/api/v1/runs/{run_id}/telemetry.npz"
+def test_a_client_that_leaves_frees_the_place_and_ends_the_process(site: Site) -> None:
+    path = f"/api/v1/runs/{site.recorded()}/telemetry.npz"
+    endless = ("sh", "-c", "echo $$; exec yes")
+    convert_with(site, Conversions(wait_s=0.05, command=endless))
 
-    answer = site.client().get(path, headers=site.headers["owner"], buffered=False)
-    next(iter(answer.response))
-    answer.close()
-
-    assert fetch(site, run_id, "npz").status_code == 200
+    for _ in range(2):
+        answer = site.client().get(path, headers=site.headers["owner"], buffered=False)
+        number, _, _ = bytes(next(answer.iter_encoded())).partition(b"\n")
+        answer.close()
+        assert not Path(f"/proc/{int(number)}").exists()
 
 
 def test_a_process_that_fails_breaks_the_download_instead_of_ending_it(site: Site) -> None:
