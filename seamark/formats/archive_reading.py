@@ -25,6 +25,7 @@ from seamark.sim.engine.seeds import SEED_BITS
 from seamark.sim.recording.telemetry import Rows
 
 FILES_MAX = 100  # in an archive
+DIRECTORY_BYTES = 64 * 1024  # of the list of them, which is read at once
 DOCUMENT_BYTES = 16 * 2**20  # of a JSON document
 PROGRAM_BYTES = 64 * 2**20
 LINE_CHARACTERS = 16384  # of a row: 100 columns take an eighth
@@ -95,6 +96,18 @@ class ArchivedRun:
                 yield names, block
 
 
+class _Bounded(io.FileIO):
+    """A file that refuses to be read too much at once: zipfile believes what an archive claims."""
+
+    read_max: int | None = DIRECTORY_BYTES
+
+    def read(self, size: int | None = -1, /) -> bytes:
+        """Return the next bytes."""
+        if self.read_max is not None and size is not None and size > self.read_max:
+            raise zipfile.BadZipFile("its list of files is too long")
+        return super().read(-1 if size is None else size) or b""
+
+
 @contextmanager
 def opened(path: Path) -> Iterator[ArchivedRun]:
     """Provide the run in an archive.
@@ -104,7 +117,8 @@ def opened(path: Path) -> Iterator[ArchivedRun]:
     ArchiveRefused
         It cannot be read, or has no run that can be computed again.
     """
-    with _failures_told(path.name), zipfile.ZipFile(path) as archive:
+    with _failures_told(path.name), _Bounded(path) as file, zipfile.ZipFile(file) as archive:
+        file.read_max = None
         if len(archive.infolist()) > FILES_MAX:
             raise ArchiveRefused(f"{path.name} has more than {FILES_MAX} files.")
         root = _root(archive, path)

@@ -200,6 +200,18 @@ def test_a_bomb_costs_no_more_than_the_limit_of_a_document(archive: Path, tmp_pa
     assert "run/manifest.json is larger than 16 MiB" in refused.output
 
 
+def test_a_list_of_many_files_is_not_even_read(tmp_path: Path) -> None:
+    crowded = tmp_path / "crowded.zip"
+    with zipfile.ZipFile(crowded, "w") as file:
+        for number in range(1500):
+            file.writestr(f"run/{number}", "")
+
+    refused = seamark("rerun", crowded)
+
+    assert refused.exit_code == 2
+    assert "its list of files is too long" in refused.output
+
+
 def test_a_result_is_exported_in_each_format_under_its_own_name(
     results: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
