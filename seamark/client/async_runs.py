@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator, Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO, Literal, Self, overload
 
@@ -111,9 +111,22 @@ class AsyncRun(RunView):
         """Return the uploaded program; raises NotFound if there is none."""
         return await self._session.do(self._calls.data(self.id, "program"))
 
-    async def publish(self) -> Self:
-        """Make the run public; a ranked one enters the leaderboard."""
-        return await self._act("publish")
+    async def publish(
+        self, *, program: bool = True, licence: str | None = None, anonymous: bool = False
+    ) -> Self:
+        """Make the run public; a ranked one enters the leaderboard.
+
+        Parameters
+        ----------
+        program
+            With the uploaded program and its log; else the results only.
+        licence
+            Of the program: an SPDX identifier of the list that the form has.
+        anonymous
+            For review: nobody sees whose run it is.
+        """
+        terms = {"program": program, "licence": licence, "anonymous": anonymous}
+        return await self._act("publish", terms)
 
     async def withdraw(self) -> Self:
         """Make the run private again and take it off the leaderboard."""
@@ -123,8 +136,8 @@ class AsyncRun(RunView):
         """Cancel the run; what it recorded so far is kept."""
         return await self._act("cancel")
 
-    async def _act(self, action: str) -> Self:
-        self.document = await self._session.do(self._calls.act(self.id, action))
+    async def _act(self, action: str, body: Mapping[str, object] | None = None) -> Self:
+        self.document = await self._session.do(self._calls.act(self.id, action, body))
         return self
 
 

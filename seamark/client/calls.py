@@ -124,9 +124,12 @@ class Calls:
         """Cancel the runs of a sweep that have not ended."""
         return self.document("POST", f"/sweeps/{sweep_id}/cancel", needs=SWEEP_KEYS)
 
-    def act(self, run_id: int, action: str) -> Call[RunDocument]:
+    def act(
+        self, run_id: int, action: str, body: Mapping[str, object] | None = None
+    ) -> Call[RunDocument]:
         """Change a run: cancel, publish or withdraw it."""
-        return self.document("POST", f"/runs/{run_id}/{action}", needs=RUN_KEYS)
+        content = {} if body is None else {"json": body}
+        return self.document("POST", f"/runs/{run_id}/{action}", needs=RUN_KEYS, **content)
 
     def compare(
         self, run_ids: Sequence[int], query: Mapping[str, object]

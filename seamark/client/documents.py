@@ -60,6 +60,9 @@ class RunDocument(TypedDict):
     isolation: str | None
     public: bool
     published_at: float | None
+    anonymous: bool
+    program_public: bool
+    licence: str | None
     data_bytes: int
     data_deleted_at: float | None
     metrics: dict[str, Any] | None
@@ -140,6 +143,8 @@ class RankDocument(TypedDict):
     vehicle: str
     tracker: str
     metrics: dict[str, float]
+    anonymous: bool
+    verification: dict[str, Any] | None
 
 
 class LeaderboardDocument(TypedDict):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO, Literal, Self, overload
 
@@ -111,9 +111,22 @@ class Run(RunView):
         """Return the uploaded program; raises NotFound if there is none."""
         return self._session.do(self._calls.data(self.id, "program"))
 
-    def publish(self) -> Self:
-        """Make the run public; a ranked one enters the leaderboard."""
-        return self._act("publish")
+    def publish(
+        self, *, program: bool = True, licence: str | None = None, anonymous: bool = False
+    ) -> Self:
+        """Make the run public; a ranked one enters the leaderboard.
+
+        Parameters
+        ----------
+        program
+            With the uploaded program and its log; else the results only.
+        licence
+            Of the program: an SPDX identifier of the list that the form has.
+        anonymous
+            For review: nobody sees whose run it is.
+        """
+        terms = {"program": program, "licence": licence, "anonymous": anonymous}
+        return self._act("publish", terms)
 
     def withdraw(self) -> Self:
         """Make the run private again and take it off the leaderboard."""
@@ -123,8 +136,8 @@ class Run(RunView):
         """Cancel the run; what it recorded so far is kept."""
         return self._act("cancel")
 
-    def _act(self, action: str) -> Self:
-        self.document = self._session.do(self._calls.act(self.id, action))
+    def _act(self, action: str, body: Mapping[str, object] | None = None) -> Self:
+        self.document = self._session.do(self._calls.act(self.id, action, body))
         return self
 
 

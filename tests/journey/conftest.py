@@ -147,7 +147,7 @@ def finished(chromium: Browser, service: Service) -> Iterator[tuple[int, Any]]:
     run_id = visitor.submit(run)
     visitor.open(f"/runs/{run_id}")
     visitor.wait_for("succeeded")
-    visitor.press_and_confirm("Publish")
+    visitor.publish()
     expect(visitor.page.get_by_text("The run is now public")).to_be_visible(timeout=RUN_MS)
     yield run_id, context.storage_state()
     context.close()

@@ -46,7 +46,7 @@ def test_an_uploaded_controller_goes_from_sign_up_to_the_leaderboard(visitor: Vi
     expect(page.locator("[data-log]")).to_contain_text("level 4")
     with page.expect_download() as download:
         page.get_by_role("link", name="telemetry.csv").click()
-    visitor.press_and_confirm("Publish")
+    visitor.publish()
     expect(page.get_by_text("The run is now public")).to_be_visible()
     visitor.open("/leaderboards/currents-v1")
 

@@ -28,14 +28,13 @@ def test_a_stranger_sees_a_run_only_between_its_publication_and_its_withdrawal(
     run = f"/runs/{visitor.submit(RUN | {'title': 'Worth reading'})}"
     visitor.open(run)
     visitor.wait_for("succeeded")
-    page.get_by_role("button", name="Publish").click()
-    dialog = page.get_by_role("dialog")
-    expect(dialog).to_contain_text("Everyone will be able to see its data and its program.")
-    dialog.get_by_role("button", name="Go back").click()
-    expect(dialog).to_have_count(0)
+    page.get_by_role("link", name="Publish").click()
+    expect(page.get_by_role("main")).to_contain_text("Everyone will be able to see the results")
+    assert visitor.violations() == []
+    page.get_by_role("link", name="Cancel").click()
     seen = [_reads(phone, run), _reads(phone, PROFILE)]
 
-    visitor.press_and_confirm("Publish")
+    visitor.publish()
     expect(page.get_by_text("The run is now public")).to_be_visible(timeout=RUN_MS)
     phone.errors.clear()  # the browser reports the 404s of before
     seen.append(_reads(phone, run))

@@ -76,6 +76,11 @@ class Visitor:
         self.page.get_by_role("button", name=name).click()
         self.page.get_by_role("dialog").get_by_role("button", name=name).click()
 
+    def publish(self) -> None:
+        """Publish the run of this page, with its program and by name."""
+        self.page.get_by_role("link", name="Publish").click()
+        self.page.get_by_role("button", name="Publish").click()
+
     def tab_to(self, control: Locator, most: int = 12) -> None:
         """Move the focus to a control with the Tab key."""
         for _ in range(most):
