@@ -11,6 +11,7 @@ MERGED: Mapping[str, str] = {"languages.md": "languages", "measures.md": "metric
 _GROUPS: Mapping[str, Sequence[str]] = {
     "Get started": (
         *("start", "tutorial.md", "install", "command-line.md", "tuning.md", "python-client.md"),
+        "cpp-client.md",
     ),
     "Write a program": (
         *("controller", "tracker", "languages", "box", "protocol.md", "bridges.md", "training.md"),

@@ -18,7 +18,11 @@ from seamark.server.pages.docs_articles import anchor_of
 
 FOLDER = Path(server.__file__).parents[1] / "docs"
 # Suffix -> content type of files that a page may show or link to.
-ATTACHED = {".png": "image/png", ".txt": "text/plain; charset=utf-8"}
+ATTACHED = {
+    ".hpp": "text/plain; charset=utf-8",
+    ".png": "image/png",
+    ".txt": "text/plain; charset=utf-8",
+}
 ADDRESS = "/docs/guides/"  # of the pages and of what they link to
 _TITLE = re.compile(r"\A# (.+)\n")
 _COMMENT = re.compile(r"<!--.*?-->\n?", re.DOTALL)  # marks between which a command writes
