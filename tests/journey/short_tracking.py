@@ -19,6 +19,7 @@ class ShortConfiguration(VisibilityConfiguration):
     sweep_step: float = override(INHERITED["sweep_step"], 0.5)
 
 
+SHARED_NAME, SHARED_PATH = "short-tracking-v1", "tests.journey.short_tracking:SHARED"
 BENCHMARK = replace(
     VISIBILITY,
     name=NAME,
@@ -26,3 +27,5 @@ BENCHMARK = replace(
     quick_settings={},
     protocol=RankedProtocol(reference_trials=2, fresh_trials=4),
 )
+# As the first versions: all ranked runs are in the same hidden water.
+SHARED = replace(BENCHMARK, name=SHARED_NAME, protocol=None)

@@ -18,7 +18,8 @@ from redis import Redis
 from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.server.accounts import accounts
 from seamark.server.app import create_app
-from seamark.server.runs import queue as run_queue
+from seamark.server.runs import verifications
+from seamark.server.runs.verifications import Outcome, VerificationView
 from seamark.server.runs.views import RunView
 from seamark.sim import registry
 from seamark.worker.evaluation.local import evaluate_locally
@@ -26,14 +27,14 @@ from seamark.worker.evaluation.worker_slot import WorkerSlot
 from seamark.worker.service.run_driver import RunContext, evaluate
 from seamark.worker.zygote.client import Simulator
 from tests.cast import Backend
-from tests.journey.short_tracking import BENCHMARK, NAME, PATH
+from tests.journey.short_tracking import BENCHMARK, NAME, PATH, SHARED_NAME, SHARED_PATH
 
 pytestmark = [pytest.mark.host, pytest.mark.slow]
 ZYGOTE = f"""
 import sys
 sys.path.insert(0, {str(Path(__file__).parents[2])!r})
 from seamark.sim import registry
-registry.BENCHMARKS[{NAME!r}] = {PATH!r}
+registry.BENCHMARKS |= {{{NAME!r}: {PATH!r}, {SHARED_NAME!r}: {SHARED_PATH!r}}}
 from seamark.worker.zygote.process import main
 main(sys.argv[1:])
 """
@@ -88,9 +89,15 @@ class Service(Backend):
             f"/api/v1/runs{path}", method=method, headers=headers, **options
         )
 
-    def ranked(self, who: str, program: bytes | None = None, name: str = "mine.py") -> RunView:
+    def ranked(
+        self,
+        who: str,
+        program: bytes | None = None,
+        name: str = "mine.py",
+        benchmark: str = NAME,
+    ) -> RunView:
         """Submit a ranked run of a program, else of the built-in tracker, and evaluate it."""
-        run = {"benchmark": NAME, "kind": "ranked"}
+        run = {"benchmark": benchmark, "kind": "ranked"}
         if program is None:
             built_in = {"controller": next(iter(BENCHMARK.built_in))}
             answer = self.call(who, "POST", "", json=run | built_in)
@@ -98,13 +105,24 @@ class Service(Backend):
             form = {"run": json.dumps(run), "program": (io.BytesIO(program), name)}
             answer = self.call(who, "POST", "", data=form, content_type="multipart/form-data")
         assert answer.status_code == 202, answer.text
-        with self.database.writing() as session:
-            claim = run_queue.claim(session, "w", languages=("python",), settings=self.settings)
-        assert claim is not None
-        assert evaluate(self.context, claim)
-        view = self.show(claim.run_id)
+        view = self.show(self.evaluate_next())
         assert view.cause is None, view.detail
         return view
+
+    def evaluate_next(self) -> int:
+        claim = self.claim_next()
+        assert evaluate(self.context, claim)
+        return claim.run_id
+
+    def verified(self, run_id: int) -> VerificationView:
+        """Publish a run, and have it verified."""
+        self.publish(run_id)
+        with self.database.writing() as session:
+            verifications.request(session, run_id, self.settings)
+        self.evaluate_next()
+        with self.database.reading() as session:
+            (found,) = verifications.of_run(session, run_id)
+        return found
 
     def telemetry(self, who: str, run_id: int) -> dict[str, np.ndarray[Any, np.dtype[np.float64]]]:
         answer = self.call(who, "GET", f"/{run_id}/telemetry.f64")
@@ -134,6 +152,8 @@ def service(
     monkeypatch: pytest.MonkeyPatch,
 ) -> Iterator[Service]:
     monkeypatch.setitem(registry.BENCHMARKS, NAME, PATH)
+    monkeypatch.setitem(registry.BENCHMARKS, SHARED_NAME, SHARED_PATH)
+    backend.settings = backend.settings.model_copy(update={"ranked_trials": 4})
     app = create_app(backend.settings)
     context = RunContext(
         settings=backend.settings,
@@ -178,6 +198,21 @@ def test_a_program_that_plays_back_what_it_saw_gains_nothing(service: Service) -
     gap = playback.metrics["gap"]
     assert gap["low"] > 0.5
     assert honest.metrics["gap"]["low"] <= 0.0 <= honest.metrics["gap"]["high"]
+
+
+def test_a_program_that_knows_its_published_water_alone_is_not_confirmed_in_fresh_water(
+    service: Service,
+) -> None:
+    honest = service.ranked("ann", benchmark=SHARED_NAME)
+    playback = service.ranked("eva", _recorded(service, "ann", honest), benchmark=SHARED_NAME)
+    assert playback.score is not None
+    assert honest.score is not None
+
+    found = [service.verified(run.id) for run in (honest, playback)]
+
+    assert playback.score > 0.9 * honest.score > 0.0
+    assert [each.outcome for each in found] == [Outcome.AGREES, Outcome.DIFFERS]
+    assert (found[1].score or 0.0) < 0.2 * playback.score
 
 
 def test_anybody_can_repeat_the_reference_trials(service: Service) -> None:
