@@ -2,9 +2,11 @@
 
 import re
 from html import unescape
+from pathlib import Path
 
 import pytest
 
+from seamark import templates
 from tests.server.pages.conftest import Browser, Site
 
 DELETE = "Delete the selected runs?"
@@ -78,3 +80,10 @@ def test_a_question_needs_the_token_of_the_site_and_has_a_limit(site: Site) -> N
 
     assert DELETE not in forged.text
     assert (forged.status_code, long.status_code) == (403, 413)
+
+
+def test_no_button_asks_by_a_script_alone() -> None:
+    pages = list(Path(templates.__file__).parent.rglob("*.html"))
+
+    assert len(pages) > 20
+    assert [page.name for page in pages if "data-confirm" in page.read_text("utf-8")] == []
