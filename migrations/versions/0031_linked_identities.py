@@ -29,8 +29,8 @@ def upgrade() -> None:
             ["user_id"], ["users.id"], name="fk_linked_identities_user_id", ondelete="CASCADE"
         ),
         sa.PrimaryKeyConstraint("id", name="pk_linked_identities"),
-        sa.UniqueConstraint("issuer", "subject", name="uq_linked_identities_issuer"),
-        sa.UniqueConstraint("user_id", "issuer", name="uq_linked_identities_user_id"),
+        sa.UniqueConstraint("issuer", "subject", name="uq_linked_identities_issuer_subject"),
+        sa.UniqueConstraint("user_id", "issuer", name="uq_linked_identities_user_id_issuer"),
     )
 
 

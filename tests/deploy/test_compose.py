@@ -192,3 +192,31 @@ def test_every_image_has_a_version() -> None:
 
     assert len(others) == len(STORES)
     assert [image for image in others if not re.search(r":v?\d+(\.\d+)*(-\w+)?$", image)] == []
+
+
+@pytest.mark.parametrize(
+    ("file", "services"),
+    [("compose.mail.yaml", {"web", "caretaker"}), ("compose.oidc.yaml", {"web"})],
+)
+def test_mail_and_single_sign_on_are_files_of_their_own_with_settings_that_exist(
+    file: str, services: set[str], tmp_path: Path
+) -> None:
+    values = {"SEAMARK_URL": "https://s.example", "SEAMARK_MAIL_FROM": "a@s.example"}
+    values |= {"SEAMARK_OIDC_ISSUER": "https://id.example"}
+    schema = files(check_jsonschema) / "builtin_schemas" / "vendor" / "compose-spec.json"
+    added = compose.read(file)
+    for name in added["secrets"]:
+        (tmp_path / name).write_text("smtp://user:word@mail.example:587")
+
+    Draft7Validator(json.loads(schema.read_text("utf-8"))).validate(added)
+    for name in services:
+        given = compose.environment(compose.service(name, file)["environment"], values)
+        paths = {key: text.replace("/run/secrets", str(tmp_path)) for key, text in given.items()}
+        settings = Settings.load(paths | {"SEAMARK_DATA": str(tmp_path / "data")})
+        assert settings.mail_url or settings.oidc_issuer
+
+    assert set(added["services"]) == services
+    assert set(added["secrets"]) <= {
+        each for name in services for each in compose.service(name, file)["secrets"]
+    }
+    assert f"`{file}`" in HOSTING
