@@ -87,6 +87,7 @@ def _period(choice: RunChoice) -> list[ColumnElement[bool]]:
 def _conditions(choice: RunChoice, seen: _Columns) -> list[ColumnElement[bool]]:
     with_program = or_(seen.program_sha256.is_(None), seen.data_deleted_at.is_(None))
     found = [
+        seen.kind != RunKind.LOG,  # nothing computes it
         *(seen.rejudges.is_(None), seen.deleted_at.is_(None), seen.started_at.is_not(None)),
         *(seen.state.in_((RunState.SUCCEEDED, RunState.FAILED)), with_program),
     ]

@@ -21,6 +21,7 @@ from seamark.server.api.mail import MailRequest
 from seamark.server.api.publication_schemas import PublicationRequest
 from seamark.server.api.schemas import InvitationsRequest, RunRequest, TokenRequest
 from seamark.server.api.sweeps import SweepRequest
+from seamark.server.runs.run_notes import NOTES_MAX, TITLE_MAX
 from seamark.server.web.problems import MEDIA_TYPE, PROBLEM_TYPES
 
 page = Blueprint("openapi", __name__)
@@ -60,6 +61,25 @@ PROBLEM_SCHEMA: dict[str, Any] = {
             },
         },
     },
+}
+_LOG_FORM: dict[str, Any] = {
+    "multipart/form-data": {
+        "schema": {
+            "type": "object",
+            "required": ["log"],
+            "properties": {
+                "log": {
+                    "type": "string",
+                    "format": "binary",
+                    "description": "CSV, MCAP, ROS 1 bag or ROS 2 database, named by its suffix",
+                },
+                "mapping": {"type": "string", "description": "TOML or JSON; see docs/logs.md"},
+                "benchmark": {"type": "string", "description": "Whose metrics"},
+                "title": {"type": "string", "maxLength": TITLE_MAX},
+                "notes": {"type": "string", "maxLength": NOTES_MAX},
+            },
+        }
+    }
 }
 _DESCRIPTION = """Everything on the web pages can also be done through this API.
 
@@ -124,6 +144,7 @@ def _add_bodies(paths: dict[str, Any], schemas: dict[str, Any]) -> None:
     _add_body(paths, "post", "runs", _as_json(RunRequest) | _with_program(RunRequest))
     _add_body(paths, "post", "sweeps", _as_json(SweepRequest) | _with_program(SweepRequest))
     _add_body(paths, "post", "checks", _with_program(RunRequest))
+    _add_body(paths, "post", "logs", _LOG_FORM)
 
 
 def _add_body(paths: dict[str, Any], method: str, path: str, content: dict[str, Any]) -> None:

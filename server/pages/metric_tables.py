@@ -120,7 +120,8 @@ def _table(
     for metric in table.metrics:
         name = table.prefix + metric.name
         values = tuple(level.get(name) for level in levels)
-        if name in levels[0] and values != level_values:  # those are in the header already
+        in_header = len(levels) > 1 and values == level_values
+        if name in levels[0] and not in_header:
             rows.append(Row(metric.label, metric.unit, metric.meaning, values))
     shown = tuple(map(plain, level_values))
     return Table(table.title.format(**config), level_metric, shown, tuple(rows))

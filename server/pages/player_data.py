@@ -3,6 +3,7 @@
 from typing import Any
 
 from seamark.server.pages import benchmarks
+from seamark.server.pages.log_view import WHOLE, has_unknown_current
 from seamark.server.runs.files import RunFiles
 from seamark.server.runs.views import RunView
 from seamark.server.streams.excerpts import start_of_trial
@@ -25,7 +26,7 @@ def player_data(run: RunView, files: RunFiles) -> dict[str, Any]:
         "level_s": run.config.get("level_duration_s"),
         "levels": config.level_values(),
         "ordered": config.levels_in_order(),
-        "names": level_names(config),
+        "names": (WHOLE,) if has_unknown_current(run) else level_names(config),
         "level": {"label": config.level_metric().label, "unit": config.level_metric().unit},
         "step_s": run.config.get("control_period_s", IMAGE_PERIOD_S),
         "charts": [

@@ -23,7 +23,7 @@ page = Blueprint("rejudgements", __name__, url_prefix="/admin/rejudgements")
 _TEXTS = {"worker": 255, "version": 40}  # [character]
 _CHOICES = {
     "benchmark": tuple(registry.BENCHMARKS),
-    "kind": tuple(kind.value for kind in RunKind),
+    "kind": tuple(kind.value for kind in RunKind if kind is not RunKind.LOG),
     "language": (rejudge_choice.BUILT_IN, *LANGUAGES),
 }
 

@@ -13,6 +13,7 @@ from seamark.server.pages import (
     benchmarks,
     level_chart,
     link_previews,
+    log_view,
     metric_tables,
     publications,
 )
@@ -60,7 +61,10 @@ def show(run_id: int) -> ResponseReturnValue:
         title_max=run_notes.TITLE_MAX,
         notes_max=run_notes.NOTES_MAX,
         has_rows=files.row_count() > 0,
-        tables=metric_tables.tables(benchmark, run.config, run.metrics or {}),
+        mission=log_view.of_run(run),
+        tables=log_view.without_current(
+            run, metric_tables.tables(benchmark, run.config, run.metrics or {})
+        ),
         overall=metric_tables.overall(benchmark, run.metrics or {}),
         level=config.level_metric(),
         axes=axes(config),
@@ -72,7 +76,11 @@ def show(run_id: int) -> ResponseReturnValue:
         protocol=benchmark.protocol if run.kind is RunKind.RANKED else None,
         curves=level_chart.curves(benchmark, config, run, files),
         parameters=metric_tables.program_parameters(run),
-        settings=metric_tables.settings(benchmark, run.config, run.controller),
+        settings=log_view.settings(
+            run,
+            benchmark,
+            metric_tables.settings(benchmark, run.config, run.controller),
+        ),
         page_data=player_data(run, files),
         preview=link_previews.of_run(run),
         assignment=class_access.assignment_of_run(run),

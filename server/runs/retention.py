@@ -82,7 +82,7 @@ def trim(database: Database, settings: Settings) -> None:
 
 def to_trim(database: Database, settings: Settings) -> list[int]:
     """Return the runs that `trim` deletes next, at most `BATCH`."""
-    practice = (Run.kind == RunKind.PRACTICE, Run.data_bytes > 0, _DELETABLE, IS_LISTED)
+    practice = (Run.kind != RunKind.RANKED, Run.data_bytes > 0, _DELETABLE, IS_LISTED)
     oldest = select(Run.id, Run.data_bytes).where(*practice).order_by(Run.id).limit(BATCH)
     with database.reading() as session:
         excess = excess_bytes(session, settings)

@@ -32,10 +32,14 @@ class RunState(StrEnum):
 
 
 class RunKind(StrEnum):
-    """What a run is for: practice on a seed of one's own, or a rank on those of the benchmark."""
+    """What a run is for: practice on a seed of one's own, or a rank on those of the benchmark.
+
+    A log is no simulation: the log of a real mission, measured like a run.
+    """
 
     PRACTICE = "practice"
     RANKED = "ranked"
+    LOG = "log"
 
 
 NEXT_STATES: dict[RunState, frozenset[RunState]] = {

@@ -189,6 +189,8 @@ def _insert(session: Session, valid: ValidSubmission, run: Run) -> int:
 def rerun(session: Session, run_id: int, viewer: Viewer, settings: Settings) -> int:
     """Submit a run again, for `viewer`; return the new id. Raises as `validate` and `submit`."""
     old = session.get_one(Run, run_id)
+    if old.kind == RunKind.LOG:
+        raise SubmissionRejected("This is the log of a mission, which cannot be run again.")
     submission = Submission(
         viewer=viewer,
         benchmark=old.benchmark,

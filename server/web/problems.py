@@ -142,6 +142,12 @@ PROBLEM_TYPES: Mapping[str, ProblemType] = {
             "`detail` names the rule it breaks and, for source code, the line.",
         ),
         (
+            "log-refused",
+            422,
+            "The log was refused",
+            "`detail` says what is wrong, and at which line or message.",
+        ),
+        (
             "quota-exceeded",
             429,
             "Quota exceeded",

@@ -13,6 +13,7 @@ from seamark.server.messaging import broker
 from seamark.server.messaging.shared_meters import SharedMeters
 from seamark.server.programs.reader import ProgramReader
 from seamark.server.runs.conversions import Conversions
+from seamark.server.runs.log_reader import LogReader
 from seamark.server.settings import Settings
 from seamark.server.streams.hub import Hub
 
@@ -28,6 +29,7 @@ class Services:
     celery: Celery
     reader: ProgramReader
     conversions: Conversions
+    logs: LogReader
     meters: SharedMeters
 
     @classmethod
@@ -42,6 +44,7 @@ class Services:
             celery=broker.celery_app(settings),
             reader=ProgramReader(),
             conversions=Conversions(),
+            logs=LogReader(),
             meters=SharedMeters(redis),
         )
 

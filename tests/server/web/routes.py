@@ -35,6 +35,7 @@ SWEEP: dict[str, Any] = {
     "sweep": [{"name": "kp", "values": [0.2, 0.4]}],
 }
 UPLOAD: dict[str, Any] = {"json": {"benchmark": "currents-v1"}}
+MULTIPART: dict[str, Any] = {"data": {"log": ""}, "content_type": "multipart/form-data"}
 NEW_NAME = {"name": "someone", "password": "a long pass phrase"}
 WRONG = {"old": "not the password", "new": "a long pass phrase"}
 
@@ -284,6 +285,9 @@ ROUTES: dict[tuple[str, str], Entry] = {
     ("GET", "/api/v1/me/data.zip"): Entry(reads_account),
     ("GET", "/api/v1/runs"): Entry(lists),
     ("POST", "/api/v1/runs"): Entry(submits, 202, options=ORDER),
+    ("GET", "/logs/new"): Entry(uploads),
+    ("POST", "/logs/new"): Entry(uploads, 422),
+    ("POST", "/api/v1/logs"): Entry(uploads, 422, options=MULTIPART),
     ("POST", "/api/v1/checks"): Entry(uploads, 422, options=UPLOAD),  # there is no worker
     ("GET", "/api/v1/checks/<int:check_id>"): Entry(reads_its_own, path="/api/v1/checks/{check}"),
     **_reading("", "/events", "/telemetry.csv", "/telemetry.f64", "/series.json", "/metrics.json"),

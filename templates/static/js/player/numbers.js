@@ -9,6 +9,7 @@ function number(value, digits, unit) {
 
 // Where the water flows to, as a compass course.
 function current({ current_x: north, current_y: east }) {
+  if (north == null || east == null) return "–"; // a log without it
   const speed = Math.hypot(north, east);
   if (!Number.isFinite(speed)) return "–";
   if (speed < 0.005) return "none";
@@ -16,10 +17,15 @@ function current({ current_x: north, current_y: east }) {
   return `${speed.toFixed(2)} m/s to ${course.toFixed(0)}°`;
 }
 
+function tracker({ tracker_ok: ok, tracker_error: error }) {
+  if (ok == null) return "–"; // a log without corners
+  return ok === 1 ? `error ${number(error, 1, "px")}` : "lost the target";
+}
+
 const SHOWN = [
   ["Distance to station", (row) => number(row.distance, 3, "m")],
   ["Target from centre", (row) => number(row.distance_px, 1, "px")],
-  ["Tracker", (row) => (row.tracker_ok === 1 ? `error ${number(row.tracker_error, 1, "px")}` : "lost the target")],
+  ["Tracker", tracker],
   ["Current", current],
   ["Depth", (row) => number(row.z, 2, "m")],
   ["Heading", (row) => number(((row.yaw * DEGREES) % 360 + 360) % 360, 1, "°")],

@@ -1,0 +1,85 @@
+"""Logs of missions that are uploaded: measured in limited processes, a few at a time."""
+
+from __future__ import annotations
+
+import tempfile
+from pathlib import Path
+from typing import BinaryIO
+
+from seamark.mission_logs.limited import measure_limited
+from seamark.mission_logs.mapping import LogMapping
+from seamark.mission_logs.refusal import LogRefused
+from seamark.mission_logs.result import LogResult
+from seamark.mission_logs.scope import SUFFIXES, unknown_file
+from seamark.server.programs.fair_places import FairPlaces, PlacesBusy
+
+PLACES = 2  # logs that one web process has measured at the same time; the others wait
+WAIT_S = 20.0  # for a place
+WAITING_MAX = 2  # uploads of one account: each has a thread of the web server
+_CHUNK = 1 << 20
+
+
+class LogsBusy(Exception):
+    """Too many logs are being measured; try again."""
+
+
+class LogTooLarge(LogRefused):
+    """The file is larger than an upload may be."""
+
+
+class LogReader:
+    """The places of one web process."""
+
+    def __init__(self) -> None:
+        self._places = FairPlaces(PLACES, wait_s=WAIT_S, waiting_max=WAITING_MAX)
+
+    def read(
+        self,
+        stream: BinaryIO,
+        filename: str,
+        mapping: LogMapping,
+        *,
+        benchmark: str,
+        owner: str,
+        limit: int,
+    ) -> LogResult:
+        """Return what the measuring of an uploaded log gives.
+
+        Parameters
+        ----------
+        filename
+            Its suffix says what the file is; the rest of the name is not kept.
+        owner
+            Whose upload it is: one of each owner is measured at a time.
+        limit : int [B]
+            A larger file is refused without reading the rest.
+
+        Raises
+        ------
+        LogRefused
+            The log cannot be read or measured, or costs too much.
+        LogsBusy
+            There was no place in time.
+        """
+        suffix = Path(filename[-100:].lower()).suffix
+        if suffix not in SUFFIXES:
+            raise LogRefused(unknown_file(filename[-100:]))
+        with tempfile.TemporaryDirectory(prefix="seamark-log-") as folder:
+            path = Path(folder, f"log{suffix}")
+            _copy(stream, path, limit)
+            try:
+                with self._places.taken(owner):
+                    return measure_limited(path, mapping, benchmark=benchmark)
+            except PlacesBusy:
+                raise LogsBusy("Other logs are being measured.") from None
+
+
+def _copy(stream: BinaryIO, path: Path, limit: int) -> None:
+    """Write a stream to a file; raises LogTooLarge beyond the limit."""
+    left = limit
+    with path.open("wb") as file:
+        while chunk := stream.read(_CHUNK):
+            left -= len(chunk)
+            if left < 0:
+                raise LogTooLarge(f"The file is larger than {limit / 2**20:g} MiB.")
+            file.write(chunk)

@@ -1,0 +1,43 @@
+"""The log of a request: measured and stored, for pages and the API alike."""
+
+from __future__ import annotations
+
+from typing import BinaryIO, cast
+
+from werkzeug.datastructures import FileStorage
+
+from seamark.mission_logs.mapping import LogMapping
+from seamark.mission_logs.refusal import LogRefused
+from seamark.mission_logs.scope import BENCHMARK
+from seamark.server.runs import mission_logs
+from seamark.server.web import access
+from seamark.server.web.services import services
+
+
+def open_log(
+    file: FileStorage | None,
+    mapping: LogMapping,
+    *,
+    benchmark: str = "",
+    title: str = "",
+    notes: str = "",
+) -> int:
+    """Measure and store the log of a viewer who may upload, and return the number of its run.
+
+    Raises
+    ------
+    LogRefused, LogsBusy, QuotaExceeded, StorageUnavailable
+        It cannot be read, measured or stored.
+    """
+    if file is None or not file.filename:
+        raise LogRefused("Choose the file of the log.")
+    viewer, held = access.viewer(), services()
+    found = held.logs.read(
+        cast("BinaryIO", file.stream),
+        file.filename,
+        mapping,
+        benchmark=benchmark or mapping.benchmark or BENCHMARK,
+        owner=viewer.owner or "",
+        limit=held.settings.upload_max_bytes,
+    )
+    return mission_logs.store(held.database, held.settings, viewer, found, title=title, notes=notes)
