@@ -51,6 +51,7 @@ ELSEWHERE = frozenset(
     {
         *("run", "rerun", "replay", "export", "plot", "tune", "up"),
         *("db reference-entries", "db grant-worker", "mail test"),
+        *("bridge rosbridge", "bridge ardusub"),
     }
 )  # they take long, log or need a server, and have tests that read their JSON
 
