@@ -1,12 +1,16 @@
 """E-mail on the pages: addresses, confirmation, notices, forgotten passwords."""
 
+import json
 import re
 from dataclasses import replace
+from io import BytesIO
+from zipfile import ZipFile
 
 import pytest
 from sqlalchemy import select
 
-from seamark.server.accounts import accounts
+from seamark.server.accounts import accounts, identities
+from seamark.server.accounts.identities import Identity
 from seamark.server.audit import AuditAction
 from seamark.server.database.audit_table import AuditEntry
 from seamark.server.database.mail_tables import OutgoingMail
@@ -133,6 +137,20 @@ def test_notices_are_chosen_on_the_page_and_by_the_api(mailing: Site) -> None:
     final = browser.get("/api/v1/me/mail").json
     assert final is not None
     assert final["notify_minutes"] is None
+
+
+def test_the_data_of_an_account_have_its_address_and_its_identities(mailing: Site) -> None:
+    confirmed(mailing)
+    with mailing.database.writing() as session:
+        identity = Identity(issuer="https://id.example", subject="7", label="Ann")
+        identities.link(session, mailing.user_id("ann"), identity)
+
+    archive = ZipFile(BytesIO(mailing.browser("ann").get("/account/data.zip").data))
+    account = json.loads(archive.read("account.json"))
+
+    assert account["mail"] == {"address": ADDRESS, "not_confirmed": None, "notify_minutes": None}
+    linked = {"issuer": "https://id.example", "subject": "7", "name": "Ann"}
+    assert account["identities"] == [linked]
 
 
 def test_nobody_else_sees_an_address(mailing: Site) -> None:
