@@ -26,6 +26,8 @@ from rosbags.typesys import Stores, get_typestore
 from rosbags.typesys.store import Typestore
 
 from seamark.mission_logs.mapping import CORNERS, QUATERNION, TRUE_CORNERS, LogMapping, factor
+from seamark.mission_logs.own_mcap import TOPIC, TYPE
+from seamark.mission_logs.own_mcap import read as read_own
 from seamark.mission_logs.refusal import LogRefused
 from seamark.mission_logs.samples import ROWS_MAX, Samples
 
@@ -64,6 +66,10 @@ def read(path: Path, mapping: LogMapping) -> list[Samples]:
     """
     with _opened(path) as (reader, decode):
         typed = {one.topic: one for one in reader.connections}
+        named = any(mapping.topics.model_dump().values()) or mapping.columns
+        if not named and TOPIC in typed and typed[TOPIC].msgtype == TYPE:
+            messages = reader.messages([typed[TOPIC]])
+            return read_own(data for _connection, _stamp, data in messages)
         readings = _readings(mapping, typed)
         found: list[Samples] = []
         origin: int | None = None  # the stamps since 1970 have too many digits for a float
@@ -106,12 +112,10 @@ def _readings(
     found: list[Reading] = []
     roles = mapping.topics.model_dump()
     if not any(roles.values()) and not mapping.columns:
-        roles = {role: topic for role, topic in DEFAULTS.items() if topic in typed}
-        if not roles:
-            raise LogRefused(
-                "Name the topics of the log in the mapping, such as pose and corners below "
-                f"[topics]. The file has: {_listed(typed)}."
-            )
+        raise LogRefused(
+            "Name the topics of the log in the mapping, such as pose and corners below "
+            f"[topics]. The file has: {_listed(typed)}."
+        )
     for role in ("pose", "velocity", "corners", "true_corners"):
         if topic := roles.get(role):
             found.extend(_of_role(role, topic, _connection(topic, typed)))
@@ -198,7 +202,6 @@ _FIELDS_ONLY = (  # read by the path of a field alone
     *("sensor_msgs/msg/FluidPressure", "sensor_msgs/msg/Range", "geometry_msgs/msg/PointStamped"),
 )
 _TYPES = frozenset(name for types in _BY_ROLE.values() for name in types) | set(_FIELDS_ONLY)
-DEFAULTS: Mapping[str, str] = {role: f"/seamark/{role}" for role in (_POSE, _VELOCITY, *_CORNERS)}
 
 
 def _of_role(role: str, topic: str, one: Connection) -> Iterator[Reading]:

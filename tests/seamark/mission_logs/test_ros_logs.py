@@ -10,12 +10,14 @@ from rosbags import rosbag1, rosbag2
 from rosbags.rosbag2 import StoragePlugin
 from rosbags.typesys import Stores, get_typestore
 
+from seamark.formats.recording import Recording
+from seamark.formats.ros import mcap_file
 from seamark.mission_logs.mapping import LogMapping
 from seamark.mission_logs.measuring import measure
 from seamark.mission_logs.refusal import LogRefused
 from seamark.mission_logs.result import LogResult
-from seamark.sim.recording.telemetry import INDEX
-from tests.seamark.mission_logs.conftest import CORNERS, Run
+from seamark.sim.recording.telemetry import INDEX, STEP_US
+from tests.seamark.mission_logs.conftest import CORNERS, SETTINGS, Run
 
 START_NS = 1_700_000_000_000_000_000  # since 1970
 TOPICS = {"pose": "/nav/odometry", "corners": "/tracker/corners"}
@@ -120,6 +122,32 @@ def test_a_bag_of_a_run_has_the_metrics_of_the_run(
     level, own = found.metrics["levels"][0], run.metrics["levels"][1]
     for name in ("points", "rmse_m", "rmse_px", "heading_rmse_rad", "lost_percent", "held"):
         assert level[name] == pytest.approx(own[name], rel=1e-9), name
+
+
+def test_the_mcap_file_of_a_run_has_the_rows_of_the_run_bit_for_bit(
+    run: Run, tmp_path: Path
+) -> None:
+    recording = Recording(
+        title="Run",
+        benchmark="currents-v1",
+        config={},
+        width=run.rows.shape[1],
+        row_count=len(run.rows),
+        read=lambda start, stop: run.rows[start:stop],
+    )
+    with (tmp_path / "telemetry.mcap").open("wb") as file:
+        mcap_file.write(recording, file)
+
+    found = measure(
+        tmp_path / "telemetry.mcap",
+        LogMapping.model_validate({"settings": SETTINGS}),
+        benchmark="currents-v1",
+    )
+
+    kept = np.delete(run.rows, STEP_US, axis=1)
+    assert np.array_equal(np.delete(found.rows, STEP_US, axis=1), kept, equal_nan=True)
+    assert found.metrics["levels"] == run.metrics["levels"]
+    assert found.metrics["score"] == run.metrics["score"]
 
 
 def test_topics_of_other_moments_are_joined_only_as_the_mapping_says(
