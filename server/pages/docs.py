@@ -50,6 +50,8 @@ EXTRAS = {  # of pyproject.toml
     "server": "the service: seamark up, web, worker, db, user and token",
     "gym": "environments for Gymnasium",
     "tune": "seamark tune",
+    "formats": "seamark export to Parquet and MCAP",
+    "ros": "seamark bridge rosbridge; seamark replay of MCAP files and ROS bags",
     "plot": "pictures by seamark plot and the Python client",
 }
 _UNITS = {"_s": "s", "_mib": "MiB", "_kib": "KiB"}
