@@ -62,7 +62,9 @@ class ComparedResult:
 
     @property
     def kind(self) -> str:
-        """Ranked runs have no seed of their own."""
+        """Ranked runs have no seed of their own, and neither have logs of missions."""
+        if "log" in self.result.manifest:
+            return "log"
         return "ranked" if self.seed is None else "practice"
 
     @property

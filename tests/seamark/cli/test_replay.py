@@ -45,8 +45,10 @@ def test_plots_and_comparisons_read_it_beside_a_run(results: Path, replayed: Pat
     compared = seamark("compare", replayed, results / "p", "--json")
 
     assert len(json.loads(plotted.output)["charts"][0]["lines"]) == 2
-    runs = json.loads(compared.output)["runs"]
-    assert [run["label"] for run in runs] == ["mission", "p"]
+    document = json.loads(compared.output)
+    assert [run["label"] for run in document["runs"]] == ["mission", "p"]
+    kinds = next(row for row in document["settings"] if row["name"] == "kind")
+    assert kinds["values"] == ["log", "practice"]
 
 
 def test_what_was_not_measured_is_named(replayed: Path, tmp_path: Path) -> None:
