@@ -11,6 +11,7 @@ from flask_openapi3.models.tag import Tag
 
 from seamark.server import storage
 from seamark.server.accounts.permissions import Action
+from seamark.server.api.file_answers import answers_with
 from seamark.server.api.operation_ids import operation_id
 from seamark.server.api.schemas import CameraQuery, LogQuery, RunPath, TelemetryQuery
 from seamark.server.programs import store
@@ -38,11 +39,7 @@ api = APIBlueprint(
 )
 
 
-def _content(media_type: str, kind: str = "string") -> Any:
-    return {200: {"content": {media_type: {"schema": {"type": kind}}}}}
-
-
-@api.get("/runs/<int:run_id>/telemetry.csv", responses=_content("text/csv"))
+@api.get("/runs/<int:run_id>/telemetry.csv", responses=answers_with("text/csv"))
 def telemetry_csv(path: RunPath, query: TelemetryQuery) -> Response:
     """Download all rows so far: comment lines with #, the header row, one row per 0.05 s."""
     view = access.run_for(path.run_id)
@@ -77,7 +74,7 @@ def comments(view: RunView, files: RunFiles, rows: int) -> list[str]:
     ]
 
 
-@api.get("/runs/<int:run_id>/telemetry.f64", responses=_content("application/octet-stream"))
+@api.get("/runs/<int:run_id>/telemetry.f64", responses=answers_with("application/octet-stream"))
 def telemetry_f64(path: RunPath, query: TelemetryQuery) -> Response:
     """Download all rows so far as little-endian float64; X-Columns names the columns."""
     view = access.run_for(path.run_id)
@@ -94,7 +91,7 @@ def telemetry_f64(path: RunPath, query: TelemetryQuery) -> Response:
     return answer
 
 
-@api.get("/runs/<int:run_id>/metrics.json", responses=_content("application/json", "object"))
+@api.get("/runs/<int:run_id>/metrics.json", responses=answers_with("application/json", "object"))
 def metrics(path: RunPath) -> Response:
     """Return the metrics; 404 until there are some."""
     view = access.run_for(path.run_id)
@@ -104,7 +101,7 @@ def metrics(path: RunPath) -> Response:
     return jsonify(without_hidden_seeds(found, view))
 
 
-@api.get("/runs/<int:run_id>/manifest.json", responses=_content("application/json", "object"))
+@api.get("/runs/<int:run_id>/manifest.json", responses=answers_with("application/json", "object"))
 def manifest(path: RunPath) -> Response:
     """Return the manifest: versions, configuration, seed and digest; 404 until there is one.
 
@@ -131,7 +128,7 @@ def _without_seeds(value: Any) -> Any:
     return [_without_seeds(item) for item in value] if isinstance(value, list) else value
 
 
-@api.get("/runs/<int:run_id>/config.json", responses=_content("application/json", "object"))
+@api.get("/runs/<int:run_id>/config.json", responses=answers_with("application/json", "object"))
 def config(path: RunPath) -> Response:
     """Download the configuration; `seamark run --config` reads it."""
     view = access.run_for(path.run_id)
@@ -140,7 +137,7 @@ def config(path: RunPath) -> Response:
     return answer
 
 
-@api.get("/runs/<int:run_id>/log", responses=_content("text/plain"))
+@api.get("/runs/<int:run_id>/log", responses=answers_with("text/plain"))
 def log(path: RunPath, query: LogQuery) -> Response:
     """Return the output of the program from byte `after` on; X-Next-Offset is the next `after`."""
     view = access.run_for(path.run_id, Action.VIEW_LOG)
@@ -151,7 +148,7 @@ def log(path: RunPath, query: LogQuery) -> Response:
     return answer
 
 
-@api.get("/runs/<int:run_id>/program", responses=_content("text/plain"))
+@api.get("/runs/<int:run_id>/program", responses=answers_with("text/plain"))
 def program(path: RunPath) -> Response:
     """Download the uploaded program of your own or of a public run."""
     view = access.run_for(path.run_id, Action.VIEW_PROGRAM)
@@ -168,7 +165,7 @@ def program(path: RunPath) -> Response:
     return caching.conditional(answer)
 
 
-@api.get("/runs/<int:run_id>/camera.jpg", responses=_content("image/jpeg"))
+@api.get("/runs/<int:run_id>/camera.jpg", responses=answers_with("image/jpeg"))
 def camera(path: RunPath, query: CameraQuery) -> Response:
     """Render the camera image at a simulated time; with neither outline it is the bare image."""
     from seamark.server.runs import camera_view  # noqa: PLC0415 (it loads OpenCV)

@@ -11,6 +11,7 @@ from flask import Response, request
 from flask_openapi3.blueprint import APIBlueprint
 from flask_openapi3.models.tag import Tag
 
+from seamark.server.api.file_answers import answers_with
 from seamark.server.api.operation_ids import operation_id
 from seamark.server.api.publication_schemas import PublicationResponse
 from seamark.server.api.schemas import RunPath
@@ -43,10 +44,6 @@ api = APIBlueprint(
 )
 
 
-def _content(media_type: str) -> Any:
-    return {200: {"content": {media_type: {"schema": {"type": "string"}}}}}
-
-
 @api.get("/runs/<int:run_id>/publication", responses={200: PublicationResponse})
 def show(path: RunPath) -> dict[str, Any]:
     """Return the terms of a publication and its verifications; 410 if it has been withdrawn."""
@@ -69,19 +66,19 @@ def show(path: RunPath) -> dict[str, Any]:
     }
 
 
-@api.get("/runs/<int:run_id>/citation.bib", responses=_content("application/x-bibtex"))
+@api.get("/runs/<int:run_id>/citation.bib", responses=answers_with("application/x-bibtex"))
 def citation_bib(path: RunPath) -> Response:
     """Download how a public run is cited with BibTeX or biblatex."""
     return _document(path.run_id, citations.bibtex, "application/x-bibtex; charset=utf-8")
 
 
-@api.get("/runs/<int:run_id>/citation.cff", responses=_content("application/yaml"))
+@api.get("/runs/<int:run_id>/citation.cff", responses=answers_with("application/yaml", "object"))
 def citation_cff(path: RunPath) -> Response:
     """Download the CITATION.cff (Citation File Format 1.2.0) of a public run."""
     return _document(path.run_id, citations.cff, "application/yaml; charset=utf-8")
 
 
-@api.get("/runs/<int:run_id>/badge.svg", responses=_content("image/svg+xml"))
+@api.get("/runs/<int:run_id>/badge.svg", responses=answers_with("image/svg+xml"))
 def badge_svg(path: RunPath) -> Response:
     """Show score and rank of a public run as a badge, for pages elsewhere."""
     run = published(path.run_id)

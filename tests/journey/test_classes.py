@@ -68,6 +68,6 @@ def test_a_pupil_hands_in_a_run_and_the_teacher_sees_it(
     (line,) = csv.DictReader(download.value.path().read_text().splitlines())
     assert (line["pupil"], line["runs"], line["seed"]) == ("pupil", "1", "5")
     row.get_by_role("link").click()
-    expect(page.get_by_role("link", name="Publish")).to_have_count(0)
+    expect(page.get_by_role("link", name="Publish …")).to_have_count(0)
     assert (visitor.errors, phone.errors) == ([], [])
     assert (visitor.violations(), phone.violations()) == ([], [])

@@ -28,7 +28,7 @@ def test_a_stranger_sees_a_run_only_between_its_publication_and_its_withdrawal(
     run = f"/runs/{visitor.submit(RUN | {'title': 'Worth reading'})}"
     visitor.open(run)
     visitor.wait_for("succeeded")
-    page.get_by_role("link", name="Publish").click()
+    page.get_by_role("link", name="Publish …").click()
     expect(page.get_by_role("main")).to_contain_text("Everyone will be able to see the results")
     assert visitor.violations() == []
     page.get_by_role("link", name="Cancel").click()

@@ -78,7 +78,7 @@ class Visitor:
 
     def publish(self) -> None:
         """Publish the run of this page, with its program and by name."""
-        self.page.get_by_role("link", name="Publish").click()
+        self.page.get_by_role("link", name="Publish …").click()
         self.page.get_by_role("button", name="Publish").click()
 
     def tab_to(self, control: Locator, most: int = 12) -> None:

@@ -18,10 +18,11 @@ from seamark.server.accounts import accounts, browser_sessions, invitations
 from seamark.server.audit import Actor, AuditAction
 from seamark.server.checks import queue as check_queue
 from seamark.server.classes import classrooms
-from seamark.server.database.account_tables import AccountDeletion, PasswordReset
+from seamark.server.database.account_tables import AccountDeletion, LinkedIdentity, PasswordReset
 from seamark.server.database.class_tables import AssignedRun, Classroom
 from seamark.server.database.disk_tables import DiskUsage
 from seamark.server.database.engine import Database
+from seamark.server.database.mail_tables import MailAddress, OutgoingMail, RunNotice
 from seamark.server.database.publication_tables import Verification
 from seamark.server.database.rejudgement_tables import RejudgedRun
 from seamark.server.database.schema import check, config, upgrade
@@ -95,6 +96,12 @@ def _fill(backend: Backend) -> None:
         session.add(RejudgedRun(run_id=2, rejudgement_id=1))
         session.add(Verification(again_id=2, run_id=1, requested_at=1.0))
         session.add(DiskUsage(kind="area", name="runs", bytes=1, count=1))
+        session.add(MailAddress(user_id=ann, address="ann@example.org", address_hash="a"))
+        times = {"created_at": 0.0, "next_try_at": 0.0}
+        session.add(OutgoingMail(kind="reset", user_id=ann, address_hash="a", **times))
+        session.add(RunNotice(user_id=ann, run_id=1))
+        identity = {"issuer": "https://id.example.org", "subject": "1", "label": "Ann"}
+        session.add(LinkedIdentity(user_id=ann, linked_at=1.0, **identity))
         session.add(AccountDeletion(user_id=backend.user_id("eva"), requested_at=1.0))
 
 
