@@ -14,6 +14,7 @@ from seamark.formats.registry import FORMATS, REVISION, Format
 from seamark.formats.ros import layout
 from seamark.server.accounts.permissions import Action, Viewer, can
 from seamark.server.api import files as run_files
+from seamark.server.api.file_answers import answers_with
 from seamark.server.api.operation_ids import operation_id
 from seamark.server.api.schemas import RunPath
 from seamark.server.programs import store
@@ -39,12 +40,8 @@ api = APIBlueprint(
 )
 
 
-def _content_of(media_type: str, kind: str) -> Any:
-    return {200: {"content": {media_type: {"schema": {"type": kind}}}}}
-
-
 def _content(name: str) -> Any:
-    return _content_of(FORMATS[name].media_type, "string")
+    return answers_with(FORMATS[name].media_type)
 
 
 @api.get("/runs/<int:run_id>/telemetry.parquet", responses=_content("parquet"))
@@ -62,7 +59,7 @@ def telemetry_mcap(path: RunPath) -> Response:
     return _converted(path.run_id, FORMATS["mcap"])
 
 
-@api.get("/foxglove-layout.json", responses=_content_of("application/json", "object"))
+@api.get("/foxglove-layout.json", responses=answers_with("application/json", "object"))
 def foxglove_layout() -> Response:
     """Download the layout with which Foxglove shows a run that was downloaded as MCAP."""
     answer = Response(layout.TEXT, content_type="application/json")
