@@ -64,6 +64,8 @@ _MORE = (
 _WHOLE_FILES = frozenset({"/runs/runs.csv", "/download/<name>"})  # all rows; the wheel, built once
 _NOT_PAGES = ("/api/v1", "/static", "/metrics", "/healthz", "/readyz")
 _FILES = (".jpg", ".urdf", ".csv", ".zip")
+# Pages of a service with e-mail or an identity provider, which this one has not.
+_ELSEWHERE = ("/account/identity", "/forgot", "/mail/", "/sign-in/", "/sign-up/")
 
 
 def create_first(session: Session, user_id: int) -> None:
@@ -115,6 +117,6 @@ def pages(app: Flask, *, run_id: int, user: str, user_id: int) -> list[str]:
     found = {
         path
         for path in addresses(app, run_id=run_id, half="", user=user, user_id=user_id)
-        if not path.startswith(_NOT_PAGES) and not path.endswith(_FILES)
+        if not path.startswith((*_NOT_PAGES, *_ELSEWHERE)) and not path.endswith(_FILES)
     }
     return sorted(path for path in found if not (path.startswith(lists) and "?" in path))

@@ -16,10 +16,10 @@ from seamark.failures import UsageRefused
 # What `import` calls the packages of the extra in pyproject.toml that a service cannot do without,
 # and PyBullet: the runs of a service have contacts.
 SERVER = (
-    *("alembic", "argon2", "celery", "flask", "flask_limiter", "flask_login", "flask_openapi3"),
-    *("flask_wtf", "gunicorn", "markdown_it", "mcap_ros2", "obstore", "prometheus_client"),
-    *("psycopg", "pyarrow", "pybullet", "pygments", "redis", "sqlalchemy", "structlog", "uvicorn"),
-    "uvicorn_worker",
+    *("alembic", "argon2", "authlib", "celery", "flask", "flask_limiter", "flask_login"),
+    *("flask_openapi3", "flask_wtf", "gunicorn", "markdown_it", "mcap_ros2", "obstore"),
+    *("prometheus_client", "psycopg", "pyarrow", "pybullet", "pygments", "redis", "requests"),
+    *("rosbags", "sqlalchemy", "structlog", "uvicorn", "uvicorn_worker"),
 )
 
 

@@ -111,7 +111,8 @@ def test_signing_up_makes_a_user_whatever_else_is_sent(site: Site) -> None:
 
 
 def test_a_token_and_a_password_belong_to_who_sends_the_form(site: Site) -> None:
-    browser = site.browser("ben")
+    browser = site.browser()
+    browser.post("/sign-up", {"name": "cleo", "password": "another long password"})
     root = str(site.user_id("root"))
 
     browser.post("/tokens", {"name": "t", "scopes": "read", "user_id": root, "viewer": "root"})
@@ -121,7 +122,7 @@ def test_a_token_and_a_password_belong_to_who_sends_the_form(site: Site) -> None
     with site.database.reading() as session:
         owners = session.scalars(select(Token.user_id)).all()
         assert accounts.authenticate(session, "root", WORDS) is None
-    assert owners == [site.user_id("ben")]
+        assert owners == [accounts.person(session, "cleo").id]
     assert answer.status_code == 422
 
 
