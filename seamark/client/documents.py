@@ -28,6 +28,14 @@ class SubmissionOptions(TypedDict, total=False):
     assignment: int | None
 
 
+class PublicationTerms(TypedDict):
+    """On which terms a run is published."""
+
+    program: bool
+    licence: str | None
+    anonymous: bool
+
+
 class RunDocument(TypedDict):
     """A run. Times are seconds since 1970, UTC; lists go without `metrics`."""
 

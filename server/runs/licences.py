@@ -14,3 +14,4 @@ LICENCES: Mapping[str, str] = {
     "CC0-1.0": "no conditions at all",
 }
 NONE = "None of these: what its own files say, else all rights are reserved"
+NO_PROGRAM = "A licence is for the program, and this publication has none."

@@ -15,7 +15,7 @@ from seamark.server.database.publication_tables import Publication
 from seamark.server.database.tables import Best, Run
 from seamark.server.database.upsert import upsert
 from seamark.server.runs import leaderboard
-from seamark.server.runs.licences import LICENCES
+from seamark.server.runs.licences import LICENCES, NO_PROGRAM
 from seamark.server.runs.states import RunKind, RunState
 
 
@@ -123,9 +123,7 @@ def _check(session: Session, run: Run, terms: Terms) -> None:
     if terms.licence is not None and terms.licence not in LICENCES:
         raise PublicationRefused(f"Choose one of {', '.join(LICENCES)}, or none.", field="licence")
     if terms.licence is not None and (run.program_sha256 is None or not terms.program):
-        raise PublicationRefused(
-            "A licence is for the program, and this publication has none.", field="licence"
-        )
+        raise PublicationRefused(NO_PROGRAM, field="licence")
     other = select(Run.id).where(
         Run.user_id == run.user_id,
         Run.benchmark == run.benchmark,

@@ -12,10 +12,11 @@ from seamark.cli.options import benchmark_argument, json_option, run_options, se
 from seamark.cli.run_summary import summary
 from seamark.failures import UsageRefused
 from seamark.sandbox.printable_text import printable_text
+from seamark.server.runs.licences import LICENCES, NO_PROGRAM
 
 if TYPE_CHECKING:
     from seamark.client import Run, Sweep
-    from seamark.client.documents import SubmissionOptions
+    from seamark.client.documents import PublicationTerms, SubmissionOptions
 
 
 @click.command()
@@ -33,6 +34,15 @@ if TYPE_CHECKING:
 )
 @click.option("--wait", is_flag=True, help="Wait until the run, or the sweep, has ended.")
 @click.option("--publish", is_flag=True, help="Wait, and make the run public if it succeeds.")
+@click.option(
+    "--licence",
+    type=click.Choice(list(LICENCES)),
+    help="With --publish: licence of the program, an SPDX identifier.  [default: none is granted]",
+)
+@click.option(
+    "--results-only", is_flag=True, help="With --publish: keep the program and its log private."
+)
+@click.option("--anonymous", is_flag=True, help="With --publish: for review, without your name.")
 @server_options
 @json_option
 def submit(  # noqa: PLR0913 (one argument per option is click's way)
@@ -48,6 +58,9 @@ def submit(  # noqa: PLR0913 (one argument per option is click's way)
     swept: tuple[str, ...],
     wait: bool,
     publish: bool,
+    licence: str | None,
+    results_only: bool,
+    anonymous: bool,
     server: str,
     token: str | None,
     as_json: bool,
@@ -58,7 +71,8 @@ def submit(  # noqa: PLR0913 (one argument per option is click's way)
     Examples:
       seamark submit currents-v1 --controller my_controller.py --token $TOKEN --wait
       seamark submit currents-v1 --controller pi --set kp=0.6 --seed 7
-      seamark submit currents-v2 --controller my_controller.py --ranked --publish --token $TOKEN
+      seamark submit currents-v2 --controller my_controller.py --ranked --publish \\
+        --licence MIT --token $TOKEN
       seamark submit currents-v1 --controller pi --sweep kp=0.1:1.0:5 --sweep ki=0,0.02,0.05
     """
     from seamark.cli.configuration import read_settings
@@ -77,8 +91,15 @@ def submit(  # noqa: PLR0913 (one argument per option is click's way)
         "title": title,
     }
     axes = read_settings(None, swept, option="--sweep")
-    if axes and publish:
-        raise UsageRefused("--publish is for one run; publish those of a sweep on their pages.")
+    terms: PublicationTerms = {
+        "program": not results_only,
+        "licence": licence,
+        "anonymous": anonymous,
+    }
+    if publish:
+        _check_publication(terms, sweep=bool(axes), program=program, token=token)
+    elif licence or results_only or anonymous:
+        raise UsageRefused("--licence, --results-only and --anonymous need --publish.")
     with refusals_shown(), Client(server, token) as client:
         try:
             if axes:
@@ -90,7 +111,9 @@ def submit(  # noqa: PLR0913 (one argument per option is click's way)
         if axes:
             _finish_sweep(sweep, wait=wait, as_json=as_json)
         else:
-            _finish_run(run, wait=wait or publish, publish=publish, as_json=as_json)
+            _finish_run(
+                run, wait=wait or publish, terms=terms if publish else None, as_json=as_json
+            )
 
 
 def _typed(benchmark: str, values: dict[str, Any]) -> dict[str, Any]:
@@ -120,20 +143,38 @@ def _best(run: Run) -> str:
     return f"Best: run {run.id} with score {run.score:.4g}, {run.page}"
 
 
-def _finish_run(run: Run, *, wait: bool, publish: bool, as_json: bool) -> None:
+def _check_publication(
+    terms: PublicationTerms, *, sweep: bool, program: Path | None, token: str | None
+) -> None:
+    """Refuse what the server would refuse too, but only after the run."""
+    if sweep:
+        raise UsageRefused("--publish is for one run; publish those of a sweep on their pages.")
+    if not token:
+        raise UsageRefused("Publishing needs an account: name its token with --token.")
+    if terms["licence"] is not None and (program is None or not terms["program"]):
+        raise UsageRefused(NO_PROGRAM)
+
+
+def _finish_run(run: Run, *, wait: bool, terms: PublicationTerms | None, as_json: bool) -> None:
     if not as_json:
         click.echo(printable_text(f"Run {run.id} is {run.state}: {run.page}"))
     if wait:
         run.wait(progress=not as_json)
-    if publish and run.state == "succeeded":
-        run.publish()
-    if as_json:
-        print_json(run.document)
-    elif wait:
-        click.echo(summary(run.document))
-        if run.public:
-            click.echo(printable_text(f"Published: {run.page}"))
+    try:
+        if terms is not None and run.state == "succeeded":
+            run.publish(**terms)
+    finally:  # the result is there, also if the server refuses to publish it
+        _show(run, ended=wait, as_json=as_json)
     if not wait or run.state == "succeeded":
         exit_with(0)
     cause = (run.failure or {}).get("cause")
     exit_with(3 if cause == "platform_error" else 1)
+
+
+def _show(run: Run, *, ended: bool, as_json: bool) -> None:
+    if as_json:
+        print_json(run.document)
+    elif ended:
+        click.echo(summary(run.document))
+        if run.public:
+            click.echo(printable_text(f"Published: {run.page}"))

@@ -1,10 +1,13 @@
-"""`seamark submit` with a file."""
+"""`seamark submit` with a file, and on which terms it publishes a run."""
 
+import json
 from pathlib import Path
 
-from click.testing import CliRunner
+import pytest
+from click.testing import CliRunner, Result
 
 from seamark.cli.main import cli
+from tests.cast import Backend
 
 STILL = """class Controller:
     def __init__(self, config):
@@ -18,14 +21,77 @@ STILL = """class Controller:
 """
 
 
-def test_a_file_is_submitted_as_a_program_of_ones_own(
-    address: str, token: str, tmp_path: Path
-) -> None:
-    program = tmp_path / "still.py"
-    program.write_text(STILL)
-    options = ["--controller", str(program), "--server", address, "--token", token]
+@pytest.fixture
+def program(tmp_path: Path) -> Path:
+    """A program that does nothing."""
+    file = tmp_path / "still.py"
+    file.write_text(STILL)
+    return file
 
-    answer = CliRunner().invoke(cli, ["submit", "currents-v1", *options])
+
+def submit(address: str, token: str, *options: object) -> Result:
+    common = ["submit", "currents-v1", "--server", address, "--token", token]
+    return CliRunner().invoke(cli, [*common, *map(str, options)])
+
+
+def test_a_file_is_submitted_as_a_program_of_ones_own(
+    address: str, token: str, program: Path
+) -> None:
+    answer = submit(address, token, "--controller", program)
 
     assert answer.exit_code == 0, answer.output
     assert f"{address}/runs/1" in answer.output
+
+
+@pytest.mark.usefixtures("worker")
+def test_a_run_is_published_on_the_terms_that_the_options_name(
+    address: str, token: str, program: Path
+) -> None:
+    own = ("--controller", program, "--publish", "--json")
+
+    plain = submit(address, token, *own)
+    chosen = submit(address, token, *own, "--licence", "EUPL-1.2", "--anonymous")
+    private = submit(address, token, *own, "--results-only")
+
+    runs = [json.loads(one.stdout) for one in (plain, chosen, private)]
+    assert [run["public"] for run in runs] == [True, True, True]
+    assert [run["licence"] for run in runs] == [None, "EUPL-1.2", None]
+    assert [run["program_public"] for run in runs] == [True, True, False]
+    assert [run["user"] for run in runs] == ["ann", "Anonymous author", "ann"]
+
+
+@pytest.mark.parametrize(
+    ("options", "says"),
+    [
+        (("--licence", "MIT"), "need --publish"),
+        (("--anonymous",), "need --publish"),
+        (("--publish", "--licence", "WTFPL"), "'MIT', 'BSD-3-Clause'"),
+        (("--publish", "--licence", "MIT"), "A licence is for the program"),
+        (("--publish", "--sweep", "kp=0.1,0.2"), "--publish is for one run"),
+        (("--publish", "--token", ""), "Publishing needs an account"),
+    ],
+)
+def test_impossible_terms_are_refused_before_anything_is_submitted(
+    backend: Backend, address: str, token: str, options: tuple[str, ...], says: str
+) -> None:
+    refused = submit(address, token, "--controller", "pi", *options)
+
+    assert refused.exit_code == 2
+    assert says in " ".join(refused.output.split())
+    assert backend.claim() is None
+
+
+@pytest.mark.usefixtures("worker")
+def test_the_result_is_printed_although_the_server_does_not_publish_it(
+    backend: Backend, address: str, token: str, program: Path
+) -> None:
+    done = submit(address, token, "--controller", "pi", "--ranked", "--wait", "--json")
+    backend.publish(int(json.loads(done.stdout)["id"]))
+
+    refused = submit(
+        *(address, token, "--controller", program, "--ranked", "--publish", "--anonymous")
+    )
+
+    assert refused.exit_code == 2
+    assert "Score 50" in refused.stdout
+    assert "is published under your name" in refused.stderr
