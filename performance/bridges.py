@@ -17,6 +17,7 @@ from collections.abc import Callable, Sequence
 from contextlib import closing
 from pathlib import Path
 
+from performance.commands import TIMEOUT_S, Failed, run
 from seamark.server.accounts import accounts
 from seamark.server.database.engine import Database
 from tests.services.embedded import cancel_baselines, started
@@ -29,12 +30,7 @@ SHORT = ("levels=0,0.3", "level_duration_s=10", "settle_s=2")
 RUN = ("currents-v1", "--seed", "7", *(word for pair in SHORT for word in ("--set", pair)))
 COMPILE = ("g++", "-std=c++17", "-O1", "-Wall", "-Wextra", "-Wpedantic", "-Werror")
 PROGRAM = EXAMPLES / "linear_controller.py"
-TIMEOUT_S = 600
 WAITING = "Waiting for a program at ws://127.0.0.1:"
-
-
-class Failed(Exception):
-    """A step failed; the text says why."""
 
 
 def main() -> int:
@@ -62,8 +58,8 @@ def _rosbridge(folder: Path) -> None:
     """Compare the digests of the examples with that of the built-in controller."""
     shutil.copytree(ROSLIB, folder / "roslib")
     shutil.copy(EXAMPLES / "rosbridge" / "pi.mjs", folder / "roslib")
-    _run(("npm", "ci", "--silent", "--no-fund"), folder / "roslib")
-    outcome = json.loads(_run((*SEAMARK, "run", *RUN, "--controller", "pi", "--json"), folder))
+    run(("npm", "ci", "--silent", "--no-fund"), folder / "roslib")
+    outcome = json.loads(run((*SEAMARK, "run", *RUN, "--controller", "pi", "--json"), folder))
     expected = outcome["digest"]
     programs: dict[str, Callable[[str], Sequence[str]]] = {
         "roslibpy": lambda port: (
@@ -88,7 +84,7 @@ def _digest_behind_bridge(command: Callable[[str], Sequence[str]], folder: Path)
         line = bridge.stderr.readline() if bridge.stderr else ""
         if not line.startswith(WAITING):
             raise Failed(f"the bridge printed {line!r}")
-        _run(command(line.removeprefix(WAITING).strip().rstrip(".")), folder)
+        run(command(line.removeprefix(WAITING).strip().rstrip(".")), folder)
         printed, _ = bridge.communicate(timeout=TIMEOUT_S)
     finally:
         bridge.kill()
@@ -100,10 +96,10 @@ def _client_in_cpp(folder: Path) -> None:
     """Compile the example of the client in C++, and run it against a service."""
     program = folder / "follow_run"
     source = EXAMPLES / "cpp" / "follow_run.cpp"
-    _run((*COMPILE, "-I", str(ROOT / "docs"), str(source), "-lcurl", "-o", str(program)), folder)
+    run((*COMPILE, "-I", str(ROOT / "docs"), str(source), "-lcurl", "-o", str(program)), folder)
     with started(folder / "data") as (address, _):
         token = _token(folder / "data")
-        printed = _run((str(program), address, token, str(PROGRAM)), folder)
+        printed = run((str(program), address, token, str(PROGRAM)), folder)
     print("".join(f"  {line}\n" for line in printed.splitlines()), end="", flush=True)
     written = sorted(folder.glob("run-*.csv"))
     if printed.count("succeeded, score") != len(written) or len(written) != 2:
@@ -119,16 +115,6 @@ def _token(data: Path) -> str:
         with database.writing() as session:
             user = accounts.sign_up(session, "cpp", None)
             return accounts.new_token(session, user.id, "t", ("read", "submit"), days=1.0)
-
-
-def _run(command: Sequence[str], folder: Path) -> str:
-    """Return what a command prints; raise Failed if it fails."""
-    done = subprocess.run(
-        command, cwd=folder, stdout=subprocess.PIPE, text=True, check=False, timeout=TIMEOUT_S
-    )
-    if done.returncode != 0:
-        raise Failed(f"{Path(command[0]).name} ended with {done.returncode}")
-    return done.stdout
 
 
 if __name__ == "__main__":

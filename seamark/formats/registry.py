@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, BinaryIO
 if TYPE_CHECKING:
     from seamark.formats.recording import Recording
 
-REVISION = 1  # of all formats: a change of one makes the copies of clients stale
+REVISION = 2  # of all formats: a change of one makes the copies of clients stale
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -133,7 +133,13 @@ def _outlines(frame: CameraFrame, row: frames.Array, stamp: Stamp) -> Message:
     if row[INDEX["tracker_ok"]] == 1.0:
         lines.append(_outline(row[_CORNERS].reshape(4, 2), GREEN, 2.0, stamp))
     lines.append(_outline(frame.corners(), AMBER, 1.0, stamp))
-    return {"circles": [], "points": [line for line in lines if line], "texts": []}
+    return {
+        "timestamp": stamp,
+        "circles": [],
+        "points": [line for line in lines if line],
+        "texts": [],
+        "metadata": [],
+    }
 
 
 def _outline(
@@ -150,4 +156,5 @@ def _outline(
         "outline_colors": [],
         "fill_color": {"r": 0.0, "g": 0.0, "b": 0.0, "a": 0.0},
         "thickness": thickness,
+        "metadata": [],
     }

@@ -37,24 +37,28 @@ _FIELDS = {
         "uint32 binning_x\nuint32 binning_y\nsensor_msgs/RegionOfInterest roi"
     ),
     "foxglove_msgs/Color": "float64 r\nfloat64 g\nfloat64 b\nfloat64 a",
+    "foxglove_msgs/KeyValuePair": "string key\nstring value",
     "foxglove_msgs/Point2": "float64 x\nfloat64 y",
     "foxglove_msgs/CircleAnnotation": (
         "builtin_interfaces/Time timestamp\nfoxglove_msgs/Point2 position\nfloat64 diameter\n"
-        "float64 thickness\nfoxglove_msgs/Color fill_color\nfoxglove_msgs/Color outline_color"
+        "float64 thickness\nfoxglove_msgs/Color fill_color\nfoxglove_msgs/Color outline_color\n"
+        "foxglove_msgs/KeyValuePair[] metadata"
     ),
     "foxglove_msgs/PointsAnnotation": (
         "builtin_interfaces/Time timestamp\nuint8 UNKNOWN=0\nuint8 POINTS=1\nuint8 LINE_LOOP=2\n"
         "uint8 LINE_STRIP=3\nuint8 LINE_LIST=4\nuint8 type\nfoxglove_msgs/Point2[] points\n"
         "foxglove_msgs/Color outline_color\nfoxglove_msgs/Color[] outline_colors\n"
-        "foxglove_msgs/Color fill_color\nfloat64 thickness"
+        "foxglove_msgs/Color fill_color\nfloat64 thickness\nfoxglove_msgs/KeyValuePair[] metadata"
     ),
     "foxglove_msgs/TextAnnotation": (
         "builtin_interfaces/Time timestamp\nfoxglove_msgs/Point2 position\nstring text\n"
-        "float64 font_size\nfoxglove_msgs/Color text_color\nfoxglove_msgs/Color background_color"
+        "float64 font_size\nfoxglove_msgs/Color text_color\nfoxglove_msgs/Color background_color\n"
+        "foxglove_msgs/KeyValuePair[] metadata"
     ),
     "foxglove_msgs/ImageAnnotations": (
-        "foxglove_msgs/CircleAnnotation[] circles\nfoxglove_msgs/PointsAnnotation[] points\n"
-        "foxglove_msgs/TextAnnotation[] texts"
+        "builtin_interfaces/Time timestamp\nfoxglove_msgs/CircleAnnotation[] circles\n"
+        "foxglove_msgs/PointsAnnotation[] points\nfoxglove_msgs/TextAnnotation[] texts\n"
+        "foxglove_msgs/KeyValuePair[] metadata"
     ),
 }
 
