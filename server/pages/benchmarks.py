@@ -41,7 +41,7 @@ def show(name: str) -> ResponseReturnValue:
     with services().database.reading() as session:
         leader, people = _leader(session, benchmark), score_counts.size(session, name)
         marks = reference_entries.entries(session, benchmark)
-        pending = reference_entries.are_pending(session, benchmark)
+        pending = reference_entries.are_pending(session, benchmark, marks)
     rows: list[OnAxis] = sorted([*marks, *([leader] if leader else [])], key=lambda row: -row.score)
     return render_template(
         "benchmark/show.html",

@@ -47,11 +47,12 @@ def show() -> ResponseReturnValue:
     """Show the home page."""
     with services().database.reading() as session:
         public = run_lists.page(session, g.viewer, RunFilter(which="public"), limit=NEWEST)
-        boards = [_board(session, registry.benchmark(name)) for name in registry.BENCHMARKS]
-        replay = _replay(session, boards)
+        boards = _boards(session)
+        candidates = _candidates(session, boards)
         counts, simulated_s = totals.counts_and_simulated_s(session)
         live = sum(counts[state] for state in LIVE) - reference_entries.live_count(session)
         alive = workers.alive_count(session)
+    replay = leader_replay.first_replayable(candidates)
     return render_template(
         "home/index.html",
         public=public.runs,
@@ -71,9 +72,9 @@ def demo() -> ResponseReturnValue:
     """Start a run of a built-in controller; show a finished one if no worker is free for it."""
     access.require_scope(Action.SUBMIT)
     with services().database.reading() as session:
-        boards = [_board(session, registry.benchmark(name)) for name in registry.BENCHMARKS]
-        replay = _replay(session, boards)
+        candidates = _candidates(session, _boards(session))
         free = workers.slot_count(session) - totals.counts(session)[RunState.RUNNING]
+    replay = leader_replay.first_replayable(candidates)
     if free <= 0 and replay is not None:
         flash("All workers are busy, so this is a replay. Press Play.")
         return redirect(url_for("run.show", run_id=replay.id), code=303)
@@ -104,17 +105,21 @@ def _start_demo() -> int:
         return submission.submit(session, valid, services().settings)
 
 
-def _board(session: Session, benchmark: Benchmark) -> Board:
-    references = reference_entries.entries(session, benchmark)
-    return Board(
-        benchmark,
-        leaderboard.leaders(session, benchmark, BEST),
-        [entry for entry in references if not entry.is_bound][:BEST],
-    )
+def _boards(session: Session) -> list[Board]:
+    found = [registry.benchmark(name) for name in registry.BENCHMARKS]
+    references = reference_entries.of_benchmarks(session, found)
+    return [
+        Board(
+            benchmark,
+            leaderboard.leaders(session, benchmark, BEST),
+            [entry for entry in references[benchmark.name] if not entry.is_bound][:BEST],
+        )
+        for benchmark in found
+    ]
 
 
-def _replay(session: Session, boards: Sequence[Board]) -> RunView | None:
-    """Return the first run that can be replayed, of a leader or else of a reference entry."""
+def _candidates(session: Session, boards: Sequence[Board]) -> list[RunView]:
+    """Return the runs that may be replayed: of leaders, then of reference entries."""
     leaders = [rank.run_id for board in boards for rank in board.leaders]
     references = [entry.run_id for board in boards for entry in board.references]
-    return leader_replay.first_replayable(session, filter(None, (*leaders, *references)))
+    return leader_replay.first(session, filter(None, (*leaders, *references)))

@@ -16,17 +16,24 @@ from seamark.server.web.services import services
 _SEEN_MAX = 10  # runs that are looked at; storage can be away, or their data deleted
 
 
-def leader(session: Session, ranks: Sequence[Rank]) -> RunView | None:
-    """Return the run of the first of these ranks that can be replayed, marks last; else None."""
+def leaders(session: Session, ranks: Sequence[Rank]) -> list[RunView]:
+    """Return the runs of the first of these ranks, marks last."""
     best_first = sorted(ranks, key=lambda one: one.is_baseline)
-    return first_replayable(session, [rank.run_id for rank in best_first])
+    return first(session, [rank.run_id for rank in best_first])
 
 
-def first_replayable(session: Session, run_ids: Iterable[int]) -> RunView | None:
-    """Return the first of these runs that the viewer can replay; None if the first few cannot."""
-    for run_id in islice(run_ids, _SEEN_MAX):
-        run = views.show(session, run_id)
-        if run is not None and can(g.viewer, Action.VIEW, run) and files(run).row_count():
+def first(session: Session, run_ids: Iterable[int]) -> list[RunView]:
+    """Return the first of these runs."""
+    return views.several(session, list(islice(run_ids, _SEEN_MAX)))
+
+
+def first_replayable(runs: Iterable[RunView]) -> RunView | None:
+    """Return the first of these runs that the viewer can replay; None if there is none.
+
+    It looks at their files, so that it should not keep a transaction waiting.
+    """
+    for run in runs:
+        if can(g.viewer, Action.VIEW, run) and files(run).row_count():
             return run
     return None
 

@@ -20,12 +20,12 @@ from seamark.server.runs import (
 )
 from seamark.server.runs.leaderboard import Cursor, Rank
 from seamark.server.runs.leaderboard_filters import (
-    ONLY,
     SORTED_MAX,
     BoardFilter,
     BoardPage,
     Measured,
 )
+from seamark.server.runs.ranking import Population
 from seamark.server.runs.reference_entries import ReferenceEntry
 from seamark.server.web.services import services
 from seamark.sim.benchmarks.benchmark import Benchmark
@@ -52,14 +52,14 @@ def show(name: str) -> ResponseReturnValue:
     metric = next((m for m in benchmark.board_metrics if m.name == request.args.get("sort")), None)
     begin = after is None
     with services().database.reading() as session:
-        board = _page(session, benchmark, chosen, after, metric)
+        people = score_counts.population(session, name)
+        board = _page(session, benchmark, chosen, metric, after=after, people=people)
         marks = reference_entries.entries(session, benchmark)
-        pending = reference_entries.are_pending(session, benchmark)
-        baselines = leaderboard_filters.page(session, name, BoardFilter(baselines=ONLY)).ranks
-        leader = leader_replay.leader(session, board.ranks) if begin and not metric else None
-        own = _own(session, name)
-        count = score_counts.size(session, name)
+        pending = reference_entries.are_pending(session, benchmark, marks)
+        leaders = leader_replay.leaders(session, board.ranks) if begin and not metric else ()
+        own = _own(session, name, people)
         verified = verifications.newest(session, [rank.run_id for rank in board.ranks])
+    leader = leader_replay.first_replayable(leaders)
     return render_template(
         "leaderboard/show.html",
         benchmark=benchmark,
@@ -68,7 +68,7 @@ def show(name: str) -> ResponseReturnValue:
         verified=verified,
         next=board.next.text() if board.next else None,
         first=begin,
-        count=count,
+        count=people.size,
         marks=marks,
         pending=pending,
         chosen=chosen,
@@ -79,7 +79,7 @@ def show(name: str) -> ResponseReturnValue:
         sorted_max=SORTED_MAX,
         axis=plots.score_axis(board.ranks, marks, whole="whole" in request.args),
         whole_axis=plots.score_axis(board.ranks[:1], marks, whole=True),
-        pareto=_pareto(benchmark, board.ranks, baselines, marks),
+        pareto=_pareto(benchmark, board.ranks, marks),
         leader=leader,
         replay=leader and player_data(leader, leader_replay.files(leader)),
         preview=link_previews.of_leaderboard(benchmark, board.ranks if begin else ()),
@@ -107,38 +107,38 @@ def _page(
     session: Session,
     benchmark: Benchmark,
     chosen: BoardFilter,
-    after: Cursor | None,
     metric: Metric | None,
+    *,
+    after: Cursor | None,
+    people: Population,
 ) -> BoardPage:
+    name = benchmark.name
     if metric is None:
-        found = leaderboard_filters.page(session, benchmark.name, chosen, after=after, limit=SIZE)
-        return found
-    ranks = leaderboard_filters.by_metric(session, benchmark.name, metric, chosen, limit=SIZE)
+        return leaderboard_filters.page(
+            session, name, chosen, after=after, limit=SIZE, people=people
+        )
+    ranks = leaderboard_filters.by_metric(session, name, metric, chosen, limit=SIZE, people=people)
     return BoardPage(ranks, None)
 
 
-def _own(session: Session, name: str) -> dict[str, Any]:
+def _own(session: Session, name: str, people: Population) -> dict[str, Any]:
     """Return the viewer's own row and the history of its rank."""
     user_id = g.viewer.user_id
     if user_id is None:
         return {"mine": None, "history": None}
-    mine = leaderboard.rank_of(session, name, user_id)
+    mine = leaderboard.rank_of(session, name, user_id, people)
     points = rank_history.of_user(session, user_id, name)
     return {"mine": mine, "history": rank_plot(points, None if mine is None else mine.rank)}
 
 
 def _pareto(
-    benchmark: Benchmark,
-    ranks: list[Rank],
-    baselines: list[Rank],
-    marks: list[ReferenceEntry],
+    benchmark: Benchmark, ranks: list[Rank], marks: list[ReferenceEntry]
 ) -> plots.ParetoPlot | None:
     """Return the plot of the rows of this page and of all reference entries."""
     if benchmark.pareto is None:
         return None
-    seen = {rank.run_id: rank for rank in (*ranks, *baselines)}
-    shipped = (mark for mark in marks if mark.run_id is None)
-    shown: list[Measured] = [*seen.values(), *shipped]
+    people = (rank for rank in ranks if not rank.is_baseline)
+    shown: list[Measured] = [*people, *marks]
     front = leaderboard_filters.undominated(shown, *benchmark.pareto)
     return plots.pareto_plot(shown, front, benchmark.pareto)
 

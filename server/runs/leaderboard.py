@@ -98,15 +98,23 @@ class Rank:
 
 
 def page(
-    session: Session, benchmark: str, *, after: Cursor | None = None, limit: int = 50
+    session: Session,
+    benchmark: str,
+    *,
+    after: Cursor | None = None,
+    limit: int = 50,
+    people: Population | None = None,
 ) -> list[Rank]:
-    """Return the next rows of one benchmark, best first; equal scores in order of time."""
+    """Return the next rows of one benchmark, best first; equal scores in order of time.
+
+    `people` are those of the leaderboard, if the caller has them; here and below.
+    """
     query = _rows(benchmark).order_by(*_ORDER).limit(limit)
     number = 0
     if after is not None:
         query = query.where(*_below(after))
         number = people_down_to(session, benchmark, after)
-    people = score_counts.population(session, benchmark)
+    people = score_counts.population(session, benchmark) if people is None else people
     ranks: list[Rank] = []
     for row in session.execute(query):
         number += not row.is_baseline
@@ -172,22 +180,29 @@ def baseline_keys(session: Session, benchmark: str, *, after: Cursor | None = No
     return [key for key in found if after is None or place(key.cursor) > place(after)]
 
 
-def rows_of(session: Session, benchmark: str, chosen: Sequence[Key]) -> list[Rank]:
+def rows_of(
+    session: Session, benchmark: str, chosen: Sequence[Key], people: Population | None = None
+) -> list[Rank]:
     """Return the whole rows of some keys, in their order."""
+    if not chosen:
+        return []
     query = _rows(benchmark).where(Best.user_id.in_([key.user_id for key in chosen]))
     found = {row.user_id: row for row in session.execute(query)}
-    people = score_counts.population(session, benchmark)
+    people = score_counts.population(session, benchmark) if people is None else people
     return [_rank(found[key.user_id], key.number, people) for key in chosen if key.user_id in found]
 
 
-def rank_of(session: Session, benchmark: str, user_id: int) -> Rank | None:
+def rank_of(
+    session: Session, benchmark: str, user_id: int, people: Population | None = None
+) -> Rank | None:
     """Return a user's own row, or None without one."""
     found = session.execute(_rows(benchmark).where(Best.user_id == user_id)).one_or_none()
     if found is None:
         return None
     here = Cursor(found.score, found.reached_at, found.run_id)
     number = people_down_to(session, benchmark, here)
-    return _rank(found, number, score_counts.population(session, benchmark))
+    people = score_counts.population(session, benchmark) if people is None else people
+    return _rank(found, number, people)
 
 
 def refresh(session: Session, benchmark: str, user_id: int) -> None:

@@ -12,6 +12,7 @@ from sqlalchemy.orm import Session
 
 from seamark.server.runs import leaderboard
 from seamark.server.runs.leaderboard import Cursor, Rank
+from seamark.server.runs.ranking import Population
 from seamark.sim.metrics.metric import Metric
 
 SEEN_MAX = 1000  # rows that a filtered page looks at
@@ -90,14 +91,18 @@ def page(
     *,
     after: Cursor | None = None,
     limit: int = 50,
+    people: Population | None = None,
 ) -> BoardPage:
-    """Return the next rows that pass a filter, best first; their ranks are among all people."""
+    """Return the next rows that pass a filter, best first; their ranks are among all people.
+
+    `people` are those of the leaderboard, if the caller has them.
+    """
     if not board_filter.active:
-        ranks = leaderboard.page(session, benchmark, after=after, limit=limit + 1)
+        ranks = leaderboard.page(session, benchmark, after=after, limit=limit + 1, people=people)
         more = len(ranks) > limit
         return BoardPage(ranks[:limit], ranks[limit - 1].cursor if more else None)
     if board_filter.user_id is not None:
-        own = leaderboard.rank_of(session, benchmark, board_filter.user_id)
+        own = leaderboard.rank_of(session, benchmark, board_filter.user_id, people)
         return BoardPage([own] if own and after is None and board_filter.passes(own) else [], None)
     if board_filter.baselines == ONLY:
         seen = leaderboard.baseline_keys(session, benchmark, after=after)
@@ -107,11 +112,17 @@ def page(
     following = seen[-1].cursor if len(seen) == SEEN_MAX else None
     if len(shown) > limit:
         shown, following = shown[:limit], shown[limit - 1].cursor
-    return BoardPage(leaderboard.rows_of(session, benchmark, shown), following)
+    return BoardPage(leaderboard.rows_of(session, benchmark, shown, people), following)
 
 
 def by_metric(
-    session: Session, benchmark: str, metric: Metric, board_filter: BoardFilter, *, limit: int = 50
+    session: Session,
+    benchmark: str,
+    metric: Metric,
+    board_filter: BoardFilter,
+    *,
+    limit: int = 50,
+    people: Population | None = None,
 ) -> list[Rank]:
     """Return the best rows by another metric, of the first `SORTED_MAX` by score.
 
@@ -120,7 +131,7 @@ def by_metric(
     seen = leaderboard.keys(session, benchmark, limit=SORTED_MAX)
     measured = [key for key in seen if metric.name in key.metrics and board_filter.passes(key)]
     measured.sort(key=lambda key: _cost(metric, key.metrics))
-    return leaderboard.rows_of(session, benchmark, measured[:limit])
+    return leaderboard.rows_of(session, benchmark, measured[:limit], people)
 
 
 def undominated(ranks: Sequence[Entry], first: Metric, second: Metric) -> list[Entry]:

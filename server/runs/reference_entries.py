@@ -1,10 +1,10 @@
 """The reference entries of a benchmark: what this service has computed, else what Seamark ships."""
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Any, Literal
 
-from sqlalchemy import Select, func, or_, select
+from sqlalchemy import ColumnElement, Row, Select, func, or_, select
 from sqlalchemy.orm import Session
 
 from seamark.server.accounts.accounts import RESERVED_PREFIX
@@ -46,35 +46,33 @@ def entries(session: Session, benchmark: Benchmark) -> list[ReferenceEntry]:
 
     A shipped result is over the trials on the public seed, one of this service over its own.
     """
-    query = (
-        select(User.name, Best, Run)
-        .join(User, User.id == Best.user_id)
-        .join(Run, Run.id == Best.run_id)
-        .where(Best.benchmark == benchmark.name, IS_BASELINE)
-    )
-    here = {
-        user.removeprefix(f"{RESERVED_PREFIX}-"): _computed(benchmark, best, run)
-        for user, best, run in session.execute(query)
+    return _sorted(benchmark, session.execute(_rows().where(Best.benchmark == benchmark.name)))
+
+
+def of_benchmarks(
+    session: Session, benchmarks: Sequence[Benchmark]
+) -> dict[str, list[ReferenceEntry]]:
+    """Return name -> `entries` of some benchmarks, by one statement."""
+    names = [benchmark.name for benchmark in benchmarks]
+    rows = session.execute(_rows().where(Best.benchmark.in_(names))).all()
+    return {
+        benchmark.name: _sorted(benchmark, (row for row in rows if row.benchmark == benchmark.name))
+        for benchmark in benchmarks
     }
-    shipped = {
-        name: _shipped(benchmark, name, result)
-        for name, result in reference_results.of_benchmark(benchmark).items()
-        if name in benchmark.baselines
-    }
-    return sorted((shipped | here).values(), key=lambda entry: entry.score, reverse=True)
 
 
 def live_count(session: Session) -> int:
     """Return how many runs of reference entries are queued or running."""
     every = map(registry.benchmark, registry.BENCHMARKS)
     names = {name for benchmark in every for name in benchmark.baselines}
-    return session.scalar(_live(session, names)) or 0
+    return _live_count(session, names)
 
 
-def are_pending(session: Session, benchmark: Benchmark) -> bool:
-    """Return whether this service still computes reference entries of a benchmark itself."""
-    live = _live(session, benchmark.baselines).where(Run.benchmark == benchmark.name)
-    return bool(session.scalar(live))
+def are_pending(session: Session, benchmark: Benchmark, marks: Iterable[ReferenceEntry]) -> bool:
+    """Return whether this service still computes some of `marks`, the entries of a benchmark."""
+    if all(mark.run_id is not None for mark in marks):
+        return False
+    return bool(_live_count(session, benchmark.baselines, Run.benchmark == benchmark.name))
 
 
 def deviations(session: Session) -> Iterator[tuple[str, int]]:
@@ -99,23 +97,51 @@ def deviations(session: Session) -> Iterator[tuple[str, int]]:
             yield f"{benchmark.title}: {benchmark.baselines[entry].title}", run_id
 
 
-def _live(session: Session, names: Iterable[str]) -> Select[int]:
-    """Return the query for the number of queued and running runs of some entries."""
+def _live_count(session: Session, names: Iterable[str], *which: ColumnElement[bool]) -> int:
+    """Return how many runs of some entries are queued or running."""
     keys = [f"{RESERVED_PREFIX}-{name}" for name in names]
     owners = session.scalars(select(User.id).where(User.name_key.in_(keys))).all()
-    return select(func.count()).where(Run.user_id.in_(owners), or_(IS_QUEUED, IS_RUNNING))
+    if not owners:
+        return 0
+    live = select(func.count()).where(Run.user_id.in_(owners), or_(IS_QUEUED, IS_RUNNING), *which)
+    return session.scalars(live).one()
 
 
-def _computed(benchmark: Benchmark, best: Best, run: Run) -> ReferenceEntry:
+def _rows() -> Select[*tuple[Any, ...]]:
+    """Select what `_computed` needs. Columns alone: objects of the ORM take longer."""
+    return (
+        select(
+            *(User.name.label("user"), Best.benchmark, Best.run_id, Best.metrics),
+            *(Best.score, Best.score_low, Best.score_high),
+            *(Run.title, Run.config, Run.controller, Run.program_name),
+        )
+        .join(User, User.id == Best.user_id)
+        .join(Run, Run.id == Best.run_id)
+        .where(IS_BASELINE)
+    )
+
+
+def _sorted(benchmark: Benchmark, rows: Iterable[Row[*tuple[Any, ...]]]) -> list[ReferenceEntry]:
+    """Return the entries of a benchmark from their rows and, where there is none, the shipped."""
+    here = {row.user.removeprefix(f"{RESERVED_PREFIX}-"): _computed(benchmark, row) for row in rows}
+    shipped = {
+        name: _shipped(benchmark, name, result)
+        for name, result in reference_results.of_benchmark(benchmark).items()
+        if name in benchmark.baselines and name not in here
+    }
+    return sorted((shipped | here).values(), key=lambda entry: entry.score, reverse=True)
+
+
+def _computed(benchmark: Benchmark, row: Row[*tuple[Any, ...]]) -> ReferenceEntry:
     return ReferenceEntry(
-        title=run.title or solution(run),
-        score=best.score,
-        low=best.score_low,
-        high=best.score_high,
-        is_bound=run.controller in benchmark.reference_built_in,
-        is_oracle=_ORACLE in run.controller,
-        run_id=run.id,
-        metrics=best.metrics or {},
+        title=row.title or solution(row),
+        score=row.score,
+        low=row.score_low,
+        high=row.score_high,
+        is_bound=row.controller in benchmark.reference_built_in,
+        is_oracle=_ORACLE in row.controller,
+        run_id=row.run_id,
+        metrics=row.metrics or {},
     )
 
 

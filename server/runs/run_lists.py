@@ -10,7 +10,7 @@ from enum import StrEnum
 from typing import Any, Literal
 
 from sqlalchemy import ColumnElement, Select, case, false, func, or_, select
-from sqlalchemy.orm import Session, defer
+from sqlalchemy.orm import Session
 from sqlalchemy.sql.base import ReadOnlyColumnCollection
 
 from seamark.sandbox.languages import LANGUAGES
@@ -134,7 +134,7 @@ def page(
         following = _within(session, seen, start, skip + limit)
     elif not all_seen:
         following = _window_after(session, seen, order)
-    return RunPage(_views(session, ids[:limit]), following)
+    return RunPage(views.several(session, ids[:limit]), following)
 
 
 def _window(
@@ -163,15 +163,6 @@ def _window_after(session: Session, seen: Columns, order: RunOrder) -> Place | N
     edge = func.max(seen.id) if order is RunOrder.OLDEST else func.min(seen.id)
     last = session.scalar(select(edge).having(func.count() == SEEN_MAX))
     return None if last is None else Place(last)
-
-
-def _views(session: Session, ids: Sequence[int]) -> list[RunView]:
-    """Return runs in the order of their numbers here."""
-    # A list shows neither: parsing the metrics of large grids would take most of its time.
-    query = views.selection().options(defer(Result.metrics), defer(Result.manifest))
-    rows = session.execute(query.where(Run.id.in_(ids))).all()
-    found = {row[0].id: views.view(*row) for row in rows}
-    return [found[number] for number in ids if number in found]
 
 
 def _keys(run: Columns, order: RunOrder) -> tuple[ColumnElement[Any], ...]:

@@ -6,8 +6,9 @@ row that all of them wait for.
 """
 
 import time
+from typing import Any
 
-from sqlalchemy import case, func, literal, select
+from sqlalchemy import ColumnElement, case, func, literal, select
 from sqlalchemy.orm import InstrumentedAttribute, Session
 
 from seamark.server.database import counters
@@ -24,33 +25,40 @@ LATE_S = 60.0  # a transaction that is open meanwhile may store an earlier time 
 
 def counts(session: Session) -> dict[RunState, int]:
     """Return how many runs there are in each state; ended ones that were deleted count too."""
-    recent, _ = _ended_after(session, counters.value(session, UNTIL))
-    return _counts(session, recent)
+    return counts_and_simulated_s(session)[0]
 
 
 def counts_and_simulated_s(session: Session) -> tuple[dict[RunState, int], float]:
     """Return `counts`, and the simulated time [s] of all runs, also of those that are running."""
-    recent, recent_s = _ended_after(session, counters.value(session, UNTIL))
-    running = session.scalar(select(func.sum(Run.t_simulated)).where(IS_RUNNING, IS_LISTED)) or 0.0
-    return _counts(session, recent), counters.value(session, SIMULATED) + running + recent_s
+    counted = counters.values(session, (UNTIL, SIMULATED, *(ENDED + state for state in FINAL)))
+    recent, recent_s = _ended_after(session, counted[UNTIL])
+    queued, running, running_s = session.execute(_LIVE).one()
+    ended = {state: int(counted[ENDED + state]) + recent[state] for state in FINAL}
+    live = {RunState.QUEUED: queued, RunState.RUNNING: running}
+    return live | ended, counted[SIMULATED] + running_s + recent_s
 
 
-def _counts(session: Session, recent: dict[RunState, int]) -> dict[RunState, int]:
-    live = {RunState.QUEUED: IS_QUEUED, RunState.RUNNING: IS_RUNNING}
-    # Not with IS_LISTED: the index that counts runs does not have it, but turns do.
-    turn = {RunState.QUEUED: Turn.queued, RunState.RUNNING: Turn.running}
-    hidden = {state: _of_rejudgements(session, column) for state, column in turn.items()}
-    return {
-        state: (session.scalar(select(func.count()).where(condition)) or 0) - hidden[state]
-        for state, condition in live.items()
-    } | {state: int(counters.value(session, ENDED + state)) + recent[state] for state in FINAL}
-
-
-def _of_rejudgements(session: Session, column: InstrumentedAttribute[int]) -> int:
+def _of_rejudgements(column: InstrumentedAttribute[int]) -> ColumnElement[int]:
     """Return how many queued or running runs belong to rejudgements."""
     none = literal(0, literal_execute=True)  # as the partial indexes have it
     its = (column > none, Turn.priority == int(Priority.REJUDGEMENT))
-    return session.scalar(select(func.sum(column)).where(*its)) or 0
+    return _sum(column, *its)
+
+
+def _sum(column: InstrumentedAttribute[Any], *rows: ColumnElement[bool]) -> ColumnElement[Any]:
+    return func.coalesce(select(func.sum(column)).where(*rows).scalar_subquery(), 0)
+
+
+def _number(rows: ColumnElement[bool]) -> ColumnElement[int]:
+    return select(func.count()).where(rows).scalar_subquery()
+
+
+# Not with IS_LISTED where runs are counted: the index for it does not have it, but turns do.
+_LIVE = select(
+    _number(IS_QUEUED) - _of_rejudgements(Turn.queued),
+    _number(IS_RUNNING) - _of_rejudgements(Turn.running),
+    _sum(Run.t_simulated, IS_RUNNING, IS_LISTED),
+)
 
 
 def oldest_queued_at(session: Session) -> float | None:

@@ -1,5 +1,6 @@
 """Runs as pages and the API show them: values, not rows, and no seed but a chosen one."""
 
+from collections.abc import Sequence
 from typing import Any
 
 from sqlalchemy import Select, select
@@ -66,6 +67,15 @@ def show(session: Session, run_id: int, settings: Settings | None = None) -> Run
     wait = wait_estimate.wait_of(session, run, settings)
     waiting = {"position": wait.position, "estimate_s": wait.estimate_s, "why_waiting": wait.why}
     return view(run, result, user, teacher_id=teacher_id, **waiting)
+
+
+def several(session: Session, run_ids: Sequence[int]) -> list[RunView]:
+    """Return those runs of these that are there, in this order, as lists show them."""
+    # A list shows neither: parsing the metrics of large grids would take most of its time.
+    query = selection().options(defer(Result.metrics), defer(Result.manifest))
+    query = query.where(Run.id.in_(run_ids), Run.deleted_at.is_(None), IS_LISTED)
+    found = {row[0].id: view(*row) for row in session.execute(query)} if run_ids else {}
+    return [found[run_id] for run_id in run_ids if run_id in found]
 
 
 def of_sweep(session: Session, sweep_id: int) -> list[RunView]:

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import pytest
+from flask.testing import FlaskClient
 from sqlalchemy import Connection, event
 from sqlalchemy.orm import Session
 
@@ -23,7 +24,8 @@ from tests.server.api.conftest import Site
 
 RUNS, QUEUED = 30_000, 1_000
 ROWS_MAX = 5_000  # rows of all tables that one statement reads on PostgreSQL
-STATEMENTS_MAX = 40  # of one answer
+STATEMENTS_MAX = 20  # of one answer
+CONNECTIONS_MAX = 2  # of a page that everybody opens: for its viewer, and for the rest
 STEPS_MAX = 75_000  # steps of SQLite's virtual machine; a scan of `runs` takes more
 _STEPS = 500  # between two calls of its handler
 
@@ -34,20 +36,36 @@ class Work:
 
     site: Site
     found: list[tuple[str, Any]] = field(default_factory=list)
+    connections: int = 0
 
     @contextmanager
     def recorded(self) -> Iterator[None]:
-        """Record the statements that are executed meanwhile."""
+        """Record the statements that are executed meanwhile, and count the connections."""
 
         def keep(_c: object, _cursor: object, statement: str, values: Any, *_: object) -> None:
             self.found.append((statement, values))
 
+        def count(*_: object) -> None:
+            self.connections += 1
+
         engine = self.site.services.database.engine
         event.listen(engine, "before_cursor_execute", keep)
+        event.listen(engine, "checkout", count)
         try:
             yield
         finally:
             event.remove(engine, "before_cursor_execute", keep)
+            event.remove(engine, "checkout", count)
+
+    def of_get(self, client: FlaskClient, address: str) -> tuple[int, int]:
+        """Return how many queries and connections the answer to a GET takes."""
+        self.found.clear()
+        self.connections = 0
+        with self.recorded(), client.get(address) as answer:
+            answer.get_data()
+        assert answer.status_code == 200
+        queries = [statement for statement, _ in self.found if statement.startswith("SELECT")]
+        return len(queries), self.connections
 
     def heavy(self) -> list[tuple[str, int]]:
         """Return the recorded statements that read more than a few rows, with their number."""
@@ -104,6 +122,16 @@ def work(both: Backend) -> Iterator[Work]:
     site.services.close()
 
 
+def _admin(site: Site) -> FlaskClient:
+    """Return a browser in which an admin is signed in."""
+    client = site.client()
+    with site.app.app_context():
+        cookie = authentication.cookie_of(site.user_id("root"))
+    with client.session_transaction() as session:
+        session.update(cookie)
+    return client
+
+
 def _all_failed(session: Session, viewer: Viewer) -> list[int]:
     """Return the failed runs by following a list with a filter that few runs pass."""
     found, start = list[int](), Place()
@@ -125,11 +153,7 @@ def test_no_request_and_no_step_of_the_queue_scans_the_runs(work: Work) -> None:
     waiting = site.queue("ann")
     with site.database.reading() as session:
         half = leaderboard.page(session, BENCHMARK, limit=200)[-1].cursor.text()
-    client = site.client()
-    with site.app.app_context():
-        cookie = authentication.cookie_of(site.user_id("root"))
-    with client.session_transaction() as session:
-        session.update(cookie)
+    client = _admin(site)
 
     heavy, many = {}, {}
     for address in addresses(site.app, run_id=recorded, half=half):
@@ -147,6 +171,22 @@ def test_no_request_and_no_step_of_the_queue_scans_the_runs(work: Work) -> None:
     assert failed == sorted(failed, reverse=True)
     assert {what: statements for what, statements in heavy.items() if statements} == {}
     assert {what: count for what, count in many.items() if count > STATEMENTS_MAX} == {}
+
+
+def test_the_pages_that_everybody_opens_ask_as_much_of_a_few_entries_as_of_many(work: Work) -> None:
+    site, most = work.site, {"/": 14, f"/leaderboards/{BENCHMARK}": 10}
+    client = _admin(site)
+    site.published("ann", kind="ranked", benchmark=BENCHMARK)
+    site.published("ben", kind="ranked", benchmark=BENCHMARK)
+
+    few = {address: work.of_get(client, address) for address in most}
+    fill(site.database, runs=3_000, queued=600)
+    many = {address: work.of_get(client, address) for address in most}
+
+    assert work.site.client().get(f"/leaderboards/{BENCHMARK}").text.count('name="runs"') == 50
+    assert many == few
+    assert {address: found for address, found in many.items() if found[0] > most[address]} == {}
+    assert {connections for _, connections in many.values()} == {CONNECTIONS_MAX}
 
 
 def test_claims_submissions_and_sweeps_cost_the_same_at_any_depth(work: Work) -> None:
