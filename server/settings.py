@@ -120,6 +120,13 @@ class Settings(BaseModel):
     warm_boxes: int = Field(
         1, ge=0, le=64, description="Started boxes per language and slot that wait for programs"
     )
+    bridge_places: int = Field(
+        1,
+        ge=0,
+        le=64,
+        description="Programs that may be connected to one worker by rosbridge at the same time, "
+        "beside its runs; 0: none",
+    )
     ranked_trials: int = Field(
         10,
         ge=1,

@@ -12,6 +12,7 @@ from typing import Any, ClassVar
 import h11
 from gunicorn.arbiter import Arbiter  # type: ignore[import-untyped]
 from uvicorn.protocols.http.h11_impl import H11Protocol
+from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIOProtocol
 from uvicorn.server import Server
 from uvicorn_worker import UvicornWorker  # type: ignore[import-untyped]
 
@@ -22,6 +23,14 @@ HEAD_S = 20.0  # until the head of a request is complete
 CONNECTIONS = 4000  # of one process; beyond, those without a request give way
 DISCARDED_MAX = 16 * 2**20  # [byte] of a refused body, so that its client reads the answer
 LAST_REQUEST_S = 1.0  # for the request of a connection that was accepted just before the end
+MESSAGE_MAX = 64 * 2**10  # [byte] of a WebSocket: no operation of rosbridge is longer
+PING_S = 20.0  # between two pings, and until one counts as unanswered
+WEB_SOCKETS: dict[str, Any] = {
+    "ws_max_size": MESSAGE_MAX,
+    "ws_ping_interval": PING_S,
+    "ws_ping_timeout": PING_S,
+    "ws_per_message_deflate": False,  # a small message could become a large one
+}
 
 
 class Protocol(H11Protocol):
@@ -31,6 +40,7 @@ class Protocol(H11Protocol):
     _deadline: asyncio.TimerHandle | None = None
     _discarded = 0
     _last = False
+    _handed_over = False  # to the protocol of WebSockets
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
         """Await the first request."""
@@ -39,6 +49,12 @@ class Protocol(H11Protocol):
         if len(self.connections) > CONNECTIONS:
             waiting = (c for c in self.connections if isinstance(c, Protocol) and c.idle)
             next(waiting, self).transport.abort()
+
+    def handle_websocket_upgrade(self, event: h11.Request) -> None:
+        """Hand the connection over, whose request has come."""
+        self._stop_waiting()
+        self._handed_over = True
+        super().handle_websocket_upgrade(event)
 
     @property
     def idle(self) -> bool:
@@ -58,6 +74,8 @@ class Protocol(H11Protocol):
         """Let the application close the connection; await the head of the next request."""
         before = self.cycle
         super().handle_events()
+        if self._handed_over:
+            return
         if self.cycle is not before:
             self._discarded = 0
             scope: dict[str, Any] = self.scope  # type: ignore[assignment]
@@ -94,6 +112,16 @@ class Protocol(H11Protocol):
             self._deadline = None
 
 
+class WebSocketProtocol(WebSocketsSansIOProtocol):
+    """A WebSocket whose connection the application can close."""
+
+    async def run_asgi(self) -> None:
+        """Let the application close the connection."""
+        extensions: dict[str, Any] = self.scope["extensions"]
+        extensions[ABORT] = self.transport.abort
+        await super().run_asgi()
+
+
 class WebServer(Server):
     """Ends the streams when it stops, so that their clients connect to another process."""
 
@@ -118,7 +146,8 @@ class WebWorker(UvicornWorker):  # type: ignore[misc]
     CONFIG_KWARGS: ClassVar[dict[str, Any]] = {
         "loop": "asyncio",
         "http": Protocol,
-        "ws": "none",
+        "ws": WebSocketProtocol,
+        **WEB_SOCKETS,
         "lifespan": "off",
         "interface": "asgi3",
         # The application itself decides which proxies it trusts (`SEAMARK_PROXIES`).

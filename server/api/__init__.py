@@ -27,6 +27,7 @@ from seamark.server.api import (
     profiles,
     publications,
     rejudgements,
+    rosbridge,
     runs,
     scene,
     series,
@@ -57,6 +58,7 @@ RESOURCES = (
     assignments.api,
     administration.api,
     rejudgements.api,
+    rosbridge.api,
 )
 
 

@@ -12,7 +12,7 @@ from seamark.server.classes.refusals import ClassRefused
 from seamark.server.database.tables import Run
 from seamark.server.programs import store
 from seamark.server.programs.store import StoredProgram
-from seamark.server.runs import views
+from seamark.server.runs import connected, views
 from seamark.server.runs.states import RunKind
 from seamark.server.runs.submission import SubmissionRejected, program_of
 from seamark.server.runs.views import RunView
@@ -108,6 +108,10 @@ def _from_run(benchmark: Benchmark, run: RunView) -> Prefill:
         "from": str(run.id),
     }
     what = "configuration" if run.seed is None else "configuration and seed"
+    if run.controller == connected.ROSBRIDGE:
+        posted["controller"] = next(iter(benchmark.built_in))
+        note = f"With the {what} of run {run.id}, but without its program, which was connected."
+        return Prefill(values=dict(run.config), posted=posted, note=note)
     if run.program_sha256 is None:
         if run.controller not in benchmark.built_in:  # a reference entry, such as the oracle
             posted["controller"] = next(iter(benchmark.built_in))

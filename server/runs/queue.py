@@ -16,7 +16,7 @@ from functools import partial
 from typing import Any
 
 import structlog
-from sqlalchemy import ColumnElement, Select, String, bindparam, func, or_, select, update
+from sqlalchemy import ColumnElement, Row, Select, String, bindparam, func, or_, select, update
 from sqlalchemy.orm import Session
 
 from seamark.server import meters, workers
@@ -27,7 +27,7 @@ from seamark.server.database.engine import after_commit
 from seamark.server.database.queue_tables import Turn
 from seamark.server.database.tables import IS_QUEUED, IS_RUNNING, Run
 from seamark.server.result_code import result_code
-from seamark.server.runs import totals, turns
+from seamark.server.runs import connected, totals, turns
 from seamark.server.runs.columns import RunSpec
 from seamark.server.runs.failure_reasons import FailureReason, describe
 from seamark.server.runs.states import RunState, move
@@ -37,6 +37,7 @@ from seamark.server.settings import Settings
 _log = structlog.get_logger()
 # Generous: whatever kills a worker most likely has nothing to do with the runs that it has.
 INTERRUPTIONS_MAX = 10
+_DISCONNECTED = "The service lost the connection to the program. Connect it again."
 GUEST_SHARE = 4  # runs of accounts that start before one of a guest, while both wait
 PASSED_OVER = "guests_passed_over"  # how many of these have started
 
@@ -147,24 +148,34 @@ def claim(
     if found is None:
         return None
     run_id, priority = found
-    now = time.time()
-    lease: dict[str, Any] = {
-        "worker": worker,
-        "started_at": now,
-        "lease_until": now + settings.lease_s,
-    }
-    reset: dict[str, Any] = {"progress": 0.0, "t_simulated": 0.0}
-    start = partial(move, session, run_id, RunState.QUEUED, RunState.RUNNING, returning=_CLAIMED)
-    run = start(**lease, **reset)
+    run = _start(session, run_id, worker, settings)
     if run is None:
         return None  # cancelled, on PostgreSQL, between the two statements
     if run.attempt == 1:  # a repeated run has kept its time of submission
         waiting = meters.RUN_WAITING.labels(priority.lane)
-        after_commit(session, partial(waiting.observe, max(now - run.queued_at, 0.0)))
+        after_commit(session, partial(waiting.observe, max(time.time() - run.queued_at, 0.0)))
     counts = guests and not run.owner.startswith(GUESTS)
     now_passed = min(passed_over + 1, GUEST_SHARE) if counts else 0
     if now_passed != passed_over:
         counters.store(session, PASSED_OVER, now_passed)
+    return _claim_of(run, run_id, settings)
+
+
+def start(session: Session, run_id: int, worker: str, settings: Settings) -> Claim | None:
+    """Claim a run that is not in turn: one whose program is connected, in the same transaction."""
+    run = _start(session, run_id, worker, settings)
+    return None if run is None else _claim_of(run, run_id, settings)
+
+
+def _start(session: Session, run_id: int, worker: str, settings: Settings) -> Row[Any] | None:
+    now = time.time()
+    lease: dict[str, Any] = {"started_at": now, "lease_until": now + settings.lease_s}
+    reset: dict[str, Any] = {"progress": 0.0, "t_simulated": 0.0}
+    start_run = partial(move, session, run_id, RunState.QUEUED, RunState.RUNNING)
+    return start_run(returning=_CLAIMED, worker=worker, **lease, **reset)
+
+
+def _claim_of(run: Row[Any], run_id: int, settings: Settings) -> Claim:
     values = dict(run._mapping) | {"run_id": run_id, "lease_s": settings.lease_s}
     return Claim.model_validate(values)
 
@@ -284,13 +295,17 @@ def _requeue_or_fail(
         "failures": run.failures + (end in _FAILURES),
         "interruptions": run.interruptions + (end is AttemptEnd.WORKER_LOST),
     }
-    new = RunState.QUEUED
+    # The program at the other end of a connection does not know that its run would start again.
+    sentence = _DISCONNECTED if run.controller == connected.ROSBRIDGE else ""
+    repeats = counts["failures"] < settings.attempts_max
+    repeats = repeats and counts["interruptions"] < INTERRUPTIONS_MAX and not sentence
+    new = RunState.QUEUED if repeats else RunState.FAILED
     values: dict[str, Any] = {**counts, "worker": None, "lease_until": None}
-    if counts["failures"] < settings.attempts_max and counts["interruptions"] < INTERRUPTIONS_MAX:
+    if repeats:
         values |= {"progress": 0.0, "t_simulated": 0.0}
     else:
-        new = RunState.FAILED
-        detail = describe(FailureReason.PLATFORM_ERROR) | {"t_reached": run.t_simulated}
+        detail = describe(FailureReason.PLATFORM_ERROR, sentence=sentence)
+        detail["t_reached"] = run.t_simulated
         values |= {"cause": FailureReason.PLATFORM_ERROR, "detail": detail}
     if not move(session, run.id, RunState.RUNNING, new, fence=run.attempt, **values):
         return None

@@ -10,7 +10,7 @@ from sqlalchemy.orm import Session
 
 from seamark.server.classes import assignments
 from seamark.server.database.tables import Result, Run, User
-from seamark.server.runs import leaderboard, paces, publications, rejudged, verifications
+from seamark.server.runs import connected, leaderboard, paces, publications, rejudged, verifications
 from seamark.server.runs.error_curve import Curve
 from seamark.server.runs.queue import Claim
 from seamark.server.runs.quota import ranked_ended
@@ -85,7 +85,7 @@ def finish(session: Session, claim: Claim, report: Report) -> bool:
     )
     session.flush()
     assignments.score(session, claim.run_id, score)
-    if report.state is RunState.SUCCEEDED:
+    if report.state is RunState.SUCCEEDED and claim.controller != connected.ROSBRIDGE:
         _record_pace(session, claim.run_id)
     leaderboard.recount(session, claim.run_id)
     _publish_baseline(session, claim, report)

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from typing import Any, Protocol
 
+from seamark.server.runs import connected
 from seamark.sim import registry
 
 
@@ -32,6 +33,8 @@ def solution(run: HasSolution) -> str:
     """Return the name of the program, or the label of the built-in solution."""
     if run.program_name:
         return run.program_name
+    if run.controller == connected.ROSBRIDGE:
+        return connected.LABEL
     if run.benchmark not in registry.BENCHMARKS:  # of an earlier version
         return run.controller
     return registry.benchmark(run.benchmark).solution_label_of(run.controller, run.config)

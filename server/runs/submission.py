@@ -25,7 +25,15 @@ from seamark.server.database.tables import Run
 from seamark.server.programs import store
 from seamark.server.programs.parameters import Parameter
 from seamark.server.programs.store import StoredProgram
-from seamark.server.runs import configurations, paces, quota, ranked_scenario, run_size, turns
+from seamark.server.runs import (
+    configurations,
+    connected,
+    paces,
+    quota,
+    ranked_scenario,
+    run_size,
+    turns,
+)
 from seamark.server.runs.configurations import RunConfiguration
 from seamark.server.runs.run_notes import clean_notes, clean_title
 from seamark.server.runs.run_size import RunSize
@@ -74,6 +82,7 @@ class Submission:
     rerun_of: int | None = None
     assignment: int | None = None  # of a class, for which the run is to count
     baseline: bool = False  # submitted by the service; may use the benchmark's reference solutions
+    connected: bool = False  # its program takes part over the network, see `connected`
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,7 +126,9 @@ def validate(submission: Submission, settings: Settings) -> ValidSubmission:
         raise SubmissionRejected(
             f"Choose either a built-in {benchmark.role} or your own program.", field="controller"
         )
-    if submission.program is None:
+    if submission.connected:
+        _check_connected(submission, benchmark)
+    elif submission.program is None:
         _check_built_in(benchmark, submission.controller, baseline=submission.baseline)
     else:
         _check_language(benchmark, submission.program.language)
@@ -176,7 +187,8 @@ def submit_all(
 def _insert(session: Session, valid: ValidSubmission, run: Run) -> int:
     """Insert one row and return its id: in the order of the queue."""
     submission = valid.submission
-    run.expected_s = paces.expected_s(session, run, valid.config.trial_duration_s())
+    if not submission.connected:  # whose pace is that of a network
+        run.expected_s = paces.expected_s(session, run, valid.config.trial_duration_s())
     if submission.kind is RunKind.RANKED and valid.benchmark.protocol is not None:
         run.submission = submission_digest(run)
     session.add(run)
@@ -191,6 +203,10 @@ def rerun(session: Session, run_id: int, viewer: Viewer, settings: Settings) -> 
     old = session.get_one(Run, run_id)
     if old.kind == RunKind.LOG:
         raise SubmissionRejected("This is the log of a mission, which cannot be run again.")
+    if old.controller == connected.ROSBRIDGE:
+        raise SubmissionRejected(
+            "The program of this run was connected by rosbridge: connect it again."
+        )
     submission = Submission(
         viewer=viewer,
         benchmark=old.benchmark,
@@ -285,6 +301,18 @@ def _practice_trials(submission: Submission, settings: Settings) -> int:
     if submission.seed is not None and not 0 <= submission.seed <= SEED_MAX:
         raise SubmissionRejected(f"A seed is a whole number from 0 to {SEED_MAX}.", field="seed")
     return trials
+
+
+def _check_connected(submission: Submission, benchmark: Benchmark) -> None:
+    if benchmark.role != "controller":
+        raise SubmissionRejected(
+            f"{benchmark.name} evaluates a {benchmark.role}; a bridge connects a controller.",
+            field="benchmark",
+        )
+    if submission.kind is not RunKind.PRACTICE:
+        raise SubmissionRejected(
+            "A connected program cannot be run again, so its run does not rank: upload the program."
+        )
 
 
 def _check_built_in(benchmark: Benchmark, controller: str, *, baseline: bool) -> None:

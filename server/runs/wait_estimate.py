@@ -17,7 +17,7 @@ from seamark.server.database import counters
 from seamark.server.database.queue_tables import Turn
 from seamark.server.database.tables import IS_QUEUED, IS_RUNNING, Run
 from seamark.server.programs import parameters
-from seamark.server.runs import forecast, paces, queue, turns
+from seamark.server.runs import connected, forecast, paces, queue, turns
 from seamark.server.runs.forecast import Job, Places
 from seamark.server.runs.states import RunState
 from seamark.server.runs.turns import Priority
@@ -123,7 +123,7 @@ def _until_start_s(
     now = time.time()
     running = [
         (run.owner, _left_s(run, now, settings, run.expected_s) or 0.0)
-        for run in session.scalars(select(Run).where(IS_RUNNING))
+        for run in session.scalars(select(Run).where(IS_RUNNING, ~connected.IS_CONNECTED))
     ]
     limit = queue.running_limit(session, settings)
     places = Places(workers.slot_count(session), running, limit)

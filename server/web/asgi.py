@@ -8,6 +8,7 @@ as live events do: the application puts a `Continuation` into the WSGI environme
 from __future__ import annotations
 
 import asyncio
+import io
 import json
 import sys
 import time
@@ -17,6 +18,7 @@ from contextlib import AsyncExitStack, aclosing
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
+from seamark.server.web import websockets
 from seamark.server.web.received_body import BodyTooSlow, ClientGone, ReceivedBody, receive_body
 
 THREADS = 64  # requests that are worked on at the same time; most of them wait for the database
@@ -25,6 +27,8 @@ PART_BYTES = 64 * 1024  # of a response, made at once
 CONTINUATION = "seamark.continuation"  # key of the WSGI environment
 ABORT = "seamark.abort"  # extension of the ASGI scope: closes the connection without more ado
 _BODY = "http.response.body"
+_LAST = (_BODY, "websocket.http.response.body", "websocket.close")
+_HTTP = {"ws": "http", "wss": "https"}
 _TOO_SLOW = {
     "type": "about:blank",
     "title": "Request timeout",
@@ -67,9 +71,10 @@ class Sent:
     async def __call__(self, message: dict[str, Any]) -> None:
         """Send a message."""
         await self._send(message)
-        self.status = message.get("status", self.status)
+        accepted = 101 if message["type"] == "websocket.accept" else self.status
+        self.status = message.get("status", accepted)
         self.bytes += len(message.get("body", b""))
-        self.complete = message["type"] == _BODY and not message["more_body"]
+        self.complete = message["type"] in _LAST and not message.get("more_body", False)
 
 
 Continuation = Callable[[Connection], AsyncGenerator[bytes, None]]
@@ -103,6 +108,9 @@ class AsgiApplication:
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Answer one request."""
+        if scope["type"] == "websocket":
+            await self._upgrade(scope, receive, send)
+            return
         environ = _environ(scope)
         async with AsyncExitStack() as held:
             try:
@@ -121,6 +129,27 @@ class AsgiApplication:
                 await self._answer(_Call(self._wsgi, environ), scope, receive, sent)
             finally:
                 self._on_answer(environ, sent)
+
+    async def _upgrade(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Answer a request for a WebSocket, which has no body."""
+        environ = _environ({**scope, "method": "GET", "scheme": _HTTP[scope["scheme"]]})
+        environ |= {websockets.UPGRADE: True, "wsgi.input": io.BytesIO(), "CONTENT_LENGTH": "0"}
+        del environ["HTTP_UPGRADE"]  # Werkzeug has other routes for these
+        sent, call = Sent(send), _Call(self._wsgi, environ)
+        try:
+            body = await self._in_thread(call.begin)
+            while not call.exhausted:
+                body += await self._in_thread(call.next_part)
+            conversation = environ.get(websockets.CONVERSATION)
+            if conversation is None:
+                await websockets.refuse(call.head, body, sent)
+            else:
+                abort = scope.get("extensions", {}).get(ABORT, lambda: None)
+                socket = websockets.WebSocket(receive, sent, abort)
+                await websockets.converse(conversation, socket, sent)
+        finally:
+            await self._in_thread(call.close)
+            self._on_answer(environ, sent)
 
     async def _body(self, environ: Environ, receive: Receive, held: AsyncExitStack) -> ReceivedBody:
         def place() -> Awaitable[object]:

@@ -148,6 +148,13 @@ PROBLEM_TYPES: Mapping[str, ProblemType] = {
             "`detail` says what is wrong, and at which line or message.",
         ),
         (
+            "upgrade-required",
+            426,
+            "This is a WebSocket",
+            "Connect with a WebSocket client, such as roslibpy, or with `seamark bridge rosbridge "
+            "--server`.",
+        ),
+        (
             "quota-exceeded",
             429,
             "Quota exceeded",
@@ -199,6 +206,7 @@ _BY_STATUS = {
     415: "unsupported-media-type",
     416: "range-not-satisfiable",
     422: "invalid-request",
+    426: "upgrade-required",
     429: "rate-limited",
     500: "internal-error",
     503: "unavailable",

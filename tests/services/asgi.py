@@ -10,7 +10,7 @@ from http.client import HTTPResponse
 from uvicorn.config import Config
 from uvicorn.server import Server
 
-from seamark.embedded.web_worker import Protocol
+from seamark.embedded.web_worker import WEB_SOCKETS, Protocol, WebSocketProtocol
 from seamark.server.web.asgi import AsgiApplication, WsgiApplication
 
 BODY_MAX = 1_000_000
@@ -25,7 +25,13 @@ def serving(
         wsgi, lambda _content_type: BODY_MAX, lambda _environ, _sent: None
     )
     config = Config(
-        application, http=protocol, ws="none", lifespan="off", interface="asgi3", log_config=None
+        application,
+        http=protocol,
+        ws=WebSocketProtocol,
+        **WEB_SOCKETS,
+        lifespan="off",
+        interface="asgi3",
+        log_config=None,
     )
     server = Server(config)
     with socket.socket() as listener:

@@ -21,17 +21,17 @@ class Job:
     filename: str = ""  # as the user named it
     language: str = DEFAULT_LANGUAGE
     check: bool = False  # two simulated seconds only (see check.py)
+    bridge: Path | None = None  # Unix socket at which the program connects (see bridged.py)
 
     def to_json(self) -> bytes:
         """Return the job as a packet."""
-        values = asdict(self) | {"program": str(self.program) if self.program else None}
-        return json.dumps(values).encode()
+        paths = {"program": self.program, "bridge": self.bridge}
+        texts = {name: str(path) if path else None for name, path in paths.items()}
+        return json.dumps(asdict(self) | texts).encode()
 
     @classmethod
     def from_json(cls, packet: bytes) -> Self:
         """Return the job that `to_json` was given."""
         values = json.loads(packet)
-        program = values.pop("program")
-        return cls(
-            program=Path(program) if program else None, seeds=tuple(values.pop("seeds")), **values
-        )
+        paths = {name: Path(values[name]) for name in ("program", "bridge") if values[name]}
+        return cls(**values | paths | {"seeds": tuple(values["seeds"])})

@@ -79,6 +79,10 @@ class Host:
                 lane, slot = f"checks-{number + 1}", self._slot(cores[number % len(cores)])
                 arguments = [parent, f"{self.name}/{lane}", slot.to_json()]
                 commands[lane] = ["-m", "seamark.worker.service.check_loop", *arguments]
+        for number in range(self.settings.bridge_places):
+            lane = f"bridges-{number + 1}"
+            arguments = [parent, f"{self.name}/{lane}"]
+            commands[lane] = ["-m", "seamark.worker.service.bridge_loop", *arguments]
         return commands
 
     def heartbeat(self, processes: dict[str, str]) -> None:

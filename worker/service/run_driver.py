@@ -4,6 +4,7 @@ import time
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any
 
 import structlog
@@ -68,17 +69,23 @@ class RunContext:
     shutting_down: Callable[[], bool]
 
 
-def evaluate(context: RunContext, claim: Claim) -> bool:
-    """Evaluate one claimed run and store how it ended; False if the platform failed."""
+def evaluate(context: RunContext, claim: Claim, *, bridge: Path | None = None) -> bool:
+    """Evaluate one claimed run and store how it ended; False if the platform failed.
+
+    Parameters
+    ----------
+    bridge
+        Unix socket at which its program connects, if that runs elsewhere.
+    """
     ids = {"run": claim.run_id, "attempt": claim.attempt, "user": claim.user_id}
     with bound_contextvars(**ids, worker=claim.worker, request=claim.request_id):
-        return _evaluate(context, claim)
+        return _evaluate(context, claim, bridge)
 
 
-def _evaluate(context: RunContext, claim: Claim) -> bool:
+def _evaluate(context: RunContext, claim: Claim, bridge: Path | None) -> bool:
     _log.info("run_started", benchmark=claim.benchmark, kind=claim.kind)
     try:
-        driver = RunDriver(context, claim)
+        driver = RunDriver(context, claim, bridge)
     except (ConfigurationInvalid, KeyError) as error:  # most likely accepted by an older version
         _log.error("configuration_invalid", why=str(error))
         return _fail(context, claim, f"This configuration is no longer valid: {error}")
@@ -127,8 +134,8 @@ def _drive(driver: "RunDriver") -> bool:
 class RunDriver:
     """One run being evaluated."""
 
-    def __init__(self, context: RunContext, claim: Claim) -> None:
-        self._context, self._claim = context, claim
+    def __init__(self, context: RunContext, claim: Claim, bridge: Path | None = None) -> None:
+        self._context, self._claim, self._bridge = context, claim, bridge
         self._claimed_at = time.monotonic()
         self._files = RunFiles(storage.workspace(context.settings), claim.run_id, claim.attempt)
         self._upload: RunUpload | None = None
@@ -296,6 +303,7 @@ class RunDriver:
             program=None if program is None else program_file(settings, program),
             filename=claim.program_name or "",
             language=claim.language or DEFAULT_LANGUAGE,
+            bridge=self._bridge,
         )
 
     def _watch(self, simulation: Simulation) -> None:

@@ -21,6 +21,7 @@ from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.outcome import SandboxBroken
 from seamark.sandbox.pool import BoxLease, Pool
 from seamark.sim.engine.warm_up import warm_up
+from seamark.worker.evaluation.bridged import evaluate_bridged
 from seamark.worker.evaluation.check import check
 from seamark.worker.evaluation.evaluation import Evaluation
 from seamark.worker.evaluation.job import Job
@@ -133,6 +134,8 @@ def _evaluate(job: Job, sender: Sender, slot: WorkerSlot, pool: Pool) -> RunOutc
     compile_program = sandboxed_compiler(slot)
     if job.check:
         return check(job, sender, pool.take, compile_program)
+    if job.bridge is not None:
+        return evaluate_bridged(job, sender, pool.take)
     cores = slot.cores_for(len(job.seeds))
     return Evaluation(
         job, sender, pool.take, compile_program=compile_program, cores=cores, pool=pool

@@ -42,9 +42,9 @@ class Client:
 
     @property
     def address(self) -> str:
-        """Host and port."""
-        host, port, *_ = self._connection.remote_address
-        return f"{host}:{port}"
+        """Host and port; behind a Unix socket there is one client only."""
+        remote = self._connection.remote_address
+        return f"{remote[0]}:{remote[1]}" if isinstance(remote, tuple) else "The program"
 
     def subscribe(self, order: Subscribe, ros: Ros) -> bool:
         """Add a subscription; False if there are too many."""

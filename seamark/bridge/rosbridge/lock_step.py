@@ -6,6 +6,7 @@ goes on, so the same program gives the same result however fast the machine or t
 
 import asyncio
 from collections.abc import Iterable
+from dataclasses import dataclass
 
 from seamark.bridge import failures
 from seamark.bridge.rosbridge.client import Client
@@ -21,27 +22,30 @@ SECOND = (
 )
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Rules:
+    """How long the simulation waits, and for whom. Times are wall times [s]; None: no limit."""
+
+    answer_s: float  # for an answer, once the program has answered for the first time
+    first_answer_s: float | None = None
+    whole_s: float | None = None  # from the first observation to the end of the run
+    real_time: bool = False  # go on by the wall clock with the last reference, do not wait
+    one_client: bool = False  # the run ends with its client, whether it has begun or not
+
+
 class LockStep:
     """Who controls the vehicle, and the answers of that client. Belongs to the event loop."""
 
-    def __init__(self, *, answer_within_s: float, real_time: bool) -> None:
-        """Set up.
-
-        Parameters
-        ----------
-        answer_within_s : float [s]
-            Wall time for an answer, once the program has answered for the first time.
-        real_time
-            Go on by the wall clock with the last reference, instead of waiting for answers.
-        """
-        self._answer_within_s = answer_within_s
-        self._real_time = real_time
+    def __init__(self, rules: Rules) -> None:
+        self._rules = rules
         self._controller: Client | None = None
         self._begun = False
         self._ended: ProgramEnded | None = None
         self._answer: asyncio.Future[Command] | None = None
         self._latest: Command = (0.0, 0.0, 0.0, 0.0)
-        self._next_tick_s = 0.0  # by the clock of the event loop
+        # By the clock of the event loop.
+        self._next_tick_s = 0.0
+        self._ends_at_s: float | None = None
         self._last_refusal = ""
         self._now: Moment | None = None
 
@@ -64,8 +68,17 @@ class LockStep:
             return
         self._controller = None
         if self._begun:
-            when = "" if self._now is None else f" at t = {self._now.stamp.ns / NS:g} s"
-            self._end(failures.left(f"The program disconnected{when}, before the run was over."))
+            self._end_without_client()
+
+    def left(self, client: Client) -> None:
+        """Take leave of a client that has disconnected."""
+        self.release(client)
+        if self._rules.one_client:
+            self._end_without_client()
+
+    def _end_without_client(self) -> None:
+        when = "" if self._now is None else f" at t = {self._now.stamp.ns / NS:g} s"
+        self._end(failures.left(f"The program disconnected{when}, before the run was over."))
 
     def refused(self, client: Client, text: str) -> None:
         """Remember what was refused, for the sentence with which a run ends."""
@@ -97,7 +110,7 @@ class LockStep:
 
     def _take_surplus(self, publication: Publish, *, stamped: bool) -> None:
         """Take a reference while none is awaited."""
-        if self._real_time:
+        if self._rules.real_time:
             return
         if stamped or not self._begun or self._now is None:
             text = f"{publication.topic}: no observation waits for this reference."
@@ -106,7 +119,7 @@ class LockStep:
 
     def _end(self, reason: ProgramEnded) -> None:
         self._ended = self._ended or reason
-        if self._answer is not None and not self._answer.done() and not self._real_time:
+        if self._answer is not None and not self._answer.done() and not self._rules.real_time:
             self._answer.set_exception(reason)
 
     async def exchange(self, now: Moment, clients: Iterable[Client]) -> Command:
@@ -115,7 +128,7 @@ class LockStep:
             raise self._ended
         self._now, self._answer = now, asyncio.get_running_loop().create_future()
         await asyncio.gather(*(client.publish(now) for client in tuple(clients)))
-        if self._real_time and self._begun:
+        if self._rules.real_time and self._begun:
             await self._next_tick(now)
             self._answer.cancel()
             return self._latest
@@ -125,16 +138,32 @@ class LockStep:
         return command
 
     async def _answered(self, answer: asyncio.Future[Command], now: Moment) -> Command:
-        limit_s = self._answer_within_s if self._begun else None
+        limit_s = self._rules.answer_s if self._begun else self._rules.first_answer_s
+        left_s = self._left_s()
+        limits = [each for each in (limit_s, left_s) if each is not None]
         try:
-            async with asyncio.timeout(limit_s):
+            async with asyncio.timeout(min(limits, default=None)):
                 return await answer
         except TimeoutError:
+            if left_s is not None and (limit_s is None or left_s <= limit_s):
+                raise failures.no_answer(
+                    f"The run took {self._rules.whole_s:g} s, the most that a connection may last. "
+                    f"It had come to t = {now.stamp.ns / NS:g} s."
+                ) from None
             refusal = f" Refused: {self._last_refusal}" if self._last_refusal else ""
             raise failures.no_answer(
                 f"No velocity reference came within {limit_s:g} s after the observation at "
                 f"t = {now.stamp.ns / NS:g} s.{refusal}"
             ) from None
+
+    def _left_s(self) -> float | None:
+        """Return the time until the run must be over; it begins with the first call."""
+        if self._rules.whole_s is None:
+            return None
+        time_s = asyncio.get_running_loop().time()
+        if self._ends_at_s is None:
+            self._ends_at_s = time_s + self._rules.whole_s
+        return max(self._ends_at_s - time_s, 0.0)
 
     async def _next_tick(self, now: Moment) -> None:
         clock = asyncio.get_running_loop().time

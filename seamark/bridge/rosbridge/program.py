@@ -2,10 +2,11 @@
 
 import asyncio
 import threading
-from collections.abc import Callable, Coroutine, Iterator, Mapping, Sequence
+from collections.abc import Callable, Coroutine, Iterator, Mapping
 from concurrent.futures import Future
 from contextlib import contextmanager
 from functools import cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,7 @@ from numpy.typing import NDArray
 
 from seamark.bridge.rosbridge.lock_step import LockStep
 from seamark.bridge.rosbridge.navigation import DeadReckoning
-from seamark.bridge.rosbridge.server import Server, serve_until
+from seamark.bridge.rosbridge.server import Server, TcpAddress, serve_until
 from seamark.bridge.rosbridge.topics import NS, Moment, Stamp
 from seamark.sim.camera.optics import Optics
 from seamark.sim.control.observation import Observation
@@ -76,14 +77,9 @@ class Bridge:
 
 @contextmanager
 def opened(
-    lock_step: LockStep,
-    *,
-    host: str,
-    port: int,
-    origins: Sequence[str] = (),
-    say: Callable[[str], None],
+    lock_step: LockStep, address: TcpAddress | Path, *, say: Callable[[str], None]
 ) -> Iterator[Bridge]:
-    """Provide a bridge that listens; port 0: one that is free.
+    """Provide a bridge that listens; `say` gets sentences about its clients.
 
     Raises
     ------
@@ -95,12 +91,8 @@ def opened(
 
     async def serve() -> None:
         loop = asyncio.get_running_loop()
-        address: dict[str, Any] = {"host": host, "port": port, "origins": origins}
         await serve_until(
-            end,
-            server,
-            **address,
-            listening=lambda found: listening.set_result((loop, found)),
+            *(end, server, address), listening=lambda port: listening.set_result((loop, port))
         )
 
     def run() -> None:

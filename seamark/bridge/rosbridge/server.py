@@ -3,9 +3,11 @@
 import asyncio
 import re
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
-from websockets.asyncio.server import ServerConnection, serve
+from websockets.asyncio.server import ServerConnection, serve, unix_serve
 from websockets.exceptions import ConnectionClosed
 
 from seamark.bridge.rosbridge.client import MOST_SUBSCRIPTIONS, Client
@@ -69,7 +71,7 @@ class Server:
             pass
         finally:
             self._clients.discard(client)
-            self._lock_step.release(client)
+            self._lock_step.left(client)
             self._say(f"{client.address} has disconnected.")
 
     async def _carry_out(self, client: Client, message: str | bytes) -> None:
@@ -146,29 +148,47 @@ def _service_response(call: CallService) -> dict[str, Any]:
     return answer if call.id is None else answer | {"id": call.id}
 
 
+@dataclass(frozen=True, slots=True)
+class TcpAddress:
+    """Where a bridge listens for programs; port 0: one that is free."""
+
+    host: str
+    port: int
+    origins: Sequence[str] = ()  # whose pages may connect, beside those of this machine
+
+
 async def serve_until(
     end: asyncio.Event,
     server: Server,
+    address: TcpAddress | Path,
     *,
-    host: str,
-    port: int,
-    origins: Sequence[str],
     listening: Callable[[int], None],
 ) -> None:
-    """Serve clients until `end` is set; `listening` gets the port.
+    """Serve clients until `end` is set.
+
+    Parameters
+    ----------
+    address
+        A path is that of a Unix socket.
+    listening
+        Gets the port; 0 of a Unix socket.
 
     Raises
     ------
     OSError
         The address cannot be used.
     """
-    allowed: list[Any] = [None, LOCAL_ORIGIN, *origins]  # None: no browser
-    async with serve(
-        *(server.handle, host, port),
-        origins=allowed,
-        max_size=LONGEST_MESSAGE,
-        compression=None,
-        close_timeout=CLOSE_WITHIN_S,
-    ) as running:
-        listening(next(iter(running.sockets)).getsockname()[1])
+    options: Any = {
+        "max_size": LONGEST_MESSAGE,
+        "compression": None,
+        "close_timeout": CLOSE_WITHIN_S,
+    }
+    if isinstance(address, Path):
+        starting: Any = unix_serve(server.handle, str(address), **options)
+    else:
+        allowed: list[Any] = [None, LOCAL_ORIGIN, *address.origins]  # None: no browser
+        starting = serve(server.handle, address.host, address.port, origins=allowed, **options)
+    async with starting as running:
+        name = next(iter(running.sockets)).getsockname()
+        listening(0 if isinstance(name, str) else name[1])
         await end.wait()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import secrets
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
@@ -94,23 +93,25 @@ def rosbridge(  # noqa: PLR0913  # one argument per option
       seamark bridge rosbridge currents-v2 --set levels=0.2 --port 9091
     """
     _refuse_without_websockets()
-    from seamark.bridge.rosbridge.lock_step import LockStep
+    from seamark.bridge.rosbridge.lock_step import LockStep, Rules
     from seamark.bridge.rosbridge.program import RosProgram, opened
+    from seamark.bridge.rosbridge.server import TcpAddress
     from seamark.sim.engine.world import target_and_optics
+    from seamark.worker.evaluation.bridged import result_message
 
     run = _local_run(benchmark, "rosbridge", pairs, config, trials=trials, seed=seed)
     _target, optics = target_and_optics(_restored(run))
     say = _say(quiet=as_json)
     with ExitStack() as stack:
-        lock_step = LockStep(answer_within_s=answer_within, real_time=real_time)
+        lock_step = LockStep(Rules(answer_s=answer_within, real_time=real_time))
         try:
-            opening = opened(lock_step, host=host, port=port, origins=origins, say=say)
+            opening = opened(lock_step, TcpAddress(host, port, origins), say=say)
             server = stack.enter_context(opening)
         except OSError as error:
             raise UsageRefused(f"{host}:{port} cannot be used: {error.strerror}.") from None
         click.echo(f"Waiting for a program at ws://{_shown(host)}:{server.port}.", err=True)
         outcome = _evaluate(run, RosProgram(server, optics), out, quiet=as_json)
-        server.publish_result(_result(outcome))
+        server.publish_result(result_message(outcome))
     _report(run, outcome, out, as_json=as_json)
 
 
@@ -286,14 +287,6 @@ def _evaluate(run: LocalRun, program: Program, out: Path | None, *, quiet: bool)
             exit_with(INTERRUPTED)
     output.save(run.benchmark, outcome)
     return outcome
-
-
-def _result(outcome: RunOutcome) -> str:
-    """Return how a run ended, for its program."""
-    metrics = outcome.metrics or {}
-    verdict = str(outcome.failure or "ok")
-    told = {"verdict": verdict, "sentence": outcome.sentence, "score": metrics.get("score")}
-    return json.dumps(told | {"digest": outcome.digest}, allow_nan=False)
 
 
 def _report(run: LocalRun, outcome: RunOutcome, out: Path | None, *, as_json: bool) -> None:

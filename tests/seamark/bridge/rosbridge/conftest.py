@@ -8,8 +8,9 @@ import orjson
 import pytest
 from websockets.sync.client import ClientConnection, connect
 
-from seamark.bridge.rosbridge.lock_step import LockStep
+from seamark.bridge.rosbridge.lock_step import LockStep, Rules
 from seamark.bridge.rosbridge.program import Bridge, RosProgram, opened
+from seamark.bridge.rosbridge.server import TcpAddress
 from seamark.sim.camera.optics import CURRENTS
 from tests.seamark.bridge.conftest import Running
 
@@ -85,8 +86,9 @@ def open_bridge() -> Iterator[Open]:
     with ExitStack() as stack:
 
         def start(*, answer_within_s: float = 30.0, real_time: bool = False) -> Bridged:
-            lock_step = LockStep(answer_within_s=answer_within_s, real_time=real_time)
-            opening = opened(lock_step, host="127.0.0.1", port=0, say=lambda _sentence: None)
+            lock_step = LockStep(Rules(answer_s=answer_within_s, real_time=real_time))
+            address = TcpAddress("127.0.0.1", 0)
+            opening = opened(lock_step, address, say=lambda _sentence: None)
             return Bridged(stack.enter_context(opening), stack)
 
         yield start

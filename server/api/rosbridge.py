@@ -1,0 +1,101 @@
+"""Programs that take part over the network: rosbridge on a WebSocket."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Annotated, Any
+
+from flask import Response, request
+from flask_openapi3.blueprint import APIBlueprint
+from flask_openapi3.models.tag import Tag
+from pydantic import BaseModel, ConfigDict, Field, Json
+
+from seamark.server.accounts.permissions import Action
+from seamark.server.api import refusals
+from seamark.server.api.operation_ids import operation_id
+from seamark.server.messaging.bridge_sessions import Offer
+from seamark.server.runs import submission
+from seamark.server.runs.connected import ROSBRIDGE
+from seamark.server.runs.submission import Submission
+from seamark.server.streams.bridge_session import BridgeSession, SessionRefused
+from seamark.server.web import access, authentication, rate_limits
+from seamark.server.web.problems import Problem
+from seamark.server.web.services import services
+from seamark.server.web.websockets import CONVERSATION, UPGRADE, WebSocket
+
+api = APIBlueprint(
+    "api_rosbridge",
+    __name__,
+    url_prefix="/api/v1",
+    operation_id_callback=operation_id,
+    abp_tags=[Tag(name="Runs", description="Submit runs and follow them.")],
+)
+_UPGRADED: Any = {
+    101: {
+        "description": "The WebSocket is open, and the run has started: Location is its address",
+        "headers": {"Location": {"schema": {"type": "string"}}},
+    }
+}
+
+
+class BridgeQuery(BaseModel):
+    """The run of a connected program."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    benchmark: Annotated[str, Field(max_length=100, description="Benchmark of controllers")]
+    config: Json[dict[str, Any]] = Field(
+        default="{}",
+        validate_default=True,
+        description="Settings that differ from their defaults, as a JSON object",
+    )
+    seed: int | None = Field(None, description="Random if omitted")
+    trials: int | None = Field(None, description="One if omitted")
+    title: str = Field("", max_length=200, description="Title of the run")
+
+
+@api.get("/rosbridge", responses=_UPGRADED)
+@rate_limits.limiter.limit(rate_limits.SUBMISSIONS, key_func=rate_limits.client)
+def connect(query: BridgeQuery) -> Response:
+    """Connect a program to a practice run by a WebSocket that speaks rosbridge v2.
+
+    Needs a token, in the header Authorization. One session per account; it ends after 15 minutes,
+    60 s without a first answer or 10 s without a later one. `seamark bridge rosbridge --server`
+    does this for programs that know no tokens.
+    """
+    if not authentication.by_token():  # no page of another site may use somebody's cookie
+        raise Problem("unauthenticated", "Send a token: cookies are not accepted here.")
+    access.require(Action.UPLOAD)
+    viewer, settings = access.viewer(), services().settings
+    wanted = query.model_dump(include={"benchmark", "config", "seed", "trials", "title"})
+    with refusals.as_problems():
+        submission.validate(
+            Submission(viewer=viewer, controller=ROSBRIDGE, connected=True, **wanted), settings
+        )
+    if not request.environ.get(UPGRADE):
+        upgrade = {"Upgrade": "websocket", "Connection": "Upgrade"}
+        raise Problem("upgrade-required", headers=upgrade)
+    offer = Offer(user_id=viewer.user_id or 0, **wanted)
+    request.environ[CONVERSATION] = _Conversation(BridgeSession(settings, offer))
+    return Response(status=101)
+
+
+class _Conversation:
+    """A session as the web server carries it out."""
+
+    def __init__(self, session: BridgeSession) -> None:
+        self._session = session
+
+    async def begin(self) -> Mapping[str, str]:
+        try:
+            return {"Location": f"/api/v1/runs/{await self._session.begin()}"}
+        except SessionRefused as refused:
+            after = refused.retry_after_s
+            headers = {} if after is None else {"Retry-After": str(after)}
+            raise Problem(refused.slug, str(refused), headers=headers) from None
+
+    async def run(self, socket: WebSocket) -> None:
+        await self._session.run(socket)
+
+    async def end(self) -> None:
+        await self._session.end()

@@ -1,0 +1,141 @@
+"""The session of a connected program, on the event loop of the web process that has the connection.
+
+Nothing of what the program sends is looked at here: it is passed on, through lists of bounded
+length, to the worker that has its run.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Awaitable, Sequence
+from typing import Protocol
+
+import structlog
+from redis.exceptions import RedisError
+
+from seamark.server.messaging import bridge_sessions, broker
+from seamark.server.messaging.bridge_sessions import END, PENDING_MAX, RENEW_S, Keys, Offer
+from seamark.server.settings import Settings
+
+# Clients give a handshake five seconds or more (Autobahn, of roslibpy, five).
+OFFER_S = 3.0
+BUSY_RETRY_S = 5
+FULL_S = 0.02  # between two looks at a list that is full
+SECOND = "You have a session already, or one that ended a few seconds ago."
+BUSY = "All places for connected programs are taken, or no worker has any. Try again soon."
+_log = structlog.get_logger()
+
+
+class Socket(Protocol):
+    """The connection of the program."""
+
+    async def receive(self) -> str | None:
+        """Return the next message; None when the program is gone."""
+
+    async def send(self, text: str) -> None:
+        """Send a message; raises ConnectionError if the program does not take it in time."""
+
+
+class SessionRefused(Exception):
+    """There is no session. The text is for the user; `slug` is that of the problem."""
+
+    def __init__(self, slug: str, sentence: str, *, retry_after_s: int | None = None) -> None:
+        super().__init__(sentence)
+        self.slug, self.retry_after_s = slug, retry_after_s
+
+
+class BridgeSession:
+    """A session, from its offer to its end."""
+
+    def __init__(self, settings: Settings, offer: Offer) -> None:
+        self._offer = offer
+        self._redis = broker.connect_async(settings)
+        self._offered = False
+        self._first: Sequence[bytes] = ()  # what came with the answer to the offer
+        self._ended = asyncio.Event()
+
+    async def begin(self) -> int:
+        """Have a worker start the run, and return its number.
+
+        Raises
+        ------
+        SessionRefused
+            No place is free, the account has a session already, or it may not have the run.
+        """
+        try:
+            self._offered = await bridge_sessions.offer_session(self._redis, self._offer)
+            if not self._offered:
+                raise SessionRefused("conflict", SECOND)
+            items = await self._answer()
+        except RedisError as error:
+            _log.warning("session_not_offered", error=str(error))
+            raise SessionRefused("unavailable", BUSY, retry_after_s=BUSY_RETRY_S) from None
+        if not items:
+            raise SessionRefused("unavailable", BUSY, retry_after_s=BUSY_RETRY_S)
+        answer, self._first = bridge_sessions.answer_of(items[0]), items[1:]
+        if "run" not in answer:
+            retry_after_s = answer.get("retry_after_s")
+            raise SessionRefused(answer["slug"], answer["refused"], retry_after_s=retry_after_s)
+        return int(answer["run"])
+
+    async def _answer(self) -> Sequence[bytes]:
+        """Return the answer of a worker, and what came with it; nothing if none takes the offer."""
+        read = bridge_sessions.read_down
+        items = await read(self._redis, self._offer.session, OFFER_S)
+        if not items and not await bridge_sessions.take_back(self._redis, self._offer):
+            return await read(self._redis, self._offer.session, OFFER_S)  # one has just taken it
+        return items
+
+    async def run(self, socket: Socket) -> None:
+        """Pass messages on in both directions until one side ends."""
+        up = asyncio.create_task(self._until_end(self._pass_up(socket)))
+        others = [self._until_end(self._pass_down(socket)), self._until_end(self._renew())]
+        await asyncio.gather(*others)
+        up.cancel()  # it may wait for the program
+
+    async def end(self) -> None:
+        """Let the worker know, and forget the session."""
+        self._ended.set()
+        try:
+            if self._offered:
+                await bridge_sessions.withdraw(self._redis, self._offer)
+        except RedisError as error:  # the keys end by themselves
+            _log.warning("session_not_withdrawn", error=str(error))
+        finally:
+            await self._redis.aclose()
+
+    async def _until_end(self, work: Awaitable[None]) -> None:
+        """Do a part of the work; when it is over, all of it is."""
+        try:
+            await work
+        except (RedisError, ConnectionError) as error:
+            _log.warning("session_broken", error=str(error))
+        finally:
+            self._ended.set()
+
+    async def _pass_up(self, socket: Socket) -> None:
+        while (message := await socket.receive()) is not None and not self._ended.is_set():
+            item, session = bridge_sessions.text(message), self._offer.session
+            waiting = await bridge_sessions.push_up(self._redis, session, item)
+            while waiting >= PENDING_MAX and not self._ended.is_set():
+                await asyncio.sleep(FULL_S)
+                waiting = await self._redis.llen(Keys(session).up)
+
+    async def _pass_down(self, socket: Socket) -> None:
+        items = self._first
+        while not self._ended.is_set():
+            for item in items:
+                if item == END:
+                    return
+                if (message := bridge_sessions.message_of(item)) is not None:
+                    await socket.send(message)
+            items = await bridge_sessions.read_down(self._redis, self._offer.session)
+
+    async def _renew(self) -> None:
+        while not self._ended.is_set():
+            await bridge_sessions.renew(self._redis, self._offer)
+            try:
+                async with asyncio.timeout(RENEW_S):
+                    await self._ended.wait()
+            except TimeoutError:
+                continue

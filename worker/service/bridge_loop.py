@@ -1,0 +1,178 @@
+"""The places of a worker for programs that are connected from elsewhere, beside those of its runs.
+
+    python -s -P -m seamark.worker.service.bridge_loop <parent> <lane>
+
+A program across the network may be slow. It holds a place of its own kind, which no other run could
+have, for a limited time (seamark.worker.evaluation.bridged).
+"""
+
+import sys
+import tempfile
+import threading
+from collections.abc import Mapping
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+import structlog
+from redis import Redis
+from redis.exceptions import RedisError
+from sqlalchemy.exc import SQLAlchemyError
+
+from seamark.sandbox.isolation.level import IsolationLevel
+from seamark.server import log, storage, workers
+from seamark.server.accounts import accounts
+from seamark.server.accounts.permissions import SCOPES
+from seamark.server.database import data_folder
+from seamark.server.database.engine import Database
+from seamark.server.database.tables import User
+from seamark.server.messaging import bridge_sessions, broker
+from seamark.server.messaging.bridge_sessions import Offer
+from seamark.server.messaging.shared_meters import SharedMeters
+from seamark.server.runs import queue as run_queue
+from seamark.server.runs import submission
+from seamark.server.runs.connected import ROSBRIDGE
+from seamark.server.runs.queue import AttemptEnd, Claim
+from seamark.server.runs.quota import QuotaExceeded
+from seamark.server.runs.submission import Submission, SubmissionRejected
+from seamark.server.settings import Settings
+from seamark.server.storage import StorageUnavailable
+from seamark.sim.settings.configuration import ConfigurationInvalid
+from seamark.worker.evaluation.worker_slot import WorkerSlot
+from seamark.worker.service.bridge_relay import BridgeRelay
+from seamark.worker.service.run_driver import RunContext, evaluate
+from seamark.worker.service.shutdown import follow_worker
+from seamark.worker.zygote.client import Simulator
+
+POLL_S = 2.0  # that a call waits for an offer
+_log = structlog.get_logger()
+
+
+class BridgeLoop:
+    """Takes one session after the other."""
+
+    def __init__(
+        self, settings: Settings, simulator: Simulator, stopping: threading.Event, *, lane: str
+    ) -> None:
+        self._settings, self._name = settings, lane
+        self._stopping = stopping
+        self._database = Database(settings.database_url)
+        self._redis: Redis = broker.connect(settings)
+        self._meters = SharedMeters(self._redis)
+        self._context = RunContext(
+            settings=settings,
+            database=self._database,
+            redis=self._redis,
+            simulator=simulator,
+            isolation=IsolationLevel.NONE,
+            shutting_down=stopping.is_set,
+        )
+        self._recovered = False
+
+    def serve(self) -> None:
+        """Take sessions until the worker shuts down."""
+        while not self._stopping.is_set():
+            try:
+                self._recover()
+                offer = self._next_offer()
+                if offer is not None:
+                    self._carry_out(offer)
+                    self._meters.add()
+            except (RedisError, SQLAlchemyError) as error:
+                _log.warning("no_sessions", worker=self._name, why=str(error))
+                self._stopping.wait(POLL_S)
+        self._context.simulator.stop()
+
+    def _recover(self) -> None:
+        """Fail the run that the predecessor of this process had when it died."""
+        if not self._recovered:
+            with self._database.writing() as session:
+                run_queue.recover_from(session, self._name, self._settings)
+            self._recovered = True
+
+    def _next_offer(self) -> Offer | None:
+        with self._database.reading() as session:
+            idle = workers.is_drained(session, self._name)
+            idle = idle or not data_folder.computes_alike(session)
+        if idle or storage.refusal(self._settings):
+            self._stopping.wait(POLL_S)
+            return None
+        return bridge_sessions.take_offer(self._redis, POLL_S)
+
+    def _carry_out(self, offer: Offer) -> None:
+        """Start the run of an offer, and evaluate it with the program that is connected."""
+        try:
+            claim = self._start(offer)
+        except (SubmissionRejected, ConfigurationInvalid) as refusal:
+            self._refuse(offer, "invalid-request", str(refusal))
+            return
+        except QuotaExceeded as refusal:
+            self._refuse(offer, "quota-exceeded", str(refusal), retry_after_s=refusal.retry_after_s)
+            return
+        except StorageUnavailable as refusal:
+            self._refuse(offer, "unavailable", str(refusal), retry_after_s=60)
+            return
+        with tempfile.TemporaryDirectory(prefix="seamark-bridge-") as folder:
+            socket = Path(folder, "socket")
+            relay = BridgeRelay(self._redis, offer.session, socket)
+            try:
+                bridge_sessions.answer(self._redis, offer.session, {"run": claim.run_id})
+                relay.start()
+                self._evaluate(claim, socket)
+            finally:
+                relay.stop()
+
+    def _evaluate(self, claim: Claim, socket: Path) -> None:
+        try:
+            evaluate(self._context, claim, bridge=socket)
+        except Exception:
+            _log.exception("run_not_evaluated", run=claim.run_id)
+            with suppress(SQLAlchemyError), self._database.writing() as session:
+                end = AttemptEnd.EVALUATION_BROKE
+                run_queue.release(session, claim, end, settings=self._settings)
+
+    def _start(self, offer: Offer) -> Claim:
+        """Insert the run and claim it, in one transaction.
+
+        Raises
+        ------
+        SubmissionRejected, ConfigurationInvalid, QuotaExceeded, StorageUnavailable
+            The account may not have it.
+        """
+        with self._database.writing() as session:
+            user = session.get(User, offer.user_id)
+            if user is None or accounts.refused(session, {user.id}):
+                raise SubmissionRejected("The account is closed or disabled.")
+            wanted = Submission(
+                viewer=accounts.viewer_of_user(user, SCOPES),
+                benchmark=offer.benchmark,
+                config=offer.config,
+                controller=ROSBRIDGE,
+                connected=True,
+                seed=offer.seed,
+                trials=offer.trials,
+                title=offer.title,
+            )
+            valid = submission.validate(wanted, self._settings)
+            run_id = submission.submit(session, valid, self._settings)
+            claim = run_queue.start(session, run_id, self._name, self._settings)
+            if claim is None:
+                raise SubmissionRejected("The run was not started.")  # nobody could see it yet
+            return claim
+
+    def _refuse(self, offer: Offer, slug: str, sentence: str, **more: Any) -> None:
+        answer: Mapping[str, Any] = {"refused": sentence, "slug": slug} | more
+        bridge_sessions.answer(self._redis, offer.session, answer)
+
+
+def main(parent: str, lane: str) -> None:
+    """Be one of the places for connected programs of a worker."""
+    stopping = follow_worker(int(parent))
+    settings = Settings.load()
+    log.configure(settings.log_level, settings.log_format)
+    simulator = Simulator(WorkerSlot(IsolationLevel.NONE, None), settings.data / "compiled")
+    BridgeLoop(settings, simulator, stopping, lane=lane).serve()
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])
