@@ -60,6 +60,13 @@ class Objects:
         except (BaseError, OSError) as error:
             raise _away(error) from error
 
+    def copy(self, path: str, target: str) -> None:
+        """Store an object under another path as well; its content stays in the storage."""
+        try:
+            obstore.copy(self._store, path, target)
+        except (BaseError, OSError) as error:
+            raise _away(error) from error
+
     def get(self, path: str) -> bytes | None:
         """Return the content of a small object; None if there is none."""
         try:

@@ -8,8 +8,7 @@ from __future__ import annotations
 
 import json
 import time
-
-from sqlalchemy.orm import Session
+from contextlib import ExitStack
 
 from seamark.mission_logs.refusal import LogRefused
 from seamark.mission_logs.result import LOG, LogResult
@@ -18,10 +17,11 @@ from seamark.server.accounts.permissions import Viewer
 from seamark.server.database.advisory_locks import AdvisoryLock, acquire
 from seamark.server.database.engine import Database
 from seamark.server.database.tables import Result, Run
-from seamark.server.runs import quota, run_objects
+from seamark.server.runs import quota, retention
 from seamark.server.runs.error_curve import error_curve
-from seamark.server.runs.files import RunFiles, StorageFailed
+from seamark.server.runs.files import StorageFailed
 from seamark.server.runs.run_notes import clean_notes, clean_title
+from seamark.server.runs.staging import Staged, staged
 from seamark.server.runs.states import RunKind, RunState
 from seamark.server.settings import Settings
 from seamark.server.storage import StorageUnavailable
@@ -32,6 +32,19 @@ NO_POSE = (
     "The player needs the vehicle's pose: x, y, z, and roll, pitch, yaw or a quaternion. `seamark "
     "replay` measures a log with corners alone."
 )
+
+
+def require_room(database: Database, settings: Settings, viewer: Viewer) -> None:
+    """Raise if a log would be refused however small it is, before it is measured.
+
+    Raises
+    ------
+    QuotaExceeded, StorageUnavailable
+        As `store`.
+    """
+    storage.require(settings)
+    with database.reading() as session:
+        quota.enforce(session, viewer, settings, new_bytes=0)
 
 
 def store(
@@ -45,6 +58,9 @@ def store(
 ) -> int:
     """Store a measured log as a private run of the viewer, and return its number.
 
+    The files are written before the transaction, which has to be short: it keeps all submissions
+    waiting, and with SQLite everybody who writes.
+
     Raises
     ------
     LogRefused
@@ -57,22 +73,40 @@ def store(
     if set(POSE_COLUMNS) & set(found.manifest["absent"]):
         raise LogRefused(NO_POSE)
     storage.require(settings)
-    documents = len(json.dumps(found.metrics)) + len(json.dumps(found.manifest))
-    with database.writing() as session:
+    new_bytes = found.rows.nbytes + len(json.dumps([found.metrics, found.manifest]))
+    with database.reading() as session:
+        quota.enforce(session, viewer, settings, new_bytes=new_bytes)
+    run = _row(viewer, found, title=title, notes=notes)
+    try:
+        with staged(settings, attempt=ATTEMPT) as aside:
+            result = _written(aside, run, found)
+            return _insert(database, settings, viewer, run, result, aside)
+    except (StorageFailed, objects.ObjectsAway) as error:
+        raise StorageUnavailable(str(error)) from error
+
+
+def _insert(
+    database: Database,
+    settings: Settings,
+    viewer: Viewer,
+    run: Run,
+    result: Result,
+    aside: Staged,
+) -> int:
+    """Insert a run with its result and move its files into their place; return its number."""
+    with ExitStack() as undo, database.writing() as session:
         acquire(session, AdvisoryLock.SUBMISSION)  # as of a submission: see there
-        quota.enforce(session, viewer, settings, new_bytes=found.rows.nbytes + documents)
-        run = _row(viewer, found, title=title, notes=notes)
+        quota.enforce(session, viewer, settings, new_bytes=run.data_bytes)
         session.add(run)
         session.flush()
-        files = RunFiles(storage.copies(settings), run.id, ATTEMPT)
-        try:
-            _write(settings, files, run.id, found)
-            _insert_result(session, files, run, found)
-            session.flush()
-        except (StorageFailed, objects.ObjectsAway) as error:
-            files.remove()
-            raise StorageUnavailable(str(error)) from error
-        return run.id
+        undo.callback(retention.remove_files, settings, run.id)
+        aside.place(run.id)
+        result.run_id = run.id
+        session.add(result)
+        session.flush()
+        # Whether a commit that fails has happened is unknown: a sweep removes files without a row.
+        undo.pop_all()
+    return run.id
 
 
 def _row(viewer: Viewer, found: LogResult, *, title: str, notes: str) -> Run:
@@ -99,34 +133,22 @@ def _row(viewer: Viewer, found: LogResult, *, title: str, notes: str) -> Run:
     )
 
 
-def _write(settings: Settings, files: RunFiles, run_id: int, found: LogResult) -> None:
-    files.append_rows(found.rows)
-    files.write_json("metrics.json", found.metrics)
-    files.write_json("manifest.json", found.manifest)
-    stored = objects.of(settings)
-    if stored is None:
-        return
-    folder = run_objects.folder(run_id, ATTEMPT)
-    names = sorted(file.name for file in files.folder.iterdir())
-    for name in names:
-        stored.put(f"{folder}/{name}", files.folder / name)
-    stored.put(f"{folder}/{run_objects.COMPLETE}", json.dumps(names).encode())
-
-
-def _insert_result(session: Session, files: RunFiles, run: Run, found: LogResult) -> None:
-    run.data_bytes, run.data_measured = files.size(), True
-    session.add(
-        Result(
-            run_id=run.id,
-            attempt=ATTEMPT,
-            digest=found.digest,
-            score=found.metrics["score"],
-            level_held=found.metrics["level_held"],
-            rankable=False,
-            not_ranked=found.metrics["not_ranked"],
-            error_curve=error_curve(files, found.benchmark),
-            metrics=found.metrics,
-            manifest=found.manifest,
-            created_at=time.time(),
-        )
+def _written(aside: Staged, run: Run, found: LogResult) -> Result:
+    """Write the files of a log aside, and return the row of its result, still without a run."""
+    aside.files.append_rows(found.rows)
+    aside.files.write_json("metrics.json", found.metrics)
+    aside.files.write_json("manifest.json", found.manifest)
+    aside.upload()
+    run.data_bytes, run.data_measured = aside.files.size(), True
+    return Result(
+        attempt=ATTEMPT,
+        digest=found.digest,
+        score=found.metrics["score"],
+        level_held=found.metrics["level_held"],
+        rankable=False,
+        not_ranked=found.metrics["not_ranked"],
+        error_curve=error_curve(aside.files, found.benchmark),
+        metrics=found.metrics,
+        manifest=found.manifest,
+        created_at=time.time(),
     )

@@ -32,6 +32,7 @@ def open_log(
     if file is None or not file.filename:
         raise LogRefused("Choose the file of the log.")
     viewer, held = access.viewer(), services()
+    mission_logs.require_room(held.database, held.settings, viewer)
     found = held.logs.read(
         cast("BinaryIO", file.stream),
         file.filename,
