@@ -4,9 +4,11 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+ALL_WAITING_MAX = 12  # threads of all owners: whoever has many owners shall not take all threads
+
 
 class PlacesBusy(Exception):
-    """There was no place in time, or the owner already waits for too many."""
+    """There was no place in time, or too many wait already: of the owner, or of all."""
 
 
 class FairPlaces:
@@ -32,9 +34,10 @@ class FairPlaces:
     def taken(self, owner: str) -> Iterator[None]:
         """Hold a place; raises PlacesBusy without one."""
         with self._changed:
-            if self._waiting.get(owner, 0) >= self._waiting_max:
+            own, everybody = self._waiting.get(owner, 0), sum(self._waiting.values())
+            if own >= self._waiting_max or everybody >= ALL_WAITING_MAX:
                 raise PlacesBusy
-            self._waiting[owner] = self._waiting.get(owner, 0) + 1
+            self._waiting[owner] = own + 1
             got = self._changed.wait_for(lambda: self._is_next(owner), self._wait_s)
             self._leave_queue(owner)
             if not got:

@@ -1,5 +1,6 @@
 """Places shared between owners: nobody keeps them from the others."""
 
+import string
 import threading
 import time
 from collections.abc import Callable
@@ -7,7 +8,7 @@ from concurrent.futures import Future, ThreadPoolExecutor
 
 import pytest
 
-from seamark.server.programs.fair_places import FairPlaces, PlacesBusy
+from seamark.server.programs.fair_places import ALL_WAITING_MAX, FairPlaces, PlacesBusy
 
 LONG_S = 60.0  # until a thread has been scheduled on a busy machine
 
@@ -88,6 +89,23 @@ def test_an_owner_does_not_wait_with_more_threads_than_allowed() -> None:
     uploads.end("a1")
     uploads.end("a2")
     waiting.result(LONG_S)
+
+
+def test_many_owners_leave_threads_for_the_pages() -> None:
+    places = FairPlaces(1, wait_s=LONG_S, waiting_max=2)
+    uploads = Uploads(places)
+    uploads.begin("A1")
+    _eventually(lambda: uploads.started == ["A1"])
+    owners = string.ascii_lowercase[:ALL_WAITING_MAX]
+    for owner in owners:
+        uploads.begin(f"{owner}1")
+        _eventually(_waits(places, owner, 1))
+
+    with pytest.raises(PlacesBusy):
+        uploads.begin("z1").result(LONG_S)
+
+    for name in ("A1", *(f"{owner}1" for owner in owners)):
+        uploads.end(name)
 
 
 def test_without_a_place_in_time_an_upload_is_refused_and_waits_no_longer() -> None:
