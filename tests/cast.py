@@ -120,9 +120,9 @@ class Backend:
         assert self.finish(claim)
         return claim.run_id
 
-    def failed(self, detail: Mapping[str, Any], who: str = "ann") -> int:
+    def failed(self, detail: Mapping[str, Any], who: str = "ann", **changes: Any) -> int:
         """Return a run whose program raised an error, described by `detail`."""
-        claim = self.running(who)
+        claim = self.running(who, **changes)
         report: dict[str, Any] = dict.fromkeys(("metrics", "manifest", "digest"))
         report |= {"state": RunState.FAILED, "cause": "user_error", "detail": dict(detail)}
         assert self.finish(claim, **report)

@@ -70,7 +70,7 @@ def stream(path: RunPath, query: EventsQuery) -> Response:
         return _response(())
     if run.state.final:
         files = access.files_of(run)
-        replayed = _replay(files.root, run.data_id, after, position_now(files))
+        replayed = _replay(files.root, run.data_id, after, position_now(files), files.hidden)
         return _response(_frames(run, replayed, shows_log=shows_log))
     if services().streams.full:
         raise Problem("streams-full", headers={"Retry-After": str(FULL_RETRY_S)})
@@ -115,7 +115,10 @@ def _state(run: RunView, viewers: int) -> bytes:
 
 
 @lru_cache(maxsize=REPLAYS_KEPT)
-def _replay(root: Path, run_id: int, after: Position | None, until: Position) -> Excerpt:
+def _replay(
+    root: Path, run_id: int, after: Position | None, until: Position, hidden: str
+) -> Excerpt:
     """Return what a run that has ended recorded between two positions."""
     files = RunFiles(root.parents[2], run_id, until.attempt)
+    files.hidden = hidden
     return excerpt(files, after or Position(until.attempt, 0, 0), until, START)

@@ -1,6 +1,7 @@
 """What everybody sees in place of who has published a run for review."""
 
 from pathlib import PurePath
+from typing import Any
 
 NAME = "Anonymous author"  # no account can have it: names have no spaces
 
@@ -13,3 +14,10 @@ def file_name(name: str | None) -> str | None:
         return None
     suffix = PurePath(name).suffix
     return f"program{suffix}" if suffix in _SUFFIXES else "program"
+
+
+def replaced(value: Any, name: str, by: str) -> Any:
+    """Return a text, or a list of texts, with another name of the program."""
+    if isinstance(value, list):
+        return [replaced(item, name, by) for item in value]
+    return value.replace(name, by) if name and isinstance(value, str) else value

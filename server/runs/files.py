@@ -55,6 +55,7 @@ class RunFiles:
         self.attempt = chosen  # 0 while there are no files
         self.folder = self.root / str(chosen)
         self.data, self.run_id = data, run_id
+        self.hidden = ""  # what the log is shown without, such as a name that tells its author
         self._made = False  # whether the folder was made here: it is never made again
         self._tail = b""
         self._written = 0
@@ -185,10 +186,10 @@ class RunFiles:
 
         Without `until`, to the end. What was not kept is missing.
         """
-        head = _bytes(self.folder / "log.txt")
+        head = self._without_hidden(_bytes(self.folder / "log.txt"))
         kept = _bytes(self.folder / "log.tail")
         tail_start = int.from_bytes(kept[:_COUNT_BYTES], "little") if kept else len(head)
-        tail = kept[_COUNT_BYTES:]
+        tail = self._without_hidden(kept[_COUNT_BYTES:])
         after = max(after, 0)
         end = tail_start + len(tail) if until is None else min(until, tail_start + len(tail))
         gap = max(tail_start - max(after, len(head)), 0)
@@ -211,10 +212,16 @@ class RunFiles:
 
     def log_text(self) -> str:
         """Return the whole log as printable text; a line says how many bytes were not kept."""
-        head = printable_text(_bytes(self.folder / "log.txt").decode("utf-8", "replace"))
+        kept = self._without_hidden(_bytes(self.folder / "log.txt"))
+        head = printable_text(kept.decode("utf-8", "replace"))
         rest = self.log(after=HEAD_MAX)
         gap = f"\n[... {rest.dropped} bytes were not kept ...]\n" if rest.dropped else ""
         return head + gap + rest.text
+
+    def _without_hidden(self, output: bytes) -> bytes:
+        """Return output of the same length: an offset may lie within what is hidden."""
+        hidden = self.hidden.encode()
+        return output.replace(hidden, b"*" * len(hidden)) if hidden else output
 
     def manifest(self) -> dict[str, Any] | None:
         """Return the manifest, or None while there is none."""

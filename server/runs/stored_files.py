@@ -48,12 +48,16 @@ class Stored(Protocol):
     def attempt(self) -> int: ...  # noqa: D102
     @property
     def state(self) -> RunState: ...  # noqa: D102
+    @property
+    def hidden_name(self) -> str: ...  # noqa: D102 - of the program, while the run is anonymous
 
 
 def of_run(settings: Settings, run: Stored) -> RunFiles:
     """Return the files of a run, as they are now."""
     known = run.state.final and run.data_id == run.id  # else: the attempt of another run
-    return latest(settings, run.data_id, run.attempt if known else None)
+    files = latest(settings, run.data_id, run.attempt if known else None)
+    files.hidden = run.hidden_name
+    return files
 
 
 def latest(settings: Settings, run_id: int, attempt: int | None = None) -> RunFiles:

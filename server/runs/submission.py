@@ -26,6 +26,7 @@ from seamark.server.programs import store
 from seamark.server.programs.parameters import Parameter
 from seamark.server.programs.store import StoredProgram
 from seamark.server.runs import (
+    anonymity,
     configurations,
     connected,
     paces,
@@ -344,7 +345,8 @@ def program_of(run: Run, settings: Settings) -> StoredProgram | None:
     size = store.touch(settings, run.program_sha256)
     if size is None:
         raise SubmissionRejected("The program of this run has been deleted.", field="program")
-    names = (run.program_name or "", run.language or "")
+    name = anonymity.file_name(run.program_name) if run.anonymous else run.program_name
+    names = (name or "", run.language or "")
     declared = tuple(map(Parameter.from_json, run.program_parameters or ()))
     return StoredProgram(run.program_sha256, *names, size=size, parameters=declared)
 

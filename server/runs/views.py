@@ -1,6 +1,6 @@
 """Runs as pages and the API show them: values, not rows, and no seed but a chosen one."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from sqlalchemy import Select, select
@@ -36,6 +36,7 @@ class RunView(PublicRun):
     manifest: dict[str, Any] | None = None
     data_run: int | None = None
     draw: int | None = None  # none that is shown has one
+    hidden_name: str = ""  # of the program of an anonymous run; its log and errors quote it
     teacher_id: int | None = None  # of the class it was submitted for; not in lists
 
     @property
@@ -102,17 +103,21 @@ def view(run: Run, result: Result | None, user: User | None, /, **more: object) 
     detail = {name: _shown(value) for name, value in shown.detail.items()}
     if run.public and not run.program_public:  # they quote the program and what it prints
         detail = {name: value for name, value in detail.items() if name not in _OF_PROGRAM}
-    return shown.model_copy(update={"detail": detail} | _masked(run))
+    return shown.model_copy(update={"detail": detail} | _masked(run, detail))
 
 
-def _masked(run: Run) -> dict[str, object]:
+def _masked(run: Run, detail: Mapping[str, object]) -> dict[str, object]:
     """Return what stands in place of values that tell who published a run for review."""
     if not run.anonymous:
         return {}
     links = {"rerun_of": None, "sweep_id": None}
+    name = anonymity.file_name(run.program_name)
+    quoted = (run.program_name or "", name or "")
     return links | {
         "user": anonymity.NAME,
-        "program_name": anonymity.file_name(run.program_name),
+        "program_name": name,
+        "hidden_name": run.program_name or "",
+        "detail": {key: anonymity.replaced(value, *quoted) for key, value in detail.items()},
     }
 
 

@@ -6,10 +6,11 @@ from collections.abc import Iterator
 
 import pytest
 
-from seamark.server.accounts import profiles
+from seamark.server.accounts import accounts, profiles
 from seamark.server.accounts.profiles import Profile
 from seamark.server.app import create_app
 from seamark.server.runs import publications
+from seamark.server.runs.files import RunFiles
 from seamark.server.runs.publications import Terms
 from tests.cast import Backend
 from tests.server.api.conftest import Site
@@ -88,6 +89,44 @@ def test_neither_do_lists_and_searches(site: Site, path: str) -> None:
     shown = answer.data.replace(b"q=zebedee", b"")
     assert answer.status_code == 200
     assert not any(secret in shown for secret in (*SECRETS, b"zebedees_best"))
+
+
+def test_who_runs_the_program_again_does_not_learn_what_its_author_called_it(site: Site) -> None:
+    run_id = _for_review(site)
+    with site.database.writing() as session:
+        token = accounts.new_token(session, site.user_id("eva"), "reviews", ("read", "submit"))
+    as_eva = {"Authorization": f"Bearer {token}"}
+
+    form = site.client().get(f"/submit/currents-v1?from={run_id}", headers=as_eva)
+    again = site.client().post(f"/api/v1/runs/{run_id}/rerun", headers=as_eva)
+
+    assert (form.status_code, again.status_code) == (200, 202), again.text
+    assert again.json is not None
+    assert again.json["program_name"] == "program.py"
+    assert b"zebedee" not in form.data
+
+
+def test_neither_does_who_reads_why_a_program_failed(site: Site) -> None:
+    zebedee = site.sign_up("zebedee")
+    where = 'File "zebedees_best.py", line 3, in step'
+    run_id = site.failed(
+        {"message": "it failed", "traceback": where, "log_tail": [where]},
+        who="zebedee",
+        controller="upload",
+        program=site.store_program(name="zebedees_best.py"),
+    )
+    site.record(run_id, rows=40)
+    RunFiles(site.settings.data, run_id, 1).append_log(where.encode())
+    with site.database.writing() as session:
+        assert publications.publish(session, run_id, Terms(anonymous=True))
+
+    paths = (f"/runs/{run_id}", *(f"/api/v1/runs/{run_id}{end}" for end in ("", "/log", "/events")))
+    answers = {path: site.client().get(path) for path in paths}
+
+    assert zebedee.user_id is not None
+    assert {answer.status_code for answer in answers.values()} == {200}
+    assert [path for path, answer in answers.items() if b"zebedee" in answer.data] == []
+    assert b'File "****************", line 3' in answers[paths[2]].data
 
 
 def test_the_profile_of_an_anonymous_author_lists_nothing(site: Site) -> None:
