@@ -117,6 +117,15 @@ def typed(values: Mapping[str, Any], schema: Mapping[str, Any]) -> dict[str, Any
     return {key: _convert(value, properties.get(key, {})) for key, value in values.items()}
 
 
+def typed_if_known(benchmark: str, values: dict[str, Any]) -> dict[str, Any]:
+    """Convert strings if this installation knows the benchmark; otherwise the server does."""
+    from seamark.sim import registry
+
+    if benchmark not in registry.BENCHMARKS:
+        return values
+    return typed(values, registry.benchmark(benchmark).schema())
+
+
 def _convert(value: Any, field: Mapping[str, Any]) -> Any:
     if not isinstance(value, str):
         return value

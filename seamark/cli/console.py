@@ -8,6 +8,8 @@ from typing import NoReturn
 
 import click
 
+INTERRUPTED = 130  # 128 + SIGINT, as shells have it
+
 
 def print_json(value: object) -> None:
     """Print one JSON object for a program."""

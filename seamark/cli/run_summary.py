@@ -27,6 +27,13 @@ def summary(run: Mapping[str, Any]) -> str:
     return "The run was cancelled."
 
 
+def exit_code(run: Mapping[str, Any]) -> int:
+    """Return how a command ends with a run that has ended: 3 for a failure of the service."""
+    if run["state"] == "succeeded":
+        return 0
+    return 3 if (run["failure"] or {}).get("cause") == "platform_error" else 1
+
+
 def _success(result: Mapping[str, Any], metrics: Mapping[str, Any]) -> list[str]:
     lines = [f"Score {_number(result.get('score'))}{_interval(result)}"]
     lines += _parts(metrics)

@@ -156,6 +156,16 @@ class TcpAddress:
     port: int
     origins: Sequence[str] = ()  # whose pages may connect, beside those of this machine
 
+    def url(self, port: int) -> str:
+        """Return the address for programs, with the port that was found."""
+        host = f"[{self.host}]" if ":" in self.host else self.host
+        return f"ws://{host}:{port}"
+
+
+def allowed_origins(address: TcpAddress) -> list[Any]:
+    """Return whose connections are accepted, for the WebSocket server."""
+    return [None, LOCAL_ORIGIN, *address.origins]  # None: no browser
+
 
 async def serve_until(
     end: asyncio.Event,
@@ -186,8 +196,8 @@ async def serve_until(
     if isinstance(address, Path):
         starting: Any = unix_serve(server.handle, str(address), **options)
     else:
-        allowed: list[Any] = [None, LOCAL_ORIGIN, *address.origins]  # None: no browser
-        starting = serve(server.handle, address.host, address.port, origins=allowed, **options)
+        options["origins"] = allowed_origins(address)
+        starting = serve(server.handle, address.host, address.port, **options)
     async with starting as running:
         name = next(iter(running.sockets)).getsockname()
         listening(0 if isinstance(name, str) else name[1])

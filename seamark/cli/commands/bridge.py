@@ -6,13 +6,14 @@ import secrets
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
+from click.core import ParameterSource
 
-from seamark.cli.commands.run import INTERRUPTED, LocalRun, report
-from seamark.cli.console import exit_with
-from seamark.cli.options import benchmark_argument, bridged_run_options, json_option
+from seamark.cli.commands.run import LocalRun, report
+from seamark.cli.console import INTERRUPTED, exit_with
+from seamark.cli.options import benchmark_argument, bridged_run_options, json_option, token_option
 from seamark.failures import PlatformFailed, UsageRefused
 
 if TYPE_CHECKING:
@@ -26,6 +27,8 @@ ARDUPILOT_PORT = 9002  # where SITL looks for physics
 # What an autopilot needs unless it is set: its loop of 400 Hz must get a state each time.
 ARDUSUB_SETTINGS = {"vehicle": "bluerov2-heavy", "physics_step_s": 0.0025}
 Say = Callable[[str], None]
+Command = Callable[..., Any]
+Decorator = Callable[[Command], Command]
 
 
 @click.group()
@@ -33,25 +36,39 @@ def bridge() -> None:
     """Connect programs that exist already: ROS programs and autopilots."""
 
 
+def _listening_options(port: int, *, word: str, within_s: float, what: str) -> Decorator:
+    """Add --host, --port and --answer-within."""
+    options = (
+        click.option("--host", default=LOCAL, show_default=True, help="Address to listen on."),
+        click.option(
+            "--port",
+            type=click.IntRange(0, 65535),
+            default=port,
+            show_default=True,
+            help=f"{word} to listen on; 0: one that is free.",
+        ),
+        click.option(
+            "--answer-within",
+            type=click.FloatRange(0.1, 3600.0),
+            default=within_s,
+            show_default=True,
+            metavar="SECONDS",
+            help=f"How long the simulation waits for each {what}.",
+        ),
+    )
+
+    def add(command: Command) -> Command:
+        for option in reversed(options):
+            command = option(command)
+        return command
+
+    return add
+
+
 @bridge.command()
 @benchmark_argument
 @bridged_run_options
-@click.option("--host", default=LOCAL, show_default=True, help="Address to listen on.")
-@click.option(
-    "--port",
-    type=click.IntRange(0, 65535),
-    default=ROSBRIDGE_PORT,
-    show_default=True,
-    help="Port to listen on; 0: one that is free.",
-)
-@click.option(
-    "--answer-within",
-    type=click.FloatRange(0.1, 3600.0),
-    default=10.0,
-    show_default=True,
-    metavar="SECONDS",
-    help="How long the simulation waits for each velocity reference.",
-)
+@_listening_options(ROSBRIDGE_PORT, word="Port", within_s=10.0, what="velocity reference")
 @click.option(
     "--real-time",
     is_flag=True,
@@ -65,6 +82,13 @@ def bridge() -> None:
     help="Let pages of this origin connect, such as https://example.org; repeatable.  "
     "[default: pages of this machine]",
 )
+@click.option(
+    "--server",
+    metavar="URL",
+    help="Run on this server, which needs --token; the program connects to this machine all the "
+    "same.  [default: run here]",
+)
+@token_option
 @json_option
 def rosbridge(  # noqa: PLR0913  # one argument per option
     *,
@@ -79,6 +103,8 @@ def rosbridge(  # noqa: PLR0913  # one argument per option
     answer_within: float,
     real_time: bool,
     origins: tuple[str, ...],
+    server: str | None,
+    token: str | None,
     as_json: bool,
 ) -> None:
     """Evaluate a program that speaks rosbridge v2, such as one with roslibpy or roslibjs.
@@ -91,49 +117,42 @@ def rosbridge(  # noqa: PLR0913  # one argument per option
     Examples:
       seamark bridge rosbridge currents-v1 --seed 7 --out result
       seamark bridge rosbridge currents-v2 --set levels=0.2 --port 9091
+      seamark bridge rosbridge currents-v1 --server https://seamark.example --token $TOKEN
     """
     _refuse_without_websockets()
+    if server is not None:
+        _refuse_what_a_server_decides()
     from seamark.bridge.rosbridge.lock_step import LockStep, Rules
     from seamark.bridge.rosbridge.program import RosProgram, opened
     from seamark.bridge.rosbridge.server import TcpAddress
+    from seamark.cli.configuration import read_settings, typed_if_known
+    from seamark.cli.server_bridge import finish, run_on_server
     from seamark.sim.engine.world import target_and_optics
     from seamark.worker.evaluation.bridged import result_message
 
+    address, say = TcpAddress(host, port, origins), _say(quiet=as_json)
+    if server is not None:
+        given = typed_if_known(benchmark, read_settings(config, pairs))
+        wanted = {"benchmark": benchmark, "config": given, "seed": seed, "trials": trials}
+        finish(run_on_server(server, token, wanted, address, say), as_json=as_json)
     run = _local_run(benchmark, "rosbridge", pairs, config, trials=trials, seed=seed)
     _target, optics = target_and_optics(_restored(run))
-    say = _say(quiet=as_json)
     with ExitStack() as stack:
         lock_step = LockStep(Rules(answer_s=answer_within, real_time=real_time))
         try:
-            opening = opened(lock_step, TcpAddress(host, port, origins), say=say)
-            server = stack.enter_context(opening)
+            behind = stack.enter_context(opened(lock_step, address, say=say))
         except OSError as error:
             raise UsageRefused(f"{host}:{port} cannot be used: {error.strerror}.") from None
-        click.echo(f"Waiting for a program at ws://{_shown(host)}:{server.port}.", err=True)
-        outcome = _evaluate(run, RosProgram(server, optics), out, quiet=as_json)
-        server.publish_result(result_message(outcome))
+        click.echo(f"Waiting for a program at {address.url(behind.port)}.", err=True)
+        outcome = _evaluate(run, RosProgram(behind, optics), out, quiet=as_json)
+        behind.publish_result(result_message(outcome))
     _report(run, outcome, out, as_json=as_json)
 
 
 @bridge.command()
 @benchmark_argument
 @bridged_run_options
-@click.option("--host", default=LOCAL, show_default=True, help="Address to listen on.")
-@click.option(
-    "--port",
-    type=click.IntRange(0, 65535),
-    default=ARDUPILOT_PORT,
-    show_default=True,
-    help="UDP port to listen on; 0: one that is free.",
-)
-@click.option(
-    "--answer-within",
-    type=click.FloatRange(0.1, 3600.0),
-    default=30.0,
-    show_default=True,
-    metavar="SECONDS",
-    help="How long the simulation waits for each frame.",
-)
+@_listening_options(ARDUPILOT_PORT, word="UDP port", within_s=30.0, what="frame")
 @click.option(
     "--start",
     type=click.Choice(["armed", "connected"]),
@@ -202,6 +221,15 @@ def _refuse_without_websockets() -> None:
 
     if missing(["websockets"]):
         raise UsageRefused(f"This bridge needs a further package: {install_line('ros')}.")
+
+
+def _refuse_what_a_server_decides() -> None:
+    """Refuse options that have no meaning for a run on a server."""
+    context = click.get_current_context()
+    for name in ("real_time", "answer_within", "out"):
+        if context.get_parameter_source(name) is ParameterSource.COMMANDLINE:
+            option = f"--{name.replace('_', '-')}"
+            raise UsageRefused(f"{option} is for a run on this machine; leave it out.")
 
 
 def _shown(host: str) -> str:

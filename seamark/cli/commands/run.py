@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from seamark.cli.console import exit_with, print_json
+from seamark.cli.console import INTERRUPTED, exit_with, print_json
 from seamark.cli.options import benchmark_argument, json_option, run_options
 
 if TYPE_CHECKING:
@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from seamark.server.programs.preparation import PreparedProgram
     from seamark.worker.ipc.outcomes import RunOutcome
 
-INTERRUPTED = 130  # 128 + SIGINT, as shells have it
 WITHOUT_CONTACTS = (
     "Contacts are off, because PyBullet is not installed (it needs Python 3.11): a vehicle passes "
     "through the bottom and the target. Runs that touch neither are not affected."

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
 from seamark.cli.console import exit_with, print_json
 from seamark.cli.options import benchmark_argument, json_option, run_options, server_options
-from seamark.cli.run_summary import summary
+from seamark.cli.run_summary import exit_code, summary
 from seamark.failures import UsageRefused
 from seamark.sandbox.printable_text import printable_text
 from seamark.server.runs.licences import LICENCES, NO_PROGRAM
@@ -75,7 +75,7 @@ def submit(  # noqa: PLR0913 (one argument per option is click's way)
         --licence MIT --token $TOKEN
       seamark submit currents-v1 --controller pi --sweep kp=0.1:1.0:5 --sweep ki=0,0.02,0.05
     """
-    from seamark.cli.configuration import read_settings
+    from seamark.cli.configuration import read_settings, typed_if_known
     from seamark.cli.server_answers import refusals_shown
     from seamark.cli.solutions import choose
     from seamark.client import Client
@@ -84,7 +84,7 @@ def submit(  # noqa: PLR0913 (one argument per option is click's way)
     submission: SubmissionOptions = {
         "controller": name if program is None else None,
         "program": program,
-        "config": _typed(benchmark, read_settings(config, pairs)),
+        "config": typed_if_known(benchmark, read_settings(config, pairs)),
         "kind": "ranked" if ranked else "practice",
         "seed": seed,
         "trials": trials,
@@ -114,16 +114,6 @@ def submit(  # noqa: PLR0913 (one argument per option is click's way)
             _finish_run(
                 run, wait=wait or publish, terms=terms if publish else None, as_json=as_json
             )
-
-
-def _typed(benchmark: str, values: dict[str, Any]) -> dict[str, Any]:
-    """Convert strings if this installation knows the benchmark; otherwise the server does."""
-    from seamark.cli.configuration import typed
-    from seamark.sim import registry
-
-    if benchmark not in registry.BENCHMARKS:
-        return values
-    return typed(values, registry.benchmark(benchmark).schema())
 
 
 def _finish_sweep(sweep: Sweep, *, wait: bool, as_json: bool) -> None:
@@ -165,10 +155,7 @@ def _finish_run(run: Run, *, wait: bool, terms: PublicationTerms | None, as_json
             run.publish(**terms)
     finally:  # the result is there, also if the server refuses to publish it
         _show(run, ended=wait, as_json=as_json)
-    if not wait or run.state == "succeeded":
-        exit_with(0)
-    cause = (run.failure or {}).get("cause")
-    exit_with(3 if cause == "platform_error" else 1)
+    exit_with(exit_code(run.document) if wait else 0)
 
 
 def _show(run: Run, *, ended: bool, as_json: bool) -> None:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from seamark.cli.console import exit_with, print_json
+from seamark.cli.console import INTERRUPTED, exit_with, print_json
 from seamark.cli.options import (
     benchmark_argument,
     configuration_options,
@@ -21,8 +21,6 @@ if TYPE_CHECKING:
     from seamark.cli.tuning_task import TuningTask
     from seamark.tuning.search import Search
     from seamark.tuning.validation import Validation
-
-INTERRUPTED = 130  # 128 + SIGINT, as shells have it
 
 
 @click.command()
