@@ -18,7 +18,14 @@ RUNS_MAX = 1000  # of the benchmark and the period that are looked at, the newes
 BUILT_IN = "built-in"
 _COLUMNS = (
     *(Run.id, Run.kind, Run.state, Run.started_at, Run.finished_at, Run.deleted_at, Run.rejudges),
-    *(Run.data_bytes, Run.data_deleted_at, Run.program_sha256, Run.language, Run.worker),
+    *(
+        Run.data_bytes,
+        Run.data_deleted_at,
+        Run.program_sha256,
+        Run.language,
+        Run.worker,
+        Run.controller,
+    ),
 )
 _Columns = ReadOnlyColumnCollection[str, KeyedColumnElement[Any]]
 

@@ -17,8 +17,8 @@ from redis import Redis, asyncio
 
 OFFERS = "seamark.bridge.offers"  # the oldest is at its left end
 OFFERS_MAX = 100
-PRESENT_S = 15  # after which the program counts as gone, unless its web process says otherwise
-RENEW_S = 4.0
+PRESENT_S = 8  # after which a side counts as gone, unless its process says otherwise
+RENEW_S = 2.0
 KEPT_S = 60  # of messages that nobody reads
 PENDING_MAX = 32  # messages in a list: those of two control steps
 READ_S = 1.0  # that a call waits for messages
@@ -73,6 +73,11 @@ class Keys:
         """Exists while the program is connected."""
         return f"seamark.bridge.{self.session}.present"
 
+    @property
+    def served(self) -> str:
+        """Exists while a worker has the session."""
+        return f"seamark.bridge.{self.session}.served"
+
 
 def user_key(user_id: int) -> str:
     """Return the key that lets an account have one session at a time; its value is the session."""
@@ -116,7 +121,13 @@ def take_offer(redis: "Redis", wait_s: float) -> Offer | None:
 
 def answer(redis: "Redis", session: str, values: Mapping[str, Any]) -> None:
     """Answer an offer. Raises RedisError."""
+    serve(redis, session)
     push(redis, Keys(session).down, _ANSWER + json.dumps(values).encode())
+
+
+def serve(redis: "Redis", session: str) -> None:
+    """Say that a worker has the session. Raises RedisError."""
+    redis.set(Keys(session).served, 1, ex=PRESENT_S)
 
 
 def is_present(redis: "Redis", session: str) -> bool:
@@ -164,12 +175,15 @@ async def take_back(redis: "asyncio.Redis", offer: Offer) -> bool:
     return removed > 0
 
 
-async def renew(redis: "asyncio.Redis", offer: Offer) -> None:
-    """Say that the program is still connected. Raises RedisError."""
+async def renew(redis: "asyncio.Redis", offer: Offer) -> bool:
+    """Say that the program is still connected; False if the worker is gone. Raises RedisError."""
+    keys = Keys(offer.session)
     async with redis.pipeline(transaction=False) as commands:
         commands.expire(user_key(offer.user_id), PRESENT_S)
-        commands.expire(Keys(offer.session).present, PRESENT_S)
-        await commands.execute()
+        commands.expire(keys.present, PRESENT_S)
+        commands.exists(keys.served)
+        *_, served = await commands.execute()
+    return bool(served)
 
 
 async def withdraw(redis: "asyncio.Redis", offer: Offer) -> None:

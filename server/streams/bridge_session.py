@@ -21,7 +21,7 @@ from seamark.server.settings import Settings
 OFFER_S = 3.0
 BUSY_RETRY_S = 5
 FULL_S = 0.02  # between two looks at a list that is full
-SECOND = "You have a session already, or one that ended a few seconds ago."
+SECOND = "You have a session already; only one at a time."
 BUSY = "All places for connected programs are taken, or no worker has any. Try again soon."
 _log = structlog.get_logger()
 
@@ -65,7 +65,7 @@ class BridgeSession:
         try:
             self._offered = await bridge_sessions.offer_session(self._redis, self._offer)
             if not self._offered:
-                raise SessionRefused("conflict", SECOND)
+                raise SessionRefused("conflict", SECOND, retry_after_s=BUSY_RETRY_S)
             items = await self._answer()
         except RedisError as error:
             _log.warning("session_not_offered", error=str(error))
@@ -133,7 +133,9 @@ class BridgeSession:
 
     async def _renew(self) -> None:
         while not self._ended.is_set():
-            await bridge_sessions.renew(self._redis, self._offer)
+            if not await bridge_sessions.renew(self._redis, self._offer):
+                _log.warning("session_abandoned")
+                return
             try:
                 async with asyncio.timeout(RENEW_S):
                     await self._ended.wait()

@@ -136,17 +136,23 @@ def service_with(settings: Settings) -> Service:
 
 
 @pytest.fixture(scope="module")
-def running(tmp_path_factory: pytest.TempPathFactory, _valkey: str) -> Iterator[Service]:
-    """A service on SQLite and a Unix socket, with a worker, shared by the tests of a module."""
+def _bare(tmp_path_factory: pytest.TempPathFactory, _valkey: str) -> Iterator[Service]:
+    """A service on SQLite and a Unix socket, without a worker, shared by the tests of a module."""
     data = tmp_path_factory.mktemp("service")
     with Redis.from_url(_valkey) as client:
         client.flushall()
     urls = {"data": data, "broker_url": _valkey}
     quotas = {"quota_live": 100, "quota_day": 1000}
     made = service_with(Settings.model_validate(urls | QUICK | quotas))
-    made.start_worker()
     yield made
     made.close()
+
+
+@pytest.fixture(scope="module")
+def running(_bare: Service) -> Service:
+    """The same with a worker."""
+    _bare.start_worker()
+    return _bare
 
 
 @pytest.fixture

@@ -58,8 +58,8 @@ class BridgeRelay:
             up.start()
             try:
                 self._pass_down(connection)
-            except RedisError as error:
-                _log.warning("session_broken", error=str(error))
+            except (ConnectionClosed, RedisError) as error:  # the simulation was stopped; no broker
+                _log.info("session_over", why=str(error))
             finally:
                 self._ending.set()
         up.join()
@@ -89,6 +89,7 @@ class BridgeRelay:
         """Send the simulation what the program says, until that has gone."""
         try:
             while not self._ending.is_set():
+                bridge_sessions.serve(self._redis, self._session)
                 items = bridge_sessions.read(self._redis, self._keys.up)
                 if not items and not bridge_sessions.is_present(self._redis, self._session):
                     break

@@ -18,7 +18,7 @@ from seamark.bridge.rosbridge.server import (
     allowed_origins,
 )
 
-BUSY = 503
+BUSY = (409, 503)  # the account has a session already; no place is free
 RETRY_S = 2.0  # unless the server says when to try again
 PATIENCE_S = 600.0  # that a program may wait for a free place
 OPEN_S = 20.0
@@ -55,7 +55,7 @@ def address_of(server: str, run: Mapping[str, Any]) -> str:
 
 
 async def opened(url: str, token: str, say: Callable[[str], None]) -> ClientConnection:
-    """Return the connection to a server, after waiting for a free place.
+    """Return the connection to a server, after waiting until it has a place.
 
     Raises
     ------
@@ -77,11 +77,11 @@ async def opened(url: str, token: str, say: Callable[[str], None]) -> ClientConn
         except InvalidStatus as answer:
             status, headers = answer.response.status_code, answer.response.headers
             problem = _problem(bytes(answer.response.body or b""))
-            if status != BUSY or clock() > until:
+            if status not in BUSY or clock() > until:
                 raise Refusal(status, problem) from None
             if not waits:
-                say(f"{problem.get('detail', 'The server is busy.')} Waiting for a free place ...")
-            waits = True
+                waits = True
+                say(f"{problem.get('detail', 'The server is busy.')} Waiting ...")
             await asyncio.sleep(float(headers.get("Retry-After", RETRY_S)))
         except (OSError, TimeoutError, InvalidHandshake, InvalidURI) as error:
             why = str(error) or type(error).__name__

@@ -77,6 +77,10 @@ def uploads(caller: Caller) -> bool:
     return caller.signed_in and caller.has(SUBMIT)
 
 
+def connects(caller: Caller) -> bool:
+    return uploads(caller) and caller.scopes is not None  # no cookie will do
+
+
 def reads_account(caller: Caller) -> bool:
     return caller.signed_in and caller.has(READ)
 

@@ -85,8 +85,8 @@ def open_bridge() -> Iterator[Open]:
     """Open a bridge: `open_bridge(answer_within_s=1.0)`."""
     with ExitStack() as stack:
 
-        def start(*, answer_within_s: float = 30.0, real_time: bool = False) -> Bridged:
-            lock_step = LockStep(Rules(answer_s=answer_within_s, real_time=real_time))
+        def start(*, answer_within_s: float = 30.0, **rules: Any) -> Bridged:
+            lock_step = LockStep(Rules(answer_s=answer_within_s, **rules))
             address = TcpAddress("127.0.0.1", 0)
             opening = opened(lock_step, address, say=lambda _sentence: None)
             return Bridged(stack.enter_context(opening), stack)

@@ -17,6 +17,11 @@ EXAMPLE = Path(__file__).parents[4] / "examples" / "rosbridge" / "pi.py"
 ONE_LEVEL = {"levels": [0.3]}
 
 
+def _slowly(message: Any) -> float:
+    time.sleep(0.01)
+    return 0.0
+
+
 def _surge(message: Any) -> float:
     return 0.4 * float(message["vector"]["x"])
 
@@ -94,6 +99,44 @@ def test_a_program_that_stops_answering_ends_with_a_sentence(open_bridge: Open) 
     assert outcome.failure is FailureReason.TIME_LIMIT
     assert "within 0.3 s after the observation at t = 0.05 s" in outcome.sentence
     assert "Refused: /cmd_vel: linear.x" in outcome.sentence
+
+
+def test_a_run_that_nobody_begins_ends_if_its_place_is_for_others_too(open_bridge: Open) -> None:
+    bridged = open_bridge(first_answer_s=0.3)
+    running = bridged.start(**ONE_LEVEL)
+    bridged.client().subscribe("/seamark/error")
+
+    outcome = running.outcome()
+
+    assert outcome.failure is FailureReason.TIME_LIMIT
+    assert "within 0.3 s after the observation at t = 0 s" in outcome.sentence
+
+
+def test_a_program_that_answers_each_observation_in_time_ends_when_its_time_is_over(
+    open_bridge: Open,
+) -> None:
+    bridged = open_bridge(whole_s=0.5)
+    running = bridged.start(levels=[0.3], level_duration_s=600)
+    client = bridged.client()
+    client.subscribe("/seamark/error")
+    thread = threading.Thread(target=client.answer_all, args=("/seamark/error", _slowly))
+    thread.start()
+    outcome = _finish(bridged, running)
+    thread.join()
+
+    assert outcome.failure is FailureReason.TIME_LIMIT
+    assert outcome.sentence.startswith("The run took 0.5 s, the most that a connection may last.")
+
+
+def test_a_run_for_one_client_ends_when_that_leaves_before_it_has_begun(open_bridge: Open) -> None:
+    bridged = open_bridge(one_client=True)
+    running = bridged.start(**ONE_LEVEL)
+    client = bridged.client()
+    client.subscribe("/seamark/error")
+    client.receive(op="publish")
+    client.socket.close()
+
+    assert "The program disconnected" in running.outcome().sentence
 
 
 def test_a_program_that_leaves_ends_with_the_time(open_bridge: Open) -> None:
