@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import PurePosixPath
-from typing import BinaryIO
+from typing import Any, BinaryIO
 
 from seamark.formats import csv_file, zip_writing
 from seamark.formats.recording import Recording
@@ -26,8 +26,32 @@ _README = """\
 | telemetry.csv | all rows: comment lines with #, then the names of the columns |
 | program/ | the uploaded program, if there was one and it may be passed on |
 
-`seamark rerun FILE.zip` computes the run again and compares it with this archive.
+{again}
 """
+_AGAIN = "`seamark rerun FILE.zip` computes the run again and compares it with this archive."
+# What stands in a manifest in place of a controller: the log of a mission, or what was connected.
+LOG = "log"
+CONNECTED = ("rosbridge", "ardusub")
+
+
+def why_not_again(manifest: Mapping[str, Any]) -> str:
+    """Return why a run cannot be computed again from its archive; empty if it can."""
+    controller = manifest.get("controller")
+    if manifest.get("program_sha256") is not None:
+        return ""
+    if controller == LOG:
+        return (
+            "This is the log of a real mission: it was measured, not simulated, and cannot be "
+            "computed again. `seamark replay` measures the file of the log."
+        )
+    if controller in CONNECTED:
+        return (
+            f"The program of this run was connected by {controller} and is not in the archive, so "
+            "the run cannot be computed again from it. Start the program with `seamark bridge "
+            f"{controller} {manifest['benchmark']} --config config.json --seed {manifest['seed']} "
+            f"--trials {manifest['trials']}` instead."
+        )
+    return ""
 
 
 def write(recording: Recording, file: BinaryIO) -> None:
@@ -39,8 +63,7 @@ def write(recording: Recording, file: BinaryIO) -> None:
 
 
 def _documents(recording: Recording) -> Iterator[tuple[str, bytes]]:
-    text = _README.format(title=recording.title, benchmark=recording.benchmark)
-    yield README, text.encode()
+    yield README, _readme(recording).encode()
     yield CONFIG, _json(recording.config)
     if recording.manifest is not None:
         yield MANIFEST, _json(recording.manifest)
@@ -51,6 +74,13 @@ def _documents(recording: Recording) -> Iterator[tuple[str, bytes]]:
         yield f"{PROGRAM}/{name}", recording.program.content
     for name, content in recording.extra_files.items():
         yield name, content.encode()
+
+
+def _readme(recording: Recording) -> str:
+    why_not = "" if recording.manifest is None else why_not_again(recording.manifest)
+    return _README.format(
+        title=recording.title, benchmark=recording.benchmark, again=why_not or _AGAIN
+    )
 
 
 def _json(value: object) -> bytes:

@@ -18,7 +18,7 @@ from typing import Annotated, Any
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from seamark.formats import csv_file
-from seamark.formats.archive import CONFIG, MANIFEST, METRICS, PROGRAM, TELEMETRY
+from seamark.formats.archive import CONFIG, MANIFEST, METRICS, PROGRAM, TELEMETRY, why_not_again
 from seamark.formats.csv_file import NotTelemetry
 from seamark.formats.recording import Program
 from seamark.sim.engine.seeds import SEED_BITS
@@ -122,8 +122,11 @@ def opened(path: Path) -> Iterator[ArchivedRun]:
         if len(archive.infolist()) > FILES_MAX:
             raise ArchiveRefused(f"{path.name} has more than {FILES_MAX} files.")
         root = _root(archive, path)
+        manifest = _manifest(archive, root)
+        if why_not := why_not_again(manifest.model_dump()):
+            raise ArchiveRefused(why_not)
         yield ArchivedRun(
-            _manifest(archive, root),
+            manifest,
             _object(archive, root + CONFIG),
             _object(archive, root + METRICS) if root + METRICS in archive.namelist() else None,
             _program(archive, root),

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from seamark.formats import csv_file
+from seamark.formats.archive import LOG
 from seamark.formats.recording import Program, Recording
 from seamark.sim import registry
 from seamark.sim.recording import telemetry
@@ -47,12 +48,24 @@ def recording_of(folder: Path, program: Program | None = None) -> Recording:
         width=len(names),
         row_count=len(rows),
         read=lambda start, stop: rows[start:stop],
-        seeds=manifest.get("seeds") or [manifest["seed"]] * int(manifest["trials"]),
+        seeds=_seeds(manifest),
         comments=[f"Seamark {benchmark}", *levels, telemetry.units(len(names))],
         manifest=manifest,
         metrics=metrics,
         program=program,
     )
+
+
+def _seeds(manifest: dict[str, Any]) -> list[int] | None:
+    """Return the seeds of the trials, which camera images need; None if there are no images.
+
+    A log has no seed: the noise in its images is that of 0, as on a server.
+    """
+    trials, absent = int(manifest["trials"]), manifest.get("absent", ())
+    if manifest["controller"] == LOG:
+        return None if set(telemetry.POSE_COLUMNS) & set(absent) else [0] * trials
+    seeds: list[int] | None = manifest.get("seeds")
+    return seeds or [manifest["seed"]] * trials
 
 
 def _rows(path: Path) -> tuple[tuple[str, ...], Rows]:

@@ -1,12 +1,17 @@
 """`seamark replay`: a log becomes a result that the other commands read."""
 
 import json
+import zipfile
 from pathlib import Path
 
+import numpy as np
 import pytest
 from click.testing import CliRunner, Result
+from mcap.reader import make_reader
 
 from seamark.cli.main import cli
+from seamark.formats.registry import FORMATS
+from tests import telemetry_csv
 
 SETTINGS = ("--set", "levels=0,0.3", "--set", "settle_s=1")
 
@@ -77,3 +82,54 @@ def test_a_log_that_cannot_be_measured_is_wrong_usage(tmp_path: Path) -> None:
     assert answer.exit_code == unknown.exit_code == 2
     assert "log.csv: Line 3: x is missing or nan." in answer.output
     assert "measured by currents-v2 or currents-v1" in unknown.output
+
+
+@pytest.mark.parametrize("kind", list(FORMATS))
+def test_the_result_of_a_log_is_exported_in_each_format(
+    replayed: Path, tmp_path: Path, kind: str
+) -> None:
+    written = seamark("export", replayed, "--format", kind, "-o", tmp_path / "mission")
+
+    assert written.exit_code == 0, written.output
+    assert (tmp_path / "mission").stat().st_size > 10_000
+
+
+def test_an_exported_log_has_its_values_and_images_where_it_has_a_pose(
+    replayed: Path, tmp_path: Path
+) -> None:
+    corners = ["t", *(f"corner_{number}" for number in range(8))]
+    lines = [",".join(map(str, [0.05 * at, *range(8)])) for at in range(40)]
+    (tmp_path / "corners.csv").write_text("\n".join([",".join(corners), *lines]))
+    options = ("--set", "settle_s=0", "--out", tmp_path / "corners")
+    assert seamark("replay", tmp_path / "corners.csv", *options).exit_code == 0
+
+    topics = {}
+    for name, folder in (("pose", replayed), ("corners", tmp_path / "corners")):
+        file = tmp_path / f"{name}.mcap"
+        assert seamark("export", folder, "--format", "mcap", "-o", file).exit_code == 0
+        with file.open("rb") as stream:
+            summary = make_reader(stream).get_summary()
+        assert summary is not None
+        topics[name] = {channel.topic for channel in summary.channels.values()}
+    seamark("export", replayed, "--format", "npz", "-o", tmp_path / "mission.npz")
+
+    names, rows = telemetry_csv.read((replayed / "telemetry.csv").read_text())
+    exported = np.load(tmp_path / "mission.npz")["telemetry"]
+    assert np.array([exported[name] for name in names]).T.tobytes() == rows.tobytes()
+    assert "/camera/image/compressed" in topics["pose"]
+    assert "/camera/image/compressed" not in topics["corners"]
+
+
+def test_the_archive_of_a_log_says_that_it_cannot_be_computed_again(
+    replayed: Path, tmp_path: Path
+) -> None:
+    file = tmp_path / "mission.zip"
+    assert seamark("export", replayed, "--format", "archive", "-o", file).exit_code == 0
+
+    refused = seamark("rerun", file)
+
+    assert refused.exit_code == 2
+    assert "measured, not simulated, and cannot be computed again" in refused.output
+    readme = zipfile.ZipFile(file).read("seamark-run/README.md").decode()
+    assert "cannot be computed again" in readme
+    assert "seamark rerun" not in readme

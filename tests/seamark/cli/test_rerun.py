@@ -176,6 +176,22 @@ def test_an_archive_that_is_none_is_refused_with_a_reason(
     assert "\x1b" not in refused.output
 
 
+@pytest.mark.parametrize("bridge", ["rosbridge", "ardusub"])
+def test_a_run_whose_program_was_connected_says_how_to_repeat_it(
+    archive: Path, tmp_path: Path, bridge: str
+) -> None:
+    def connected(text: str) -> str:
+        told = {"controller": bridge, "same_bits_on_every_cpu": False}
+        return json.dumps(json.loads(text) | told)
+
+    refused = seamark("rerun", changed(archive, tmp_path, {"manifest.json": connected}))
+
+    assert refused.exit_code == 2
+    assert f"was connected by {bridge} and is not in the archive" in refused.output
+    command = f"seamark bridge {bridge} currents-v1 --config config.json --seed 7 --trials 3"
+    assert command in refused.output
+
+
 def test_a_file_that_is_no_archive_is_refused(tmp_path: Path) -> None:
     (tmp_path / "run.zip").write_bytes(b"PK\x03\x04 and no more")
 
