@@ -12,8 +12,10 @@ from typing import Any, BinaryIO
 
 from seamark.formats.recording import FormatRefused, Recording
 
-ROWS_MAX = 1_000_000  # a variable is compressed in memory: 8 MB
-COLUMNS_AT_A_TIME = 8  # 64 MB; each time all rows are read again
+# A variable may have 2 GB, but it is compressed in memory, which takes 40 bytes for each row.
+# Beside it some columns are held at a time; for the others all rows are read again.
+ROWS_MAX = 3_000_000
+VALUES_AT_A_TIME = 8_000_000  # 64 MB
 HEAD_TEXT = b"MATLAB 5.0 MAT-file, written by Seamark"
 _HEAD_BYTES, _TEXT_BYTES = 128, 116
 _VERSION = b"\x00\x01IM"  # 0x0100, and the byte order: little-endian
@@ -24,7 +26,7 @@ def refusal(rows: int) -> str | None:
     if rows <= ROWS_MAX:
         return None
     return (
-        f"The run has {rows} rows; a MAT-file may have {ROWS_MAX}. MATLAB reads "
+        f"The run has {rows:,} rows; a MAT-file may have {ROWS_MAX:,}. MATLAB reads "
         "telemetry.parquet with parquetread, at any length."
     )
 
@@ -41,8 +43,9 @@ def write(recording: Recording, file: BinaryIO) -> None:
         raise FormatRefused(reason)
     columns = recording.columns
     file.write(HEAD_TEXT.ljust(_TEXT_BYTES) + bytes(8) + _VERSION)
-    for first in range(0, len(columns), COLUMNS_AT_A_TIME):
-        some = columns[first : first + COLUMNS_AT_A_TIME]
+    at_a_time = max(1, VALUES_AT_A_TIME // max(1, recording.row_count))
+    for first in range(0, len(columns), at_a_time):
+        some = columns[first : first + at_a_time]
         values = recording.columns_at(first, len(some))
         for column, vector in zip(some, values, strict=True):
             file.write(_variables({column.name: vector}))

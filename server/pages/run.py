@@ -7,6 +7,7 @@ from flask import Blueprint, flash, g, make_response, redirect, render_template,
 from flask.typing import ResponseReturnValue
 from sqlalchemy.orm import Session
 
+from seamark.formats import mat
 from seamark.server import storage
 from seamark.server.accounts.permissions import Action, can, owns
 from seamark.server.pages import (
@@ -61,6 +62,7 @@ def show(run_id: int) -> ResponseReturnValue:
         title_max=run_notes.TITLE_MAX,
         notes_max=run_notes.NOTES_MAX,
         has_rows=files.row_count() > 0,
+        no_mat=mat.refusal(files.row_count()),
         mission=log_view.of_run(run),
         tables=log_view.without_current(
             run, metric_tables.tables(benchmark, run.config, run.metrics or {})

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from seamark.formats import mat
 from seamark.server.app import create_app
 from seamark.server.runs.files import RunFiles
 from seamark.server.runs.states import RunState
@@ -145,6 +146,22 @@ def test_the_data_so_far_can_be_downloaded_in_every_state(site: Site, state: str
     assert site.show(run_id).state == state
     assert f'href="/api/v1/runs/{run_id}/telemetry.csv"' in page
     assert site.browser("ann").get(f"/api/v1/runs/{run_id}/telemetry.csv").status_code == 200
+
+
+def test_a_run_that_is_too_long_for_a_mat_file_offers_none_and_says_why(
+    site: Site, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    run_id = site.succeeded()
+    RunFiles(site.settings.data, run_id, 1).append_rows(np.zeros((3, WIDTH)))
+    offered = _page(site, run_id)
+    monkeypatch.setattr(mat, "ROWS_MAX", 2)
+
+    refused = _page(site, run_id)
+
+    assert f"/api/v1/runs/{run_id}/telemetry.mat" in offered
+    assert "There is no MAT-file" not in offered
+    assert f"/api/v1/runs/{run_id}/telemetry.mat" not in refused
+    assert "There is no MAT-file: The run has 3 rows; a MAT-file may have 2." in refused
 
 
 def test_page_and_api_publish_the_same_when_a_run_is_cancelled(site: Site, redis_url: str) -> None:
