@@ -36,6 +36,7 @@ from seamark.server.web import (
 from seamark.server.web.asgi import AsgiApplication
 from seamark.server.web.services import Services, services
 
+_VERSION = version("seamark")  # reads a file
 _SAFE_METHODS = frozenset({"GET", "HEAD", "OPTIONS", "TRACE"})
 _FOLDER = Path(templates.__file__).parent
 
@@ -44,7 +45,7 @@ def create_app(settings: Settings) -> OpenAPI:
     """Return the application with all pages and the API; its services are in `extensions`."""
     app = OpenAPI(
         "seamark",
-        info=Info(title="Seamark", version=version("seamark")),
+        info=Info(title="Seamark", version=_VERSION),
         template_folder=str(_FOLDER),
         static_folder=str(_FOLDER / "static"),
         static_url_path="/static",
@@ -155,7 +156,7 @@ def _common() -> dict[str, Any]:
     """Return the variables of all templates."""
     return {
         "viewer": g.viewer,
-        "version": version("seamark"),
+        "version": _VERSION,
         "sign_up": services().settings.sign_up,
         "identity_provider": _name_of_provider(services().settings),
         "sends_mail": bool(services().settings.mail_url),

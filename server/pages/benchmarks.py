@@ -2,12 +2,10 @@
 
 from flask import Blueprint, abort, render_template
 from flask.typing import ResponseReturnValue
-from sqlalchemy.orm import Session
 
 from seamark.server.pages import form_fields, guides, plots
 from seamark.server.pages.plots import OnAxis
 from seamark.server.runs import leaderboard, reference_entries, score_counts, submission
-from seamark.server.runs.leaderboard import Rank
 from seamark.server.web.services import services
 from seamark.sim import registry, vehicles
 from seamark.sim.benchmarks.benchmark import Benchmark
@@ -20,15 +18,18 @@ _GUIDE = "benchmarks.md"  # a section for each benchmark
 @page.get("/")
 def index() -> ResponseReturnValue:
     """Show all benchmarks with their questions and leaders."""
+    every = [registry.benchmark(name) for name in registry.BENCHMARKS]
     with services().database.reading() as session:
-        found = [
-            {
-                "benchmark": benchmark,
-                "leader": _leader(session, benchmark),
-                "people": score_counts.size(session, benchmark.name),
-            }
-            for benchmark in map(registry.benchmark, registry.BENCHMARKS)
-        ]
+        leaders = leaderboard.leaders_of(session, every, 1)
+        people = score_counts.sizes(session)
+    found = [
+        {
+            "benchmark": benchmark,
+            "leader": next(iter(leaders[benchmark.name]), None),
+            "people": people.get(benchmark.name, 0),
+        }
+        for benchmark in every
+    ]
     return render_template("benchmark/index.html", found=found)
 
 
@@ -39,7 +40,8 @@ def show(name: str) -> ResponseReturnValue:
     config = benchmark.read({})
     explanation, contents = guides.section(_GUIDE, name)
     with services().database.reading() as session:
-        leader, people = _leader(session, benchmark), score_counts.size(session, name)
+        leader = next(iter(leaderboard.leaders(session, benchmark, 1)), None)
+        people = score_counts.size(session, name)
         marks = reference_entries.entries(session, benchmark)
         pending = reference_entries.are_pending(session, benchmark, marks)
     rows: list[OnAxis] = sorted([*marks, *([leader] if leader else [])], key=lambda row: -row.score)
@@ -62,11 +64,6 @@ def show(name: str) -> ResponseReturnValue:
         vehicles=[vehicles.load(entry) for entry in registry.VEHICLES],
         constants_of=constants.GROUPS,
     )
-
-
-def _leader(session: Session, benchmark: Benchmark) -> Rank | None:
-    """Return the first row of a leaderboard that is not a baseline; None if people are missing."""
-    return next(iter(leaderboard.leaders(session, benchmark, 1)), None)
 
 
 def first() -> Benchmark:

@@ -107,11 +107,12 @@ def _start_demo() -> int:
 
 def _boards(session: Session) -> list[Board]:
     found = [registry.benchmark(name) for name in registry.BENCHMARKS]
+    leaders = leaderboard.leaders_of(session, found, BEST)
     references = reference_entries.of_benchmarks(session, found)
     return [
         Board(
             benchmark,
-            leaderboard.leaders(session, benchmark, BEST),
+            leaders[benchmark.name],
             [entry for entry in references[benchmark.name] if not entry.is_bound][:BEST],
         )
         for benchmark in found

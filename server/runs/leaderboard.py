@@ -5,11 +5,23 @@ A user has one row per benchmark: the best published ranked run.
 
 import math
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import islice
 from typing import Any, Self
 
-from sqlalchemy import ColumnElement, Row, Select, and_, delete, func, or_, select, update
+from sqlalchemy import (
+    ColumnElement,
+    Row,
+    Select,
+    and_,
+    delete,
+    func,
+    or_,
+    select,
+    union_all,
+    update,
+)
 from sqlalchemy.orm import Session
 
 from seamark.server.database.advisory_locks import AdvisoryLock, acquire
@@ -124,9 +136,19 @@ def page(
 
 def leaders(session: Session, benchmark: Benchmark, count: int) -> list[Rank]:
     """Return the first rows of a leaderboard, without baselines and without ranges of ranks."""
-    query = _rows(benchmark.name).order_by(*_ORDER).limit(count + len(benchmark.baselines))
-    people = [row for row in session.execute(query) if not row.is_baseline][:count]
-    return [_rank(row, number, None) for number, row in enumerate(people, start=1)]
+    return _leaders(session.execute(_leading(benchmark, count)), count)
+
+
+def leaders_of(
+    session: Session, benchmarks: Sequence[Benchmark], count: int
+) -> dict[str, list[Rank]]:
+    """Return name -> `leaders` of some benchmarks, by one statement."""
+    each = (select(_leading(benchmark, count).subquery()) for benchmark in benchmarks)
+    rows = sorted(session.execute(union_all(*each)), key=_order)
+    return {
+        benchmark.name: _leaders((row for row in rows if row.benchmark == benchmark.name), count)
+        for benchmark in benchmarks
+    }
 
 
 @dataclass(frozen=True, slots=True)
@@ -346,6 +368,20 @@ def _keys(benchmark: str) -> Select[*tuple[Any, ...]]:
     columns = (Best.user_id, Best.run_id, Best.is_baseline, Best.score, Best.reached_at)
     query = select(*columns, Best.language, Best.vehicle, Best.tracker, Best.metrics)
     return query.where(Best.benchmark == benchmark)
+
+
+def _leading(benchmark: Benchmark, count: int) -> Select[*tuple[Any, ...]]:
+    """Select so many first rows that `count` people are among them, if there are as many."""
+    return _rows(benchmark.name).order_by(*_ORDER).limit(count + len(benchmark.baselines))
+
+
+def _leaders(rows: Iterable[Row[*tuple[Any, ...]]], count: int) -> list[Rank]:
+    people = islice((row for row in rows if not row.is_baseline), count)
+    return [_rank(row, number, None) for number, row in enumerate(people, start=1)]
+
+
+def _order(row: Row[*tuple[Any, ...]]) -> tuple[float, float, int]:
+    return place(Cursor(row.score, row.reached_at, row.run_id))
 
 
 def place(cursor: Cursor) -> tuple[float, float, int]:

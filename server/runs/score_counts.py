@@ -86,6 +86,14 @@ def size(session: Session, benchmark: str) -> int:
     return int(session.scalar(people) or 0)
 
 
+def sizes(session: Session) -> dict[str, int]:
+    """Return the `size` of each leaderboard on which there is somebody."""
+    people = select(ScoreCount.benchmark, func.sum(ScoreCount.people))
+    return {
+        name: int(count) for name, count in session.execute(people.group_by(ScoreCount.benchmark))
+    }
+
+
 def at_or_above(
     session: Session, benchmark: str, score: float, *, not_below: ColumnElement[bool]
 ) -> int:
@@ -106,7 +114,9 @@ def at_or_above(
     same = select(func.count()).where(
         Best.benchmark == benchmark, Best.score >= low, Best.score < high, ~Best.is_baseline
     )
-    return int(session.scalar(higher) or 0) + (session.scalar(same.where(not_below)) or 0)
+    both = select(higher.scalar_subquery(), same.where(not_below).scalar_subquery())
+    people_higher, people_same = session.execute(both).one()
+    return int(people_higher or 0) + int(people_same)
 
 
 def population(session: Session, benchmark: str, *, single_rows: int = SINGLE_ROWS) -> Population:
