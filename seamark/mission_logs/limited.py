@@ -24,7 +24,8 @@ WALL_S = 300.0  # the CPU time is limited in `process`; this catches a machine t
 TOO_HEAVY = "Reading the log takes too much time or memory. Cut it into parts, or leave out images."
 _COMMAND = (sys.executable, "-I", "-m", "seamark.mission_logs.process")
 # Compiled code of the camera is found by these; no secret of a service is among them.
-_ENVIRONMENT = ("HOME", "XDG_CACHE_HOME", "NUMBA_CACHE_DIR", "NUMBA_CPU_NAME", "PATH", "TMPDIR")
+_ENVIRONMENT = ("HOME", "XDG_CACHE_HOME", "NUMBA_CACHE_DIR", "NUMBA_CPU_NAME", "PATH")
+_ROWS = "rows.f64"
 _BY_LIMIT = {-signal.SIGKILL, -signal.SIGXCPU, -signal.SIGXFSZ}
 
 
@@ -32,8 +33,14 @@ class LogReaderBroken(Exception):
     """The process that reads logs failed: a fault of Seamark, not of the log."""
 
 
-def measure_limited(path: Path, mapping: LogMapping, *, benchmark: str) -> LogResult:
+def measure_limited(path: Path, mapping: LogMapping, *, benchmark: str, folder: Path) -> LogResult:
     """Return what `measuring.measure` returns, within limits.
+
+    Parameters
+    ----------
+    folder
+        For the rows, which are mapped from a file there and not kept in memory, and for what the
+        process unpacks. The caller removes it, also after a process that was killed.
 
     Raises
     ------
@@ -49,8 +56,10 @@ def measure_limited(path: Path, mapping: LogMapping, *, benchmark: str) -> LogRe
         "path": str(path.absolute()),
         "mapping": mapping.model_dump(mode="json"),
         "benchmark": benchmark,
+        "rows": str(folder / _ROWS),
     }
     environment = {name: os.environ[name] for name in _ENVIRONMENT if name in os.environ}
+    environment["TMPDIR"] = str(folder)
     try:
         done = subprocess.run(
             _COMMAND,
@@ -66,14 +75,13 @@ def measure_limited(path: Path, mapping: LogMapping, *, benchmark: str) -> LogRe
         raise LogRefused(TOO_HEAVY)
     if done.returncode:
         raise LogReaderBroken(done.stderr[-2000:].decode(errors="replace"))
-    return _result(done.stdout)
+    return _result(done.stdout, folder / _ROWS)
 
 
-def _result(output: bytes) -> LogResult:
-    line, _, content = output.partition(b"\n")
-    answer = json.loads(line)
+def _result(output: bytes, file: Path) -> LogResult:
+    answer = json.loads(output)
     if "refused" in answer:
         raise LogRefused(answer["refused"])
     width = answer.pop("width")
-    rows = np.frombuffer(content, "<f8").astype(np.float64).reshape(-1, width)
+    rows = np.memmap(file, "<f8", mode="r").reshape(-1, width)
     return LogResult(rows=rows, **answer)

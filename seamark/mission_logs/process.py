@@ -1,7 +1,8 @@
 """The process that reads and measures one log: limited in CPU time and memory, then gone.
 
 Protocol: a line of JSON with the request on standard input; on standard output a line of JSON with
-the answer and then the rows as little-endian float64. Started by `limited`.
+the answer. The rows go into the file that the request names, as little-endian float64: hundreds of
+megabytes, which whoever asks shall not hold in memory. Started by `limited`.
 """
 
 import json
@@ -16,11 +17,10 @@ import numpy as np
 from seamark.mission_logs.mapping import LogMapping
 from seamark.mission_logs.measuring import measure
 from seamark.mission_logs.refusal import LogRefused
-from seamark.sim.recording.telemetry import Rows
 
 CPU_S = 120  # the largest CSV with all columns takes half of it
 DATA_MIB = 2048  # the largest log takes half of it
-FILE_MIB = 512  # a compressed ROS 2 bag is unpacked into a temporary file
+FILE_MIB = 512  # the rows; a compressed ROS 2 bag is unpacked into a temporary file
 OPEN_FILES = 64
 NICENESS = 10  # pages go first
 
@@ -29,19 +29,19 @@ def main() -> None:
     """Answer one request."""
     limit()
     request = json.loads(sys.stdin.buffer.readline())
-    answer, rows = _answer(request)
+    answer = _answer(request)
     sys.stdout.buffer.write(json.dumps(answer, allow_nan=False).encode() + b"\n")
-    sys.stdout.buffer.write(np.ascontiguousarray(rows, dtype="<f8").data)
     sys.stdout.buffer.flush()
 
 
-def _answer(request: dict[str, Any]) -> tuple[dict[str, Any], Rows]:
+def _answer(request: dict[str, Any]) -> dict[str, Any]:
     try:
         mapping = LogMapping.model_validate(request["mapping"])
         found = measure(Path(request["path"]), mapping, benchmark=request["benchmark"])
     except LogRefused as reason:
-        return {"refused": str(reason)}, np.empty((0, 0))
-    answer = {
+        return {"refused": str(reason)}
+    np.ascontiguousarray(found.rows, dtype="<f8").tofile(request["rows"])
+    return {
         "benchmark": found.benchmark,
         "config": found.config,
         "trials": found.trials,
@@ -50,7 +50,6 @@ def _answer(request: dict[str, Any]) -> tuple[dict[str, Any], Rows]:
         "digest": found.digest,
         "width": found.rows.shape[1],
     }
-    return answer, found.rows
 
 
 def limit() -> None:

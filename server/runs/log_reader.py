@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tempfile
 from pathlib import Path
 from typing import BinaryIO
 
@@ -42,6 +41,7 @@ class LogReader:
         benchmark: str,
         owner: str,
         limit: int,
+        folder: Path,
     ) -> LogResult:
         """Return what the measuring of an uploaded log gives.
 
@@ -53,6 +53,8 @@ class LogReader:
             Whose upload it is: one of each owner is measured at a time.
         limit : int [B]
             A larger file is refused without reading the rest.
+        folder
+            Holds the upload meanwhile, and the rows as long as they are used.
 
         Raises
         ------
@@ -64,14 +66,13 @@ class LogReader:
         suffix = Path(filename[-100:].lower()).suffix
         if suffix not in SUFFIXES:
             raise LogRefused(unknown_file(filename[-100:]))
-        with tempfile.TemporaryDirectory(prefix="seamark-log-") as folder:
-            path = Path(folder, f"log{suffix}")
-            _copy(stream, path, limit)
-            try:
-                with self._places.taken(owner):
-                    return measure_limited(path, mapping, benchmark=benchmark)
-            except PlacesBusy:
-                raise LogsBusy("Other logs are being measured.") from None
+        path = folder / f"log{suffix}"
+        _copy(stream, path, limit)
+        try:
+            with self._places.taken(owner):
+                return measure_limited(path, mapping, benchmark=benchmark, folder=folder)
+        except PlacesBusy:
+            raise LogsBusy("Other logs are being measured.") from None
 
 
 def _copy(stream: BinaryIO, path: Path, limit: int) -> None:

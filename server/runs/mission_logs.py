@@ -28,6 +28,7 @@ from seamark.server.storage import StorageUnavailable
 from seamark.sim.recording.telemetry import INDEX, POSE_COLUMNS
 
 ATTEMPT = 1
+WRITTEN_ROWS = 10_000  # of a file that is mapped: 5 MB in memory at a time
 NO_POSE = (
     "The player needs the vehicle's pose: x, y, z, and roll, pitch, yaw or a quaternion. `seamark "
     "replay` measures a log with corners alone."
@@ -135,7 +136,8 @@ def _row(viewer: Viewer, found: LogResult, *, title: str, notes: str) -> Run:
 
 def _written(aside: Staged, run: Run, found: LogResult) -> Result:
     """Write the files of a log aside, and return the row of its result, still without a run."""
-    aside.files.append_rows(found.rows)
+    for at in range(0, len(found.rows), WRITTEN_ROWS):
+        aside.files.append_rows(found.rows[at : at + WRITTEN_ROWS])
     aside.files.write_json("metrics.json", found.metrics)
     aside.files.write_json("manifest.json", found.manifest)
     aside.upload()

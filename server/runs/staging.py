@@ -8,6 +8,7 @@ import json
 import os
 import secrets
 import shutil
+import tempfile
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -107,6 +108,23 @@ def staged(settings: Settings, *, attempt: int) -> Iterator[Staged]:
         yield aside
     finally:
         aside.remove()
+
+
+@contextmanager
+def temporary_folder(settings: Settings) -> Iterator[Path]:
+    """Yield a folder on the disk of the data, which is removed at the end.
+
+    Temporary folders of the system are often in memory. Raises StorageFailed.
+    """
+    parent = storage.copies(settings) / FOLDER
+    try:
+        parent.mkdir(exist_ok=True)
+        _remove_left(parent)
+        folder = tempfile.TemporaryDirectory(dir=parent, ignore_cleanup_errors=True)
+    except OSError as error:
+        raise StorageFailed(f"{FOLDER}: {error.strerror}") from error
+    with folder as name:
+        yield Path(name)
 
 
 def _remove_left(folder: Path) -> None:

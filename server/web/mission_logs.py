@@ -9,7 +9,9 @@ from werkzeug.datastructures import FileStorage
 from seamark.mission_logs.mapping import LogMapping
 from seamark.mission_logs.refusal import LogRefused
 from seamark.mission_logs.scope import BENCHMARK
-from seamark.server.runs import mission_logs
+from seamark.server.runs import mission_logs, staging
+from seamark.server.runs.files import StorageFailed
+from seamark.server.storage import StorageUnavailable
 from seamark.server.web import access
 from seamark.server.web.services import services
 
@@ -33,12 +35,18 @@ def open_log(
         raise LogRefused("Choose the file of the log.")
     viewer, held = access.viewer(), services()
     mission_logs.require_room(held.database, held.settings, viewer)
-    found = held.logs.read(
-        cast("BinaryIO", file.stream),
-        file.filename,
-        mapping,
-        benchmark=benchmark or mapping.benchmark or BENCHMARK,
-        owner=viewer.owner or "",
-        limit=held.settings.upload_max_bytes,
-    )
-    return mission_logs.store(held.database, held.settings, viewer, found, title=title, notes=notes)
+    texts = {"title": title, "notes": notes}
+    try:
+        with staging.temporary_folder(held.settings) as folder:
+            found = held.logs.read(
+                cast("BinaryIO", file.stream),
+                file.filename,
+                mapping,
+                benchmark=benchmark or mapping.benchmark or BENCHMARK,
+                owner=viewer.owner or "",
+                limit=held.settings.upload_max_bytes,
+                folder=folder,
+            )
+            return mission_logs.store(held.database, held.settings, viewer, found, **texts)
+    except StorageFailed as error:
+        raise StorageUnavailable(str(error)) from error

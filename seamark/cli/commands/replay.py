@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import tempfile
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -93,14 +95,19 @@ def _mapping(file: Path | None, benchmark: str, pairs: tuple[str, ...]) -> LogMa
 
 
 def _measure(log: Path, mapping: LogMapping, benchmark: str | None) -> LogResult:
+    import numpy as np
+
     from seamark.cli.extras import install_line, missing
     from seamark.mission_logs.limited import LogReaderBroken, measure_limited
     from seamark.mission_logs.scope import BENCHMARK, ROS_SUFFIXES
 
     if (log.is_dir() or log.suffix in ROS_SUFFIXES) and missing(("rosbags",)):
         raise UsageRefused(f"MCAP files and ROS bags need rosbags: {install_line('ros')}.")
+    name = benchmark or mapping.benchmark or BENCHMARK
     try:
-        return measure_limited(log, mapping, benchmark=benchmark or mapping.benchmark or BENCHMARK)
+        with tempfile.TemporaryDirectory(prefix="seamark-replay-") as folder:
+            found = measure_limited(log, mapping, benchmark=name, folder=Path(folder))
+            return replace(found, rows=np.array(found.rows, dtype=np.float64))
     except LogReaderBroken as error:
         raise PlatformFailed(f"The log reader failed.\n{error}") from None
 

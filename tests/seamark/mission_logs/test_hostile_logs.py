@@ -5,6 +5,7 @@ import gzip
 import resource
 import struct
 import sys
+import tracemalloc
 from collections.abc import Callable
 from pathlib import Path
 
@@ -15,6 +16,7 @@ from seamark.mission_logs.mapping import LogMapping
 from seamark.mission_logs.measuring import measure
 from seamark.mission_logs.refusal import LogRefused
 
+ROWS = 20_000  # 9 MB of telemetry
 POSE = LogMapping.model_validate({"topics": {"pose": "/pose"}})
 CYCLIC = "seamark_msgs/Cyclic me\n====\nMSG: seamark_msgs/Cyclic\nseamark_msgs/Cyclic me\n"
 
@@ -91,10 +93,27 @@ def test_a_chunk_that_unpacks_to_gigabytes_ends_its_own_process_only(tmp_path: P
     before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
 
     with pytest.raises(LogRefused, match="too much time or memory"):
-        limited.measure_limited(path, POSE, benchmark="currents-v1")
+        limited.measure_limited(path, POSE, benchmark="currents-v1", folder=tmp_path)
 
     assert path.stat().st_size < 10_000
     assert resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before < 25.0
+
+
+def test_the_rows_of_a_long_log_are_not_in_the_memory_of_whoever_has_it_measured(
+    tmp_path: Path,
+) -> None:
+    lines = (f"{0.05 * at:.2f},0.2,0.1,1.65,0,0,0\n" for at in range(ROWS))
+    path = tmp_path / "log.csv"
+    path.write_text("t,x,y,z,roll,pitch,yaw\n" + "".join(lines))
+    mapping = LogMapping.model_validate({"settings": {"settle_s": 0.0}})
+
+    tracemalloc.start()
+    found = limited.measure_limited(path, mapping, benchmark="currents-v1", folder=tmp_path)
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+
+    assert len(found.rows) == ROWS
+    assert peak < found.rows.nbytes / 3
 
 
 @pytest.mark.parametrize(
