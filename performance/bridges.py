@@ -2,8 +2,8 @@
 
     ./run bridges
 
-The PI controllers of `examples/rosbridge` run behind `seamark bridge rosbridge` and must have the
-digest of the built-in one. The client in C++ is compiled with every warning as an error, and orders
+The PI controllers of `examples/rosbridge` run behind `seamark bridge rosbridge`, on this machine and
+on a server, and must have the digest of the built-in one. The client in C++ is compiled with every warning as an error, and orders
 and follows runs of a real service. Needs Node.js and npm, which downloads roslib as
 `package-lock.json` has it, g++, libcurl and nlohmann/json.
 """
@@ -16,6 +16,7 @@ import tempfile
 from collections.abc import Callable, Sequence
 from contextlib import closing
 from pathlib import Path
+from typing import Any
 
 from performance.commands import TIMEOUT_S, Failed, run
 from seamark.server.accounts import accounts
@@ -68,15 +69,27 @@ def _rosbridge(folder: Path) -> None:
         ),
         "roslib": lambda port: ("node", "pi.mjs", f"ws://127.0.0.1:{port}"),
     }
+    node = folder / "roslib"
     for name, command in programs.items():
-        digest = _digest_behind_bridge(command, folder / "roslib")
-        print(f"  {name}: digest {digest}", flush=True)
-        if digest != expected:
-            raise Failed(f"the digest of the built-in controller is {expected}")
+        _compare(name, expected, _behind_bridge(command, node)["digest"])
+    with started(folder / "ros") as (address, _):
+        remote = ("--server", address, "--token", _token(folder / "ros"))
+        for name, command in programs.items():
+            run_document = _behind_bridge(command, node, *remote)
+            _compare(f"{name} on a server", expected, run_document["result"]["digest"])
 
 
-def _digest_behind_bridge(command: Callable[[str], Sequence[str]], folder: Path) -> str:
-    arguments = (*SEAMARK, "bridge", "rosbridge", *RUN, "--port", "0", "--json")
+def _compare(name: str, expected: str, digest: str) -> None:
+    print(f"  {name}: digest {digest}", flush=True)
+    if digest != expected:
+        raise Failed(f"the digest of the built-in controller is {expected}")
+
+
+def _behind_bridge(
+    command: Callable[[str], Sequence[str]], folder: Path, *options: str
+) -> dict[str, Any]:
+    """Return what the bridge prints of the run of a program."""
+    arguments = (*SEAMARK, "bridge", "rosbridge", *RUN, "--port", "0", "--json", *options)
     bridge = subprocess.Popen(
         arguments, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=folder
     )
@@ -88,8 +101,8 @@ def _digest_behind_bridge(command: Callable[[str], Sequence[str]], folder: Path)
         printed, _ = bridge.communicate(timeout=TIMEOUT_S)
     finally:
         bridge.kill()
-    digest: str = json.loads(printed)["digest"]
-    return digest
+    document: dict[str, Any] = json.loads(printed)
+    return document
 
 
 def _client_in_cpp(folder: Path) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import Mapping
 from typing import Annotated, Any
 
@@ -13,14 +14,13 @@ from pydantic import BaseModel, ConfigDict, Field, Json
 from seamark.server.accounts.permissions import Action
 from seamark.server.api import refusals
 from seamark.server.api.operation_ids import operation_id
-from seamark.server.messaging.bridge_sessions import Offer
-from seamark.server.runs import submission
+from seamark.server.runs import queue, submission
 from seamark.server.runs.connected import ROSBRIDGE
-from seamark.server.runs.submission import Submission
-from seamark.server.streams.bridge_session import BridgeSession, SessionRefused
+from seamark.server.runs.submission import Submission, ValidSubmission
+from seamark.server.streams.bridge_session import BUSY_RETRY_S, BridgeSession, SessionRefused
 from seamark.server.web import access, authentication, rate_limits
 from seamark.server.web.problems import Problem
-from seamark.server.web.services import services
+from seamark.server.web.services import Services, services
 from seamark.server.web.websockets import CONVERSATION, UPGRADE, WebSocket
 
 api = APIBlueprint(
@@ -68,31 +68,41 @@ def connect(query: BridgeQuery) -> Response:
     access.require(Action.UPLOAD)
     viewer, settings = access.viewer(), services().settings
     wanted = query.model_dump(include={"benchmark", "config", "seed", "trials", "title"})
+    sent = Submission(viewer=viewer, controller=ROSBRIDGE, connected=True, **wanted)
     with refusals.as_problems():
-        submission.validate(
-            Submission(viewer=viewer, controller=ROSBRIDGE, connected=True, **wanted), settings
-        )
+        valid = submission.validate(sent, settings)
     if not request.environ.get(UPGRADE):
         upgrade = {"Upgrade": "websocket", "Connection": "Upgrade"}
         raise Problem("upgrade-required", headers=upgrade)
-    offer = Offer(user_id=viewer.user_id or 0, **wanted)
-    request.environ[CONVERSATION] = _Conversation(BridgeSession(settings, offer))
+    request.environ[CONVERSATION] = _Conversation(services(), valid)
     return Response(status=101)
 
 
 class _Conversation:
     """A session as the web server carries it out."""
 
-    def __init__(self, session: BridgeSession) -> None:
-        self._session = session
+    def __init__(self, current: Services, valid: ValidSubmission) -> None:
+        self._services, self._valid = current, valid
+        self._session = BridgeSession(current.settings, valid.submission.viewer.user_id or 0)
 
     async def begin(self) -> Mapping[str, str]:
+        """Have a place for the program, then insert its run there; raises Problem."""
         try:
-            return {"Location": f"/api/v1/runs/{await self._session.begin()}"}
+            place = await self._session.offer()
+            run_id = await asyncio.to_thread(self._started, place)
+            await self._session.start(run_id)
         except SessionRefused as refused:
-            after = refused.retry_after_s
-            headers = {} if after is None else {"Retry-After": str(after)}
-            raise Problem(refused.slug, str(refused), headers=headers) from None
+            retry = {"Retry-After": str(BUSY_RETRY_S)}
+            raise Problem(refused.slug, str(refused), headers=retry) from None
+        return {"Location": f"/api/v1/runs/{run_id}"}
+
+    def _started(self, place: str) -> int:
+        """Return the run, which nobody has seen in the queue."""
+        settings = self._services.settings
+        with refusals.as_problems(), self._services.database.writing() as database:
+            run_id = submission.submit(database, self._valid, settings)
+            queue.start(database, run_id, place, settings)
+        return run_id
 
     async def run(self, socket: WebSocket) -> None:
         await self._session.run(socket)

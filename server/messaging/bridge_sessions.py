@@ -1,21 +1,23 @@
 """Sessions of connected programs: how a web process and a worker find each other and talk.
 
-The web process that has the connection offers a session; a worker with a free place takes it. Then
-each message of the program goes into one list of the broker and each message for it into another,
-both of bounded length: whoever fills one waits until the other side has read. The keys end by
-themselves, so that nothing is left of a process that was killed.
+1. The web process that has the connection offers a session; a worker with a free place answers with
+   the name of that place.
+2. The web process inserts the run, which starts at this place, and sends its number.
+3. Messages of the program go into one list of the broker and those for it into another, both of
+   bounded length: whoever fills one waits until the other side has read.
+
+The keys end by themselves, so that nothing is left of a process that was killed.
 """
 
 import json
-import secrets
 import time
-from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, field
-from typing import Any, Self, cast
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, cast
 
 from redis import Redis, asyncio
 
-OFFERS = "seamark.bridge.offers"  # the oldest is at its left end
+OFFERS = "seamark.bridge.offers"  # sessions, the oldest at the left end
 OFFERS_MAX = 100
 PRESENT_S = 8  # after which a side counts as gone, unless its process says otherwise
 RENEW_S = 2.0
@@ -24,32 +26,7 @@ PENDING_MAX = 32  # messages in a list: those of two control steps
 READ_S = 1.0  # that a call waits for messages
 _MANY = 64
 END = b"E"  # nothing follows
-_TEXT, _ANSWER = b"T", b"A"
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Offer:
-    """A session that waits for a worker: the run to be started for an account."""
-
-    user_id: int
-    benchmark: str
-    config: Mapping[str, Any] = field(default_factory=dict)
-    seed: int | None = None
-    trials: int | None = None
-    title: str = ""
-    session: str = field(default_factory=lambda: secrets.token_hex(16))
-
-    def encoded(self) -> bytes:
-        """Return what `decoded` reads."""
-        return json.dumps(asdict(self)).encode()
-
-    @classmethod
-    def decoded(cls, item: bytes) -> Self:
-        """Return the offer; raises ValueError if it is of another version."""
-        try:
-            return cls(**json.loads(item))
-        except TypeError as error:
-            raise ValueError(str(error)) from error
+_TEXT, _HEAD = b"T", b"H"
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,12 +37,12 @@ class Keys:
 
     @property
     def up(self) -> str:
-        """Messages of the program."""
+        """Messages of the program, after the number of its run."""
         return f"seamark.bridge.{self.session}.up"
 
     @property
     def down(self) -> str:
-        """Messages for the program; the first one is the answer to the offer."""
+        """Messages for the program, after the name of the place that it has."""
         return f"seamark.bridge.{self.session}.down"
 
     @property
@@ -94,39 +71,38 @@ def message_of(item: bytes) -> str | None:
     return item[1:].decode() if item[:1] == _TEXT else None
 
 
-def answer_of(item: bytes) -> dict[str, Any]:
-    """Return the answer to an offer: `run`, or else `refused` with `slug` and `retry_after_s`."""
-    if item[:1] != _ANSWER:
-        raise ValueError("no answer to an offer")
-    answer: dict[str, Any] = json.loads(item[1:])
-    return answer
+def head(value: str | int) -> bytes:
+    """Return the item that precedes the messages: the name of a place, or the number of a run."""
+    return _HEAD + json.dumps(value).encode()
+
+
+def value_of(item: bytes) -> Any:
+    """Return the value of a head; None if the item is none."""
+    return json.loads(item[1:]) if item[:1] == _HEAD else None
 
 
 # -- the worker's side ---------------------------------------------------------------------------
-def take_offer(redis: "Redis", wait_s: float) -> Offer | None:
-    """Take the oldest offer whose program is still connected; None without one. RedisError."""
+def take_offer(redis: "Redis", wait_s: float) -> str | None:
+    """Take the oldest session whose program is still connected; None without one. RedisError."""
     until = time.monotonic() + wait_s
     while (left_s := until - time.monotonic()) > 0.0:
         found = cast("tuple[bytes, bytes] | None", redis.blpop([OFFERS], timeout=left_s))
         if found is None:
             return None
-        try:
-            offer = Offer.decoded(found[1])
-        except ValueError:  # of a web process of another version, which gives it up by itself
-            continue
-        if is_present(redis, offer.session):
-            return offer
+        session = found[1].decode()
+        if is_present(redis, session):
+            return session
     return None
 
 
-def answer(redis: "Redis", session: str, values: Mapping[str, Any]) -> None:
-    """Answer an offer. Raises RedisError."""
+def accept(redis: "Redis", session: str, place: str) -> None:
+    """Say that a place has taken the session. Raises RedisError."""
     serve(redis, session)
-    push(redis, Keys(session).down, _ANSWER + json.dumps(values).encode())
+    push(redis, Keys(session).down, head(place))
 
 
 def serve(redis: "Redis", session: str) -> None:
-    """Say that a worker has the session. Raises RedisError."""
+    """Say that a worker still has the session. Raises RedisError."""
     redis.set(Keys(session).served, 1, ex=PRESENT_S)
 
 
@@ -149,49 +125,50 @@ def waiting(redis: "Redis", key: str) -> int:
     return redis.llen(key)
 
 
-def read(redis: "Redis", key: str) -> Sequence[bytes]:
+def read(redis: "Redis", key: str, *, at_most: int = _MANY) -> Sequence[bytes]:
     """Return the items that wait, after waiting for the first one a while. Raises RedisError."""
     first = cast("tuple[bytes, bytes] | None", redis.blpop([key], timeout=READ_S))
     if first is None:
         return ()
-    return [first[1], *(cast("list[bytes] | None", redis.lpop(key, _MANY)) or ())]
+    if at_most == 1:
+        return [first[1]]
+    return [first[1], *(cast("list[bytes] | None", redis.lpop(key, at_most - 1)) or ())]
 
 
 # -- the side of the web process, on its event loop ----------------------------------------------
-async def offer_session(redis: "asyncio.Redis", offer: Offer) -> bool:
+async def offer(redis: "asyncio.Redis", session: str, user_id: int) -> bool:
     """Offer a session of an account; False if it has one already. Raises RedisError."""
-    account, keys = user_key(offer.user_id), Keys(offer.session)
-    if not await redis.set(account, offer.session, nx=True, ex=PRESENT_S):
+    if not await redis.set(user_key(user_id), session, nx=True, ex=PRESENT_S):
         return False
-    await redis.set(keys.present, 1, ex=PRESENT_S)
-    await redis.rpush(OFFERS, offer.encoded())
+    await redis.set(Keys(session).present, 1, ex=PRESENT_S)
+    await redis.rpush(OFFERS, session)
     await redis.ltrim(OFFERS, -OFFERS_MAX, -1)
     return True
 
 
-async def take_back(redis: "asyncio.Redis", offer: Offer) -> bool:
+async def take_back(redis: "asyncio.Redis", session: str) -> bool:
     """Take an offer back; False if a worker has taken it. Raises RedisError."""
-    removed: int = await redis.lrem(OFFERS, 0, offer.encoded().decode())
+    removed: int = await redis.lrem(OFFERS, 0, session)
     return removed > 0
 
 
-async def renew(redis: "asyncio.Redis", offer: Offer) -> bool:
+async def renew(redis: "asyncio.Redis", session: str, user_id: int) -> bool:
     """Say that the program is still connected; False if the worker is gone. Raises RedisError."""
-    keys = Keys(offer.session)
+    keys = Keys(session)
     async with redis.pipeline(transaction=False) as commands:
-        commands.expire(user_key(offer.user_id), PRESENT_S)
+        commands.expire(user_key(user_id), PRESENT_S)
         commands.expire(keys.present, PRESENT_S)
         commands.exists(keys.served)
         *_, served = await commands.execute()
     return bool(served)
 
 
-async def withdraw(redis: "asyncio.Redis", offer: Offer) -> None:
+async def withdraw(redis: "asyncio.Redis", session: str, user_id: int) -> None:
     """Say that the program is gone. Raises RedisError."""
-    keys = Keys(offer.session)
+    keys = Keys(session)
     async with redis.pipeline(transaction=False) as commands:
-        commands.lrem(OFFERS, 0, offer.encoded().decode())
-        commands.delete(keys.present, keys.down, user_key(offer.user_id))
+        commands.lrem(OFFERS, 0, session)
+        commands.delete(keys.present, keys.down, user_key(user_id))
         commands.rpush(keys.up, END)
         commands.expire(keys.up, KEPT_S)
         await commands.execute()

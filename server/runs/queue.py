@@ -161,9 +161,16 @@ def claim(
     return _claim_of(run, run_id, settings)
 
 
-def start(session: Session, run_id: int, worker: str, settings: Settings) -> Claim | None:
-    """Claim a run that is not in turn: one whose program is connected, in the same transaction."""
-    run = _start(session, run_id, worker, settings)
+def start(session: Session, run_id: int, worker: str, settings: Settings) -> None:
+    """Start a run that a worker has a place for before anybody can see it in the queue."""
+    _start(session, run_id, worker, settings)
+
+
+def started(session: Session, run_id: int, worker: str, settings: Settings) -> Claim | None:
+    """Return the claim of a worker on a run that was started for it; None if it has ended."""
+    mine = (Run.id == run_id, Run.state == RunState.RUNNING, Run.worker == worker)
+    columns = (Run.owner, Run.kind, *_CLAIMED)
+    run = session.execute(select(*columns).where(*mine)).one_or_none()
     return None if run is None else _claim_of(run, run_id, settings)
 
 

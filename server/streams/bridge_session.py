@@ -7,6 +7,7 @@ length, to the worker that has its run.
 from __future__ import annotations
 
 import asyncio
+import secrets
 from collections.abc import Awaitable, Sequence
 from typing import Protocol
 
@@ -14,7 +15,7 @@ import structlog
 from redis.exceptions import RedisError
 
 from seamark.server.messaging import bridge_sessions, broker
-from seamark.server.messaging.bridge_sessions import END, PENDING_MAX, RENEW_S, Keys, Offer
+from seamark.server.messaging.bridge_sessions import END, PENDING_MAX, RENEW_S, Keys
 from seamark.server.settings import Settings
 
 # Clients give a handshake five seconds or more (Autobahn, of roslibpy, five).
@@ -37,54 +38,63 @@ class Socket(Protocol):
 
 
 class SessionRefused(Exception):
-    """There is no session. The text is for the user; `slug` is that of the problem."""
+    """There is no session now. The text is for the user; `slug` is that of the problem."""
 
-    def __init__(self, slug: str, sentence: str, *, retry_after_s: int | None = None) -> None:
+    def __init__(self, slug: str, sentence: str) -> None:
         super().__init__(sentence)
-        self.slug, self.retry_after_s = slug, retry_after_s
+        self.slug = slug
 
 
 class BridgeSession:
-    """A session, from its offer to its end."""
+    """The session of an account, from its offer to its end."""
 
-    def __init__(self, settings: Settings, offer: Offer) -> None:
-        self._offer = offer
+    def __init__(self, settings: Settings, user_id: int) -> None:
+        self._user_id, self._session = user_id, secrets.token_hex(16)
         self._redis = broker.connect_async(settings)
         self._offered = False
-        self._first: Sequence[bytes] = ()  # what came with the answer to the offer
         self._ended = asyncio.Event()
 
-    async def begin(self) -> int:
-        """Have a worker start the run, and return its number.
+    async def offer(self) -> str:
+        """Return the name of the place that has taken the session.
 
         Raises
         ------
         SessionRefused
-            No place is free, the account has a session already, or it may not have the run.
+            No place is free, or the account has a session already.
         """
         try:
-            self._offered = await bridge_sessions.offer_session(self._redis, self._offer)
+            self._offered = await bridge_sessions.offer(self._redis, self._session, self._user_id)
             if not self._offered:
-                raise SessionRefused("conflict", SECOND, retry_after_s=BUSY_RETRY_S)
+                raise SessionRefused("conflict", SECOND)
             items = await self._answer()
         except RedisError as error:
             _log.warning("session_not_offered", error=str(error))
-            raise SessionRefused("unavailable", BUSY, retry_after_s=BUSY_RETRY_S) from None
+            raise SessionRefused("unavailable", BUSY) from None
         if not items:
-            raise SessionRefused("unavailable", BUSY, retry_after_s=BUSY_RETRY_S)
-        answer, self._first = bridge_sessions.answer_of(items[0]), items[1:]
-        if "run" not in answer:
-            retry_after_s = answer.get("retry_after_s")
-            raise SessionRefused(answer["slug"], answer["refused"], retry_after_s=retry_after_s)
-        return int(answer["run"])
+            raise SessionRefused("unavailable", BUSY)
+        return str(bridge_sessions.value_of(items[0]))
 
     async def _answer(self) -> Sequence[bytes]:
-        """Return the answer of a worker, and what came with it; nothing if none takes the offer."""
-        read = bridge_sessions.read_down
-        items = await read(self._redis, self._offer.session, OFFER_S)
-        if not items and not await bridge_sessions.take_back(self._redis, self._offer):
-            return await read(self._redis, self._offer.session, OFFER_S)  # one has just taken it
+        """Return the answer of a worker; nothing if none takes the offer."""
+        items = await bridge_sessions.read_down(self._redis, self._session, OFFER_S)
+        if not items and not await bridge_sessions.take_back(self._redis, self._session):
+            # One has just taken it.
+            return await bridge_sessions.read_down(self._redis, self._session, OFFER_S)
         return items
+
+    async def start(self, run_id: int) -> None:
+        """Let the place know its run.
+
+        Raises
+        ------
+        SessionRefused
+            The broker is away. The run fails when its lease ends.
+        """
+        try:
+            await bridge_sessions.push_up(self._redis, self._session, bridge_sessions.head(run_id))
+        except RedisError as error:
+            _log.warning("session_not_started", run=run_id, error=str(error))
+            raise SessionRefused("unavailable", BUSY) from None
 
     async def run(self, socket: Socket) -> None:
         """Pass messages on in both directions until one side ends."""
@@ -98,7 +108,7 @@ class BridgeSession:
         self._ended.set()
         try:
             if self._offered:
-                await bridge_sessions.withdraw(self._redis, self._offer)
+                await bridge_sessions.withdraw(self._redis, self._session, self._user_id)
         except RedisError as error:  # the keys end by themselves
             _log.warning("session_not_withdrawn", error=str(error))
         finally:
@@ -115,25 +125,23 @@ class BridgeSession:
 
     async def _pass_up(self, socket: Socket) -> None:
         while (message := await socket.receive()) is not None and not self._ended.is_set():
-            item, session = bridge_sessions.text(message), self._offer.session
-            waiting = await bridge_sessions.push_up(self._redis, session, item)
+            item = bridge_sessions.text(message)
+            waiting = await bridge_sessions.push_up(self._redis, self._session, item)
             while waiting >= PENDING_MAX and not self._ended.is_set():
                 await asyncio.sleep(FULL_S)
-                waiting = await self._redis.llen(Keys(session).up)
+                waiting = await self._redis.llen(Keys(self._session).up)
 
     async def _pass_down(self, socket: Socket) -> None:
-        items = self._first
         while not self._ended.is_set():
-            for item in items:
+            for item in await bridge_sessions.read_down(self._redis, self._session):
                 if item == END:
                     return
                 if (message := bridge_sessions.message_of(item)) is not None:
                     await socket.send(message)
-            items = await bridge_sessions.read_down(self._redis, self._offer.session)
 
     async def _renew(self) -> None:
         while not self._ended.is_set():
-            if not await bridge_sessions.renew(self._redis, self._offer):
+            if not await bridge_sessions.renew(self._redis, self._session, self._user_id):
                 _log.warning("session_abandoned")
                 return
             try:

@@ -9,10 +9,9 @@ have, for a limited time (seamark.worker.evaluation.bridged).
 import sys
 import tempfile
 import threading
-from collections.abc import Mapping
+import time
 from contextlib import suppress
 from pathlib import Path
-from typing import Any
 
 import structlog
 from redis import Redis
@@ -21,23 +20,14 @@ from sqlalchemy.exc import SQLAlchemyError
 
 from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.server import log, storage, workers
-from seamark.server.accounts import accounts
-from seamark.server.accounts.permissions import SCOPES
 from seamark.server.database import data_folder
 from seamark.server.database.engine import Database
-from seamark.server.database.tables import User
 from seamark.server.messaging import bridge_sessions, broker
-from seamark.server.messaging.bridge_sessions import Offer
+from seamark.server.messaging.bridge_sessions import Keys
 from seamark.server.messaging.shared_meters import SharedMeters
 from seamark.server.runs import queue as run_queue
-from seamark.server.runs import submission
-from seamark.server.runs.connected import ROSBRIDGE
 from seamark.server.runs.queue import AttemptEnd, Claim
-from seamark.server.runs.quota import QuotaExceeded
-from seamark.server.runs.submission import Submission, SubmissionRejected
 from seamark.server.settings import Settings
-from seamark.server.storage import StorageUnavailable
-from seamark.sim.settings.configuration import ConfigurationInvalid
 from seamark.worker.evaluation.worker_slot import WorkerSlot
 from seamark.worker.service.bridge_relay import BridgeRelay
 from seamark.worker.service.run_driver import RunContext, evaluate
@@ -45,6 +35,7 @@ from seamark.worker.service.shutdown import follow_worker
 from seamark.worker.zygote.client import Simulator
 
 POLL_S = 2.0  # that a call waits for an offer
+START_S = 20.0  # that the run of a session may take to be inserted
 _log = structlog.get_logger()
 
 
@@ -74,9 +65,9 @@ class BridgeLoop:
         while not self._stopping.is_set():
             try:
                 self._recover()
-                offer = self._next_offer()
-                if offer is not None:
-                    self._carry_out(offer)
+                program = self._next_session()
+                if program is not None:
+                    self._carry_out(program)
                     self._meters.add()
             except (RedisError, SQLAlchemyError) as error:
                 _log.warning("no_sessions", worker=self._name, why=str(error))
@@ -90,7 +81,7 @@ class BridgeLoop:
                 run_queue.recover_from(session, self._name, self._settings)
             self._recovered = True
 
-    def _next_offer(self) -> Offer | None:
+    def _next_session(self) -> str | None:
         with self._database.reading() as session:
             idle = workers.is_drained(session, self._name)
             idle = idle or not data_folder.computes_alike(session)
@@ -99,28 +90,32 @@ class BridgeLoop:
             return None
         return bridge_sessions.take_offer(self._redis, POLL_S)
 
-    def _carry_out(self, offer: Offer) -> None:
-        """Start the run of an offer, and evaluate it with the program that is connected."""
-        try:
-            claim = self._start(offer)
-        except (SubmissionRejected, ConfigurationInvalid) as refusal:
-            self._refuse(offer, "invalid-request", str(refusal))
-            return
-        except QuotaExceeded as refusal:
-            self._refuse(offer, "quota-exceeded", str(refusal), retry_after_s=refusal.retry_after_s)
-            return
-        except StorageUnavailable as refusal:
-            self._refuse(offer, "unavailable", str(refusal), retry_after_s=60)
+    def _carry_out(self, program: str) -> None:
+        """Evaluate the run of a session with the program that is connected."""
+        bridge_sessions.accept(self._redis, program, self._name)
+        claim = self._claim(program)
+        if claim is None:
             return
         with tempfile.TemporaryDirectory(prefix="seamark-bridge-") as folder:
             socket = Path(folder, "socket")
-            relay = BridgeRelay(self._redis, offer.session, socket)
+            relay = BridgeRelay(self._redis, program, socket)
+            relay.start()
             try:
-                bridge_sessions.answer(self._redis, offer.session, {"run": claim.run_id})
-                relay.start()
                 self._evaluate(claim, socket)
             finally:
                 relay.stop()
+
+    def _claim(self, program: str) -> Claim | None:
+        """Return the run that the web process has started here; None if it may not have one."""
+        until = time.monotonic() + START_S
+        while time.monotonic() < until and not self._stopping.is_set():
+            for item in bridge_sessions.read(self._redis, Keys(program).up, at_most=1):
+                run_id = bridge_sessions.value_of(item)
+                if not isinstance(run_id, int):
+                    return None
+                with self._database.reading() as session:
+                    return run_queue.started(session, run_id, self._name, self._settings)
+        return None
 
     def _evaluate(self, claim: Claim, socket: Path) -> None:
         try:
@@ -130,39 +125,6 @@ class BridgeLoop:
             with suppress(SQLAlchemyError), self._database.writing() as session:
                 end = AttemptEnd.EVALUATION_BROKE
                 run_queue.release(session, claim, end, settings=self._settings)
-
-    def _start(self, offer: Offer) -> Claim:
-        """Insert the run and claim it, in one transaction.
-
-        Raises
-        ------
-        SubmissionRejected, ConfigurationInvalid, QuotaExceeded, StorageUnavailable
-            The account may not have it.
-        """
-        with self._database.writing() as session:
-            user = session.get(User, offer.user_id)
-            if user is None or accounts.refused(session, {user.id}):
-                raise SubmissionRejected("The account is closed or disabled.")
-            wanted = Submission(
-                viewer=accounts.viewer_of_user(user, SCOPES),
-                benchmark=offer.benchmark,
-                config=offer.config,
-                controller=ROSBRIDGE,
-                connected=True,
-                seed=offer.seed,
-                trials=offer.trials,
-                title=offer.title,
-            )
-            valid = submission.validate(wanted, self._settings)
-            run_id = submission.submit(session, valid, self._settings)
-            claim = run_queue.start(session, run_id, self._name, self._settings)
-            if claim is None:
-                raise SubmissionRejected("The run was not started.")  # nobody could see it yet
-            return claim
-
-    def _refuse(self, offer: Offer, slug: str, sentence: str, **more: Any) -> None:
-        answer: Mapping[str, Any] = {"refused": sentence, "slug": slug} | more
-        bridge_sessions.answer(self._redis, offer.session, answer)
 
 
 def main(parent: str, lane: str) -> None:

@@ -23,9 +23,18 @@ def claim(backend: Backend) -> Claim:
     """The run of a connected program, at its place."""
     run_id = backend.queue(**CONNECTED)
     with backend.database.writing() as session:
-        found = run_queue.start(session, run_id, "w1/bridges-1", backend.settings)
+        run_queue.start(session, run_id, "w1/bridges-1", backend.settings)
+        found = run_queue.started(session, run_id, "w1/bridges-1", backend.settings)
     assert found is not None
     return found
+
+
+def test_no_other_worker_has_the_run_that_was_started_for_one(
+    backend: Backend, claim: Claim
+) -> None:
+    with backend.database.reading() as session:
+        assert run_queue.started(session, claim.run_id, "w2/bridges-1", backend.settings) is None
+    assert backend.claim() is None
 
 
 @pytest.mark.parametrize("end", list(AttemptEnd))
