@@ -25,8 +25,13 @@ _README = """\
 | metrics.json | score and metrics |
 | telemetry.csv | all rows: comment lines with #, then the names of the columns |
 | program/ | the uploaded program, if there was one and it may be passed on |
-
+{published}
 {again}
+"""
+_PUBLISHED = """\
+| CITATION.cff, citation.bib | how the run is cited |
+| .zenodo.json | the metadata of a deposit at Zenodo |
+| LICENSE | the name of the licence of the program, if there is one, and the address of its text |
 """
 _AGAIN = "`seamark rerun FILE.zip` computes the run again and compares it with this archive."
 # What stands in a manifest in place of a controller: the log of a mission, or what was connected.
@@ -79,7 +84,10 @@ def _documents(recording: Recording) -> Iterator[tuple[str, bytes]]:
 def _readme(recording: Recording) -> str:
     why_not = "" if recording.manifest is None else why_not_again(recording.manifest)
     return _README.format(
-        title=recording.title, benchmark=recording.benchmark, again=why_not or _AGAIN
+        title=recording.title,
+        benchmark=recording.benchmark,
+        published=_PUBLISHED if recording.extra_files else "",
+        again=why_not or _AGAIN,
     )
 
 

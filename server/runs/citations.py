@@ -24,6 +24,9 @@ _TEX = str.maketrans(
     }
     | {special: f"\\{special}" for special in "&%$#_"}
 )
+# Zenodo takes a deposit without a licence for one under CC BY 4.0, which nobody has granted. This
+# is "License Not Specified" of its vocabulary; all of LICENCES are in it too, in lower case.
+_NO_LICENCE_AT_ZENODO = "notspecified"
 _MONTHS = ("jan", "feb", "mar", "apr", "may", "jun", "jul", "aug", "sep", "oct", "nov", "dec")
 
 
@@ -135,10 +138,9 @@ def zenodo(citation: Citation) -> str:
         "creators": [creator],
         "publication_date": citation.published.isoformat(),
         "access_right": "open",
+        "license": (citation.licence or _NO_LICENCE_AT_ZENODO).lower(),
         "keywords": list(_KEYWORDS),
     }
-    if citation.licence is not None:
-        values["license"] = citation.licence.lower()
     if citation.address:
         relation = {"identifier": citation.address, "relation": "isIdenticalTo"}
         values["related_identifiers"] = [relation]
@@ -147,6 +149,8 @@ def zenodo(citation: Citation) -> str:
 
 def licence_file(citation: Citation) -> str:
     """Return the LICENSE of an archive: by whom and how the program may be used."""
+    if not citation.is_software:
+        return "This archive has results without a program. No licence is granted for them here.\n"
     if citation.licence is None:
         return (
             "No licence is granted here for the program of this run: the files of the program may "
@@ -155,8 +159,8 @@ def licence_file(citation: Citation) -> str:
     year, name = citation.published.year, citation.author.name
     return (
         f"SPDX-FileCopyrightText: {year} {name}\nSPDX-License-Identifier: {citation.licence}\n\n"
-        f"The program of this run is licensed under {citation.licence}. The text of the licence:\n"
-        f"https://spdx.org/licenses/{citation.licence}.html\n"
+        f"The program of this run is licensed under {citation.licence}. This file does not have "
+        f"the text of the licence; it is at\nhttps://spdx.org/licenses/{citation.licence}.html\n"
     )
 
 

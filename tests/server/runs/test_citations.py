@@ -40,6 +40,49 @@ NAMES = [
     "van der Berg and Smith",
     '"quoted" @misc',
 ]
+# Names and enumerations, as far as they concern a run, of what Zenodo takes: legacyrecord.json of
+# zenodo/zenodo (upload_type, access_right, relation), licenses.csv of zenodo/zenodo-rdm (license).
+_TEXT = {"type": "string", "minLength": 1}
+ZENODO: dict[str, Any] = {
+    "type": "object",
+    "additionalProperties": False,
+    "required": ["title", "upload_type", "description", "creators", "access_right", "license"],
+    "properties": {
+        "title": _TEXT,
+        "upload_type": {"enum": ["publication", "dataset", "software", "other"]},
+        "description": _TEXT,
+        "creators": {
+            "type": "array",
+            "minItems": 1,
+            "items": {
+                "additionalProperties": False,
+                "required": ["name"],
+                "properties": {"name": _TEXT, "affiliation": _TEXT, "orcid": _TEXT, "gnd": _TEXT},
+            },
+        },
+        "publication_date": {"type": "string", "format": "date"},
+        "access_right": {"enum": ["open", "embargoed", "restricted", "closed"]},
+        "license": {
+            "enum": [
+                *("mit", "bsd-3-clause", "apache-2.0", "mpl-2.0", "lgpl-3.0-or-later"),
+                *("gpl-3.0-or-later", "eupl-1.2", "cc0-1.0", "notspecified"),
+            ]
+        },
+        "keywords": {"type": "array", "items": _TEXT},
+        "related_identifiers": {
+            "type": "array",
+            "items": {
+                "required": ["identifier", "relation"],
+                "properties": {
+                    "identifier": {"type": "string", "pattern": "^https?://"},
+                    "relation": {
+                        "enum": ["isIdenticalTo", "isSupplementTo", "isAlternateIdentifier"]
+                    },
+                },
+            },
+        },
+    },
+}
 TITLES = st.text(max_size=120).map(visible_text)
 
 
@@ -120,15 +163,39 @@ def test_a_citation_file_keeps_any_title(title: str) -> None:
     assert read["title"] == title
 
 
-def test_the_metadata_for_zenodo_have_its_fields_and_escape_the_description() -> None:
+@pytest.mark.parametrize("licence", [None, *LICENCES])
+@pytest.mark.parametrize("is_software", [True, False])
+@pytest.mark.parametrize("address", ["", RUN.address])
+def test_the_metadata_for_zenodo_are_valid_in_each_field(
+    licence: str | None, is_software: bool, address: str
+) -> None:
+    run = replace(RUN, licence=licence, is_software=is_software, address=address)
+
+    read = json.loads(citations.zenodo(run))
+
+    validator = Draft7Validator(ZENODO, format_checker=Draft7Validator.FORMAT_CHECKER)
+    assert [error.message for error in validator.iter_errors(read)] == []
+    assert read["license"] == (licence or "notspecified").lower()  # else Zenodo takes CC BY 4.0
+    assert read["creators"] == [{"name": "Jane Doe", "affiliation": "Institute of Currents"}]
+    assert ("related_identifiers" in read) == bool(address)
+
+
+def test_the_description_for_zenodo_is_escaped() -> None:
     read = json.loads(citations.zenodo(replace(RUN, note="<b>1 < 2</b>")))
 
-    required = {"title", "upload_type", "description", "creators", "access_right", "license"}
-    assert required <= read.keys()
-    assert read["creators"] == [{"name": "Jane Doe", "affiliation": "Institute of Currents"}]
-    assert read["license"] == "mit"
-    assert "&lt;b&gt;" in read["description"]
-    assert read["related_identifiers"][0]["identifier"] == RUN.address
+    assert "&lt;b&gt;1 &lt; 2&lt;/b&gt;" in read["description"]
+
+
+def test_the_licence_of_an_archive_says_what_is_granted_and_where_its_text_is() -> None:
+    granted = citations.licence_file(RUN)
+    none = citations.licence_file(replace(RUN, licence=None))
+    results = citations.licence_file(replace(RUN, licence=None, is_software=False))
+
+    assert "SPDX-License-Identifier: MIT\n" in granted
+    assert "https://spdx.org/licenses/MIT.html" in granted
+    assert "all rights are reserved" in none
+    assert "results without a program" in results
+    assert "SPDX" not in none + results
 
 
 def test_an_archive_for_review_names_nobody() -> None:
