@@ -19,7 +19,7 @@ from seamark.server.api.class_schemas import (
 )
 from seamark.server.api.mail import MailRequest
 from seamark.server.api.publication_schemas import PublicationRequest
-from seamark.server.api.schemas import InvitationsRequest, RunRequest, TokenRequest
+from seamark.server.api.schemas import InvitationsRequest, ProfileBody, RunRequest, TokenRequest
 from seamark.server.api.sweeps import SweepRequest
 from seamark.server.runs.run_notes import NOTES_MAX, TITLE_MAX
 from seamark.server.web.problems import MEDIA_TYPE, PROBLEM_TYPES
@@ -35,6 +35,7 @@ _JSON_BODIES: dict[tuple[str, str], type[BaseModel]] = {
     ("post", "tokens"): TokenRequest,
     ("post", "invitations"): InvitationsRequest,
     ("patch", "me/mail"): MailRequest,
+    ("put", "me/profile"): ProfileBody,
     ("post", "classes"): ClassRequest,
     ("post", "classes/join"): JoinRequest,
     ("patch", "classes/{class_id}"): ClassChange,

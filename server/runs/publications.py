@@ -71,6 +71,8 @@ def publish(session: Session, run_id: int, terms: Terms = BY_NAME) -> bool:
         return False
     row = {"run_id": run_id, "first_at": now, "withdrawn_at": None}
     upsert(session, Publication, row, {"withdrawn_at": None})
+    if terms.anonymous:
+        _forget_reruns(session, run)
     _rank(session, run_id)
     return True
 
@@ -117,6 +119,12 @@ def reveal(session: Session, run_id: int) -> bool:
 def history(session: Session, run_id: int) -> Publication | None:
     """Return that a run is or was public; None if it never was."""
     return session.get(Publication, run_id)
+
+
+def _forget_reruns(session: Session, run: Run) -> None:
+    """Cut the links from runs that the owner started from this one while nobody else could."""
+    own = update(Run).where(Run.owner == run.owner, Run.rerun_of == run.id)
+    session.execute(own.values(rerun_of=None))
 
 
 def _check(session: Session, run: Run, terms: Terms) -> None:

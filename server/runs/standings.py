@@ -33,7 +33,7 @@ def of_user(session: Session, user_id: int) -> list[Standing]:
         history = rank_history.of_user(session, user_id, name)
         rank = leaderboard.rank_of(session, name, user_id)
         if rank is not None and rank.anonymous:
-            rank = None
+            continue  # a score of the history would tell which entry it is
         if rank is not None or history:
             found.append(Standing(name, rank, score_counts.size(session, name), history))
     return found

@@ -62,6 +62,33 @@ def test_the_profile_of_a_user_tells_nothing_of_anonymous_runs(both: Backend) ->
     assert [run.user for run in every.runs] == ["Anonymous author"]
 
 
+def test_what_a_profile_told_while_an_entry_had_a_name_is_hidden_with_it(both: Backend) -> None:
+    run_id, user_id = publish(both, ranked(both), Terms()), both.user_id("ann")
+    with both.database.writing() as session:
+        assert publications.withdraw(session, run_id)
+
+    publish(both, run_id)
+
+    with both.database.reading() as session:
+        assert standings.of_user(session, user_id) == []  # the score would tell which entry it is
+    with both.database.writing() as session:
+        assert publications.reveal(session, run_id)
+        assert len(standings.of_user(session, user_id)[0].history) == 3
+
+
+def test_no_run_with_a_name_was_started_from_an_anonymous_one_while_that_was_private(
+    both: Backend,
+) -> None:
+    run_id = ranked(both)
+    named = publish(both, both.succeeded("ann", rerun_of=run_id), Terms())
+
+    publish(both, run_id)
+    later = both.succeeded("ben", rerun_of=run_id)
+
+    assert both.show(named).rerun_of is None  # only its author could read it then
+    assert both.show(later).rerun_of == run_id
+
+
 def test_a_search_does_not_find_the_file_name_of_an_anonymous_run(both: Backend) -> None:
     program = both.store_program(name="anns_own.py")
     run_id = publish(both, ranked(both, controller="upload", program=program))
