@@ -1,8 +1,9 @@
 """`python -m performance.many_runs [RUNS QUEUED REPEATS]`: pages and queue of a full database.
 
 Fills SQLite and a private PostgreSQL and calls every address that answers GET, alternately on the
-full and on an empty database, without the network. Then it claims, submits, asks for positions and
-recovers. Queries that take long are printed with their plans.
+full and on an empty database, without the network; beside the times it prints how many queries and
+connections of the pool an answer takes. Then it claims, submits, asks for positions and recovers.
+Queries that take long are printed with their plans.
 """
 
 import sys
@@ -18,6 +19,7 @@ from flask import Flask
 from flask.testing import FlaskClient
 from sqlalchemy import Engine, event, update
 
+from performance.asked import recorded
 from performance.requests import BENCHMARK, addresses, create_first
 from performance.runs_table import fill
 from seamark.server.accounts import accounts
@@ -38,7 +40,7 @@ from tests.services import postgres, valkey
 RUNS, QUEUED = 1_000_000, 10_000
 REPEATS = 100
 SLOW_MS = 10.0  # of a query whose plan is printed
-_HEAD = f"{'':72}{'p50':>8}{'p99':>8}{'empty p50':>11}{'p99':>8}  [ms]"
+_HEAD = f"{'':72}{'p50':>8}{'p99':>8}{'empty p50':>11}{'p99':>8} [ms]  queries  connections"
 
 
 @dataclass
@@ -171,7 +173,9 @@ def lines(full: Service, empty: Service, repeats: int) -> Iterator[str]:
                 lambda a=address: empty.get(a),  # type: ignore[misc]
                 repeats,
             )
-            yield f"GET {address:68}{figures}"
+            with recorded(full.database.engine) as asked:
+                full.get(address)
+            yield f"GET {address:68}{figures}{asked.queries:14}{asked.connections:13}"
         for name in ("position", "submit", "claim", "sweep"):
             figures = measured(getattr(full, name), getattr(empty, name), repeats)
             yield f"{name:72}{figures}"

@@ -7,9 +7,11 @@ from typing import Any
 
 import pytest
 from flask.testing import FlaskClient
-from sqlalchemy import Connection, event
+from sqlalchemy import Connection
 from sqlalchemy.orm import Session
 
+from performance import asked
+from performance.asked import Asked
 from performance.requests import BENCHMARK, addresses, create_first
 from performance.runs_table import fill
 from seamark.server.accounts.permissions import Viewer
@@ -24,7 +26,7 @@ from tests.server.api.conftest import Site
 
 RUNS, QUEUED = 30_000, 1_000
 ROWS_MAX = 5_000  # rows of all tables that one statement reads on PostgreSQL
-STATEMENTS_MAX = 20  # of one answer
+QUERIES_MAX = 18  # of one answer
 CONNECTIONS_MAX = 2  # of a page that everybody opens: for its viewer, and for the rest
 STEPS_MAX = 75_000  # steps of SQLite's virtual machine; a scan of `runs` takes more
 _STEPS = 500  # between two calls of its handler
@@ -36,36 +38,20 @@ class Work:
 
     site: Site
     found: list[tuple[str, Any]] = field(default_factory=list)
-    connections: int = 0
 
     @contextmanager
-    def recorded(self) -> Iterator[None]:
-        """Record the statements that are executed meanwhile, and count the connections."""
-
-        def keep(_c: object, _cursor: object, statement: str, values: Any, *_: object) -> None:
-            self.found.append((statement, values))
-
-        def count(*_: object) -> None:
-            self.connections += 1
-
-        engine = self.site.services.database.engine
-        event.listen(engine, "before_cursor_execute", keep)
-        event.listen(engine, "checkout", count)
-        try:
-            yield
-        finally:
-            event.remove(engine, "before_cursor_execute", keep)
-            event.remove(engine, "checkout", count)
+    def recorded(self) -> Iterator[Asked]:
+        """Record the statements that are executed meanwhile."""
+        with asked.recorded(self.site.services.database.engine) as found:
+            yield found
+        self.found += found.statements
 
     def of_get(self, client: FlaskClient, address: str) -> tuple[int, int]:
         """Return how many queries and connections the answer to a GET takes."""
-        self.found.clear()
-        self.connections = 0
-        with self.recorded(), client.get(address) as answer:
-            answer.get_data()
+        with asked.recorded(self.site.services.database.engine) as found:
+            answer = client.get(address)
         assert answer.status_code == 200
-        queries = [statement for statement, _ in self.found if statement.startswith("SELECT")]
-        return len(queries), self.connections
+        return found.queries, found.connections
 
     def heavy(self) -> list[tuple[str, int]]:
         """Return the recorded statements that read more than a few rows, with their number."""
@@ -157,9 +143,9 @@ def test_no_request_and_no_step_of_the_queue_scans_the_runs(work: Work) -> None:
 
     heavy, many = {}, {}
     for address in addresses(site.app, run_id=recorded, half=half):
-        with work.recorded(), client.get(address) as answer:
+        with work.recorded() as found, client.get(address) as answer:
             answer.get_data()
-        many[address] = len(work.found)
+        many[address] = found.queries
         heavy[address] = work.heavy()
     with work.recorded():
         site.show(waiting)
@@ -170,7 +156,7 @@ def test_no_request_and_no_step_of_the_queue_scans_the_runs(work: Work) -> None:
     assert len(failed) == len(set(failed)) == (RUNS - QUEUED) // 100
     assert failed == sorted(failed, reverse=True)
     assert {what: statements for what, statements in heavy.items() if statements} == {}
-    assert {what: count for what, count in many.items() if count > STATEMENTS_MAX} == {}
+    assert {what: count for what, count in many.items() if count > QUERIES_MAX} == {}
 
 
 def test_the_pages_that_everybody_opens_ask_as_much_of_a_few_entries_as_of_many(work: Work) -> None:
