@@ -2,10 +2,10 @@
 
     ./run bridges
 
-The PI controllers of `examples/rosbridge` run behind `seamark bridge rosbridge`, on this machine and
-on a server, and must have the digest of the built-in one. The client in C++ is compiled with every warning as an error, and orders
-and follows runs of a real service. Needs Node.js and npm, which downloads roslib as
-`package-lock.json` has it, g++, libcurl and nlohmann/json.
+The PI controllers of `examples/rosbridge` run behind `seamark bridge rosbridge`, on this machine
+and on a server, and must have the digest of the built-in one. The client in C++ is compiled with
+every warning as an error, and orders and follows runs of a real service. Needs Node.js and npm,
+which downloads roslib as `package-lock.json` has it, g++, libcurl and nlohmann/json.
 """
 
 import json
