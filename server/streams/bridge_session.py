@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import asyncio
 import secrets
-from collections.abc import Awaitable, Sequence
+from collections.abc import Awaitable, Callable, Sequence
 from typing import Protocol
 
 import structlog
@@ -22,6 +22,9 @@ from seamark.server.settings import Settings
 OFFER_S = 3.0
 BUSY_RETRY_S = 5
 FULL_S = 0.02  # between two looks at a list that is full
+# What a session may take of a web process and of the broker; 2000 answers a second, six images.
+UP_BYTES_S, DOWN_BYTES_S = 2**20, 2**23
+MESSAGE_COST = 512  # [byte] that a message counts at least
 SECOND = "You have a session already; only one at a time."
 BUSY = "All places for connected programs are taken, or no worker has any. Try again soon."
 _log = structlog.get_logger()
@@ -35,6 +38,28 @@ class Socket(Protocol):
 
     async def send(self, text: str) -> None:
         """Send a message; raises ConnectionError if the program does not take it in time."""
+
+
+class Budget:
+    """Lets bytes pass at a rate, after a second's worth of them at once.
+
+    Parameters
+    ----------
+    clock
+        Returns the time [s].
+    """
+
+    def __init__(self, bytes_per_s: float, clock: Callable[[], float]) -> None:
+        self._rate, self._clock = bytes_per_s, clock
+        self._left, self._at_s = bytes_per_s, clock()
+
+    def delay_s(self, message_bytes: int) -> float:
+        """Return how long to wait after a message [s]."""
+        now = self._clock()
+        left = self._left + (now - self._at_s) * self._rate
+        self._left = min(left, self._rate) - max(message_bytes, MESSAGE_COST)
+        self._at_s = now
+        return max(-self._left / self._rate, 0.0)
 
 
 class SessionRefused(Exception):
@@ -124,20 +149,24 @@ class BridgeSession:
             self._ended.set()
 
     async def _pass_up(self, socket: Socket) -> None:
+        budget = Budget(UP_BYTES_S, asyncio.get_running_loop().time)
         while (message := await socket.receive()) is not None and not self._ended.is_set():
             item = bridge_sessions.text(message)
             waiting = await bridge_sessions.push_up(self._redis, self._session, item)
+            await asyncio.sleep(budget.delay_s(len(item)))
             while waiting >= PENDING_MAX and not self._ended.is_set():
                 await asyncio.sleep(FULL_S)
                 waiting = await self._redis.llen(Keys(self._session).up)
 
     async def _pass_down(self, socket: Socket) -> None:
+        budget = Budget(DOWN_BYTES_S, asyncio.get_running_loop().time)
         while not self._ended.is_set():
             for item in await bridge_sessions.read_down(self._redis, self._session):
                 if item == END:
                     return
                 if (message := bridge_sessions.message_of(item)) is not None:
                     await socket.send(message)
+                    await asyncio.sleep(budget.delay_s(len(item)))
 
     async def _renew(self) -> None:
         while not self._ended.is_set():

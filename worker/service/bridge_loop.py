@@ -11,6 +11,7 @@ import tempfile
 import threading
 import time
 from contextlib import suppress
+from dataclasses import replace
 from pathlib import Path
 
 import structlog
@@ -119,7 +120,7 @@ class BridgeLoop:
 
     def _evaluate(self, claim: Claim, socket: Path) -> None:
         try:
-            evaluate(self._context, claim, bridge=socket)
+            evaluate(replace(self._context, bridge=socket), claim)
         except Exception:
             _log.exception("run_not_evaluated", run=claim.run_id)
             with suppress(SQLAlchemyError), self._database.writing() as session:

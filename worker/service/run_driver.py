@@ -67,25 +67,20 @@ class RunContext:
     simulator: Simulator
     isolation: IsolationLevel
     shutting_down: Callable[[], bool]
+    bridge: Path | None = None  # Unix socket at which a program connects that runs elsewhere
 
 
-def evaluate(context: RunContext, claim: Claim, *, bridge: Path | None = None) -> bool:
-    """Evaluate one claimed run and store how it ended; False if the platform failed.
-
-    Parameters
-    ----------
-    bridge
-        Unix socket at which its program connects, if that runs elsewhere.
-    """
+def evaluate(context: RunContext, claim: Claim) -> bool:
+    """Evaluate one claimed run and store how it ended; False if the platform failed."""
     ids = {"run": claim.run_id, "attempt": claim.attempt, "user": claim.user_id}
     with bound_contextvars(**ids, worker=claim.worker, request=claim.request_id):
-        return _evaluate(context, claim, bridge)
+        return _evaluate(context, claim)
 
 
-def _evaluate(context: RunContext, claim: Claim, bridge: Path | None) -> bool:
+def _evaluate(context: RunContext, claim: Claim) -> bool:
     _log.info("run_started", benchmark=claim.benchmark, kind=claim.kind)
     try:
-        driver = RunDriver(context, claim, bridge)
+        driver = RunDriver(context, claim)
     except (ConfigurationInvalid, KeyError) as error:  # most likely accepted by an older version
         _log.error("configuration_invalid", why=str(error))
         return _fail(context, claim, f"This configuration is no longer valid: {error}")
@@ -134,8 +129,8 @@ def _drive(driver: "RunDriver") -> bool:
 class RunDriver:
     """One run being evaluated."""
 
-    def __init__(self, context: RunContext, claim: Claim, bridge: Path | None = None) -> None:
-        self._context, self._claim, self._bridge = context, claim, bridge
+    def __init__(self, context: RunContext, claim: Claim) -> None:
+        self._context, self._claim = context, claim
         self._claimed_at = time.monotonic()
         self._files = RunFiles(storage.workspace(context.settings), claim.run_id, claim.attempt)
         self._upload: RunUpload | None = None
@@ -303,7 +298,7 @@ class RunDriver:
             program=None if program is None else program_file(settings, program),
             filename=claim.program_name or "",
             language=claim.language or DEFAULT_LANGUAGE,
-            bridge=self._bridge,
+            bridge=self._context.bridge,
         )
 
     def _watch(self, simulation: Simulation) -> None:
