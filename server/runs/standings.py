@@ -3,13 +3,14 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from sqlalchemy import select, union
 from sqlalchemy.orm import Session
 
 from seamark.server.accounts import profiles
 from seamark.server.accounts.permissions import Viewer
 from seamark.server.accounts.profiles import Profile
 from seamark.server.database.rank_tables import RankPoint
-from seamark.server.database.tables import User
+from seamark.server.database.tables import Best, User
 from seamark.server.runs import leaderboard, rank_history, run_lists, score_counts
 from seamark.server.runs.leaderboard import Rank
 from seamark.server.runs.run_lists import Place, RunFilter, RunPage
@@ -28,8 +29,12 @@ class Standing:
 
 def of_user(session: Session, user_id: int) -> list[Standing]:
     """Return the ranks of a user in the benchmarks in which there is or was one."""
-    found = []
-    for name in registry.BENCHMARKS:
+    ranked = select(Best.benchmark).where(
+        Best.user_id == user_id, Best.benchmark.in_(registry.BENCHMARKS)
+    )
+    earlier = select(RankPoint.benchmark).where(RankPoint.user_id == user_id)
+    known, found = set(session.scalars(union(ranked, earlier))), []
+    for name in filter(known.__contains__, registry.BENCHMARKS):
         history = rank_history.of_user(session, user_id, name)
         rank = leaderboard.rank_of(session, name, user_id)
         if rank is not None and rank.anonymous:
