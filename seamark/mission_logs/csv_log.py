@@ -20,6 +20,7 @@ from seamark.mission_logs.samples import ROWS_MAX, Samples
 
 LINE_MAX = 64 * 1024  # [character]
 COMMENTS_MAX = 1000  # lines above the names
+LINES_MAX = 2 * ROWS_MAX  # with comments and empty ones
 COLUMNS_MAX = 1000
 NAMES_SHOWN = 12
 _DELIMITERS = ",;\t"
@@ -67,6 +68,8 @@ class _Lines:
             self.number += 1
             if len(line) > LINE_MAX:
                 raise LogRefused(f"Line {self.number} is longer than {LINE_MAX} characters.")
+            if self.number > LINES_MAX:
+                raise LogRefused(f"The file has more than {LINES_MAX} lines. Cut it into parts.")
             yield line.rstrip("\r\n")
 
     def header(self) -> str:

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import threading
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 from typing import Any
 
 from flask import Response
@@ -12,7 +11,10 @@ from flask_openapi3.models.tag import Tag
 
 from seamark.server.api.operation_ids import operation_id
 from seamark.server.api.schemas import DatasetQuery, RunPath
+from seamark.server.runs.files import RunFiles
+from seamark.server.runs.paced_place import PacedPlace, PlaceTaken
 from seamark.server.runs.seeds import seeds_hidden, trial_seeds
+from seamark.server.runs.views import RunView
 from seamark.server.web import access
 from seamark.server.web.problems import Problem
 from seamark.server.web.services import services
@@ -20,8 +22,8 @@ from seamark.sim import registry
 
 IMAGES_MAX = 1200  # per download: a minute of CPU time, a few hundred megabytes
 _BUSY_RETRY_S = 20
-# Rendering keeps a core busy, and the other threads have pages to serve.
-_one_at_a_time = threading.Lock()
+# Rendering keeps a core busy, and the other threads have pages to serve. A trial may take 250 MB.
+_one_at_a_time = PacedPlace()
 
 api = APIBlueprint(
     "api_datasets",
@@ -42,8 +44,6 @@ def dataset(path: RunPath, query: DatasetQuery) -> Response:
     Not available for ranked runs of the first benchmark versions, whose seeds are hidden.
     `seamark dataset` renders larger data sets, also without a run.
     """
-    from seamark.sim.engine.dataset import Selection, archive  # noqa: PLC0415 (it loads OpenCV)
-
     view = access.run_for(path.run_id)
     if seeds_hidden(view):
         raise Problem(
@@ -51,7 +51,32 @@ def dataset(path: RunPath, query: DatasetQuery) -> Response:
             f"The images of a ranked run would reveal the hidden seeds of {view.benchmark}, which "
             "other runs have too. Start a practice run with the same configuration instead.",
         )
-    rows = access.files_of(view).rows_of_trial(query.trial)
+    files = access.files_of(view)
+    try:
+        download = _one_at_a_time.take()
+    except PlaceTaken:
+        raise Problem(
+            "unavailable",
+            "Another data set is being rendered.",
+            headers={"Retry-After": str(_BUSY_RETRY_S)},
+        ) from None
+    try:
+        response = Response(
+            download.of(_pieces(view, files, query)), content_type="application/zip"
+        )
+    except BaseException:
+        download.close()
+        raise
+    name = f"seamark-run-{view.id}-dataset.zip"
+    response.headers.set("Content-Disposition", "attachment", filename=name)
+    return response
+
+
+def _pieces(view: RunView, files: RunFiles, query: DatasetQuery) -> Generator[bytes, None, None]:
+    """Return the pieces of the archive; raises Problem if the selection has none or too many."""
+    from seamark.sim.engine.dataset import Selection, archive  # noqa: PLC0415 (it loads OpenCV)
+
+    rows = files.rows_of_trial(query.trial)
     end = float("inf") if query.until is None else query.until
     selection = Selection(every=query.every, begin_s=query.begin, end_s=end, colour=query.colour)
     count = len(selection.of(rows))
@@ -63,12 +88,6 @@ def dataset(path: RunPath, query: DatasetQuery) -> Response:
             f"This selects {count} images; the limit is {IMAGES_MAX} per download. Choose a larger "
             "`every` or a shorter time, or render all images with `seamark dataset`.",
         )
-    if _one_at_a_time.locked():
-        raise Problem(
-            "unavailable",
-            "Another data set is being rendered.",
-            headers={"Retry-After": str(_BUSY_RETRY_S)},
-        )
     config = registry.benchmark(view.benchmark).restore(view.config)
     seed = trial_seeds(view, services().settings)(query.trial)
     pieces = archive(
@@ -77,13 +96,8 @@ def dataset(path: RunPath, query: DatasetQuery) -> Response:
         selection=selection,
         program_sha256=view.program_sha256,
     )
-    response = Response(_exclusively(pieces), content_type="application/zip")
-    name = f"seamark-run-{view.id}-dataset.zip"
-    response.headers.set("Content-Disposition", "attachment", filename=name)
-    return response
+    return _each(pieces)
 
 
-def _exclusively(pieces: Iterator[bytes]) -> Iterator[bytes]:
-    """Yield the pieces while holding the lock."""
-    with _one_at_a_time:
-        yield from pieces
+def _each(pieces: Iterator[bytes]) -> Generator[bytes, None, None]:
+    yield from pieces

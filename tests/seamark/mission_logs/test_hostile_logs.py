@@ -152,6 +152,7 @@ def test_a_definition_that_holds_itself_is_never_parsed(tmp_path: Path) -> None:
     ("write", "sentence"),
     [
         (lambda: b"t,x\n" + b"0,1\n" * 51, "more than 50 rows"),
+        (lambda: b"t,x\n" + b"#\n\n" * 800, "more than 1500 lines"),
         (lambda: b"t" * 70_000, "Line 1 is longer than 65536 characters"),
         (lambda: b"#\n" * 2000, "no line with the names"),
         (lambda: b",".join([b"x"] * 2000) + b"\n", "2000 columns"),
@@ -169,6 +170,7 @@ def test_a_csv_of_any_size_is_refused_at_the_first_line_beyond_a_limit(
     sentence: str,
 ) -> None:
     monkeypatch.setattr(csv_log, "ROWS_MAX", 50)
+    monkeypatch.setattr(csv_log, "LINES_MAX", 1500)
     content = write()
     path = tmp_path / ("log.csv.gz" if content[:2] == b"\x1f\x8b" else "log.csv")
     path.write_bytes(content)
