@@ -19,6 +19,7 @@ from seamark.mission_logs.mapping import LogMapping
 from seamark.mission_logs.refusal import LogRefused
 from seamark.mission_logs.result import LogResult
 from seamark.mission_logs.scope import SUFFIXES, check_benchmark, unknown_file
+from seamark.sandbox.printable_text import printable_text
 
 WALL_S = 300.0  # the CPU time is limited in `process`; this catches a machine that is busy
 TOO_HEAVY = "Reading the log takes too much time or memory. Cut it into parts, or leave out images."
@@ -81,7 +82,7 @@ def measure_limited(path: Path, mapping: LogMapping, *, benchmark: str, folder: 
 def _result(output: bytes, file: Path) -> LogResult:
     answer = json.loads(output)
     if "refused" in answer:
-        raise LogRefused(answer["refused"])
+        raise LogRefused(printable_text(answer["refused"]))  # it quotes the log
     width = answer.pop("width")
     rows = np.memmap(file, "<f8", mode="r").reshape(-1, width)
     return LogResult(rows=rows, **answer)

@@ -138,6 +138,7 @@ def _with_times(
 ) -> StationKeepingSettings:
     """Return the configuration with the log's period, levels and their duration."""
     levels = _whole_numbers(rows, "level", LEVELS_MAX)
+    _check_pieces(rows)
     if levels > len(config.level_values()):
         raise LogRefused(
             f"The log has {levels} levels. Name the mean speed of the current of each, in "
@@ -163,6 +164,16 @@ def _whole_numbers(rows: Rows, name: str, most: int) -> int:
     if len(numbers) > most or not np.array_equal(numbers, np.arange(len(numbers))):
         raise LogRefused(f"{name} must count from 0 without gaps, to at most {most - 1}.")
     return len(numbers)
+
+
+def _check_pieces(rows: Rows) -> None:
+    """Raise LogRefused unless the rows of each level of a trial follow one another."""
+    places = rows[:, [INDEX["trial"], INDEX["level"]]]
+    begins = places[np.append(True, (np.diff(places, axis=0) != 0.0).any(axis=1))]
+    distinct, counts = np.unique(begins, axis=0, return_counts=True)
+    if (counts > 1).any():
+        trial, level = distinct[int(counts.argmax())].astype(int)
+        raise LogRefused(f"In trial {trial} of the log, level {level} is in several pieces.")
 
 
 def _longest(rows: Rows, level: int) -> int:

@@ -92,7 +92,7 @@ def _opened(path: Path) -> Iterator[tuple[Reader, Callable[[bytes, str], Any]]]:
                 _check_definition(store, one, old=old)
             yield reader, decode
     except _DAMAGED as error:
-        reason = str(error) or type(error).__name__
+        reason = str(error).replace(f"{path.parent}/", "") or type(error).__name__
         raise LogRefused(f"The file cannot be read: {reason[:200].rstrip('.')}.") from None
 
 

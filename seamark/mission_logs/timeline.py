@@ -131,11 +131,12 @@ def _of_trials(part: Samples) -> Timeline:
 def _grid(parts: Sequence[Samples], period_s: float) -> Values:
     """Return regular control steps over the time of the first part."""
     begin, end = float(parts[0].stamps[0]), float(parts[0].stamps[-1])
-    count = int((end - begin) / period_s + 1e-6) + 1
-    if count > ROWS_MAX:
+    steps = (end - begin) / period_s + 1e-6
+    if not steps < ROWS_MAX:
         raise LogRefused(
-            f"With {period_s:g} s the log has {count} control steps; it may have {ROWS_MAX}."
+            f"With {period_s:g} s the log has {steps:.6g} control steps; it may have {ROWS_MAX}."
         )
+    count = int(steps) + 1
     if count < 2:
         raise LogRefused(f"The log is shorter than two control steps of {period_s:g} s.")
     return begin + np.arange(count, dtype=np.float64) * np.float64(period_s)

@@ -3,10 +3,12 @@
 import bz2
 import gzip
 import resource
+import sqlite3
 import struct
 import sys
 import tracemalloc
 from collections.abc import Callable
+from contextlib import closing
 from pathlib import Path
 
 import pytest
@@ -116,6 +118,37 @@ def test_the_rows_of_a_long_log_are_not_in_the_memory_of_whoever_has_it_measured
     assert peak < found.rows.nbytes / 3
 
 
+def test_the_sentence_that_refuses_a_log_has_no_characters_that_act_on_a_terminal(
+    tmp_path: Path,
+) -> None:
+    path = tmp_path / "log.csv"
+    path.write_text("a\x1b]0;x\x07,b\u202e\n0,1\n")
+
+    with pytest.raises(LogRefused, match="has no column t") as refused:
+        limited.measure_limited(path, LogMapping(), benchmark="currents-v1", folder=tmp_path)
+
+    assert str(refused.value).isprintable()
+
+
+def test_a_time_beyond_all_numbers_of_control_steps_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "log.csv"
+    path.write_text("t,x,y,z,roll,pitch,yaw\n0,0,0,1,0,0,0\n1e308,0,0,1,0,0,0\n")
+    mapping = LogMapping.model_validate({"time": {"period_s": 0.01, "max_gap_s": 1.0}})
+
+    with pytest.raises(LogRefused, match="it may have 500000"):
+        measure(path, mapping, benchmark="currents-v1")
+
+
+def test_a_level_in_several_pieces_is_refused(tmp_path: Path) -> None:
+    lines = (f"{0.05 * at},0,0,1,0,0,0,{at % 2}\n" for at in range(40))
+    path = tmp_path / "log.csv"
+    path.write_text("t,x,y,z,roll,pitch,yaw,level\n" + "".join(lines))
+    mapping = LogMapping.model_validate({"settings": {"settle_s": 0.0, "levels": [0.1, 0.2]}})
+
+    with pytest.raises(LogRefused, match="level 0 is in several pieces"):
+        measure(path, mapping, benchmark="currents-v1")
+
+
 @pytest.mark.parametrize(
     ("content", "name"),
     [
@@ -138,6 +171,17 @@ def test_a_damaged_bag_is_refused_before_anything_is_allocated(
 
     with pytest.raises(LogRefused, match=r"The file cannot be read|has no messages"):
         measure(path, POSE, benchmark="currents-v1")
+
+
+def test_a_refusal_does_not_tell_where_a_server_keeps_the_file(tmp_path: Path) -> None:
+    path = tmp_path / "log.db3"
+    with closing(sqlite3.connect(path)) as database:
+        database.execute("CREATE VIEW messages AS SELECT 1 id, zeroblob(1000000000) data")
+
+    with pytest.raises(LogRefused, match="cannot be read") as refused:
+        measure(path, POSE, benchmark="currents-v1")
+
+    assert str(tmp_path) not in str(refused.value)
 
 
 def test_a_definition_that_holds_itself_is_never_parsed(tmp_path: Path) -> None:
