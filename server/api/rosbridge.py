@@ -104,8 +104,8 @@ class _Conversation:
             queue.start(database, run_id, place, settings)
         return run_id
 
-    async def run(self, socket: WebSocket) -> None:
-        await self._session.run(socket)
+    async def run(self, socket: WebSocket) -> str:
+        return await self._session.run(socket)
 
     async def end(self) -> None:
         await self._session.end()

@@ -19,6 +19,7 @@ from redis import Redis, asyncio
 
 OFFERS = "seamark.bridge.offers"  # sessions, the oldest at the left end
 OFFERS_MAX = 100
+START_S = 60  # that a session may take to start
 PRESENT_S = 8  # after which a side counts as gone, unless its process says otherwise
 RENEW_S = 2.0
 KEPT_S = 60  # of messages that nobody reads
@@ -97,7 +98,7 @@ def take_offer(redis: "Redis", wait_s: float) -> str | None:
 
 def accept(redis: "Redis", session: str, place: str) -> None:
     """Say that a place has taken the session. Raises RedisError."""
-    serve(redis, session)
+    redis.set(Keys(session).served, 1, ex=START_S)
     push(redis, Keys(session).down, head(place))
 
 
@@ -138,9 +139,9 @@ def read(redis: "Redis", key: str, *, at_most: int = _MANY) -> Sequence[bytes]:
 # -- the side of the web process, on its event loop ----------------------------------------------
 async def offer(redis: "asyncio.Redis", session: str, user_id: int) -> bool:
     """Offer a session of an account; False if it has one already. Raises RedisError."""
-    if not await redis.set(user_key(user_id), session, nx=True, ex=PRESENT_S):
+    if not await redis.set(user_key(user_id), session, nx=True, ex=START_S):
         return False
-    await redis.set(Keys(session).present, 1, ex=PRESENT_S)
+    await redis.set(Keys(session).present, 1, ex=START_S)
     await redis.rpush(OFFERS, session)
     await redis.ltrim(OFFERS, -OFFERS_MAX, -1)
     return True

@@ -26,6 +26,7 @@ FULL_S = 0.02  # between two looks at a list that is full
 UP_BYTES_S, DOWN_BYTES_S = 2**20, 2**23
 MESSAGE_COST = 512  # [byte] that a message counts at least
 SECOND = "You have a session already; only one at a time."
+LOST = "The service lost the connection to the run."
 BUSY = "All places for connected programs are taken, or no worker has any. Try again soon."
 _log = structlog.get_logger()
 
@@ -78,6 +79,7 @@ class BridgeSession:
         self._redis = broker.connect_async(settings)
         self._offered = False
         self._ended = asyncio.Event()
+        self._wrong = ""
 
     async def offer(self) -> str:
         """Return the name of the place that has taken the session.
@@ -121,12 +123,13 @@ class BridgeSession:
             _log.warning("session_not_started", run=run_id, error=str(error))
             raise SessionRefused("unavailable", BUSY) from None
 
-    async def run(self, socket: Socket) -> None:
-        """Pass messages on in both directions until one side ends."""
+    async def run(self, socket: Socket) -> str:
+        """Pass messages on in both directions until one side ends; return what went wrong."""
         up = asyncio.create_task(self._until_end(self._pass_up(socket)))
         others = [self._until_end(self._pass_down(socket)), self._until_end(self._renew())]
         await asyncio.gather(*others)
         up.cancel()  # it may wait for the program
+        return self._wrong
 
     async def end(self) -> None:
         """Let the worker know, and forget the session."""
@@ -145,6 +148,7 @@ class BridgeSession:
             await work
         except (RedisError, ConnectionError) as error:
             _log.warning("session_broken", error=str(error))
+            self._wrong = LOST
         finally:
             self._ended.set()
 
@@ -172,6 +176,7 @@ class BridgeSession:
         while not self._ended.is_set():
             if not await bridge_sessions.renew(self._redis, self._session, self._user_id):
                 _log.warning("session_abandoned")
+                self._wrong = LOST
                 return
             try:
                 async with asyncio.timeout(RENEW_S):

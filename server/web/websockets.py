@@ -16,7 +16,7 @@ from seamark.server.web.problems import MEDIA_TYPE, Problem
 UPGRADE = "seamark.upgrade"  # key of the WSGI environment: the client asks for a WebSocket
 CONVERSATION = "seamark.conversation"  # key of the WSGI environment
 SEND_S = 20.0  # that a client may take for a message
-NORMAL = 1000  # close code of RFC 6455, 7.4.1
+NORMAL, INTERNAL_ERROR = 1000, 1011  # close codes of RFC 6455, 7.4.1
 
 Receive = Callable[[], Awaitable[dict[str, Any]]]
 Send = Callable[[dict[str, Any]], Awaitable[None]]
@@ -59,8 +59,8 @@ class Conversation(Protocol):
     async def begin(self) -> Mapping[str, str]:
         """Prepare, and return headers of the answer; raises Problem to refuse the handshake."""
 
-    async def run(self, socket: WebSocket) -> None:
-        """Converse until the end."""
+    async def run(self, socket: WebSocket) -> str:
+        """Converse until the end; return what went wrong, empty if nothing did."""
 
     async def end(self) -> None:
         """Release what `begin` has prepared; called whatever happened."""
@@ -71,8 +71,9 @@ async def converse(conversation: Conversation, socket: WebSocket, send: Send) ->
     try:
         headers = await conversation.begin()
         await send({"type": "websocket.accept", "headers": _encoded(headers)})
-        await conversation.run(socket)
-        await send({"type": "websocket.close", "code": NORMAL})
+        wrong = await conversation.run(socket)
+        code = INTERNAL_ERROR if wrong else NORMAL
+        await send({"type": "websocket.close", "code": code, "reason": wrong})
     except Problem as problem:
         await _refuse_with(problem, send)
     except OSError:

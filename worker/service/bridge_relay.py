@@ -11,7 +11,7 @@ from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import ClientConnection, unix_connect
 
 from seamark.server.messaging import bridge_sessions
-from seamark.server.messaging.bridge_sessions import END, PENDING_MAX, Keys
+from seamark.server.messaging.bridge_sessions import END, PENDING_MAX, RENEW_S, Keys
 
 CONNECT_POLL_S = 0.02
 FULL_S = 0.005  # between two looks at a list that is full
@@ -38,6 +38,7 @@ class BridgeRelay:
 
     def start(self) -> None:
         """Pass messages on from now on."""
+        threading.Thread(target=self._show_presence, name="presence", daemon=True).start()
         self._thread.start()
 
     def stop(self) -> None:
@@ -64,6 +65,15 @@ class BridgeRelay:
                 self._ending.set()
         up.join()
 
+    def _show_presence(self) -> None:
+        over = False
+        while not over:
+            try:
+                bridge_sessions.serve(self._redis, self._session)
+            except RedisError as error:
+                _log.warning("session_not_renewed", error=str(error))
+            over = self._ending.wait(RENEW_S)
+
     def _connected(self) -> ClientConnection | None:
         """Return a connection to the simulation; None if the run has ended before."""
         while not self._ending.wait(CONNECT_POLL_S):
@@ -89,7 +99,6 @@ class BridgeRelay:
         """Send the simulation what the program says, until that has gone."""
         try:
             while not self._ending.is_set():
-                bridge_sessions.serve(self._redis, self._session)
                 items = bridge_sessions.read(self._redis, self._keys.up)
                 if not items and not bridge_sessions.is_present(self._redis, self._session):
                     break

@@ -45,7 +45,6 @@ STORE_RETRY_S = 1.0
 STORE_AWAY_S = 600.0  # [s] that the object storage may be away at the end of a run
 DATABASE_AWAY = (OperationalError, InterfaceError)
 LOG_TAIL = 2000  # [character] of the log shown with a failure
-
 _log = structlog.get_logger()
 
 

@@ -41,13 +41,14 @@ class Echo:
             raise Problem("unavailable", "Not now.", headers={"Retry-After": "5"})
         return {"Location": "/somewhere"}
 
-    async def run(self, socket: WebSocket) -> None:
+    async def run(self, socket: WebSocket) -> str:
         while self.path == "/flood":
             await socket.send("x" * 100_000)
         while (message := await socket.receive()) is not None:
-            if message == "end":
-                return
+            if message.startswith("end"):
+                return message.removeprefix("end").strip()
             await socket.send(message)
+        return ""
 
     async def end(self) -> None:
         self.ended.release()
@@ -88,6 +89,16 @@ def test_a_conversation_lasts_longer_than_a_request_may_take_to_arrive() -> None
     assert closed.value.rcvd is not None
     assert closed.value.rcvd.code == 1000
     assert echo.ended.acquire(timeout=PATIENCE_S)
+
+
+def test_a_conversation_that_goes_wrong_ends_with_the_reason() -> None:
+    with _served(Echo()) as client:
+        client.send("end The run is lost.")
+        with pytest.raises(ConnectionClosed) as closed:
+            client.recv(timeout=PATIENCE_S)
+
+    assert closed.value.rcvd is not None
+    assert (closed.value.rcvd.code, closed.value.rcvd.reason) == (1011, "The run is lost.")
 
 
 def test_what_refuses_a_handshake_is_an_answer_as_to_any_request() -> None:

@@ -219,7 +219,7 @@ def test_a_run_whose_place_dies_fails_and_is_not_repeated(site: Site) -> None:
     run = site.ended(client)
     assert (run.state, run.cause, run.attempt) == (RunState.FAILED, "platform_error", 1)
     assert "lost the connection" in run.detail["sentence"]
-    with pytest.raises(ConnectionClosed):
+    with pytest.raises(ConnectionClosed, match="lost the connection"):
         client.socket.recv(timeout=PATIENCE_S)
 
 

@@ -14,7 +14,7 @@ from seamark.bridge.rosbridge.server import TcpAddress
 from seamark.sim.camera.optics import CURRENTS
 from tests.seamark.bridge.conftest import Running
 
-PATIENCE_S = 30.0
+PATIENCE_S = 240.0  # a simulator may have to be compiled first, on a busy machine
 
 
 class Client:
