@@ -9,6 +9,7 @@ import os
 import subprocess
 import sys
 import tempfile
+import threading
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, suppress
 from dataclasses import asdict, dataclass
@@ -88,16 +89,23 @@ class Conversions:
 
 
 class Conversion:
-    """The pieces of one file; `close` gives the place back, whether it was read or not."""
+    """The pieces of one file; `close` gives the place back, whether it was read or not.
 
-    def __init__(self, command: Sequence[str], request: bytes, held: ExitStack) -> None:
-        self._command, self._request, self._held = command, request, held
+    The end of the process gives it back as well: a client may never take the last pieces.
+    """
+
+    def __init__(self, command: Sequence[str], request: bytes, place: ExitStack) -> None:
+        self._command, self._request, self._place = command, request, place
+        self._held = ExitStack()
+        self._held.callback(self._give_back)
+        self._giving_back = threading.Lock()
 
     def __iter__(self) -> Iterator[bytes]:
         """Yield the file; raises ConversionFailed."""
         with self._held, tempfile.TemporaryFile() as errors:
             process = _start(self._command, errors)
             self._held.callback(_end, process)
+            threading.Thread(target=self._give_back_after, args=(process,), daemon=True).start()
             yield from _exchange(process, self._request)
             if process.wait():
                 errors.seek(0)
@@ -107,6 +115,14 @@ class Conversion:
     def close(self) -> None:
         """End the process and give the place back."""
         self._held.close()
+
+    def _give_back_after(self, process: "subprocess.Popen[bytes]") -> None:
+        process.wait()
+        self._give_back()
+
+    def _give_back(self) -> None:
+        with self._giving_back:
+            self._place.close()
 
 
 def _start(command: Sequence[str], errors: BinaryIO) -> "subprocess.Popen[bytes]":

@@ -15,7 +15,7 @@ from werkzeug.test import TestResponse
 
 from seamark.formats import mat
 from seamark.formats.registry import FORMATS
-from seamark.server.runs.conversions import ConversionFailed, Conversions
+from seamark.server.runs.conversions import PLACES, ConversionFailed, Conversions
 from seamark.server.runs.files import RunFiles
 from tests.cast import PROGRAM
 from tests.server.api.conftest import Site
@@ -134,6 +134,19 @@ def test_a_client_that_leaves_frees_the_place_and_ends_the_process(site: Site) -
         number, _, _ = bytes(next(answer.iter_encoded())).partition(b"\n")
         answer.close()
         assert not Path(f"/proc/{int(number)}").exists()
+
+
+def test_a_client_that_takes_nothing_keeps_no_place_once_the_process_has_ended() -> None:
+    conversions = Conversions(wait_s=5.0, command=("head", "-c", "100000", "/dev/zero"))
+    stalled = []
+
+    for number in range(2 * PLACES):
+        conversion = conversions.start(b"", owner=f"user:{number}")
+        pieces = iter(conversion)
+        assert next(pieces)  # and nothing more
+        stalled.append((conversion, pieces))
+
+    assert [sum(map(len, pieces)) > 0 for _, pieces in stalled] == [True] * 2 * PLACES
 
 
 def test_a_process_that_fails_breaks_the_download_instead_of_ending_it(site: Site) -> None:
