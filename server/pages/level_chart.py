@@ -1,11 +1,13 @@
 """The chart of metrics over levels, from the metrics of a run or its telemetry so far."""
 
 from collections.abc import Mapping, Sequence
-from itertools import groupby
+from itertools import groupby, pairwise
+from operator import itemgetter
 from typing import Any
 
 import numpy as np
 
+from seamark.server.runs.downsampling import BLOCK_ROWS
 from seamark.server.runs.files import RunFiles
 from seamark.server.runs.views import RunView
 from seamark.sim.benchmarks.benchmark import Benchmark, Curve
@@ -13,6 +15,8 @@ from seamark.sim.metrics.metric import Metric
 from seamark.sim.numerics.statistics import mean
 from seamark.sim.recording.telemetry import INDEX, Rows
 from seamark.sim.settings.configuration import Configuration
+
+LEVEL_ROWS_MAX = 65_536  # 30 MB; those of the benchmarks have a tenth
 
 
 def curves(
@@ -27,9 +31,9 @@ def curves(
     if not benchmark.curves:
         return []
     done: dict[int, Mapping[str, Any]] = dict(enumerate((run.metrics or {}).get("levels") or []))
-    rows = np.empty((0, 0)) if done else files.rows()
+    spans = [] if done else _levels(files, ended=run.state.final)
     return [
-        _curve(chart, config, run, done or _so_far(chart, rows, ended=run.state.final), headline)
+        _curve(chart, config, run, done or _so_far(chart, files, spans), headline)
         for chart in benchmark.curves
         if (headline := chart.area or benchmark.headline_of(config))
     ]
@@ -96,22 +100,38 @@ def _sentence(chart: Curve, first: str, marked: Metric, mark: float | None, *, f
     return f"{marked.label}, where {first} falls below {chart.limit:g} %, is {mark:.2f}{sofar}."
 
 
-def _so_far(chart: Curve, rows: Rows, *, ended: bool) -> dict[int, dict[str, float]]:
-    """Return the metrics of the completed levels by their index, as means over the trials."""
-    position = rows[:, [INDEX["trial"], INDEX["level"]]]
-    starts = [0, *(np.flatnonzero((np.diff(position, axis=0) != 0).any(axis=1)) + 1).tolist()]
-    ends = [*starts[1:], len(rows)] if ended and len(rows) else starts[1:]
-    measured = sorted(
-        (
-            (int(rows[a, INDEX["level"]]), chart.measure(rows[a:b]))
-            for a, b in zip(starts, ends, strict=False)
-        ),
-        key=lambda item: item[0],
-    )
+def _levels(files: RunFiles, *, ended: bool) -> list[tuple[int, int]]:
+    """Return the ranges of rows of the completed levels of all trials.
+
+    Without those of more than `LEVEL_ROWS_MAX` rows: they are shown when the run has metrics.
+    """
+    starts: list[int] = []
+    count, before = files.row_count(), np.full((1, 2), np.nan)
+    for at in range(0, count, BLOCK_ROWS):
+        place = files.rows(at, min(at + BLOCK_ROWS, count))[:, [INDEX["trial"], INDEX["level"]]]
+        begins = (np.diff(place, axis=0, prepend=before) != 0).any(axis=1)
+        starts += (at + np.flatnonzero(begins)).tolist()
+        before = place[-1:]
+    spans = pairwise([*starts, count] if ended else starts)
+    return [(first, after) for first, after in spans if after - first <= LEVEL_ROWS_MAX]
+
+
+def _so_far(
+    chart: Curve, files: RunFiles, spans: Sequence[tuple[int, int]]
+) -> dict[int, dict[str, float]]:
+    """Return the metrics of levels by their index, as means over the trials.
+
+    One level at a time is in memory: whoever looks at a run may come with many others.
+    """
+    measured = sorted((_measured(chart, files.rows(*span)) for span in spans), key=itemgetter(0))
     names = [metric.name for metric in chart.metrics]
-    by_level = groupby(measured, key=lambda item: item[0])
+    by_level = groupby(measured, key=itemgetter(0))
     return {
         level: {name: mean([found[name] for _, found in members]) for name in names}
         for level, group in by_level
         if (members := list(group))
     }
+
+
+def _measured(chart: Curve, rows: Rows) -> tuple[int, Mapping[str, float]]:
+    return int(rows[0, INDEX["level"]]), chart.measure(rows)

@@ -2,6 +2,7 @@
 
 import json
 import re
+import tracemalloc
 from typing import Any
 
 import numpy as np
@@ -79,6 +80,28 @@ def test_the_chart_of_a_run_that_ended_shows_its_metrics_and_marks_its_score(sit
     assert curve["lines"][0]["values"] == [100.0, 80.0, 10.0]
     assert curve["mark"] == 0.5
     assert "τ50, where p@5 falls below 50 %, is 0.50." in curve["sentence"]
+
+
+def test_who_looks_at_a_run_needs_the_memory_of_one_level_however_long_the_run_is(
+    site: Site,
+) -> None:
+    claim = site.running("ann", **VISIBILITY)
+    files = RunFiles(site.settings.data, claim.run_id, claim.attempt)
+    for level in range(10):
+        rows = np.repeat(_rows(0, [0.5]), 1000, axis=0)  # 2 MB
+        rows[:, INDEX["level"]] = level
+        files.append_rows(rows)
+    before = _curve(site, claim.run_id)
+
+    tracemalloc.start()
+    during = _curve(site, claim.run_id)
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+
+    assert during == before
+    assert during is not None
+    assert len(during["x"]) == 9
+    assert peak < files.size() * 0.75
 
 
 SHORT = {"turbidity_levels": [0, 4, 7], "motion_levels": [4, 9], "jump_levels": [2, 8]}
