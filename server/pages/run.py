@@ -29,6 +29,7 @@ from seamark.server.runs import (
     stored_files,
 )
 from seamark.server.runs.comparison import Comparison, comparisons
+from seamark.server.runs.connected import ROSBRIDGE
 from seamark.server.runs.rejudged import Recomputation
 from seamark.server.runs.states import RunKind, RunState
 from seamark.server.runs.views import RunView
@@ -64,6 +65,7 @@ def show(run_id: int) -> ResponseReturnValue:
         has_rows=files.row_count() > 0,
         no_mat=mat.refusal(files.row_count()),
         mission=log_view.of_run(run),
+        connected=run.controller == ROSBRIDGE,
         tables=log_view.without_current(
             run, metric_tables.tables(benchmark, run.config, run.metrics or {})
         ),
