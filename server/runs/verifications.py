@@ -6,12 +6,16 @@ one, and another draw of fresh water. Nobody knows that water before, and nobody
 The scores agree unless they differ significantly: by Welch's t test at the level `ALPHA`, between
 the fresh trials of both. So of programs that are as good in new water as in that of their published
 run, 1 in 100 is marked as different by chance. docs/publishing.md explains it for users.
+
+Nobody may be able to avoid a bad mark: one that knows it is doing badly in the fresh water could
+stop the simulation, and one that knew the water of its published run could do well in a part of it
+alone, so that its score is high and every other score is within its spread.
 """
 
 import math
 import time
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from importlib.metadata import version
 
@@ -24,7 +28,7 @@ from seamark.server.database.advisory_locks import AdvisoryLock, acquire
 from seamark.server.database.publication_tables import Verification
 from seamark.server.database.tables import Best, Result, Run
 from seamark.server.runs import leaderboard, rejudged, turns
-from seamark.server.runs.failure_reasons import UNCHARGED
+from seamark.server.runs.failure_reasons import FailureReason
 from seamark.server.runs.ranking import Estimate
 from seamark.server.runs.states import LIVE, RunKind, RunState
 from seamark.server.runs.trial_scores import error_of_score
@@ -34,6 +38,8 @@ from seamark.sim.numerics.statistics import welch_degrees
 from seamark.sim.numerics.student_t import quantile
 
 ALPHA = 0.01  # probability that a score which holds is called different
+SPREAD_MAX = 2.0  # of the published score, in standard errors of the fresh one, where it is better
+BROKEN_MAX = 3  # verifications of a run that the service may break before its owner has to ask
 
 
 class VerificationRefused(Exception):
@@ -88,6 +94,9 @@ def request(session: Session, run_id: int, settings: Settings, *, repeat: bool =
     done = select(func.count()).where(Verification.run_id == run_id)
     if not repeat and session.scalar(done.where(Verification.version == version("seamark"))):
         raise VerificationRefused("This version of Seamark has verified the run already.")
+    broken = session.scalar(done.where(Verification.ended_at.is_(None))) or 0
+    if not repeat and broken >= BROKEN_MAX:
+        raise VerificationRefused(f"{broken} verifications of this run broke: ask an admin.")
     number = (session.scalar(done) or 0) + 1
     again = rejudged.enqueue(session, run, VERIFICATIONS, draw=number)
     session.flush()
@@ -116,7 +125,7 @@ def record(session: Session, run_id: int) -> None:
     """Store what a verification found, when its hidden run ends; unless the service failed."""
     row = session.get(Verification, run_id)
     run = session.get_one(Run, run_id)
-    if row is None or run.cause in UNCHARGED:
+    if row is None or _says_nothing(run):
         return
     result = session.get_one(Result, run_id)
     row.ended_at, row.version = time.time(), version("seamark")
@@ -124,6 +133,17 @@ def record(session: Session, run_id: int) -> None:
     row.score, row.score_low, row.score_high = result.score, result.score_low, result.score_high
     row.standard_error, row.degrees = error_of_score(run.benchmark, result.metrics)
     run.data_deleted_at, run.data_bytes = time.time(), 0  # its water stays unknown
+
+
+def _says_nothing(run: Run) -> bool:
+    """Return whether a verification ended because of the service or an outdated configuration.
+
+    A simulation that reached an invalid state did so because of what the program ordered: it did
+    not in the published run.
+    """
+    if run.cause == FailureReason.BENCHMARK_ERROR:
+        return not run.t_simulated
+    return run.cause == FailureReason.PLATFORM_ERROR
 
 
 def of_run(session: Session, run_id: int) -> list[VerificationView]:
@@ -143,10 +163,10 @@ def is_pending(session: Session, run_id: int) -> bool:
     return session.scalar(live.limit(1)) is not None
 
 
-def agree(one: Estimate, other: Estimate) -> bool:
+def agree(published: Estimate, again: Estimate) -> bool:
     """Return whether two scores differ by no more than chance allows, or it is unknown."""
-    margin = _margin(one, other)
-    return margin is None or abs(one.score - other.score) <= margin
+    margins = _margins(published, again)
+    return margins is None or -margins[0] <= again.score - published.score <= margins[1]
 
 
 def _views(session: Session, run_ids: Collection[int]) -> dict[int, list[VerificationView]]:
@@ -171,11 +191,11 @@ def _views(session: Session, run_ids: Collection[int]) -> dict[int, list[Verific
 
 def _view(row: Verification, published: Estimate) -> VerificationView:
     again = Estimate(score=row.score or 0.0, standard_error=row.standard_error, degrees=row.degrees)
-    margin = None if row.score is None else _margin(published, again)
+    margins = None if row.score is None else _margins(published, again)
     low = high = None
     outcome = Outcome.FAILED
-    if margin is not None:
-        low, high = published.score - margin, published.score + margin
+    if margins is not None:
+        low, high = published.score - margins[0], published.score + margins[1]
         outcome = Outcome.AGREES if agree(published, again) else Outcome.DIFFERS
     return VerificationView(
         outcome=outcome,
@@ -191,12 +211,19 @@ def _view(row: Verification, published: Estimate) -> VerificationView:
     )
 
 
-def _margin(one: Estimate, other: Estimate) -> float | None:
-    """Return the least difference of two scores that is significant; None if it is unknown."""
-    if one.standard_error is None or other.standard_error is None:
+def _margins(published: Estimate, again: Estimate) -> tuple[float, float] | None:
+    """Return by how much less and more than the published score agrees; None if it is unknown."""
+    if published.standard_error is None or again.standard_error is None:
         return None
-    error = math.hypot(one.standard_error, other.standard_error)
-    share = (one.standard_error / error) ** 2 if error else 1.0
+    spread = min(published.standard_error, SPREAD_MAX * again.standard_error)
+    return _margin(replace(published, standard_error=spread), again), _margin(published, again)
+
+
+def _margin(one: Estimate, other: Estimate) -> float:
+    """Return the least difference of two scores that is significant."""
+    first, second = one.standard_error or 0.0, other.standard_error or 0.0
+    error = math.hypot(first, second)
+    share = (first / error) ** 2 if error else 1.0
     degrees = welch_degrees(share, float(one.degrees), float(other.degrees))
     return quantile(0.5 * ALPHA, degrees) * error
 

@@ -238,3 +238,100 @@ def test_nothing_of_the_fresh_water_is_kept_to_be_seen(both: Backend) -> None:
         hidden = session.get_one(Run, again)
         assert hidden.data_deleted_at is not None
         assert hidden.data_bytes == 0
+
+
+def test_what_is_evaluated_again_is_the_program_and_the_configuration_that_were_published(
+    both: Backend,
+) -> None:
+    program = both.store_program()
+    claim = both.running("ann", kind="ranked", benchmark=NAME, controller="upload", program=program)
+    finish(both, claim, HONEST)
+    request(both, both.publish(claim.run_id))
+
+    again = both.claim_next()
+
+    names = ("benchmark", "kind", "config", "controller", "program_sha256", "language", "trials")
+    assert [getattr(again, name) for name in names] == [getattr(claim, name) for name in names]
+
+
+def test_a_spread_that_only_the_published_run_has_does_not_hide_a_difference(both: Backend) -> None:
+    """It knew the water of the published run, and did well in half of its trials alone."""
+    run_id = published(both, (7.0, 7.0, 0.1, 0.1) * 3)
+
+    found = verified(both, run_id, HONEST * 2)
+
+    assert found.score is not None
+    assert found.outcome is Outcome.DIFFERS
+    assert found.score < (found.expected_low or 0.0)
+
+
+def test_a_program_that_stops_the_simulation_in_fresh_water_has_failed_and_has_no_second_try(
+    both: Backend,
+) -> None:
+    run_id = published(both)
+    request(both, run_id)
+    diverged: dict[str, Any] = {"state": RunState.FAILED, "cause": "benchmark_error"}
+
+    assert both.finish(both.claim_next(), **diverged, metrics=None, t_simulated=40.0)
+
+    with both.database.reading() as session:
+        (found,) = verifications.of_run(session, run_id)
+    assert (found.outcome, found.cause) == (Outcome.FAILED, "benchmark_error")
+    with pytest.raises(VerificationRefused, match="has verified the run already"):
+        request(both, run_id)
+
+
+def test_a_configuration_that_is_no_longer_valid_says_nothing_about_the_program(
+    both: Backend,
+) -> None:
+    run_id = published(both)
+    request(both, run_id)
+    invalid: dict[str, Any] = {"state": RunState.FAILED, "cause": "benchmark_error"}
+
+    assert both.finish(both.claim_next(), **invalid, metrics=None, t_simulated=0.0)
+
+    with both.database.reading() as session:
+        assert verifications.of_run(session, run_id) == []
+
+
+def test_what_breaks_again_and_again_is_not_tried_for_ever(both: Backend) -> None:
+    run_id = published(both)
+    broken: dict[str, Any] = {"state": RunState.FAILED, "cause": "platform_error", "metrics": None}
+    for _ in range(verifications.BROKEN_MAX):
+        request(both, run_id)
+        assert both.finish(both.claim_next(), **broken)
+
+    with pytest.raises(VerificationRefused, match="ask an admin"):
+        request(both, run_id)
+
+    assert request(both, run_id, repeat=True)
+
+
+def test_withdrawing_a_run_while_it_is_verified_does_not_avoid_the_mark(both: Backend) -> None:
+    run_id = published(both, (7.0, 7.1) * 3)
+    request(both, run_id)
+    with both.database.writing() as session:
+        assert publications.withdraw(session, run_id)
+    finish(both, both.claim_next(), HONEST)
+
+    both.publish(run_id)
+
+    with both.database.reading() as session:
+        assert verifications.of_run(session, run_id)[0].outcome is Outcome.DIFFERS
+    with pytest.raises(VerificationRefused, match="has verified the run already"):
+        request(both, run_id)
+
+
+def test_the_same_submission_has_the_same_fresh_water_and_so_no_second_chance(
+    both: Backend,
+) -> None:
+    waters = []
+    for who in ("ann", "ben"):
+        request(both, published(both, who=who))
+        claim = both.claim_next()
+        waters.append(seeds.trial_seeds(claim, both.settings))
+        finish(both, claim, HONEST)
+
+    assert PROTOCOL is not None
+    first, second = ([seed(at) for at in range(PROTOCOL.trials)] for seed in waters)
+    assert first == second
