@@ -1,6 +1,7 @@
 """Every page and every resource of the API that can be read, from the application's own routes."""
 
 from collections.abc import Iterator
+from urllib.parse import quote
 
 from flask import Flask
 from sqlalchemy.orm import Session
@@ -108,7 +109,7 @@ def addresses(
             raise KeyError(f"performance/requests.py has no address for {rule.rule}")
         yield address.format(run=run_id, user=user)
     for address in _MORE:
-        yield address.format(run=run_id, half=half)
+        yield address.format(run=run_id, half=quote(half))  # a + would become a space
 
 
 def pages(app: Flask, *, run_id: int, user: str, user_id: int) -> list[str]:
