@@ -2,6 +2,9 @@
 
 import threading
 import time
+from collections import deque
+from collections.abc import Sequence
+from itertools import islice
 from pathlib import Path
 
 import structlog
@@ -15,6 +18,7 @@ from seamark.server.messaging.bridge_sessions import END, PENDING_MAX, RENEW_S, 
 
 CONNECT_POLL_S = 0.02
 FULL_S = 0.005  # between two looks at a list that is full
+PENDING_BYTES = 2**20  # that may wait for the program: images are large, and the broker is small
 STALLED_S = 10.0  # that messages may wait for the program
 STOP_S = 2.0  # that the end of a run waits for the last messages
 _log = structlog.get_logger()
@@ -85,11 +89,13 @@ class BridgeRelay:
 
     def _pass_down(self, connection: ClientConnection) -> None:
         """Send what the simulation publishes, until it closes the connection."""
+        sizes = deque[int](maxlen=PENDING_MAX)
         for message in connection:
             item = bridge_sessions.text(str(message))
             waiting = bridge_sessions.push(self._redis, self._keys.down, item)
+            sizes.append(len(item))
             until = time.monotonic() + STALLED_S
-            while waiting >= PENDING_MAX:
+            while _is_full(sizes, waiting):
                 if time.monotonic() > until:
                     return
                 time.sleep(FULL_S)
@@ -111,3 +117,8 @@ class BridgeRelay:
             _log.info("session_over", why=str(error))
         finally:
             connection.close()
+
+
+def _is_full(sizes: Sequence[int], waiting: int) -> bool:
+    """Return whether too much waits: the last of the messages with these sizes [byte]."""
+    return waiting >= PENDING_MAX or sum(islice(reversed(sizes), waiting)) > PENDING_BYTES
