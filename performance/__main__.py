@@ -8,7 +8,10 @@ from performance.table import text
 from seamark.server import log
 
 QUICK = ("full_run", "physics", "camera", "exchange")
-SERVICE = ("streams", "live_lag", "many_runs", "start_latency", "fake_runs", "player", "downloads")
+SERVICE = (
+    *("streams", "live_lag", "many_runs", "start_latency", "fake_runs", "player", "downloads"),
+    "connected",
+)
 TABLES = (
     *QUICK,
     "gym",

@@ -73,7 +73,7 @@ def _rosbridge(folder: Path) -> None:
     for name, command in programs.items():
         _compare(name, expected, _behind_bridge(command, node)["digest"])
     with started(folder / "ros") as (address, _):
-        remote = ("--server", address, "--token", _token(folder / "ros"))
+        remote = ("--server", address, "--token", new_token(folder / "ros"))
         for name, command in programs.items():
             run_document = _behind_bridge(command, node, *remote)
             _compare(f"{name} on a server", expected, run_document["result"]["digest"])
@@ -111,7 +111,7 @@ def _client_in_cpp(folder: Path) -> None:
     source = EXAMPLES / "cpp" / "follow_run.cpp"
     run((*COMPILE, "-I", str(ROOT / "docs"), str(source), "-lcurl", "-o", str(program)), folder)
     with started(folder / "data") as (address, _):
-        token = _token(folder / "data")
+        token = new_token(folder / "data")
         printed = run((str(program), address, token, str(PROGRAM)), folder)
     print("".join(f"  {line}\n" for line in printed.splitlines()), end="", flush=True)
     written = sorted(folder.glob("run-*.csv"))
@@ -121,7 +121,7 @@ def _client_in_cpp(folder: Path) -> None:
         raise Failed("no refusal, or no telemetry")
 
 
-def _token(data: Path) -> str:
+def new_token(data: Path) -> str:
     """Return a token of a new account; the built-in entries leave the worker to its runs."""
     with closing(Database(f"sqlite:///{data / 'seamark.db'}")) as database:
         cancel_baselines(database)

@@ -128,12 +128,13 @@ def waiting(redis: "Redis", key: str) -> int:
 
 def read(redis: "Redis", key: str, *, at_most: int = _MANY) -> Sequence[bytes]:
     """Return the items that wait, after waiting for the first one a while. Raises RedisError."""
-    first = cast("tuple[bytes, bytes] | None", redis.blpop([key], timeout=READ_S))
-    if first is None:
-        return ()
-    if at_most == 1:
-        return [first[1]]
-    return [first[1], *(cast("list[bytes] | None", redis.lpop(key, at_most - 1)) or ())]
+    return _items(redis.blmpop(READ_S, 1, key, direction="LEFT", count=at_most))
+
+
+def _items(answer: Any) -> Sequence[bytes]:
+    """Return the items in the answer to BLMPOP: a key with its items, or nothing."""
+    items: Sequence[bytes] = () if answer is None else answer[1]
+    return items
 
 
 # -- the side of the web process, on its event loop ----------------------------------------------
@@ -190,8 +191,4 @@ async def read_down(
 ) -> Sequence[bytes]:
     """Return the items for the program, after waiting for the first one. Raises RedisError."""
     key = Keys(session).down
-    first = await redis.blpop([key], timeout=wait_s)
-    if first is None:
-        return ()
-    more = await redis.lpop(key, _MANY)
-    return [first[1], *(more or ())]
+    return _items(await redis.blmpop(wait_s, 1, key, direction="LEFT", count=_MANY))
