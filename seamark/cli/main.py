@@ -63,6 +63,19 @@ class LazyGroup(click.Group):
             refuse_without_server(loaded)
         return loaded
 
+    def invoke(self, ctx: click.Context) -> object:
+        """Run a command; what a failure quotes of files and servers is printed without effect."""
+        try:
+            return super().invoke(ctx)
+        except click.ClickException as failure:
+            from seamark.sandbox.printable_text import printable_text
+
+            text = printable_text(failure.format_message())
+            if text == failure.format_message():
+                raise
+            click.echo(f"Error: {text}", err=True)
+            ctx.exit(failure.exit_code)
+
     def shell_complete(self, ctx: click.Context, incomplete: str) -> list[CompletionItem]:
         """Complete names and options; imports no command for a list of commands."""
         if incomplete.startswith("-"):

@@ -192,6 +192,24 @@ def test_a_run_whose_program_was_connected_says_how_to_repeat_it(
     assert command in refused.output
 
 
+@pytest.mark.parametrize(
+    ("file", "name", "value"),
+    [
+        ("manifest.json", "controller", "\x1b]0;x\x07\u202e"),
+        ("manifest.json", "benchmark", "\x1b]0;x\x07\u202e"),
+        ("config.json", "\x1b]0;x\x07\u202e", 1),
+        ("config.json", "vehicle", "\x1b]0;x\x07\u202e"),
+    ],
+)
+def test_no_text_of_an_archive_acts_on_the_terminal(
+    archive: Path, tmp_path: Path, file: str, name: str, value: object
+) -> None:
+    refused = seamark("rerun", changed(archive, tmp_path, {file: edited(name, value)}))
+
+    assert refused.exit_code == 2
+    assert refused.output.replace("\n", "").isprintable()
+
+
 def test_a_file_that_is_no_archive_is_refused(tmp_path: Path) -> None:
     (tmp_path / "run.zip").write_bytes(b"PK\x03\x04 and no more")
 
