@@ -64,7 +64,9 @@ class Settings(BaseModel):
 
     data: Path = Field(Path("data"), description="Folder for the database, uploads and results")
     database_url: str = Field("", description="sqlite:/// or postgresql:// URL of the database")
-    broker_url: str = Field("", description="redis:// or unix:// URL of Redis or Valkey")
+    broker_url: str = Field(
+        "", description="redis:// or unix:// URL of Redis 7 or later, or Valkey"
+    )
     secret_key: str = Field("", repr=False, description="Signs cookies; may be changed at any time")
     seed_key: str = Field(
         "", repr=False, description="Derives the seeds of ranked runs; never to be changed"
