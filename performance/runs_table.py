@@ -6,7 +6,7 @@ from sqlalchemy import text
 
 from seamark.server.database import counters
 from seamark.server.database.engine import Database
-from seamark.server.runs import leaderboard, totals, turns
+from seamark.server.runs import best_runs, totals, turns
 
 RUNS_PER_OWNER = 100
 # One run in a hundred failed, half are public, every tenth is ranked; the last ones are queued,
@@ -62,6 +62,6 @@ def fill(database: Database, *, runs: int, queued: int) -> None:
         counters.store(session, totals.UNTIL, 0.0)
         totals.count_ended(session)
         turns.rebuild(session)
-        leaderboard.rebuild(session)
+        best_runs.rebuild(session)
     with database.engine.begin() as connection:
         connection.execute(text("ANALYZE"))

@@ -23,7 +23,7 @@ from seamark.server.audit import Actor, AuditAction
 from seamark.server.database.advisory_locks import AdvisoryLock, acquire
 from seamark.server.database.rejudgement_tables import RejudgedRun, Rejudgement
 from seamark.server.database.tables import Result, Run, User
-from seamark.server.runs import leaderboard, rejudged, results, turns
+from seamark.server.runs import best_runs, rejudged, results, turns
 from seamark.server.runs.rank_preview import RankChange, RankPreview
 from seamark.server.runs.rejudged import Outcome
 from seamark.server.runs.states import FINAL, LIVE, RunKind
@@ -211,7 +211,7 @@ def accept(session: Session, actor: Actor, rejudgement_id: int) -> None:
         if old.kind == RunKind.RANKED and old.user_id is not None:
             ranked.add(old.user_id)
     for user_id in sorted(ranked):
-        leaderboard.refresh(session, row.benchmark, user_id)
+        best_runs.refresh(session, row.benchmark, user_id)
     counts = {"replaced": replaced, "same": progress.same, "failed": progress.failed}
     _decide(session, actor, row, Decision.ACCEPTED)
     audit.record(session, actor, AuditAction.REJUDGEMENT_ACCEPTED, _target(row), counts)

@@ -14,7 +14,7 @@ from seamark.server.database.advisory_locks import AdvisoryLock, acquire
 from seamark.server.database.publication_tables import Publication
 from seamark.server.database.tables import Best, Run
 from seamark.server.database.upsert import upsert
-from seamark.server.runs import leaderboard
+from seamark.server.runs import best_runs
 from seamark.server.runs.licences import LICENCES, NO_PROGRAM
 from seamark.server.runs.states import RunKind, RunState
 
@@ -94,7 +94,7 @@ def withdraw_all(session: Session, which: ColumnElement[bool]) -> int:
     withdrawn = session.connection().execute(change).rowcount
     session.expire_all()
     for benchmark, user_id in boards:
-        leaderboard.refresh(session, benchmark, user_id)
+        best_runs.refresh(session, benchmark, user_id)
     return withdrawn
 
 
@@ -156,4 +156,4 @@ def _check(session: Session, run: Run, terms: Terms) -> None:
 def _rank(session: Session, run_id: int) -> None:
     run = session.get_one(Run, run_id)
     if run.user_id is not None:
-        leaderboard.refresh(session, run.benchmark, run.user_id)
+        best_runs.refresh(session, run.benchmark, run.user_id)

@@ -10,7 +10,14 @@ from sqlalchemy.orm import Session
 
 from seamark.server.classes import assignments
 from seamark.server.database.tables import Result, Run, User
-from seamark.server.runs import connected, leaderboard, paces, publications, rejudged, verifications
+from seamark.server.runs import (
+    best_runs,
+    connected,
+    paces,
+    publications,
+    rejudged,
+    verifications,
+)
 from seamark.server.runs.error_curve import Curve
 from seamark.server.runs.queue import Claim
 from seamark.server.runs.quota import ranked_ended
@@ -87,7 +94,7 @@ def finish(session: Session, claim: Claim, report: Report) -> bool:
     assignments.score(session, claim.run_id, score)
     if report.state is RunState.SUCCEEDED and claim.controller != connected.ROSBRIDGE:
         _record_pace(session, claim.run_id)
-    leaderboard.recount(session, claim.run_id)
+    best_runs.recount(session, claim.run_id)
     _publish_baseline(session, claim, report)
     rejudged.compare(session, claim.run_id)
     verifications.record(session, claim.run_id)
@@ -125,7 +132,7 @@ def _close_cancelled(session: Session, claim: Claim, report: Report) -> bool:
     )
     if session.scalar(closed.returning(Run.id)) is None:
         return False
-    leaderboard.recount(session, claim.run_id)
+    best_runs.recount(session, claim.run_id)
     return True
 
 

@@ -22,7 +22,7 @@ from seamark.server.database.engine import Database
 from seamark.server.messaging import broker
 from seamark.server.messaging.shared_meters import SharedMeters
 from seamark.server.programs import store
-from seamark.server.runs import account_deletion, leaderboard, verifications
+from seamark.server.runs import account_deletion, best_runs, verifications
 from seamark.server.runs import queue as run_queue
 from seamark.server.runs.disk_usage import measure_if_old
 from seamark.server.runs.retention import Sweep, trim
@@ -133,7 +133,7 @@ def forget_programs(database: Database, settings: Settings) -> None:
 def complete_leaderboards(database: Database) -> None:
     """Compute the metrics of rows that an earlier version stored without them."""
     with database.writing() as session:
-        count = leaderboard.complete_metrics(session)
+        count = best_runs.complete_metrics(session)
     if count:
         _log.info("leaderboards_completed", rows=count)
 

@@ -128,12 +128,12 @@ def rebuild_leaderboard(data: Path | None, as_json: bool) -> None:
     from sqlalchemy.exc import SQLAlchemyError
 
     from seamark.failures import PlatformFailed
-    from seamark.server.runs import leaderboard, turns
+    from seamark.server.runs import best_runs, turns
 
     database = database_of(settings_of(data))
     try:
         with database.writing() as session:
-            count = leaderboard.rebuild(session)
+            count = best_runs.rebuild(session)
             turns.rebuild(session)
     except SQLAlchemyError as error:
         raise PlatformFailed(f"The leaderboard cannot be rebuilt: {error}.") from None

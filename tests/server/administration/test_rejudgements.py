@@ -12,7 +12,7 @@ from seamark.server.administration.rejudge_choice import Chosen, RunChoice
 from seamark.server.administration.rejudgements import Difference, RejudgementRefused
 from seamark.server.audit import Actor, AuditFilter
 from seamark.server.database.tables import Result, Run
-from seamark.server.runs import deletion, leaderboard, quota, rejudged, run_lists, totals
+from seamark.server.runs import best_runs, deletion, leaderboard, quota, rejudged, run_lists, totals
 from seamark.server.runs.queue import Claim
 from seamark.server.runs.rank_preview import RankChange
 from seamark.server.runs.run_lists import RunFilter
@@ -106,7 +106,7 @@ def test_a_result_that_was_tampered_with_is_found_and_replaced(both: Backend) ->
     _ranked(both, "ben", 60.0)
     with both.database.writing() as session:
         session.execute(update(Result).where(Result.run_id == run_id).values(score=70.0))
-        leaderboard.refresh(session, V1, both.user_id("ann"))
+        best_runs.refresh(session, V1, both.user_id("ann"))
     assert (_rank(both, "ann"), _rank(both, "ben")) == (1, 2)
 
     number = _start(both)

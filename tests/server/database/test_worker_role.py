@@ -19,7 +19,7 @@ from seamark.server.database.mail_tables import RunNotice
 from seamark.server.database.schema import check_all, upgrade
 from seamark.server.database.tables import Best, Worker
 from seamark.server.programs import store
-from seamark.server.runs import disk_usage, leaderboard, retention
+from seamark.server.runs import best_runs, disk_usage, retention
 from seamark.server.runs import queue as run_queue
 from seamark.server.runs.queue import AttemptEnd, LeaseStatus
 from seamark.server.runs.retention import Sweep
@@ -118,7 +118,7 @@ def test_a_worker_does_all_of_its_work_with_its_own_role(service: Backend, worke
         leases = run_queue.leases(session)
     with worker.database.writing() as session:
         recovery = run_queue.recover(session, leases, worker.settings)
-        leaderboard.complete_metrics(session)
+        best_runs.complete_metrics(session)
     Sweep(worker.database, worker.settings).step()
     retention.delete(worker.database, worker.settings, [succeeded.run_id])
     disk_usage.measure_if_old(worker.database, worker.settings)

@@ -9,7 +9,7 @@ from sqlalchemy import update
 from seamark.server.accounts.accounts import RESERVED_PREFIX
 from seamark.server.database.tables import User
 from seamark.server.pages.plots import Axis
-from seamark.server.runs import baselines, leaderboard, publications
+from seamark.server.runs import baselines, best_runs, leaderboard, publications
 from seamark.server.runs.failure_reasons import FailureReason
 from seamark.server.runs.states import RunState
 from seamark.sim.benchmarks import reference_results
@@ -154,7 +154,7 @@ def test_a_run_that_failed_for_any_reason_never_ranks(
     with backend.database.writing() as session:
         assert publications.publish(session, claim.run_id)
         assert leaderboard.page(session, "currents-v1") == []
-        assert leaderboard.rebuild(session) == 0
+        assert best_runs.rebuild(session) == 0
 
 
 def test_ticks_are_round_numbers_on_the_axis() -> None:

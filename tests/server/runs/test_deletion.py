@@ -6,6 +6,7 @@ from sqlalchemy import select
 
 from seamark.server.database.tables import Result, Run
 from seamark.server.runs import (
+    best_runs,
     deletion,
     leaderboard,
     publications,
@@ -75,7 +76,7 @@ def test_after_the_deletion_of_the_best_run_the_next_one_ranks(both: Backend) ->
     with both.database.writing() as session:
         (kept,) = leaderboard.page(session, "currents-v1")
         assert score_counts.size(session, "currents-v1") == 1
-        leaderboard.rebuild(session)
+        best_runs.rebuild(session)
         assert leaderboard.page(session, "currents-v1") == [kept]
         assert score_counts.size(session, "currents-v1") == 1
     assert (kept.run_id, kept.rank, kept.submissions) == (entry, 1, 2)

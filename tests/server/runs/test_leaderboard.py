@@ -11,7 +11,7 @@ from sqlalchemy.orm import Session
 
 from seamark.server.database.rank_tables import ScoreCount
 from seamark.server.database.tables import Best, User
-from seamark.server.runs import leaderboard, publications, score_counts
+from seamark.server.runs import best_runs, leaderboard, publications, score_counts
 from seamark.server.runs.leaderboard import Cursor
 from seamark.server.runs.ranking import Estimate
 from seamark.server.runs.states import RunKind, RunState
@@ -127,7 +127,7 @@ def test_a_rebuild_gives_the_rows_that_were_maintained(
     user_ids = [user.user_id for user in users]
     with both.database.writing() as session:
         kept = _rows(session, user_ids)
-        leaderboard.rebuild(session)
+        best_runs.rebuild(session)
         rebuilt = _rows(session, user_ids)
 
     assert rebuilt == kept
@@ -248,6 +248,6 @@ def test_a_rebuilt_leaderboard_has_the_same_numbers_of_submissions(both: Backend
     before = _submissions(both)
 
     with both.database.writing() as session:
-        leaderboard.rebuild(session)
+        best_runs.rebuild(session)
 
     assert _submissions(both) == before == {"ann": 2, "ben": 1}

@@ -6,7 +6,13 @@ import pytest
 from sqlalchemy import select, update
 
 from seamark.server.database.tables import Best, User
-from seamark.server.runs import leaderboard, leaderboard_filters, publications, rank_history
+from seamark.server.runs import (
+    best_runs,
+    leaderboard,
+    leaderboard_filters,
+    publications,
+    rank_history,
+)
 from seamark.server.runs.leaderboard import Rank
 from seamark.server.runs.leaderboard_filters import BoardFilter
 from seamark.server.runs.states import RunKind
@@ -169,7 +175,7 @@ def test_metrics_of_rows_of_an_earlier_version_are_completed(both: Backend) -> N
         session.execute(update(Best).values(metrics=None))
 
     with both.database.writing() as session:
-        assert leaderboard.complete_metrics(session) == 1
+        assert best_runs.complete_metrics(session) == 1
     with both.database.writing() as session:
-        assert leaderboard.complete_metrics(session) == 0
+        assert best_runs.complete_metrics(session) == 0
         assert session.scalar(select(Best.metrics)) == kept == {RMSE.name: 1.0, ENERGY.name: 4.0}
