@@ -10,6 +10,7 @@ from flask import Response, request
 from flask_openapi3.blueprint import APIBlueprint
 from flask_openapi3.models.tag import Tag
 from pydantic import BaseModel, ConfigDict, Field, Json
+from sqlalchemy.exc import InterfaceError, OperationalError
 
 from seamark.server.accounts.permissions import Action
 from seamark.server.api import refusals
@@ -17,6 +18,7 @@ from seamark.server.api.operation_ids import operation_id
 from seamark.server.runs import queue, submission
 from seamark.server.runs.connected import ROSBRIDGE
 from seamark.server.runs.submission import Submission, ValidSubmission
+from seamark.server.storage import StorageUnavailable
 from seamark.server.streams.bridge_session import BUSY_RETRY_S, BridgeSession, SessionRefused
 from seamark.server.web import access, authentication, rate_limits
 from seamark.server.web.problems import Problem
@@ -92,16 +94,20 @@ class _Conversation:
             run_id = await asyncio.to_thread(self._started, place)
             await self._session.start(run_id)
         except SessionRefused as refused:
-            retry = {"Retry-After": str(BUSY_RETRY_S)}
-            raise Problem(refused.slug, str(refused), headers=retry) from None
+            raise _later(refused.slug, str(refused)) from None
         return {"Location": f"/api/v1/runs/{run_id}"}
 
     def _started(self, place: str) -> int:
         """Return the run, which nobody has seen in the queue."""
         settings = self._services.settings
-        with refusals.as_problems(), self._services.database.writing() as database:
-            run_id = submission.submit(database, self._valid, settings)
-            queue.start(database, run_id, place, settings)
+        try:
+            with refusals.as_problems(), self._services.database.writing() as database:
+                run_id = submission.submit(database, self._valid, settings)
+                queue.start(database, run_id, place, settings)
+        except StorageUnavailable as error:
+            raise _later("storage-unavailable", str(error)) from None
+        except (OperationalError, InterfaceError):
+            raise _later("unavailable", "") from None
         return run_id
 
     async def run(self, socket: WebSocket) -> str:
@@ -109,3 +115,7 @@ class _Conversation:
 
     async def end(self) -> None:
         await self._session.end()
+
+
+def _later(slug: str, sentence: str) -> Problem:
+    return Problem(slug, sentence, headers={"Retry-After": str(BUSY_RETRY_S)})

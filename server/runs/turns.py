@@ -15,6 +15,7 @@ from seamark.server.accounts.permissions import GUESTS, REJUDGEMENTS
 from seamark.server.database.queue_tables import Turn
 from seamark.server.database.tables import IS_QUEUED, IS_RUNNING, Run, User
 from seamark.server.database.upsert import upsert
+from seamark.server.runs import connected
 
 _NONE = literal(0, literal_execute=True)  # in the statement itself, as in the partial indexes
 IS_WAITING = Turn.queued > _NONE
@@ -39,7 +40,9 @@ class Priority(IntEnum):
 
 def _counting() -> Update:
     owner = bindparam("this", type_=String)
-    queued, running = (Run.owner == owner, IS_QUEUED), (Run.owner == owner, IS_RUNNING)
+    queued = (Run.owner == owner, IS_QUEUED)
+    # Connected programs have places of their own, which no other run could have.
+    running = (Run.owner == owner, IS_RUNNING, ~connected.IS_CONNECTED)
     counted = {
         "queued": select(func.count()).select_from(Run).where(*queued),
         "running": select(func.count()).select_from(Run).where(*running),

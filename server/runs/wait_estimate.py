@@ -203,7 +203,7 @@ def _why(session: Session, run: Run, settings: Settings, *, places: int, ahead: 
         refusal := workers.upload_refusal(session, run.language, settings)
     ):
         return refusal
-    mine = (Run.owner == run.owner, IS_RUNNING)
+    mine = (Run.owner == run.owner, IS_RUNNING, ~connected.IS_CONNECTED)
     running = session.scalar(select(func.count()).select_from(Run).where(*mine)) or 0
     if running >= queue.running_limit(session, settings):
         are = "is running" if running == 1 else "are running"

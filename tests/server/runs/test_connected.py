@@ -85,6 +85,18 @@ def test_the_pace_of_its_network_is_nobody_elses(backend: Backend, claim: Claim)
     assert backend.show(claim.run_id).estimate_s is None
 
 
+def test_it_takes_no_place_of_its_owners_other_runs(backend: Backend, claim: Claim) -> None:
+    backend.settings = backend.settings.model_copy(update={"running_max": 1})
+    run_id = backend.queue()
+
+    other = backend.claim()
+
+    assert other is not None
+    assert other.run_id == run_id
+    assert backend.queue()  # the limit counts the run that is not connected
+    assert backend.claim() is None
+
+
 def test_it_does_not_rank(backend: Backend) -> None:
     with pytest.raises(SubmissionRejected, match="does not rank"):
         backend.queue(**CONNECTED, kind=RunKind.RANKED)
