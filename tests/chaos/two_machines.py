@@ -5,15 +5,18 @@ Of the images only what they add is done here: PostgreSQL's first start, and an 
 place of Garage. Prints a line for each thing that was seen, and ends with 1 if one was not.
 """
 
+import json
 import signal
 import subprocess
 import sys
 from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
+from urllib.parse import urlencode
 
 import httpx
 from sqlalchemy import select
+from websockets.sync.client import connect
 
 from seamark.client import Client, ServerUnavailable
 from seamark.client.sync_runs import Run as ClientRun
@@ -26,6 +29,7 @@ from tests.chaos import machine_session
 from tests.chaos.campaign import PROGRAM
 from tests.chaos.installation import wait_until
 from tests.chaos.machine_session import ELSEWHERE, HERE, ONE_TRIAL, QUOTAS, START_S, Session
+from tests.seamark.bridge.rosbridge.conftest import Client as RosClient
 from tests.services import compose
 from tests.services.embedded import cancel_baselines
 
@@ -43,11 +47,14 @@ class Service:
 
     def __init__(self, session: Session) -> None:
         self.session = session
-        words = ["seamark", "user", "add", "ann", "--password", "correct horse", "--json"]
-        session.step("migrate", words)
-        token = session.step("migrate", ["seamark", "token", "new", "ann"]).split()[-1]
-        self.clients = [self._client(name, token) for name in ("web-1", "web-2")]
+        self.tokens = [self._token_of(name) for name in ("ann", "ben")]
+        self.clients = [self._client(name, self.tokens[0]) for name in ("web-1", "web-2")]
         self.database = Database(session.url("database_url"))
+
+    def _token_of(self, user: str) -> str:
+        words = ["seamark", "user", "add", user, "--password", "correct horse", "--json"]
+        self.session.step("migrate", words)
+        return self.session.step("migrate", ["seamark", "token", "new", user]).split()[-1]
 
     def _client(self, name: str, token: str) -> Client:
         return Client(f"http://{self.session.running[name].address}:8000", token=token)
@@ -121,6 +128,35 @@ def killed_worker(service: Service) -> None:
     service.session.saw(f"killed in the middle on {first}, the run ended on {last}", first != last)
     service.session.saw("with the same digest", found == {("succeeded", wanted)})
     _start_worker(service.session, first)
+
+
+def connected_programs(service: Service) -> None:
+    """Two programs at once, connected by rosbridge to one web server each, have a place each."""
+    run = {"benchmark": "currents-v1", "seed": str(SEED), "config": json.dumps(UPLOADED)}
+
+    def take_part(number: int) -> tuple[ClientRun, str]:
+        client, token = service.clients[number], service.tokens[number]
+        address = f"{client.server.replace('http', 'ws', 1)}/api/v1/rosbridge?{urlencode(run)}"
+        headers = {"Authorization": f"Bearer {token}"}
+        with connect(
+            address, additional_headers=headers, max_size=None, compression=None
+        ) as socket:
+            assert socket.response is not None
+            run_id = int(socket.response.headers["Location"].rpartition("/")[2])
+            program = RosClient(socket)
+            program.subscribe("/seamark/error")
+            digest = program.answer_all("/seamark/error", lambda _error: 0.0)["digest"]
+            own = Client(client.server, token=token).run(run_id)
+            return own.wait(timeout_s=START_S, progress=False), str(digest)
+
+    with ThreadPoolExecutor(2) as threads:
+        found = list(threads.map(take_part, (0, 1)))
+    wanted = evaluate_locally("currents-v1", UPLOADED, seed=SEED, controller="nothing").digest
+    machines = sorted(service.worker_of(each) for each, _ in found)
+    both = machines == ["worker-a", "worker-b"]
+    service.session.saw(f"connected programs: one on {' and one on '.join(machines)}", both)
+    same = {digest for _, digest in found} == {wanted}
+    service.session.saw("connected programs: the digest of a local run", same)
 
 
 def refused_workers(service: Service) -> None:
@@ -219,11 +255,17 @@ def _start_all(session: Session) -> Service:
     return service
 
 
+PARTS = (
+    *(equal_results, connected_programs, killed_worker, refused_workers, rolling_restart),
+    caretaker,
+)
+
+
 def main() -> int:
     """Run the session; return the exit code."""
     with machine_session.started(STEPS) as session:
         service = _start_all(session)
-        for part in (equal_results, killed_worker, refused_workers, rolling_restart, caretaker):
+        for part in PARTS:
             part(service)
     return 1 if session.wrong else 0
 
