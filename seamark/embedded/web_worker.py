@@ -15,6 +15,7 @@ from uvicorn.protocols.http.h11_impl import H11Protocol
 from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIOProtocol
 from uvicorn.server import Server
 from uvicorn_worker import UvicornWorker  # type: ignore[import-untyped]
+from websockets.frames import Frame
 
 from seamark.server.web.asgi import ABORT
 from seamark.worker.ipc.process_control import die_with_parent
@@ -24,6 +25,7 @@ CONNECTIONS = 4000  # of one process; beyond, those without a request give way
 DISCARDED_MAX = 16 * 2**20  # [byte] of a refused body, so that its client reads the answer
 LAST_REQUEST_S = 1.0  # for the request of a connection that was accepted just before the end
 MESSAGE_MAX = 64 * 2**10  # [byte] of a WebSocket: no operation of rosbridge is longer
+FRAGMENTS_MAX = 1000  # of a message: empty ones have no size
 PING_S = 20.0  # between two pings, and until one counts as unanswered
 WEB_SOCKETS: dict[str, Any] = {
     "ws_max_size": MESSAGE_MAX,
@@ -113,7 +115,35 @@ class Protocol(H11Protocol):
 
 
 class WebSocketProtocol(WebSocketsSansIOProtocol):
-    """A WebSocket whose connection the application can close."""
+    """A WebSocket whose connection the application can close, and whose client is held back.
+
+    uvicorn answers pings and collects the pieces of a message whatever its client does.
+    """
+
+    def handle_cont(self, event: Frame) -> None:
+        """Add a piece to a message."""
+        if len(self.frames) >= FRAGMENTS_MAX:
+            self.transport.abort()
+        else:
+            super().handle_cont(event)
+
+    def pause_writing(self) -> None:
+        """Read no more from a client that reads nothing itself."""
+        super().pause_writing()
+        self.transport.pause_reading()
+
+    def resume_writing(self) -> None:
+        """Read again, unless the application has a message to read first."""
+        super().resume_writing()
+        if not self.read_paused:
+            self.transport.resume_reading()
+
+    async def receive(self) -> Any:
+        """Return the next event."""
+        event = await super().receive()
+        if not self.writable.is_set():
+            self.transport.pause_reading()
+        return event
 
     async def run_asgi(self) -> None:
         """Let the application close the connection."""

@@ -137,9 +137,7 @@ class AsgiApplication:
         del environ["HTTP_UPGRADE"]  # Werkzeug has other routes for these
         sent, call = Sent(send), _Call(self._wsgi, environ)
         try:
-            body = await self._in_thread(call.begin)
-            while not call.exhausted:
-                body += await self._in_thread(call.next_part)
+            body = await self._in_thread(call.begin)  # of a refusal it has all
             conversation = environ.get(websockets.CONVERSATION)
             if conversation is None:
                 await websockets.refuse(call.head, body, sent)

@@ -9,6 +9,7 @@ from __future__ import annotations
 import asyncio
 import json
 from collections.abc import Awaitable, Callable, Mapping
+from http import HTTPStatus
 from typing import Any, Protocol
 
 from seamark.server.web.problems import MEDIA_TYPE, Problem
@@ -83,7 +84,14 @@ async def converse(conversation: Conversation, socket: WebSocket, send: Send) ->
 
 
 async def refuse(head: Mapping[str, Any], body: bytes, send: Send) -> None:
-    """Answer a handshake as the application has answered the request."""
+    """Answer a handshake as the application has refused the request, or that it is for others."""
+    if head["status"] < HTTPStatus.BAD_REQUEST:
+        await _refuse_with(Problem("not-found", "There is no WebSocket at this address."), send)
+        return
+    await _answer(head, body, send)
+
+
+async def _answer(head: Mapping[str, Any], body: bytes, send: Send) -> None:
     start = {"status": head["status"], "headers": head["headers"]}
     await send({"type": "websocket.http.response.start"} | start)
     await send({"type": "websocket.http.response.body", "body": body})
@@ -92,7 +100,7 @@ async def refuse(head: Mapping[str, Any], body: bytes, send: Send) -> None:
 async def _refuse_with(problem: Problem, send: Send) -> None:
     headers = {"Content-Type": MEDIA_TYPE, "Cache-Control": "no-store"} | problem.headers
     head = {"status": problem.type.status, "headers": _encoded(headers)}
-    await refuse(head, json.dumps(problem.document()).encode(), send)
+    await _answer(head, json.dumps(problem.document()).encode(), send)
 
 
 def _encoded(headers: Mapping[str, str]) -> list[tuple[bytes, bytes]]:

@@ -2,16 +2,17 @@
 
 import asyncio
 import json
+import socket
 import threading
 from collections.abc import Iterable, Iterator, Mapping
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from typing import Any
 
 import pytest
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import ClientConnection, connect
 
-from seamark.embedded.web_worker import MESSAGE_MAX, Protocol
+from seamark.embedded.web_worker import FRAGMENTS_MAX, MESSAGE_MAX, Protocol
 from seamark.server.web import websockets
 from seamark.server.web.problems import Problem
 from seamark.server.web.websockets import CONVERSATION, UPGRADE, WebSocket
@@ -29,12 +30,22 @@ class Echo:
 
     def __call__(self, environ: dict[str, Any], start_response: Any) -> Iterable[bytes]:
         self.path = environ["PATH_INFO"]
+        if self.path == "/endless":
+            start_response("200 OK", [("Content-Type", "text/plain")])
+            return self._parts()
         if not environ.get(UPGRADE) or self.path == "/not-found":
             start_response("404 Not Found", [("Content-Type", "text/plain")])
             return [b"nothing ", b"here"]
         environ[CONVERSATION] = self
         start_response("101 Switching Protocols", [])
         return []
+
+    def _parts(self) -> Iterator[bytes]:
+        try:
+            while True:
+                yield bytes(100_000)
+        finally:
+            self.ended.release()
 
     async def begin(self) -> Mapping[str, str]:
         if self.path == "/refused":
@@ -114,6 +125,49 @@ def test_what_refuses_a_handshake_is_an_answer_as_to_any_request() -> None:
     assert (answer.status_code, answer.headers["Retry-After"]) == (503, "5")
     assert json.loads(bytes(answer.body or b""))["detail"] == "Not now."
     assert echo.ended.acquire(timeout=PATIENCE_S)  # what it had prepared is released
+
+
+def test_a_download_is_no_websocket_and_is_not_read_for_one() -> None:
+    echo = Echo()
+    with pytest.raises(InvalidStatus) as refused, _served(echo, "/endless"):
+        pass
+
+    assert refused.value.response.status_code == 404
+    assert echo.ended.acquire(timeout=PATIENCE_S)
+
+
+def test_a_client_that_reads_no_answers_to_its_pings_is_not_listened_to() -> None:
+    ping = bytes([0x89, 0xFD, 0, 0, 0, 0]) + bytes(125)  # masked with zeros
+
+    with _raw(Echo()) as connection:
+        connection.settimeout(2.0)
+        with pytest.raises(TimeoutError):
+            connection.sendall(ping * 500_000)  # 65 MB; the kernel takes some of it
+
+
+def test_a_message_in_pieces_without_end_closes_the_connection() -> None:
+    first, more = bytes([0x01, 0x80, 0, 0, 0, 0]), bytes([0x00, 0x80, 0, 0, 0, 0])
+
+    with _raw(Echo()) as connection:
+        connection.settimeout(PATIENCE_S)
+        connection.sendall(first + more * 2 * FRAGMENTS_MAX)
+        with suppress(ConnectionResetError):
+            assert connection.recv(1) == b""
+
+
+@contextmanager
+def _raw(echo: Echo) -> Iterator[socket.socket]:
+    """Give a connection after its handshake."""
+    key = "dGhlIHNhbXBsZSBub25jZQ=="  # of RFC 6455, 1.3
+    lines = ("GET / HTTP/1.1", "Host: localhost", "Upgrade: websocket", "Connection: Upgrade")
+    more = (f"Sec-WebSocket-Key: {key}", "Sec-WebSocket-Version: 13", "", "")
+    with serving(echo) as connect_raw:
+        with connect_raw("\r\n".join((*lines, *more)).encode()) as connection:
+            head = b""
+            while not head.endswith(b"\r\n\r\n"):
+                head += connection.recv(1)
+            assert head.startswith(b"HTTP/1.1 101")
+            yield connection
 
 
 @pytest.mark.parametrize("message", ["x" * (MESSAGE_MAX + 1), b"not text"])
