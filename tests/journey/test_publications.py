@@ -1,20 +1,18 @@
 """What everybody sees of published, verified and withdrawn runs is as wide as a phone."""
 
 from collections.abc import Iterator
-from threading import Thread
 
 import numpy as np
 import pytest
 from playwright.sync_api import Browser
-from werkzeug.serving import make_server
 
-from seamark.server.app import create_app
 from seamark.server.runs import publications, verifications
 from seamark.server.runs.files import RunFiles
 from seamark.sim.recording.telemetry import WIDTH
 from tests.cast import Backend
+from tests.services.pages import served
 
-pytestmark = [pytest.mark.browser, pytest.mark.host]
+pytestmark = [pytest.mark.browser, pytest.mark.host, pytest.mark.slow]
 
 PHONE_PX = 375
 UNFOLD = "for (const part of document.querySelectorAll('details')) part.open = true"
@@ -25,15 +23,8 @@ TITLE = "Observer with a model of the thrusters, by all the members of a laborat
 @pytest.fixture
 def address(backend: Backend) -> Iterator[str]:
     """The address of a service with the cast and without a worker."""
-    app = create_app(backend.settings)
-    server = make_server("127.0.0.1", 0, app, threaded=True)
-    thread = Thread(target=server.serve_forever)
-    thread.start()
-    yield f"http://127.0.0.1:{server.server_port}"
-    server.shutdown()
-    thread.join()
-    server.server_close()
-    app.extensions["seamark"].close()
+    with served(backend, threaded=True) as found:
+        yield found
 
 
 def verified(backend: Backend, who: str, *, score: float) -> int:

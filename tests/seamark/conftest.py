@@ -5,27 +5,19 @@ from threading import Event, Thread
 
 import numpy as np
 import pytest
-from werkzeug.serving import make_server
 
 from seamark.server.accounts import accounts
-from seamark.server.app import create_app
 from seamark.server.runs.files import RunFiles
 from seamark.sim.recording.telemetry import INDEX, WIDTH
 from tests.cast import Backend
+from tests.services.pages import served
 
 
 @pytest.fixture
 def address(backend: Backend) -> Iterator[str]:
     """The address of a service with the cast."""
-    app = create_app(backend.settings)
-    server = make_server("127.0.0.1", 0, app)
-    thread = Thread(target=server.serve_forever)
-    thread.start()
-    yield f"http://127.0.0.1:{server.server_port}"
-    server.shutdown()
-    thread.join()
-    server.server_close()
-    app.extensions["seamark"].close()
+    with served(backend) as found:
+        yield found
 
 
 @pytest.fixture

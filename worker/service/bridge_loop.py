@@ -10,7 +10,6 @@ import sys
 import tempfile
 import threading
 import time
-from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 
@@ -27,11 +26,12 @@ from seamark.server.messaging import bridge_sessions, broker
 from seamark.server.messaging.bridge_sessions import Keys
 from seamark.server.messaging.shared_meters import SharedMeters
 from seamark.server.runs import queue as run_queue
-from seamark.server.runs.queue import AttemptEnd, Claim
+from seamark.server.runs.queue import Claim
 from seamark.server.settings import Settings
 from seamark.worker.evaluation.worker_slot import WorkerSlot
 from seamark.worker.service.bridge_relay import BridgeRelay
-from seamark.worker.service.run_driver import RunContext, evaluate
+from seamark.worker.service.claimed_run import evaluate_or_release
+from seamark.worker.service.run_driver import RunContext
 from seamark.worker.service.shutdown import follow_worker
 from seamark.worker.zygote.client import Simulator
 
@@ -102,7 +102,7 @@ class BridgeLoop:
             relay = BridgeRelay(self._redis, program, socket)
             relay.start()
             try:
-                self._evaluate(claim, socket)
+                evaluate_or_release(replace(self._context, bridge=socket), claim)
             finally:
                 relay.stop()
 
@@ -117,15 +117,6 @@ class BridgeLoop:
                 with self._database.reading() as session:
                     return run_queue.started(session, run_id, self._name, self._settings)
         return None
-
-    def _evaluate(self, claim: Claim, socket: Path) -> None:
-        try:
-            evaluate(replace(self._context, bridge=socket), claim)
-        except Exception:
-            _log.exception("run_not_evaluated", run=claim.run_id)
-            with suppress(SQLAlchemyError), self._database.writing() as session:
-                end = AttemptEnd.EVALUATION_BROKE
-                run_queue.release(session, claim, end, settings=self._settings)
 
 
 def main(parent: str, lane: str) -> None:

@@ -3,7 +3,6 @@
 import os
 import time
 from collections.abc import Callable
-from contextlib import suppress
 
 import structlog
 from celery import Celery
@@ -15,11 +14,12 @@ from seamark.server.database.engine import Database
 from seamark.server.messaging import broker
 from seamark.server.messaging.shared_meters import SharedMeters
 from seamark.server.runs import queue as run_queue
-from seamark.server.runs.queue import AttemptEnd, Claim
+from seamark.server.runs.queue import Claim
 from seamark.server.settings import Settings
+from seamark.worker.service.claimed_run import evaluate_or_release
 from seamark.worker.service.host import Host
 from seamark.worker.service.recovery import announce
-from seamark.worker.service.run_driver import RunContext, evaluate
+from seamark.worker.service.run_driver import RunContext
 from seamark.worker.zygote.client import Simulator, SimulatorBroken
 
 PAUSE_DOUBLINGS = 6  # at most 64 s with the usual settings
@@ -67,7 +67,7 @@ class RunLoop:
         if claim is None:
             self._pass_on()
             return
-        succeeded = self._evaluate(claim)
+        succeeded = evaluate_or_release(self._context(), claim)
         self._meters.add()
         self._failures = 0 if succeeded else self._failures + 1
         self._pause()
@@ -94,16 +94,6 @@ class RunLoop:
         if others:
             self._wait(PASS_ON_S)  # the ticket may come back here
             broker.send_tickets(self._app)
-
-    def _evaluate(self, claim: Claim) -> bool:
-        """Evaluate a claimed run; whatever happens, it does not keep the lease."""
-        try:
-            return evaluate(self._context(), claim)
-        except Exception:
-            _log.exception("run_not_evaluated", run=claim.run_id, attempt=claim.attempt)
-        with suppress(SQLAlchemyError), self._database.writing() as session:
-            run_queue.release(session, claim, AttemptEnd.EVALUATION_BROKE, settings=self._settings)
-        return False
 
     def _recover(self) -> None:
         """Queue the run that the predecessor of this process was evaluating when it died."""
