@@ -13,7 +13,8 @@ ENV UV_PROJECT_ENVIRONMENT=/opt/seamark UV_COMPILE_BYTECODE=1 UV_NO_CACHE=1 \
     UV_PYTHON=/usr/bin/python3.11 UV_PYTHON_DOWNLOADS=never
 WORKDIR /src
 COPY pyproject.toml uv.lock ./
-RUN /opt/uv/bin/uv sync --frozen --no-dev --extra server --no-install-project
+COPY deploy/client/pyproject.toml deploy/client/
+RUN /opt/uv/bin/uv sync --frozen --no-dev --extra server --no-install-workspace
 COPY . .
 RUN /opt/uv/bin/uv sync --frozen --no-dev --extra server --no-editable
 # For the processor of the machine that builds; on another one a worker compiles at its first start.

@@ -19,7 +19,7 @@ from cyclonedx.schema import SchemaVersion
 from cyclonedx.validation.json import JsonStrictValidator
 
 ROOT = Path(__file__).resolve().parents[1]
-OF_SERVICE = ("--frozen", "--no-dev", "--extra", "server", "--no-emit-project")
+OF_SERVICE = ("--frozen", "--no-dev", "--extra", "server", "--no-emit-workspace")
 
 
 def version() -> str:
@@ -36,6 +36,11 @@ def missing(release: str) -> Iterator[str]:
     cited = (ROOT / "CITATION.cff").read_text("utf-8")
     if f"\nversion: {release}\n" not in cited:
         yield f"CITATION.cff has another version than {release}."
+    if not os.environ.get("SEAMARK_SOURCE_URL"):
+        yield (
+            "SEAMARK_SOURCE_URL is not set: the address of the source, to which the links and "
+            "pictures of the README lead on the page of a registry."
+        )
     if _git("status", "--porcelain"):
         yield "The tree has changes that are not committed."
     if _git("tag", "--list", f"v{release}"):
@@ -67,16 +72,19 @@ def _uv() -> str:
 
 
 def build(release: str) -> None:
-    """Write wheel, source archive, bill of materials and checksums into dist/."""
+    """Write wheels, source archive, bill of materials and checksums into dist/."""
     dist = ROOT / "dist"
     shutil.rmtree(dist, ignore_errors=True)
     subprocess.run([_uv(), "build", "--quiet", "--out-dir", str(dist)], cwd=ROOT, check=True)
+    client = ("--package", "seamark-client", "--wheel")  # its sources are in the archive of seamark
+    command = [_uv(), "build", "--quiet", *client, "--out-dir", str(dist)]
+    subprocess.run(command, cwd=ROOT, check=True)
     bill = dist / f"seamark-{release}.cdx.json"
     write_sbom(bill)
     found = JsonStrictValidator(SchemaVersion.V1_5).validate_str(bill.read_text("utf-8"))
     if found is not None:  # after most of a minute
         raise ValueError(f"{bill} is no bill of materials: {found}")
-    files = sorted(path for path in dist.iterdir() if path.name.startswith("seamark-"))
+    files = sorted(path for path in dist.iterdir() if path.name.startswith("seamark"))
     sums = [f"{hashlib.sha256(path.read_bytes()).hexdigest()}  {path.name}\n" for path in files]
     (dist / "SHA256SUMS").write_text("".join(sums))
     for path in files:

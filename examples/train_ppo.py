@@ -5,7 +5,8 @@
 
 All vehicles are one vector environment with true corners. The policy sees error, its integral,
 velocity, heading and yaw rate, and a tanh network of two layers gives the velocity reference. What
-is written is a controller in NumPy alone: it runs and is submitted without Stable-Baselines3.
+is written is a controller in NumPy alone: it runs and is submitted without Stable-Baselines3. It is
+written only if it does better than the policy with which the training began.
 """
 
 import argparse
@@ -17,7 +18,7 @@ from typing import Any
 
 try:
     from stable_baselines3 import PPO
-    from stable_baselines3.common.vec_env import VecEnv, VecMonitor
+    from stable_baselines3.common.vec_env import VecEnvWrapper, VecMonitor
 except ImportError as missing:
     sys.exit(
         'This example needs Stable-Baselines3: pip install "stable-baselines3>=2.9" '
@@ -26,7 +27,7 @@ except ImportError as missing:
 import gymnasium
 import numpy as np
 
-import seamark.gym  # noqa: F401  # registers the environments
+from seamark.gym.stable_baselines import SeamarkVecEnv
 
 CONTROLLER = '''"""A controller that examples/train_ppo.py trained."""
 
@@ -57,95 +58,69 @@ class Controller:
 '''
 LEVELS = [0.1, 0.3, 0.5, 0.8]  # m/s, half of the benchmark's
 LONGEST_INTEGRAL = 10.0  # m s
+STEP_S = 0.05
+STEPS = 128  # of each vehicle in an iteration
+ITERATIONS_MIN = 30  # fewer hardly change a policy
+JUDGED, JUDGED_SEED = 64, 1_000_001  # vehicles that judge a policy, in water of their own
 # Where the fields are in an observation: docs/training.md has the table.
 ERROR, VELOCITY, YAW, YAW_RATE = slice(2, 4), slice(9, 11), 17, 20
 FEATURES, ACTIONS = 8, 3  # the policy gives surge, sway [m/s] and yaw rate [rad/s]
 
 
-class Vehicles(VecEnv):
-    """The vector environment in the form that Stable-Baselines3 trains with."""
+class Steered(VecEnvWrapper):
+    """The vehicles as the policy sees them, with surge, sway and yaw rate as actions."""
 
     def __init__(self, count: int, level_s: float, seed: int) -> None:
-        self.env: Any = gymnasium.make_vec(
-            "seamark/StationKeeping-v2",
-            num_envs=count,
-            settings={
-                "tracker": "truth",
-                "levels": LEVELS,
-                "level_duration_s": level_s,
-                "settle_s": 0.25 * level_s,
-            },
-            autoreset_mode="SameStep",
+        times = {"level_duration_s": level_s, "settle_s": 0.25 * level_s}
+        settings = {"tracker": "truth", "levels": LEVELS} | times
+        vehicles = SeamarkVecEnv(
+            num_envs=count, settings=settings, seed=seed, dtype="float64", normalise_actions=False
         )
         seen = gymnasium.spaces.Box(-np.inf, np.inf, (FEATURES,), np.float64)
-        super().__init__(count, seen, gymnasium.spaces.Box(-1.0, 1.0, (ACTIONS,), np.float64))
-        self.first_seed = seed
+        moved = gymnasium.spaces.Box(-1.0, 1.0, (ACTIONS,), np.float64)
+        super().__init__(vehicles, seen, moved)
         self.integral = np.zeros((count, 2))
 
-    def features(self, observations: np.ndarray) -> np.ndarray:
+    def features(self, observations: np.ndarray, integral: np.ndarray) -> np.ndarray:
         """Return what the policy sees of each vehicle, (n, FEATURES)."""
-        parts = observations[:, ERROR], self.integral, observations[:, VELOCITY]
+        parts = observations[:, ERROR], integral, observations[:, VELOCITY]
         return np.concatenate([*parts, observations[:, [YAW, YAW_RATE]]], axis=1)
-
-    def reset(self) -> np.ndarray:
-        """Begin with the first level of each vehicle's run."""
-        self.integral[:] = 0.0
-        observations, _ = self.env.reset(seed=self.first_seed)
-        return self.integrated(observations)
 
     def integrated(self, observations: np.ndarray) -> np.ndarray:
         """Add the errors to their integrals, and return the features."""
         self.integral += observations[:, ERROR] * observations[:, 1:2]
         np.clip(self.integral, -LONGEST_INTEGRAL, LONGEST_INTEGRAL, out=self.integral)
-        return self.features(observations)
+        return self.features(observations, self.integral)
+
+    def reset(self) -> np.ndarray:
+        """Begin the next level of each vehicle."""
+        self.integral[:] = 0.0
+        return self.integrated(self.venv.reset())
 
     def step_async(self, actions: np.ndarray) -> None:
-        """Keep the actions."""
-        surge, sway, turn = actions.T
-        self.actions = np.stack([surge, sway, np.zeros(self.num_envs), turn], axis=1)
+        """Take surge, sway and yaw rate of each vehicle."""
+        still = np.zeros(len(actions))
+        wanted = np.insert(actions.astype(np.float64), 2, still, axis=1)
+        limits = self.venv.action_space  # where the vehicle saturates a reference
+        self.venv.step_async(np.clip(wanted, limits.low, limits.high))
 
     def step_wait(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, list[dict[str, Any]]]:
         """Simulate a control step; a vehicle whose level is over begins the next one."""
-        observations, rewards, terminated, truncated, info = self.env.step(self.actions)
-        infos: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
-        over = terminated | truncated
+        observations, rewards, over, infos = self.venv.step_wait()
         for i in np.flatnonzero(over).tolist():
-            last = info["final_obs"][i][None]
-            ended = np.concatenate([last[0, ERROR], self.integral[i], last[0, VELOCITY]])
-            infos[i]["terminal_observation"] = np.concatenate([ended, last[0, [YAW, YAW_RATE]]])
-            infos[i]["TimeLimit.truncated"] = bool(truncated[i])
+            last = infos[i]["terminal_observation"][None]
+            infos[i]["terminal_observation"] = self.features(last, self.integral[i : i + 1])[0]
         self.integral[over] = 0.0
         return self.integrated(observations), rewards, over, infos
 
-    def close(self) -> None:
-        """Release the vehicles."""
-        self.env.close()
 
-    def get_attr(self, attr_name: str, indices: Any = None) -> list[Any]:
-        """Return an attribute of each vehicle: they have only `render_mode`, which is None."""
-        return [getattr(self.env, attr_name, None)] * self.num_envs
-
-    def set_attr(self, attr_name: str, value: Any, indices: Any = None) -> None:
-        """Refuse: the vehicles are rows of arrays."""
-        raise NotImplementedError
-
-    def env_method(self, method_name: str, *args: Any, indices: Any = None, **kwargs: Any) -> Any:
-        """Refuse: the vehicles are rows of arrays."""
-        raise NotImplementedError
-
-    def env_is_wrapped(self, wrapper_class: Any, indices: Any = None) -> list[bool]:
-        """Return that no vehicle has a wrapper of its own."""
-        return [False] * self.num_envs
-
-
-def train(chosen: argparse.Namespace) -> tuple[PPO, list[tuple[float, float, float]]]:
-    """Return the model and the learning curve: seconds, CPU seconds, mean reward of a step."""
-    env = VecMonitor(Vehicles(chosen.vehicles, chosen.level_s, seed=1))
-    model = PPO(
+def new_model(vehicles: int, level_s: float) -> PPO:
+    """Return PPO with a policy that has not been trained."""
+    return PPO(
         "MlpPolicy",
-        env,
-        n_steps=128,
-        batch_size=chosen.vehicles * 16,
+        VecMonitor(Steered(vehicles, level_s, seed=1)),
+        n_steps=STEPS,
+        batch_size=vehicles * 16,
         n_epochs=5,
         learning_rate=1e-3,
         gamma=0.98,
@@ -153,16 +128,46 @@ def train(chosen: argparse.Namespace) -> tuple[PPO, list[tuple[float, float, flo
         device="cpu",
         seed=0,
     )
-    curve: list[tuple[float, float, float]] = []
-    begin, steps_per_level = time.monotonic(), round(chosen.level_s / 0.05)
-    while not curve or curve[-1][0] < chosen.seconds:
-        model.learn(chosen.vehicles * 128, reset_num_timesteps=not curve)
-        returns = [episode["r"] for episode in model.ep_info_buffer]
-        reward = float(np.mean(returns)) / steps_per_level if returns else float("nan")
-        curve.append((time.monotonic() - begin, time.process_time(), reward))
-        print(f"{curve[-1][0]:5.0f} s  {model.num_timesteps} steps, mean reward {reward:.3f}")
+
+
+def judged(model: PPO, level_s: float) -> float:
+    """Return the mean reward of a step without exploring, in water that no training meets.
+
+    The first call also compiles the simulation, which takes minutes on some machines.
+    """
+    env = Steered(JUDGED, level_s, seed=JUDGED_SEED)
+    seen, total, steps = env.reset(), 0.0, round(level_s / STEP_S)
+    for _ in range(steps):
+        actions, _ = model.predict(seen, deterministic=True)
+        seen, rewards, _, _ = env.step(actions)
+        total += float(np.mean(rewards))
     env.close()
-    return model, curve
+    return total / steps
+
+
+def train(model: PPO, seconds: float, level_s: float) -> list[tuple[float, float, float]]:
+    """Return the learning curve: seconds, CPU seconds, mean reward of a step.
+
+    An iteration in which no level ends has no reward; it is left out of the curve.
+    """
+    curve: list[tuple[float, float, float]] = []
+    begin, done = time.monotonic(), 0
+    while done < ITERATIONS_MIN or time.monotonic() - begin < seconds:
+        model.learn(model.n_envs * STEPS, reset_num_timesteps=not done)
+        done += 1
+        passed = time.monotonic() - begin
+        shown = "no level has ended yet"
+        if returns := [episode["r"] for episode in model.ep_info_buffer]:
+            reward = float(np.mean(returns)) * STEP_S / level_s
+            curve.append((passed, time.process_time(), reward))
+            shown = f"mean reward {reward:.3f}"
+        print(f"{passed:5.0f} s  {model.num_timesteps} steps, {shown}")
+    if done == ITERATIONS_MIN:
+        print(
+            f"Warning: the training took {ITERATIONS_MIN} iterations, the fewest that this example "
+            f"makes; {seconds:g} s were not enough for more. Train longer, with --seconds."
+        )
+    return curve
 
 
 def layers_of(model: PPO) -> list[tuple[list[list[float]], list[float]]]:
@@ -178,16 +183,26 @@ def layers_of(model: PPO) -> list[tuple[list[list[float]], list[float]]]:
 def main() -> None:
     """Train, and write the controller and the learning curve."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--seconds", type=float, default=240.0)
+    parser.add_argument(
+        "--seconds", type=float, default=240.0, help="of training, without compilation"
+    )
     parser.add_argument("--vehicles", type=int, default=256)
     parser.add_argument("--level-s", type=float, default=30.0, help="simulated time of a level")
     parser.add_argument("--out", type=Path, default=Path("ppo_controller.py"))
     parser.add_argument("--curve", type=Path, help="file for the learning curve, JSON")
     chosen = parser.parse_args()
-    model, curve = train(chosen)
-    chosen.out.write_text(CONTROLLER.format(layers=json.dumps(layers_of(model))))
+    model = new_model(chosen.vehicles, chosen.level_s)
+    print("Compiling the simulation, and judging the policy before its training ...", flush=True)
+    before = judged(model, chosen.level_s)
+    curve = train(model, chosen.seconds, chosen.level_s)
+    after = judged(model, chosen.level_s)
+    model.env.close()
+    print(f"Mean reward of a step: {before:.3f} before the training, {after:.3f} after it.")
     if chosen.curve:
         chosen.curve.write_text(json.dumps({"curve": curve}))
+    if not after > before:
+        sys.exit(f"The training made nothing better, so {chosen.out} is not written. Train longer.")
+    chosen.out.write_text(CONTROLLER.format(layers=json.dumps(layers_of(model))))
     print(f"Wrote {chosen.out}. Evaluate and submit it:")
     print(f"  seamark run currents-v2 --controller {chosen.out} --trials 8")
     print(f"  seamark submit currents-v2 --controller {chosen.out} --ranked --wait")

@@ -1,7 +1,7 @@
-"""Draw the pictures of the player: python -m performance.player_figures.
+"""Draw the picture of the player: python -m performance.player_figures.
 
-Writes docs/figures/run-page.webp and the moving docs/figures/run-scene.webp, from a run of the
-built-in controller in Chromium without a graphics card.
+Writes docs/figures/run-page.webp, from a run of the built-in controller in Chromium without a
+graphics card.
 """
 
 import io
@@ -18,15 +18,12 @@ from performance.player import SOFTWARE, opened, recorded, served
 FIGURES = Path(__file__).parents[1] / "docs" / "figures"
 RUN = {"levels": [0.1, 0.4], "level_duration_s": 60.0}
 SHOWN_S = 96.0  # the moment of the still picture
-FIRST_S, STEP_S, FRAMES = 60.0, 1.0, 30  # of the moving picture: the start of the stronger current
-FRAME_MS = 120
-WIDTH = 560  # [px] of the moving picture
 QUALITY = 70
 SETTLED_MS = 2000  # until scene and camera show the new moment with all pixels
 
 
 def main() -> int:
-    """Write both pictures."""
+    """Write the picture."""
     with tempfile.TemporaryDirectory() as folder, served(Path(folder)) as (url, settings):
         address = f"{url}/runs/{recorded(settings, RUN)}"
         with sync_playwright() as playwright:
@@ -47,16 +44,6 @@ def _draw(page: Page) -> None:
     page.evaluate("scrollTo(0, document.querySelector('[data-player]').offsetTop - 70)")
     page.wait_for_timeout(SETTLED_MS)
     picture(page.screenshot()).save(FIGURES / "run-page.webp", quality=QUALITY)
-    frames = []
-    for number in range(FRAMES):
-        _go_to(page, FIRST_S + STEP_S * number)
-        frame = picture(page.locator("[data-stage]").screenshot())
-        frames.append(frame.resize((WIDTH, WIDTH * frame.height // frame.width)))
-    first, *rest = frames
-    first.save(
-        FIGURES / "run-scene.webp",
-        save_all=True, append_images=rest, duration=FRAME_MS, loop=0, quality=QUALITY,
-    )  # fmt: skip
 
 
 def _go_to(page: Page, seconds: float) -> None:

@@ -8,18 +8,22 @@ from sqlalchemy.orm import Session
 
 from seamark.server.classes import assignments, classrooms
 from seamark.server.classes.assignments import Draft
+from seamark.server.database.class_tables import Classroom
 from seamark.server.database.rejudgement_tables import Rejudgement
 from seamark.server.database.sweep_tables import Sweep
 
 BENCHMARK = "currents-v2"
+_CODE = "0123456789"  # of the first class
 # Rule with variables -> its address; {run} is the number of a run with files.
 _ADDRESSES = {
     "/static/<path:filename>": "/static/logo.svg",
     "/submit/<name>": f"/submit/{BENCHMARK}",
     "/benchmarks/<name>": f"/benchmarks/{BENCHMARK}",
+    "/benchmarks/<name>/preview.jpg": f"/benchmarks/{BENCHMARK}/preview.jpg",
     "/leaderboards/<name>": f"/leaderboards/{BENCHMARK}",
     "/leaderboards/<name>/preview.jpg": f"/leaderboards/{BENCHMARK}/preview.jpg",
     "/users/<name>": "/users/{user}",
+    "/classes/join/<code>": f"/classes/join/{_CODE}",
     "/api/v1/users/<string:name>": "/api/v1/users/{user}",
     "/docs/<name>": "/docs/start",
     "/docs/guides/<path:name>": "/docs/guides/benchmarks.md",
@@ -72,6 +76,7 @@ _ELSEWHERE = ("/account/identity", "/forgot", "/mail/", "/sign-in/", "/sign-up/"
 def create_first(session: Session, user_id: int) -> None:
     """Create the first of each thing that `addresses` names by its number."""
     class_id = classrooms.create(session, user_id, "Marine robotics")
+    session.get_one(Classroom, class_id).code = _CODE
     draft = Draft(title="Hold position", benchmark=BENCHMARK, config={})
     assignments.create(session, class_id, draft, trials_max=1)
     axes = [{"name": "kp", "values": [0.2, 0.4]}]

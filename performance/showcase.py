@@ -22,6 +22,7 @@ from seamark.server.classes.assignments import Draft
 from seamark.server.database.engine import Database
 from seamark.server.database.tables import Run, User
 from seamark.server.runs import publications
+from seamark.server.runs.publications import Terms
 from seamark.server.runs.states import LIVE
 from seamark.server.settings import Settings
 from tests.services.embedded import cancel_baselines, started
@@ -89,10 +90,10 @@ def _fill(
         with Client(address, tokens[name]) as client:
             _submit(client, program=file, assignment=1, title=title)
             ranked.append(_submit(client, program=file, kind="ranked", title=title))
-    _wait(database)
+    wait_for_runs(database)
     with database.writing() as session:
-        for run_id in ranked:
-            publications.publish(session, run_id)
+        for run_id, (title, _) in zip(ranked, sources, strict=False):
+            publications.publish(session, run_id, Terms(method=title))
     return own, failed, ranked[-1]
 
 
@@ -125,7 +126,7 @@ def _submit(client: Client, **run: Any) -> int:
     return client.submit(BENCHMARK, **run).id
 
 
-def _wait(database: Database) -> None:
+def wait_for_runs(database: Database) -> None:
     """Wait until all runs have ended."""
     live = select(func.count()).where(Run.state.in_(LIVE))
     while True:

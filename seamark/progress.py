@@ -1,11 +1,14 @@
-"""The progress of a run on standard error: a bar on a terminal, plain lines in a pipe."""
+"""The progress of a run on standard error: a bar on a terminal with Rich, else plain lines."""
 
 from __future__ import annotations
 
 import sys
 import time
+from importlib.util import find_spec
 from types import TracebackType
-from typing import Any, Self
+from typing import Any
+
+from typing_extensions import Self
 
 LINE_INTERVAL = 0.1  # fraction of the whole between two plain lines
 
@@ -13,7 +16,7 @@ LINE_INTERVAL = 0.1  # fraction of the whole between two plain lines
 class Progress:
     """A context manager that shows the progress of a run on standard error.
 
-    A bar on a terminal, plain lines in a pipe, nothing if `quiet`.
+    A bar on a terminal where Rich is installed, else plain lines; nothing if `quiet`.
     """
 
     def __init__(self, title: str, *, quiet: bool = False) -> None:
@@ -27,7 +30,7 @@ class Progress:
 
     def __enter__(self) -> Self:
         """Start the bar if this is a terminal."""
-        if not self._quiet and sys.stderr.isatty():
+        if not self._quiet and sys.stderr.isatty() and find_spec("rich"):
             from rich.console import Console
             from rich.progress import BarColumn, TaskProgressColumn, TextColumn, TimeElapsedColumn
             from rich.progress import Progress as Bar

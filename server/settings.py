@@ -31,7 +31,7 @@ DEFAULTS_IN_WORDS = {  # of settings whose default depends on others or on the m
     "storage_secret_key": "none",
     "url": "none",
     "embed_origins": "none",
-    "workers": "one per core",
+    "workers": "one per core, at least 2: reference entries leave a place free",
     "metrics": "`local`; `token` if there is one",
     "metrics_token": "none",
     "mail_url": "none: nothing is sent",
@@ -114,7 +114,7 @@ class Settings(BaseModel):
         description="Other sites that may show runs in a frame: origins separated by spaces",
     )
     workers: int = Field(
-        default_factory=lambda: len(os.sched_getaffinity(0)),
+        default_factory=lambda: max(len(os.sched_getaffinity(0)), 2),
         ge=1,
         le=512,
         description="Runs that one worker evaluates in parallel",

@@ -10,6 +10,7 @@ from sqlalchemy.orm import Session
 
 from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.languages import LANGUAGES
+from seamark.server import installation
 from seamark.server.database import clock, data_folder
 from seamark.server.database.clock import Now
 from seamark.server.database.tables import Worker
@@ -23,9 +24,9 @@ _ALIVE = Worker.seen_at.between(Now() - ALIVE_S, Now() + ALIVE_S)
 _OUTDATED = func.coalesce(Worker.result_code != data_folder.CURRENT_CODE, false())
 _CLAIMS = _ALIVE & Worker.drained_at.is_(None) & ~_OUTDATED
 LISTED_MAX = 1000  # workers whose boxes are compared
-RUNNING = "running"  # state of a process; any other text but the next says what is wrong
-PREPARING = "preparing"  # state of a simulator that is loading, or compiled for the first time
-SIMULATOR = "simulator"  # name of the process of a worker whose state may be PREPARING
+RUNNING = "running"  # state of a process; any other text but those of `preparing` is a fault
+_PREPARING = "preparing"
+SIMULATOR = "simulator"  # name of the process of a worker that prepares at its start
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -38,7 +39,7 @@ class WorkerStatus:
     level: str
     languages: Sequence[str]
     findings: Sequence[Mapping[str, Any]]
-    processes: Mapping[str, str]  # process -> "running", "preparing" or what is wrong
+    processes: Mapping[str, str]  # process -> "running", "preparing (2 of 6)" or what is wrong
     version: str
     started_at: float
     seen_at: float
@@ -54,13 +55,33 @@ class WorkerStatus:
     @property
     def broken_processes(self) -> dict[str, str]:
         """The processes that neither run nor prepare to, with what is wrong."""
-        expected = (RUNNING, PREPARING)
-        return {name: state for name, state in self.processes.items() if state not in expected}
+        expected = (RUNNING, _PREPARING)
+        return {
+            name: state
+            for name, state in self.processes.items()
+            if state.partition(" ")[0] not in expected
+        }
 
     @property
     def preparing(self) -> bool:
         """Whether its runs wait until the simulator is loaded, or compiled for the first time."""
-        return self.processes.get(SIMULATOR) == PREPARING
+        return is_preparing(self.processes)
+
+
+def is_preparing(processes: Mapping[str, str]) -> bool:
+    """Return whether the simulator of a worker, whose processes are given, is not ready yet."""
+    return processes.get(SIMULATOR, "").startswith(_PREPARING)
+
+
+def preparing(ready: int, of: int) -> str:
+    """Return the state of a simulator that is loading, or compiled for the first time.
+
+    Parameters
+    ----------
+    ready, of
+        How many of its parts can be used, and how many it has; 0: not known.
+    """
+    return f"{_PREPARING} ({ready} of {of})" if of else _PREPARING
 
 
 def register(session: Session, worker: Worker) -> None:
@@ -76,7 +97,7 @@ def heartbeat(session: Session, name: str, processes: Mapping[str, str]) -> bool
     Parameters
     ----------
     processes
-        Process -> `RUNNING`, `PREPARING`, or for instance "restarting since 12:00:05".
+        Process -> `RUNNING`, what `preparing` returns, or for instance "restarting since 12:00:05".
     """
     change = update(Worker).where(Worker.name == name, Worker.slots > 0)  # 0: it has stopped
     change = change.values(seen_at=Now(), processes=dict(processes))
@@ -88,6 +109,11 @@ def unregister(session: Session, name: str) -> None:
     named = Worker.name == name
     session.execute(delete(Worker).where(named, Worker.drained_at.is_(None)))
     session.execute(update(Worker).where(named).values(seen_at=Now() - ALIVE_S - 1.0, slots=0))
+
+
+def forget(session: Session, name: str) -> None:
+    """Take a worker that has ended off the list, though it was drained."""
+    session.execute(delete(Worker).where(Worker.name == name))
 
 
 def drain(session: Session, name: str) -> bool:
@@ -161,6 +187,24 @@ def alive_count(session: Session) -> int:
     return session.scalar(select(func.count()).where(_CLAIMS)) or 0
 
 
+def preparation(session: Session) -> str | None:
+    """Return what is being done until the first simulator is ready; None if one is, or no worker.
+
+    The first start of all compiles the simulator, for minutes on a slow machine.
+    """
+    states = list(session.scalars(select(Worker.processes).where(_CLAIMS).limit(LISTED_MAX)))
+    if not states or not all(is_preparing(processes) for processes in states):
+        return None
+    known = sorted(_parts(processes) for processes in states)[-1]
+    progress = f" {known} parts are ready." if known else ""
+    return f"The simulator is being compiled, once, at the first start of the service.{progress}"
+
+
+def _parts(processes: Mapping[str, str]) -> str:
+    """Return how much of a simulator is ready, as in "2 of 6"; empty: not known."""
+    return processes[SIMULATOR].partition("(")[2].removesuffix(")")
+
+
 def slot_count(session: Session) -> int:
     """Return how many runs the workers that claim runs can run together."""
     return session.scalar(select(slots())) or 0
@@ -169,6 +213,14 @@ def slot_count(session: Session) -> int:
 def slots() -> ScalarSelect[int | None]:
     """Return `slot_count` as an expression; NULL without workers."""
     return select(func.sum(Worker.slots)).where(_CLAIMS).scalar_subquery()
+
+
+def waits_for_installation(session: Session, language: str, settings: Settings) -> bool:
+    """Return whether no worker can run `language` yet, and what it needs may be being installed."""
+    if not installation.is_under_way(settings):
+        return False
+    known = session.scalars(select(Worker.languages).where(_CLAIMS).limit(LISTED_MAX))
+    return not any(language in languages for languages in known)
 
 
 @dataclass(frozen=True, slots=True)
@@ -224,12 +276,15 @@ def finding_of(language: str) -> str:
 def upload_refusal(session: Session, language: str, settings: Settings) -> str | None:
     """Return why uploads in `language` cannot be run now, or None if they can.
 
-    Without a worker that claims runs, the run waits for one and is not refused.
+    Without a worker that claims runs, the run waits for one and is not refused; so it does while
+    programs are being installed that uploads may need.
     """
     alive = list(session.scalars(select(Worker).where(_CLAIMS)))
     if not alive:
         return None
     needed = IsolationLevel[settings.sandbox_min_level.upper()]
+    if installation.is_under_way(settings):
+        return None
     isolating = [worker for worker in alive if IsolationLevel[worker.level.upper()] >= needed]
     if not isolating:
         return (

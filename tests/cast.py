@@ -132,6 +132,8 @@ class Backend:
         return self.publish(self.succeeded(who, **changes))
 
     def publish(self, run_id: int, **terms: Any) -> int:
+        run = self.show(run_id)
+        terms.setdefault("method", run.title[:60] or ("Steady hand" if run.program_name else ""))
         with self.database.writing() as session:
             assert publications.publish(session, run_id, Terms(**terms))
         return run_id

@@ -37,7 +37,7 @@ hypothesis_settings.load_profile("patient")
 def pytest_addoption(parser: pytest.Parser) -> None:
     """Add what `./run fuzz-api` passes on."""
     parser.addoption(
-        "--api-cases", type=int, default=384, help="requests to the API on each database"
+        "--api-cases", type=int, default=768, help="requests to the API on each database"
     )
 
 

@@ -4,7 +4,8 @@
     python examples/rosbridge/pi.py
 
 It publishes one velocity reference for each position error, so the run is reproducible: with the
-same seed it has the digest of `seamark run currents-v1 --controller pi --seed 7`.
+same seed it has the digest of `seamark run currents-v1 --controller pi --seed 7`, with `--axes enu`
+(forward, port, up, as in ROS) too.
 """
 
 import json

@@ -149,6 +149,17 @@ class ProcessTree:
         """Return the pids of all processes in the box, its init first."""
         return proc_stats.tree(self._init_pid) if self._init_pid else []
 
+    def interrupt(self) -> None:
+        """Send SIGUSR1 to all processes but the init: runners say where their program is."""
+        opened = {pid: _opened(pid) for pid in self.processes()[1:]}
+        living = set(self.processes())  # read again: before it was opened, a pid may be reused
+        for pid, pidfd in opened.items():
+            if pidfd is not None and pid in living:
+                with contextlib.suppress(ProcessLookupError):
+                    signal.pidfd_send_signal(pidfd, signal.SIGUSR1)
+            if pidfd is not None:
+                os.close(pidfd)
+
     def cpu_s(self) -> float:
         """Return the CPU time of all processes so far [s]."""
         if self._cgroup is not None:
@@ -283,6 +294,13 @@ def _filter(opened: contextlib.ExitStack) -> int:
     os.write(descriptor, seccomp.build())
     os.lseek(descriptor, 0, os.SEEK_SET)
     return descriptor
+
+
+def _opened(pid: int) -> int | None:
+    try:
+        return os.pidfd_open(pid)
+    except ProcessLookupError:
+        return None
 
 
 def _kill(pidfd: int) -> None:

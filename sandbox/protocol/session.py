@@ -20,6 +20,7 @@ from seamark.sandbox.protocol.starvation import Starvation
 
 POLL_S = 0.25  # [s] the longest wait after which all limits are checked again
 EXIT_WITHIN_S = 2.0  # [s] for the process to exit after its connection ended
+LOCATE_WITHIN_S = 1.0  # [s] for a runner to say where its program is
 READ_BYTES = 65536  # [B] the capacity of a pipe
 # Plain numbers: to convert the members of an enumeration costs time at every request.
 _AT_ONCE, _WHOLE_SIZE = int(socket.MSG_DONTWAIT), int(socket.MSG_TRUNC)
@@ -167,7 +168,7 @@ class ProtocolSession:
         begin_s = max(seen_s, self._cpu_seen_s - waited_s)
         if self._loaded and self._cpu_seen_s - begin_s > limit.cpu_s:
             self._check_memory()
-            self.end(verdicts.answer_cpu_limit(waited_for, limit.cpu_s))
+            self.end(self._located(verdicts.answer_cpu_limit(waited_for, limit.cpu_s)))
         return begin_s
 
     def _received(self, message_type: bytes, size: int) -> memoryview:
@@ -237,7 +238,7 @@ class ProtocolSession:
         used_s = self._cpu_seen_s - self._cpu_before_s
         if self._loaded and used_s > self.limits.cpu_s:
             self._check_memory()
-            self.end(verdicts.cpu_limit(self.limits, used_s))
+            self.end(self._located(verdicts.cpu_limit(self.limits, used_s)))
 
     def _check_memory(self) -> None:
         """End the run if the kernel killed a process for memory, which takes CPU time itself."""
@@ -253,7 +254,24 @@ class ProtocolSession:
         if self._waited_s + wall_s > self.limits.wall_s:
             failure, wall_s = verdicts.wall_limit(self.limits), self.limits.wall_s
             since_cpu_s = self._cpu_before_s
-        self.end(failure, suspect_host=self._cpu_seen_s - since_cpu_s < wall_s / 2)
+        suspect_host = self._cpu_seen_s - since_cpu_s < wall_s / 2
+        self.end(self._located(failure), suspect_host=suspect_host)
+
+    def _located(self, failure: Failure) -> Failure:
+        """Return the failure of a program that does not return, with its line if that is known.
+
+        The runner of a language that cannot tell ends at the signal, or goes on until it is killed.
+        """
+        if not self._loaded:
+            return failure
+        self._tree.interrupt()
+        answered = select.poll()
+        answered.register(self._socket_fd, select.POLLIN)
+        answered.poll(LOCATE_WITHIN_S * 1000)
+        place = self._pending_failure()
+        if place is None:
+            return failure
+        return Failure(failure.verdict, f"{failure.sentence} {place.sentence}", place.traceback)
 
     def _failed(self, failure: Failure) -> NoReturn:
         """End the run with the failure that the runner reports, unless the kernel knows better."""

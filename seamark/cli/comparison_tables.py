@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from typing import Any
-
-from rich.cells import cell_len
+from unicodedata import combining, east_asian_width
 
 BEST = "*"
 
@@ -52,6 +51,11 @@ def _values(row: Mapping[str, Any]) -> list[str]:
         "-" if value is None else f"{value:.4g}{BEST if at in row['best'] else ' '}"
         for at, value in enumerate(row["values"])
     ]
+
+
+def cell_len(text: str) -> int:
+    """Return how many cells of a terminal a text takes: wide characters take two."""
+    return sum(2 if east_asian_width(c) in "WF" else 1 for c in text if not combining(c))
 
 
 def table(title: str, heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:

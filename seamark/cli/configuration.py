@@ -3,12 +3,18 @@
 from __future__ import annotations
 
 import json
-import tomllib
+import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from seamark.cli.extras import has_simulator
 from seamark.failures import UsageRefused
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
 
 if TYPE_CHECKING:
     from seamark.server.programs.parameters import Parameter
@@ -119,6 +125,8 @@ def typed(values: Mapping[str, Any], schema: Mapping[str, Any]) -> dict[str, Any
 
 def typed_if_known(benchmark: str, values: dict[str, Any]) -> dict[str, Any]:
     """Convert strings if this installation knows the benchmark; otherwise the server does."""
+    if not has_simulator():
+        return values
     from seamark.sim import registry
 
     if benchmark not in registry.BENCHMARKS:

@@ -1,26 +1,21 @@
-"""Files that appear when they are complete, or not at all."""
+"""The files that commands write, whole or not at all (`seamark.drafts`)."""
 
 from __future__ import annotations
 
-import os
-import secrets
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import BinaryIO
 
+from seamark import drafts
 from seamark.failures import UsageRefused
 
 
 @contextmanager
 def draft_of(out: Path) -> Iterator[BinaryIO]:
     """Provide a file that takes the place of `out` at the end; raises UsageRefused."""
-    draft = out.with_name(f".{out.name}.{secrets.token_hex(4)}")
     try:
-        with draft.open("w+b") as file:
+        with drafts.draft_of(out) as file:
             yield file
-        os.replace(draft, out)
     except OSError as error:
-        raise UsageRefused(f"{out} cannot be written: {error.strerror}.") from None
-    finally:
-        draft.unlink(missing_ok=True)
+        raise UsageRefused(f"{out} cannot be written: {error.strerror or error}.") from None

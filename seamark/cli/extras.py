@@ -8,6 +8,7 @@ import json
 import site
 from collections.abc import Iterable
 from pathlib import Path
+from urllib.parse import urljoin
 
 import click
 
@@ -23,9 +24,39 @@ SERVER = (
 )
 
 
+def has_simulator() -> bool:
+    """Return whether the distribution `seamark` is here, or `seamark-client` alone."""
+    return importlib.util.find_spec("seamark.sim") is not None
+
+
+def without_simulator(what: str) -> UsageRefused:
+    """Return the refusal of what needs the simulator, with how to install it (PEP 610)."""
+    origin = importlib.metadata.distribution("seamark-client").read_text("direct_url.json")
+    source = json.loads(origin) if origin else {}
+    page = urljoin(source.get("url", ""), "/docs/install") if "archive_info" in source else ""
+    how = f"{page} has the line to copy" if page.startswith("http") else "pip install seamark"
+    return UsageRefused(f"{what} needs the simulator, which seamark-client is without: {how}.")
+
+
 def missing(packages: Iterable[str]) -> list[str]:
     """Return those packages that cannot be imported, without importing them."""
     return [name for name in packages if importlib.util.find_spec(name) is None]
+
+
+def absent_in_box(sentence: str) -> str:
+    """Return how to install what a program did not find, if servers have it; else nothing.
+
+    Parameters
+    ----------
+    sentence
+        Of the failure of a program that ran on this machine.
+    """
+    from seamark.sandbox.languages.python.host import OPTIONAL
+
+    for name in missing(OPTIONAL):
+        if f"ModuleNotFoundError: No module named '{name}" in sentence:
+            return f"Servers have {name}. Here the extra `box` installs it: {install_line('box')}"
+    return ""
 
 
 def install_line(extra: str) -> str:

@@ -37,6 +37,7 @@ COMMANDS = {  # name -> module:attribute, help; with the help here, --help impor
     "web": ("service:web", "Run only the web server."),
     "worker": ("service:worker", "Run only a worker."),
 }
+OF_CLIENT = frozenset(("submit", "compare", "leaderboard", "export", "completion"))
 SERVICE = frozenset(  # need the extra `server`
     ("up", "user", "token", "mail", "audit", "backup", "restore", "db", "web", "worker")
 )
@@ -46,13 +47,19 @@ class LazyGroup(click.Group):
     """A group that imports a command when it is used, so that --help is fast."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
-        """Return the names in the order of the table."""
-        return list(COMMANDS)
+        """Return the names of what this installation can do, in the order of the table."""
+        from seamark.cli.extras import has_simulator
+
+        return [name for name in COMMANDS if name in OF_CLIENT or has_simulator()]
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         """Import and return a command."""
         if cmd_name not in COMMANDS:
             return None
+        from seamark.cli.extras import has_simulator
+
+        if cmd_name not in OF_CLIENT and not has_simulator():
+            return _refusing(cmd_name)
         module, _, attribute = COMMANDS[cmd_name][0].partition(":")
         loaded: click.Command = getattr(
             importlib.import_module(f"seamark.cli.commands.{module}"), attribute
@@ -83,13 +90,25 @@ class LazyGroup(click.Group):
         return [
             CompletionItem(name, help=text)
             for name, (_, text) in COMMANDS.items()
-            if name.startswith(incomplete)
+            if name.startswith(incomplete) and name in self.list_commands(ctx)
         ]
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """Write the table without importing the commands."""
         with formatter.section("Commands"):
-            formatter.write_dl([(name, text) for name, (_, text) in COMMANDS.items()])
+            formatter.write_dl([(name, COMMANDS[name][1]) for name in self.list_commands(ctx)])
+
+
+def _refusing(name: str) -> click.Command:
+    """Return a command that says what it needs, whatever its arguments."""
+
+    def refuse() -> None:
+        from seamark.cli.extras import without_simulator
+
+        raise without_simulator(f"seamark {name}")
+
+    anything = {"ignore_unknown_options": True, "allow_extra_args": True}
+    return click.Command(name, callback=refuse, context_settings=anything, help=COMMANDS[name][1])
 
 
 @click.command(
@@ -98,7 +117,7 @@ class LazyGroup(click.Group):
     epilog="Exit codes: 0 success, 1 the evaluated program failed, 2 wrong usage, 3 the platform "
     "failed. `seamark COMMAND --help` shows examples.",
 )
-@click.version_option(package_name="seamark", prog_name="seamark")
+@click.version_option(package_name="seamark-client", prog_name="seamark")
 def cli() -> None:
     """Seamark, the online benchmark for underwater intervention robots."""
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import click
 from click.shell_completion import CompletionItem
 
+from seamark.cli.extras import has_simulator
 from seamark.failures import UsageRefused
 
 if TYPE_CHECKING:
@@ -37,6 +38,8 @@ def controller_option(command: Command) -> Command:
 
 
 def _benchmarks(_: click.Context, __: click.Parameter, incomplete: str) -> list[CompletionItem]:
+    if not has_simulator():
+        return []
     from seamark.sim.registry import BENCHMARKS
 
     return [CompletionItem(name) for name in BENCHMARKS if name.startswith(incomplete)]
@@ -44,6 +47,8 @@ def _benchmarks(_: click.Context, __: click.Parameter, incomplete: str) -> list[
 
 def _solutions(_: click.Context, __: click.Parameter, incomplete: str) -> list[CompletionItem]:
     """Return the built-in solutions of all benchmarks: click does not say which one was given."""
+    if not has_simulator():
+        return [CompletionItem(incomplete, type="file")]
     from seamark.sim import registry
 
     names = {name for one in registry.BENCHMARKS for name in registry.benchmark(one).built_in}
@@ -108,16 +113,23 @@ def bridged_run_options(command: Command) -> Command:
 
 def _repetition_options(command: Command) -> Command:
     """Add --seed and --trials."""
-    from seamark.sim.engine.seeds import SEED_MAX
-
     command = click.option(
         "--trials",
         type=click.IntRange(1, 100),
         help="Number of trials; `seamark run` evaluates one per core at a time.  [default: 1]",
     )(command)
     return click.option(
-        "--seed", type=click.IntRange(0, SEED_MAX), help="Random seed.  [default: random]"
+        "--seed", type=click.IntRange(0, _seed_max()), help="Random seed.  [default: random]"
     )(command)
+
+
+def _seed_max() -> int | None:
+    """Return the largest seed, which only a server knows where there is no simulator."""
+    if not has_simulator():
+        return None
+    from seamark.sim.engine.seeds import SEED_MAX
+
+    return SEED_MAX
 
 
 def configuration_options(command: Command) -> Command:

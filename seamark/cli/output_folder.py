@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import json
 import os
+from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from seamark.cli.drafts import draft_of
 from seamark.failures import UsageRefused
 
 if TYPE_CHECKING:
@@ -73,24 +75,25 @@ class OutputFolder:
         from seamark.sim.recording import telemetry
 
         comments = [f"Seamark {benchmark}", *self.comments]
-        with (self._folder / "telemetry.csv").open("w", encoding="utf-8") as table:
-            if outcome is not None:
-                comments.append(f"digest {outcome.digest}")
-            width = self._rows.parts[0].shape[1] if self._rows.parts else telemetry.WIDTH
-            table.write(telemetry.header(comments, width=width))
-            for rows in self._rows.parts:
-                table.write(telemetry.csv_lines(rows))
-        (self._folder / "log.txt").write_bytes(b"".join(self._log))
+        documents: dict[str, object] = {}
         if outcome is not None:
-            self._write_json("manifest.json", outcome.manifest)
-            self._write_json("metrics.json", outcome.metrics)
-
-    def _write_json(self, name: str, value: object) -> None:
-        path = Path(self._folder or ".", name)
-        if value is None:
-            path.unlink(missing_ok=True)  # left by an earlier run
-            return
-        path.write_text(json.dumps(value, indent=2, allow_nan=False) + "\n", encoding="utf-8")
+            comments.append(f"digest {outcome.digest}")
+            documents = {"manifest.json": outcome.manifest, "metrics.json": outcome.metrics}
+        width = self._rows.parts[0].shape[1] if self._rows.parts else telemetry.WIDTH
+        with ExitStack() as drafts:  # all are complete before the first takes its place
+            table = drafts.enter_context(draft_of(self._folder / "telemetry.csv"))
+            table.write(telemetry.header(comments, width=width).encode())
+            for rows in self._rows.parts:
+                table.write(telemetry.csv_lines(rows).encode())
+            log = drafts.enter_context(draft_of(self._folder / "log.txt"))
+            log.write(b"".join(self._log))
+            for name, value in documents.items():
+                if value is not None:
+                    file = drafts.enter_context(draft_of(self._folder / name))
+                    file.write(f"{json.dumps(value, indent=2, allow_nan=False)}\n".encode())
+        for name, value in documents.items():
+            if value is None:
+                (self._folder / name).unlink(missing_ok=True)  # left by an earlier run
 
 
 def _prepare(folder: Path) -> None:

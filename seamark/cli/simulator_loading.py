@@ -6,6 +6,8 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
+import click
+
 if TYPE_CHECKING:
     from seamark.progress import Progress
 
@@ -14,7 +16,8 @@ COMPILING = "compiling the simulator (once; a minute or two)"
 
 @contextmanager
 def loading_shown(bar: Progress) -> Iterator[None]:
-    """Show on a bar what the simulator does before it runs."""
+    """Show on a bar what the simulator does before it runs; say if OpenCV is not the right one."""
+    say_other_opencv()
     bar.show(0.0, "loading the simulator", state="loading")
     from seamark.sim.numerics.compilation import announced
 
@@ -25,9 +28,18 @@ def loading_shown(bar: Progress) -> Iterator[None]:
         yield
 
 
+def say_other_opencv() -> None:
+    """Say on standard error if `import cv2` brings another OpenCV than Seamark requires."""
+    from seamark.sim.recording.opencv import complaint
+
+    if says := complaint():
+        click.echo(says, err=True)
+
+
 @contextmanager
 def compiling_said(say: Callable[[str], None]) -> Iterator[None]:
-    """Pass on a sentence if the simulator has to be compiled."""
+    """Pass on a sentence if the simulator has to be compiled, or if OpenCV is not the right one."""
+    say_other_opencv()
     from seamark.sim.numerics.compilation import announced
 
     def note(functions: int) -> None:

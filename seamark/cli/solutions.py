@@ -8,9 +8,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from seamark.cli.extras import has_simulator
 from seamark.failures import PlatformFailed, ProgramFailed, UsageRefused
-from seamark.sandbox.languages import language_of, role_refusal
-from seamark.sim import registry
 
 if TYPE_CHECKING:
     from seamark.sandbox.isolation.level import IsolationLevel
@@ -28,6 +27,10 @@ def choose(controller: str | None, benchmark: str) -> tuple[str, Path | None]:
     UsageRefused
         It is neither a file nor built in, or the benchmark does not support its language.
     """
+    if not has_simulator():
+        return _choose_unchecked(controller)
+    from seamark.sim import registry
+
     known = benchmark if benchmark in registry.BENCHMARKS else next(iter(registry.BENCHMARKS))
     entry = registry.benchmark(known)
     built_in = list(entry.built_in)
@@ -44,7 +47,19 @@ def choose(controller: str | None, benchmark: str) -> tuple[str, Path | None]:
     )
 
 
+def _choose_unchecked(controller: str | None) -> tuple[str, Path | None]:
+    """Return the name of a solution and its file where only the server knows what is built in."""
+    if controller is None:
+        raise UsageRefused("Name a file or a built-in solution with --controller.")
+    path = Path(controller)
+    if path.suffix and not path.is_file():
+        raise UsageRefused(f"There is no file {controller}.")
+    return controller, path if path.is_file() else None
+
+
 def _check_language(path: Path, role: str) -> None:
+    from seamark.sandbox.languages import language_of, role_refusal
+
     name = language_of(path.name)
     if name is not None and (refusal := role_refusal(name, role)):
         raise UsageRefused(f"{path}: {refusal}")
@@ -60,9 +75,11 @@ def prepare(path: Path, *, benchmark: str) -> PreparedProgram:
     ProgramFailed
         The server would refuse an upload of it.
     """
+    from seamark.sandbox.languages import language_of
     from seamark.server.programs.archives import is_archive
     from seamark.server.programs.preparation import UploadRejected
     from seamark.server.programs.preparation import prepare as prepare_upload
+    from seamark.sim import registry
 
     if language_of(path.name) is None and not is_archive(path.name):
         raise UsageRefused(f"{path}: files of this type belong to no supported language.")

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from seamark.cli.drafts import draft_of
 from seamark.cli.extras import install_line, missing
 from seamark.failures import UsageRefused
 from seamark.server.programs import parameters
@@ -102,10 +103,8 @@ class TuningTask:
 
         lines = f"# seamark run {self.benchmark.name} --controller {self.controller} --config ..."
         text = f"{lines}\n{tomli_w.dumps(self._settings(values))}"
-        try:
-            self.options.out.write_text(text, encoding="utf-8")
-        except OSError as error:
-            raise UsageRefused(f"{self.options.out} cannot be written: {error.strerror}.") from None
+        with draft_of(self.options.out) as file:
+            file.write(text.encode())
 
     def evaluator(
         self, *, progress: Callable[[float], None], notice: Callable[[str], None]

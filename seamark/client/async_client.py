@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import AsyncIterator, Mapping, Sequence
 from types import TracebackType
-from typing import Any, Self, Unpack
+from typing import Any
 
 import httpx
+from typing_extensions import Self, Unpack
 
 from seamark.client.async_runs import AsyncRun, AsyncSweep
 from seamark.client.documents import (

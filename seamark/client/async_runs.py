@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import AsyncIterator, Callable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, BinaryIO, Literal, Self, overload
+from typing import TYPE_CHECKING, Any, BinaryIO, Literal, overload
+
+from typing_extensions import Self
 
 from seamark.client import plots, tables
-from seamark.client.documents import RunDocument, SweepDocument
+from seamark.client.documents import PublicationTerms, RunDocument, SweepDocument
 from seamark.client.run_view import RunView, SweepView, written_to
 from seamark.client.sessions import AsyncSession
 from seamark.client.watch import watch_run, watch_sweep
@@ -112,12 +114,20 @@ class AsyncRun(RunView):
         return await self._session.do(self._calls.data(self.id, "program"))
 
     async def publish(
-        self, *, program: bool = True, licence: str | None = None, anonymous: bool = False
+        self,
+        method: str = "",
+        *,
+        program: bool = True,
+        licence: str | None = None,
+        anonymous: bool = False,
     ) -> Self:
         """Make the run public; a ranked one enters the leaderboard.
 
         Parameters
         ----------
+        method
+            What leaderboards, badges and citations call the run. Required for an uploaded program;
+            without it, a built-in solution has its label.
         program
             With the uploaded program and its log; else the results only.
         licence
@@ -125,7 +135,12 @@ class AsyncRun(RunView):
         anonymous
             For review: nobody sees whose run it is.
         """
-        terms = {"program": program, "licence": licence, "anonymous": anonymous}
+        terms: PublicationTerms = {
+            "method": method,
+            "program": program,
+            "licence": licence,
+            "anonymous": anonymous,
+        }
         return await self._act("publish", terms)
 
     async def withdraw(self) -> Self:

@@ -148,13 +148,14 @@ class Calls:
         found = yield from self.document("GET", "/benchmarks", needs=("benchmarks",))
         return cast("list[BenchmarkDocument]", found["benchmarks"])
 
-    def telemetry(self, run_id: int) -> Call[tuple[list[str], bytes]]:
-        """Return the names of the columns and all rows so far as little-endian float64."""
+    def telemetry(self, run_id: int) -> Call[tuple[list[str], bytes, dict[str, str]]]:
+        """Return the names of the columns, all rows so far as little-endian float64, and units."""
         response = yield from self.send("GET", f"/runs/{run_id}/telemetry.f64")
         names = [name for name in response.headers.get("X-Columns", "").split(",") if name]
         if not names or len(response.content) % (8 * len(names)):
             raise exchange.not_seamark(self.server)
-        return names, response.content
+        units = response.headers.get("X-Units", "").split(",")
+        return names, response.content, dict(zip(names, units, strict=False))
 
     def benchmark(self, name: str) -> Call[dict[str, Any]]:
         """Return a benchmark with the schema of its settings."""
@@ -183,7 +184,9 @@ class Calls:
         if kind not in FORMATS:
             raise ValueError(f"The formats are {', '.join(FORMATS)}, not {kind!r}.")
         path = f"{API}/runs/{run_id}/{FORMATS[kind].file}"
-        yield from self._exchange(Request("GET", path, into=into))
+        response = yield from self._exchange(Request("GET", path, into=into))
+        if response.headers.get("Content-Type", "").startswith("text/html"):  # a page of a proxy
+            raise exchange.not_seamark(self.server)
 
     def _post_run(
         self,

@@ -31,6 +31,7 @@ class SubmissionOptions(TypedDict, total=False):
 class PublicationTerms(TypedDict):
     """On which terms a run is published."""
 
+    method: str
     program: bool
     licence: str | None
     anonymous: bool
@@ -52,6 +53,7 @@ class RunDocument(TypedDict):
     is_baseline: bool
     title: str
     notes: str
+    method: str
     rerun_of: int | None
     sweep_id: int | None
     state: RunState
@@ -135,6 +137,7 @@ class RankDocument(TypedDict):
     rank_low: int | None
     rank_high: int | None
     user: str
+    method: str
     controller: str
     run: int
     score: float

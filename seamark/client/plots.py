@@ -28,6 +28,7 @@ def figure(document: RunDocument, rows: NDArray[np.void], *, title: str, trial: 
         There is no such trial, or this version does not know the benchmark.
     """
     tables.package("matplotlib")
+    tables.package("seamark.plots")
     from seamark.plots import charts, picture
     from seamark.plots.result import Result
     from seamark.server.programs import parameters

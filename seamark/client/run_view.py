@@ -9,16 +9,17 @@ from typing import Any, BinaryIO
 
 from seamark.client.documents import RunDocument, RunState, SweepDocument
 from seamark.client.watch import run_ended, sweep_ended
+from seamark.drafts import draft_of
 from seamark.progress import Progress
 from seamark.sandbox.printable_text import printable_text
 
 
 @contextmanager
 def written_to(file: str | Path | BinaryIO) -> Iterator[BinaryIO]:
-    """Provide a file to write to: the one at a path, or an open one as it is."""
+    """Provide a file to write to: a draft of the one at a path, or an open one as it is."""
     if isinstance(file, str | Path):
-        with Path(file).open("w+b") as opened:
-            yield opened
+        with draft_of(file) as draft:
+            yield draft
     else:
         yield file
 

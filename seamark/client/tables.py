@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import importlib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
 from seamark.client.errors import PackageMissing
@@ -23,8 +23,12 @@ def structured(names: Sequence[str], data: bytes) -> NDArray[np.void]:
     return rows
 
 
-def table(kind: TableKind, names: Sequence[str], data: bytes) -> Any:
+def table(
+    kind: TableKind, names: Sequence[str], data: bytes, units: Mapping[str, str] | None = None
+) -> Any:
     """Return rows of little-endian float64 as a table of this kind.
+
+    Units are in the metadata of Arrow's fields (`unit`), and in pandas' `attrs["units"]`.
 
     Raises
     ------
@@ -40,9 +44,17 @@ def table(kind: TableKind, names: Sequence[str], data: bytes) -> Any:
     if kind == "numpy":
         return rows
     columns = {name: rows[name].copy() for name in names}  # each in one piece
+    told = dict(units or {})
     if kind == "arrow":
-        return library.table(columns)
-    return library.DataFrame(columns)
+        fields = [
+            library.field(name, library.float64(), metadata={"unit": told[name]} if told else None)
+            for name in names
+        ]
+        return library.table(columns, schema=library.schema(fields))
+    frame = library.DataFrame(columns)
+    if kind == "pandas":
+        frame.attrs["units"] = told
+    return frame
 
 
 def package(name: str) -> Any:

@@ -19,12 +19,13 @@ from typing import TYPE_CHECKING
 from seamark.embedded import broker
 from seamark.embedded.installed_tools import InstalledTools
 from seamark.embedded.supervisor import Child, Supervisor
+from seamark.embedded.worker_renewal import WorkerRenewal
 from seamark.failures import PlatformFailed, UsageRefused
 
 if TYPE_CHECKING:
     from seamark.server.settings import Settings
 
-START_S = 180.0  # until the first response: 54 s on a busy virtual machine with slow system calls
+PATIENCE_S = 60.0  # [s] after which a start that takes long is said to go on
 BROKER_S = 10.0
 POLL_S = 0.2
 WORKER_GRACE_S = 20.0  # in which a run that is under way returns to the queue
@@ -41,10 +42,15 @@ class Embedded:
         With an empty `broker_url` a broker is started too.
     say
         Prints one line for the person at the terminal.
+    installer
+        File that is locked as long as programs for uploads are being installed on this machine.
     """
 
-    def __init__(self, settings: Settings, say: Callable[[str], None]) -> None:
+    def __init__(
+        self, settings: Settings, say: Callable[[str], None], *, installer: Path | None = None
+    ) -> None:
         self._settings = settings
+        self._installer = installer
         self._say = say
         self._logs = settings.data / "logs"
 
@@ -78,25 +84,22 @@ class Embedded:
             ):
                 settings = self._with_broker(children, Path(socket_folder))
                 self._prepare(settings)
-                self._start_parts(children, settings)
-                for path, reached in (("healthz", pages_up), ("readyz", on_ready)):
-                    stopped = self._wait_until_answered(path, children, settings)
-                    if stopped is not None:
-                        return stopped
-                    reached(settings)
-                return self._keep(children, settings)
-
-    def _keep(self, children: Supervisor, settings: Settings) -> signal.Signals:
-        """Keep all alive; return the signal that ended it."""
-        tools = InstalledTools()
-        while True:
-            stopped = children.wait(POLL_S)
-            if stopped is not None:
-                return stopped
-            if tools.changed() and _is_idle(settings):
-                self._say("Programs were installed on this machine: the worker looks at them.")
-                children.restart(_PARTS["worker"])
-                tools.accept()
+                tools = InstalledTools()  # before the worker finds out what there is
+                children.add(self._child("web", settings))
+                with WorkerRenewal(
+                    settings,
+                    children,
+                    lambda: children.add(self._child("worker", settings)),
+                    say=self._say,
+                    tools=tools,
+                    installer=self._installer,
+                ) as renewal:
+                    for path, reached in (("healthz", pages_up), ("readyz", on_ready)):
+                        stopped = self._wait_until_answered(path, children, settings)
+                        if stopped is not None:
+                            return stopped
+                        reached(settings)
+                    return _keep(children, renewal)
 
     def _with_broker(self, children: Supervisor, socket_folder: Path) -> Settings:
         """Start the broker unless the settings name one; return settings with its URL."""
@@ -146,25 +149,25 @@ class Embedded:
         finally:
             database.close()
 
-    def _start_parts(self, children: Supervisor, settings: Settings) -> None:
-        environ = _bare_environment() | settings.environment()
-        for name, words in _PARTS.items():
-            children.add(
-                Child(
-                    name=words,
-                    argv=[sys.executable, "-s", "-P", "-m", "seamark.cli.main", name],
-                    environ=environ,
-                    log=self._logs / f"{name}.log",
-                    stop_order=1 if name == "worker" else 0,
-                    grace_s=WORKER_GRACE_S if name == "worker" else WEB_GRACE_S,
-                )
-            )
+    def _child(self, name: str, settings: Settings) -> Child:
+        """Return the web server or the worker."""
+        return Child(
+            name=_PARTS[name],
+            argv=[sys.executable, "-s", "-P", "-m", "seamark.cli.main", name],
+            environ=_bare_environment() | settings.environment(),
+            log=self._logs / f"{name}.log",
+            stop_order=1 if name == "worker" else 0,
+            grace_s=WORKER_GRACE_S if name == "worker" else WEB_GRACE_S,
+        )
 
     def _wait_until_answered(
         self, path: str, children: Supervisor, settings: Settings
     ) -> signal.Signals | None:
-        """Wait until the web server answers for a path; return a stop signal."""
-        deadline = time.monotonic() + START_S
+        """Wait until the web server answers for a path; return a stop signal.
+
+        For as long as it takes: a slow machine needs many minutes, and whoever waits can stop it.
+        """
+        say_at = time.monotonic() + PATIENCE_S
         while True:
             stopped = children.wait(POLL_S)
             if stopped is not None:
@@ -174,25 +177,18 @@ class Embedded:
             for child in children.children:
                 if len(child.exits) >= 3:
                     raise PlatformFailed(_start_failure(child.name, child.log))
-            if time.monotonic() > deadline:
-                raise PlatformFailed(
-                    f"The service is not ready after {START_S:g} s. The logs are in {self._logs}."
-                )
+            if time.monotonic() > say_at:
+                say_at += PATIENCE_S
+                self._say(f"The service is still starting. The logs are in {self._logs}.")
 
 
-def _is_idle(settings: Settings) -> bool:
-    """Return whether no run is under way, and no worker is still preparing its simulator."""
-    from seamark.server import workers
-    from seamark.server.database.engine import Database
-    from seamark.server.runs import queue
-
-    database = Database(settings.database_url)
-    try:
-        with database.reading() as session:
-            preparing = any(worker.preparing for worker in workers.listed(session) if worker.alive)
-            return not preparing and not queue.leases(session)
-    finally:
-        database.close()
+def _keep(children: Supervisor, renewal: WorkerRenewal) -> signal.Signals:
+    """Keep all alive; return the signal that ended it."""
+    while True:
+        stopped = children.wait(POLL_S)
+        if stopped is not None:
+            return stopped
+        renewal.step()
 
 
 def address_of(settings: Settings) -> str:

@@ -47,7 +47,7 @@ class Child:
     backoff: RestartBackoff = field(default_factory=RestartBackoff)
     due_at: float | None = None
     exits: list[int] = field(default_factory=list)
-    kill_at: float | None = None  # of one that was asked to end, to start again
+    kill_at: float | None = None  # of one that was asked to end for good
 
 
 def _open_log(path: Path) -> IO[bytes]:
@@ -102,17 +102,19 @@ class Supervisor:
         _libc.prctl(PR_SET_CHILD_SUBREAPER, 0)
         signal.pthread_sigmask(signal.SIG_SETMASK, self._old_mask)
 
-    def add(self, child: Child) -> None:
-        """Start one more child."""
+    def add(self, child: Child) -> Child:
+        """Start one more child and return it."""
         self.children.append(child)
         self._start(child)
+        return child
 
-    def restart(self, name: str) -> None:
-        """Ask a child to end, and start it again at once when it has; returns at once."""
-        for child in self.children:
-            if child.name == name and child.process is not None:
-                child.process.send_signal(signal.SIGTERM)
-                child.kill_at = time.monotonic() + child.grace_s
+    def retire(self, child: Child) -> None:
+        """Ask a child to end for good; returns at once, and forgets it when it has ended."""
+        if child.process is None:
+            self.children.remove(child)
+        elif child.kill_at is None:
+            child.process.send_signal(signal.SIGTERM)
+            child.kill_at = time.monotonic() + child.grace_s
 
     def _start(self, child: Child) -> None:
         with _open_log(child.log) as log:
@@ -145,7 +147,7 @@ class Supervisor:
                 return None
 
     def _reap(self) -> None:
-        for child in self.children:
+        for child in [*self.children]:
             if child.process is not None and child.process.poll() is not None:
                 self._note_death(child)
         self._reap_orphans()
@@ -155,8 +157,9 @@ class Supervisor:
         if process is None or process.returncode is None:
             return
         now = time.monotonic()
-        if child.kill_at is not None:  # `restart` asked for it
-            child.process, child.kill_at, child.due_at = None, None, now
+        if child.kill_at is not None:
+            child.process = None
+            self.children.remove(child)
             self._kill_session(process.pid)
             return
         child.backoff.note_life(now - child.started_at)

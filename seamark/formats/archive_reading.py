@@ -9,6 +9,7 @@ from __future__ import annotations
 import io
 import json
 import zipfile
+import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -207,9 +208,7 @@ def _failures_told(name: str) -> Iterator[None]:
     """Raise ArchiveRefused for what the libraries raise."""
     try:
         yield
-    except (zipfile.BadZipFile, NotImplementedError, EOFError, OSError) as error:
-        raise ArchiveRefused(f"{name} cannot be read: {error}.") from None
-    except RuntimeError as error:  # zipfile's answer to an encrypted file
+    except (zipfile.BadZipFile, zlib.error, RuntimeError, EOFError, OSError) as error:
         raise ArchiveRefused(f"{name} cannot be read: {error}.") from None
     except (NotTelemetry, UnicodeDecodeError) as error:
         raise ArchiveRefused(f"{name} is not a table of telemetry: {error}.") from None

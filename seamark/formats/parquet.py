@@ -6,12 +6,14 @@ fifteenth, BYTE_STREAM_SPLIT another tenth.
 
 from __future__ import annotations
 
+import json
 from typing import Any, BinaryIO
 
 import numpy as np
 
 from seamark.formats.recording import Recording
 
+_PANDAS = "PANDAS_ATTRS"  # what pandas.read_parquet makes the `attrs` of the data frame from
 ROW_GROUP_ROWS = 50_000  # 20 MB: what readers load at a time
 
 
@@ -41,4 +43,6 @@ def _schema(recording: Recording) -> Any:
         )
         for column in recording.columns
     ]
-    return pa.schema(fields, metadata={"seamark": recording.description()})
+    units = {column.name: column.unit for column in recording.columns}
+    told = {"seamark": recording.description(), _PANDAS: json.dumps({"units": units})}
+    return pa.schema(fields, metadata=told)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, BinaryIO
 if TYPE_CHECKING:
     from seamark.formats.recording import Recording
 
-REVISION = 2  # of all formats: a change of one makes the copies of clients stale
+REVISION = 3  # of all formats: a change of one makes the copies of clients stale
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -56,7 +56,7 @@ _ALL = (
         name="mcap",
         file="telemetry.mcap",
         media_type="application/octet-stream",
-        label="ROS 2 messages: poses, camera images and all columns, for Foxglove",
+        label="ROS 2 messages: odometry, sensors, camera images and all columns, for Foxglove",
         module="seamark.formats.ros.mcap_file",
         packages=("mcap_ros2",),
     ),

@@ -1,5 +1,6 @@
 """The episodes of an environment: the levels of a run in their order, trial after trial."""
 
+import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -9,6 +10,7 @@ import numpy as np
 
 from seamark.sim.engine.experiment import Experiment
 from seamark.sim.engine.seeds import SEED_MAX
+from seamark.sim.recording import opencv
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,6 +31,8 @@ class Episodes:
     """The levels of the run with one seed: those that `seamark run --seed` has, in its order."""
 
     def __init__(self, experiment: Experiment, config: Any) -> None:
+        if other := opencv.complaint():
+            warnings.warn(other, stacklevel=3)
         self._experiment, self._config = experiment, config
         self._seed: int | None = None
         self._trial = self._position = 0

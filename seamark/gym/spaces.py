@@ -6,9 +6,10 @@ units and meaning of its fields, and `named` returns them by name.
 
 from typing import Any
 
+import gymnasium
 import numpy as np
 from gymnasium.spaces import Box
-from numpy.typing import NDArray
+from numpy.typing import DTypeLike, NDArray
 
 from seamark.sim.control.observation import FIELDS, PER_THRUSTER, Observation
 from seamark.sim.control.velocity_law import FASTEST_YAW_RAD_S
@@ -18,6 +19,12 @@ from seamark.sim.vehicles import load
 VELOCITY, THRUSTERS = "velocity", "thrusters"
 ACTIONS = (VELOCITY, THRUSTERS)
 _UNBOUNDED = np.inf
+_ROUNDED = 1e-6  # by which a bound in float32 may lie beyond the limit
+_SATURATED = (
+    "An action is outside of the action space, so the vehicle saturates it: it does less than the "
+    "policy wants. Bound the actions of the policy, or make the environment with "
+    "normalise_actions=True if its actions are from -1 to 1. This is said once."
+)
 # Least and greatest value of a field; the others have no bound.
 _BOUNDS = {
     "t": (0.0, _UNBOUNDED),
@@ -38,7 +45,7 @@ def most_thrusters(config: StationKeepingSettings) -> int:
     return max(len(load(name).thrusters) for name in config.vehicles())
 
 
-def observation_space(config: StationKeepingSettings) -> Box:
+def observation_space(config: StationKeepingSettings, dtype: DTypeLike = np.float64) -> Box:
     """Return the space of packed observations; the thrusts a vehicle does not have are 0."""
     low: list[float] = []
     high: list[float] = []
@@ -47,28 +54,53 @@ def observation_space(config: StationKeepingSettings) -> Box:
         least, greatest = _BOUNDS.get(name, (-_UNBOUNDED, _UNBOUNDED))
         low += [least] * numbers
         high += [greatest] * numbers
-    return Box(np.array(low), np.array(high), dtype=np.float64)
+    return Box(np.array(low, dtype), np.array(high, dtype), dtype=_checked(dtype))
 
 
-def action_space(config: StationKeepingSettings, action: str) -> Box:
-    """Return the space of actions.
+class Actions:
+    """What the actions of an environment mean.
 
-    Parameters
+    Attributes
     ----------
-    action
+    space
         VELOCITY: surge, sway, heave [m/s] and yaw rate [rad/s], within the limits at which the
         vehicle saturates them. THRUSTERS: commands in [-1, 1], one per thruster; those that a
-        vehicle does not have are ignored.
-
-    Raises
-    ------
-    ValueError
-        There is no such action.
+        vehicle does not have are ignored. Normalised: all numbers in [-1, 1].
     """
-    if action not in ACTIONS:
-        raise ValueError(f"action must be one of {', '.join(ACTIONS)}, not {action!r}")
-    if action == THRUSTERS:
-        size: Any = np.ones(most_thrusters(config))
-    else:
-        size = np.array([*[config.reference_limit_m_s] * 3, FASTEST_YAW_RAD_S])
-    return Box(-size, size, dtype=np.float64)
+
+    def __init__(
+        self,
+        config: StationKeepingSettings,
+        action: str,
+        *,
+        normalised: bool = False,
+        dtype: DTypeLike = np.float64,
+    ) -> None:
+        """Set up; raises ValueError if there is no such action or type of numbers."""
+        if action not in ACTIONS:
+            raise ValueError(f"action must be one of {', '.join(ACTIONS)}, not {action!r}")
+        if action == THRUSTERS:
+            size = np.ones(most_thrusters(config))
+        else:
+            size = np.array([*[config.reference_limit_m_s] * 3, FASTEST_YAW_RAD_S])
+        self._scale = size if normalised else np.ones_like(size)
+        self._most = size * (1.0 + _ROUNDED)
+        bound = np.ones_like(size) if normalised else size
+        self.space = Box((-bound).astype(dtype), bound.astype(dtype), dtype=_checked(dtype))
+        self._warned = False
+
+    def commands(self, actions: NDArray[np.floating[Any]]) -> NDArray[np.float64]:
+        """Return the commands that actions mean, (..., k), and warn once if some are saturated."""
+        commands = np.asarray(actions, dtype=np.float64)
+        if commands.shape[-1:] == self._scale.shape:
+            commands = commands * self._scale
+            if not self._warned and (np.abs(commands) > self._most).any():
+                self._warned = True
+                gymnasium.logger.warn(_SATURATED)
+        return commands
+
+
+def _checked(dtype: DTypeLike) -> Any:
+    if np.dtype(dtype) not in (np.float32, np.float64):
+        raise ValueError(f"dtype must be float32 or float64, not {np.dtype(dtype)}")
+    return np.dtype(dtype).type

@@ -5,10 +5,10 @@ from typing import Any
 
 import gymnasium
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import DTypeLike, NDArray
 
 from seamark.gym.episodes import Episode, Episodes
-from seamark.gym.spaces import THRUSTERS, VELOCITY, action_space, observation_space
+from seamark.gym.spaces import THRUSTERS, VELOCITY, Actions, observation_space
 from seamark.sim import registry
 from seamark.sim.benchmarks.station_keeping.experiment import StationKeeping
 from seamark.sim.engine.closed_loop import ClosedLoop, StateInvalid
@@ -18,7 +18,7 @@ from seamark.sim.engine.reward import goal, reward_of
 from seamark.sim.engine.world import World
 from seamark.sim.recording.telemetry import INDEX, STEP_US, width_for
 
-Observation = NDArray[np.float64]
+Observation = NDArray[Any]  # float64, or float32 if the environment is made so
 REFERENCE = slice(INDEX["ref_u"], INDEX["ref_r"] + 1)  # columns that an action decides
 TRUE_COLUMNS: dict[str, Any] = {  # name in `info` -> columns of the telemetry
     "pose": slice(INDEX["x"], INDEX["yaw"] + 1),
@@ -80,6 +80,8 @@ class StationKeepingEnv(gymnasium.Env[Observation, Observation]):
         settings: Mapping[str, object] | None = None,
         action: str = VELOCITY,
         render_mode: str | None = None,
+        dtype: DTypeLike = np.float64,
+        normalise_actions: bool = False,
     ) -> None:
         """Set up the environment.
 
@@ -90,13 +92,18 @@ class StationKeepingEnv(gymnasium.Env[Observation, Observation]):
             `seamark benchmarks NAME`.
         action
             "velocity": what a controller returns; "thrusters": commands of the thrusters.
+        dtype
+            Of observations and actions: float64 as in an uploaded controller, or float32. The
+            simulation computes in float64.
+        normalise_actions
+            Whether all actions are from -1 to 1, in shares of the limits of the vehicle.
 
         Raises
         ------
         ConfigurationInvalid
             A setting is not valid.
         ValueError
-            There is no such action or render mode.
+            There is no such action, render mode or type of numbers.
         """
         if render_mode not in (None, *self.metadata["render_modes"]):
             raise ValueError(f"render_mode must be rgb_array, not {render_mode!r}")
@@ -105,10 +112,11 @@ class StationKeepingEnv(gymnasium.Env[Observation, Observation]):
         config: Any = entry.read(settings or {})
         self._config = config
         self._experiment: StationKeeping[Any] = entry.load()  # type: ignore[assignment]
-        space = observation_space(config)
-        self._observed = space.shape
+        space = observation_space(config, dtype)
+        self._observed, self._dtype = space.shape, space.dtype
         self.observation_space: gymnasium.Space[Any] = space
-        self.action_space: gymnasium.Space[Any] = action_space(config, action)
+        self._actions = Actions(config, action, normalised=normalise_actions, dtype=dtype)
+        self.action_space: gymnasium.Space[Any] = self._actions.space
         self.metadata = self.metadata | {"render_fps": round(1.0 / config.control_period_s)}
         self._by_thrusters = action == THRUSTERS
         self._episodes = Episodes(self._experiment, config)
@@ -158,7 +166,7 @@ class StationKeepingEnv(gymnasium.Env[Observation, Observation]):
         terminated only if the simulation diverges, such as by an action that is not a number.
         """
         loop = self._running
-        self._hold(np.asarray(action, dtype=np.float64))
+        self._hold(self._actions.commands(action))
         try:
             loop.act(self._step, self._row)
             self._step += 1
@@ -180,7 +188,7 @@ class StationKeepingEnv(gymnasium.Env[Observation, Observation]):
 
     def _observation(self) -> Observation:
         values = self._running.observation
-        observation = np.zeros(self._observed)
+        observation = np.zeros(self._observed, self._dtype)
         observation[: len(values)] = values
         return observation
 

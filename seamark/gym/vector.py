@@ -7,10 +7,10 @@ import gymnasium
 import numpy as np
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
-from numpy.typing import NDArray
+from numpy.typing import DTypeLike, NDArray
 
 from seamark.gym.episodes import Episode, Episodes
-from seamark.gym.spaces import THRUSTERS, VELOCITY, action_space, observation_space
+from seamark.gym.spaces import THRUSTERS, VELOCITY, Actions, observation_space
 from seamark.gym.station_keeping import REFERENCE, TRUE_COLUMNS
 from seamark.sim import registry
 from seamark.sim.benchmarks.station_keeping.experiment import StationKeeping
@@ -19,7 +19,7 @@ from seamark.sim.fleet.fleet import Flags, Fleet
 from seamark.sim.numerics.random_streams import streams
 from seamark.sim.registry import TRUTH
 
-Array = NDArray[np.float64]
+Array = NDArray[Any]  # float64, or float32 if the environment is made so
 Info = dict[str, Any]
 _COLUMNS = np.r_[tuple(TRUE_COLUMNS.values())]  # of telemetry, one after the other
 
@@ -32,7 +32,7 @@ class StationKeepingVectorEnv(VectorEnv[Array, Array, Any]):
     is rendered; with any other each vehicle has a camera and a tracker, one after the other.
     """
 
-    def __init__(
+    def __init__(  # noqa: PLR0913  # one argument per option
         self,
         *,
         num_envs: int,
@@ -42,12 +42,14 @@ class StationKeepingVectorEnv(VectorEnv[Array, Array, Any]):
         render_mode: str | None = None,
         autoreset_mode: str | AutoresetMode = AutoresetMode.NEXT_STEP,
         threads: int | None = None,
+        dtype: DTypeLike = np.float64,
+        normalise_actions: bool = False,
     ) -> None:
         """Set up the environment.
 
         Parameters
         ----------
-        settings, action
+        settings, action, dtype, normalise_actions
             As of `StationKeepingEnv`.
         autoreset_mode
             "NextStep", "SameStep" or "Disabled"; see `step`.
@@ -76,8 +78,9 @@ class StationKeepingVectorEnv(VectorEnv[Array, Array, Any]):
             "render_fps": round(1.0 / config.control_period_s),
             "autoreset_mode": self._mode,
         }
-        self.single_observation_space = observation_space(config)
-        self.single_action_space = action_space(config, action)
+        self.single_observation_space = observation_space(config, dtype)
+        self._actions = Actions(config, action, normalised=normalise_actions, dtype=dtype)
+        self.single_action_space = self._actions.space
         self.observation_space = batch_space(self.single_observation_space, num_envs)
         self.action_space = batch_space(self.single_action_space, num_envs)
         self._fleet = Fleet(
@@ -156,7 +159,7 @@ class StationKeepingVectorEnv(VectorEnv[Array, Array, Any]):
         step, whose action it ignores; at once, `info["final_obs"]` and `info["final_info"]` then
         have how the old one ended; or not until it is reset.
         """
-        values = np.ascontiguousarray(actions, dtype=np.float64)
+        values = np.ascontiguousarray(self._actions.commands(actions))
         if values.shape != self.action_space.shape:
             raise ValueError(f"actions have shape {self.action_space.shape}, not {values.shape}")
         if not self._placed:
@@ -194,7 +197,8 @@ class StationKeepingVectorEnv(VectorEnv[Array, Array, Any]):
         )
 
     def _observations(self) -> Array:
-        return self._fleet.tables.outputs.observation.copy()
+        observation: Array = self._fleet.tables.outputs.observation
+        return observation.astype(self.single_observation_space.dtype)
 
     def _truth(self, known: Flags) -> Info:
         """Return the truth of the vehicles as `info` has it, for those in the mask."""

@@ -97,7 +97,7 @@ class LogMapping(_Part):
     """What a log means. Every part has a default: that of Seamark's own telemetry."""
 
     benchmark: Name | None = None
-    frame: Literal["NED", "ENU"] = "NED"
+    frame: Literal["NED", "ENU"] | None = None  # what the log says, else NED
     time: Time = Time()
     columns: Annotated[dict[Name, Source], Len(0, 100)] = {}
     topics: Topics = Topics()

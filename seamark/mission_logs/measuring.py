@@ -12,6 +12,7 @@ import numpy as np
 
 from seamark.mission_logs.csv_log import read as read_csv
 from seamark.mission_logs.frames import at_target, in_telemetry_frames
+from seamark.mission_logs.guesses import Guesses
 from seamark.mission_logs.mapping import LogMapping
 from seamark.mission_logs.refusal import LogRefused
 from seamark.mission_logs.result import LOG, WHAT, LogResult
@@ -61,11 +62,13 @@ def measure(path: Path, mapping: LogMapping, *, benchmark: str) -> LogResult:
     """
     experiment = _experiment(benchmark)
     config = _settings(benchmark, mapping)
-    found = timeline(_read(path, mapping), mapping.time)
-    values = in_telemetry_frames(found.values, mapping.frame)
+    parts, guessed = _read(path, mapping)
+    found = timeline(parts, mapping.time)
+    frame = mapping.frame or guessed.frame or "NED"
+    values = in_telemetry_frames(found.values, frame)
     target, optics = target_and_optics(config)
     if mapping.target is not None:
-        at_target(values, mapping.target, mapping.frame, target)
+        at_target(values, mapping.target, frame, target)
     camera = experiment.camera(config, seed=0, trial=0, level=0)
     made = log_rows(
         found,
@@ -93,6 +96,7 @@ def measure(path: Path, mapping: LogMapping, *, benchmark: str) -> LogResult:
             trials=len(results),
             controller=LOG,
             digest=total,
+            guessed=guessed.document(),
             **_origin(path, mapping, found, made),
         ),
         digest=total,
@@ -120,14 +124,15 @@ def _settings(benchmark: str, mapping: LogMapping) -> StationKeepingSettings:
     return checked
 
 
-def _read(path: Path, mapping: LogMapping) -> Sequence[Samples]:
+def _read(path: Path, mapping: LogMapping) -> tuple[Sequence[Samples], Guesses]:
     try:
         if path.is_dir() or path.suffix in ROS_SUFFIXES:
             from seamark.mission_logs.ros_log import read as read_ros
 
             return read_ros(path, mapping)
         if path.suffix in CSV_SUFFIXES:
-            return [read_csv(path, mapping)]
+            samples, guessed = read_csv(path, mapping)
+            return [samples], guessed
     except OSError as error:
         raise LogRefused(f"The log cannot be read: {error.strerror}.") from None
     raise LogRefused(unknown_file(path.name))

@@ -25,6 +25,7 @@ from rosbags.serde import SerdeError
 from rosbags.typesys import Stores, get_typestore
 from rosbags.typesys.store import Typestore
 
+from seamark.mission_logs.guesses import Frame, Guesses
 from seamark.mission_logs.mapping import CORNERS, QUATERNION, TRUE_CORNERS, LogMapping, factor
 from seamark.mission_logs.own_mcap import TOPIC, TYPE
 from seamark.mission_logs.own_mcap import read as read_own
@@ -56,8 +57,8 @@ class Reading:
     read: Read
 
 
-def read(path: Path, mapping: LogMapping) -> list[Samples]:
-    """Return the values of each topic; that of the pose comes first.
+def read(path: Path, mapping: LogMapping) -> tuple[list[Samples], Guesses]:
+    """Return the values of each topic, that of the pose first, and what was guessed.
 
     Raises
     ------
@@ -69,15 +70,16 @@ def read(path: Path, mapping: LogMapping) -> list[Samples]:
         named = any(mapping.topics.model_dump().values()) or mapping.columns
         if not named and TOPIC in typed and typed[TOPIC].msgtype == TYPE:
             messages = reader.messages([typed[TOPIC]])
-            return read_own(data for _connection, _stamp, data in messages)
-        readings = _readings(mapping, typed)
+            return read_own(data for _connection, _stamp, data in messages), Guesses()
+        guessed = Guesses() if named else _guessed(reader, decode, typed, mapping)
+        readings = _readings(mapping, guessed, typed)
         found: list[Samples] = []
         origin: int | None = None  # the stamps since 1970 have too many digits for a float
         for topic, parts in readings.items():
             samples, stamps = _samples(reader, decode, topic, parts)
             origin = int(stamps[0]) if origin is None else origin
             found.append(replace(samples, stamps=(stamps - origin).astype(np.float64) * _NS))
-        return found
+        return found, guessed
 
 
 @contextmanager
@@ -105,17 +107,38 @@ def _check_definition(store: Typestore, one: Connection, *, old: bool) -> None:
         raise LogRefused(f"{one.topic}: its {one.msgtype} is not ROS's own type of this name.")
 
 
+def _guessed(
+    reader: Reader,
+    decode: Callable[[bytes, str], Any],
+    typed: Mapping[str, Connection],
+    mapping: LogMapping,
+) -> Guesses:
+    """Return the only topic that tells where the vehicle is; its first message names the frame."""
+    kinds = {topic: one.msgtype for topic, one in typed.items() if one.msgtype in _BY_ROLE[_POSE]}
+    odometry = [topic for topic, kind in kinds.items() if kind in _BY_ROLE[_VELOCITY]]
+    found = odometry or list(kinds)
+    if len(found) != 1:
+        why = "has several topics with a pose" if found else "has no topic with a pose"
+        raise LogRefused(
+            f"The file {why}, so name the topics of the log in the mapping, such as pose and "
+            f"corners below [topics]. The file has: {_listed(typed)}."
+        )
+    (topic,) = found
+    topics = {_POSE: topic} | ({_VELOCITY: topic} if odometry else {})
+    connections = [one for one in reader.connections if one.topic == topic]
+    first = next(reader.messages(connections), None)
+    named = "" if first is None else str(decode(first[2], kinds[topic]).header.frame_id)
+    # REP 103: frames are east, north, up unless their name says otherwise.
+    frame: Frame = "NED" if named.lower().endswith("ned") else "ENU"
+    return Guesses(topics=topics, frame=None if mapping.frame else frame)
+
+
 def _readings(
-    mapping: LogMapping, typed: Mapping[str, Connection]
+    mapping: LogMapping, guessed: Guesses, typed: Mapping[str, Connection]
 ) -> dict[str, tuple[Reading, ...]]:
     """Return topic -> what is read from it; the pose's topic first."""
     found: list[Reading] = []
-    roles = mapping.topics.model_dump()
-    if not any(roles.values()) and not mapping.columns:
-        raise LogRefused(
-            "Name the topics of the log in the mapping, such as pose and corners below "
-            f"[topics]. The file has: {_listed(typed)}."
-        )
+    roles = {**mapping.topics.model_dump(), **guessed.topics}
     for role in ("pose", "velocity", "corners", "true_corners"):
         if topic := roles.get(role):
             found.extend(_of_role(role, topic, _connection(topic, typed)))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from pathlib import Path
+from typing import BinaryIO
 
 from matplotlib.figure import Figure
 
@@ -13,9 +13,9 @@ _SIZE_IN = (6.0, 3.6)  # of each chart
 _DPI = 150
 
 
-def save(charts: Sequence[Chart], path: Path, *, title: str) -> None:
-    """Write the figure of some charts; raises OSError."""
-    figure(charts, title=title).savefig(path)
+def save(charts: Sequence[Chart], file: BinaryIO, *, kind: str, title: str) -> None:
+    """Write the figure of some charts as `png`, `pdf` or `svg`; raises OSError."""
+    figure(charts, title=title).savefig(file, format=kind)
 
 
 def figure(charts: Sequence[Chart], *, title: str) -> Figure:

@@ -10,12 +10,12 @@ from __future__ import annotations
 import csv
 import io
 import json
-import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from seamark.drafts import replace_file
 from seamark.failures import UsageRefused
 from seamark.tuning.candidates import Candidate, Evaluated
 from seamark.tuning.search_space import Value
@@ -98,10 +98,8 @@ class History:
         for number, row in sorted(self._rows.items()):
             score = "" if row.ended.score is None else repr(row.ended.score)
             writer.writerow((number, score, row.ended.failure, *row.texts))
-        part = self.path.with_name(f".{self.path.name}.part")
         try:
-            part.write_text(table.getvalue(), encoding="utf-8")
-            os.replace(part, self.path)
+            replace_file(self.path, table.getvalue().encode())
         except OSError as error:
             raise UsageRefused(f"{self.path} cannot be written: {error.strerror}.") from None
 

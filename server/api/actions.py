@@ -47,7 +47,8 @@ def cancel(path: RunPath) -> dict[str, Any]:
 def publish(path: RunPath) -> dict[str, Any]:
     """Make a finished run public; a ranked one enters the leaderboard.
 
-    The body may be left out: then the program is public too, without a licence, under your name.
+    An uploaded program needs the name of its method. Without a body, a run of a built-in solution
+    or a log is published under your name.
     """
     wanted = PublicationRequest.model_validate({})
     if request.content_length:

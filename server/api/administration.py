@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import asdict
 from typing import Any, TypeVar
 
-from flask import Response, request, url_for
+from flask import Response, url_for
 from flask_openapi3.blueprint import APIBlueprint
 from flask_openapi3.models.tag import Tag
 from sqlalchemy.orm import Session
@@ -42,6 +42,7 @@ from seamark.server.database.tables import User
 from seamark.server.web import access
 from seamark.server.web.problems import Problem
 from seamark.server.web.services import services
+from seamark.server.web.site_address import site_address
 
 Answer = TypeVar("Answer")
 api = APIBlueprint(
@@ -174,8 +175,7 @@ def make_reset_link(path: AccountPath) -> dict[str, Any]:
     with services().database.writing() as session:
         user = _user(session, path.user_id)
         text = _or_conflict(lambda: people.make_reset_link(session, access.actor(), user))
-    site = services().settings.url or request.host_url.rstrip("/")
-    link = site + url_for("own_account.reset", link=text)
+    link = site_address() + url_for("own_account.reset", link=text)
     return {"link": link, "hours": password_resets.HOURS}
 
 

@@ -75,7 +75,9 @@ class JoinRequest(BaseModel):
 
     model_config = ConfigDict(extra="forbid")
 
-    code: Text = Field(min_length=1, max_length=40, description="As the teacher gave it")
+    code: Text = Field(
+        min_length=1, max_length=200, description="As the teacher gave it, or the link to join"
+    )
 
 
 class AssignmentRequest(BaseModel):
@@ -112,12 +114,13 @@ class AssignmentChange(BaseModel):
 
 
 class ClassResponse(ResponseModel):
-    """A class; `code` is null for pupils."""
+    """A class; `code` and `join_url` are null for pupils."""
 
     id: int
     name: str
     teacher: str
     code: str | None
+    join_url: str | None = Field(description="Where people join, also those without an account")
     pupils: int
     shows_ranking: bool
     created_at: float
@@ -175,6 +178,7 @@ class AssignedRunResponse(ResponseModel):
     run: int
     state: str
     program: str
+    is_starter: bool = Field(description="The program is the starter, unchanged")
     seed: int | None
     queued_at: float
     score: float | None

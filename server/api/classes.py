@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from flask import Response, jsonify
+from flask import Response, jsonify, url_for
 from flask_openapi3.blueprint import APIBlueprint
 from flask_openapi3.models.tag import Tag
 
@@ -31,6 +31,7 @@ from seamark.server.classes.classrooms import PAGE, ClassView
 from seamark.server.web import access, class_access, rate_limits
 from seamark.server.web.problems import Problem
 from seamark.server.web.services import services
+from seamark.server.web.site_address import site_address
 
 api = APIBlueprint(
     "api_classes",
@@ -176,7 +177,8 @@ def class_answer(found: ClassView) -> dict[str, Any]:
     """Return the JSON of a class."""
     same = ("id", "name", "teacher", "pupils", "shows_ranking", "created_at", "archived_at")
     code = found.code if class_access.is_teacher(found) else None
-    return {name: getattr(found, name) for name in same} | {"code": code}
+    link = None if code is None else f"{site_address()}{url_for('classes.invitation', code=code)}"
+    return {name: getattr(found, name) for name in same} | {"code": code, "join_url": link}
 
 
 def assignment_answer(found: AssignmentView) -> dict[str, Any]:

@@ -76,7 +76,10 @@ def comments(view: RunView, files: RunFiles, rows: int) -> list[str]:
 
 @api.get("/runs/<int:run_id>/telemetry.f64", responses=answers_with("application/octet-stream"))
 def telemetry_f64(path: RunPath, query: TelemetryQuery) -> Response:
-    """Download all rows so far as little-endian float64; X-Columns names the columns."""
+    """Download all rows so far as little-endian float64.
+
+    X-Columns names the columns, X-Units their units; a column without one has an empty unit.
+    """
     view = access.run_for(path.run_id)
     files = access.files_of(view)
     stop = files.row_count()
@@ -86,6 +89,8 @@ def telemetry_f64(path: RunPath, query: TelemetryQuery) -> Response:
     )
     answer = Response(pieces, content_type="application/octet-stream")
     answer.headers["X-Columns"] = ",".join(files.columns)
+    units = (column.unit for column in telemetry.columns(len(files.columns)))
+    answer.headers["X-Units"] = ",".join(units)
     answer.headers["X-Next-Row"] = str(max(stop, query.start))
     as_attachment(answer, view, "telemetry.f64")
     return answer

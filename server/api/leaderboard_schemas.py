@@ -47,7 +47,8 @@ class RankResponse(ResponseModel):
     rank_low: int | None = Field(description="best rank that is compatible with all scores (95 %)")
     rank_high: int | None = Field(description="worst rank that is compatible with all scores")
     user: str
-    controller: str
+    method: str = Field(description="what the entry is called")
+    controller: str = Field(description="name of the program's file, or of the built-in solution")
     run: int
     score: float
     score_low: float

@@ -19,6 +19,7 @@ from seamark.server.database.engine import Database
 from seamark.server.runs import leaderboard_filters, reference_entries, verifications
 from seamark.server.runs.leaderboard import Cursor, Rank
 from seamark.server.runs.leaderboard_filters import BoardFilter, BoardPage
+from seamark.server.runs.solutions import entry_name
 from seamark.server.runs.verifications import VerificationView
 from seamark.server.web import access, csv_export
 from seamark.server.web.problems import Problem
@@ -28,7 +29,7 @@ from seamark.sim.metrics.metric import Metric
 
 Verified = Mapping[int, VerificationView]
 COLUMNS = (
-    *("rank", "rank_low", "rank_high", "user", "affiliation", "controller", "run"),
+    *("rank", "rank_low", "rank_high", "user", "affiliation", "method", "controller", "run"),
     *("score", "score_low", "score_high", "level_held", "submissions", "reached_at"),
     *("is_baseline", "title", "language", "vehicle", "tracker", "notes"),
     *("anonymous", "verification"),
@@ -150,6 +151,7 @@ def _row(rank: Rank, verified: Verified) -> dict[str, Any]:
         "rank_high": rank.rank_high,
         "user": rank.user,
         "affiliation": rank.affiliation,
+        "method": entry_name(rank),
         "controller": rank.program_name or rank.controller,
         "run": rank.run_id,
         "score": rank.score,

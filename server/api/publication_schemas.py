@@ -8,6 +8,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from seamark.server.api.schemas import ResponseModel
 from seamark.server.runs.licences import LICENCES
+from seamark.server.runs.method_names import METHOD_MAX
 from seamark.server.runs.publications import Terms
 from seamark.server.runs.verifications import Outcome
 
@@ -17,6 +18,13 @@ class PublicationRequest(BaseModel):
 
     model_config = ConfigDict(extra="forbid")
 
+    method: str = Field(
+        "",
+        max_length=4 * METHOD_MAX,
+        description=f"Name of the method, of at most {METHOD_MAX} characters: what leaderboards, "
+        "badges and citations call the run. Required for an uploaded program; without it, a "
+        "built-in solution has its label and a log its title",
+    )
     program: bool = Field(True, description="With the uploaded program and its log; false: results")
     licence: str | None = Field(
         None,
@@ -29,7 +37,7 @@ class PublicationRequest(BaseModel):
 
     def terms(self) -> Terms:
         """Return the terms."""
-        return Terms(program=self.program, licence=self.licence, anonymous=self.anonymous)
+        return Terms(**self.model_dump())
 
 
 class VerificationRequested(ResponseModel):
@@ -58,7 +66,8 @@ class PublicationResponse(ResponseModel):
     """A publication and where it is found for ever."""
 
     run: int
-    address: str = Field(description="Permanent; absolute if the service knows its own address")
+    address: str = Field(description="Permanent, with the host of the service")
+    method: str = Field(description="Its name; empty: published before methods had names")
     author: str = Field(description='"Anonymous author" while it is published for review')
     anonymous: bool
     program_public: bool

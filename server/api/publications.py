@@ -24,6 +24,8 @@ from seamark.server.runs import (
     verifications,
 )
 from seamark.server.runs.citations import Citation
+from seamark.server.runs.qualifier import qualifier
+from seamark.server.runs.solutions import entry_name
 from seamark.server.runs.states import RunKind
 from seamark.server.runs.verifications import Outcome
 from seamark.server.runs.views import RunView
@@ -55,6 +57,7 @@ def show(path: RunPath) -> dict[str, Any]:
     return {
         "run": run.id,
         "address": address_of(run.id),
+        "method": run.method,
         "author": run.user,
         "anonymous": run.anonymous,
         "program_public": run.program_public,
@@ -80,9 +83,9 @@ def citation_cff(path: RunPath) -> Response:
 
 @api.get("/runs/<int:run_id>/badge.svg", responses=answers_with("image/svg+xml"))
 def badge_svg(path: RunPath) -> Response:
-    """Show score and rank of a public run as a badge, for pages elsewhere."""
+    """Show what a public run is, its method, score and rank as a badge, for pages elsewhere."""
     run = published(path.run_id)
-    answer = Response(badge.svg(f"Seamark {run.benchmark}", _standing(run)))
+    answer = Response(badge.svg(f"Seamark {run.benchmark}", _standing(run), qualifier(run)))
     answer.content_type = "image/svg+xml; charset=utf-8"
     answer.headers["Cross-Origin-Resource-Policy"] = "cross-origin"
     answer.cache_control.public, answer.cache_control.max_age = True, BADGE_S
@@ -99,7 +102,7 @@ def _document(run_id: int, write: Callable[[Citation], str], content_type: str) 
 
 
 def _standing(run: RunView) -> str:
-    """Return score and rank in the words of a badge."""
+    """Return method, score and rank in the words of a badge."""
     parts = [run.state.value if run.score is None else result_of(run)[1]]
     with services().database.reading() as session:
         mark = verifications.newest(session, [run.id]).get(run.id)
@@ -110,7 +113,7 @@ def _standing(run: RunView) -> str:
                 parts.append(f"rank {row.rank} of {people}")
     if mark is not None and mark.outcome is Outcome.AGREES:
         parts.append("verified")
-    return ", ".join(parts)
+    return f"{entry_name(run)}: {', '.join(parts)}"
 
 
 def published(run_id: int) -> RunView:

@@ -34,7 +34,8 @@ class ChoiceQuery(BaseModel):
     worker: Text = Field("", max_length=255, description="That computed the result")
     version: Text = Field("", max_length=40, description="Of Seamark, that computed the result")
     other_code: bool = Field(
-        False, description="Only results of other simulator code than the service has now"
+        False,
+        description="Choose only results that other simulator code than the service's has computed",
     )
 
     def choice(self) -> RunChoice:

@@ -12,6 +12,8 @@ from flask_openapi3.models.tag import Tag
 from pydantic import BaseModel, ConfigDict, Field, Json
 from sqlalchemy.exc import InterfaceError, OperationalError
 
+from seamark.bridge.rosbridge.axes import Axes
+from seamark.bridge.rosbridge.protocol import SetAxes
 from seamark.server.accounts.permissions import Action
 from seamark.server.api import refusals
 from seamark.server.api.operation_ids import operation_id
@@ -54,6 +56,10 @@ class BridgeQuery(BaseModel):
     seed: int | None = Field(None, description="Random if omitted")
     trials: int | None = Field(None, description="One if omitted")
     title: str = Field("", max_length=200, description="Title of the run")
+    axes: Axes = Field(
+        Axes.NED,
+        description="Axes of topics and references: ned, as in Seamark, or enu, as in ROS REP 103",
+    )
 
 
 @api.get("/rosbridge", responses=_UPGRADED)
@@ -76,15 +82,15 @@ def connect(query: BridgeQuery) -> Response:
     if not request.environ.get(UPGRADE):
         upgrade = {"Upgrade": "websocket", "Connection": "Upgrade"}
         raise Problem("upgrade-required", headers=upgrade)
-    request.environ[CONVERSATION] = _Conversation(services(), valid)
+    request.environ[CONVERSATION] = _Conversation(services(), valid, query.axes)
     return Response(status=101)
 
 
 class _Conversation:
     """A session as the web server carries it out."""
 
-    def __init__(self, current: Services, valid: ValidSubmission) -> None:
-        self._services, self._valid = current, valid
+    def __init__(self, current: Services, valid: ValidSubmission, axes: Axes) -> None:
+        self._services, self._valid, self._axes = current, valid, axes
         self._session = BridgeSession(current.settings, valid.submission.viewer.user_id or 0)
 
     async def begin(self) -> Mapping[str, str]:
@@ -92,7 +98,7 @@ class _Conversation:
         try:
             place = await self._session.offer()
             run_id = await asyncio.to_thread(self._started, place)
-            await self._session.start(run_id)
+            await self._session.start(run_id, SetAxes(axes=self._axes).model_dump_json())
         except SessionRefused as refused:
             raise _later(refused.slug, str(refused)) from None
         return {"Location": f"/api/v1/runs/{run_id}"}

@@ -236,6 +236,7 @@ class MomentsResponse(ResponseModel):
     levels: list[dict[str, float]] = Field(description="`level` and `t` of its first row")
     largest_error: dict[str, Any] | None = Field(description="`column`, `t` and `value`")
     losses: list[float] = Field(description="When the tracker lost the target; the first 200")
+    touches: list[float] = Field(description="When the hull first touched something in a level")
 
 
 class UserPath(BaseModel):

@@ -53,7 +53,17 @@ def series(path: RunPath, query: SeriesQuery) -> dict[str, Any]:
     Numbers have seven significant digits.
     """
     view = access.run_for(path.run_id)
-    files = access.files_of(view)
+    return series_of(access.files_of(view), query, final=view.state.final)
+
+
+def series_of(files: RunFiles, query: SeriesQuery, *, final: bool) -> dict[str, Any]:
+    """Return columns of one trial of these files; `final` says that no rows will follow.
+
+    Raises
+    ------
+    Problem
+        invalid-request for unknown columns.
+    """
     index = {name: at for at, name in enumerate(files.columns)}
     names = _names(query.columns, index)
     first = files.rows_until(query.trial, query.start - _SAME_TIME_S)
@@ -66,7 +76,7 @@ def series(path: RunPath, query: SeriesQuery) -> dict[str, Any]:
         "columns": {name: _numbers(columns[:, at]) for at, name in enumerate(names)},
         "rows": after - first,
         "trial": query.trial,
-        "final": view.state.final,
+        "final": final,
     }
 
 

@@ -16,6 +16,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import IO
 
+from seamark.drafts import sync_folder
+
 SUMS = "sha256sums.txt"
 MODE = 0o600  # of all that is written: it has the hashes of passwords and the keys
 COPY_BYTES = 1024 * 1024
@@ -114,7 +116,7 @@ def writing(target: Path, on_bytes: OnBytes) -> Iterator[ArchiveWriter]:
         os.link(draft, target)  # fails if the name was taken meanwhile
     finally:
         draft.unlink(missing_ok=True)
-    _sync(target.parent)
+    sync_folder(target.parent)
 
 
 def members(archive: Path, on_bytes: OnBytes) -> Iterator[tuple[str, Content]]:
@@ -180,12 +182,3 @@ def _line(sha256: str, name: str) -> bytes:
 def _forget_members(tar: tarfile.TarFile) -> None:
     """Empty the list of members, which tarfile keeps: there may be millions."""
     tar.members = []  # type: ignore[attr-defined]  # not in the stubs
-
-
-def _sync(folder: Path) -> None:
-    """Have the disk keep the name of a new file."""
-    opened = os.open(folder, os.O_RDONLY)
-    try:
-        os.fsync(opened)
-    finally:
-        os.close(opened)

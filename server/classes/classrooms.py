@@ -1,4 +1,4 @@
-"""Classes: a teacher makes one and hands out its code; pupils join by it and leave again."""
+"""Classes: a teacher makes one and hands out its code, or a link with it; pupils join and leave."""
 
 import secrets
 import time
@@ -22,6 +22,7 @@ PAGE = 50  # pupils on a page
 # the rate of guesses that the server allows, hitting one of 1000 codes takes millions of years.
 _ALPHABET = "0123456789ABCDEFGHJKMNPQRSTVWXYZ"
 _CODE_LENGTH = 10
+UNKNOWN_CODE = "No class has this code or link any more. Ask your teacher for the current one."
 _MISREAD = str.maketrans("OIL", "011", "- ")
 
 
@@ -79,13 +80,19 @@ def joined_by(session: Session, user_id: int) -> list[ClassView]:
     return _views(session, Classroom.id.in_(joined))
 
 
+def opened_by(session: Session, code: str) -> ClassView | None:
+    """Return the class that people can join with this code, or a link that ends with it."""
+    is_open = (Classroom.code == _read_code(code)) & Classroom.archived_at.is_(None)
+    return next(iter(_views(session, is_open)), None)
+
+
 def has_member(session: Session, class_id: int, user_id: int | None) -> bool:
     """Return whether an account is a pupil of a class."""
     return user_id is not None and session.get(Membership, (class_id, user_id)) is not None
 
 
 def join(session: Session, user_id: int, code: str) -> int:
-    """Add an account to the class with this code and return the class's id.
+    """Add an account to the class with this code, or link, and return the class's id.
 
     Joining again changes nothing.
 
@@ -94,15 +101,14 @@ def join(session: Session, user_id: int, code: str) -> int:
     ClassRefused
         There is no such class, it is archived or full, or it is the account's own.
     """
-    code = code.upper().translate(_MISREAD)
-    found = session.scalar(select(Classroom).where(Classroom.code == code))
-    if found is None or found.archived_at is not None:
-        raise ClassRefused("No class has this code. Check it with your teacher.")
+    found = opened_by(session, code)
+    if found is None:
+        raise ClassRefused(UNKNOWN_CODE)
     if found.teacher_id == user_id:
         raise ClassRefused("This is your own class.")
     if has_member(session, found.id, user_id):
         return found.id
-    if (session.scalar(_pupils_of(found.id)) or 0) >= PUPILS_MAX:
+    if found.pupils >= PUPILS_MAX:
         raise ClassRefused(f"This class already has {PUPILS_MAX} pupils.")
     joined = select(func.count()).where(Membership.user_id == user_id)
     if (session.scalar(joined) or 0) >= JOINED_MAX:
@@ -211,6 +217,10 @@ def _valid_name(name: str) -> str:
     if not 1 <= len(name) <= NAME_MAX:
         raise ClassRefused(f"A class has a name of 1 to {NAME_MAX} characters.")
     return name
+
+
+def _read_code(text: str) -> str:
+    return text.rpartition("/")[2].upper().translate(_MISREAD)
 
 
 def _new_code() -> str:

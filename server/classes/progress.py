@@ -11,6 +11,7 @@ from seamark.server.classes import classrooms
 from seamark.server.classes.classrooms import Pupil
 from seamark.server.database.class_tables import AssignedRun, Membership
 from seamark.server.database.tables import Result, Run
+from seamark.server.programs import starter_programs
 
 RANKING_MAX = 100  # places that the anonymous ranking shows
 OWN_RUNS_MAX = 100  # of one pupil on the page of an assignment
@@ -24,6 +25,7 @@ class AssignedRunView:
     user_id: int
     state: str
     program: str
+    is_starter: bool  # the starter program, unchanged
     seed: int | None  # None: ranked
     queued_at: float
     score: float | None
@@ -160,6 +162,7 @@ def _view(run: Run, result: Result | None) -> AssignedRunView:
         user_id=run.user_id or 0,
         state=run.state,
         program=run.program_name or run.controller,
+        is_starter=starter_programs.is_untouched(run.program_sha256),
         seed=run.seed,
         queued_at=run.queued_at,
         score=result.score if result is not None else None,

@@ -132,6 +132,8 @@ class Run(Base):
     )  # that the program declares; their values are in `config`
     title: Mapped[str] = mapped_column(String(120), default="")
     notes: Mapped[str] = mapped_column(Text, default="")
+    # as published; kept when the run is withdrawn
+    method: Mapped[str] = mapped_column(String(60), default="", server_default="")
     rerun_of: Mapped[int | None] = mapped_column(BigInteger)
     rejudges: Mapped[int | None] = mapped_column(BigInteger)  # hidden: computes this run again
     data_run: Mapped[int | None] = mapped_column(BigInteger)  # which recorded it; NULL: itself

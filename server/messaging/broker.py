@@ -149,10 +149,10 @@ def send_tickets(app: Celery, count: int = 1) -> bool:
     return True
 
 
-def top_up(app: Celery, redis: "Redis", queued: int) -> int:
-    """Send the tickets that `queued` runs lack and return their number."""
+def top_up(app: Celery, redis: "Redis", needed: int) -> int:
+    """Send what is missing of the tickets that are needed and return how many these are."""
     sent = sum(int(redis.llen(key)) for key in ticket_keys(app))
-    missing = max(queued - sent, 0)
+    missing = max(needed - sent, 0)
     return missing if missing and send_tickets(app, missing) else 0
 
 

@@ -9,7 +9,9 @@ from seamark.server import audit
 from seamark.server.accounts import accounts, invitations, profiles
 from seamark.server.accounts.permissions import Action, grantable
 from seamark.server.audit import AuditAction
-from seamark.server.web import access, authentication
+from seamark.server.classes import classrooms
+from seamark.server.classes.refusals import ClassRefused
+from seamark.server.web import access, authentication, class_access
 from seamark.server.web.rate_limits import (
     CREDENTIAL_ATTEMPTS,
     GUESSES,
@@ -19,6 +21,7 @@ from seamark.server.web.rate_limits import (
     failed,
     limiter,
     sign_ups,
+    signs_up,
 )
 from seamark.server.web.redirects import own_path
 from seamark.server.web.services import services
@@ -34,24 +37,33 @@ def sign_up() -> ResponseReturnValue:
 
 
 @page.post("/sign-up")
-@limiter.limit(sign_ups)
+@limiter.limit(sign_ups, key_func=signs_up)
 def create_account() -> ResponseReturnValue:
-    """Create an account and sign in."""
+    """Create an account and sign in; with the link to a class, also join it."""
     held = services()
     name, password = request.form.get("name", "").strip(), request.form.get("password", "")
     if held.settings.sign_up == "closed":
         return _form("account/sign_up.html", "Sign-up is closed on this service."), 403
     try:
         with held.database.writing() as session:
-            if held.settings.sign_up == "invitation":
+            if held.settings.sign_up == "invitation" and not request.form.get("class"):
                 invitations.accept(session, request.form.get("invitation", ""))
             user_id = accounts.sign_up(session, name, password).id
-    except accounts.AccountRejected as reason:
+            joined = _join_class(session, user_id)
+    except (accounts.AccountRejected, ClassRefused) as reason:
         return _form("account/sign_up.html", str(reason)), 422
     adopted = authentication.sign_in(user_id)
     flash(f"Welcome, {name}. You can now upload programs and start ranked runs.", "good")
     flash_adopted(adopted)
+    if joined is not None:
+        return redirect(url_for("classes.show", class_id=joined))
     return redirect(own_path(request.values.get("next", "")))
+
+
+def _join_class(session: Session, user_id: int) -> int | None:
+    """Join the class of the link that the form was opened with; raises ClassRefused."""
+    code = request.form.get("class", "")
+    return classrooms.join(session, user_id, code) if code else None
 
 
 @page.get("/sign-in")
@@ -157,6 +169,7 @@ def _form(template: str, error: str = "") -> str:
         error=error,
         name=request.form.get("name", ""),
         next=request.values.get("next", ""),
+        room=class_access.invited_to(),
         invitation=request.values.get("invitation", ""),
         rule=accounts.NAME_RULE,
         name_max=accounts.NAME_MAX,

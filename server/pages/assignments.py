@@ -7,11 +7,11 @@ from flask.typing import ResponseReturnValue
 
 from seamark.server.accounts.permissions import Action, can
 from seamark.server.classes import assignments, progress
-from seamark.server.classes.assignments import PRACTICE, RANKED, AssignmentView, Draft
+from seamark.server.classes.assignments import PRACTICE, RANKED, Draft
 from seamark.server.classes.classrooms import PAGE, ClassView
 from seamark.server.classes.refusals import ClassRefused
 from seamark.server.pages import benchmarks
-from seamark.server.runs import views
+from seamark.server.runs import assigned, run_lists, views
 from seamark.server.runs.states import RunKind
 from seamark.server.runs.views import RunView
 from seamark.server.web import access, assignment_csv, class_access, csv_export
@@ -19,6 +19,7 @@ from seamark.server.web.services import services
 from seamark.server.web.url_converters import row_id
 from seamark.sim.settings.configuration import ConfigurationInvalid
 
+CHOICES_MAX = 100  # runs of the teacher that the form offers
 page = Blueprint("assignments", __name__)
 
 
@@ -63,7 +64,7 @@ def show(assignment_id: int) -> ResponseReturnValue:
         assignment=found,
         benchmark=benchmark,
         headline=benchmark.headline_of(benchmark.restore(found.config)),
-        settings=_changed(found),
+        settings=assigned.fixed_changes(found),
         teaches=teaches,
         pupils=listed,
         totals=totals,
@@ -126,7 +127,7 @@ def _draft() -> Draft:
     """Return the posted assignment; raises ClassRefused."""
     form = request.form
     benchmark, kind = form.get("benchmark", ""), form.get("kind", PRACTICE)
-    run = _template_run() if kind == "run" else None
+    run = _visible_practice_run(form.get("run", "")) if kind == "run" else None
     return Draft(
         title=form.get("title", ""),
         instructions=_instructions(),
@@ -139,18 +140,17 @@ def _draft() -> Draft:
     )
 
 
-def _template_run() -> RunView:
+def _visible_practice_run(text: str) -> RunView:
     """Return the practice run whose settings are assigned; raises ClassRefused."""
-    text = request.form.get("run", "").strip().removeprefix("#")
     try:
         with services().database.reading() as session:
             run = views.show(session, row_id(text))
     except ValueError:
         run = None
     if run is None or not can(access.viewer(), Action.VIEW, run):
-        raise ClassRefused("Give the number of one of your own or of a public run.", field="run")
+        raise ClassRefused("Choose one of your runs.", field="run")
     if run.kind is not RunKind.PRACTICE:
-        raise ClassRefused("Give a practice run, or assign ranked runs.", field="run")
+        raise ClassRefused("Choose a practice run, or assign ranked runs.", field="run")
     return run
 
 
@@ -185,14 +185,16 @@ def _as_input(deadline: float | None) -> str:
     return datetime.fromtimestamp(deadline, UTC).strftime("%Y-%m-%dT%H:%M")
 
 
-def _changed(found: AssignmentView) -> list[tuple[str, str, object]]:
-    """Return title, unit and value of the assigned settings that differ from the defaults."""
-    properties = benchmarks.by_name(found.benchmark).schema()["properties"]
-    return [
-        (properties[name]["title"], properties[name].get("x-unit", ""), value)
-        for name, value in found.fixed().items()
-        if value != properties[name].get("default")
-    ]
+def _runs_to_choose() -> list[RunView]:
+    """Return the newest practice runs of the viewer, after the one that the address names."""
+    wanted = run_lists.RunFilter(kind=RunKind.PRACTICE)
+    with services().database.reading() as session:
+        own = run_lists.page(session, g.viewer, wanted, limit=CHOICES_MAX).runs
+    try:
+        named = _visible_practice_run(request.values.get("run", ""))
+    except ClassRefused:
+        return list(own)
+    return [named, *(run for run in own if run.id != named.id)]
 
 
 def _form(room: ClassView, errors: dict[str, str] | None = None) -> str:
@@ -206,4 +208,5 @@ def _form(room: ClassView, errors: dict[str, str] | None = None) -> str:
         title_max=assignments.TITLE_MAX,
         instructions_max=assignments.INSTRUCTIONS_MAX,
         run=request.values.get("run", ""),
+        runs=_runs_to_choose(),
     )

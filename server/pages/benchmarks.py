@@ -3,7 +3,7 @@
 from flask import Blueprint, abort, render_template
 from flask.typing import ResponseReturnValue
 
-from seamark.server.pages import form_fields, guides, plots
+from seamark.server.pages import form_fields, guides, link_previews, plots
 from seamark.server.pages.plots import OnAxis
 from seamark.server.runs import leaderboard, reference_entries, score_counts, submission
 from seamark.server.web.services import services
@@ -63,6 +63,7 @@ def show(name: str) -> ResponseReturnValue:
         tags=vehicles.TAGS,
         vehicles=[vehicles.load(entry) for entry in registry.VEHICLES],
         constants_of=constants.GROUPS,
+        preview=link_previews.of_benchmark(benchmark),
     )
 
 

@@ -18,6 +18,7 @@ from seamark.server.web.rate_limits import (
     limiter,
 )
 from seamark.server.web.services import services
+from seamark.server.web.site_address import site_address
 
 page = Blueprint("classes", __name__, url_prefix="/classes")
 
@@ -57,6 +58,23 @@ def join() -> ResponseReturnValue:
     return redirect(url_for("classes.show", class_id=class_id), code=303)
 
 
+@page.get("/join/<code>")
+@limiter.limit(CODES_OF_ADDRESS, deduct_when=failed)
+def invitation(code: str) -> ResponseReturnValue:
+    """Show to whoever has the link of a class how to join it."""
+    with services().database.reading() as session:
+        room = classrooms.opened_by(session, code)
+        inside = room is not None and (
+            room.teacher_id == g.viewer.user_id
+            or classrooms.has_member(session, room.id, g.viewer.user_id)
+        )
+    if room is None:
+        raise Problem("not-found", classrooms.UNKNOWN_CODE)
+    if inside:
+        return _back(room.id)
+    return render_template("classes/join.html", room=room)
+
+
 @page.get("/<row:class_id>")
 def show(class_id: int) -> ResponseReturnValue:
     """Show a class with its assignments; to its teacher also the code."""
@@ -68,6 +86,7 @@ def show(class_id: int) -> ResponseReturnValue:
         room=room,
         assignments=listed,
         teaches=class_access.is_teacher(room),
+        link=site_address() + url_for("classes.invitation", code=room.code),
         name_max=classrooms.NAME_MAX,
     )
 
@@ -94,7 +113,7 @@ def renew_code(class_id: int) -> ResponseReturnValue:
     class_access.taught_class(class_id)
     with services().database.writing() as session:
         classrooms.change(session, class_id, new_code=True)
-    flash("The class has a new code. Nobody can join with the old one.", "good")
+    flash("The class has a new link and a new code. Nobody can join with the old ones.", "good")
     return _back(class_id)
 
 
@@ -153,7 +172,9 @@ def remove_pupil(class_id: int, user_id: int) -> ResponseReturnValue:
         if not classrooms.leave(session, class_id, user_id):
             raise Problem("not-found", "The class has no such pupil.")
     flash(
-        "The pupil has been removed. Renew the class code so that they cannot join again.", "good"
+        "The pupil has been removed. Press “New link and code” on the page of the class "
+        "to keep them from joining again.",
+        "good",
     )
     return redirect(url_for("classes.pupils", class_id=class_id), code=303)
 

@@ -9,23 +9,27 @@ from flask.typing import ResponseReturnValue
 
 from seamark.server.accounts.permissions import Action, can
 from seamark.server.pages import benchmarks, link_previews
+from seamark.server.pages.compared_programs import program_differences
 from seamark.server.runs import leaderboard, run_lists
 from seamark.server.runs.comparison import reference_entries
 from seamark.server.runs.run_lists import RunFilter
 from seamark.server.runs.seeds import trial_seeds
 from seamark.server.runs.side_by_side import (
     COLUMNS_MAX,
+    DIGEST,
     RUNS_MAX,
     RUNS_MIN,
     SideBySide,
     side_by_side,
 )
-from seamark.server.runs.solutions import solution
+from seamark.server.runs.solutions import entry_name
 from seamark.server.runs.views import RunView
-from seamark.server.web import compared_runs
+from seamark.server.storage import StorageUnavailable
+from seamark.server.web import access, compared_runs
 from seamark.server.web.services import services
 from seamark.sim import registry
 from seamark.sim.benchmarks.benchmark import Benchmark
+from seamark.sim.recording import telemetry
 
 OFFERED = 10  # runs of each list
 page = Blueprint("compare", __name__, url_prefix="/compare")
@@ -56,6 +60,8 @@ def show() -> ResponseReturnValue:
         runs=runs,
         benchmark=benchmark,
         found=found,
+        settings=[row for row in found.settings if row.name != DIGEST],
+        programs=program_differences(runs),
         offered=offered if len(runs) < RUNS_MAX else {},
         address=_address,
         trials=max(run.trials for run in runs),
@@ -87,11 +93,10 @@ def _offered(benchmark: Benchmark, ids: Sequence[int]) -> dict[str, list[dict[st
     lists = {
         "Reference entries": [_choice(each.run_id, each.title, each.score) for each in marks],
         "My newest runs": [
-            _choice(run.id, run.title or solution(run), run.score, state=run.state.value)
-            for run in mine
+            _choice(run.id, entry_name(run), run.score, state=run.state.value) for run in mine
         ],
         "Leaderboard": [
-            _choice(rank.run_id, f"{rank.user}: {solution(rank)}", rank.score)
+            _choice(rank.run_id, f"{rank.user}: {entry_name(rank)}", rank.score)
             for rank in leaders
             if not rank.is_baseline
         ],
@@ -113,7 +118,8 @@ def _page_data(runs: Sequence[RunView], found: SideBySide) -> Mapping[str, Any]:
     return {
         "api": f"/api/v1/compare?runs={','.join(str(run.id) for run in runs)}",
         "runs": [
-            {"id": run.id, "label": solution(run), "api": f"/api/v1/runs/{run.id}"} for run in runs
+            {"id": run.id, "api": f"/api/v1/runs/{run.id}", "columns": _columns(run)}
+            for run in runs
         ],
         "trial_s": max(_trial_s(run) for run in runs),
         "trials": max(run.trials for run in runs),
@@ -122,6 +128,17 @@ def _page_data(runs: Sequence[RunView], found: SideBySide) -> Mapping[str, Any]:
         "charts": _charts(runs),
         "columns_max": COLUMNS_MAX,
     }
+
+
+def _columns(run: RunView) -> list[dict[str, str]]:
+    """Return the telemetry's columns of a run; none if it has no data, or they are away."""
+    if run.data_deleted_at is not None:
+        return []
+    try:
+        width = len(access.files_of(run).columns)
+    except StorageUnavailable:
+        return []
+    return [{"name": column.name} for column in telemetry.columns(width)]
 
 
 def _trial_s(run: RunView) -> float:
@@ -143,7 +160,10 @@ def _level_s(runs: Sequence[RunView], found: SideBySide) -> float:
 
 
 def _charts(runs: Sequence[RunView]) -> list[dict[str, str]]:
-    """Return the single columns of the charts that all runs have, in the order of the first."""
+    """Return the single columns of the charts that all runs have, in the order of the first.
+
+    How well a station is held is read in metres, how well a target is tracked in pixels.
+    """
     charts = []
     for run in runs:
         benchmark = registry.benchmark(run.benchmark)
@@ -159,4 +179,6 @@ def _charts(runs: Sequence[RunView]) -> list[dict[str, str]]:
             }
         )
     first, *others = charts
-    return [chart for column, chart in first.items() if all(column in other for other in others)]
+    common = [chart for column, chart in first.items() if all(column in each for each in others)]
+    unit = "m" if registry.benchmark(runs[0].benchmark).role == "controller" else "px"
+    return sorted(common, key=lambda chart: chart["unit"] != unit)

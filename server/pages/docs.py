@@ -37,6 +37,7 @@ from seamark.server.runs import trial_limits
 from seamark.server.runs.failure_reasons import DESCRIPTIONS
 from seamark.server.web import own_wheel
 from seamark.server.web.services import services
+from seamark.server.web.site_address import site_address
 from seamark.sim import registry, vehicles
 from seamark.sim.control import observation
 from seamark.sim.metrics import station_keeping, tracking
@@ -48,6 +49,7 @@ page = Blueprint("docs", __name__, url_prefix="/docs")
 _FIGURE_MAX_AGE_S = 3600
 EXTRAS = {  # of pyproject.toml
     "server": "the service: seamark up, web, worker, db, user and token",
+    "box": "ONNX Runtime and SciPy, which programs find in the sandbox of a server",
     "gym": "environments for Gymnasium",
     "tune": "seamark tune",
     "formats": "seamark export to Parquet and MCAP",
@@ -72,13 +74,16 @@ def _start() -> dict[str, Any]:
 
 
 def _install() -> dict[str, Any]:
-    host = services().settings.url or request.host_url.rstrip("/")
-    path = url_for("download.wheel", name=own_wheel.name())
+    host = site_address()
+    paths = {
+        name: url_for("download.wheel", name=own_wheel.file_name(name)) for name in own_wheel.TAGS
+    }
     return {
         "version": importlib.metadata.version("seamark"),
-        "wheel": f"seamark @ {host}{path}",
+        "wheel": f"seamark @ {host}{paths['seamark']}",
+        "client": f"seamark-client @ {host}{paths['seamark-client']}",
         "server": host,
-        "path": path,
+        "paths": paths,
         "extras": EXTRAS,
     }
 

@@ -11,14 +11,14 @@ MERGED: Mapping[str, str] = {"languages.md": "languages", "measures.md": "metric
 _GROUPS: Mapping[str, Sequence[str]] = {
     "Get started": (
         *("start", "tutorial.md", "install", "command-line.md", "tuning.md", "python-client.md"),
-        "cpp-client.md",
+        *("typescript-client.md", "cpp-client.md"),
     ),
     "Write a program": (
         *("controller", "tracker", "languages", "box", "protocol.md", "bridges.md", "training.md"),
     ),
     "Runs and results": (
-        *("runs", "metrics", "telemetry", "formats.md", "ranking.md", "publishing.md"),
-        *("datasets.md", "logs.md"),
+        *("runs", "metrics", "telemetry", "compare.md", "formats.md", "ranking.md"),
+        *("publishing.md", "datasets.md", "logs.md"),
     ),
     "Benchmarks and models": (
         *("benchmarks.md", "physics", "camera.md", "controllers.md", "trackers.md"),

@@ -1,24 +1,23 @@
-"""The command line of this version, as a wheel that pip, pipx and uv install."""
+"""The simulator and the client of this version, as wheels that pip, pipx and uv install."""
 
 from flask import Blueprint, Response, abort, request
 from flask.typing import ResponseReturnValue
 
-from seamark.server.web import own_wheel
-from seamark.server.web.own_wheel import OwnWheel
+from seamark.server.web.own_wheel import TAGS, OwnWheel
+from seamark.server.web.site_address import site_address
 
 page = Blueprint("download", __name__, url_prefix="/download")
-_wheel = OwnWheel()
+_WHEELS = {wheel.name: wheel for wheel in map(OwnWheel, TAGS)}
 
 
 @page.get("/<name>")
 def wheel(name: str) -> ResponseReturnValue:
-    """Send the wheel; its name holds the version."""
-    if name != own_wheel.name():
+    """Send a wheel; its name holds the version."""
+    if name not in _WHEELS:
         abort(404)
-    found = _wheel.get()
+    found = _WHEELS[name].get(site_address())
     answer = Response(found.content, mimetype="application/zip")
     answer.headers["Content-Disposition"] = f'attachment; filename="{found.name}"'
     answer.set_etag(found.sha256)
     answer.cache_control.no_cache = True  # the same version may change while it is developed
-    answer.cache_control.public = True
     return answer.make_conditional(request, accept_ranges=True, complete_length=len(found.content))

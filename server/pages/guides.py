@@ -22,6 +22,7 @@ ATTACHED = {
     ".hpp": "text/plain; charset=utf-8",
     ".png": "image/png",
     ".txt": "text/plain; charset=utf-8",
+    ".webp": "image/webp",
 }
 ADDRESS = "/docs/guides/"  # of the pages and of what they link to
 _TITLE = re.compile(r"\A# (.+)\n")
@@ -141,10 +142,18 @@ def _heading(
 
 
 def _image(renderer: RendererHTML, tokens: Sequence[Token], index: int, *rest: Any) -> str:
-    """Link a figure to its file: on a phone its text is too small to read in the page."""
+    """Link a figure to its file: on a phone its text is too small to read in the page.
+
+    In place of a moving figure, people who want less motion see the still one beside it.
+    """
     tokens[index].attrSet("loading", "lazy")
+    source = str(tokens[index].attrs["src"])
+    still = source.removesuffix(".webp") + "-still.webp"
     shown = renderer.image(tokens, index, *rest)
-    return f'<a href="{escapeHtml(str(tokens[index].attrs["src"]))}">{shown}</a>'
+    if still in attachments():
+        less = '<source media="(prefers-reduced-motion: reduce)" srcset="{}">'
+        shown = f"<picture>{less.format(escapeHtml(ADDRESS + still))}{shown}</picture>"
+    return f'<a href="{escapeHtml(source)}">{shown}</a>'
 
 
 _TABLES = "number of tables"  # in the environment of a rendering, beside the anchors of headings

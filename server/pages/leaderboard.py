@@ -1,5 +1,6 @@
 """The leaderboard of a benchmark."""
 
+from collections.abc import Collection, Mapping
 from typing import Any
 
 from flask import Blueprint, abort, g, redirect, render_template, request, url_for
@@ -18,23 +19,26 @@ from seamark.server.runs import (
     score_counts,
     verifications,
 )
-from seamark.server.runs.leaderboard import Cursor, Rank
+from seamark.server.runs.leaderboard import Cursor, Kind, Rank
 from seamark.server.runs.leaderboard_filters import (
+    BUILT_IN,
+    HIDE,
+    ONLY,
     SORTED_MAX,
+    UPLOADED,
     BoardFilter,
     BoardPage,
-    Measured,
 )
 from seamark.server.runs.ranking import Population
 from seamark.server.runs.reference_entries import ReferenceEntry
 from seamark.server.web.services import services
 from seamark.sim.benchmarks.benchmark import Benchmark
 from seamark.sim.metrics.metric import Metric
-from seamark.sim.registry import TRUTH
 from seamark.sim.settings.setting import schema_extras
 
 SIZE = 50
 FILTERS = ("program", "language", "vehicle", "tracker", "baselines")
+Labels = dict[str, dict[str, str]]  # filter -> value -> label
 page = Blueprint("leaderboard", __name__, url_prefix="/leaderboards")
 
 
@@ -50,7 +54,7 @@ def show(name: str) -> ResponseReturnValue:
     benchmark = benchmarks.by_name(name)
     after, chosen = _after(), _filter()
     metric = next((m for m in benchmark.board_metrics if m.name == request.args.get("sort")), None)
-    begin = after is None
+    begin, labels = after is None, _labels(benchmark)
     with services().database.reading() as session:
         people = score_counts.population(session, name)
         board = _page(session, benchmark, chosen, metric, after=after, people=people)
@@ -59,6 +63,7 @@ def show(name: str) -> ResponseReturnValue:
         leaders = leader_replay.leaders(session, board.ranks) if begin and not metric else ()
         own = _own(session, name, people)
         verified = verifications.newest(session, [rank.run_id for rank in board.ranks])
+        offered = _choices(session, name, board, labels)
     leader = leader_replay.first_replayable(leaders)
     return render_template(
         "leaderboard/show.html",
@@ -72,7 +77,9 @@ def show(name: str) -> ResponseReturnValue:
         marks=marks,
         pending=pending,
         chosen=chosen,
-        options=_options(benchmark),
+        labels=labels,
+        filters=_filters(labels, offered),
+        sortable=bool(benchmark.board_metrics) and people.size > 1,
         query={key: value for key, value in request.args.items() if key != "after"},
         metric=metric,
         shown_metric=metric or next(iter(benchmark.board_metrics), None),
@@ -137,24 +144,51 @@ def _pareto(
     """Return the plot of the rows of this page and of all reference entries."""
     if benchmark.pareto is None:
         return None
-    people = (rank for rank in ranks if not rank.is_baseline)
-    shown: list[Measured] = [*people, *marks]
-    front = leaderboard_filters.undominated(shown, *benchmark.pareto)
-    return plots.pareto_plot(shown, front, benchmark.pareto)
+    people = [(rank.user, rank) for rank in ranks if not rank.is_baseline]
+    entries: list[tuple[str, plots.Plotted]] = [*people, *((mark.title, mark) for mark in marks)]
+    front = leaderboard_filters.undominated([entry for _, entry in entries], *benchmark.pareto)
+    return plots.pareto_plot(entries, front, benchmark.pareto)
 
 
-def _options(benchmark: Benchmark) -> dict[str, dict[str, str]]:
-    """Return filter -> its values with their labels."""
+def _choices(
+    session: Session, name: str, board: BoardPage, labels: Labels
+) -> Mapping[str, Collection[str]]:
+    """Return filter -> values of which some rows pass and others do not.
+
+    Of a leaderboard of several pages all values are offered: looking for them would take too long.
+    """
+    if request.args:
+        kinds = leaderboard.kinds(session, name, limit=leaderboard_filters.SEEN_MAX)
+        return leaderboard_filters.choices(kinds)
+    if board.next is not None:
+        return {name: list(values) for name, values in labels.items()}
+    rows = ((one.language, one.vehicle, one.tracker, one.is_baseline) for one in board.ranks)
+    return leaderboard_filters.choices(Kind(*row) for row in rows)
+
+
+def _filters(labels: Labels, offered: Mapping[str, Collection[str]]) -> Labels:
+    """Return filter -> value -> label, of what is offered and of what has been chosen."""
+    chosen = {name: [value] for name in FILTERS if (value := request.args.get(name))}
+    values = {name: sorted({*offered.get(name, ()), *chosen.get(name, ())}) for name in labels}
+    return {
+        name: {value: labels[name].get(value, value) for value in found}
+        for name, found in values.items()
+        if found
+    }
+
+
+def _labels(benchmark: Benchmark) -> Labels:
+    """Return filter -> value -> label."""
     found = {
-        "program": {"uploaded": "Uploaded", "built-in": "Built in"},
+        "program": {UPLOADED: "Uploaded", BUILT_IN: "Built in"},
         "language": {name: each.label.partition(" (")[0] for name, each in LANGUAGES.items()},
     }
     settings = benchmark.configuration.model_fields
     for name in ("vehicle", "tracker"):
         if name in settings:
             labels: dict[str, str] = schema_extras(settings[name]).get("x-labels", {})
-            found[name] = {key: _short(label) for key, label in labels.items() if key != TRUTH}
-    found["baselines"] = {"hide": "Hidden", "only": "Nothing else"}
+            found[name] = {key: _short(label) for key, label in labels.items()}
+    found["baselines"] = {HIDE: "Hidden", ONLY: "Nothing else"}
     return found
 
 

@@ -55,6 +55,7 @@ def _curve(
     ends = [values[level] for level in chosen]
     return {
         "title": f"{' and '.join(labels)} over the {_lower_first(chart.x_label) or marked.unit}",
+        "explanation": _explanation(chart),
         "sentence": _sentence(chart, labels[0], marked, mark, final=run.state.final),
         "unit": chart.metrics[0].unit,
         "x_label": chart.x_label or marked.unit,
@@ -68,6 +69,12 @@ def _curve(
         "mark": mark,
         "mark_label": marked.label,
     }
+
+
+def _explanation(chart: Curve) -> str:
+    """Return what the lines of a chart are."""
+    lines = "; ".join(f"{metric.label}: {metric.meaning}" for metric in chart.metrics)
+    return f"{lines}. A level fails below the dashed line."
 
 
 def _lower_first(text: str) -> str:

@@ -3,12 +3,13 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from seamark.server.pages.metric_tables import SettingValue, Table
+from seamark.server.pages.metric_tables import Row, SettingValue, Table
 from seamark.server.runs.states import RunKind
 from seamark.server.runs.views import RunView
 from seamark.sim.benchmarks.benchmark import Benchmark
 from seamark.sim.metrics.metric import Metric
 
+PIXELS = "px"
 WHOLE = "whole log"  # in place of a current that nobody measured
 _READ_GROUPS = ("Experiment", "Water and camera")
 _PART = Metric("part", "Part", "", "higher")
@@ -41,6 +42,26 @@ def of_run(run: RunView) -> LogView | None:
     )
 
 
+def absent_columns(run: RunView) -> frozenset[str]:
+    """Return the columns of the telemetry that a log does not have; none of a simulated run."""
+    if run.kind is not RunKind.LOG:
+        return frozenset()
+    return frozenset((run.manifest or {}).get("absent", ()))
+
+
+def tracks(run: RunView) -> bool:
+    """Return whether a tracker saw the target, which a log without corners cannot say."""
+    return "tracker_ok" not in absent_columns(run)
+
+
+def key_number(run: RunView, tables: Sequence[Table], name: str) -> Row | None:
+    """Return the metric that says most about a log, which has one part; None of a simulated run."""
+    if run.kind is not RunKind.LOG:
+        return None
+    rows = (row for table in tables for row in table.rows if len(row.values) == 1)
+    return next((row for row in rows if row.name == name), None)
+
+
 def has_unknown_current(run: RunView) -> bool:
     """Return whether this is a log whose mapping names no current."""
     if run.kind is not RunKind.LOG:
@@ -64,8 +85,23 @@ def settings(
     }
 
 
-def without_current(run: RunView, tables: Sequence[Table]) -> Sequence[Table]:
-    """Return the tables of a run; of a log without a known current, under the name of the whole."""
-    if not has_unknown_current(run):
+def measured(run: RunView, tables: Sequence[Table]) -> Sequence[Table]:
+    """Return the tables of a run; of a log without the metrics that it has no columns for.
+
+    Without a tracker, those in the image say nothing that those in metres do not. Without a known
+    current, the values stand under the name of the whole log.
+    """
+    if run.kind is not RunKind.LOG:
         return tables
-    return [replace(table, level=_PART, levels=(WHOLE,)) for table in tables]
+    unwanted = None if tracks(run) else PIXELS
+    kept = [
+        replace(table, rows=tuple(r for r in table.rows if _has_value(r) and r.unit != unwanted))
+        for table in tables
+    ]
+    if has_unknown_current(run):
+        kept = [replace(table, level=_PART, levels=(WHOLE,)) for table in kept]
+    return [table for table in kept if table.rows]
+
+
+def _has_value(row: Row) -> bool:
+    return any(value is not None for value in row.values)

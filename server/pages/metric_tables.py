@@ -12,7 +12,7 @@ from seamark.server.runs.views import RunView
 from seamark.server.web.template_filters import plain
 from seamark.sim.benchmarks import benchmark
 from seamark.sim.benchmarks.benchmark import Benchmark
-from seamark.sim.metrics.metric import Metric
+from seamark.sim.metrics.metric import LevelMetric, Metric
 from seamark.sim.settings.grid import UPDATERS
 
 COLUMNS_MAX = 12
@@ -22,6 +22,7 @@ COLUMNS_MAX = 12
 class Row:
     """The values of one metric, one per level, or a single value over all levels."""
 
+    name: str  # in metrics.json
     label: str
     unit: str
     meaning: str
@@ -71,10 +72,23 @@ def overall(benchmark: Benchmark, metrics: Mapping[str, Any]) -> list[Row]:
     """Return the metrics over all levels."""
     values: Mapping[str, Any] = metrics.get("overall") or {}
     return [
-        Row(metric.label, metric.unit, metric.meaning, (values[metric.name],))
+        Row(
+            metric.name,
+            benchmark.overall_label(metric),
+            metric.unit,
+            _meaning(metric),
+            (values[metric.name],),
+        )
         for metric in benchmark.overall
         if metric.name in values
     ]
+
+
+def level_held_meaning(benchmark: Benchmark) -> str:
+    """Return what the highest level held is: the benchmark says when a level is held."""
+    metrics = (metric for table in benchmark.tables for metric in table.metrics)
+    held = next((metric.meaning for metric in metrics if metric.name == "held"), "")
+    return f"the last one up to which all levels are held: {held}" if held else ""
 
 
 def trials(metrics: Mapping[str, Any]) -> list[Mapping[str, Any]]:
@@ -109,6 +123,12 @@ def program_parameters(run: RunView) -> list[SettingValue]:
     return found
 
 
+def _meaning(metric: Metric) -> str:
+    """Return what a metric over the run is, with how it comes from the levels."""
+    how = metric.over.description if isinstance(metric, LevelMetric) else ""
+    return "; ".join(filter(None, (metric.meaning, how)))
+
+
 def _table(
     table: benchmark.Table,
     levels: Sequence[Mapping[str, Any]],
@@ -122,7 +142,7 @@ def _table(
         values = tuple(level.get(name) for level in levels)
         in_header = len(levels) > 1 and values == level_values
         if name in levels[0] and not in_header:
-            rows.append(Row(metric.label, metric.unit, metric.meaning, values))
+            rows.append(Row(name, metric.label, metric.unit, metric.meaning, values))
     shown = tuple(map(plain, level_values))
     return Table(table.title.format(**config), level_metric, shown, tuple(rows))
 
@@ -131,7 +151,11 @@ def _with_grid(table: Table, levels: Sequence[Mapping[str, Any]], header: str) -
     """Return the table with the grid coordinates of each level, except the one in the header."""
     rows = tuple(
         Row(
-            quantity.label, quantity.unit, "", tuple(plain(level["grid"][name]) for level in levels)
+            name,
+            quantity.label,
+            quantity.unit,
+            "",
+            tuple(plain(level["grid"][name]) for level in levels),
         )
         for name in levels[0].get("grid") or {}
         if (quantity := UPDATERS[name].quantity).label != header

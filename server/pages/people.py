@@ -15,6 +15,7 @@ from seamark.server.database.tables import User
 from seamark.server.web import access
 from seamark.server.web.problems import Problem
 from seamark.server.web.services import services
+from seamark.server.web.site_address import site_address
 
 page = Blueprint("people", __name__, url_prefix="/admin/users")
 _ROLES = {role.label: role for role in ACCOUNT_ROLES}
@@ -99,8 +100,7 @@ def reset(user_id: int) -> ResponseReturnValue:
             text = people.make_reset_link(session, access.actor(), _user(session, user_id))
     except AccountRejected as reason:
         return _page(user_id, error=str(reason)), 422
-    site = services().settings.url or request.host_url.rstrip("/")
-    return _page(user_id, link=site + url_for("own_account.reset", link=text))
+    return _page(user_id, link=site_address() + url_for("own_account.reset", link=text))
 
 
 @page.post("/<row:user_id>/delete")

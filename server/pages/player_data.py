@@ -1,12 +1,14 @@
 """What the player of a run needs beside the run's own data, as JSON in the page."""
 
+from collections.abc import Sequence
 from typing import Any
 
 from seamark.server.pages import benchmarks
-from seamark.server.pages.log_view import WHOLE, has_unknown_current
+from seamark.server.pages.log_view import PIXELS, WHOLE, absent_columns, has_unknown_current, tracks
 from seamark.server.runs.files import RunFiles
 from seamark.server.runs.views import RunView
 from seamark.server.streams.excerpts import start_of_trial
+from seamark.sim.benchmarks.benchmark import Chart
 from seamark.sim.recording import telemetry
 from seamark.sim.settings.grid import level_names
 
@@ -18,8 +20,10 @@ def player_data(run: RunView, files: RunFiles) -> dict[str, Any]:
     """Return levels, charts and columns of a run."""
     benchmark = benchmarks.by_name(run.benchmark)
     config = benchmark.restore(run.config)
+    absent = absent_columns(run)
     return {
         "id": run.id,
+        "benchmark": run.benchmark,
         "live": not run.state.final,
         "trials": run.trials,
         "trial_s": benchmark.trial_duration_s(config),
@@ -29,15 +33,23 @@ def player_data(run: RunView, files: RunFiles) -> dict[str, Any]:
         "names": (WHOLE,) if has_unknown_current(run) else level_names(config),
         "level": {"label": config.level_metric().label, "unit": config.level_metric().unit},
         "step_s": run.config.get("control_period_s", IMAGE_PERIOD_S),
-        "charts": [
-            {"title": chart.title, "unit": chart.unit, "columns": chart.columns}
-            for chart in benchmark.charts_of(config)
-        ],
+        "charts": _charts(run, benchmark.charts_of(config)),
         "columns": [
             {"name": column.name, "unit": column.unit, "meaning": column.meaning}
             for column in telemetry.columns(len(files.columns))
-            if column.name not in _NOT_CHARTED
+            if column.name not in _NOT_CHARTED | absent
         ],
         "api": f"/api/v1/runs/{run.id}",
         "events_after": str(start_of_trial(files)),
     }
+
+
+def _charts(run: RunView, charts: Sequence[Chart]) -> list[dict[str, Any]]:
+    """Return the charts of the columns that a run has; where no tracker saw it, none in pixels."""
+    absent = absent_columns(run)
+    shown = [
+        {"title": chart.title, "unit": chart.unit, "columns": columns}
+        for chart in charts
+        if (columns := [name for name in chart.columns if name not in absent])
+    ]
+    return shown if tracks(run) else [chart for chart in shown if chart["unit"] != PIXELS]

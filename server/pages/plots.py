@@ -7,8 +7,11 @@ text keeps its size.
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Protocol, Self
 
+from seamark.server.pages import label_placement
+from seamark.server.pages.label_placement import Label, Point
 from seamark.server.runs.leaderboard_filters import Measured
 from seamark.sim.metrics.metric import Metric
 
@@ -80,16 +83,40 @@ class OnAxis(Protocol):
     def is_baseline(self) -> bool: ...  # noqa: D102
 
 
+class Plotted(Measured, Protocol):
+    """An entry with metrics and a name; rows of a leaderboard and reference entries have both."""
+
+    @property
+    def is_baseline(self) -> bool: ...  # noqa: D102
+
+
+@dataclass(frozen=True, slots=True)
+class ParetoPoint:
+    """An entry in the plot."""
+
+    name: str
+    x: float  # [%] from the left
+    y: float  # [%] from the top
+    is_baseline: bool
+    is_best: bool  # on the front
+    label: Label | None  # of the front, where there is room
+
+
 @dataclass(frozen=True, slots=True)
 class ParetoPlot:
-    """An error over its cost: all rows, and those of the front."""
+    """An error over its cost: all entries, and those that no other one beats in both."""
 
     error: Metric
     cost: Metric
     across: Axis  # of the cost
     upward: Axis  # of the error
-    ranks: Sequence[Measured]
-    front: Sequence[Measured]
+    points: Sequence[ParetoPoint]
+    front: Sequence[ParetoPoint]  # of the points, in order
+
+    @property
+    def steps(self) -> list[tuple[ParetoPoint, ParetoPoint]]:
+        """The neighbours of the front, between which its line is drawn."""
+        return list(pairwise(self.front))
 
 
 def score_axis(ranks: Sequence[OnAxis], marks: Sequence[OnAxis], *, whole: bool) -> Axis:
@@ -107,21 +134,51 @@ def score_axis(ranks: Sequence[OnAxis], marks: Sequence[OnAxis], *, whole: bool)
 
 
 def pareto_plot(
-    ranks: Sequence[Measured], front: Sequence[Measured], pair: tuple[Metric, Metric]
+    entries: Sequence[tuple[str, Plotted]], front: Sequence[Measured], pair: tuple[Metric, Metric]
 ) -> ParetoPlot | None:
-    """Return the plot of the rows that have both metrics; None with fewer than two."""
+    """Return the plot of the entries that have both metrics; None with fewer than two.
+
+    Parameters
+    ----------
+    entries
+        With their names.
+    front
+        Those of them that no other one beats in both, in order.
+    """
     error, cost = pair
-    known = [rank for rank in ranks if error.name in rank.metrics and cost.name in rank.metrics]
+    known = [
+        (name, entry)
+        for name, entry in entries
+        if error.name in entry.metrics and cost.name in entry.metrics
+    ]
     if len(known) < 2:
         return None
-    return ParetoPlot(
-        error,
-        cost,
-        Axis.over((rank.metrics[cost.name] for rank in known), logarithmic=True),
-        Axis.over((rank.metrics[error.name] for rank in known), logarithmic=True),
-        known,
-        front,
-    )
+    across = Axis.over((one.metrics[cost.name] for _, one in known), logarithmic=True)
+    upward = Axis.over((one.metrics[error.name] for _, one in known), logarithmic=True)
+    order = {id(entry): place for place, entry in enumerate(front)}
+    at = [
+        Point(
+            across.at(entry.metrics[cost.name]),
+            upward.up(entry.metrics[error.name]),
+            _short(name) if id(entry) in order else "",
+        )
+        for name, entry in known
+    ]
+    points = [
+        ParetoPoint(name, point.x, point.y, entry.is_baseline, bool(point.text), label)
+        for (name, entry), point, label in zip(known, at, label_placement.place(at), strict=True)
+    ]
+    best = {
+        order[id(entry)]: point
+        for (_, entry), point in zip(known, points, strict=True)
+        if id(entry) in order
+    }
+    return ParetoPlot(error, cost, across, upward, points, [best[at] for at in sorted(best)])
+
+
+def _short(name: str) -> str:
+    """Return the name of a reference entry without what explains it."""
+    return name.partition(":")[0]
 
 
 def _step(least: float) -> float:

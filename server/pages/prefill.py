@@ -75,18 +75,8 @@ def _assignment(run: RunView | None) -> AssignmentView | None:
     return None if handed_in is None else assignment_of(str(handed_in.id))
 
 
-def visible_run(text: str) -> int | None:
-    """Return the id of a run in a form, if there is such a run and the viewer may see it."""
-    run = _run(text)
-    return None if run is None else run.id
-
-
-def _requested_run(benchmark: Benchmark) -> RunView | None:
-    run = _run(request.args.get("from", ""))
-    return run if run is not None and run.benchmark == benchmark.name else None
-
-
-def _run(text: str) -> RunView | None:
+def visible_run(text: str) -> RunView | None:
+    """Return the run whose id is in a URL or form, if there is one and the viewer may see it."""
     try:
         run_id = row_id(text)
     except ValueError:
@@ -94,6 +84,11 @@ def _run(text: str) -> RunView | None:
     with services().database.reading() as session:
         run = views.show(session, run_id)
     return run if run is not None and can(g.viewer, Action.VIEW, run) else None
+
+
+def _requested_run(benchmark: Benchmark) -> RunView | None:
+    run = visible_run(request.args.get("from", ""))
+    return run if run is not None and run.benchmark == benchmark.name else None
 
 
 def _from_run(benchmark: Benchmark, run: RunView) -> Prefill:
@@ -110,24 +105,25 @@ def _from_run(benchmark: Benchmark, run: RunView) -> Prefill:
     what = "configuration" if run.seed is None else "configuration and seed"
     if run.controller == connected.ROSBRIDGE:
         posted["controller"] = next(iter(benchmark.built_in))
-        note = f"With the {what} of run {run.id}, but without its program, which was connected."
+        note = f"The form has the {what} of run {run.id}, but not its program, which was connected."
         return Prefill(values=dict(run.config), posted=posted, note=note)
     if run.program_sha256 is None:
         if run.controller not in benchmark.built_in:  # a reference entry, such as the oracle
             posted["controller"] = next(iter(benchmark.built_in))
         return Prefill(
-            values=dict(run.config), posted=posted, note=f"With the {what} of run {run.id}."
+            values=dict(run.config), posted=posted, note=f"The form has the {what} of run {run.id}."
         )
     program, why_not = _program(run)
     if program is None:
         posted["controller"] = next(iter(benchmark.built_in))
-        note = f"With the {what} of run {run.id}, but without its program: {why_not}."
+        note = f"The form has the {what} of run {run.id}, but not its program: {why_not}."
         return Prefill(values=dict(run.config), posted=posted, note=note)
+    joint = ", " if run.seed is not None else " and "
     return Prefill(
         values=dict(run.config),
         posted=posted | _in_editor(benchmark, program),
         program=program,
-        note=f"With the program{', ' if run.seed is not None else ' and '}{what} of run {run.id}.",
+        note=f"The form has the program{joint}{what} of run {run.id}.",
     )
 
 

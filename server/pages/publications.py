@@ -9,9 +9,11 @@ from flask.typing import ResponseReturnValue
 
 from seamark.server.accounts.permissions import Action, can
 from seamark.server.pages import benchmarks
-from seamark.server.runs import citations, publications, verifications, views
+from seamark.server.runs import citations, method_names, publications, verifications, views
 from seamark.server.runs.licences import LICENCES, NONE
+from seamark.server.runs.method_names import METHOD_MAX
 from seamark.server.runs.publications import PublicationRefused, Terms
+from seamark.server.runs.qualifier import qualifier
 from seamark.server.runs.states import RunKind
 from seamark.server.runs.verifications import VerificationRefused, VerificationView
 from seamark.server.runs.views import RunView
@@ -19,6 +21,7 @@ from seamark.server.web import access, publication
 from seamark.server.web.citation import citation_of
 from seamark.server.web.problems import Problem
 from seamark.server.web.services import services
+from seamark.server.web.site_address import site_address
 
 _NOT_PUBLISHABLE = "Only a finished run that has its data can be published."
 page = Blueprint("publications", __name__)
@@ -45,7 +48,7 @@ def form(run_id: int) -> ResponseReturnValue:
     run = access.run_for(run_id, Action.PUBLISH)
     if run.public or not run.state.final or run.data_deleted_at is not None:
         return _back(run_id, "The run is already public." if run.public else _NOT_PUBLISHABLE)
-    return _form(run, Terms(), "")
+    return _form(run, Terms(method=_suggested(run)), "")
 
 
 @page.post("/runs/<row:run_id>/publish")
@@ -87,9 +90,13 @@ def verify(run_id: int) -> ResponseReturnValue:
 class Card:
     """What the page of a public run says of its publication."""
 
-    address: str  # absolute if the service knows its own
+    address: str
     bibtex: str
-    badge: str  # absolute, for pages elsewhere; empty if the service does not know its address
+    qualifier: str  # what the run is; empty for a ranked one
+    badge: str  # its picture and its snippets for pages elsewhere
+    markdown: str
+    html: str
+    iframe: str
     marks: Sequence[VerificationView]  # the newest first
     pending: bool  # a verification is
     verifiable: bool  # by the viewer
@@ -102,21 +109,35 @@ def card_of(run: RunView) -> Card | None:
     with services().database.reading() as session:
         marks = verifications.of_run(session, run.id)
         pending = verifications.is_pending(session, run.id)
-    url, may = services().settings.url, can(access.viewer(), Action.VERIFY, run)
+    may = can(access.viewer(), Action.VERIFY, run)
+    address, site = publication.address_of(run.id), site_address()
+    badge, name = f"{site}/api/v1/runs/{run.id}/badge.svg", _name(run)
     repeats = not marks or can(access.viewer(), Action.ADMINISTER)
     return Card(
-        address=publication.address_of(run.id),
+        address=address,
         bibtex=citations.bibtex(citation_of(run)),
-        badge=f"{url}/api/v1/runs/{run.id}/badge.svg" if url else "",
+        qualifier=qualifier(run),
+        badge=badge,
+        markdown=f"[![{name}]({badge})]({address})",
+        html=f'<a href="{address}"><img src="{badge}" alt="{name}"></a>',
+        iframe=f'<iframe src="{site}{url_for("run.embed", run_id=run.id)}" title="{name}" '
+        'width="960" height="720" loading="lazy"></iframe>',
         marks=marks,
         pending=pending,
         verifiable=bool(run.rankable) and run.kind is RunKind.RANKED and may and repeats,
     )
 
 
+def _name(run: RunView) -> str:
+    """Return a text in place of a picture of a run, without any that its owner wrote."""
+    words = qualifier(run)
+    return f"Run {run.id} of {run.benchmark} on Seamark{f' ({words})' if words else ''}"
+
+
 def _terms() -> Terms:
     program = request.form.get("content") != "results"
     return Terms(
+        method=request.form.get("method", ""),
         program=program,
         licence=(request.form.get("licence") or None) if program else None,
         anonymous=request.form.get("author") == "anonymous",
@@ -129,6 +150,10 @@ def _done(run: RunView, terms: Terms) -> str:
     return f"The run is now public{with_program}{how}."
 
 
+def _suggested(run: RunView) -> str:
+    return run.method or method_names.suggested(run, title=run.title)
+
+
 def _form(run: RunView, terms: Terms, error: str) -> str:
     return render_template(
         "publications/form.html",
@@ -136,6 +161,7 @@ def _form(run: RunView, terms: Terms, error: str) -> str:
         benchmark=benchmarks.by_name(run.benchmark),
         name=access.viewer().name,
         terms=terms,
+        method_max=METHOD_MAX,
         licences=LICENCES,
         no_licence=NONE,
         error=error,

@@ -50,6 +50,7 @@ def show(run_id: int) -> ResponseReturnValue:
     config = benchmark.restore(run.config)
     files = stored_files.of_run(services().settings, run)
     may = {action for action in Action if can(g.viewer, action, run)}
+    tables = log_view.measured(run, metric_tables.tables(benchmark, run.config, run.metrics or {}))
     log = files.log_text()[-LOG_SHOWN:] if Action.VIEW_LOG in may else ""
     return render_template(
         "run/show.html",
@@ -65,14 +66,15 @@ def show(run_id: int) -> ResponseReturnValue:
         has_rows=files.row_count() > 0,
         no_mat=mat.refusal(files.row_count()),
         mission=log_view.of_run(run),
+        tracks=log_view.tracks(run),
         connected=run.controller == ROSBRIDGE,
-        tables=log_view.without_current(
-            run, metric_tables.tables(benchmark, run.config, run.metrics or {})
-        ),
+        tables=tables,
+        log_number=log_view.key_number(run, tables, benchmark.key_metrics[0].name),
         overall=metric_tables.overall(benchmark, run.metrics or {}),
         level=config.level_metric(),
         axes=axes(config),
         headline=benchmark.headline_of(config),
+        level_held_meaning=metric_tables.level_held_meaning(benchmark),
         level_held_unit=benchmark.level_held_unit_of(config),
         trials=metric_tables.trials(run.metrics or {}),
         parts=ranked_parts(run.metrics or {}),
@@ -106,6 +108,7 @@ def embed(run_id: int) -> ResponseReturnValue:
             has_rows=files.row_count() > 0,
             axes="",
             protocol=None,
+            tracks=log_view.tracks(run),
             page_data=player_data(run, files),
         )
     )

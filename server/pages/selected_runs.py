@@ -4,9 +4,11 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 from flask import flash, g
+from sqlalchemy.orm import Session
 
 from seamark.server.accounts.permissions import Action, can
 from seamark.server.runs import cancellation, deletion, views
+from seamark.server.runs.publications import PublicationRefused, Terms
 from seamark.server.web import publication
 from seamark.server.web.services import Services, services
 
@@ -56,7 +58,16 @@ def _delete(current: Services, run_ids: Sequence[int]) -> int:
 
 def _publish(current: Services, run_ids: Sequence[int]) -> int:
     with current.database.writing() as session:
-        return sum(publication.publish(session, run_id) for run_id in run_ids)
+        return sum(_publish_one(session, run_id) for run_id in run_ids)
+
+
+def _publish_one(session: Session, run_id: int) -> bool:
+    run = views.show(session, run_id)
+    method = "" if run is None else run.method
+    try:
+        return publication.publish(session, run_id, Terms(method=method))
+    except PublicationRefused:  # before it has changed anything
+        return False
 
 
 def _withdraw(current: Services, run_ids: Sequence[int]) -> int:
@@ -72,7 +83,8 @@ CHANGES: Mapping[str, Change] = {
     "publish": Change(
         Action.PUBLISH,
         "published",
-        "Only private runs that have finished and have their data can be published, by an account.",
+        "Only an account can publish, and only private runs that have ended and have their data. "
+        "Publish a run of your own program on its page, where you name the method.",
         _publish,
     ),
     "withdraw": Change(

@@ -19,12 +19,14 @@ def show() -> ResponseReturnValue:
         listed = workers.listed(session)
         counts, oldest = totals.counts(session), totals.oldest_queued_at(session)
         deviations = list(reference_entries.deviations(session))
+        preparation = workers.preparation(session)
         refusal = workers.upload_refusal(session, DEFAULT_LANGUAGE, app_services.settings)
     return render_template(
         "status/show.html",
         workers=listed,
         labels={name: language.label for name, language in LANGUAGES.items()},
         deviations=deviations,
+        preparation=preparation,
         counts={state.value: number for state, number in counts.items()},
         oldest=oldest,
         refusal=storage.refusal(app_services.settings) or refusal,

@@ -6,6 +6,7 @@ from flask.typing import ResponseReturnValue
 from seamark.sandbox.languages import DEFAULT_LANGUAGE, LANGUAGES, editor_starters
 from seamark.server import workers
 from seamark.server.accounts.permissions import Action, can
+from seamark.server.classes.assignments import AssignmentView
 from seamark.server.pages import (
     benchmarks,
     form_fields,
@@ -108,6 +109,7 @@ def _submission(
 ) -> Submission:
     """Return the submission in a posted form."""
     ranked = posted.get("kind") == RunKind.RANKED
+    source = prefill.visible_run(posted.get("from", ""))
     sent = Submission(
         viewer=authentication.become_guest(),
         benchmark=benchmark.name,
@@ -118,13 +120,21 @@ def _submission(
         seed=_whole(posted, "seed", "A seed"),
         trials=_whole(posted, "trials", "The number of trials"),
         title=posted.get("title", ""),
-        rerun_of=prefill.visible_run(posted.get("from", "")),
+        rerun_of=None if source is None else source.id,
     )
     assignment = _whole(posted, "assignment", "The number of an assignment")
     if assignment is None:
         return sent
     with services().database.reading() as session:
         return assigned.for_assignment(session, assignment, sent)
+
+
+def _changes_run(posted: dict[str, str], assignment: AssignmentView | None) -> bool:
+    """Return whether title, seed or trials differ from what the form starts with."""
+    if assignment is not None:
+        return bool(posted.get("title"))
+    named = any(posted.get(name) for name in ("title", "seed"))
+    return named or posted.get("trials", "1") not in {"", "1"}
 
 
 def _whole(posted: dict[str, str], name: str, what: str) -> int | None:
@@ -141,13 +151,16 @@ def _show(
 ) -> str:
     settings, posted, program = services().settings, prefilled.posted, prefilled.program
     kept = program if keep else None
+    assignment = prefill.assignment_of(posted.get("assignment", ""))
+    fixed = {} if assignment is None else assignment.fixed()
+    values = {**prefilled.values, **fixed}
     schema, starters = benchmark.schema(), editor_starters(benchmark.role)
     fields = {*schema["properties"], "program", "seed", "trials", "sweep"}
-    given = {**prefilled.values, **own_parameters.read(posted)}
+    given = {**values, **own_parameters.read(posted)}
     shown = own_parameters.fields(benchmark, program, given, errors)
     fields |= {one.field for one in shown}
     general = [text for name, text in errors.items() if name not in fields]
-    groups = form_fields.groups(schema, prefilled.values, errors, order=benchmark.groups)
+    groups = form_fields.groups(schema, values, errors, order=benchmark.groups)
     with services().database.reading() as session:
         refusals = {
             language.name: workers.upload_refusal(session, language.name, settings)
@@ -164,18 +177,19 @@ def _show(
         title_max=run_notes.TITLE_MAX,
         benchmarks=benchmarks.labels(),
         groups=groups,
-        changed=sum(group.changed for group in groups),
-        run_changed=any(posted.get(name) for name in ("title", "seed"))
-        or posted.get("trials", "1") not in {"", "1"},
+        changed=sum(group.changed for group in groups if not (fixed and group.scenario)),
+        run_changed=_changes_run(posted, assignment),
         starting_points=benchmark.starting_points,
         presets=schema.get("x-presets", {}),
         defaults={name: entry["default"] for name, entry in schema["properties"].items()},
         posted=posted,
-        assignment=prefill.assignment_of(posted.get("assignment", "")),
+        assignment=assignment,
+        fixed=fixed,
+        fixed_changes=[] if assignment is None else assigned.fixed_changes(assignment),
         note=prefilled.note,
         errors=errors,
         parameters=shown,
-        sweep=sweep_fields.shown(benchmark, program, posted),
+        sweep=sweep_fields.shown(benchmark, program, posted, fixed=assignment is not None),
         kept=kept and {"program": kept, "token": submitted_program.token(benchmark, kept)},
         archives=archives.SUFFIXES,
         file_names={name: starter.upload_name for name, starter in starters.items()},

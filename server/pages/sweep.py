@@ -8,10 +8,10 @@ from flask import Blueprint, flash, redirect, render_template, url_for
 from flask.typing import ResponseReturnValue
 
 from seamark.server.accounts.permissions import Action
-from seamark.server.pages import benchmarks, sweep_chart
+from seamark.server.pages import benchmarks, sweep_chart, sweep_edges
 from seamark.server.runs import cancellation
-from seamark.server.runs.setting_values import label_of, text_of
-from seamark.server.runs.sweep_axes import Axis, Value
+from seamark.server.runs.setting_values import label_of
+from seamark.server.runs.sweep_axes import Axis, Value, shown
 from seamark.server.runs.sweeps import Cell, SweepView
 from seamark.server.runs.views import RunView
 from seamark.server.web import access
@@ -46,6 +46,7 @@ def show(sweep_id: int) -> ResponseReturnValue:
         points=_points(sweep, axes),
         heats=heats(sweep.cells),
         chart=sweep_chart.curve(sweep) if len(axes) == 1 else None,
+        edges=sweep_edges.warnings(sweep, benchmark.schema()["properties"]),
         headline=_headline(benchmark, sweep.runs),
     )
 
@@ -84,7 +85,7 @@ def _axes(benchmark: Benchmark, sweep: SweepView) -> tuple[AxisView, ...]:
 
 def _axis(axis: Axis, entry: dict[str, Any] | None) -> AxisView:
     def label(value: Value) -> str:
-        return text_of(value) if entry is None else label_of(entry, value)
+        return shown(value) if entry is None or type(value) is float else label_of(entry, value)
 
     title = axis.name if entry is None else entry["title"]
     unit = "" if entry is None else entry.get("x-unit", "")

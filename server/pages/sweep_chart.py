@@ -1,16 +1,16 @@
 """The curve of a sweep over one value: the score with its interval, as coordinates of an SVG."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
-from seamark.server.runs.setting_values import text_of
+from seamark.server.pages.plots import Axis as Scale
+from seamark.server.runs.sweep_axes import Value, numbers_of, shown
 from seamark.server.runs.sweeps import Cell, SweepView
 from seamark.server.web.template_filters import plain
 
-WIDTH, HEIGHT = 640.0, 260.0  # of the drawing
-LEFT, RIGHT, TOP, BOTTOM = 56.0, 16.0, 14.0, 34.0  # margins
-TICKS = 4  # intervals of the vertical axis
-LABELS_MAX = 9  # values that are named below
+WIDTH, HEIGHT = 640.0, 280.0  # of the drawing
+LEFT, RIGHT, TOP, BOTTOM = 56.0, 16.0, 14.0, 54.0  # margins
+LOGARITHMIC_FROM = 50.0  # times the least value: then the greatest is on a logarithmic axis
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,16 +35,22 @@ class Tick:
 
 @dataclass(frozen=True, slots=True)
 class CurveChart:
-    """What the template draws."""
+    """What the template draws; choices have no line between them."""
 
     points: tuple[Point, ...]
     values: tuple[Tick, ...]
     scores: tuple[Tick, ...]
+    is_line: bool
 
     @property
     def line(self) -> str:
         """The points of the line."""
         return " ".join(f"{point.x:.1f},{point.y:.1f}" for point in self.points)
+
+    @property
+    def has_bars(self) -> bool:
+        """Whether a point has an interval."""
+        return any(point.low is not None and point.high is not None for point in self.points)
 
 
 def curve(sweep: SweepView) -> CurveChart | None:
@@ -52,41 +58,30 @@ def curve(sweep: SweepView) -> CurveChart | None:
     scored = [cell for cell in sweep.cells if cell.run is not None and cell.run.score is not None]
     if len(scored) < 2:
         return None
-    bounds = [bound for cell in scored for bound in _bounds(cell)]
-    low, high = min(bounds), max(bounds)
-    span = high - low or 1.0
-
-    def y_of(score: float) -> float:
-        return TOP + (HEIGHT - TOP - BOTTOM) * (high - score) / span
-
-    positions = _positions(sweep.axes[0].values)
-    at = dict(zip(sweep.axes[0].values, positions, strict=True))
-    shown = max(1, -(-len(positions) // LABELS_MAX))
-    ticks = list(zip(positions, sweep.axes[0].values, strict=True))[::shown]
+    scale = Scale.over(bound for cell in scored for bound in _bounds(cell))
+    at, ticks = _across(sweep.axes[0].values)
     best = sweep.best
     return CurveChart(
         points=tuple(
-            _point(cell, at[cell.values[0]], y_of, best=cell is best)
+            _point(cell, at[cell.values[0]], scale, best=cell is best)
             for cell in sorted(scored, key=lambda cell: at[cell.values[0]])
         ),
-        values=tuple(Tick(x, text_of(value)) for x, value in ticks),
-        scores=tuple(
-            Tick(y_of(score), plain(float(f"{score:.3g}")))
-            for score in (low + span * step / TICKS for step in range(TICKS + 1))
-        ),
+        values=tuple(ticks),
+        scores=tuple(Tick(_height(scale, score), plain(score)) for score in scale.ticks()),
+        is_line=numbers_of(sweep.axes[0].values) is not None,
     )
 
 
-def _point(cell: Cell, x: float, y_of: Callable[[float], float], *, best: bool) -> Point:
+def _point(cell: Cell, x: float, scale: Scale, *, best: bool) -> Point:
     run = cell.run
     if run is None or run.score is None:
         raise ValueError("a cell without a score has no point")
     low, high = run.score_low, run.score_high
     return Point(
         x=x,
-        y=y_of(run.score),
-        low=None if low is None else y_of(low),
-        high=None if high is None else y_of(high),
+        y=_height(scale, run.score),
+        low=None if low is None else _height(scale, low),
+        high=None if high is None else _height(scale, high),
         run=run.id,
         best=best,
     )
@@ -98,11 +93,22 @@ def _bounds(cell: Cell) -> list[float]:
     return [value for value in values if value is not None]
 
 
-def _positions(values: Sequence[object]) -> list[float]:
-    """Return where the values are: to scale if all are numbers, else evenly."""
-    numbers = [float(v) for v in values if isinstance(v, int | float) and not isinstance(v, bool)]
-    if len(numbers) < len(values):
-        numbers = [float(index) for index in range(len(values))]
-    low, span = min(numbers), max(numbers) - min(numbers)
-    width = WIDTH - LEFT - RIGHT
-    return [LEFT + width * (number - low) / span for number in numbers]
+def _height(scale: Scale, score: float) -> float:
+    return TOP + (HEIGHT - TOP - BOTTOM) * scale.up(score) / 100.0
+
+
+def _across(values: Sequence[Value]) -> tuple[dict[Value, float], list[Tick]]:
+    """Return where the values are, to scale if all are numbers, and the ticks below."""
+    numbers = numbers_of(values)
+    if numbers is None:
+        scale = Scale.over(map(float, range(len(values))))
+        at = {value: _right(scale, float(index)) for index, value in enumerate(values)}
+        return at, [Tick(x, shown(value)) for value, x in at.items()]
+    wide = min(numbers) > 0.0 and max(numbers) >= LOGARITHMIC_FROM * min(numbers)
+    scale = Scale.over(numbers, logarithmic=wide)
+    at = {value: _right(scale, number) for value, number in zip(values, numbers, strict=True)}
+    return at, [Tick(_right(scale, tick), plain(tick)) for tick in scale.ticks()]
+
+
+def _right(scale: Scale, value: float) -> float:
+    return LEFT + (WIDTH - LEFT - RIGHT) * scale.at(value) / 100.0

@@ -1,5 +1,6 @@
 """The sweep in the form of a run: the fields `sweep-0-name`, `sweep-0-values` and so on."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -7,6 +8,7 @@ from typing import Any
 from seamark.server.programs.parameters import Parameter
 from seamark.server.programs.store import StoredProgram
 from seamark.server.runs import configurations, sweeps
+from seamark.server.runs.submission import SubmissionRejected
 from seamark.server.runs.sweep_axes import AXES_MAX, RUNS_MAX, TEXT_MAX, Axis, read_axis
 from seamark.sim.benchmarks.benchmark import Benchmark
 
@@ -26,9 +28,13 @@ def read(posted: Mapping[str, str]) -> list[Axis]:
 
 
 def shown(
-    benchmark: Benchmark, program: StoredProgram | None, posted: Mapping[str, str]
+    benchmark: Benchmark,
+    program: StoredProgram | None,
+    posted: Mapping[str, str],
+    *,
+    fixed: bool = False,
 ) -> dict[str, Any]:
-    """Return what the template shows."""
+    """Return what the template shows; with a `fixed` scenario no setting of it."""
     declared: tuple[Parameter, ...] = ()
     if program is not None:
         declared = configurations.declared_in(benchmark, program.language, program.parameters)
@@ -36,10 +42,20 @@ def shown(
     return {
         "rows": rows,
         "open": any(row.name for row in rows),
-        "choices": sweeps.sweepable(benchmark, declared),
+        "choices": sweeps.sweepable(benchmark, declared, fixed=fixed),
+        "runs": _count(posted),
         "runs_max": RUNS_MAX,
         "text_max": TEXT_MAX,
     }
+
+
+def _count(posted: Mapping[str, str]) -> int:
+    """Return how many runs the fields ask for; 0 without a sweep, or if they are wrong."""
+    try:
+        axes = read(posted)
+    except SubmissionRejected:
+        return 0
+    return math.prod(len(axis.values) for axis in axes) if axes else 0
 
 
 def _rows(posted: Mapping[str, str]) -> list[Row]:

@@ -6,7 +6,10 @@ from seamark.sandbox.languages import LANGUAGES
 from seamark.server.programs.archives import SUFFIXES
 
 _HEADER = "A header goes into an archive with the program that includes it."
-_MODEL = "Export the model as an FMU, or generate C with Embedded Coder."
+_MODEL = (
+    "Simulink does not run in the sandbox. Export the model as an FMU and upload the .fmu file, or "
+    "generate C with Embedded Coder and upload an archive of the generated files."
+)
 _NETWORK = "Put the network into an archive with a main.py that runs it."
 _INSTEAD = {
     ".ipynb": "Export the notebook as a script (.py) first.",

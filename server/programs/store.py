@@ -8,13 +8,13 @@ import fcntl
 import hashlib
 import os
 import re
-import secrets
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
+from seamark.drafts import replace_file
 from seamark.server import objects, storage
 from seamark.server.objects import Objects, ObjectsAway
 from seamark.server.programs.parameters import Parameter
@@ -207,13 +207,7 @@ def _write(content: bytes, target: Path) -> None:
     """Write the file atomically, or renew it if it exists."""
     if _renew(target):
         return
-    draft = target.with_name(f"{target.name}.{secrets.token_hex(8)}")
     try:
-        with draft.open("wb") as file:
-            file.write(content)
-            file.flush()
-            os.fsync(file.fileno())
-        draft.replace(target)
+        replace_file(target, content)
     except OSError as error:
-        draft.unlink(missing_ok=True)
         raise StorageUnavailable(f"The program could not be stored: {error.strerror}.") from error

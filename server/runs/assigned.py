@@ -8,6 +8,7 @@ from sqlalchemy.orm import Session
 from seamark.server.classes import assignments
 from seamark.server.classes.assignments import AssignmentView
 from seamark.server.classes.refusals import ClassRefused
+from seamark.server.runs.setting_values import label_of, text_of
 from seamark.server.runs.states import RunKind
 from seamark.server.runs.submission import Submission, SubmissionRejected
 from seamark.sim import registry
@@ -30,11 +31,16 @@ def for_assignment(session: Session, assignment_id: int, sent: Submission) -> Su
     except ClassRefused as refusal:
         raise SubmissionRejected(str(refusal), field=refusal.field) from None
     if sent.benchmark != found.benchmark:
-        raise SubmissionRejected(f"The assignment is about {found.benchmark}.", field="benchmark")
+        raise SubmissionRejected(
+            f"This assignment asks for runs of {found.benchmark}, not of {sent.benchmark}.",
+            field="benchmark",
+        )
     if found.is_ranked:
         return replace(sent, assignment=found.id, kind=RunKind.RANKED, seed=None, trials=None)
     if found.seed is not None and sent.seed not in (None, found.seed):
-        raise SubmissionRejected(f"The assignment has the seed {found.seed}.", field="seed")
+        raise SubmissionRejected(
+            f"This assignment fixes the seed to {found.seed}. Leave the seed out.", field="seed"
+        )
     return replace(
         sent,
         assignment=found.id,
@@ -43,6 +49,20 @@ def for_assignment(session: Session, assignment_id: int, sent: Submission) -> Su
         trials=found.trials,
         config=_config(found, sent.config),
     )
+
+
+def fixed_changes(found: AssignmentView) -> list[tuple[str, str, str]]:
+    """Return title, unit and value of the fixed settings that differ from the defaults."""
+    properties = registry.benchmark(found.benchmark).schema()["properties"]
+    return [
+        (
+            properties[name]["title"],
+            properties[name].get("x-unit", ""),
+            label_of(properties[name], value),
+        )
+        for name, value in found.fixed().items()
+        if value != properties[name].get("default")
+    ]
 
 
 def _config(found: AssignmentView, chosen: Mapping[str, object]) -> dict[str, object]:
@@ -54,6 +74,6 @@ def _config(found: AssignmentView, chosen: Mapping[str, object]) -> dict[str, ob
         if config[name] != value:
             title = benchmark.configuration.model_fields[name].title or name
             raise SubmissionRejected(
-                f"The assignment fixes this setting: {title} = {value}.", field=name
+                f"This assignment fixes {title} to {text_of(value)}. Leave it as it is.", field=name
             )
     return {**found.config, **chosen, **fixed}  # with the parameters of the pupil's program

@@ -5,25 +5,33 @@ where a reader's font is wider than the one that the widths are from.
 """
 
 from html import escape
+from itertools import accumulate
 
-TEXT_MAX = 60  # [character] of each half
+TEXT_MAX = 100  # [character] of each part
 _HEIGHT, _PADDING, _CHARACTER = 20, 6, 6.6  # [px]; of a character of 11 px Verdana, on average
-_LEFT, _RIGHT = "#12303f", "#0b6e8f"  # both with white text above 4.5:1 (WCAG 2.2 AA)
+# Of label, value and caution; all with white text above 4.5:1 (WCAG 2.2 AA)
+_FILLS = ("#12303f", "#0b6e8f", "#7a4300")
 
 
-def svg(label: str, value: str) -> str:
-    """Return the badge with a label and what it is about."""
-    label, value = _short(label), _short(value)
-    left, right = _width(label), _width(value)
-    name = escape(f"{label}: {value}", quote=True)
+def svg(label: str, value: str, caution: str = "") -> str:
+    """Return the badge with a label, what it is about, and what keeps others from comparing it."""
+    parts = [_short(part) for part in ((label, value, caution) if caution else (label, value))]
+    edges = [0, *accumulate(map(_width, parts))]
+    first, *rest = parts
+    name = escape(f"{first}: {', '.join(rest)}", quote=True)
+    fills = zip(edges, parts, _FILLS, strict=False)
+    boxes = (
+        f'<rect x="{x}" width="{_width(part)}" height="{_HEIGHT}" fill="{fill}"/>'
+        for x, part, fill in fills
+    )
+    texts = (_text(part, at=x) for x, part in zip(edges, parts, strict=False))
     return (
-        f'<svg xmlns="http://www.w3.org/2000/svg" width="{left + right}" height="{_HEIGHT}" '
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{edges[-1]}" height="{_HEIGHT}" '
         f'role="img" aria-label="{name}"><title>{name}</title>'
-        f'<clipPath id="round"><rect width="{left + right}" height="{_HEIGHT}" rx="3"/></clipPath>'
-        f'<g clip-path="url(#round)"><rect width="{left}" height="{_HEIGHT}" fill="{_LEFT}"/>'
-        f'<rect x="{left}" width="{right}" height="{_HEIGHT}" fill="{_RIGHT}"/></g>'
+        f'<clipPath id="round"><rect width="{edges[-1]}" height="{_HEIGHT}" rx="3"/></clipPath>'
+        f'<g clip-path="url(#round)">{"".join(boxes)}</g>'
         '<g fill="#fff" font-family="Verdana,DejaVu Sans,sans-serif" font-size="11">'
-        f"{_text(label, at=0)}{_text(value, at=left)}</g></svg>\n"
+        f"{''.join(texts)}</g></svg>\n"
     )
 
 

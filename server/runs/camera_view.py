@@ -5,11 +5,12 @@ the first image or in `warm_up`.
 """
 
 import json
+import os
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -23,6 +24,8 @@ from seamark.server.runs.seeds import TrialSeeds, trial_seeds
 from seamark.server.runs.views import RunView
 from seamark.server.settings import Settings
 from seamark.sim import registry
+from seamark.sim.numerics.numba_internals import numba_folder
+from seamark.sim.numerics.shared_parts import run_parts
 from seamark.sim.recording.telemetry import INDEX, WIDTH
 
 if TYPE_CHECKING:
@@ -36,6 +39,7 @@ _SUBPIXEL_BITS = 4  # OpenCV draws at sixteenths of a pixel
 _CORNERS = slice(INDEX["corner_0"], INDEX["corner_7"] + 1)
 # A camera has one set of buffers, so images are rendered one at a time; each takes milliseconds.
 _lock = threading.Lock()
+_warm = threading.Event()
 _log = structlog.get_logger()
 Image = NDArray[np.uint8]
 Row = NDArray[np.float64]
@@ -53,13 +57,24 @@ DRAWN = Drawn()
 
 
 def render(
-    settings: Settings, run: RunView, *, trial: int, t: float, drawn: Drawn = DRAWN
+    settings: Settings,
+    run: RunView,
+    *,
+    trial: int,
+    t: float,
+    drawn: Drawn = DRAWN,
+    files: RunFiles | None = None,
 ) -> bytes | None:
     """Return the JPEG of the last image before simulated time `t` [s]; None without telemetry.
 
     The image centre is a cross, if anything is drawn.
+
+    Parameters
+    ----------
+    files
+        Those of a run that is not stored with the others.
     """
-    row = _row_at(stored_files.of_run(settings, run), trial, t)
+    row = _row_at(stored_files.of_run(settings, run) if files is None else files, trial, t)
     if row is None:
         return None
     config = json.dumps(run.config, sort_keys=True)
@@ -88,15 +103,28 @@ def camera_of(settings: Settings, run: RunView, *, trial: int, level: int) -> "I
 
 
 def warm_up() -> None:
-    """Render one image of each benchmark, so that everything is loaded and compiled."""
+    """Render one image of each benchmark, so that everything is loaded and compiled.
+
+    What a worker on this machine is compiling is left until it is done.
+    """
+    parts = {name: partial(_render_one, name) for name in registry.BENCHMARKS}
+    run_parts(parts, numba_folder(os.environ))
+    _warm.set()
+    _log.info("camera_warm")
+
+
+def _render_one(benchmark: str) -> None:
     from seamark.sim.engine.replay import Replay  # noqa: PLC0415 - loads OpenCV
 
-    row = np.zeros(WIDTH)
-    for name in registry.BENCHMARKS:
-        with _lock:
-            frame = Replay(name, registry.benchmark(name).read({}), lambda _trial: 0).frame(row)
-            jpeg(_annotated(frame.colour(), row, frame.corners(), DRAWN))
-    _log.info("camera_warm")
+    row, config = np.zeros(WIDTH), registry.benchmark(benchmark).read({})
+    with _lock:
+        frame = Replay(benchmark, config, lambda _trial: 0).frame(row)
+        jpeg(_annotated(frame.colour(), row, frame.corners(), DRAWN))
+
+
+def is_warm() -> bool:
+    """Return whether `warm_up` has ended in this process: an image takes milliseconds now."""
+    return _warm.is_set()
 
 
 @lru_cache(maxsize=4)

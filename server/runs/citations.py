@@ -8,6 +8,7 @@ from html import escape
 from typing import Any
 
 from seamark.server.runs.anonymity import NAME
+from seamark.server.runs.qualifier import qualifier
 from seamark.server.runs.solutions import solution
 from seamark.server.runs.verifications import Outcome, VerificationView
 from seamark.server.runs.views import RunView
@@ -49,7 +50,7 @@ class Citation:
     author: Author
     title: str
     benchmark: str
-    address: str  # permanent and absolute; empty if the service does not know its own
+    address: str  # permanent and absolute
     published: date
     licence: str | None
     is_software: bool  # the program is published too
@@ -77,13 +78,13 @@ def of_run(
     return Citation(
         run_id=run.id,
         author=ANONYMOUS if run.anonymous else author,
-        title=" ".join((run.title or f"{solution(run)} in {run.benchmark}").split()),
+        title=_title(run),
         benchmark=run.benchmark,
         address=address,
         published=at.date(),
         licence=run.licence,
         is_software=run.program_sha256 is not None and run.program_public,
-        note=" ".join(filter(None, (_score(run, result), _verified(mark)))),
+        note=" ".join(filter(None, (_kind(run), _score(run, result), _verified(mark)))),
     )
 
 
@@ -117,9 +118,8 @@ def cff(citation: Citation) -> str:
         "authors": [{"name": citation.author.name}],
         "date-released": citation.published.isoformat(),
         "keywords": list(_KEYWORDS),
+        "url": citation.address,
     }
-    if citation.address:
-        values["url"] = citation.address
     if citation.licence is not None:
         values["license"] = citation.licence
     lines = (f"{name}: {json.dumps(value, ensure_ascii=False)}" for name, value in values.items())
@@ -140,10 +140,10 @@ def zenodo(citation: Citation) -> str:
         "access_right": "open",
         "license": (citation.licence or _NO_LICENCE_AT_ZENODO).lower(),
         "keywords": list(_KEYWORDS),
+        "related_identifiers": [
+            {"identifier": citation.address, "relation": "isIdenticalTo"},
+        ],
     }
-    if citation.address:
-        relation = {"identifier": citation.address, "relation": "isIdenticalTo"}
-        values["related_identifiers"] = [relation]
     return json.dumps(values, indent=2, ensure_ascii=False) + "\n"
 
 
@@ -176,6 +176,16 @@ def files(citation: Citation) -> Mapping[str, str]:
 
 def _tex(text: str) -> str:
     return " ".join(text.split()).translate(_TEX)
+
+
+def _title(run: RunView) -> str:
+    name = run.method or run.title or f"{solution(run)} in {run.benchmark}"
+    return " ".join(name.split())
+
+
+def _kind(run: RunView) -> str:
+    words = qualifier(run)
+    return f"{words[0].upper()}{words[1:]}." if words else ""
 
 
 def _score(run: RunView, result: str) -> str:

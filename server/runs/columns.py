@@ -48,6 +48,7 @@ class PublicRun(RunSpec):
     is_baseline: bool
     title: str
     notes: str
+    method: str = ""  # what it is called where it is published; empty: the same as its program
     rerun_of: int | None
     sweep_id: int | None = None  # the sweep that it belongs to
     state: RunState

@@ -61,7 +61,14 @@ def _empty(
         data_deleted_at=func.coalesce(Run.data_deleted_at, now),
         data_bytes=0,
         data_measured=True,
-        **{"title": "", "notes": "", "program_name": None, "config": {}, "detail": {}},
+        **{
+            "title": "",
+            "notes": "",
+            "method": "",
+            "program_name": None,
+            "config": {},
+            "detail": {},
+        },
     )
     deleted = session.scalars(change.returning(Run.id)).all()
     numbers = ("score", "score_low", "score_high", "level_held", "reference_scores")

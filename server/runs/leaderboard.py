@@ -7,7 +7,7 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import islice
-from typing import Any, Self
+from typing import Any, NamedTuple, Self
 
 from sqlalchemy import (
     ColumnElement,
@@ -55,7 +55,7 @@ _COLUMNS = (
     *(Best.reached_at, Best.language, Best.vehicle, Best.tracker, Best.metrics),
     *(Best.score_low.label("low"), Best.score_high.label("high")),
     *(Run.benchmark, Run.config, Run.controller, Run.program_name, Run.title, Run.notes),
-    Run.anonymous,
+    *(Run.method, Run.anonymous),
     *(User.name.label("user"), User.affiliation),
 )
 
@@ -80,6 +80,7 @@ class Rank:
     controller: str
     program_name: str | None
     title: str
+    method: str
     notes: str  # of the run: how its author describes the method
     affiliation: str  # of the user
     language: str  # empty: a built-in solution
@@ -141,6 +142,15 @@ def leaders_of(
     }
 
 
+class Kind(NamedTuple):
+    """What filters tell rows apart by."""
+
+    language: str  # empty: a built-in solution
+    vehicle: str
+    tracker: str  # empty: the program's own
+    is_baseline: bool
+
+
 @dataclass(frozen=True, slots=True)
 class Key:
     """What a row is filtered and sorted by; `number` is its rank, or that of the row above."""
@@ -190,6 +200,13 @@ def baseline_keys(session: Session, benchmark: str, *, after: Cursor | None = No
     found = [Key.of(0, row) for row in rows]
     found.sort(key=lambda key: place(key.cursor))
     return [key for key in found if after is None or place(key.cursor) > place(after)]
+
+
+def kinds(session: Session, benchmark: str, *, limit: int) -> set[Kind]:
+    """Return what filters can tell apart among the first rows."""
+    columns = (Best.language, Best.vehicle, Best.tracker, Best.is_baseline)
+    first = select(*columns).where(Best.benchmark == benchmark).order_by(*_ORDER).limit(limit)
+    return {Kind(*row) for row in session.execute(select(first.subquery()).distinct())}
 
 
 def rows_of(

@@ -4,14 +4,14 @@ Neither has an index of its own. A filtered page looks at no more than `SEEN_MAX
 short and yet have a next one; another order is that of the first `SORTED_MAX` rows by score.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Protocol, TypeVar
 
 from sqlalchemy.orm import Session
 
 from seamark.server.runs import leaderboard
-from seamark.server.runs.leaderboard import Cursor, Rank
+from seamark.server.runs.leaderboard import Cursor, Kind, Rank
 from seamark.server.runs.ranking import Population
 from seamark.sim.metrics.metric import Metric
 
@@ -113,6 +113,19 @@ def page(
     if len(shown) > limit:
         shown, following = shown[:limit], shown[limit - 1].cursor
     return BoardPage(leaderboard.rows_of(session, benchmark, shown, people), following)
+
+
+def choices(kinds: Iterable[Kind]) -> dict[str, list[str]]:
+    """Return filter -> the values of which at least one row passes and one does not."""
+    rows = list(kinds)
+    values: dict[str, set[str]] = {
+        "program": {UPLOADED if row.language else BUILT_IN for row in rows},
+        "language": {row.language for row in rows if row.language},
+        "vehicle": {row.vehicle for row in rows},
+        "tracker": {row.tracker for row in rows},
+        "baselines": {ONLY if row.is_baseline else HIDE for row in rows},
+    }
+    return {name: sorted(found - {""}) for name, found in values.items() if len(found) > 1}
 
 
 def by_metric(

@@ -10,8 +10,8 @@ LICENCES: Mapping[str, str] = {
     "MPL-2.0": "changes to its files stay open, what is built around them need not be",
     "LGPL-3.0-or-later": "changes stay open, programs that link to it need not be",
     "GPL-3.0-or-later": "whatever is built from it stays open",
-    "EUPL-1.2": "as the GPL, in the languages of the European Union",
+    "EUPL-1.2": "what is built from it stays open; in all languages of the European Union",
     "CC0-1.0": "no conditions at all",
 }
-NONE = "None of these: what its own files say, else all rights are reserved"
+NONE = "Choose none: the files of the program say how it may be used"
 NO_PROGRAM = "A licence is for the program, and this publication has none."

@@ -3,19 +3,22 @@
 Each takes some tens of milliseconds; the last ones are kept. Loads OpenCV: import it late.
 """
 
+import textwrap
 import threading
 from collections import OrderedDict
 from collections.abc import Callable, Hashable, Sequence
+from pathlib import Path
 
 import cv2
 import numpy as np
 
+from seamark import templates
 from seamark.sandbox.printable_text import printable_text
 from seamark.server.runs import camera_view, overlaid_series, stored_files
 from seamark.server.runs.leaderboard import Rank
 from seamark.server.runs.overlaid_series import Part
 from seamark.server.runs.picture_canvas import MUTED, RUNS, Box, Canvas, Line
-from seamark.server.runs.solutions import solution
+from seamark.server.runs.solutions import entry_name, solution
 from seamark.server.runs.views import RunView
 from seamark.server.settings import Settings
 from seamark.sim import registry
@@ -25,6 +28,8 @@ KEPT = 64  # pictures of about 100 KB in each process
 POINTS = 800  # of a line: one for each pixel or so
 MOMENT = 0.9  # share of a run whose camera image is shown: the levels are hardest at the end
 _MARGIN = 48  # [px]
+_LINE_CHARACTERS = 30  # that fit beside a picture
+_STATIC = Path(templates.__file__).parent / "static"
 _kept: OrderedDict[Hashable, bytes] = OrderedDict()
 # The canvas has a font that threads cannot share, and drawing should not take all cores.
 _lock = threading.Lock()
@@ -47,6 +52,19 @@ def of_leaderboard(benchmark: Benchmark, ranks: Sequence[Rank]) -> bytes:
     return _once(key, lambda: _draw_leaderboard(benchmark, ranks))
 
 
+def of_benchmark(benchmark: Benchmark) -> bytes:
+    """Return the picture of a benchmark: what its camera sees, and its question."""
+    picture = _STATIC / "benchmarks" / f"{benchmark.name}.jpg"
+    texts = (benchmark.title, benchmark.name, benchmark.question)
+    return _once(("benchmark", benchmark.name), lambda: _draw_illustrated(*texts, picture))
+
+
+def of_home(title: str, sentence: str) -> bytes:
+    """Return the picture of the home page: the scene of the recorded run, and what Seamark is."""
+    picture = _STATIC / "demo" / "still.webp"
+    return _once(("home",), lambda: _draw_illustrated(title, "", sentence, picture))
+
+
 def _once(key: Hashable, draw: Callable[[], bytes]) -> bytes:
     """Return a kept picture, or draw it; one at a time."""
     with _lock:
@@ -60,7 +78,11 @@ def _once(key: Hashable, draw: Callable[[], bytes]) -> bytes:
 
 def _draw_run(settings: Settings, run: RunView) -> bytes:
     canvas, width = Canvas(), 500
-    _head(canvas, f"Run {run.id}: {run.title or solution(run)}", registry.benchmark(run.benchmark))
+    _head(
+        canvas,
+        f"Run {run.id}: {entry_name(run)}",
+        registry.benchmark(run.benchmark).title,
+    )
     picture = _camera(settings, run)
     if picture is not None:
         canvas.paste(picture, Box(_MARGIN, 190, 560, 392))
@@ -75,7 +97,7 @@ def _draw_run(settings: Settings, run: RunView) -> bytes:
 
 def _draw_comparison(settings: Settings, runs: Sequence[RunView]) -> bytes:
     canvas = Canvas()
-    _head(canvas, f"{len(runs)} runs side by side", registry.benchmark(runs[0].benchmark))
+    _head(canvas, f"{len(runs)} runs side by side", registry.benchmark(runs[0].benchmark).title)
     chart, legend = Box(_MARGIN, 220, 700, 362), 800
     title, lines = _lines(settings, runs)
     canvas.chart(chart, lines)
@@ -83,7 +105,7 @@ def _draw_comparison(settings: Settings, runs: Sequence[RunView]) -> bytes:
     for index, run in enumerate(runs):
         y = 240 + 74 * index
         canvas.panel(Box(legend - 26, y - 20, 14, 44), RUNS[index])
-        name = f"#{run.id} {run.title or solution(run)}"
+        name = f"#{run.id} {entry_name(run)}"
         canvas.text(name, (legend, y), 26, width=1200 - legend - _MARGIN, bold=True)
         canvas.text(_score(run), (legend, y + 28), 20, width=350, colour=MUTED)
     return canvas.jpeg()
@@ -91,7 +113,7 @@ def _draw_comparison(settings: Settings, runs: Sequence[RunView]) -> bytes:
 
 def _draw_leaderboard(benchmark: Benchmark, ranks: Sequence[Rank]) -> bytes:
     canvas = Canvas()
-    _head(canvas, "Leaderboard", benchmark)
+    _head(canvas, "Leaderboard", benchmark.title)
     name, bar = _MARGIN, Box(560, 0, 470, 34)
     scale = bar.width / max([benchmark.score_bar_max, *(rank.score for rank in ranks)])
     for index, rank in enumerate(ranks):
@@ -107,11 +129,21 @@ def _draw_leaderboard(benchmark: Benchmark, ranks: Sequence[Rank]) -> bytes:
     return canvas.jpeg()
 
 
-def _head(canvas: Canvas, title: str, benchmark: Benchmark) -> None:
+def _draw_illustrated(title: str, subtitle: str, sentence: str, file: Path) -> bytes:
+    canvas, text = Canvas(), Box(672, 222, 1200 - 672 - _MARGIN, 44)
+    _head(canvas, title, subtitle)
+    picture = np.asarray(cv2.imread(str(file)), np.uint8)
+    canvas.paste(picture, Box(_MARGIN, 190, 588, 392))
+    for line, words in enumerate(textwrap.wrap(sentence, _LINE_CHARACTERS)):
+        canvas.text(words, (text.x, text.y + line * text.height), 30, width=text.width)
+    return canvas.jpeg()
+
+
+def _head(canvas: Canvas, title: str, subtitle: str) -> None:
     canvas.panel(Box(0, 0, 1200, 8), RUNS[0])
     shown = printable_text(title)
     canvas.text(shown, (_MARGIN, 90), 50, width=1200 - 2 * _MARGIN, bold=True)
-    canvas.text(benchmark.title, (_MARGIN, 142), 28, width=860, colour=MUTED)
+    canvas.text(subtitle, (_MARGIN, 142), 28, width=860, colour=MUTED)
     canvas.text("Seamark", (1200 - _MARGIN - 150, 142), 32, width=170, bold=True)
 
 

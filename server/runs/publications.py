@@ -12,9 +12,9 @@ from sqlalchemy.orm import Session
 
 from seamark.server.database.advisory_locks import AdvisoryLock, acquire
 from seamark.server.database.publication_tables import Publication
-from seamark.server.database.tables import Best, Run
+from seamark.server.database.tables import Best, Run, User
 from seamark.server.database.upsert import upsert
-from seamark.server.runs import best_runs
+from seamark.server.runs import best_runs, method_names
 from seamark.server.runs.licences import LICENCES, NO_PROGRAM
 from seamark.server.runs.states import RunKind, RunState
 
@@ -31,19 +31,19 @@ class PublicationRefused(Exception):
 class Terms:
     """On which terms a run is published."""
 
+    method: str = ""  # its name; empty: the label of a built-in solution
     program: bool = True  # with the uploaded program and its log; else the results only
     licence: str | None = None  # of the program, a key of LICENCES; None: none is granted
     anonymous: bool = False  # for review: nobody sees whose it is
 
 
-BY_NAME = Terms()
 _PRIVATE = {
     **{"public": False, "published_at": None, "anonymous": False},
     **{"program_public": True, "licence": None},
 }
 
 
-def publish(session: Session, run_id: int, terms: Terms = BY_NAME) -> bool:
+def publish(session: Session, run_id: int, terms: Terms) -> bool:
     """Make a finished run public; False if it has not finished, has no data or is public.
 
     Raises
@@ -53,7 +53,10 @@ def publish(session: Session, run_id: int, terms: Terms = BY_NAME) -> bool:
     """
     acquire(session, AdvisoryLock.LEADERBOARD)
     run = session.get_one(Run, run_id)
+    if run.public or run.data_deleted_at is not None:  # whatever the terms
+        return False
     _check(session, run, terms)
+    method = _method(session, run, terms)
     now = time.time()
     change = (
         update(Run)
@@ -62,6 +65,7 @@ def publish(session: Session, run_id: int, terms: Terms = BY_NAME) -> bool:
         .values(
             public=True,
             published_at=now,
+            method=method,
             anonymous=terms.anonymous,
             program_public=terms.program or run.program_sha256 is None,
             licence=terms.licence,
@@ -125,6 +129,20 @@ def _forget_reruns(session: Session, run: Run) -> None:
     """Cut the links from runs that the owner started from this one while nobody else could."""
     own = update(Run).where(Run.owner == run.owner, Run.rerun_of == run.id)
     session.execute(own.values(rerun_of=None))
+
+
+def _method(session: Session, run: Run, terms: Terms) -> str:
+    """Return the name of the method, or raise PublicationRefused."""
+    name = method_names.clean(terms.method) or method_names.suggested(
+        run, title=run.title if run.kind == RunKind.LOG else ""
+    )
+    hidden: list[str] = []
+    if terms.anonymous and run.user_id is not None:
+        user = session.get_one(User, run.user_id)
+        hidden = [user.name, user.public_name]
+    if why := method_names.refusal(name, program_name=run.program_name, hidden=hidden):
+        raise PublicationRefused(why, field="method")
+    return name
 
 
 def _check(session: Session, run: Run, terms: Terms) -> None:

@@ -81,7 +81,7 @@ class Recovery:
 
     requeued: list[int] = field(default_factory=list)
     failed: list[int] = field(default_factory=list)
-    queued: int = 0  # length of the queue afterwards
+    tickets: int = 0  # that the queue needs: whoever ends a run sends the next one
 
 
 def _situation() -> Select[bool, str | None, int | None, float, bool]:
@@ -235,6 +235,11 @@ def leases(session: Session) -> dict[int, float]:
     return {run_id: end for run_id, end in session.execute(held) if end is not None}
 
 
+def busy_processes(session: Session) -> list[str]:
+    """Return the names of the processes that have runs."""
+    return [name for name in session.scalars(select(Run.worker).where(IS_RUNNING)) if name]
+
+
 def recover(session: Session, abandoned: Mapping[int, float], settings: Settings) -> Recovery:
     """Requeue the runs whose leases are abandoned; the caller then sends the missing tickets."""
     acquire(session, AdvisoryLock.CLAIM)
@@ -274,7 +279,8 @@ def _release_lost(session: Session, runs: Iterable[Run], settings: Settings) -> 
         state = _requeue_or_fail(session, run, AttemptEnd.WORKER_LOST, settings=settings)
         if state is not None:
             (recovery.requeued if state is RunState.QUEUED else recovery.failed).append(run.id)
-    return Recovery(recovery.requeued, recovery.failed, length(session))
+    tickets = min(length(session), max(workers.slot_count(session), 1))
+    return Recovery(recovery.requeued, recovery.failed, tickets)
 
 
 def length(session: Session) -> int:

@@ -13,12 +13,14 @@ from seamark.server.database.tables import Result, Run, User
 from seamark.server.runs import (
     best_runs,
     connected,
+    method_names,
     paces,
     publications,
     rejudged,
     verifications,
 )
 from seamark.server.runs.error_curve import Curve
+from seamark.server.runs.publications import Terms
 from seamark.server.runs.queue import Claim
 from seamark.server.runs.quota import ranked_ended
 from seamark.server.runs.states import LIVE, RunKind, RunState, move
@@ -187,4 +189,6 @@ def _is_baseline(session: Session, claim: Claim) -> bool:
 def _publish_baseline(session: Session, claim: Claim, report: Report) -> None:
     """Baselines are for everybody to compare with: public as soon as they have succeeded."""
     if report.state is RunState.SUCCEEDED and _is_baseline(session, claim):
-        publications.publish(session, claim.run_id)
+        run = session.get_one(Run, claim.run_id)
+        name = method_names.suggested(run, title=run.title)
+        publications.publish(session, run.id, Terms(method=name))

@@ -33,7 +33,9 @@ def describe(settings: Settings, run: RunView, *, trial: int, level: int) -> dic
     config: Any = registry.benchmark(run.benchmark).restore(run.config)
     with camera_view.camera_of(settings, run, trial=trial, level=level) as camera:
         target, optics, water = camera.target, camera.optics, camera.water
-        ground = camera.ground
+        effects, ground = camera.effects, camera.ground
+    from seamark.sim.camera.effects import LAMP_FORWARD_M  # noqa: PLC0415 - loads compiled code
+
     name = getattr(config.for_trial(trial), "vehicle", None)  # a camera may move without one
     return {
         "vehicle": None if name is None else vehicle_shape(load(name)),
@@ -50,6 +52,12 @@ def describe(settings: Settings, run: RunView, *, trial: int, level: int) -> dic
             "height": optics.height,
         },
         "water": {"law": water.law, "attenuation": water.attenuation, "veil": water.veil},
+        "light": {
+            "level": effects.light_level,
+            "lamp": effects.lamp,
+            "cone": effects.lamp_cone_rad,
+            "forward": LAMP_FORWARD_M,
+        },
     }
 
 

@@ -115,15 +115,15 @@ def _scores(run: ComparedRun) -> list[float]:
 
 def _pairs(trials: int, *, known: bool) -> str:
     if known:
-        return f"Paired over {trials} trials in the same water."
+        return f"The runs are compared over {trials} trials in the same water."
     count = "one trial" if trials == 1 else f"{trials} trials"
-    return f"Over {count} in the same water, too few for an interval."
+    return f"The runs share {count} in the same water, which is too few for an interval."
 
 
 def _independent(run: ComparedRun, other: ComparedRun, *, known: bool) -> str:
     counts = f"{len(_scores(run))} and {len(_scores(other))} trials"
-    method = "by Welch's t test" if known else "too few for an interval"
-    text = f"Over {counts} in different water, {method}."
+    method = "the interval is from Welch's t test" if known else "they are too few for an interval"
+    text = f"The runs have {counts} in different water; {method}."
     if differing := differing_scenario(run, other):
         text += f" The scenarios differ as well: {', '.join(differing)}."
     return text

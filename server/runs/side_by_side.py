@@ -20,6 +20,7 @@ from seamark.sim.metrics.metric import Metric
 
 RUNS_MIN, RUNS_MAX = 2, 5
 COLUMNS_MAX = 8  # telemetry columns that are overlaid at once
+DIGEST = "program_sha256"  # a setting for programs; people read the lines that differ
 _DIGEST_SHOWN = 12  # [character] of a SHA-256
 _ALIKE = 1e-3  # relative difference of values that are equally good
 
@@ -96,7 +97,7 @@ def _settings(runs: Sequence[ComparedRun]) -> list[SettingRow]:
         SettingRow("benchmark", "Benchmark", "", tuple(run.benchmark for run in runs)),
         SettingRow("kind", "Kind", "", tuple(str(run.kind) for run in runs)),
         SettingRow("solution", "Solution", "", tuple(solution(run) for run in runs)),
-        SettingRow("program_sha256", "Program, SHA-256", "", tuple(map(_program, runs))),
+        SettingRow(DIGEST, "Program, SHA-256", "", tuple(map(_program, runs))),
         SettingRow("seed", "Seed", "", tuple(map(_seed, runs))),
         SettingRow("trials", "Trials", "", tuple(str(run.trials) for run in runs)),
     ]

@@ -29,6 +29,20 @@ def built_in_tracker(run: HasSolution) -> str:
     return str(run.config.get("tracker", ""))
 
 
+class HasEntryName(HasSolution, Protocol):
+    """What decides the name of an entry; a view and a row of the leaderboard have it."""
+
+    @property
+    def method(self) -> str: ...  # noqa: D102
+    @property
+    def title(self) -> str: ...  # noqa: D102
+
+
+def entry_name(run: HasEntryName) -> str:
+    """Return what a published run is called: its method, else its title, else its solution."""
+    return run.method or run.title or solution(run)
+
+
 def solution(run: HasSolution) -> str:
     """Return the name of the program, or the label of the built-in solution."""
     if run.program_name:

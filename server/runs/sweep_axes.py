@@ -43,6 +43,20 @@ def read_axis(name: str, values: Sequence[Value] | str) -> Axis:
     return Axis(name, tuple(found))
 
 
+def shown(value: Value) -> str:
+    """Return a value as people write it: 0.3, not 0.30000000000000004."""
+    if isinstance(value, float) and math.isfinite(value):
+        value = float(f"{value:.{_DIGITS}g}")
+    return text_of(value)
+
+
+def numbers_of(values: Sequence[Value]) -> list[float] | None:
+    """Return the values as numbers; None if they are choices."""
+    if any(isinstance(value, bool | str) for value in values):
+        return None
+    return [float(value) for value in values]
+
+
 def _refused(sentence: str) -> SubmissionRejected:
     return SubmissionRejected(sentence, field="sweep")
 

@@ -20,14 +20,13 @@ from seamark.server.database.tables import Run
 from seamark.server.programs.parameters import KEY, Parameter
 from seamark.server.runs import configurations, submission, views
 from seamark.server.runs.run_notes import clean_title
-from seamark.server.runs.setting_values import text_of
 from seamark.server.runs.states import LIVE, RunKind
 from seamark.server.runs.submission import (
     Submission,
     SubmissionRejected,
     ValidSubmission,
 )
-from seamark.server.runs.sweep_axes import AXES_MAX, RUNS_MAX, Axis, Value
+from seamark.server.runs.sweep_axes import AXES_MAX, RUNS_MAX, Axis, Value, shown
 from seamark.server.runs.views import RunView
 from seamark.server.settings import Settings
 from seamark.sim.benchmarks.benchmark import Benchmark
@@ -97,6 +96,8 @@ def plan(sent: Submission, axes: Sequence[Axis], settings: Settings) -> list[Val
     own = _own_parameters(benchmark, sent)
     for name in names:
         _check_name(benchmark, own, name)
+        if sent.assignment is not None and name not in sweepable(benchmark, own, fixed=True):
+            raise _refused(f"This assignment fixes {name}. Sweep what you may choose.")
     seed = secrets.randbelow(SEED_MAX + 1) if sent.seed is None else sent.seed
     points = (
         dict(zip(names, values, strict=True))
@@ -172,13 +173,21 @@ def live_runs(session: Session, sweep_id: int) -> list[int]:
     return list(session.scalars(query.order_by(Run.sweep_cell.desc())))
 
 
-def sweepable(benchmark: Benchmark, declared: Sequence[Parameter]) -> dict[str, Mapping[str, Any]]:
-    """Return name -> schema of what can be swept: parameters first, then single-valued settings."""
+def sweepable(
+    benchmark: Benchmark, declared: Sequence[Parameter], *, fixed: bool = False
+) -> dict[str, Mapping[str, Any]]:
+    """Return name -> schema of what can be swept: parameters first, then single-valued settings.
+
+    `fixed` leaves out the scenario, which an assignment fixes.
+    """
     own = {one.name: one.entry() for one in declared}
     settings = {
         name: entry
         for name, entry in benchmark.schema()["properties"].items()
-        if entry["type"] in _SCALARS and "x-names" not in entry and name not in own
+        if entry["type"] in _SCALARS
+        and "x-names" not in entry
+        and name not in own
+        and not (fixed and entry["x-role"] != "solution")
     }
     return own | settings
 
@@ -223,5 +232,5 @@ def _with(
 
 def _title(title: str, point: Mapping[str, Value]) -> str:
     """Return the title of the run of a cell."""
-    text = ", ".join(f"{name} {text_of(value)}" for name, value in point.items())
+    text = ", ".join(f"{name} {shown(value)}" for name, value in point.items())
     return f"{title}: {text}" if title else text

@@ -199,19 +199,27 @@ def _left_s(run: Run, now: float, settings: Settings, expected_s: float | None) 
 def _why(session: Session, run: Run, settings: Settings, *, places: int, ahead: int) -> str:
     if not places:
         return "No worker is running. The run starts as soon as one is available."
-    if run.language is not None and (
-        refusal := workers.upload_refusal(session, run.language, settings)
-    ):
-        return refusal
+    if obstacle := _obstacle(session, run, settings):
+        return obstacle
     mine = (Run.owner == run.owner, IS_RUNNING, ~connected.IS_CONNECTED)
     running = session.scalar(select(func.count()).select_from(Run).where(*mine)) or 0
     if running >= queue.running_limit(session, settings):
-        are = "is running" if running == 1 else "are running"
-        return f"{running} of your runs {are}, which is the limit for each user."
+        one = "your run" if running == 1 else f"one of your {running} runs"
+        return f"It waits until {one} has ended: no more of a user's may run at once."
     if ahead == 0:
-        return (
-            "It is next and starts as soon as a worker is free. After the very first start of a "
-            "service this takes some minutes, while the simulator is being compiled."
-        )
-    shared = "users take turns" if run.guest is None else "most of those of accounts start first"
-    return f"{ahead} run{'s' if ahead > 1 else ''} ahead of it; {shared}."
+        return "It starts when a worker is free."
+    shared = "users take turns" if run.guest is None else "most runs of accounts go first"
+    start = "run starts" if ahead == 1 else "runs start"
+    return f"{ahead} {start} before it, because {shared}."
+
+
+def _obstacle(session: Session, run: Run, settings: Settings) -> str | None:
+    """Return why no worker could start the run now even if it were free; None if one could."""
+    if run.language is not None:
+        if refusal := workers.upload_refusal(session, run.language, settings):
+            return refusal
+        if workers.waits_for_installation(session, run.language, settings):
+            name = workers.finding_of(run.language)
+            return f"What {name} need is being installed. The run starts after that."
+    preparation = workers.preparation(session)
+    return f"{preparation} The run starts after that." if preparation else None

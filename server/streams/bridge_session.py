@@ -109,8 +109,8 @@ class BridgeSession:
             return await bridge_sessions.read_down(self._redis, self._session, OFFER_S)
         return items
 
-    async def start(self, run_id: int) -> None:
-        """Let the place know its run.
+    async def start(self, run_id: int, *first: str) -> None:
+        """Let the place know its run, and the messages that precede those of the program.
 
         Raises
         ------
@@ -118,7 +118,8 @@ class BridgeSession:
             The broker is away. The run fails when its lease ends.
         """
         try:
-            await bridge_sessions.push_up(self._redis, self._session, bridge_sessions.head(run_id))
+            for item in (bridge_sessions.head(run_id), *map(bridge_sessions.text, first)):
+                await bridge_sessions.push_up(self._redis, self._session, item)
         except RedisError as error:
             _log.warning("session_not_started", run=run_id, error=str(error))
             raise SessionRefused("unavailable", BUSY) from None

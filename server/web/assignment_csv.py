@@ -13,7 +13,7 @@ from seamark.server.web.template_filters import iso
 from seamark.sim import registry
 
 COLUMNS = (
-    *("pupil", "runs", "best_run", "program", "seed", "submitted_at"),
+    *("pupil", "runs", "best_run", "program", "is_starter", "seed", "submitted_at"),
     *("score", "score_low", "score_high", "level_held"),
 )
 
@@ -42,6 +42,6 @@ def _row(pupil: PupilProgress, columns: Sequence[str]) -> dict[str, Any]:
     if best is None:
         return row
     row |= {name: best.overall.get(name) for name in columns[len(COLUMNS) :]}
-    same = ("program", "seed", "score", "score_low", "score_high", "level_held")
+    same = ("program", "is_starter", "seed", "score", "score_low", "score_high", "level_held")
     row |= {name: getattr(best, name) for name in same}
     return row | {"best_run": best.run_id, "submitted_at": iso(best.queued_at)}

@@ -18,12 +18,11 @@ def citation_of(run: RunView) -> Citation:
     """Return the citation of a public run; of an anonymous one it names nobody."""
     with services().database.reading() as session:
         marks = verifications.of_run(session, run.id)
-        user = None if run.anonymous else session.get(User, run.user_id)
+        user = None if run.anonymous or run.user_id is None else session.get(User, run.user_id)
         author = ANONYMOUS if user is None else _author(user)
-    address = address_of(run.id) if services().settings.url else ""
     mark = marks[0] if marks else None
     result = " ".join(result_of(run))
-    return citations.of_run(run, author, address=address, result=result, mark=mark)
+    return citations.of_run(run, author, address=address_of(run.id), result=result, mark=mark)
 
 
 def result_of(run: RunView) -> tuple[str, str]:

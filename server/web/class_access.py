@@ -3,6 +3,7 @@
 Whoever neither teaches a class nor belongs to it gets the same answer as for one that is not there.
 """
 
+from flask import g, request
 from sqlalchemy.orm import Session
 
 from seamark.server.accounts.permissions import Action, can, owns, teaches
@@ -22,6 +23,16 @@ def class_for(class_id: int) -> ClassView:
         found = classrooms.find(session, class_id)
         if found is None or not _sees(session, found.id, found.teacher_id):
             raise Problem("not-found", f"There is no class {class_id}, or you are not in it.")
+    return found
+
+
+def invited_to() -> ClassView | None:
+    """Return the class whose code the form or address of a sign-up has; None without one."""
+    if "invited_to" not in g:
+        code = request.values.get("class", "")
+        with services().database.reading() as session:
+            g.invited_to = classrooms.opened_by(session, code) if code else None
+    found: ClassView | None = g.invited_to
     return found
 
 

@@ -1,7 +1,9 @@
-"""The wheel of the running version, made of its own files.
+"""The wheels of the running version, made of its own files: the simulator and the client alone.
 
 A checkout and an installed package have the same files below `seamark`, so this needs neither a
-build tool nor the sources. The same files always give the same bytes.
+build tool nor the sources. The same files always give the same bytes. No file is in both wheels,
+because installers would then remove files of the one with the other; that of the simulator depends
+on that of the client instead, at the address of the same service.
 """
 
 import base64
@@ -23,8 +25,25 @@ PACKAGE = Path(server.__file__).parents[
 # As in pyproject.toml: made on this machine, or large and read by nothing.
 LEFT_OUT = ("__pycache__", "screenshots")
 MADE_HERE = "visp-bridge-"
+# As in deploy/client/pyproject.toml: files and folders of the client, the others are the simulator.
+CLIENT = (
+    "__init__.py",
+    "cli",
+    "client",
+    "drafts.py",
+    "failures.py",
+    "formats/__init__.py",
+    "formats/registry.py",
+    "progress.py",
+    "py.typed",
+    "sandbox/__init__.py",
+    "sandbox/printable_text.py",
+    "server/__init__.py",
+    "server/runs/__init__.py",
+    "server/runs/licences.py",
+)
+TAGS = {"seamark": "py3-none-manylinux_2_28_x86_64", "seamark-client": "py3-none-any"}
 _MADE_AT = (1980, 1, 1, 0, 0, 0)  # the first that a zip archive knows
-_METADATA = ("METADATA", "WHEEL", "entry_points.txt", "licenses/LICENSE")
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,65 +56,108 @@ class Wheel:
 
 
 class OwnWheel:
-    """The wheel of this version; the first use makes it, which takes about a second."""
+    """A wheel of this version; the first use compresses its files, which takes about a second.
 
-    def __init__(self) -> None:
-        self._lock = threading.Lock()  # many first requests at once make one wheel
-        self._wheel: Wheel | None = None
+    Parameters
+    ----------
+    distribution
+        `seamark` or `seamark-client`.
+    """
 
-    def get(self) -> Wheel:
-        """Return the wheel."""
+    def __init__(self, distribution: str) -> None:
+        self._distribution = distribution
+        self.name = file_name(distribution)
+        self._lock = threading.Lock()  # many first requests at once compress the files once
+        self._files: tuple[bytes, str] | None = None  # as a zip archive, and their rows of RECORD
+
+    def get(self, host: str) -> Wheel:
+        """Return the wheel that a service at the address `host` offers."""
         with self._lock:
-            if self._wheel is None:
-                content = _content()
-                self._wheel = Wheel(name(), content, hashlib.sha256(content).hexdigest())
-            return self._wheel
+            if self._files is None:
+                self._files = _zipped(_files(self._distribution))
+        archive, rows = self._files
+        target = io.BytesIO()
+        target.write(archive)
+        stem = f"{_stem(self._distribution)}.dist-info"
+        last = {f"{stem}/METADATA": _metadata(self._distribution, host).encode()}
+        own = f"{stem}/RECORD"
+        last[own] = f"{rows}{_record(last)}{own},,\n".encode()
+        with zipfile.ZipFile(target, "a") as wheel:
+            for path, data in last.items():
+                _add(wheel, path, data)
+        content = target.getvalue()
+        return Wheel(self.name, content, hashlib.sha256(content).hexdigest())
 
 
-def name() -> str:
-    """Return the file name that installers expect of the wheel."""
-    return f"{_stem()}-py3-none-any.whl"
+def file_name(distribution: str) -> str:
+    """Return the file name that installers expect of a wheel."""
+    return f"{_stem(distribution)}-{TAGS[distribution]}.whl"
 
 
-def _stem() -> str:
-    return f"seamark-{importlib.metadata.version('seamark')}"
+def _stem(distribution: str) -> str:
+    return f"{distribution.replace('-', '_')}-{importlib.metadata.version('seamark')}"  # of both
 
 
-def _content() -> bytes:
-    record = io.StringIO()
-    rows = csv.writer(record, lineterminator="\n")
-    target = io.BytesIO()
-    with zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED) as archive:
-        for path, data in _files():
-            digest = base64.urlsafe_b64encode(hashlib.sha256(data).digest()).rstrip(b"=").decode()
-            rows.writerow((path, f"sha256={digest}", len(data)))
-            _write(archive, path, data)
-        own = f"{_stem()}.dist-info/RECORD"
-        rows.writerow((own, "", ""))
-        _write(archive, own, record.getvalue().encode())
-    return target.getvalue()
+def _zipped(files: Iterator[tuple[str, bytes]]) -> tuple[bytes, str]:
+    target, rows = io.BytesIO(), []
+    with zipfile.ZipFile(target, "w") as archive:
+        for path, data in files:
+            _add(archive, path, data)
+            rows.append(_record({path: data}))
+    return target.getvalue(), "".join(rows)
 
 
-def _write(archive: zipfile.ZipFile, path: str, data: bytes) -> None:
+def _record(files: dict[str, bytes]) -> str:
+    """Return the lines of RECORD for some files."""
+    lines = io.StringIO()
+    rows = csv.writer(lines, lineterminator="\n")
+    for path, data in files.items():
+        digest = base64.urlsafe_b64encode(hashlib.sha256(data).digest()).rstrip(b"=").decode()
+        rows.writerow((path, f"sha256={digest}", len(data)))
+    return lines.getvalue()
+
+
+def _add(archive: zipfile.ZipFile, path: str, data: bytes) -> None:
     entry = zipfile.ZipInfo(path, _MADE_AT)
     entry.compress_type = zipfile.ZIP_DEFLATED
     entry.external_attr = 0o644 << 16
     archive.writestr(entry, data)
 
 
-def _files() -> Iterator[tuple[str, bytes]]:
-    """Yield path and content of all files: those of the package, then its metadata."""
+def _files(distribution: str) -> Iterator[tuple[str, bytes]]:
+    """Yield path and content of all files that no address changes."""
     for top in sorted(PACKAGE.iterdir()):
         for path in [top] if top.is_file() else sorted(top.rglob("*")):
             inside = path.relative_to(PACKAGE)
-            if path.is_file() and _belongs(inside):
+            if path.is_file() and _belongs(inside) and distribution_of(inside) == distribution:
                 yield f"seamark/{inside.as_posix()}", path.read_bytes()
-    installed = importlib.metadata.distribution("seamark")
-    for each in _METADATA:
-        text = installed.read_text(each)
-        if text is None:
-            raise FileNotFoundError(f"the installed seamark lacks {each}")
-        yield f"{_stem()}.dist-info/{each}", text.encode()
+    stem = f"{_stem(distribution)}.dist-info"
+    tags = f"Root-Is-Purelib: true\nTag: {TAGS[distribution]}\n"
+    yield f"{stem}/WHEEL", f"Wheel-Version: 1.0\nGenerator: seamark\n{tags}".encode()
+    if distribution == "seamark-client":
+        yield f"{stem}/entry_points.txt", _installed(distribution, "entry_points.txt").encode()
+    yield f"{stem}/licenses/LICENSE", _installed(distribution, "licenses/LICENSE").encode()
+
+
+def distribution_of(inside: Path) -> str:
+    """Return the distribution of a file, given its path below the folder `seamark`."""
+    client = any(inside.is_relative_to(part) for part in CLIENT)
+    return "seamark-client" if client else "seamark"
+
+
+def _metadata(distribution: str, host: str) -> str:
+    """Return METADATA in which the simulator takes the client from the same service."""
+    text = _installed(distribution, "METADATA")
+    client = f"seamark-client=={importlib.metadata.version('seamark')}"
+    address = f"seamark-client @ {host}/download/{file_name('seamark-client')}"
+    return text.replace(f"Requires-Dist: {client}\n", f"Requires-Dist: {address}\n")
+
+
+def _installed(distribution: str, name: str) -> str:
+    text = importlib.metadata.distribution(distribution).read_text(name)
+    if text is None:
+        raise FileNotFoundError(f"the installed {distribution} lacks {name}")
+    return text
 
 
 def _belongs(inside: Path) -> bool:

@@ -7,18 +7,18 @@ from sqlalchemy.orm import Session
 from seamark.server.accounts.permissions import Action, can
 from seamark.server.audit import AuditAction
 from seamark.server.runs import publications, verifications
-from seamark.server.runs.publications import BY_NAME, Terms
+from seamark.server.runs.publications import Terms
 from seamark.server.web import access
 from seamark.server.web.services import services
+from seamark.server.web.site_address import site_address
 
 
 def address_of(run_id: int) -> str:
-    """Return the permanent address of a publication, absolute if the service knows its own."""
-    path = f"/p/{run_id}"
-    return f"{services().settings.url}{path}"
+    """Return the permanent address of a publication."""
+    return f"{site_address()}/p/{run_id}"
 
 
-def publish(session: Session, run_id: int, terms: Terms = BY_NAME) -> bool:
+def publish(session: Session, run_id: int, terms: Terms) -> bool:
     """Make a finished run public; False if it has not finished, has no data or is public.
 
     Raises

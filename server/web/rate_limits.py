@@ -7,8 +7,10 @@ from flask import Flask, Response, g, request
 from flask_limiter import Limiter
 
 from seamark.server.accounts.permissions import GUESTS, Viewer
+from seamark.server.classes.classrooms import PUPILS_MAX
 from seamark.server.messaging import broker
 from seamark.server.settings import Settings
+from seamark.server.web import class_access
 from seamark.server.web.client_network import address
 from seamark.server.web.services import services
 
@@ -43,8 +45,19 @@ def account() -> str:
 
 
 def sign_ups() -> str:
-    """Return how many accounts may be created from one address."""
+    """Return how many accounts may be created from one address, or with the link to one class.
+
+    Pupils of a school share its address, and their class limits how many they are.
+    """
+    if class_access.invited_to() is not None:
+        return f"{PUPILS_MAX} per day"
     return f"{services().settings.sign_ups_per_hour} per hour"
+
+
+def signs_up() -> str:
+    """Return under which key new accounts are counted: the class of the link, or the address."""
+    room = class_access.invited_to()
+    return address() if room is None else f"class:{room.id}"
 
 
 def failed(response: Response) -> bool:

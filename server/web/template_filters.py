@@ -10,8 +10,9 @@ from typing import NamedTuple
 from flask import Flask
 
 from seamark.server.runs.error_curve import UNITS, error_column
+from seamark.server.runs.qualifier import qualifier
 from seamark.server.runs.run_size import size
-from seamark.server.runs.solutions import solution
+from seamark.server.runs.solutions import entry_name, solution
 from seamark.server.runs.views import RunView
 from seamark.sim import registry
 
@@ -25,8 +26,9 @@ class _Headline(NamedTuple):
 
 
 def register(app: Flask) -> None:
-    """Add the functions below, and `solution`, as filters."""
-    of_runs, of_scores = (solution, score_unit, error_unit, changed_scenario), (score, signed)
+    """Add the functions below, `solution`, `entry_name` and `qualifier` as filters."""
+    of_runs = (solution, entry_name, qualifier, score_unit, error_unit, changed_scenario)
+    of_scores = (score, signed)
     of_values = (number, plain, ordinal, duration, about, size, words)
     for function in (*of_runs, *of_scores, *of_values, utc, iso, ago):
         app.add_template_filter(function)

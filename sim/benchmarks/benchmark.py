@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from pkgutil import resolve_name
 from typing import TYPE_CHECKING, Any
 
-from seamark.sim.metrics.metric import Metric, MetricGroup
+from seamark.sim.metrics.metric import LevelMetric, Metric, MetricGroup
 from seamark.sim.settings.configuration import Configuration, ConfigurationInvalid, schema_of
 from seamark.sim.settings.setting import schema_extras
 
@@ -137,6 +137,8 @@ class Benchmark:
     key_metrics: tuple[Metric, ...]  # of the tables, for each trial and in short lists
     metric_groups: tuple[MetricGroup, ...]  # all metrics of a level, for the documentation
     overall: tuple[Metric, ...] = ()  # metrics over all levels
+    # which levels `overall` takes its means from, where it is not all: "turbidity levels"
+    overall_levels: str = ""
     # by which the leaderboard can be sorted beside the score; of `overall` or of the levels
     board_metrics: tuple[Metric, ...] = ()
     # two of them: an error and what it costs, for the plot of entries that nobody beats in both
@@ -238,6 +240,11 @@ class Benchmark:
         if self.solution_label is not None:
             return self.solution_label(config)
         return self.built_in.get(controller, controller)
+
+    def overall_label(self, metric: Metric) -> str:
+        """Return the name of a metric over the run, with the levels that it is a mean of."""
+        of_levels = self.overall_levels and isinstance(metric, LevelMetric)
+        return f"{metric.label}, {self.overall_levels}" if of_levels else metric.label
 
     def level_held_unit_of(self, config: Configuration) -> str:
         """Return the unit of the highest level held."""

@@ -9,7 +9,7 @@ import csv
 import io
 import json
 import zipfile
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -17,6 +17,7 @@ import cv2
 import numpy as np
 
 from seamark.sim.camera.camera import Camera
+from seamark.sim.engine.dataset_layouts import Coco, Layout, Tum, Yolo
 from seamark.sim.engine.replay import CameraFrame, Replay, Row, trial_and_level
 from seamark.sim.recording.manifest import manifest
 from seamark.sim.recording.telemetry import INDEX, Digest, Rows
@@ -25,6 +26,7 @@ from seamark.sim.settings.configuration import Configuration
 Line = list[object]
 
 FOLDER = "seamark-dataset"
+SEAMARK = "seamark"  # the layout that has everything
 _PNG_LEVEL = 1  # fast; noise does not compress anyway
 _STATE = ("x", "y", "z", "roll", "pitch", "yaw", "u", "v", "w", "p", "q", "r")
 _CORNERS = tuple(f"{axis}{corner}" for corner in range(4) for axis in ("corner_u", "corner_v"))
@@ -125,6 +127,7 @@ def archive(
     seed: int,
     selection: Selection,
     program_sha256: str | None = None,
+    layout: str = SEAMARK,
 ) -> Iterator[bytes]:
     """Return a ZIP archive in pieces, at most one for each file in it.
 
@@ -134,6 +137,8 @@ def archive(
         Telemetry of one trial with this configuration and seed.
     program_sha256
         Of the uploaded program that moved the vehicle; None for a built-in solution.
+    layout
+        One of `LAYOUTS`: whose programs are to read it.
 
     Raises
     ------
@@ -148,6 +153,7 @@ def archive(
         seed=seed,
         selection=selection,
         program_sha256=program_sha256,
+        layout=layout,
     )
     return _zipped(members)
 
@@ -161,14 +167,15 @@ def _members(
     seed: int,
     selection: Selection,
     program_sha256: str | None,
+    layout: str,
 ) -> Iterator[tuple[str, bytes]]:
-    replay = Replay(benchmark, config, lambda _trial: seed)
+    written, replay = LAYOUTS[layout](), Replay(benchmark, config, lambda _trial: seed)
     colours = "colour" if selection.colour else "grey"
     count = f"{len(selected)} images."
     trial, _ = trial_and_level(selected[0])
     command = f"seamark dataset {benchmark} --config configuration.json --seed {seed}"
-    command += selection.options(trial)
-    text = README.format(benchmark=benchmark, count=count, colours=colours, command=command)
+    command += selection.options(trial) + (f" --format {layout}" if layout != SEAMARK else "")
+    text = written.readme.format(benchmark=benchmark, count=count, colours=colours, command=command)
     yield "README.md", text.encode()
     yield "configuration.json", _json(config.model_dump(mode="json"))
     yield "camera.json", _json(_cameras(replay, selected, config))
@@ -186,13 +193,39 @@ def _members(
         | {"end_s": None if selection.end_s > 1e300 else selection.end_s},
     )
     yield "manifest.json", _json(manifest_)
-    yield from _starts(replay, config, rows, selected, colour=selection.colour)
-    lines: list[Line] = []
+    if layout == SEAMARK:
+        yield from _starts(replay, config, rows, selected, colour=selection.colour)
     for number, row in enumerate(selected):
         frame, name = replay.frame(row), f"{number:06d}.png"
-        lines.append(_line(number, name, row, frame))
-        yield f"images/{name}", _png(frame, colour=selection.colour)
-    yield "groundtruth.csv", _csv(COLUMNS, lines)
+        yield f"{written.images}/{name}", _png(frame, colour=selection.colour)
+        yield from written.add(name, row, frame)
+    yield from written.end()
+
+
+class _Seamark:
+    """The layout that has everything."""
+
+    readme, images = README, "images"
+
+    def __init__(self) -> None:
+        self._lines: list[Line] = []
+
+    def add(self, name: str, row: Row, frame: CameraFrame) -> Iterator[tuple[str, bytes]]:
+        """Note the truth about an image."""
+        self._lines.append(_line(len(self._lines), name, row, frame))
+        yield from ()
+
+    def end(self) -> Iterator[tuple[str, bytes]]:
+        """Yield the truth."""
+        yield "groundtruth.csv", _csv(COLUMNS, self._lines)
+
+
+LAYOUTS: Mapping[str, Callable[[], Layout]] = {
+    SEAMARK: _Seamark,
+    "coco": Coco,
+    "yolo": Yolo,
+    "tum": Tum,
+}
 
 
 def _starts(

@@ -65,7 +65,7 @@ def _precision(limit_px: float) -> LevelMetric[Images]:
         label=f"p@{limit_px:g}",
         unit="%",
         better="higher",
-        meaning=f"images within {limit_px:g} px",
+        meaning=f"share of the images whose corners are within {limit_px:g} px of the true ones",
         formula=f"100 x images with corners at most {limit_px:g} px from the true ones / all but "
         "the first",
         compute=lambda images: percent(images.within(limit_px)),

@@ -9,13 +9,14 @@ from functools import cache
 from pathlib import Path
 from typing import Any, Protocol
 
+from seamark.sim.recording import opencv
+
 FORMAT = 1
 LIBRARIES = (
     "seamark",
     "numpy",
     "numba",
     "llvmlite",
-    "opencv-contrib-python-headless",
     "pybullet",
 )
 CPUINFO = Path("/proc/cpuinfo")
@@ -105,6 +106,7 @@ def versions() -> dict[str, str]:
             found[name] = importlib.metadata.version(name)
         except importlib.metadata.PackageNotFoundError:
             found[name] = "not installed"
+    found[opencv.PACKAGE] = opencv.running()
     return found
 
 

@@ -15,7 +15,7 @@ from sqlalchemy import update
 
 from seamark.server.database.tables import Run, Worker
 from seamark.server.messaging import broker
-from seamark.server.runs.states import RunState
+from seamark.server.runs.states import LIVE, RunState
 from tests.chaos.installation import CHECK_LOOP, MAINTENANCE, WORKERS, Installation
 
 Fault = Callable[[Installation, Generator], None]
@@ -42,10 +42,7 @@ def kill_pool_child(service: Installation, chance: Generator) -> None:
 def kill_simulator(service: Installation, chance: Generator) -> None:
     """SIGKILL of the process that evaluates a run."""
     at = service.ready_worker(chance)
-    with service.service.database.reading() as session:
-        # The third broken evaluation of a run is its end, as it should be.
-        broken = session.query(Run).where(Run.state == RunState.RUNNING, Run.failures > 0).count()
-    if not broken:
+    if _none_has_broken(service):
         _kill(service.simulator_child(service.workers[at].pid))
 
 
@@ -121,6 +118,8 @@ def take_storage_away(service: Installation, chance: Generator) -> None:
 
 def fill_disk(service: Installation, chance: Generator) -> None:
     """For a while no file of a worker can grow: its writes fail as on a full disk."""
+    if not _none_has_broken(service):
+        return
     pids = service.processes(service.workers[service.ready_worker(chance)].pid, "")
     _end_files_at(pids, 4096)
     time.sleep(chance.uniform(0.1, 3.0))
@@ -154,6 +153,13 @@ FAULTS: Mapping[str, Fault] = {
     "clock jumps": jump_clock,
     "worker stopped": stop_worker,
 }
+
+
+def _none_has_broken(service: Installation) -> bool:
+    """Return whether no live run has broken: by the third time it fails, as it should."""
+    with service.service.database.reading() as session:
+        broken = session.query(Run).where(Run.state.in_(LIVE), Run.failures > 0)
+        return not broken.count()
 
 
 def _kill_everywhere(service: Installation, chance: Generator, module: str) -> None:

@@ -28,6 +28,7 @@ from tests.worker.processes import command_line
 ZYGOTE = "seamark.worker.zygote.process"
 CHECK_LOOP = "seamark.worker.service.check_loop"
 MAINTENANCE = "seamark.worker.service.maintenance"
+RELEASES = ("run_released", "run_not_evaluated", "simulator_broken", "storage_failed")
 WORKERS = WEB_SERVERS = 2
 START_S = 240.0
 QUOTAS = {"quota_live": 10_000, "quota_day": 100_000, "quota_bytes": 10**12}
@@ -141,6 +142,11 @@ class Installation:
         known = {self.database.pid, self.broker.pid, *parts, *self._others}
         lost = [pid for pid in tree(mine) if parent_of(pid) == mine and pid not in known]
         return [pid for pid in lost if not _reaped(pid)]
+
+    def releases(self) -> list[str]:
+        """Return what the logs of the workers say of the attempts that ended without a result."""
+        lines = Path(self.log.name).read_text(encoding="utf-8", errors="replace").splitlines()
+        return [line for line in lines if any(event in line for event in RELEASES)]
 
     def stop(self) -> None:
         """Stop all parts as an operator would."""

@@ -26,4 +26,4 @@ def test_whatever_happens_to_a_service_each_run_gets_the_result_of_an_undisturbe
     with installation(**SHORT_LEASES) as service:
         found = Campaign(service, RUNS, SEED).run(*(FAULTS[name] for name in QUICK))
 
-    assert found.problems == []
+        assert found.problems == [], service.releases()

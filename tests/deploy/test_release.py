@@ -1,15 +1,22 @@
 """What a release consists of."""
 
+import email.parser
+import io
 import json
+import os
 import re
 import subprocess
 import sys
 import tomllib
+import zipfile
 
 import pytest
+import trove_classifiers
 from cyclonedx.schema import SchemaVersion
 from cyclonedx.validation.json import JsonStrictValidator
 
+from deploy.hatch_hooks import readme_for_registry
+from seamark.server.web.own_wheel import TAGS, OwnWheel, file_name
 from tests.services import compose
 
 ROOT = compose.ROOT
@@ -37,7 +44,7 @@ def test_the_bill_of_materials_names_what_a_service_installs_and_nothing_else(bi
     locked = {package["name"]: package.get("version") for package in lock["package"]}
 
     assert {"flask", "celery", "numba", "pybullet", "obstore", "onnxruntime"} <= parts.keys()
-    assert not {"pytest", "ruff", "playwright", "seamark"} & parts.keys()
+    assert not {"pytest", "ruff", "playwright", "seamark", "seamark-client"} & parts.keys()
     assert {name: part["version"] for name, part in parts.items()} == {
         name: locked[name] for name in parts
     }
@@ -72,3 +79,53 @@ def test_the_image_has_the_same_uv_as_the_script() -> None:
 
     assert required is not None
     assert f"uv=={required[1]}\n" in (ROOT / "Dockerfile").read_text("utf-8")
+
+
+@pytest.fixture(scope="module")
+def built(tmp_path_factory: pytest.TempPathFactory) -> dict[str, zipfile.ZipFile]:
+    """The wheels that a release has, by their distributions."""
+    folder = tmp_path_factory.mktemp("dist")
+    for project in (ROOT, ROOT / "deploy" / "client"):
+        command = [sys.executable, "-m", "hatchling", "build", "-t", "wheel", "-d", str(folder)]
+        environ = os.environ | {"SEAMARK_SOURCE_URL": "https://source.example/seamark/"}
+        subprocess.run(command, cwd=project, env=environ, check=True, capture_output=True)
+    return {name: zipfile.ZipFile(folder / file_name(name)) for name in TAGS}
+
+
+@pytest.mark.parametrize("name", TAGS)
+def test_a_release_has_the_files_that_a_service_offers(
+    built: dict[str, zipfile.ZipFile], name: str
+) -> None:
+    offered = zipfile.ZipFile(io.BytesIO(OwnWheel(name).get("http://water.example").content))
+    ours, theirs = (
+        {path: one.read(path) for path in one.namelist() if path.startswith("seamark/")}
+        for one in (built[name], offered)
+    )
+
+    assert ours == theirs
+
+
+@pytest.mark.parametrize("name", TAGS)
+def test_a_registry_is_told_what_it_shows(built: dict[str, zipfile.ZipFile], name: str) -> None:
+    (path,) = (path for path in built[name].namelist() if path.endswith("/METADATA"))
+    told = email.parser.Parser().parsestr(built[name].read(path).decode())
+    classifiers = told.get_all("Classifier", [])
+
+    assert told["Author"] == "The Seamark developers"
+    assert "Source, https://source.example/seamark" in told.get_all("Project-URL", [])
+    assert set(classifiers) <= trove_classifiers.classifiers
+    assert len(classifiers) == len(set(classifiers)) > 8
+    assert re.findall(r"\]\((?!https?:|#)[^)]*\)", str(told.get_payload())) == []
+
+
+def test_links_of_the_readme_lead_to_the_source_or_become_text() -> None:
+    text = "[![Run](docs/run.webp)](docs/run.md), [guide](docs/a.md#x) [site](https://a.example)"
+
+    told = readme_for_registry(text, "https://s.example")
+
+    assert readme_for_registry(text, "") == "*Run*, guide [site](https://a.example)"
+    assert told == (
+        "[![Run](https://s.example/raw/HEAD/docs/run.webp)]"
+        "(https://s.example/blob/HEAD/docs/run.md), "
+        "[guide](https://s.example/blob/HEAD/docs/a.md#x) [site](https://a.example)"
+    )

@@ -32,8 +32,9 @@ LIMITS = Limits(
     output_max_mib=1,
 )
 
-# For programs that end by themselves: a busy host must not make sleepers of them.
-LONG_WAITS = replace(LIMITS, start_wall_s=20.0, step_wall_s=10.0)
+# For programs that end by themselves or by another limit: a slow or busy host must not make them
+# end by time.
+LONG_WAITS = replace(LIMITS, cpu_s=5.0, start_wall_s=20.0, step_wall_s=10.0)
 # For programs that do nothing until they are stopped: the less they wait, the sooner it is over.
 SHORT_WAITS = replace(LIMITS, start_wall_s=2.0)
 

@@ -51,7 +51,7 @@ def test_an_uploaded_controller_goes_from_sign_up_to_the_leaderboard(visitor: Vi
     visitor.open("/leaderboards/currents-v1")
 
     row = page.get_by_role("row", name=re.compile("journey"))
-    expect(row).to_contain_text("mine.py")
+    expect(row).to_contain_text("Steady hand")
     lines = download.value.path().read_text().splitlines()
     assert len([line for line in lines if not line.startswith("#")]) == 1 + 5 * 120 * 20
     assert (visitor.errors, visitor.violations()) == ([], [])

@@ -78,6 +78,22 @@ def test_two_runs_of_the_list_are_compared_and_the_address_shows_the_same(
     assert (visitor.errors, visitor.violations()) == ([], [])
 
 
+def test_the_scene_has_the_vehicle_and_the_path_of_every_run(
+    visitor: Visitor, run_ids: list[int]
+) -> None:
+    page, run_ids = visitor.page, run_ids[:3]
+    fetched: list[str] = []
+    page.on("response", lambda response: fetched.append(response.url))
+    visitor.open(f"/compare?runs={','.join(map(str, run_ids))}")
+
+    expect(page.locator("[data-stage][data-pictures]")).to_be_visible(timeout=60_000)
+    names = page.get_by_role("list", name="Vehicles in the scene").get_by_role("listitem")
+    expect(names).to_have_text([re.compile(f"^#{run_id} ") for run_id in run_ids])
+    for part in ("scene.json", "series.json"):
+        assert all(any(f"/runs/{run_id}/{part}" in url for url in fetched) for run_id in run_ids)
+    assert (visitor.errors, visitor.violations()) == ([], [])
+
+
 def test_five_runs_play_together_by_keyboard_alone(visitor: Visitor, run_ids: list[int]) -> None:
     page = visitor.page
     visitor.open(f"/compare?runs={','.join(map(str, run_ids))}")

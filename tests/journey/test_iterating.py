@@ -50,7 +50,7 @@ def test_three_runs_again_change_the_gain_alone_and_are_compared(visitor: Visito
         numbers.append(_run_number(page))
         page.get_by_role("link", name="Run again").click()
         expect(page.locator("[data-prefill]")).to_contain_text(
-            f"With the program, configuration and seed of run {numbers[-1]}."
+            f"The form has the program, configuration and seed of run {numbers[-1]}."
         )
         expect(editor_of(page)).to_contain_text("# of the iterator")
         customise(page, "Position controller")
@@ -87,7 +87,7 @@ def test_a_parameter_of_an_upload_is_swept_and_its_best_value_used(visitor: Visi
     page.get_by_label("Setting or parameter").select_option("gain")
     page.locator("#sweep").get_by_label("Values").first.fill("0, 0.4, 1.2")
     expect(page.get_by_text("This sweep has 3 runs.")).to_be_visible()
-    page.get_by_role("button", name="Start run").click()
+    page.get_by_role("button", name="Start 3 runs").click()
 
     page.wait_for_url("**/sweeps/*")
     expect(page.get_by_text("3 of 3 runs finished")).to_be_visible(timeout=RUN_MS)
@@ -100,7 +100,9 @@ def test_a_parameter_of_an_upload_is_swept_and_its_best_value_used(visitor: Visi
     expect(page.locator(".sweep-curve circle")).to_have_count(3)
     point.get_by_role("link", name=re.compile("^Use the values")).click()
 
-    expect(page.locator("[data-prefill]")).to_contain_text("With the program, configuration")
+    expect(page.locator("[data-prefill]")).to_contain_text(
+        "The form has the program, configuration"
+    )
     expect(page.get_by_text("swept.py")).to_be_visible()
     expect(gain).to_have_value(best)
     assert values == ["0", "0.4", "1.2"]

@@ -2,16 +2,16 @@
 
 import math
 import re
-import threading
-from collections.abc import Iterator
-from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from pathlib import Path
 from typing import Any
 
+import cv2
+import numpy as np
 import pytest
 from axe_playwright_python.sync_playwright import Axe
-from playwright.sync_api import Browser, Page, expect
+from playwright.sync_api import Browser, Locator, Page, expect
 
-from tests.journey.conftest import EMBEDDING_PORT, Service
+from tests.journey.conftest import Service
 from tests.journey.visitor import RUN_MS, Visitor
 
 pytestmark = [pytest.mark.browser, pytest.mark.host, pytest.mark.slow]
@@ -60,6 +60,148 @@ def test_at_every_time_the_vehicle_of_the_scene_has_the_pose_of_the_telemetry(
         expect(page.locator("[data-numbers]")).to_contain_text(f"{row['distance']:.3f} m")
 
     assert (visitor.errors, visitor.violations()) == ([], [])
+
+
+def _contrast(image: bytes, *, share: float = 0.9) -> float:
+    """Return the standard deviation of the green channel inside, without the borders."""
+    decoded = cv2.imdecode(np.frombuffer(image, np.uint8), cv2.IMREAD_COLOR)
+    assert decoded is not None
+    height, width = decoded.shape[:2]
+    rows = slice(height // 20, -height // 20)
+    columns = slice(int(width * (1 - share) / 2), int(width * (1 + share) / 2))
+    return float(decoded[rows, columns, 1].astype(np.float64).std())
+
+
+def _settled(part: Locator) -> bytes:
+    """Return the screenshot of a part of the page once it stays as it is."""
+    before, now = b"", part.screenshot()
+    while now != before:
+        part.page.wait_for_timeout(800)  # longer than until a picture that rests has all pixels
+        before, now = now, part.screenshot()
+    return now
+
+
+@pytest.fixture(scope="module")
+def turbid(chromium: Browser, service: Service, finished: tuple[int, Any]) -> int:
+    """A public run whose tracker loses its target, in levels of optical depth 0, 2, 4 and 6."""
+    levels = {"sweep_from": 0.0, "sweep_to": 6.0, "sweep_step": 2.0, "level_duration_s": 2.0}
+    context = chromium.new_context(storage_state=finished[1])
+    visitor = Visitor(context.new_page(), service.url)
+    run_id = visitor.submit(
+        {"benchmark": "visibility-v1", "controller": "built-in", "config": levels, "seed": 3}
+    )
+    visitor.open(f"/runs/{run_id}")
+    visitor.wait_for("succeeded")
+    visitor.publish()
+    expect(visitor.page.get_by_text("The run is now public")).to_be_visible(timeout=RUN_MS)
+    context.close()
+    return run_id
+
+
+def test_the_scene_from_on_board_is_as_turbid_as_the_cameras_picture(
+    visitor: Visitor, turbid: int
+) -> None:
+    run_id = turbid
+    page = _open(visitor, f"/runs/{run_id}")
+    stage, pose = page.locator("[data-stage]"), page.locator("[data-pose]")
+    page.get_by_role("radio", name="On board").check()
+    page.wait_for_load_state("networkidle")  # the textures are there
+    stage.evaluate("stage => stage.scrollIntoView({ block: 'center' })")  # not below the bar
+
+    scene, camera = [], []
+    for t in (1.0, 3.0, 7.0):
+        page.locator("[data-time]").fill(str(t))
+        expect(pose).to_have_text(_pose_in_words(_rows(page, visitor.url, run_id, t)))
+        expect(stage).to_have_attribute("data-water", f"0:{t // 2:g}", timeout=SCENE_MS)
+        picture = f"{visitor.url}/api/v1/runs/{run_id}/camera.jpg?truth=false&tracked=false&t={t}"
+        camera.append(_contrast(page.request.get(picture).body()))
+        scene.append(_contrast(_settled(stage), share=0.7))
+    page.get_by_role("checkbox", name="Turbidity").uncheck()
+    clear = _contrast(_settled(stage), share=0.7)
+
+    assert scene[1] / scene[0] == pytest.approx(camera[1] / camera[0], rel=0.3)
+    assert scene[2] < 0.05 * scene[0]
+    assert clear > 0.7 * scene[0]
+
+
+def test_losses_and_changes_of_the_level_are_marked_on_the_time_line(
+    visitor: Visitor, turbid: int
+) -> None:
+    page = _open(visitor, f"/runs/{turbid}")
+    found = page.request.get(f"{visitor.url}/api/v1/runs/{turbid}/moments.json").json()
+    marks = page.locator("[data-marks]")
+
+    expect(marks.locator(".change")).to_have_count(3)
+    expect(marks.locator(".loss")).to_have_count(len(found["losses"]))
+    first = marks.locator(".loss").first.evaluate("mark => parseFloat(mark.style.left)")
+
+    assert first == pytest.approx(100 * found["losses"][0] / 8.0, abs=0.01)
+    expect(page.get_by_text("target lost", exact=True)).to_be_visible()
+    expect(page.get_by_text("first touch in a level", exact=True)).to_be_hidden()
+
+
+def test_the_axis_of_distances_becomes_logarithmic_and_stays_so_after_a_reload(
+    visitor: Visitor, finished: tuple[int, Any]
+) -> None:
+    page = _open(visitor, f"/runs/{finished[0]}")
+    box, axis = page.get_by_label("Logarithmic distances"), page.locator(".chart").first
+    linear = _settled(axis)
+
+    box.check()
+    logarithmic = _settled(axis)
+    page.reload()
+    expect(box).to_be_checked()
+    low, high = page.evaluate(
+        """async () => {
+          const { drawable, yScale } = await import("/static/js/player/chart_scales.js");
+          const lost = drawable([0, 0.5, null], true);
+          if (lost[0] !== null || lost[1] !== 0.5) return [];
+          return yScale(true).range(null, 0.0, 20.0);
+        }"""
+    )
+
+    assert logarithmic != linear
+    assert (low, high) == (pytest.approx(0.001), pytest.approx(20.0 * 20_000**0.28))
+    assert visitor.errors == []
+
+
+def test_a_picture_and_a_clip_show_scene_camera_and_numbers(
+    visitor: Visitor, finished: tuple[int, Any], tmp_path: Path
+) -> None:
+    page = _open(visitor, f"/runs/{finished[0]}#t=12.5")
+    expect(page.locator("[data-camera] img")).to_be_visible()
+
+    page.locator("[data-menu] summary").click()
+    with page.expect_download() as saved:
+        page.get_by_role("button", name="Save a picture").click()
+    picture = cv2.imread(str(saved.value.path()))
+    page.keyboard.press("r")
+    expect(page.get_by_role("button", name=re.compile("Stop recording, [1-9]"))).to_be_visible()
+    with page.expect_download(timeout=RUN_MS) as recorded:
+        page.keyboard.press("k")  # to pause ends the clip
+    recorded.value.save_as(tmp_path / recorded.value.suggested_filename)
+    video = cv2.VideoCapture(str(tmp_path / recorded.value.suggested_filename))
+
+    assert picture is not None
+    assert picture.shape == (1080, 1920, 3)
+    scene, camera, numbers = picture[:972, :1300], picture[:400, 1330:], picture[500:900, 1330:]
+    assert min(part.std() for part in (scene, camera, numbers)) > 5.0
+    assert saved.value.suggested_filename == f"seamark-run-{finished[0]}-12.5s.png"
+    assert video.read()[1].shape == (720, 1280, 3)
+    assert (visitor.errors, visitor.violations()) == ([], [])
+
+
+def test_the_question_mark_lists_the_shortcuts(visitor: Visitor, finished: tuple[int, Any]) -> None:
+    page = _open(visitor, f"/runs/{finished[0]}")
+
+    page.keyboard.press("?")
+    expect(page.get_by_role("dialog", name="Keyboard shortcuts")).to_contain_text("Play or pause")
+    page.keyboard.press("k")  # not while the list is open
+    page.keyboard.press("Escape")
+    expect(page.get_by_role("dialog")).to_be_hidden()
+    expect(page.get_by_role("button", name="Play", exact=True)).to_be_visible()
+    page.keyboard.press("3")
+    expect(page.get_by_role("radio", name="Top")).to_be_checked()
 
 
 def test_jumps_lead_to_levels_and_to_the_largest_error(
@@ -125,6 +267,31 @@ def test_the_player_works_by_keyboard_alone(visitor: Visitor, finished: tuple[in
     expect(slider).to_have_value("39.95")  # the arrow turned the view
 
 
+def test_flying_leaves_the_vehicle_and_arrows_show_what_is_out_of_sight(
+    visitor: Visitor, finished: tuple[int, Any]
+) -> None:
+    run_id, _ = finished
+    page = _open(visitor, f"/runs/{run_id}#t=30")
+    station, vehicle = (page.locator(f"[data-pointer={name}]") for name in ("station", "vehicle"))
+    expect(station).to_be_hidden()
+
+    page.get_by_role("radio", name="Free").check()
+    page.locator("[data-stage] canvas").focus()
+    for _ in range(14):
+        page.keyboard.press("ArrowRight")  # looks away
+    expect(station).to_contain_text(" m")
+    expect(vehicle).to_be_visible()
+    page.get_by_role("button", name="Reset the view").click()
+    expect(vehicle).to_be_hidden()
+    page.locator("[data-stage] canvas").focus()
+    page.keyboard.down("w")
+    expect(vehicle).to_be_visible(timeout=SCENE_MS)  # behind the eye
+    page.keyboard.up("w")
+
+    expect(page.locator("[data-time]")).to_have_value("30")
+    assert visitor.errors == []
+
+
 def test_a_live_run_is_followed_then_watched_behind_its_newest_data_with_the_same_images(
     visitor: Visitor,
 ) -> None:
@@ -155,71 +322,6 @@ def test_a_live_run_is_followed_then_watched_behind_its_newest_data_with_the_sam
     expect(image).to_have_attribute("src", re.compile(rf"t={t:.2f}$"))
     assert page.request.get(address).body() == while_running
     assert (visitor.errors, visitor.violations()) == ([], [])
-
-
-@pytest.fixture
-def other_site(service: Service) -> Iterator[None]:
-    """Another web server; its page shows the run that its query names in a frame."""
-
-    class Handler(BaseHTTPRequestHandler):
-        def do_GET(self) -> None:
-            source = f"{service.url}/runs/{self.path.partition('?')[2]}/embed"
-            frame = f'<iframe title="run" width="900" height="700" src="{source}"></iframe>'
-            self.send_response(200)
-            self.send_header("Content-Type", "text/html")
-            self.end_headers()
-            self.wfile.write(f"<!doctype html>{frame}".encode())
-
-        def log_message(self, *_: object) -> None:
-            """Say nothing."""
-
-    server = ThreadingHTTPServer(("127.0.0.1", EMBEDDING_PORT), Handler)
-    thread = threading.Thread(target=server.serve_forever)
-    thread.start()
-    yield
-    server.shutdown()
-    thread.join()
-    server.server_close()
-
-
-def test_a_site_that_the_operator_allows_shows_the_player_in_a_frame_and_others_do_not(
-    chromium: Browser, other_site: None, finished: tuple[int, Any]
-) -> None:
-    page = chromium.new_context().new_page()
-    frame = page.frame_locator("iframe")
-
-    page.goto(f"http://localhost:{EMBEDDING_PORT}/?{finished[0]}")
-    expect(frame.locator("[data-pose]")).to_contain_text("north", timeout=SCENE_MS)
-    frame.locator("[data-time]").fill("25")
-    expect(frame.locator("[data-clock]")).to_contain_text("25.00 s, current 0.4 m/s")
-    with page.expect_console_message(lambda message: "frame-ancestors" in message.text):
-        page.goto(f"http://127.0.0.1:{EMBEDDING_PORT}/?{finished[0]}")
-
-    expect(frame.locator("[data-player]")).to_have_count(0)
-    page.context.close()
-
-
-def test_without_webgl_a_picture_and_a_sentence_stand_for_the_scene(
-    service: Service, finished: tuple[int, Any], chromium: Browser
-) -> None:
-    context = chromium.new_context()
-    # As in a browser without WebGL; the rest of the canvas stays.
-    context.add_init_script(
-        "const get = HTMLCanvasElement.prototype.getContext;"
-        "HTMLCanvasElement.prototype.getContext = function (kind, ...rest) {"
-        "  return kind.startsWith('webgl') ? null : get.call(this, kind, ...rest); };"
-    )
-    visitor = Visitor(context.new_page(), service.url)
-    visitor.open(f"/runs/{finished[0]}")
-
-    expect(visitor.page.get_by_text("cannot draw 3-D graphics")).to_be_visible(timeout=SCENE_MS)
-    visitor.page.locator("[data-time]").fill("30")
-    expect(visitor.page.locator("[data-camera] img")).to_have_attribute(
-        "src", re.compile(r"t=30\.00$")
-    )
-    expect(visitor.page.locator("[data-clock]")).to_contain_text("30.00 s")
-    assert visitor.errors == []
-    context.close()
 
 
 def test_the_player_fits_a_phone_and_its_bar_stays_in_sight(

@@ -38,11 +38,11 @@ def test_a_stranger_sees_a_run_only_between_its_publication_and_its_withdrawal(
     expect(page.get_by_text("The run is now public")).to_be_visible(timeout=RUN_MS)
     phone.errors.clear()  # the browser reports the 404s of before
     seen.append(_reads(phone, run))
-    expect(stranger.get_by_role("heading", name="Worth reading")).to_be_visible()
+    expect(stranger.get_by_role("heading", name="Steady hand")).to_be_visible()
     expect(stranger.get_by_role("button", name="Withdraw")).to_have_count(0)
     expect(stranger.get_by_role("link", name="telemetry.csv")).to_be_visible()
     seen.append(_reads(phone, PROFILE))
-    expect(stranger.get_by_role("table")).to_contain_text("Worth reading")
+    expect(stranger.get_by_role("table")).to_contain_text("Steady hand")
     assert (phone.errors, phone.violations()) == ([], [])
 
     visitor.press_and_confirm("Withdraw")

@@ -72,13 +72,19 @@ class Visitor:
         return number
 
     def press_and_confirm(self, name: str) -> None:
-        """Press a button that asks first, and the one of the same name in the dialog."""
+        """Press a button that asks first, and the one of the same name in the dialog.
+
+        On the page of a run, most of them are in a menu.
+        """
+        unfold = "for (const menu of document.querySelectorAll('.menu')) menu.open = true"
+        self.page.evaluate(unfold)
         self.page.get_by_role("button", name=name).click()
         self.page.get_by_role("dialog").get_by_role("button", name=name).click()
 
     def publish(self) -> None:
         """Publish the run of this page, with its program and by name."""
         self.page.get_by_role("link", name="Publish …").click()
+        self.page.get_by_label("Name of the method").fill("Steady hand")
         self.page.get_by_role("button", name="Publish").click()
 
     def tab_to(self, control: Locator, most: int = 12) -> None:

@@ -94,14 +94,38 @@ def test_a_worker_that_prepares_its_simulator_is_not_broken(both: Backend) -> No
     _register(both, "a")
     seen = []
 
-    for state in (workers.PREPARING, workers.RUNNING):
+    for state in (workers.preparing(0, 0), workers.preparing(2, 6), workers.RUNNING):
         with both.database.writing() as session:
             workers.heartbeat(session, "a", {workers.SIMULATOR: state})
         with both.database.reading() as session:
             (status,) = workers.listed(session)
         seen.append((status.preparing, status.broken_processes))
 
-    assert seen == [(True, {}), (False, {})]
+    assert seen == [(True, {}), (True, {}), (False, {})]
+
+
+def test_the_simulator_is_said_to_be_compiled_until_that_of_one_worker_is_ready(
+    both: Backend,
+) -> None:
+    said = []
+
+    for states in (
+        {"a": workers.preparing(0, 0)},
+        {"a": workers.preparing(2, 6), "b": workers.preparing(1, 6)},
+        {"a": workers.preparing(5, 6), "b": workers.RUNNING},
+    ):
+        for name, state in states.items():
+            _register(both, name)
+            with both.database.writing() as session:
+                workers.heartbeat(session, name, {workers.SIMULATOR: state})
+        with both.database.reading() as session:
+            said.append(workers.preparation(session))
+
+    assert said[0] is not None
+    assert "parts" not in said[0]
+    assert said[1] is not None
+    assert "2 of 6 parts are ready" in said[1]
+    assert said[2] is None
 
 
 def test_a_worker_that_starts_again_reports_its_side_processes_anew(both: Backend) -> None:

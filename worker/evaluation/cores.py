@@ -4,9 +4,9 @@ Every process of the worker's pool owns one core. A run of several trials borrow
 processes, for one trial at a time; so a run that starts on a borrowed core shares it for the rest
 of one trial at most.
 
-Occupied and borrowed cores, and those with a warm simulator, are record locks on an anonymous file
-that all processes of a worker have open: the kernel drops them with the process that holds them,
-and a fork does not inherit them.
+Occupied and borrowed cores, those with a warm simulator, and the parts of the simulator that a
+process has loaded are record locks on an anonymous file that all processes of a worker have open:
+the kernel drops them with the process that holds them, and a fork does not inherit them.
 """
 
 import fcntl
@@ -14,6 +14,7 @@ import os
 from collections.abc import Sequence
 
 NO_LOCKS = -1  # no other process uses these cores
+_PARTS_AT = 1 << 20  # byte of the first part; those of cores are below
 
 
 def new_locks() -> int:
@@ -53,6 +54,20 @@ class Cores:
     def any_warm(self) -> bool:
         """Return whether another process has announced a warm simulator for one of the cores."""
         return not all(self._is_free(_warm_byte(core)) for core in self._order)
+
+    def announce_part(self, index: int, of: int) -> None:
+        """Let `parts` know that this process has loaded a part of the simulator, until it ends."""
+        if self._locks != NO_LOCKS:
+            os.pwrite(self._locks, bytes([of]), 0)
+            fcntl.lockf(self._locks, fcntl.LOCK_SH, 1, _PARTS_AT + index)
+
+    def parts(self) -> tuple[int, int]:
+        """Return how many parts of the simulator other processes have loaded, and of how many.
+
+        Of 0 parts until one is loaded.
+        """
+        of = sum(os.pread(self._locks, 1, 0))
+        return sum(not self._is_free(_PARTS_AT + index) for index in range(of)), of
 
     def acquire(self) -> int | None:
         """Return a core that is free now, its own one first; None if there is none."""

@@ -96,7 +96,8 @@ class Host:
 
     def _simulator_state(self) -> str:
         """Return whether a run can start now: the first start of all compiles the simulator."""
-        return workers.RUNNING if self.slot(0).cores().any_warm() else workers.PREPARING
+        cores = self.slot(0).cores()
+        return workers.RUNNING if cores.any_warm() else workers.preparing(*cores.parts())
 
     def unregister(self) -> None:
         """Remove this worker from the database."""

@@ -19,7 +19,7 @@ def announce(app: Celery, redis: "Redis", recovery: Recovery) -> None:
             live_events.publish_state(redis, run_id, RunState.QUEUED)
         for run_id in recovery.failed:
             live_events.publish_state(redis, run_id, RunState.FAILED)
-        tickets = broker.top_up(app, redis, recovery.queued)
+        tickets = broker.top_up(app, redis, recovery.tickets)
     except RedisError as error:  # the queue is in the database: a broker that is away is no failure
         _log.warning("recovery_without_broker", error=str(error))
         return

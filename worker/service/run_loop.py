@@ -25,7 +25,8 @@ from seamark.worker.zygote.client import Simulator, SimulatorBroken
 PAUSE_DOUBLINGS = 6  # at most 64 s with the usual settings
 OUTDATED = "the service was upgraded; this worker would compute other results: restart it"
 PASS_ON_S = 0.5  # [s] for which a drained worker keeps a ticket
-WARM_POLL_S = 0.2  # [s] for which a process that starts keeps a ticket
+WARM_POLL_S = 0.2  # [s] between two checks of whether the worker shuts down
+WARM_MAX_S = 600.0  # [s] for which a process that starts keeps a ticket; the others send more
 _log = structlog.get_logger()
 
 
@@ -58,7 +59,7 @@ class RunLoop:
 
     def run_next(self) -> None:
         """Claim and evaluate one run, then make sure that the next one has a ticket."""
-        if not self._is_warm():
+        if not self._wait_warm():
             return
         if why := storage.refusal(self._settings):  # recovery sends tickets again
             _log.error("no_claim", worker=self._name, why=why)
@@ -105,16 +106,21 @@ class RunLoop:
             return
         announce(self._app, self._redis, recovery)
 
-    def _is_warm(self) -> bool:
-        """Return whether the simulator is warm; if not, pass the ticket on.
+    def _wait_warm(self) -> bool:
+        """Return whether the simulator is warm, after waiting for it; pass the ticket on before.
 
-        Until then another process should have the run: one that replaces another takes two seconds
-        to start, while the others of the pool may be idle.
+        Another process of the pool may be ready. This one returns late, so that Celery gives it no
+        other ticket: each would count as a task, and after some a process is replaced, with a
+        simulator that is still being compiled.
         """
+        until = time.monotonic() + WARM_MAX_S
         try:
-            if self._simulator.wait_warm(WARM_POLL_S):
+            if self._simulator.wait_warm(0.0):
                 return True
             broker.send_tickets(self._app)
+            while time.monotonic() < until and not self._shutting_down():
+                if self._simulator.wait_warm(WARM_POLL_S):
+                    return True
         except SimulatorBroken as broken:
             _log.error("simulator_broken", why=str(broken), worker=self._name)
             self._failures += 1

@@ -148,7 +148,7 @@ def main(arguments: list[str]) -> None:
     die_with_parent(int(parent))
     slot = WorkerSlot.from_json(slot_json)
     with socket.socket(fileno=int(descriptor)) as control:
-        warm_up()
+        warm_up(slot.cores().announce_part)
         Zygote(control, slot).serve()
 
 

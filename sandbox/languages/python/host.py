@@ -25,7 +25,7 @@ PACKAGES = {  # package -> the folder beside it with its native libraries
     "cv2": "opencv_contrib_python_headless.libs",
     "onnxruntime": "",
 }
-OPTIONAL = ("onnxruntime",)  # workers without the dependency group "box" do without it
+OPTIONAL = ("onnxruntime",)  # workers without the extra "box" do without it
 PACKAGES_FOLDER = "/box/packages"
 INSIDE = Path(__file__).with_name("inside")
 TESTS = re.compile(r"[/\\]tests[/\\]")  # the packages' own tests: half of their files

@@ -7,8 +7,16 @@ import orjson
 from websockets.asyncio.server import ServerConnection
 from websockets.exceptions import ConnectionClosed
 
-from seamark.bridge.rosbridge.protocol import LEVELS, StatusLevel, Subscribe, Unsubscribe
-from seamark.bridge.rosbridge.topics import TOPICS, Moment, Ros, resolved
+from seamark.bridge.rosbridge.axes import Axes
+from seamark.bridge.rosbridge.protocol import (
+    LEVELS,
+    SetAxes,
+    SetLevel,
+    StatusLevel,
+    Subscribe,
+    Unsubscribe,
+)
+from seamark.bridge.rosbridge.topics import TOPICS, Dialect, Moment, Ros, resolved
 
 MOST_SUBSCRIPTIONS = 64
 SEND_WITHIN_S = 10.0  # [s] for a client to take its messages; then it is disconnected
@@ -35,8 +43,9 @@ class _Subscription:
 class Client:
     """A connection and its subscriptions."""
 
-    def __init__(self, connection: ServerConnection) -> None:
+    def __init__(self, connection: ServerConnection, axes: Axes) -> None:
         self._connection = connection
+        self.axes = axes
         self._subscriptions: dict[str, _Subscription] = {}  # by the topic's global name
         self.level: StatusLevel = "error"  # as rosbridge begins
 
@@ -45,6 +54,13 @@ class Client:
         """Host and port; behind a Unix socket there is one client only."""
         remote = self._connection.remote_address
         return f"{remote[0]}:{remote[1]}" if isinstance(remote, tuple) else "The program"
+
+    def prefer(self, order: SetLevel | SetAxes) -> None:
+        """Speak as the client wants from now on."""
+        if isinstance(order, SetLevel):
+            self.level = order.level
+        else:
+            self.axes = order.axes
 
     def subscribe(self, order: Subscribe, ros: Ros) -> bool:
         """Add a subscription; False if there are too many."""
@@ -73,7 +89,7 @@ class Client:
             found = self._subscriptions.get(name)
             wanted = only in (None, name) and (now.begins or not topic.at_levels)
             if found is not None and wanted and found.is_due(now.stamp.ns):
-                message = topic.message(now, found.ros)
+                message = topic.message(now, Dialect(found.ros, self.axes))
                 await self.send({"op": "publish", "topic": found.name, "msg": message})
 
     async def publish_result(self, topic: str, message: dict[str, Any]) -> None:

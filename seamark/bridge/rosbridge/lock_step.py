@@ -94,7 +94,7 @@ class LockStep:
             It is not one, it is of another client, or it answers another observation.
         """
         self.become_controller(client, publication.topic)
-        command, stamp_ns = read_reference(publication)
+        command, stamp_ns = read_reference(publication, client.axes)
         self._latest = command
         now = self.waiting
         if now is None or self._answer is None:

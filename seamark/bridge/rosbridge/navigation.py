@@ -1,9 +1,8 @@
 """Where the vehicle believes it is: dead reckoning from what its own sensors measure."""
 
+from seamark.bridge.rosbridge.axes import Quaternion
 from seamark.sim.control.observation import Observation
 from seamark.sim.numerics.libm import sincos
-
-Quaternion = tuple[float, float, float, float]  # x, y, z, w as in ROS
 
 
 class DeadReckoning:

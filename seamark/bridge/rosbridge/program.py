@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from seamark.bridge.rosbridge.axes import Axes
 from seamark.bridge.rosbridge.lock_step import LockStep
 from seamark.bridge.rosbridge.navigation import DeadReckoning
 from seamark.bridge.rosbridge.server import Server, TcpAddress, serve_until
@@ -77,7 +78,11 @@ class Bridge:
 
 @contextmanager
 def opened(
-    lock_step: LockStep, address: TcpAddress | Path, *, say: Callable[[str], None]
+    lock_step: LockStep,
+    address: TcpAddress | Path,
+    *,
+    say: Callable[[str], None],
+    axes: Axes = Axes.NED,
 ) -> Iterator[Bridge]:
     """Provide a bridge that listens; `say` gets sentences about its clients.
 
@@ -86,7 +91,7 @@ def opened(
     OSError
         The address cannot be used.
     """
-    server, end = Server(lock_step, say), asyncio.Event()
+    server, end = Server(lock_step, say, axes), asyncio.Event()
     listening: Future[tuple[asyncio.AbstractEventLoop, int]] = Future()
 
     async def serve() -> None:

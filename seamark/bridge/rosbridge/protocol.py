@@ -5,6 +5,7 @@ from typing import Annotated, Any, Literal
 import orjson
 from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
 
+from seamark.bridge.rosbridge.axes import Axes
 from seamark.bridge.rosbridge.topics import NS
 from seamark.sandbox.languages.inside.wire import MAX_VALUE
 from seamark.sim.engine.program import Command
@@ -86,7 +87,16 @@ class SetLevel(_Operation):
     level: StatusLevel
 
 
-Operation = Advertise | Unadvertise | Publish | Subscribe | Unsubscribe | CallService | SetLevel
+class SetAxes(_Operation):
+    """In which axes the client speaks; an operation of Seamark, not of the protocol."""
+
+    op: Literal["set_axes"] = "set_axes"
+    axes: Axes
+
+
+Operation = (
+    Advertise | Unadvertise | Publish | Subscribe | Unsubscribe | CallService | SetLevel | SetAxes
+)
 _OPERATIONS = TypeAdapter[Operation](Annotated[Operation, Field(discriminator="op")])
 
 
@@ -114,6 +124,7 @@ class _Time(BaseModel):
 
 class _Header(BaseModel):
     stamp: _Time = _Time()
+    frame_id: Annotated[str, Field(max_length=_LONGEST_NAME)] = ""
 
 
 class _TwistStamped(BaseModel):
@@ -162,7 +173,7 @@ def _sentence(error: ValidationError, value: dict[str, Any]) -> str:
     return f"{where}: {first['msg']}."
 
 
-def read_reference(publication: Publish) -> tuple[Command, int | None]:
+def read_reference(publication: Publish, axes: Axes) -> tuple[Command, int | None]:
     """Return a velocity reference and the simulated time that it answers [ns], if it says so.
 
     The message is a Twist or a TwistStamped, whatever the topic was advertised as.
@@ -170,14 +181,26 @@ def read_reference(publication: Publish) -> tuple[Command, int | None]:
     Raises
     ------
     Refused
-        It is neither, or a number is not finite or too large.
+        It is neither, a number is not finite or too large, or it names the frame of other axes.
     """
     message = publication.msg
     try:
         if "twist" in message:
             stamped = _TwistStamped.model_validate(message)
-            return stamped.twist.command(), stamped.stamp_ns()
-        return _Twist.model_validate(message).command(), None
+            _check_frame(publication, stamped.header.frame_id, axes)
+            return axes.command(stamped.twist.command()), stamped.stamp_ns()
+        return axes.command(_Twist.model_validate(message).command()), None
     except ValidationError as error:
         text = f"{publication.topic}: {_sentence(error, message)}"
         raise Refused(text, reply_to=publication.id) from None
+
+
+def _check_frame(publication: Publish, frame: str, axes: Axes) -> None:
+    """Raise Refused if sway, heave and yaw would have the wrong sign."""
+    if frame.removeprefix("/") == axes.other.body:
+        raise Refused(
+            f"{publication.topic}: the reference is in {axes.other.body}, but this program speaks "
+            f"{axes.body}. Start the bridge with --axes {axes.other}; on a server, connect with "
+            f"axes={axes.other}.",
+            reply_to=publication.id,
+        )

@@ -10,6 +10,7 @@ from typing import Any
 from websockets.asyncio.server import ServerConnection, serve, unix_serve
 from websockets.exceptions import ConnectionClosed
 
+from seamark.bridge.rosbridge.axes import Axes
 from seamark.bridge.rosbridge.client import MOST_SUBSCRIPTIONS, Client
 from seamark.bridge.rosbridge.lock_step import LockStep
 from seamark.bridge.rosbridge.protocol import (
@@ -19,6 +20,7 @@ from seamark.bridge.rosbridge.protocol import (
     Operation,
     Publish,
     Refused,
+    SetAxes,
     SetLevel,
     Subscribe,
     Unadvertise,
@@ -33,17 +35,16 @@ CLOSE_WITHIN_S = 2.0  # [s] for a client to agree to the end of the connection
 TRY_AGAIN_LATER = 1013  # close code, IANA WebSocket registry
 # Pages of this machine; a browser lets every page of the web connect to it.
 LOCAL_ORIGIN = re.compile(r"https?://(localhost|127\.0\.0\.1|\[::1\])(:\d+)?")
-RESULT_TOPIC = Topic(
-    "std_msgs", "String", "once: how the run ended, as JSON", lambda _now, _ros: {}
-)
+RESULT_TOPIC = Topic("std_msgs", "String", "once: how the run ended, as JSON", lambda _now, _to: {})
 
 
 class Server:
     """The clients of one run. Belongs to the event loop."""
 
-    def __init__(self, lock_step: LockStep, say: Callable[[str], None]) -> None:
-        """`say` gets sentences for the one who started the bridge."""
+    def __init__(self, lock_step: LockStep, say: Callable[[str], None], axes: Axes) -> None:
+        """`say` gets sentences for the one who started the bridge; `axes` are those of clients."""
         self._lock_step = lock_step
+        self._axes = axes
         self._say = say
         self._clients: set[Client] = set()
 
@@ -61,7 +62,7 @@ class Server:
         if len(self._clients) >= MOST_CLIENTS:
             await connection.close(TRY_AGAIN_LATER, f"at most {MOST_CLIENTS} clients")
             return
-        client = Client(connection)
+        client = Client(connection, self._axes)
         self._clients.add(client)
         self._say(f"{client.address} has connected.")
         try:
@@ -98,8 +99,8 @@ class Server:
                 client.unsubscribe(operation)
             case CallService():
                 await client.send(_service_response(operation))
-            case SetLevel():
-                client.level = operation.level
+            case SetLevel() | SetAxes():
+                client.prefer(operation)
 
     async def _subscribe(self, client: Client, order: Subscribe) -> None:
         """Subscribe a client, and send it what waits for an answer now: topics are latched."""

@@ -1,11 +1,12 @@
 """The topics of a bridge: their names, types and messages, in the order in which they are sent.
 
-Frames are those of Seamark and of the original: x forward, y starboard, z down in the body
-(`base_link_frd`), north, east, down in the world (`map_ned`); SI units, angles in rad.
+Frames are those of Seamark and of the original, x forward, y starboard, z down in the body
+(`base_link_frd`), north, east, down in the world (`map_ned`), or those of ROS (`axes`); SI units,
+angles in rad.
 """
 
 import base64
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from enum import Enum
 from typing import Any
@@ -15,12 +16,14 @@ import numpy as np
 import orjson
 from numpy.typing import NDArray
 
+from seamark.bridge.rosbridge.axes import Axes
 from seamark.bridge.rosbridge.navigation import DeadReckoning
 from seamark.sim.camera.optics import Optics
 from seamark.sim.control.observation import Observation
 
-BODY, WORLD, CAMERA = "base_link_frd", "map_ned", "camera"
+CAMERA = "camera"
 NS = 1_000_000_000
+_UNKNOWN = [0.0] * 36  # a covariance, as nav_msgs says
 Message = dict[str, Any]
 
 
@@ -29,6 +32,14 @@ class Ros(Enum):
 
     ONE = 1
     TWO = 2
+
+
+@dataclass(frozen=True, slots=True)
+class Dialect:
+    """How a client wants its messages."""
+
+    ros: Ros
+    axes: Axes
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,29 +68,33 @@ class Moment:
     optics: Optics
     image: Callable[[], NDArray[np.uint8]]  # (H, W, 3) blue, green, red
 
-    def header(self, ros: Ros, frame: str) -> Message:
+    def header(self, to: Dialect, frame: str) -> Message:
         """Return the header of a message in a frame."""
-        numbered = {"seq": self.step} if ros is Ros.ONE else {}
-        return {**numbered, "stamp": self.stamp.of(ros), "frame_id": frame}
+        numbered = {"seq": self.step} if to.ros is Ros.ONE else {}
+        return {**numbered, "stamp": self.stamp.of(to.ros), "frame_id": frame}
 
 
-def _xyz(values: NDArray[np.float64]) -> Message:
-    return dict(zip("xyz", values.tolist(), strict=True))
+def _xyz(vector: Iterable[float]) -> Message:
+    return dict(zip("xyz", vector, strict=True))
 
 
-def _level(now: Moment, ros: Ros) -> Message:
+def _in_body(values: NDArray[np.float64], to: Dialect) -> Message:
+    return _xyz(to.axes.of_body(values.tolist()))
+
+
+def _level(now: Moment, to: Dialect) -> Message:
     return {"data": orjson.dumps(dict(now.level)).decode()}
 
 
-def _original_level(now: Moment, ros: Ros) -> Message:
+def _original_level(now: Moment, to: Dialect) -> Message:
     return {"data": f"Updated scene {now.level['index']}"}
 
 
-def _image(now: Moment, ros: Ros) -> Message:
+def _image(now: Moment, to: Dialect) -> Message:
     rgb = np.ascontiguousarray(now.image()[..., ::-1])
     height, width, channels = rgb.shape
     return {
-        "header": now.header(ros, CAMERA),
+        "header": now.header(to, CAMERA),
         "height": height,
         "width": width,
         "encoding": "rgb8",
@@ -89,13 +104,13 @@ def _image(now: Moment, ros: Ros) -> Message:
     }
 
 
-def _compressed_image(now: Moment, ros: Ros) -> Message:
+def _compressed_image(now: Moment, to: Dialect) -> Message:
     _done, png = cv2.imencode(".png", now.image())
     data = base64.b64encode(png.tobytes()).decode()
-    return {"header": now.header(ros, CAMERA), "format": "png", "data": data}
+    return {"header": now.header(to, CAMERA), "format": "png", "data": data}
 
 
-def _camera(now: Moment, ros: Ros) -> Message:
+def _camera(now: Moment, to: Dialect) -> Message:
     optics = now.optics
     (u, v), f = optics.principal_px, optics.focal_px
     matrices = {
@@ -104,10 +119,10 @@ def _camera(now: Moment, ros: Ros) -> Message:
         "r": [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0],
         "p": [f, 0.0, u, 0.0, 0.0, f, v, 0.0, 0.0, 0.0, 1.0, 0.0],
     }
-    if ros is Ros.ONE:
+    if to.ros is Ros.ONE:
         matrices = {name.upper(): values for name, values in matrices.items()}
     return {
-        "header": now.header(ros, CAMERA),
+        "header": now.header(to, CAMERA),
         "height": optics.height,
         "width": optics.width,
         "distortion_model": "plumb_bob",
@@ -115,57 +130,71 @@ def _camera(now: Moment, ros: Ros) -> Message:
     }
 
 
-def _pose(now: Moment, ros: Ros) -> Message:
+def _place(now: Moment, to: Dialect) -> Message:
     at = now.navigation
+    turned = to.axes.of_orientation(at.orientation)
     return {
-        "header": now.header(ros, WORLD),
-        "pose": {
-            "position": {"x": at.north_m, "y": at.east_m, "z": at.down_m},
-            "orientation": dict(zip("xyzw", at.orientation, strict=True)),
-        },
+        "position": _xyz(to.axes.of_world((at.north_m, at.east_m, at.down_m))),
+        "orientation": dict(zip("xyzw", turned, strict=True)),
     }
 
 
-def _velocity(now: Moment, ros: Ros) -> Message:
-    twist = {"linear": _xyz(now.seen.velocity), "angular": _xyz(now.seen.rates)}
-    return {"header": now.header(ros, BODY), "twist": twist}
+def _twist(now: Moment, to: Dialect) -> Message:
+    return {"linear": _in_body(now.seen.velocity, to), "angular": _in_body(now.seen.rates, to)}
 
 
-def _velocity_valid(now: Moment, ros: Ros) -> Message:
+def _pose(now: Moment, to: Dialect) -> Message:
+    return {"header": now.header(to, to.axes.world), "pose": _place(now, to)}
+
+
+def _velocity(now: Moment, to: Dialect) -> Message:
+    return {"header": now.header(to, to.axes.body), "twist": _twist(now, to)}
+
+
+def _odometry(now: Moment, to: Dialect) -> Message:
+    return {
+        "header": now.header(to, to.axes.world),
+        "child_frame_id": to.axes.body,
+        "pose": {"pose": _place(now, to), "covariance": _UNKNOWN},
+        "twist": {"twist": _twist(now, to), "covariance": _UNKNOWN},
+    }
+
+
+def _velocity_valid(now: Moment, to: Dialect) -> Message:
     return {"data": now.seen.velocity_valid}
 
 
-def _altitude(now: Moment, ros: Ros) -> Message:
+def _altitude(now: Moment, to: Dialect) -> Message:
     return {"data": now.seen.altitude}
 
 
-def _thrust(now: Moment, ros: Ros) -> Message:
+def _thrust(now: Moment, to: Dialect) -> Message:
     values = now.seen.thrust.tolist()
     label = {"label": "thruster", "size": len(values), "stride": len(values)}
     return {"layout": {"dim": [label], "data_offset": 0}, "data": values}
 
 
-def _visible(now: Moment, ros: Ros) -> Message:
+def _visible(now: Moment, to: Dialect) -> Message:
     return {"data": now.seen.target_visible}
 
 
-def _error_px(now: Moment, ros: Ros) -> Message:
+def _error_px(now: Moment, to: Dialect) -> Message:
     x, y = now.seen.error_px.tolist()
-    return {"header": now.header(ros, CAMERA), "point": {"x": x, "y": y, "z": 0.0}}
+    return {"header": now.header(to, CAMERA), "point": {"x": x, "y": y, "z": 0.0}}
 
 
-def _error(now: Moment, ros: Ros) -> Message:
-    return {"header": now.header(ros, BODY), "vector": _xyz(now.seen.error)}
+def _error(now: Moment, to: Dialect) -> Message:
+    return {"header": now.header(to, to.axes.body), "vector": _in_body(now.seen.error, to)}
 
 
-def _original_error(now: Moment, ros: Ros) -> Message:
+def _original_error(now: Moment, to: Dialect) -> Message:
     upright = {"x": 0.0, "y": 0.0, "z": 0.0, "w": 1.0}
-    pose = {"position": _xyz(now.seen.error), "orientation": upright}
-    return {"header": now.header(ros, BODY), "pose": pose}
+    pose = {"position": _in_body(now.seen.error, to), "orientation": upright}
+    return {"header": now.header(to, to.axes.body), "pose": pose}
 
 
-def _clock(now: Moment, ros: Ros) -> Message:
-    return {"clock": now.stamp.of(ros)}
+def _clock(now: Moment, to: Dialect) -> Message:
+    return {"clock": now.stamp.of(to.ros)}
 
 
 @dataclass(frozen=True, slots=True)
@@ -175,7 +204,7 @@ class Topic:
     package: str
     kind: str
     meaning: str
-    message: Callable[[Moment, Ros], Message]
+    message: Callable[[Moment, Dialect], Message]
     at_levels: bool = False  # published only when a level begins
 
     def type_in(self, ros: Ros) -> str:
@@ -214,6 +243,9 @@ TOPICS: Mapping[str, Topic] = {
     ),
     "/seamark/velocity": Topic(
         "geometry_msgs", "TwistStamped", "velocity (DVL) and rates, body frame", _velocity
+    ),
+    "/seamark/odometry": Topic(
+        "nav_msgs", "Odometry", "pose and velocity in one message", _odometry
     ),
     "/seamark/velocity_valid": Topic(
         "std_msgs", "Bool", "whether the last DVL measurement was good", _velocity_valid

@@ -75,6 +75,14 @@ def _listening_options(port: int, *, word: str, within_s: float, what: str) -> D
     help="Follow the wall clock instead of waiting for the program; not reproducible.",
 )
 @click.option(
+    "--axes",
+    type=click.Choice(["ned", "enu"]),
+    default="ned",
+    show_default=True,
+    help="Axes of topics and references: north, east, down and forward, starboard, down; or those "
+    "of ROS (REP 103): east, north, up and forward, port, up.",
+)
+@click.option(
     "--origin",
     "origins",
     multiple=True,
@@ -102,6 +110,7 @@ def rosbridge(  # noqa: PLR0913  # one argument per option
     port: int,
     answer_within: float,
     real_time: bool,
+    axes: str,
     origins: tuple[str, ...],
     server: str | None,
     token: str | None,
@@ -116,12 +125,13 @@ def rosbridge(  # noqa: PLR0913  # one argument per option
     \b
     Examples:
       seamark bridge rosbridge currents-v1 --seed 7 --out result
-      seamark bridge rosbridge currents-v2 --set levels=0.2 --port 9091
+      seamark bridge rosbridge currents-v2 --set levels=0.2 --axes enu
       seamark bridge rosbridge currents-v1 --server https://seamark.example --token $TOKEN
     """
     _refuse_without_websockets()
     if server is not None:
         _refuse_what_a_server_decides()
+    from seamark.bridge.rosbridge.axes import Axes
     from seamark.bridge.rosbridge.lock_step import LockStep, Rules
     from seamark.bridge.rosbridge.program import RosProgram, opened
     from seamark.bridge.rosbridge.server import TcpAddress
@@ -130,20 +140,22 @@ def rosbridge(  # noqa: PLR0913  # one argument per option
     from seamark.sim.engine.world import target_and_optics
     from seamark.worker.evaluation.bridged import result_message
 
-    address, say = TcpAddress(host, port, origins), _say(quiet=as_json)
+    address, say, spoken = TcpAddress(host, port, origins), _say(quiet=as_json), Axes(axes)
     if server is not None:
         given = typed_if_known(benchmark, read_settings(config, pairs))
         wanted = {"benchmark": benchmark, "config": given, "seed": seed, "trials": trials}
+        wanted |= {"axes": axes}
         finish(run_on_server(server, token, wanted, address, say), as_json=as_json)
     run = _local_run(benchmark, "rosbridge", pairs, config, trials=trials, seed=seed)
     _target, optics = target_and_optics(_restored(run))
     with ExitStack() as stack:
         lock_step = LockStep(Rules(answer_s=answer_within, real_time=real_time))
         try:
-            behind = stack.enter_context(opened(lock_step, address, say=say))
+            behind = stack.enter_context(opened(lock_step, address, say=say, axes=spoken))
         except OSError as error:
             raise UsageRefused(f"{host}:{port} cannot be used: {error.strerror}.") from None
         click.echo(f"Waiting for a program at {address.url(behind.port)}.", err=True)
+        say(f"Velocity references are read in {spoken.meaning}. --axes {spoken.other}: the other.")
         outcome = _evaluate(run, RosProgram(behind, optics), out, quiet=as_json)
         behind.publish_result(result_message(outcome))
     _report(run, outcome, out, as_json=as_json)

@@ -41,6 +41,7 @@ def check(
       seamark check controller.c --json
     """
     from seamark.cli.configuration import run_configuration_of
+    from seamark.cli.extras import absent_in_box
     from seamark.cli.solutions import prepare
     from seamark.server.checks import report
 
@@ -54,6 +55,8 @@ def check(
         print_json({"program_name": prepared.name, "language": prepared.language, **found})
     else:
         _report(file, found)
+    if install := absent_in_box(" ".join(problem["sentence"] for problem in found["problems"])):
+        click.echo(install, err=True)
     exit_with(0 if found["ok"] else 1)
 
 

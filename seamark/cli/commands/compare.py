@@ -25,6 +25,7 @@ def compare(results: tuple[str, ...], *, server: str, token: str | None, as_json
       seamark compare pi-result tuned-result
     """
     from seamark.cli.comparison_tables import tables
+    from seamark.cli.extras import has_simulator, without_simulator
     from seamark.cli.results import is_run
     from seamark.sandbox.printable_text import printable_text
 
@@ -38,6 +39,8 @@ def compare(results: tuple[str, ...], *, server: str, token: str | None, as_json
         found = {**compared}
         ids = ",".join(str(run["id"]) for run in compared["runs"])
         link = f"\n{server.rstrip('/')}/compare?runs={ids}"
+    elif not has_simulator():
+        raise without_simulator("The comparison of results in folders")
     else:
         from seamark.cli.local_comparison import compare_results
         from seamark.cli.results import results_of

@@ -37,6 +37,14 @@ if TYPE_CHECKING:
 )
 @click.option("--from", "begin_s", type=click.FloatRange(0), default=0.0, help="Start time [s].")
 @click.option("--until", "end_s", type=click.FloatRange(0), help="End time [s].  [default: end]")
+@click.option(
+    "--format",
+    "layout",
+    type=click.Choice(["seamark", "coco", "yolo", "tum"]),
+    default="seamark",
+    show_default=True,
+    help="For which programs: Seamark's own layout has everything.",
+)
 @click.option("--colour", is_flag=True, help="Colour images instead of the trackers' grey ones.")
 @click.option(
     "--out",
@@ -57,6 +65,7 @@ def dataset(  # noqa: PLR0913 (one argument per option is click's way)
     every: int,
     begin_s: float,
     end_s: float | None,
+    layout: str,
     colour: bool,
     out: Path,
     as_json: bool,
@@ -69,6 +78,7 @@ def dataset(  # noqa: PLR0913 (one argument per option is click's way)
     Examples:
       seamark dataset currents-v1 --set levels=0.2 --seed 7 --out currents.zip
       seamark dataset visibility-v1 --every 4 --colour --out murky.zip
+      seamark dataset visibility-v2 --every 20 --format coco --out coco.zip
     """
     from seamark.cli.simulator_loading import loading_shown
     from seamark.sim.engine.dataset import Selection, archive
@@ -79,7 +89,7 @@ def dataset(  # noqa: PLR0913 (one argument per option is click's way)
     end = float("inf") if end_s is None else end_s
     selection = Selection(every=every, begin_s=begin_s, end_s=end, colour=colour)
     try:
-        pieces = archive(benchmark, checked, rows, seed=seed, selection=selection)
+        pieces = archive(benchmark, checked, rows, seed=seed, selection=selection, layout=layout)
     except ValueError as error:
         raise UsageRefused(f"{error}. Check --from, --until and --every.") from None
     count = len(selection.of(rows))

@@ -76,6 +76,7 @@ def _packages(_: Settings | None) -> Iterable[Check]:
         f"missing: {', '.join(lacking)}" if lacking else "all installed",
         "Install Seamark again; in a checkout, `./run` does that.",
     )
+    yield from _opencv()
     without = missing(("pybullet",))
     yield Check(
         "contacts",
@@ -83,6 +84,15 @@ def _packages(_: Settings | None) -> Iterable[Check]:
         "off: PyBullet is not installed" if without else "computed by PyBullet",
         "Use Python 3.11: PyBullet has wheels for no other version.",
     )
+
+
+def _opencv() -> Iterable[Check]:
+    if missing(("cv2",)):
+        return
+    from seamark.sim.recording.opencv import complaint, running
+
+    says = complaint()
+    yield Check("opencv", "warning" if says else "ok", says or running())
 
 
 def _service(settings: Settings | None) -> Iterable[Check]:

@@ -91,7 +91,10 @@ def _download(run_id: int, kind: Format, file: BinaryIO, *, server: str, token: 
 
 def _write(folder: Path, kind: Format, file: BinaryIO, program: Path | None) -> None:
     """Write a result on this machine."""
-    from seamark.cli.extras import install_line, missing
+    from seamark.cli.extras import has_simulator, install_line, missing, without_simulator
+
+    if not has_simulator():
+        raise without_simulator("The export of a result in a folder")
     from seamark.formats.folder import NoResult, recording_of
     from seamark.formats.recording import FormatRefused
 

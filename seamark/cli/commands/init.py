@@ -8,6 +8,7 @@ import click
 
 from seamark.cli.console import print_json
 from seamark.cli.options import json_option
+from seamark.drafts import replace_file
 from seamark.failures import UsageRefused
 from seamark.sandbox.languages import DEFAULT_LANGUAGE, starters
 
@@ -50,10 +51,9 @@ def init(*, language: str, benchmark: str, folder: Path, as_json: bool) -> None:
     if taken:
         raise UsageRefused(f"{folder / taken[0]} already exists; nothing was written.")
     try:
-        folder.mkdir(parents=True, exist_ok=True)
         for name, content in files.items():
-            (folder / name).parent.mkdir(exist_ok=True)
-            (folder / name).write_bytes(content)
+            (folder / name).parent.mkdir(parents=True, exist_ok=True)
+            replace_file(folder / name, content)
     except OSError as error:
         raise UsageRefused(f"{folder} cannot be written: {error.strerror}.") from None
     main, commands = folder / next(iter(files)), []

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from seamark.cli.console import print_json
+from seamark.cli.drafts import draft_of
 from seamark.cli.options import json_option, server_options
 from seamark.failures import UsageRefused
 
@@ -108,7 +109,5 @@ def _save(drawn: Sequence[Chart], out: Path, title: str) -> None:
         raise UsageRefused(f"Pictures need Matplotlib: {install_line('plot')}.")
     from seamark.plots.picture import save
 
-    try:
-        save(drawn, out, title=title)
-    except OSError as error:
-        raise UsageRefused(f"{out} cannot be written: {error.strerror}.") from None
+    with draft_of(out) as file:
+        save(drawn, file, kind=out.suffix[1:].lower(), title=title)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import tempfile
 from dataclasses import replace
 from pathlib import Path
@@ -27,7 +28,7 @@ MISSING_SHOWN = 6  # metrics that the log does not allow, named on the terminal
     "--mapping",
     type=click.Path(exists=True, dir_okay=False, path_type=Path),
     metavar="FILE",
-    help="What the columns or topics are, in TOML or JSON.",
+    help="A file in TOML or JSON that says what the columns or topics are.",
 )
 @click.option(
     "--benchmark",
@@ -55,8 +56,10 @@ def replay(
     """Measure the log of a real mission as a run is measured.
 
     LOG is a CSV file, an MCAP file or a ROS bag (a .bag or .db3 file, or the folder of a ROS 2
-    bag) with the vehicle's pose, the corners of the target in the image, or both. --out DIR gets
-    manifest.json, metrics.json and telemetry.csv, which `seamark plot` and `compare` read.
+    bag) with the vehicle's pose, the corners of the target in the image, or both. Columns with
+    usual names and a single topic with odometry need no mapping: the command prints what it took
+    for what. --out DIR gets manifest.json, metrics.json and telemetry.csv, which `seamark plot` and
+    `compare` read.
 
     \b
     Examples:
@@ -147,6 +150,7 @@ def _print(found: LogResult, out: Path | None) -> None:
     lines = [
         f"{found.benchmark}, {manifest['kind']}: {steps} control steps of {period_s:g} s",
         *(["Resampled as the mapping says."] if manifest["resampled"] else []),
+        *_guess_lines(manifest["guessed"]),
         f"measured  {', '.join(manifest['measured'])}",
         f"derived   {', '.join(manifest['derived']) or 'nothing'}",
         *level_table(found.metrics),
@@ -160,10 +164,36 @@ def _print(found: LogResult, out: Path | None) -> None:
     click.echo(printable_text("\n".join(lines)))
 
 
+def _guess_lines(guessed: dict[str, Any]) -> list[str]:
+    """Return what was guessed, as the mapping that says the same."""
+    if not guessed:
+        return []
+    lines = ["The log was read like this. If that is wrong, edit it and pass it as --mapping FILE:"]
+    if frame := guessed.get("frame"):
+        lines += [f"    frame = {_quoted(frame)}"]
+    if topics := guessed.get("topics"):
+        lines += ["    [topics]", *(f"    {role} = {_quoted(topics[role])}" for role in topics)]
+    if columns := guessed.get("columns"):
+        lines += ["    [columns]", *(f"    {name} = {_source(columns[name])}" for name in columns)]
+    return lines
+
+
+def _source(source: dict[str, str]) -> str:
+    name, unit = _quoted(source["name"]), source["unit"]
+    return f"{{ name = {name}, unit = {_quoted(unit)} }}" if unit else name
+
+
+def _quoted(text: str) -> str:
+    return json.dumps(text, ensure_ascii=False)  # as in TOML
+
+
 def _missing_lines(missing: dict[str, list[str]]) -> list[str]:
     if not missing:
         return []
     names = [name for name in missing if not name.startswith("whole_")]
     needed = sorted({column for columns in missing.values() for column in columns})
     more = " and more" if len(names) > MISSING_SHOWN else ""
-    return [f"Without {', '.join(needed)} the log has no {', '.join(names[:MISSING_SHOWN])}{more}."]
+    return [
+        f"The log has no columns {', '.join(needed)}. Seamark needs them to compute "
+        f"{', '.join(names[:MISSING_SHOWN])}{more}."
+    ]

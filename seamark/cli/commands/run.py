@@ -70,6 +70,7 @@ def run(  # noqa: PLR0913  # one argument per option
       seamark run visibility-v1 --set tracker=esm --set warp=srt
       seamark run visibility-v1 --controller my_tracker.py
     """
+    from seamark.cli.extras import absent_in_box
     from seamark.cli.output_folder import OutputFolder
 
     if score is not None:
@@ -89,6 +90,8 @@ def run(  # noqa: PLR0913  # one argument per option
         exit_with(INTERRUPTED)
     output.save(local_run.benchmark, outcome)
     report(local_run, outcome, out, as_json=as_json)
+    if install := absent_in_box(outcome.sentence):
+        click.echo(install, err=True)
     exit_with(0 if outcome.failure is None else 1)
 
 

@@ -35,6 +35,12 @@ if TYPE_CHECKING:
 @click.option("--wait", is_flag=True, help="Wait until the run, or the sweep, has ended.")
 @click.option("--publish", is_flag=True, help="Wait, and make the run public if it succeeds.")
 @click.option(
+    "--method",
+    default="",
+    help="With --publish: name of the method, which the leaderboard shows.  "
+    "[default: label of the built-in solution]",
+)
+@click.option(
     "--licence",
     type=click.Choice(list(LICENCES)),
     help="With --publish: licence of the program, an SPDX identifier.  [default: none is granted]",
@@ -58,6 +64,7 @@ def submit(  # noqa: PLR0913 (one argument per option is click's way)
     swept: tuple[str, ...],
     wait: bool,
     publish: bool,
+    method: str,
     licence: str | None,
     results_only: bool,
     anonymous: bool,
@@ -72,7 +79,7 @@ def submit(  # noqa: PLR0913 (one argument per option is click's way)
       seamark submit currents-v1 --controller my_controller.py --token $TOKEN --wait
       seamark submit currents-v1 --controller pi --set kp=0.6 --seed 7
       seamark submit currents-v2 --controller my_controller.py --ranked --publish \\
-        --licence MIT --token $TOKEN
+        --method "Sliding mode with observer" --licence MIT --token $TOKEN
       seamark submit currents-v1 --controller pi --sweep kp=0.1:1.0:5 --sweep ki=0,0.02,0.05
     """
     from seamark.cli.configuration import read_settings, typed_if_known
@@ -92,14 +99,15 @@ def submit(  # noqa: PLR0913 (one argument per option is click's way)
     }
     axes = read_settings(None, swept, option="--sweep")
     terms: PublicationTerms = {
+        "method": method,
         "program": not results_only,
         "licence": licence,
         "anonymous": anonymous,
     }
     if publish:
         _check_publication(terms, sweep=bool(axes), program=program, token=token)
-    elif licence or results_only or anonymous:
-        raise UsageRefused("--licence, --results-only and --anonymous need --publish.")
+    elif method or licence or results_only or anonymous:
+        raise UsageRefused("--method, --licence, --results-only and --anonymous need --publish.")
     with refusals_shown(), Client(server, token) as client:
         try:
             if axes:
@@ -141,6 +149,8 @@ def _check_publication(
         raise UsageRefused("--publish is for one run; publish those of a sweep on their pages.")
     if not token:
         raise UsageRefused("Publishing needs an account: name its token with --token.")
+    if program is not None and not terms["method"].strip():
+        raise UsageRefused("Name the method that you publish, with --method.")
     if terms["licence"] is not None and (program is None or not terms["program"]):
         raise UsageRefused(NO_PROGRAM)
 

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     metavar="FILE",
     help="Write the address to FILE as soon as the pages are up.",
 )
+@click.option("--installer", type=click.Path(path_type=Path), hidden=True)  # of `./run`
 @data_option
 @json_option
 def up(
@@ -34,6 +35,7 @@ def up(
     host: str | None,
     workers: int | None,
     ready_file: Path | None,
+    installer: Path | None,
     data: Path | None,
     as_json: bool,
 ) -> None:
@@ -49,6 +51,7 @@ def up(
       SEAMARK_PUBLIC=true seamark up --host 0.0.0.0
     """
     from seamark.cli.extras import refuse_packages_of_the_user
+    from seamark.drafts import replace_file
     from seamark.embedded.service import Embedded, address_of, free_port
 
     refuse_packages_of_the_user()
@@ -57,17 +60,14 @@ def up(
         settings = settings.model_copy(update={"port": free_port(settings.host)})
     notes = _silent if as_json else click.echo
     notes(f"Starting Seamark in {settings.data} ...")
-    isolation = _isolation(settings)
 
     def pages_up(ready: Settings) -> None:
         if ready_file is not None:
-            ready_file.write_text(f"{address_of(ready)}\n")
+            replace_file(ready_file, f"{address_of(ready)}\n".encode())
         notes(f"The pages are up: {address_of(ready)}  The worker is starting ...")
 
-    service = Embedded(settings, notes)
-    stop_signal = service.run(
-        lambda ready: _show(ready, isolation, as_json=as_json), pages_up=pages_up
-    )
+    service = Embedded(settings, notes, installer=installer)
+    stop_signal = service.run(lambda ready: _show(ready, as_json=as_json), pages_up=pages_up)
     notes(f"Stopped ({stop_signal.name}). All data is kept in {settings.data}.")
     exit_with(0)
 
@@ -76,35 +76,42 @@ def _silent(_: str) -> None:
     """Print nothing: a program reads the one JSON object."""
 
 
-def _isolation(settings: Settings) -> tuple[str, str]:
-    """Return the level that this host reaches and what it means for uploads."""
-    from seamark.sandbox.isolation.level import IsolationLevel
-    from seamark.sandbox.probing.probes import probe
+def _uploads(settings: Settings) -> tuple[str, str]:
+    """Return the isolation level of the worker and what it means for uploads."""
+    from seamark.sandbox.languages import DEFAULT_LANGUAGE
+    from seamark.server import installation, workers
+    from seamark.server.database.engine import Database
 
-    found = probe()
-    needed = IsolationLevel[settings.sandbox_min_level.upper()]
-    name = found.level.name.lower()
-    if found.level >= needed and found.level > IsolationLevel.NONE:
-        return name, f"isolated, level {name}"
-    return name, (
-        f"refused: this machine isolates only {name}, {settings.sandbox_min_level} is needed. "
-        "`seamark doctor` says how to fix it; built-in controllers still work."
-    )
+    database = Database(settings.database_url)
+    try:
+        with database.reading() as session:
+            levels = [worker.level for worker in workers.listed(session) if worker.claims]
+            refusal = workers.upload_refusal(session, DEFAULT_LANGUAGE, settings)
+    finally:
+        database.close()
+    level = levels[0] if levels else "none"
+    if refusal:
+        return level, (
+            f"refused: this machine isolates only {level}, {settings.sandbox_min_level} is needed. "
+            "`seamark doctor` says how to fix it; built-in controllers still work."
+        )
+    more = "; more languages are being installed" if installation.is_under_way(settings) else ""
+    return level, f"isolated, level {level}{more}"
 
 
-def _show(settings: Settings, isolation: tuple[str, str], *, as_json: bool) -> None:
+def _show(settings: Settings, *, as_json: bool) -> None:
     from seamark.embedded.service import address_of
 
-    address = address_of(settings)
+    address, (level, uploads) = address_of(settings), _uploads(settings)
     if as_json:
-        print_json({"address": address, "data": str(settings.data), "isolation": isolation[0]})
+        print_json({"address": address, "data": str(settings.data), "isolation": level})
         return
     click.echo("")
     click.echo(f"  Seamark is ready:  {click.style(address, bold=True)}")
     click.echo("")
     click.echo(f"  data       {settings.data}")
     click.echo(f"  runs       {settings.workers} at the same time")
-    click.echo(f"  uploads    {isolation[1]}")
+    click.echo(f"  uploads    {uploads}")
     click.echo(f"  logs       {settings.data / 'logs'}")
     click.echo("  stop       Ctrl-C")
     click.echo("")

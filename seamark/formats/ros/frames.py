@@ -13,6 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 MAP, BASE, CAMERA, TARGET = "map", "base_link", "camera_optical", "target"
+# The simulator's own frames, as children of those of ROS; x, y, z, w.
+MAP_NED, BASE_FRD = "map_ned", "base_link_frd"
+NED_ORIENTATION = (sqrt(0.5), sqrt(0.5), 0.0, 0.0)  # half a turn about north-east
+FRD_ORIENTATION = (1.0, 0.0, 0.0, 0.0)  # half a turn about x
 # Optical frame: x to starboard (u), y aft (v), z down, in the body frame of ROS; x, y, z, w.
 CAMERA_ORIENTATION = (sqrt(0.5), -sqrt(0.5), 0.0, 0.0)
 Array = NDArray[np.float64]

@@ -10,7 +10,8 @@ import numpy as np
 
 from seamark.formats.jpeg import jpeg
 from seamark.formats.recording import Recording
-from seamark.formats.ros import frames
+from seamark.formats.ros import frames, geometry
+from seamark.formats.ros.geometry import Message, Stamp
 from seamark.sim import registry
 from seamark.sim.recording.telemetry import INDEX
 
@@ -23,8 +24,6 @@ LINE_LOOP = 2
 GREEN, AMBER = (0.27, 0.9, 0.29), (1.0, 0.69, 0.0)  # tracked and true outline, as on the site
 _PIXEL_CENTRE = 0.5  # Foxglove counts from the corner of the first pixel, Seamark from its centre
 _CORNERS = slice(INDEX["corner_0"], INDEX["corner_7"] + 1)
-Message = dict[str, Any]
-Stamp = dict[str, int]
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,12 +33,22 @@ class Pictures:
     replay: Replay
     every: int  # rows
 
+    def mount(self, row: frames.Array, stamp: Stamp) -> Message:
+        """Return where the camera is on the vehicle, which is the same in the whole run."""
+        mount_m = np.array(self.replay.frame(row).camera.optics.mount_m)
+        position = frames.to_port_up(mount_m)
+        return geometry.transform(
+            frames.BASE, frames.CAMERA, stamp, position.tolist(), frames.CAMERA_ORIENTATION
+        )
+
     def messages(self, row: frames.Array, stamp: Stamp) -> Iterator[tuple[str, Message]]:
         """Yield topic and message of what belongs to the image at a row."""
         frame = self.replay.frame(row)
-        header = {"stamp": stamp, "frame_id": frames.CAMERA}
-        yield "/tf", {"transforms": [_mount(frame, stamp), _target(frame, stamp)]}
-        yield "/target/pose", _target_pose(frame, stamp)
+        header = geometry.header(stamp, frames.CAMERA)
+        place = _target_place(frame)
+        target = geometry.transform(frames.MAP, frames.TARGET, stamp, *place)
+        yield "/tf", {"transforms": [target]}
+        yield "/target/pose", geometry.pose_stamped(*place, stamp)
         yield "/camera/camera_info", _camera_info(frame, header)
         data = jpeg(frame.colour())
         yield "/camera/image/compressed", {"header": header, "format": "jpeg", "data": data}
@@ -56,49 +65,6 @@ def pictures_of(recording: Recording) -> Pictures | None:
     at_least = round(PERIOD_S / config.control_period_s)
     every = max(at_least, -(-recording.row_count // IMAGES_MAX))
     return Pictures(Replay(recording.benchmark, config, recording.seeds.__getitem__), every)
-
-
-def transform(
-    parent: str, child: str, stamp: Stamp, position: frames.Array, rotation: frames.Array
-) -> Message:
-    """Return a geometry_msgs/TransformStamped; `rotation` is x, y, z, w."""
-    return {
-        "header": {"stamp": stamp, "frame_id": parent},
-        "child_frame_id": child,
-        "transform": {"translation": xyz(position), "rotation": xyzw(rotation)},
-    }
-
-
-def pose(position: frames.Array, rotation: frames.Array, stamp: Stamp) -> Message:
-    """Return a geometry_msgs/PoseStamped in the world frame."""
-    return {
-        "header": {"stamp": stamp, "frame_id": frames.MAP},
-        "pose": {"position": xyz(position), "orientation": xyzw(rotation)},
-    }
-
-
-def xyz(vector: frames.Array) -> Message:
-    """Return a vector as its message."""
-    return dict(zip("xyz", vector.tolist(), strict=True))
-
-
-def xyzw(quaternion: frames.Array) -> Message:
-    """Return a quaternion as its message."""
-    return dict(zip("xyzw", quaternion.tolist(), strict=True))
-
-
-def _mount(frame: CameraFrame, stamp: Stamp) -> Message:
-    position = frames.to_port_up(np.array(frame.camera.optics.mount_m))
-    turned = np.array(frames.CAMERA_ORIENTATION)
-    return transform(frames.BASE, frames.CAMERA, stamp, position, turned)
-
-
-def _target(frame: CameraFrame, stamp: Stamp) -> Message:
-    return transform(frames.MAP, frames.TARGET, stamp, *_target_place(frame))
-
-
-def _target_pose(frame: CameraFrame, stamp: Stamp) -> Message:
-    return pose(*_target_place(frame), stamp)
 
 
 def _target_place(frame: CameraFrame) -> tuple[frames.Array, frames.Array]:

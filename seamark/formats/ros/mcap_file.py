@@ -1,4 +1,4 @@
-"""MCAP, with ROS 2 messages: every row, the pose of the vehicle, and camera images.
+"""MCAP, with ROS 2 messages: every row, the motion of the vehicle, and camera images.
 
 Time in the file is that of the first trial; every further trial starts a second after the end of
 the one before. The column `t` starts with each trial, as everywhere.
@@ -11,22 +11,39 @@ from typing import Any, BinaryIO
 import numpy as np
 
 from seamark.formats.recording import FRAMES, Recording
-from seamark.formats.ros import frames, images, layout, schemas
+from seamark.formats.ros import frames, geometry, images, layout, motion, schemas
 from seamark.sim.recording.telemetry import INDEX, Rows
 
 PAUSE_NS = 1_000_000_000  # between two trials
 TOPICS = {
     "/telemetry": schemas.TELEMETRY,
-    "/vehicle/pose": "geometry_msgs/msg/PoseStamped",
     "/tf": "tf2_msgs/msg/TFMessage",
+    "/tf_static": "tf2_msgs/msg/TFMessage",
+    "/vehicle/pose": "geometry_msgs/msg/PoseStamped",
+    "/vehicle/velocity": "geometry_msgs/msg/TwistStamped",
+    "/vehicle/odometry": "nav_msgs/msg/Odometry",
+    "/vehicle/thrust": "std_msgs/msg/Float64MultiArray",
+    "/imu/data": "sensor_msgs/msg/Imu",
+    "/dvl/twist": "geometry_msgs/msg/TwistWithCovarianceStamped",
+    "/cmd_vel": "geometry_msgs/msg/TwistStamped",
     "/target/pose": "geometry_msgs/msg/PoseStamped",
     "/camera/image/compressed": "sensor_msgs/msg/CompressedImage",
     "/camera/camera_info": "sensor_msgs/msg/CameraInfo",
     "/camera/annotations": "foxglove_msgs/msg/ImageAnnotations",
 }
-_POSITION = slice(INDEX["x"], INDEX["z"] + 1)
-_ANGLES = slice(INDEX["roll"], INDEX["yaw"] + 1)
+_TOLD_FRAMES = (
+    f"/telemetry: {FRAMES}; all other topics: map is east, north, up, base_link is forward, port, "
+    "up (ROS REP 103)"
+)
 _S_TO_NS = 1e9
+# Without it rosbag2 plays /tf_static to those alone who listen at that moment, and tf2 refuses it.
+# The numbers (history: keep last, reliable, transient local) are read by every version of rosbag2.
+_FOREVER = "{sec: 9223372036, nsec: 854775807}"
+_LATCHED = (
+    "- {history: 1, depth: 1, reliability: 1, durability: 1, liveliness: 1, "
+    f"deadline: {_FOREVER}, lifespan: {_FOREVER}, liveliness_lease_duration: {_FOREVER}, "
+    "avoid_ros_namespace_conventions: false}"
+)
 
 
 def write(recording: Recording, file: BinaryIO) -> None:
@@ -35,7 +52,7 @@ def write(recording: Recording, file: BinaryIO) -> None:
 
     writer: Any = Writer(file)
     units = {column.name: column.unit for column in recording.columns}
-    writer.add_metadata("seamark", {"run": recording.description(), "frames": FRAMES})
+    writer.add_metadata("seamark", {"run": recording.description(), "frames": _TOLD_FRAMES})
     writer.add_metadata("seamark units", units)
     writer.add_attachment(0, 0, layout.FILE, "application/json", layout.TEXT)
     messages = _Messages(recording, writer)
@@ -50,35 +67,49 @@ class _Messages:
     def __init__(self, recording: Recording, writer: Any) -> None:
         self._writer = writer
         self._names = [column.name for column in recording.columns]
+        self._motion = motion.Motion(recording)
         self._pictures = images.pictures_of(recording)
         registered = {
             name: writer.register_msgdef(name, schemas.definition(name, recording.columns))
             for name in sorted(set(TOPICS.values()))
         }
         self._schemas = {topic: registered[name] for topic, name in TOPICS.items()}
+        self._latch("/tf_static")
         self._count = 0
         self._trial = 0.0
         self._start_ns = self._last_ns = 0
 
+    def _latch(self, topic: str) -> None:
+        """Register a topic whose last message is kept; the writer cannot do it by itself."""
+        self._writer._channel_ids[topic] = self._writer._writer.register_channel(
+            topic=topic,
+            message_encoding="cdr",
+            schema_id=self._schemas[topic].id,
+            metadata={"offered_qos_profiles": _LATCHED},
+        )
+
     def add(self, rows: Rows) -> None:
         """Write the messages of some rows."""
-        positions = frames.to_enu(rows[:, _POSITION])
-        attitudes = frames.orientation(rows[:, _ANGLES])
-        for row, position, attitude in zip(rows, positions, attitudes, strict=True):
-            self._add_row(row, position, attitude)
+        for row, moved in zip(rows, self._motion.of_rows(rows), strict=True):
+            self._add_row(row, moved)
 
-    def _add_row(self, row: Rows, position: frames.Array, attitude: frames.Array) -> None:
+    def _add_row(self, row: Rows, moved: motion.RowMotion) -> None:
         now = self._time_of(row)
         stamp = {"sec": now // 1_000_000_000, "nanosec": now % 1_000_000_000}
-        header = {"header": {"stamp": stamp, "frame_id": frames.MAP}}
+        if self._count == 0:
+            self._write("/tf_static", {"transforms": self._static(row, stamp)})
+        header = {"header": geometry.header(stamp, frames.MAP_NED)}
         self._write("/telemetry", header | dict(zip(self._names, row.tolist(), strict=True)))
-        self._write("/vehicle/pose", images.pose(position, attitude, stamp))
-        moved = images.transform(frames.MAP, frames.BASE, stamp, position, attitude)
-        self._write("/tf", {"transforms": [moved]})
+        for topic, message in self._motion.messages(moved, stamp):
+            self._write(topic, message)
         if self._pictures is not None and self._count % self._pictures.every == 0:
             for topic, message in self._pictures.messages(np.ascontiguousarray(row), stamp):
                 self._write(topic, message)
         self._count += 1
+
+    def _static(self, row: Rows, stamp: geometry.Stamp) -> list[geometry.Message]:
+        mount = [] if self._pictures is None else [self._pictures.mount(row, stamp)]
+        return [*motion.static_transforms(stamp), *mount]
 
     def _time_of(self, row: Rows) -> int:
         """Return the time of a row in the file [ns]."""

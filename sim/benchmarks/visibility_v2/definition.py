@@ -33,13 +33,19 @@ from seamark.sim.metrics.tracking import FAILED_PERCENT, GROUP, HELD, P1, P5
 from seamark.sim.metrics.tracking_losses import LOSS_GROUP, METRICS, followed_metrics, jump_metrics
 from seamark.sim.recording.telemetry import Rows
 
-SCORE = Metric("turbidity_held", "Turbidity held", "optical depth", "higher")
+SCORE = Metric(
+    "turbidity_held",
+    "Turbidity held",
+    "optical depth",
+    "higher",
+    "area under p@5 over the optical depth: the mean depth at which the tracker loses its target",
+)
 MIDPOINT = Metric(
     "tau_midpoint",
     "τ midpoint",
     "optical depth",
     "higher",
-    "where the psychometric function that is fitted to p@5 falls to half of its plateau",
+    "optical depth at which a curve fitted to p@5 of all trials falls to half of its plateau",
 )
 MOTION_HELD = Metric(
     "motion_held_px",
@@ -138,6 +144,7 @@ BENCHMARK = Benchmark(
     key_metrics=(P5,),
     metric_groups=(GROUP, LOSS_GROUP),
     overall=(MIDPOINT, MOTION_HELD, BASIN, *METRICS),
+    overall_levels="turbidity levels",
     board_metrics=(MIDPOINT, MOTION_HELD, BASIN, *METRICS),
     curves=(
         _curve(TURBIDITY, SCORE, (P5, P1), followed_metrics),

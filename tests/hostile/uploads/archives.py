@@ -99,6 +99,12 @@ def named(name: str | bytes, **more: Any) -> bytes:
     return beside_main(Entry(raw, b"x = 1\n", **more))
 
 
+def damaged(name: bytes) -> Entry:
+    """Return a member that says it is compressed and holds what no decompressor accepts."""
+    deflated = {"method": zipfile.ZIP_DEFLATED}
+    return Entry(name, b"\xff" * 40, local=deflated, central=deflated)
+
+
 def overlapping() -> bytes:
     """Return an archive of two entries that share their content, as in the most effective bombs."""
     twin = Entry(b"twin.py", MAIN)

@@ -133,3 +133,23 @@ def test_the_archive_of_a_log_says_that_it_cannot_be_computed_again(
     readme = zipfile.ZipFile(file).read("seamark-run/README.md").decode()
     assert "cannot be computed again" in readme
     assert "seamark rerun" not in readme
+
+
+def test_what_was_guessed_is_printed_as_a_mapping_that_says_the_same(
+    replayed: Path, tmp_path: Path
+) -> None:
+    lines = (replayed / "telemetry.csv").read_text().splitlines()
+    rows = [line.split(",") for line in lines if line.startswith("0,0,")]
+    poses = [";".join(row[2:9]).replace(".", ",") for row in rows]
+    names = "Time;Northing;Easting;Depth;roll;pitch;psi"
+    log, mapping = tmp_path / "poses.csv", tmp_path / "mapping.toml"
+    log.write_text("\n".join([names, *poses]) + "\n")
+
+    guessed = seamark("replay", log, "--set", "settle_s=0")
+    block = guessed.output.partition("--mapping FILE:\n")[2].partition("measured")[0]
+    mapping.write_text(block)
+    told = seamark("replay", log, "--set", "settle_s=0", "--mapping", mapping)
+
+    assert '    z = "Depth"\n' in block
+    assert "--mapping FILE" not in told.output
+    assert told.output.rpartition("digest")[2] == guessed.output.rpartition("digest")[2]

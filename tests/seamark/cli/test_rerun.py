@@ -13,6 +13,7 @@ from click.testing import CliRunner, Result
 from seamark.cli.main import cli
 from seamark.formats import archive_reading
 from seamark.formats.archive import FOLDER
+from tests.hostile.uploads.archives import damaged, zipped
 
 Change = Callable[[str], str]
 PROGRAM = """\
@@ -212,6 +213,15 @@ def test_no_text_of_an_archive_acts_on_the_terminal(
 
 def test_a_file_that_is_no_archive_is_refused(tmp_path: Path) -> None:
     (tmp_path / "run.zip").write_bytes(b"PK\x03\x04 and no more")
+
+    refused = seamark("rerun", tmp_path / "run.zip")
+
+    assert refused.exit_code == 2
+    assert "cannot be read" in refused.output
+
+
+def test_an_archive_with_damaged_compressed_data_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "run.zip").write_bytes(zipped(damaged(b"run/manifest.json")))
 
     refused = seamark("rerun", tmp_path / "run.zip")
 

@@ -47,7 +47,7 @@ def test_a_file_is_submitted_as_a_program_of_ones_own(
 def test_a_run_is_published_on_the_terms_that_the_options_name(
     address: str, token: str, program: Path
 ) -> None:
-    own = ("--controller", program, "--publish", "--json")
+    own = ("--controller", program, "--publish", "--method", "Steady hand", "--json")
 
     plain = submit(address, token, *own)
     chosen = submit(address, token, *own, "--licence", "EUPL-1.2", "--anonymous")
@@ -58,6 +58,7 @@ def test_a_run_is_published_on_the_terms_that_the_options_name(
     assert [run["licence"] for run in runs] == [None, "EUPL-1.2", None]
     assert [run["program_public"] for run in runs] == [True, True, False]
     assert [run["user"] for run in runs] == ["ann", "Anonymous author", "ann"]
+    assert {run["method"] for run in runs} == {"Steady hand"}
 
 
 @pytest.mark.parametrize(
@@ -65,6 +66,7 @@ def test_a_run_is_published_on_the_terms_that_the_options_name(
     [
         (("--licence", "MIT"), "need --publish"),
         (("--anonymous",), "need --publish"),
+        (("--method", "Steady hand"), "need --publish"),
         (("--publish", "--licence", "WTFPL"), "'MIT', 'BSD-3-Clause'"),
         (("--publish", "--licence", "MIT"), "A licence is for the program"),
         (("--publish", "--sweep", "kp=0.1,0.2"), "--publish is for one run"),
@@ -81,6 +83,16 @@ def test_impossible_terms_are_refused_before_anything_is_submitted(
     assert backend.claim() is None
 
 
+def test_a_program_is_not_published_without_the_name_of_its_method(
+    backend: Backend, address: str, token: str, program: Path
+) -> None:
+    refused = submit(address, token, "--controller", program, "--publish")
+
+    assert refused.exit_code == 2
+    assert "Name the method that you publish, with --method." in refused.output
+    assert backend.claim() is None
+
+
 @pytest.mark.usefixtures("worker")
 def test_the_result_is_printed_although_the_server_does_not_publish_it(
     backend: Backend, address: str, token: str, program: Path
@@ -89,7 +101,17 @@ def test_the_result_is_printed_although_the_server_does_not_publish_it(
     backend.publish(int(json.loads(done.stdout)["id"]))
 
     refused = submit(
-        *(address, token, "--controller", program, "--ranked", "--publish", "--anonymous")
+        *(
+            address,
+            token,
+            "--controller",
+            program,
+            "--ranked",
+            "--publish",
+            "--method",
+            "X",
+            "--anonymous",
+        )
     )
 
     assert refused.exit_code == 2

@@ -9,11 +9,20 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, get_type_hints
 
+import httpx
 import numpy as np
 import pytest
 
 import seamark
-from seamark.client import NotFound, NotPermitted, PackageMissing, StillRunning, documents, tables
+from seamark.client import (
+    NotFound,
+    NotPermitted,
+    PackageMissing,
+    ServerUnavailable,
+    StillRunning,
+    documents,
+    tables,
+)
 from seamark.client.async_client import AsyncClient
 from seamark.client.async_runs import AsyncRun, AsyncSweep
 from seamark.client.sync_client import Client
@@ -152,7 +161,44 @@ def test_both_clients_download_a_run_into_a_file_and_not_what_is_refused(
 
     assert (tmp_path / "run.npz").read_bytes() == kept.getvalue()
     assert np.array_equal(np.load(tmp_path / "run.npz")["telemetry"], run.telemetry())
-    assert (tmp_path / "run.csv").read_bytes() == b""
+    assert not (tmp_path / "run.csv").exists()
+
+
+def test_a_download_that_fails_leaves_the_file_that_was_there(
+    backend: Backend, client: Client, tmp_path: Path
+) -> None:
+    run, file = client.run(_with_rows(backend)), tmp_path / "download" / "run.csv"
+    file.parent.mkdir()
+    file.write_bytes(b"old")
+
+    def broken(request: httpx.Request) -> httpx.Response:
+        if request.url.path.endswith("telemetry.csv"):
+            return httpx.Response(200, stream=_Broken())
+        return httpx.Response(200, json=run.document)
+
+    def page(request: httpx.Request) -> httpx.Response:
+        if request.url.path.endswith("telemetry.csv"):
+            return httpx.Response(200, html="<p>Sign in to the network.</p>")
+        return httpx.Response(200, json=run.document)
+
+    with pytest.raises(ValueError, match="formats are csv, parquet, "):
+        run.download("hdf5", file)
+    for answer in (broken, page):
+        transport = httpx.MockTransport(answer)
+        with (
+            Client("http://there", patience_s=0.0, transport=transport) as there,
+            pytest.raises(ServerUnavailable),
+        ):
+            there.run(run.id).download("csv", file)
+
+    assert file.read_bytes() == b"old"
+    assert list(file.parent.iterdir()) == [file]
+
+
+class _Broken(httpx.SyncByteStream):
+    def __iter__(self) -> Iterator[bytes]:
+        yield b"# half of the"
+        raise httpx.ReadError("Connection reset by peer")
 
 
 def test_telemetry_log_and_plot_of_a_run(backend: Backend, client: Client) -> None:

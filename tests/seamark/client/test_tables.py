@@ -26,6 +26,17 @@ def test_a_table_has_the_columns_of_the_numpy_rows_bit_for_bit(kind: TableKind) 
         assert column.tobytes() == rows[name].tobytes()
 
 
+def test_arrow_and_pandas_know_the_units_of_the_columns() -> None:
+    units = {"t": "s", "x": "m", "tracker_ok": ""}
+
+    arrow = table("arrow", NAMES, ROWS.tobytes(), units)
+    frame = table("pandas", NAMES, ROWS.tobytes(), units)
+
+    assert [arrow.schema.field(name).metadata[b"unit"] for name in NAMES] == [b"s", b"m", b""]
+    assert frame.attrs == {"units": units}
+    assert frame.groupby("tracker_ok").mean().attrs == {"units": units}
+
+
 def test_a_table_of_an_unknown_kind_is_refused() -> None:
     with pytest.raises(ValueError, match="not as 'excel'"):
         table("excel", NAMES, ROWS.tobytes())  # type: ignore[arg-type]

@@ -18,15 +18,21 @@ def started(supervisor, count):
         supervisor.wait(0.05)
 
 with Supervisor(said.append) as supervisor:
-    supervisor.add(Child("worker", argv, {}, Path(sys.argv[1], "log")))
+    log = Path(sys.argv[1], "log")
+    supervisor.add(Child("worker", argv, {}, log))
     started(supervisor, 1)
-    supervisor.restart("worker")
+    old, new = supervisor.children[0], supervisor.add(Child("worker", argv, {}, log))
     started(supervisor, 2)
-    print(supervisor.children[0].exits, said)
+    supervisor.retire(old)
+    while old in supervisor.children:
+        supervisor.wait(0.1)
+    print(supervisor.children == [new], new.process.poll(), old.exits, said)
 """
 
 
-def test_a_restart_replaces_the_process_and_does_not_count_as_its_death(tmp_path: Path) -> None:
+def test_a_child_that_retires_stays_away_and_its_successor_runs_on(
+    tmp_path: Path,
+) -> None:
     ended = subprocess.run(
         [sys.executable, "-c", PROGRAM, str(tmp_path)],
         capture_output=True,
@@ -37,4 +43,4 @@ def test_a_restart_replaces_the_process_and_does_not_count_as_its_death(tmp_path
 
     first, second = (tmp_path / "pids").read_text().split()
     assert first != second
-    assert ended.stdout == "[] []\n"
+    assert ended.stdout == "True None [] []\n"

@@ -36,6 +36,12 @@ def test_pandas_reads_the_same_bits_from_parquet(written: Written, rows: Rows) -
     assert_same_bits(table.to_numpy(), rows)
 
 
+def test_pandas_reads_the_units_from_parquet(written: Written) -> None:
+    units = pd.read_parquet(written("parquet")).attrs["units"]
+
+    assert units == {column.name: column.unit for column in COLUMNS}
+
+
 def test_polars_reads_the_same_bits_from_parquet(written: Written, rows: Rows) -> None:
     table = pl.read_parquet(written("parquet"))
 

@@ -155,7 +155,7 @@ def _with(name: str, value: float) -> Any:
         (_with("yaw", np.nan), "Line 9: yaw is missing or nan"),
         (_with("x", np.inf), "Line 9: x is infinite"),
         (_with("corner_3", -np.inf), "Line 9: corner_3 is infinite"),
-        (lambda columns: {"time": columns["t"]}, "The file has no column t"),
+        (lambda columns: {"clock": columns["t"]}, "The file has no column t"),
         (lambda columns: {"t": columns["t"], "x": columns["x"]}, "neither a whole pose"),
         (lambda columns: columns | {"t": 100.0 * columns["t"]}, "The usual interval is 5 s"),
     ],

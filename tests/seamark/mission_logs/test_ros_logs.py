@@ -181,7 +181,6 @@ def test_a_field_is_read_by_its_path(run: Run, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("mapping", "sentence"),
     [
-        ({"topics": {}}, "Name the topics of the log .* /nav/odometry"),
         ({"topics": {"pose": "/odom"}}, "no topic '/odom'. It has: /nav/odometry"),
         ({"topics": {"corners": "/nav/odometry"}}, "corners is read from geometry_msgs"),
         ({"columns": {"x": "/nav/odometry:pose.__class__"}}, "name topic and field"),

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from seamark.server.runs.downsampling import downsample
-from seamark.sim.recording.telemetry import NAMES
+from seamark.sim.recording.telemetry import COLUMNS, NAMES
 from tests.cast import PROGRAM
 from tests.server.api.conftest import Site
 from tests.telemetry_csv import read
@@ -257,11 +257,14 @@ def test_telemetry_is_the_same_in_every_format_while_the_run_is_running(site: Si
     path = f"{RUNS}/{run_id}"
 
     names, table = read(site.call("owner", "GET", f"{path}/telemetry.csv").text)
-    binary = np.frombuffer(site.call("owner", "GET", f"{path}/telemetry.f64").data, "<f8")
+    plain = site.call("owner", "GET", f"{path}/telemetry.f64")
+    binary = np.frombuffer(plain.data, "<f8")
     later = site.call("owner", "GET", f"{path}/telemetry.csv?start=690")
 
     assert (tuple(names), len(table)) == (NAMES, 700)
     assert np.array_equal(table.ravel(), binary)
+    assert plain.headers["X-Columns"].split(",") == [one.name for one in COLUMNS]
+    assert plain.headers["X-Units"].split(",") == [one.unit for one in COLUMNS]
     assert np.array_equal(read(later.text)[1], table[690:])
     assert later.headers["X-Next-Row"] == "700"
 
@@ -364,36 +367,3 @@ def test_a_data_set_has_no_more_images_than_the_web_server_renders(site: Site) -
     answer = site.call("owner", "GET", f"{RUNS}/{run_id}/dataset.zip?every=1")
 
     assert "2040 images" in problem_of(answer, 422, "invalid-request")["detail"]
-
-
-def test_a_ranked_run_on_fresh_water_has_a_data_set_with_the_seed_of_the_trial(site: Site) -> None:
-    run_id = site.succeeded(kind="ranked", benchmark="currents-v2")
-    site.record(run_id, rows=40)
-
-    answer = site.call("owner", "GET", f"{RUNS}/{run_id}/dataset.zip")
-
-    with zipfile.ZipFile(io.BytesIO(answer.data)) as archive:
-        (name,) = (name for name in archive.namelist() if name.endswith("manifest.json"))
-        manifest = json.loads(archive.read(name))
-    assert manifest["seed"] == 2026
-
-
-def test_a_data_set_of_an_upload_does_not_claim_the_same_bits_everywhere(site: Site) -> None:
-    run_id = site.recorded()
-
-    answer = site.call("owner", "GET", f"{RUNS}/{run_id}/dataset.zip?every=100")
-
-    with zipfile.ZipFile(io.BytesIO(answer.data)) as archive:
-        (name,) = (name for name in archive.namelist() if name.endswith("manifest.json"))
-        manifest = json.loads(archive.read(name))
-    assert manifest["program_sha256"] == site.show(run_id).program_sha256
-    assert manifest["same_bits_on_every_cpu"] is False
-
-
-def test_a_ranked_run_of_a_first_version_has_no_data_set(site: Site) -> None:
-    run_id = site.succeeded(kind="ranked")
-    site.record(run_id, rows=40)
-
-    answer = site.call("owner", "GET", f"{RUNS}/{run_id}/dataset.zip")
-
-    assert "hidden seeds" in problem_of(answer, 409, "conflict")["detail"]

@@ -14,7 +14,7 @@ DOCUMENTS = ("publication", "citation.bib", "citation.cff", "badge.svg")
 
 def test_a_run_is_published_revealed_and_described_with_its_terms(site: Site) -> None:
     run_id = site.recorded(kind="ranked")
-    terms = {"licence": "EUPL-1.2", "anonymous": True}
+    terms = {"licence": "EUPL-1.2", "anonymous": True, "method": "Steady hand"}
 
     answer = site.call("owner", "POST", f"{RUNS}/{run_id}/publish", json=terms)
     before = site.call("guest", "GET", f"{RUNS}/{run_id}/publication").get_json()
@@ -22,11 +22,20 @@ def test_a_run_is_published_revealed_and_described_with_its_terms(site: Site) ->
     after = site.call("guest", "GET", f"{RUNS}/{run_id}/publication").get_json()
 
     assert (answer.status_code, revealed.status_code) == (200, 200)
-    assert before["author"] == "Anonymous author"
-    assert (before["licence"], before["address"]) == ("EUPL-1.2", f"/p/{run_id}")
+    assert (before["author"], before["method"]) == ("Anonymous author", "Steady hand")
+    assert (before["licence"], before["address"]) == ("EUPL-1.2", f"http://localhost/p/{run_id}")
     assert (after["author"], after["anonymous"], after["verifications"]) == ("ann", False, [])
     manifest = site.call("guest", "GET", f"{RUNS}/{run_id}/manifest.json").get_json()
-    assert manifest["publication"]["address"] == f"/p/{run_id}"
+    assert manifest["publication"]["address"] == f"http://localhost/p/{run_id}"
+
+
+def test_without_the_name_of_its_method_a_program_is_refused_in_the_field(site: Site) -> None:
+    run_id = site.recorded()
+
+    answer = site.call("owner", "POST", f"{RUNS}/{run_id}/publish")
+
+    assert answer.status_code == 422
+    assert [error["field"] for error in answer.get_json()["errors"]] == ["method"]
 
 
 @pytest.mark.parametrize(
@@ -81,6 +90,33 @@ def test_a_badge_shows_score_and_rank_and_other_sites_may_show_and_keep_it(site:
     assert answer.headers["Cross-Origin-Resource-Policy"] == "cross-origin"
     assert "max-age=300" in answer.headers["Cache-Control"]
     assert again.status_code == 304
+
+
+def test_of_a_practice_run_badge_and_citations_say_what_it_is_and_where(site: Site) -> None:
+    config = {"levels": [0.0, 0.2], "level_duration_s": 60.0}
+    run_id = site.publish(site.recorded(config=config))
+    words = "changed scenario with 2 of 5 levels of 60 s, 1 trial"
+
+    found = {
+        name: site.call("guest", "GET", f"{RUNS}/{run_id}/{name}").text
+        for name in ("badge.svg", "citation.bib", "citation.cff")
+    }
+
+    assert all(f"ractice, {words}" in text for text in found.values())
+    assert all(
+        f"http://localhost/p/{run_id}" in found[f"citation.{kind}"] for kind in ("bib", "cff")
+    )
+
+
+def test_a_ranked_run_stays_plain(site: Site) -> None:
+    run_id = site.publish(site.recorded(kind="ranked"))
+
+    found = [
+        site.call("guest", "GET", f"{RUNS}/{run_id}/{name}").text
+        for name in ("badge.svg", "citation.bib", "citation.cff")
+    ]
+
+    assert not any(word in text.lower() for text in found for word in ("practice", "trial"))
 
 
 def test_the_archive_of_a_public_run_is_ready_to_be_cited_and_deposited(site: Site) -> None:

@@ -40,6 +40,20 @@ def test_turbidity_and_target_of_a_level_are_those_of_its_camera(
     assert scene["camera"]["width"] in (320, 640)
 
 
+def test_the_scene_has_daylight_and_lamp_of_the_run(site: Site) -> None:
+    config = {"light_level": 0.4, "lamp": 1.5, "lamp_cone_rad": 0.5}
+    lit = site.succeeded(benchmark="visibility-v1", controller="built-in", config=config)
+    plain = site.succeeded(controller="p")
+
+    lights = [
+        site.call("owner", "GET", f"/api/v1/runs/{run_id}/scene.json").get_json()["light"]
+        for run_id in (lit, plain)
+    ]
+
+    assert lights[0] == {"level": 0.4, "lamp": 1.5, "cone": 0.5, "forward": 0.4}
+    assert (lights[1]["level"], lights[1]["lamp"]) == (1.0, 0.0)
+
+
 def test_the_seabed_is_the_texture_of_the_camera_and_the_target_has_its_letters(
     site: Site,
 ) -> None:

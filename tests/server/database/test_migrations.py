@@ -14,6 +14,7 @@ from seamark.server.database.schema import SchemaTooOld, check, config, upgrade
 from seamark.server.database.tables import Base, Run, User
 from seamark.server.runs import leaderboard
 from seamark.server.runs.leaderboard import Rank
+from seamark.server.runs.solutions import entry_name
 from tests.cast import Backend
 
 WORKER_0003 = """
@@ -48,7 +49,7 @@ def test_an_upgrade_of_an_upgraded_database_changes_nothing(both: Backend) -> No
 def test_a_database_of_the_previous_schema_keeps_runs_leaderboard_and_workers(
     both: Backend,
 ) -> None:
-    run_id = both.published("ann", kind="ranked")
+    run_id = both.published("ann", kind="ranked", title="Observer")
     before, board = both.show(run_id), _leaderboard(both)
     with both.database.engine.begin() as connection:
         command.downgrade(config(connection), "0003")
@@ -64,6 +65,20 @@ def test_a_database_of_the_previous_schema_keeps_runs_leaderboard_and_workers(
     with both.database.reading() as session:
         (worker,) = workers.listed(session)
     assert (worker.name, worker.alive, worker.processes) == ("old", True, {})
+
+
+def test_what_was_published_before_methods_had_names_is_called_as_before(both: Backend) -> None:
+    titled = both.published("ann", title="Observer " + "x" * 100)
+    program = {"controller": "upload", "program": both.store_program(name="mine.py")}
+    untitled, private = both.published("ann", **program), both.succeeded("ann", title="Draft")
+    with both.database.engine.begin() as connection:
+        command.downgrade(config(connection), "0031")
+
+    upgrade(both.settings)
+
+    names = [both.show(run_id).method for run_id in (titled, untitled, private)]
+    assert names == ["Observer " + "x" * 51, "", ""]
+    assert entry_name(both.show(untitled)) == "mine.py"
 
 
 def test_the_ranked_submissions_of_a_database_of_the_previous_schema_are_counted(

@@ -135,7 +135,7 @@ def test_a_worker_does_all_of_its_work_with_its_own_role(service: Backend, worke
 def test_a_baseline_is_published_by_its_worker(service: Backend, worker: Backend) -> None:
     with service.database.writing() as session:
         session.execute(text("UPDATE users SET is_baseline = true WHERE name = 'eva'"))
-    run_id = service.queue_program("eva", kind="ranked")
+    run_id = service.queue_program("eva", kind="ranked", title="Steady hand")
 
     assert worker.finish(worker.claim_next())
 

@@ -14,7 +14,7 @@ def test_a_broker_without_memory_refuses_tickets_which_are_sent_later(settings: 
         sent = broker.send_tickets(app)
         redis.config_set("maxmemory", 0)
 
-        sent_later = broker.top_up(app, redis, queued=2)
+        sent_later = broker.top_up(app, redis, needed=2)
 
     assert (sent, sent_later) == (False, 2)
 

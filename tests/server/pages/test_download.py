@@ -1,22 +1,25 @@
-"""The service offers the command line of its own version and says how to install it."""
+"""The service offers simulator and client of its own version and says how to install them."""
 
 import re
 from html import unescape
 
-from seamark.server.web.own_wheel import OwnWheel
+import pytest
+
+from seamark.server.web.own_wheel import TAGS, OwnWheel
 from tests.server.pages.conftest import Site
 
 _TAG = re.compile(r"<[^<>]+>")
 
 
-def test_the_service_sends_it_and_says_when_it_is_unchanged(site: Site) -> None:
-    own, guest = OwnWheel().get(), site.browser()
+@pytest.mark.parametrize("name", TAGS)
+def test_the_service_sends_it_and_says_when_it_is_unchanged(site: Site, name: str) -> None:
+    own, guest = OwnWheel(name).get("http://localhost"), site.browser()
     page = unescape(_TAG.sub("", guest.get("/docs/install").get_data(as_text=True)))
 
     sent = guest.get(f"/download/{own.name}")
     again = guest.get(f"/download/{own.name}", headers={"If-None-Match": sent.headers["ETag"]})
 
-    assert f'pip install "seamark @ http://localhost/download/{own.name}"' in page
+    assert f'pip install "{name} @ http://localhost/download/{own.name}"' in page
     assert (sent.status_code, sent.data) == (200, own.content)
     assert (again.status_code, again.data) == (304, b"")
     assert guest.get("/download/seamark-9.9.9-py3-none-any.whl").status_code == 404

@@ -1,11 +1,15 @@
 """The pages of docs/ on the site: all are there, nothing in them leads nowhere."""
 
+import io
 import re
 from pathlib import Path
 from urllib.parse import urljoin
 
 import pytest
+from PIL import Image
 
+from performance.compared_figures import OPTIONS
+from performance.tutorial_figure import SEED
 from seamark import server
 from seamark.server.pages import guides
 from seamark.server.pages.docs_navigation import MERGED
@@ -72,3 +76,22 @@ def test_figures_of_trackers_are_small() -> None:
     sizes = [path.stat().st_size for path in (DOCS / "figures").glob("trackers-*.png")]
 
     assert 0 < max(sizes) < 200_000
+
+
+def test_the_page_of_a_comparison_shows_a_moving_picture_from_the_shipped_pages(site: Site) -> None:
+    browser = site.browser()
+    page = browser.get("/docs/guides/compare.md").text
+
+    found = re.findall(r'(?:src|srcset)="(/docs/guides/figures/[^"]+\.webp)"', page)
+    pictures = {address: browser.get(address) for address in found}
+
+    assert {answer.content_type for answer in pictures.values()} == {"image/webp"}
+    moving = Image.open(io.BytesIO(pictures["/docs/guides/figures/compare-observer.webp"].data))
+    assert getattr(moving, "n_frames", 1) >= 20
+    still = '<source media="(prefers-reduced-motion: reduce)" srcset="/docs/guides/figures/'
+    assert f'{still}compare-observer-still.webp">' in page
+
+
+def test_a_reader_makes_the_comparison_with_the_settings_of_its_pictures() -> None:
+    page = (DOCS / "compare.md").read_text(encoding="utf-8")
+    assert page.count(f"{OPTIONS} --seed {SEED}") == 3

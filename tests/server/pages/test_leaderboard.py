@@ -11,6 +11,7 @@ from seamark.server.database.tables import User
 from seamark.server.pages.plots import Axis
 from seamark.server.runs import baselines, best_runs, leaderboard, publications
 from seamark.server.runs.failure_reasons import FailureReason
+from seamark.server.runs.publications import Terms
 from seamark.server.runs.states import RunState
 from seamark.sim.benchmarks import reference_results
 from seamark.sim.registry import benchmark
@@ -18,8 +19,8 @@ from tests.cast import Backend
 from tests.server.pages.conftest import Site
 
 PAGE = "/leaderboards/currents-v1"
-SHIPPED = "Entries without a link are results that Seamark ships."
-PENDING = "This service is computing its own."
+SHIPPED = "Results without a link come with Seamark: this service has no run of them."
+PENDING = "It is computing its own."
 API = f"/api/v1{PAGE}"
 
 
@@ -135,6 +136,40 @@ def test_filters_of_page_and_api_agree(site: Site) -> None:
     assert site.browser().get(f"{API}?mine=1").status_code == 401
 
 
+def test_filters_appear_only_when_there_is_something_to_filter(site: Site) -> None:
+    def offered(query: str = "") -> list[str]:
+        form = site.browser().get(PAGE + query).text.partition('<form class="board-filters"')[2]
+        return re.findall(r'<select name="(\w+)"', form.partition("</form>")[0])
+
+    site.published("root", kind="ranked")
+    alone = offered()
+    _board(site)
+
+    assert alone == []
+    assert offered() == ["program", "baselines", "sort"]
+    assert offered("?language=c") == ["program", "language", "baselines", "sort"]
+
+
+def test_trackers_vehicles_and_built_in_solutions_are_called_by_their_names(site: Site) -> None:
+    site.published("ann", kind="ranked", config={"tracker": "esm"})
+
+    page = site.browser().get(PAGE).text
+
+    cells = re.findall(r'data-label="(Tracker|Vehicle)">([^<]*)<', page)
+    assert cells == [("Vehicle", "Girona 500"), ("Tracker", "Template tracker")]
+    assert "vehicle: Girona 500, tracker: Template tracker." in page
+    assert "<bdi>PI</bdi>" in page
+
+
+def test_the_table_comes_before_everything_that_explains_it(site: Site) -> None:
+    _board(site)
+
+    page = site.browser().get(PAGE).text
+
+    parts = ("<table", 'id="scale-title"', "How ranking works")
+    assert sorted(parts, key=page.index) == list(parts)
+
+
 def test_the_csv_has_the_filtered_rows_with_all_metrics(site: Site) -> None:
     _board(site)
     heads, *rows = site.browser().get(f"{API}?format=csv&program=uploaded").text.splitlines()
@@ -152,7 +187,7 @@ def test_a_run_that_failed_for_any_reason_never_ranks(
     metrics = {"score": 99.0, "rankable": True}
     assert backend.finish(claim, state=RunState.FAILED, cause=cause, metrics=metrics)
     with backend.database.writing() as session:
-        assert publications.publish(session, claim.run_id)
+        assert publications.publish(session, claim.run_id, Terms(method="Steady hand"))
         assert leaderboard.page(session, "currents-v1") == []
         assert best_runs.rebuild(session) == 0
 

@@ -77,6 +77,21 @@ def test_a_leaderboard_and_a_comparison_have_a_preview_with_a_picture(site: Site
     assert "eva leads with 50.00" in _meta(site.browser().get(pages[0]).text)["og:description"]
 
 
+@pytest.mark.parametrize("path", ["/", "/benchmarks/currents-v2"])
+def test_home_and_benchmarks_have_a_preview_with_a_picture(site: Site, path: str) -> None:
+    stranger = site.browser()
+
+    meta = _meta(stranger.get(path).text)
+
+    picture = stranger.get(meta["og:image"].removeprefix(HOST))
+    assert meta["og:url"] == f"{HOST}{path}"
+    assert meta["og:title"]
+    assert "?" in meta["og:description"]  # the question that it answers
+    assert meta["og:image"].startswith(HOST)
+    assert picture.content_type == "image/jpeg"
+    assert _is_a_picture(picture.data)
+
+
 def test_nothing_of_a_private_run_is_shown_to_others(site: Site) -> None:
     private, public = _recorded(site, title="secret plan"), site.publish(_recorded(site, "ben"))
     stranger = site.browser("ben")

@@ -1,3 +1,6 @@
+import re
+from html import unescape
+
 import pytest
 
 from tests.server.pages.conftest import Site
@@ -7,6 +10,7 @@ def test_a_run_is_published_on_the_terms_that_its_owner_chose_on_the_form(site: 
     run_id, ann = site.succeeded("ann", controller="upload", program=site.store_program()), "ann"
     browser = site.browser(ann)
     chosen = {"content": "program", "licence": "MIT", "author": "anonymous"}
+    chosen |= {"method": "Steady hand"}
 
     form = browser.get(f"/runs/{run_id}/publish").text
     answer = browser.post(f"/runs/{run_id}/publish", chosen)
@@ -49,6 +53,39 @@ def test_a_permanent_address_leads_to_the_run_and_later_says_that_it_was_withdra
     assert "ann" not in gone.text.split("<main")[1].split("</main")[0].replace("cannot", "")
     assert f"Run {run_id} was published on" in gone.text
     assert site.browser().get("/p/999999").status_code == 404
+
+
+def test_a_method_is_shown_by_its_name_and_not_by_its_file(site: Site) -> None:
+    program = site.store_program(name="controller.py")
+    run_id = site.succeeded("ann", kind="ranked", controller="upload", program=program)
+    form = site.browser("ann").get(f"/runs/{run_id}/publish").text
+    site.browser("ann").post(f"/runs/{run_id}/publish", {"method": "Observer <7>"})
+
+    pages = ("/leaderboards/currents-v1", "/users/ann", f"/api/v1/runs/{run_id}/badge.svg")
+    shown = {path: site.browser().get(path).text for path in pages}
+
+    assert 'name="method" value=""' in form
+    assert [path for path, text in shown.items() if "Observer &lt;7&gt;" not in text] == []
+    assert [path for path, text in shown.items() if "controller.py" in text] == []
+    cited = site.browser().get(f"/api/v1/runs/{run_id}/citation.bib").text
+    assert "title = {{Observer <7>}}" in cited
+
+
+def test_a_public_run_has_snippets_to_copy_that_say_what_it_is(site: Site) -> None:
+    run_id = site.published("ann")
+    name = f"Run {run_id} of currents-v1 on Seamark (practice, 1 trial)"
+    address, badge = f"http://localhost/p/{run_id}", f"/api/v1/runs/{run_id}/badge.svg"
+
+    page = site.browser().get(f"/runs/{run_id}").text
+    embed = site.browser().get(f"/runs/{run_id}/embed").text
+
+    card = page.partition('id="cite-title"')[2].partition("</section>")[0]
+    blocks = re.findall(r"<pre[^>]*>(.*?)</pre>.*?data-copy-code", card, re.DOTALL)
+    shown = [unescape(re.sub("<[^>]+>", "", block)) for block in blocks]
+    assert shown[1] == f"[![{name}](http://localhost{badge})]({address})"
+    assert shown[2] == f'<a href="{address}"><img src="http://localhost{badge}" alt="{name}"></a>'
+    assert shown[3].startswith(f'<iframe src="http://localhost/runs/{run_id}/embed" title="{name}"')
+    assert "practice, 1 trial" in embed.partition("<h1>")[2].partition("</h1>")[0]
 
 
 @pytest.mark.parametrize("state", ["queued", "public"])

@@ -31,7 +31,7 @@ def test_a_queued_run_shows_its_position_and_why_it_waits(site: Site) -> None:
 
     page = _page(site, run_id)
 
-    assert "Position 2 in the queue" in page
+    assert "This run is number 2 in the queue." in page
     assert "No worker is running" in page
     assert "Cancel" in page
 
@@ -254,25 +254,3 @@ def test_only_the_embedded_player_can_be_shown_in_a_frame_and_only_by_allowed_si
 
     assert [policy.rpartition("frame-ancestors ")[2] for policy in policies] == [allowed, "'none'"]
     assert all("script-src 'self'" in policy for policy in policies)
-
-
-def test_the_home_page_replays_the_first_of_the_leaderboard(site: Site) -> None:
-    runs = []
-    for who, score in (("ann", 40.0), ("ben", 60.0)):
-        claim = site.running(who, kind="ranked")
-        assert site.finish(claim, score)
-        RunFiles(site.settings.data, claim.run_id, 1).append_rows(np.zeros((3, WIDTH)))
-        runs.append(site.publish(claim.run_id))
-
-    page = site.browser().get("/").text
-
-    data = re.search(r'id="run-data">(.*?)</script>', page, re.DOTALL)
-    assert data is not None
-    assert json.loads(data.group(1))["id"] == runs[1]
-
-
-def test_the_home_page_without_a_ranked_run_has_a_picture_and_no_replay(site: Site) -> None:
-    page = site.browser().get("/").text
-
-    assert "station.svg" in page
-    assert "replay.js" not in page

@@ -138,7 +138,7 @@ def test_a_guest_gets_the_configuration_alone_and_is_told_so(site: Site) -> None
     page = site.browser().get(f"{FORM}?from={first}").text
     again = _started(site, first, "stranger")
 
-    assert "without its program: uploading one needs an account" in page
+    assert "but not its program: uploading one needs an account" in page
     assert (again.config["kp"], again.seed, again.controller) == (0.4, 5, "pi")
 
 

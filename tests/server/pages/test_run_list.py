@@ -4,6 +4,7 @@ import re
 
 import pytest
 
+from seamark.server.runs import publications
 from seamark.server.runs.states import RunState
 from tests.server.pages.conftest import Browser, Site
 
@@ -68,6 +69,27 @@ def test_several_runs_are_cancelled_published_and_made_private_at_once(site: Sit
     assert [answer.count("1 run was left as it is.") for answer in answers] == [1, 1, 1]
     assert site.show(waiting).state is RunState.CANCELLED
     assert not site.show(done).public
+
+
+def test_of_the_selected_runs_those_whose_method_has_a_name_are_published(site: Site) -> None:
+    built_in, unnamed, named = site.succeeded("ann"), *(_of_program(site) for _ in range(2))
+    site.publish(named, method="Steady hand")
+    with site.database.writing() as session:
+        publications.withdraw(session, named)
+
+    page = _change(site.browser("ann"), "publish", built_in, unnamed, named)
+
+    assert "1 run was left as it is." in page
+    assert "where you name the method" in page
+    assert [site.show(each).public for each in (built_in, unnamed, named)] == [True, False, True]
+    assert site.show(named).method == "Steady hand"
+
+
+def _of_program(site: Site) -> int:
+    """Return a run of ann's own program that has succeeded and has no title."""
+    run_id = site.queue_program("ann")
+    assert site.finish(site.claim_next())
+    return run_id
 
 
 def test_nobody_changes_the_selected_runs_of_others(site: Site) -> None:

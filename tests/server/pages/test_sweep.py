@@ -61,6 +61,37 @@ def test_a_sweep_that_is_refused_is_explained_in_the_form(site: Site) -> None:
     assert 'value="0:1"' in answer.text
 
 
+@pytest.mark.parametrize(
+    ("changes", "label"),
+    [
+        ({}, "Start 3 runs"),
+        ({"sweep-1-name": "ki", "sweep-1-values": "0:0.04:3"}, "Start 9 runs"),
+        ({"sweep-0-name": ""}, "Start run"),
+        ({"sweep-0-values": "0:1"}, "Start run"),
+        ({"kind": "ranked"}, "Start run"),
+    ],
+)
+def test_the_button_of_a_form_that_is_shown_again_says_how_many_runs_it_starts(
+    site: Site, changes: dict[str, str], label: str
+) -> None:
+    answer = site.browser("ann").post(FORM, SWEEP | {"level_duration_s": "x"} | changes)
+
+    assert answer.status_code == 422
+    assert f"<span data-submit-label>{label}</span>" in answer.text
+
+
+def test_the_page_of_a_sweep_warns_if_the_best_point_is_at_its_edge(site: Site) -> None:
+    browser = site.browser("ann")
+    sweep_id = _started(browser, **{"sweep-1-name": "", "sweep-1-values": ""})
+    for score in (40.0, 50.0, 70.0):
+        site.finish(site.claim_next(), score=score)
+
+    page = browser.get(f"/sweeps/{sweep_id}").text
+
+    (warning,) = re.findall(r"data-edge>([^<]+)<", page)
+    assert "of this sweep, 0.6 1/s. Try larger values" in warning
+
+
 @pytest.mark.parametrize(("who", "status"), [("stranger", 404), ("ben", 404), ("root", 200)])
 def test_a_sweep_is_its_owners(site: Site, who: str, status: int) -> None:
     sweep_id = _started(site.browser("ann"))

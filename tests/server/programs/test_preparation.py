@@ -32,7 +32,7 @@ def _clean(source: bytes, name: str = "mine.py") -> PreparedProgram:
         (b"(" * 900 + GOOD, "a.py", "line 1|cannot be parsed"),
         (GOOD, "a.txt", r"\.txt is not a type of program.*\.py"),
         (GOOD, "a.ipynb", "notebook"),
-        (b"PK", "a.slx", "FMU"),
+        (b"PK", "a.slx", r"upload the \.fmu file, or generate C with Embedded Coder"),
         (b"08", "policy.onnx", "main.py"),
         (b"// h", "a.hpp", "archive"),
         (b"% x\n classdef Mine < handle\nend\n", "a.m", "line 2: .*controller_step"),

@@ -13,6 +13,7 @@ from seamark.server.database.rank_tables import ScoreCount
 from seamark.server.database.tables import Best, User
 from seamark.server.runs import best_runs, leaderboard, publications, score_counts
 from seamark.server.runs.leaderboard import Cursor
+from seamark.server.runs.publications import Terms
 from seamark.server.runs.ranking import Estimate
 from seamark.server.runs.states import RunKind, RunState
 from tests.cast import Backend
@@ -29,7 +30,7 @@ def _ranked(both: Backend, who: str, score: float, **changes: object) -> int:
 
 def _publish(both: Backend, run_id: int) -> bool:
     with both.database.writing() as session:
-        return publications.publish(session, run_id)
+        return publications.publish(session, run_id, Terms())
 
 
 def _board(both: Backend) -> list[tuple[str, float]]:
@@ -122,7 +123,11 @@ def test_a_rebuild_gives_the_rows_that_were_maintained(
             made.append(_ranked(both, users[who].name, float(number)))
         elif made:
             with both.database.writing() as session:
-                getattr(publications, act)(session, made[number % len(made)])
+                run_id = made[number % len(made)]
+                if act == "publish":
+                    publications.publish(session, run_id, Terms())
+                else:
+                    publications.withdraw(session, run_id)
 
     user_ids = [user.user_id for user in users]
     with both.database.writing() as session:

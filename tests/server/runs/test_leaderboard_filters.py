@@ -15,6 +15,7 @@ from seamark.server.runs import (
 )
 from seamark.server.runs.leaderboard import Rank
 from seamark.server.runs.leaderboard_filters import BoardFilter
+from seamark.server.runs.publications import Terms
 from seamark.server.runs.states import RunKind
 from seamark.sim import registry
 from seamark.sim.metrics.metric import Metric
@@ -41,7 +42,8 @@ def _entry(
     levels = [{RMSE.name: rmse_m, ENERGY.name: energy}] * 2
     assert both.finish(claim, score=score, metrics={"score": score, "levels": levels})
     with both.database.writing() as session:
-        publications.publish(session, claim.run_id)  # baselines are public already
+        # baselines are public already
+        publications.publish(session, claim.run_id, Terms(method="Steady hand"))
     return claim.run_id
 
 

@@ -56,7 +56,25 @@ def test_a_tracker_that_flickers_gives_a_list_of_bounded_length(tmp_path: Path) 
     assert len(moments(files, 0, "distance")["losses"]) == LOSSES_MAX
 
 
+def test_a_log_without_a_tracker_has_no_losses(tmp_path: Path) -> None:
+    files = _files(tmp_path, tracker_ok=np.full(ROWS, np.nan))
+
+    assert moments(files, 0, "distance")["losses"] == []
+
+
+def test_a_touch_is_the_first_contact_of_a_level(tmp_path: Path) -> None:
+    contact = np.zeros(ROWS)
+    contact[[100, 101, 20_000, 35_010, 39_000]] = 3.0  # 20 000 is in a later read of level 0
+    level = np.repeat([0.0, 1.0, 2.0], [30_000, 5_000, 5_000])
+
+    found = moments(_files(tmp_path, contact_n=contact, level=level), 0, "distance")["touches"]
+
+    assert found == [0.05 * 100, 0.05 * 35_010]
+
+
 def test_a_trial_without_rows_has_no_moments(tmp_path: Path) -> None:
     files = _files(tmp_path)
 
-    assert moments(files, 3, "distance") == {"levels": [], "largest_error": None, "losses": []}
+    found = moments(files, 3, "distance")
+
+    assert found == {"levels": [], "largest_error": None, "losses": [], "touches": []}

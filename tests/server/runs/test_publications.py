@@ -2,6 +2,7 @@ import pytest
 from sqlalchemy.orm import Session
 
 from seamark.server.accounts.permissions import Action, Viewer, can
+from seamark.server.database.tables import User
 from seamark.server.runs import account_deletion, leaderboard, publications, rank_history, standings
 from seamark.server.runs.leaderboard import Rank
 from seamark.server.runs.publications import PublicationRefused, Terms
@@ -11,7 +12,7 @@ from seamark.server.runs.states import RunState
 from tests.cast import Backend
 
 NAME = "currents-v1"
-FOR_REVIEW = Terms(anonymous=True)
+FOR_REVIEW = Terms(method="Steady hand", anonymous=True)
 STRANGER = Viewer()
 
 
@@ -135,7 +136,7 @@ def test_with_the_results_alone_nobody_else_reads_program_log_or_traceback(both:
     assert both.finish(
         claim, state=RunState.FAILED, cause="user_error", detail=detail, metrics=None
     )
-    run_id = publish(both, claim.run_id, Terms(program=False))
+    run_id = publish(both, claim.run_id, Terms(method="Steady hand", program=False))
     run, eva = both.show(run_id), both.viewers["eva"]
 
     may = {action for action in Action if can(eva, action, run)}
@@ -164,6 +165,48 @@ def test_a_licence_is_one_of_the_list_and_for_a_program_that_is_published(
         publish(both, run_id, terms)
 
     assert not both.show(run_id).public
+
+
+@pytest.mark.parametrize(
+    ("method", "anonymous", "says"),
+    [
+        ("", False, "Name the method"),
+        (" \u200b\n", False, "Name the method"),
+        ("Mine.py", False, "name of the file"),
+        ("x" * 61, False, "to 60 characters; it has 61"),
+        ("Observer of ANN", True, "leave “ann” out"),
+        ("Doe's observer, J. Doe", True, "leave “J. Doe” out"),
+    ],
+)
+def test_a_program_is_published_only_with_a_name_of_its_method_that_can_be_shown(
+    both: Backend, method: str, anonymous: bool, says: str
+) -> None:
+    run_id = both.succeeded("ann", controller="upload", program=both.store_program(name="mine.py"))
+    with both.database.writing() as session:
+        session.get_one(User, both.user_id("ann")).public_name = "J. Doe"
+
+    with pytest.raises(PublicationRefused, match=says) as refusal:
+        publish(both, run_id, Terms(method=method, anonymous=anonymous))
+
+    assert refusal.value.field == "method"
+    assert not both.show(run_id).public
+
+
+def test_the_name_of_a_method_is_one_line_and_outlives_a_withdrawal(both: Backend) -> None:
+    run_id = both.succeeded("ann", controller="upload", program=both.store_program())
+    publish(both, run_id, Terms(method="  Plan\n of  Anna\u202e ", anonymous=True))
+
+    with both.database.writing() as session:
+        publications.withdraw(session, run_id)
+
+    assert both.show(run_id).method == "Plan of Anna"  # to be suggested when it is published again
+
+
+def test_a_built_in_solution_has_its_own_name(both: Backend) -> None:
+    run_id = publish(both, ranked(both, title="kp 0.7, third try"), Terms())
+
+    with both.database.reading() as session:
+        assert only_rank(session).method == both.show(run_id).method == "PI"
 
 
 @pytest.mark.parametrize("by", ["withdrawal", "closing the account"])

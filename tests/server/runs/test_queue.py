@@ -9,8 +9,9 @@ from hypothesis import strategies as st
 from sqlalchemy import select, update
 from sqlalchemy.orm import Session
 
+from seamark.server import workers
 from seamark.server.database.queue_tables import Turn
-from seamark.server.database.tables import Run
+from seamark.server.database.tables import Run, Worker
 from seamark.server.runs import queue as run_queue
 from seamark.server.runs import results, turns, views, wait_estimate
 from seamark.server.runs.failure_reasons import FailureReason
@@ -60,7 +61,7 @@ def test_a_run_whose_lease_expired_returns_to_its_position(both: Backend) -> Non
 
     report = _sweep(both)
 
-    assert (report.requeued, report.failed, report.queued) == ([first], [], 2)
+    assert (report.requeued, report.failed) == ([first], [])
     assert both.show(first).state is RunState.QUEUED
     assert both.show(first).position == 1
     assert both.claim_next().run_id == first
@@ -128,6 +129,18 @@ def test_a_run_that_takes_down_ten_workers_gets_no_eleventh(both: Backend) -> No
     assert both.show(run_id).cause == FailureReason.PLATFORM_ERROR
 
 
+def test_the_queue_needs_a_ticket_for_each_slot_however_many_runs_wait(both: Backend) -> None:
+    for owner in ("ann", "ann", "ben"):
+        both.queue(owner)
+    without_workers = _sweep(both).tickets
+
+    with both.database.writing() as session:
+        worker = Worker(name="w", slots=2, level="strong", languages=[], findings=[])
+        workers.register(session, worker)
+
+    assert (without_workers, _sweep(both).tickets) == (1, 2)
+
+
 def test_the_runs_of_a_process_that_has_ended_are_queued_before_their_leases_end(
     both: Backend,
 ) -> None:
@@ -138,7 +151,7 @@ def test_the_runs_of_a_process_that_has_ended_are_queued_before_their_leases_end
     with both.database.writing() as session:
         recovery = run_queue.recover_from(session, "w/0", both.settings)
 
-    assert (recovery.requeued, recovery.failed, recovery.queued) == ([run_ids[0]], [], 1)
+    assert (recovery.requeued, recovery.failed, recovery.tickets) == ([run_ids[0]], [], 1)
     assert both.show(run_ids[1]).state is RunState.RUNNING
 
 

@@ -16,6 +16,7 @@ from seamark.server.checks import queue as check_queue
 from seamark.server.database.tables import Run
 from seamark.server.runs import publications, retention
 from seamark.server.runs.files import RunFiles
+from seamark.server.runs.publications import Terms
 from seamark.server.runs.retention import Sweep
 from seamark.server.runs.states import RunState
 from seamark.sim.recording.telemetry import WIDTH
@@ -131,7 +132,7 @@ def test_a_run_without_its_data_cannot_be_published(both: Backend) -> None:
     retention.delete(both.database, both.settings, [run_id])
 
     with both.database.writing() as session:
-        assert not publications.publish(session, run_id)
+        assert not publications.publish(session, run_id, Terms())
 
 
 def test_dead_attempts_are_removed_and_the_last_one_kept(both: Backend) -> None:

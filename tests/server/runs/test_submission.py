@@ -5,7 +5,7 @@ import pytest
 from sqlalchemy import update
 
 from seamark.sandbox.languages import LANGUAGES
-from seamark.server import workers
+from seamark.server import installation, workers
 from seamark.server.database.tables import Run, Worker
 from seamark.server.runs import baselines, leaderboard, quota, results, submission
 from seamark.server.runs.quota import QuotaExceeded
@@ -228,6 +228,26 @@ def test_a_missing_language_is_refused_with_the_reason_of_the_worker(both: Backe
         "octave is not installed."
     )
     assert refusals["c++"] == "No worker of this service can run programs in C++."
+
+
+def test_uploads_wait_while_what_they_need_is_being_installed(both: Backend) -> None:
+    _worker(both, "strong", "python")
+
+    with installation.announced(both.settings), both.database.reading() as session:
+        refusals = [workers.upload_refusal(session, each, both.settings) for each in LANGUAGES]
+        waiting = [
+            each
+            for each in ("python", "matlab")
+            if workers.waits_for_installation(session, each, both.settings)
+        ]
+    with both.database.reading() as session:
+        refused_then = workers.upload_refusal(session, "matlab", both.settings)
+        waits_then = workers.waits_for_installation(session, "matlab", both.settings)
+
+    assert refusals == [None] * len(LANGUAGES)
+    assert waiting == ["matlab"]
+    assert refused_then is not None
+    assert not waits_then
 
 
 def test_a_run_in_a_language_of_an_earlier_version_is_readable_but_cannot_be_submitted(

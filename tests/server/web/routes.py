@@ -73,7 +73,6 @@ def _changing(
 
 ACTIONS = {
     "cancel": (changes_run, "queued"),
-    "publish": (changes_run, "recorded"),
     "withdraw": (withdraws, "public"),
 }
 DELETE_DATA = {"delete-data": (changes_run, "recorded")}
@@ -83,6 +82,7 @@ PUBLIC = REVEAL | VERIFY
 EDIT = {"edit": (changes_run, "recorded"), "delete": (changes_run, "recorded")}
 RERUN = {"rerun": (changes_its_own, "recorded")}
 CODE: dict[str, Any] = {"code": "0000000000"}
+METHOD = {"method": "Steady hand"}
 TASK = {"title": "Hold", "benchmark": "currents-v1"}
 A, AS = "/assignments/{assignment}", "/assignments/<row:assignment_id>"
 C, CS = "/classes/{class}", "/classes/<row:class_id>"
@@ -92,6 +92,7 @@ CLASSES: dict[tuple[str, str], Entry] = {  # ann is in a class of tim
     ("GET", "/classes/"): Entry(reads_account),
     ("POST", "/classes/"): Entry(has_classes, 303, options={"data": {"name": "5b"}}),
     ("POST", "/classes/join"): Entry(changes_tokens, 422, options={"data": CODE}),
+    ("GET", "/classes/join/<code>"): Entry(everybody, 404, "/classes/join/0000000000"),
     ("GET", CS): Entry(sees_class, path=C),
     ("POST", CS): Entry(teaches, 303, C, {"data": {"name": "5c"}}),
     ("POST", f"{CS}/code"): Entry(teaches, 303, f"{C}/code"),
@@ -193,7 +194,13 @@ ROUTES: dict[tuple[str, str], Entry] = {
     ("GET", "/submit/"): Entry(everybody, 302),
     ("GET", "/submit/<name>"): Entry(everybody, path="/submit/currents-v1"),
     ("POST", "/submit/<name>"): Entry(submits, 303, "/submit/currents-v1", {"data": FORM}),
+    ("GET", "/first-controller"): OPEN,
+    ("GET", "/demo"): OPEN,
     ("POST", "/demo"): Entry(submits, 303),
+    **{
+        ("GET", f"/api/v1/demo/{name}"): OPEN
+        for name in ("series.json", "moments.json", "scene.json", "texture.jpg", "camera.jpg")
+    },
     ("GET", "/benchmarks/"): OPEN,
     ("GET", "/benchmarks/<name>"): Entry(everybody, path="/benchmarks/currents-v1"),
     ("GET", "/runs/<row:run_id>"): Entry(reads_run, path="/runs/{run}"),
@@ -204,6 +211,9 @@ ROUTES: dict[tuple[str, str], Entry] = {
     ("GET", "/p/<row:run_id>"): Entry(everybody, 404, "/p/{run}"),  # it was never public
     ("GET", "/runs/<row:run_id>/publish"): Entry(
         changes_run, path="/runs/{run}/publish", run="recorded"
+    ),
+    ("POST", "/runs/<row:run_id>/publish"): Entry(
+        changes_run, 303, "/runs/{run}/publish", {"data": METHOD}, run="recorded"
     ),
     ("GET", "/runs/"): Entry(lists),
     ("GET", "/sweeps/<row:sweep_id>"): Entry(reads_run, path="/sweeps/{sweep}"),
@@ -264,7 +274,9 @@ ROUTES: dict[tuple[str, str], Entry] = {
     ("GET", "/docs/<name>"): Entry(everybody, path="/docs/start"),
     ("GET", "/docs/guides/<path:name>"): Entry(everybody, path="/docs/guides/benchmarks.md"),
     ("GET", "/docs/physics/<name>.urdf"): Entry(everybody, path="/docs/physics/girona500.urdf"),
-    ("GET", "/download/<name>"): Entry(everybody, path=f"/download/{own_wheel.name()}"),
+    ("GET", "/download/<name>"): Entry(
+        everybody, path=f"/download/{own_wheel.file_name('seamark')}"
+    ),
     ("GET", "/status"): OPEN,
     ("GET", "/problems"): OPEN,
     ("GET", "/problems/<slug>"): Entry(everybody, path="/problems/not-found"),
@@ -302,11 +314,18 @@ ROUTES: dict[tuple[str, str], Entry] = {
         reads_run, path="/compare/preview.jpg?runs={run},{other}"
     ),
     ("GET", "/runs/<row:run_id>/preview.jpg"): Entry(reads_run, path="/runs/{run}/preview.jpg"),
+    ("GET", "/preview.jpg"): OPEN,
+    ("GET", "/benchmarks/<name>/preview.jpg"): Entry(
+        everybody, path="/benchmarks/currents-v1/preview.jpg"
+    ),
     ("GET", "/leaderboards/<name>/preview.jpg"): Entry(
         everybody, path="/leaderboards/currents-v1/preview.jpg"
     ),
     ("GET", "/api/v1/compare"): Entry(reads_run, path="/api/v1/compare?runs={run},{other}"),
     **_changing("/api/v1/runs/", "<int:run_id>", 200, **ACTIONS, **REVEAL),
+    ("POST", "/api/v1/runs/<int:run_id>/publish"): Entry(
+        changes_run, 200, "/api/v1/runs/{run}/publish", {"json": METHOD}, run="recorded"
+    ),
     **_changing("/api/v1/runs/", "<int:run_id>", 202, **RERUN),
     **_changing("/api/v1/runs/", "<int:run_id>", 409, **VERIFY),  # it is a practice run
     **{  # they are of public runs, and this one is private

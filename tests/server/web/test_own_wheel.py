@@ -1,4 +1,4 @@
-"""The wheel that the service offers has the files of its version, and nothing else."""
+"""The wheels that the service offers have the files of its version, and nothing else."""
 
 import base64
 import csv
@@ -10,14 +10,16 @@ import sys
 import tomllib
 import zipfile
 from collections.abc import Iterator
+from importlib.metadata import version
 from pathlib import Path
 
 import pytest
 
 from seamark.server.pages.docs import EXTRAS
-from seamark.server.web.own_wheel import OwnWheel, Wheel
+from seamark.server.web.own_wheel import CLIENT, LEFT_OUT, MADE_HERE, TAGS, OwnWheel, Wheel
 
 ROOT = Path(__file__).parents[3]
+HOST = "http://water.example"
 NEEDED = {  # read while the service or a run is under way
     "seamark/docs/benchmarks.md",
     "seamark/docs/figures/p-and-pi.png",
@@ -36,22 +38,27 @@ NEEDED = {  # read while the service or a run is under way
 
 
 @pytest.fixture(scope="module")
-def own() -> Wheel:
-    return OwnWheel().get()
+def wheels() -> dict[str, Wheel]:
+    return {name: OwnWheel(name).get(HOST) for name in TAGS}
 
 
 @pytest.fixture(scope="module")
-def names(own: Wheel) -> list[str]:
-    return zipfile.ZipFile(io.BytesIO(own.content)).namelist()
+def names(wheels: dict[str, Wheel]) -> list[str]:
+    return [name for wheel in wheels.values() for name in _opened(wheel).namelist()]
+
+
+def _opened(wheel: Wheel) -> zipfile.ZipFile:
+    return zipfile.ZipFile(io.BytesIO(wheel.content))
 
 
 @pytest.fixture(scope="module")
-def installed(own: Wheel, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A virtual environment with the wheel; of the other packages it sees those of the tests."""
+def installed(wheels: dict[str, Wheel], tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A virtual environment with both wheels; of the other packages it sees those of the tests."""
     folder = tmp_path_factory.mktemp("installed")
     subprocess.run([sys.executable, "-m", "venv", "--without-pip", folder], check=True)
     (packages,) = (folder / "lib").glob("python*/site-packages")
-    zipfile.ZipFile(io.BytesIO(own.content)).extractall(packages)
+    for wheel in wheels.values():
+        _opened(wheel).extractall(packages)
     (others,) = {path for path in map(Path, sys.path) if path.name == "site-packages"}
     (packages / "others.pth").write_text(f"{others}\n")
     return folder / "bin/python"
@@ -68,13 +75,25 @@ def test_only_the_name_seamark_is_taken(names: list[str]) -> None:
     tops = {name.partition("/")[0] for name in names}
 
     assert {top for top in tops if not top.endswith(".dist-info")} == {"seamark"}
-    assert len(tops) == 2
+    assert len(tops) == 3
 
 
 def test_it_has_what_is_read_at_run_time_and_nothing_that_was_made_here(names: list[str]) -> None:
     assert sorted(NEEDED - set(names)) == []
     assert [name for name in names if "__pycache__" in name or "bridge-" in name] == []
+
+
+def test_no_file_is_in_both(names: list[str]) -> None:
     assert len(names) == len(set(names))
+
+
+def test_the_simulator_takes_the_client_from_the_same_service(wheels: dict[str, Wheel]) -> None:
+    (path,) = (n for n in _opened(wheels["seamark"]).namelist() if n.endswith("/METADATA"))
+    metadata = _opened(wheels["seamark"]).read(path).decode()
+
+    address = f"{HOST}/download/{wheels['seamark-client'].name}"
+    assert f"Requires-Dist: seamark-client @ {address}\n" in metadata
+    assert "seamark-client==" not in metadata
 
 
 @pytest.mark.parametrize(
@@ -84,12 +103,15 @@ def test_it_has_every_file_of_the_sources(names: list[str], folder: str) -> None
     assert sorted(set(_tracked(folder)) - set(names)) == []
 
 
-def test_its_record_lists_each_file_with_its_hash(own: Wheel, names: list[str]) -> None:
-    archive = zipfile.ZipFile(io.BytesIO(own.content))
-    (record,) = (name for name in names if name.endswith("/RECORD"))
+@pytest.mark.parametrize("distribution", TAGS)
+def test_its_record_lists_each_file_with_its_hash(
+    wheels: dict[str, Wheel], distribution: str
+) -> None:
+    archive = _opened(wheels[distribution])
+    (record,) = (name for name in archive.namelist() if name.endswith("/RECORD"))
     rows = list(csv.reader(archive.read(record).decode().splitlines()))
 
-    assert [row[0] for row in rows] == names
+    assert [row[0] for row in rows] == archive.namelist()
     for path, digest, size in rows[:-1]:
         data = archive.read(path)
         found = base64.urlsafe_b64encode(hashlib.sha256(data).digest()).rstrip(b"=").decode()
@@ -97,16 +119,31 @@ def test_its_record_lists_each_file_with_its_hash(own: Wheel, names: list[str]) 
     assert rows[-1] == [record, "", ""]
 
 
-def test_it_is_the_same_each_time(own: Wheel) -> None:
-    assert OwnWheel().get() == own
+@pytest.mark.parametrize("distribution", TAGS)
+def test_it_is_the_same_each_time(wheels: dict[str, Wheel], distribution: str) -> None:
+    assert OwnWheel(distribution).get(HOST) == wheels[distribution]
 
 
-def test_the_build_leaves_out_the_same(names: list[str]) -> None:
-    project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))
-    build = project["tool"]["hatch"]["build"]["targets"]["wheel"]
+def test_the_build_leaves_out_the_same_and_has_the_same_tags() -> None:
+    simulator, client = (
+        tomllib.loads((ROOT / folder / "pyproject.toml").read_text("utf-8"))["tool"]["hatch"]
+        for folder in (".", "deploy/client")
+    )
+    build = simulator["build"]["targets"]["wheel"]
+    hook = client["build"]["targets"]["wheel"]["hooks"]["custom"]
 
     assert build["packages"] == ["seamark"]
-    assert build["exclude"] == ["__pycache__", "screenshots", "visp-bridge-*"]
+    left_out = [*LEFT_OUT, f"{MADE_HERE}*", *(f"/seamark/{name}" for name in CLIENT)]
+    assert build["exclude"] == left_out
+    assert build["hooks"]["custom"]["tag"] == TAGS["seamark"]
+    assert (tuple(hook["files"]), hook.get("tag")) == (CLIENT, None)
+
+
+def test_the_simulator_depends_on_the_client_of_its_own_version() -> None:
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
+
+    assert f"seamark-client=={project['version']}" in project["dependencies"]
+    assert version("seamark-client") == project["version"]
 
 
 def test_the_page_about_installing_explains_every_extra() -> None:

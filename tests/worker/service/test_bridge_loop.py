@@ -111,14 +111,22 @@ def _surge(message: Any) -> float:
     return float(message["vector"]["x"])
 
 
-def test_a_program_has_the_digest_on_the_server_that_it_has_here(site: Site) -> None:
+@pytest.mark.parametrize(("axes", "frame"), [("ned", "base_link_frd"), ("enu", "base_link")])
+def test_a_program_has_the_digest_on_the_server_that_it_has_here(
+    site: Site, axes: str, frame: str
+) -> None:
     here = evaluate_locally(BENCHMARK, configuration(), seed=SEED, controller="nothing")
-    client = site.connect_when_free("ann")
+    client, frames = site.connect_when_free("ann", axes=axes), set[str]()
     client.subscribe("/seamark/error")
 
-    result = client.answer_all("/seamark/error", lambda _message: 0.0)
+    def answer(message: Any) -> float:
+        frames.add(message["header"]["frame_id"])
+        return 0.0
+
+    result = client.answer_all("/seamark/error", answer)
 
     run = site.ended(client)
+    assert frames == {frame}
     assert result["digest"] == run.digest == here.digest
     assert run.state is RunState.SUCCEEDED
     assert (run.kind, run.controller) == ("practice", "rosbridge")

@@ -68,7 +68,7 @@ def write_sources(connection: Connection, name: str, source: bytes) -> list[str]
         with zipfile.ZipFile(io.BytesIO(source)) as archive:
             archive.extractall(SOURCE)
             names = sorted(archive.namelist())
-    except (zipfile.BadZipFile, zlib.error, OSError, RuntimeError, NotImplementedError) as error:
+    except (zipfile.BadZipFile, zlib.error, EOFError, OSError, RuntimeError) as error:
         connection.give_up(b"s", f"{name} cannot be unpacked: {error}.")
     suffixes = (".cpp", ".cc") if "-xc++" in sys.argv else (".c",)
     sources = [file for file in names if file.endswith(suffixes) and CODER_MAIN not in file]

@@ -15,7 +15,6 @@ DESCRIPTION = "modelDescription.xml"
 PLATFORMS = {"2": "linux64", "3": "x86_64-linux"}
 MAPPINGS = ("extra/seamark.json", "resources/seamark.json")
 TYPES = {"Real": "Float64", "Integer": "Int32", "Boolean": "Boolean"}  # FMI 2.0: FMI 3.0
-NOT_XML = (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, RuntimeError)
 
 
 class Unusable(Exception):
@@ -75,7 +74,7 @@ def read(data: bytes) -> Description:
         text = archive.read(DESCRIPTION)
     except KeyError:
         raise Unusable(f"The archive has no {DESCRIPTION} in its topmost folder.") from None
-    except NOT_XML as error:
+    except (zipfile.BadZipFile, zlib.error, EOFError, RuntimeError) as error:
         raise Unusable(f"An FMU is a zip archive, and this is not one: {error}.") from None
     try:
         root = ElementTree.fromstring(text)  # noqa: S314  (a box contains the damage)

@@ -53,11 +53,12 @@ class Files:
 def unpacked(blob: bytes) -> bytes:
     """Unpack the archive into its folder; return main.py."""
     import zipfile  # noqa: PLC0415  (5 ms that a single file does not need)
+    import zlib  # noqa: PLC0415
 
     try:
         with zipfile.ZipFile(io.BytesIO(blob)) as archive:
             return unpack(archive)
-    except (zipfile.BadZipFile, OSError, ValueError, EOFError, RuntimeError) as error:
+    except (zipfile.BadZipFile, zlib.error, OSError, ValueError, EOFError, RuntimeError) as error:
         raise ArchiveUnusable(f"The archive cannot be unpacked: {error}.") from None
 
 

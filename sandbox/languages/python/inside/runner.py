@@ -9,6 +9,7 @@ import errno
 import gc
 import json
 import os
+import signal
 import struct
 import sys
 import traceback
@@ -21,7 +22,7 @@ from ...inside.wire import COMMAND, HEADER, MAX_MESSAGE_BYTES, VERSION
 from . import quiet_import
 from .files import ArchiveUnusable, Files
 from .images import Images, as_detections, as_track, start_corners
-from .values import AnswerInvalid, Observation, as_command, set_layout
+from .values import AnswerInvalid, Configuration, Observation, as_command, set_layout
 
 WHOLE_COMMAND = struct.Struct(HEADER.format + COMMAND.format[1:])  # packed in one call
 MAX_FRAMES = 30  # of a traceback
@@ -94,11 +95,12 @@ class Runner:
         module = types.ModuleType("controller")
         module.__file__ = files.path
         sys.modules["controller"] = module
+        signal.signal(signal.SIGUSR1, self.locate)
         self.doing = "compile"
         code = compile(files.source, files.path, "exec", dont_inherit=True)
         self.doing = "the program"
         exec(code, module.__dict__)  # noqa: S102  (the purpose of the box)
-        self.program = self.construct(module, header["config"])
+        self.program = self.construct(module, Configuration(header["config"]))
 
     def prepare(self, header: dict[str, Any]) -> None:
         """Prepare for the program's role; close the descriptors that it does not need."""
@@ -193,6 +195,16 @@ class Runner:
             one.stack = traceback.StackSummary.from_list(frames)
             pending += [cause for cause in (one.__cause__, one.__context__) if cause is not None]
         return own
+
+    def locate(self, _: int, frame: types.FrameType | None) -> None:
+        """Say which line the program is in, and exit: the simulator has waited for too long."""
+        stack = traceback.StackSummary.extract(traceback.walk_stack(frame))
+        stack.reverse()
+        own = [one for one in stack if self.files.contains(one.filename)][-MAX_FRAMES:]
+        if own:
+            text = "Traceback (most recent call last):\n"
+            text += "".join(traceback.StackSummary.from_list(own).format())
+            self.give_up(b"u", f"It was in line {own[-1].lineno} of {own[-1].filename}.", text)
 
     def describe(
         self, error: BaseException, own: traceback.TracebackException

@@ -3,9 +3,9 @@
 import itertools
 import math
 import struct
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from numbers import Real
-from typing import Any
+from typing import Any, NoReturn
 
 import numpy as np
 
@@ -14,10 +14,36 @@ from ...inside.wire import HEADER, MAX_VALUE
 NUMBER = struct.Struct("<d")
 FLOAT64 = np.float64
 FLOATS = (float, FLOAT64)
+COMMAND_NAMES = ("the surge", "the sway", "the heave", "the yaw rate")
 
 
 class AnswerInvalid(Exception):
     """A method returned something that is not an answer. The text is for the program's owner."""
+
+
+class KeyMissing(KeyError):
+    """A KeyError whose text is a sentence; its name is shown as that of its base."""
+
+    def __str__(self) -> str:
+        """Return the sentence without the quotes that KeyError adds."""
+        return str(self.args[0])
+
+
+KeyMissing.__name__ = KeyMissing.__qualname__ = "KeyError"
+KeyMissing.__module__ = "builtins"
+
+
+class Configuration(dict):  # type: ignore[type-arg]
+    """The settings of the run, as a program gets them: a dict that says which keys it has."""
+
+    def __missing__(self, key: object) -> NoReturn:
+        """Refuse a key that is none, and name those that are."""
+        raise KeyMissing(missing("config", key, self))
+
+
+def missing(what: str, key: object, known: Iterable[str]) -> str:
+    """Return a sentence about a key that does not exist."""
+    return f"{what} has no key {key!r}; it has {', '.join(sorted(known))}"
 
 
 class Observation(Mapping):  # type: ignore[type-arg]
@@ -39,7 +65,11 @@ class Observation(Mapping):  # type: ignore[type-arg]
 
     def __getitem__(self, name: str) -> object:
         """Return a field; vectors as read-only arrays."""
-        return self._fields[name](self)
+        try:
+            field = self._fields[name]
+        except KeyError:
+            raise KeyMissing(missing("the observation", name, self._fields)) from None
+        return field(self)
 
     def __getattr__(self, name: str) -> object:
         """Refuse what is no field."""
@@ -140,11 +170,13 @@ def as_number(index: int, value: Any) -> float:
     if isinstance(value, np.ndarray) and value.shape == ():
         value = value.item()
     if not isinstance(value, Real):
-        raise AnswerInvalid(f"value {index} that step returned is of type {type(value).__name__}")
+        raise AnswerInvalid(
+            f"step returned a value of type {type(value).__name__} for {COMMAND_NAMES[index]}"
+        )
     try:
         number = float(value)
     except OverflowError:
         number = math.inf
     if not abs(number) <= MAX_VALUE:  # also catches NaN
-        raise AnswerInvalid(f"value {index} that step returned is {number}")
+        raise AnswerInvalid(f"step returned {number} for {COMMAND_NAMES[index]}")
     return number

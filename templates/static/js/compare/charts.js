@@ -2,7 +2,7 @@
 import { lastUntil, short } from "../player/chart_plot.js";
 import { colour } from "../player/colours.js";
 
-const HEIGHT = 200;
+const HEIGHT = 180;
 const INITIAL = 3; // number of charts shown initially
 const END_S = 1; // so long after its last row a run still has its last values
 const uPlot = window.uPlot;

@@ -1,8 +1,9 @@
-// Runs side by side: charts and cameras with one playhead. Its address always shows what is shown.
+// Runs side by side: scene, cameras and charts with one playhead. Its address always shows what is shown.
 import { clockText } from "../player/bar.js";
 import { Playhead, SPEEDS } from "../player/playhead.js";
 import { Cameras } from "./cameras.js";
 import { OverlaidCharts } from "./charts.js";
+import { Ghosts } from "./ghosts.js";
 
 const POINTS_MAX = 1500; // of each run and chart
 const ADDRESS_MS = 400; // the address is written at most this often
@@ -17,6 +18,7 @@ const number = (name) => (query.has(name) && Number.isFinite(Number(query.get(na
 playhead.restore({ trial: Math.min(number("trial") ?? 0, data.trials - 1), t: number("t") ?? 0, speed: number("speed") ?? 1 });
 const charts = new OverlaidCharts(data, playhead, (query.get("columns") ?? "").split(","));
 const cameras = new Cameras(data, playhead);
+const ghosts = new Ghosts(root, data, playhead);
 const levelSelect = part("level");
 let requested = 0;
 let frame = null; // the next animation frame, while playing
@@ -42,6 +44,7 @@ async function load() {
   const longest = Math.max(...lengths);
   charts.show(series, level());
   cameras.setParts(series, playhead.trial);
+  ghosts.setParts(series, playhead.trial);
   part("time").max = String(longest);
   part("time").disabled = part("play").disabled = longest === 0;
   playhead.reaches(longest);

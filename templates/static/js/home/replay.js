@@ -1,14 +1,16 @@
-// The looping replay of a leader's run on the home page. three.js is loaded when it comes into sight.
+// The looping replay of a run on the home page and on leaderboards. three.js is loaded when it comes into sight.
 import { clockText } from "../player/bar.js";
 import { Playhead } from "../player/playhead.js";
 import { rowColumns, Rows } from "../player/rows.js";
 import { SceneBox } from "../player/scene_box.js";
+import { posterShown } from "./poster.js";
 
 const SPEED = 5;
 const FORGETFUL = { get: (_name, fallback) => fallback, set: () => {} };
 
 const data = JSON.parse(document.getElementById("run-data").textContent);
 const root = document.querySelector("[data-scene]");
+await posterShown(root);
 const button = root.querySelector("[data-play]");
 const clock = root.querySelector("[data-clock]");
 const playhead = new Playhead({ duration: data.trial_s, loop: true });
@@ -34,6 +36,7 @@ function tick(now) {
 
 function begin() {
   playhead.reaches(data.trial_s);
+  playhead.moveTo(Number(root.dataset.start ?? 0));
   playhead.setSpeed(SPEED);
   playhead.listen(show);
   rows.onRows = show;

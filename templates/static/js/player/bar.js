@@ -2,6 +2,8 @@
 
 const STEP_S = 1;
 const LEAP_S = 10;
+const LOST = "The target was never lost.";
+const NEVER = { error: "No data yet.", "first-loss": LOST, "next-loss": LOST, touch: "The vehicle never touched anything." };
 
 export function clockText(t) {
   if (t < 60) return `${t.toFixed(2)} s`;
@@ -10,9 +12,9 @@ export function clockText(t) {
 }
 
 export class Bar {
-  // levelText: row -> what the level is called; moments: () -> promise of moments.json
-  constructor(root, playhead, { levelLength, levelText, moments, step }) {
-    Object.assign(this, { root, playhead, levelLength, levelText, moments, step });
+  // levelText: row -> what the level is called; moments: () -> promise of moments.json; keys: {key: action} beside its own
+  constructor(root, playhead, { levelLength, levelText, moments, step, fullScreen, keys }) {
+    Object.assign(this, { root, playhead, levelLength, levelText, moments, step, fullScreen, keys });
     const parts = new Map();
     this.part = (name) => parts.get(name) ?? parts.set(name, root.querySelector(`[data-${name}]`)).get(name);
     this.slider = this.part("time");
@@ -28,8 +30,7 @@ export class Bar {
 
   show({ t, newest, playing, following, live, speed }, row) {
     this.slider.value = String(t);
-    const level = row ? this.levelText(row) : "";
-    const text = `${clockText(t)}${level ? `, ${level}` : ""}`;
+    const text = this.timeText(t, row);
     this.slider.setAttribute("aria-valuetext", text);
     this.part("clock").textContent = text;
     const enabled = newest > 0;
@@ -48,39 +49,51 @@ export class Bar {
     this.part("speed").value = String(speed);
   }
 
+  timeText(t, row) {
+    const level = row ? this.levelText(row) : "";
+    return `${clockText(t)}${level ? `, ${level}` : ""}`;
+  }
+
+  tell(sentence) {
+    this.part("jump-note").textContent = sentence;
+  }
+
   async jump(select) {
     const wanted = select.value;
     select.value = "";
     const { t } = this.playhead;
     const length = this.levelLength;
-    const message = this.part("jump-note");
-    message.textContent = "";
+    this.tell("");
     if (wanted === "next-level") this.playhead.seek((Math.floor(t / length + 1e-6) + 1) * length);
     else if (wanted === "previous-level") this.playhead.seek(Math.max(Math.ceil(t / length - 1e-6) - 1, 0) * length);
     else {
       const found = await this.moments();
       const losses = found?.losses ?? [];
+      const touches = found?.touches ?? [];
+      const after = (times) => times.find((time) => time > t + this.step / 2) ?? times[0];
       const targets = {
         error: found?.largest_error?.t,
-        "next-loss": losses.find((loss) => loss > t + this.step / 2) ?? losses[0],
+        "next-loss": after(losses),
         "first-loss": losses[0],
+        touch: after(touches),
       };
       const target = targets[wanted];
       if (Number.isFinite(target)) this.playhead.seek(target);
-      else message.textContent = wanted === "error" ? "No data yet." : "The target was never lost.";
+      else this.tell(NEVER[wanted]);
     }
   }
 
   onKey(event) {
     const { target, key, ctrlKey, metaKey, altKey } = event;
-    if (ctrlKey || metaKey || altKey || target.closest("input, select, textarea, summary, [contenteditable], .table-wrap, .log")) return;
+    if (ctrlKey || metaKey || altKey || target.closest("input, select, textarea, summary, dialog, [contenteditable], .table-wrap, .log")) return;
     const { playhead } = this;
     const inControl = target.closest("button, a, canvas");
     const seek = (seconds) => playhead.seek(playhead.t + seconds);
     const actions = {
-      " ": () => playhead.toggle(), k: () => playhead.toggle(),
+      " ": () => playhead.toggle(), k: () => playhead.toggle(), f: () => this.fullScreen.toggle(),
       j: () => seek(-LEAP_S), l: () => seek(LEAP_S), ",": () => seek(-this.step), ".": () => seek(this.step),
       ArrowLeft: () => seek(-STEP_S), ArrowRight: () => seek(STEP_S), Home: () => playhead.seek(0), End: () => playhead.seek(playhead.newest),
+      ...this.keys,
     };
     if (!(key in actions) || (inControl && (key === " " || key.startsWith("Arrow")))) return;
     event.preventDefault();

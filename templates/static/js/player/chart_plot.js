@@ -1,4 +1,6 @@
 // One chart: lines over simulated time with uPlot, the levels, and the playhead as a line on top.
+import { marksPlugin } from "./chart_marks.js";
+import { drawable, isDistance, yAxis, yScale } from "./chart_scales.js";
 import { colour, LINES } from "./colours.js";
 import { paced } from "./paced.js";
 
@@ -12,57 +14,11 @@ export function short(value) {
   return text.replace("-", "−");
 }
 
-function levelPlugin(data, levelAt) {
-  return {
-    hooks: {
-      drawAxes: (plot) => {
-        const { ctx, bbox } = plot;
-        ctx.save();
-        ctx.strokeStyle = colour("--chart-level");
-        ctx.fillStyle = colour("--text-2");
-        ctx.font = `${11 * devicePixelRatio}px system-ui, sans-serif`;
-        ctx.textAlign = "left";
-        ctx.textBaseline = "alphabetic";
-        // In a grid, several levels can share a value, so their names are shown instead.
-        const names = data.names.length ? data.names : data.levels.map(String);
-        const longest = names.reduce((a, b) => (b.length > a.length ? b : a), "");
-        const width = plot.valToPos(data.level_s, "x", true) - plot.valToPos(0, "x", true);
-        const sample = `0.4 ${data.level.unit} `;
-        const fits = !data.names.length && ctx.measureText(sample).width < width;
-        // If there are many levels, only every n-th is labelled so that the labels do not overlap.
-        const every = Math.ceil(ctx.measureText(`${longest}  `).width / width);
-        ctx.setLineDash([4 * devicePixelRatio, 4 * devicePixelRatio]);
-        names.forEach((_name, index) => {
-          const x = Math.round(plot.valToPos(index * data.level_s, "x", true));
-          if (x < bbox.left || x > bbox.left + bbox.width) return;
-          ctx.beginPath();
-          ctx.moveTo(x, bbox.top);
-          ctx.lineTo(x, bbox.top + bbox.height);
-          if (index) ctx.stroke();
-          if (index % every) return;
-          const level = levelAt(index);
-          if (level === null) return;
-          const value = names[level];
-          ctx.fillText(fits ? `${value} ${data.level.unit}` : `${value}`, x + 5 * devicePixelRatio, bbox.top + 12 * devicePixelRatio);
-        });
-        ctx.restore();
-      },
-    },
-  };
-}
-
-// Leaves room above the lines for the labels of the levels.
-function yRange(_plot, min, max) {
-  if (min === null || max === null) return [0, 1];
-  const span = Math.max(max - min, 1e-6);
-  const base = min >= 0 && min < 0.5 * max ? 0 : min - 0.08 * span;
-  return [base, max + 0.28 * span];
-}
-
 export class ChartPlot {
-  // owner: range(), levelAt(index), onSeek(t), onZoom(from, to), remove(chart)
+  // owner: range(), levelAt(index), marks(), logarithmic, onSeek(t), onZoom(from, to), remove(chart)
   constructor(chart, data, owner) {
     Object.assign(this, { chart, data, owner, t: [], values: {}, marked: null });
+    this.logarithmic = owner.logarithmic && isDistance(chart);
     this.writeValues = paced(() => this.showValues());
     this.box = document.createElement("div");
     this.box.className = "chart";
@@ -98,12 +54,12 @@ export class ChartPlot {
       height: HEIGHT,
       cursor: { sync: { key: "run" }, drag: { x: true, y: false, setScale: false } },
       legend: { show: false },
-      scales: { y: { range: yRange }, x: { time: false, range: () => this.owner.range() } },
-      axes: [{ ...axis, values: (_plot, ticks) => ticks.map((tick) => `${tick} s`), size: 32 }, { ...axis, size: 56 }],
+      scales: { y: yScale(this.logarithmic), x: { time: false, range: () => this.owner.range() } },
+      axes: [{ ...axis, values: (_plot, ticks) => ticks.map((tick) => `${tick} s`), size: 32 }, yAxis(axis, this.logarithmic)],
       series: [{}, ...this.chart.columns.map((name, index) => ({
         label: name, stroke: colour(LINES[index % LINES.length]), width: 1.5, points: { show: false },
       }))],
-      plugins: [levelPlugin(this.data, (index) => this.owner.levelAt(index))],
+      plugins: [marksPlugin(this.data, this.owner)],
       hooks: { setCursor: [() => this.showValues()], setSelect: [(plot) => this.zoom(plot)] },
     }, [[], ...this.chart.columns.map(() => [])], target);
     this.line = document.createElement("i");
@@ -128,7 +84,7 @@ export class ChartPlot {
   show(t, values) {
     Object.assign(this, { t, values });
     const empty = () => new Array(t.length).fill(null);
-    this.plot.setData([t, ...this.chart.columns.map((name) => values[name] ?? empty())]);
+    this.plot.setData([t, ...this.chart.columns.map((name) => drawable(values[name] ?? empty(), this.logarithmic))]);
     this.mark(this.marked);
   }
 

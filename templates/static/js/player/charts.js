@@ -2,6 +2,7 @@
 // that fits the screen. The x axis of all charts is the same.
 import { ChartChoice } from "./chart_choice.js";
 import { ChartPlot, lastUntil } from "./chart_plot.js";
+import { isDistance } from "./chart_scales.js";
 
 const INITIAL = 3; // number of charts shown initially
 const POINTS = 1600; // of a request: a few per pixel
@@ -11,7 +12,7 @@ const ZOOM_MIN_S = 0.5;
 
 export class Charts {
   constructor(root, data, memory) {
-    Object.assign(this, { data, memory, marked: null, trial: 0, zoomed: null, plots: [], onSeek: () => {}, onLoad: () => {} });
+    Object.assign(this, { data, memory, marked: null, moments: { losses: [], touches: [] }, trial: 0, zoomed: null, plots: [], onSeek: () => {}, onLoad: () => {} });
     this.box = root.querySelector("[data-charts]");
     this.whole = { t: [], values: {} };
     this.detail = null; // the same over the zoomed range
@@ -21,14 +22,28 @@ export class Charts {
     this.chosen = memory.get("charts", []).filter(known);
     if (!this.chosen.length) this.chosen = this.presets(data.charts[0]?.unit);
     this.choice = new ChartChoice(root, data, this);
+    const units = new Set(data.charts.map(({ unit }) => unit));
+    const choice = root.querySelector("[data-units]");
+    if (choice) choice.hidden = !this.units.every(({ value }) => units.has(value));
     for (const input of this.units) {
       input.checked = this.chosen.some(({ unit }) => unit === input.value) || (input.checked && this.units[0] === input);
       input.addEventListener("change", () => this.choose(this.presets(input.value)));
     }
     this.rangeSelect?.addEventListener("change", () => this.zoomAround(Number(this.rangeSelect.value)));
+    this.offerLogarithmic(root.querySelector("[data-log-axis]"));
     this.build();
     document.addEventListener("themechange", () => this.build());
     new ResizeObserver(() => this.plots.forEach((plot) => plot.resize())).observe(this.box);
+  }
+
+  offerLogarithmic(box) {
+    box.checked = this.logarithmic = this.memory.get("logarithmic", false);
+    box.closest("label").hidden = !this.data.charts.some(isDistance);
+    box.addEventListener("change", () => {
+      this.logarithmic = box.checked;
+      this.memory.set("logarithmic", box.checked);
+      this.build();
+    });
   }
 
   presets(unit) {
@@ -162,6 +177,16 @@ export class Charts {
   draw() {
     const { t, values } = this.zoomed && this.detail ? this.detail : this.whole;
     for (const plot of this.plots) plot.show(t, values);
+  }
+
+  // moments: losses and touches of the trial [s]
+  setMoments(moments) {
+    this.moments = moments;
+    this.draw();
+  }
+
+  marks() {
+    return this.moments;
   }
 
   mark(t) {

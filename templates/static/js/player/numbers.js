@@ -9,7 +9,6 @@ function number(value, digits, unit) {
 
 // Where the water flows to, as a compass course.
 function current({ current_x: north, current_y: east }) {
-  if (north == null || east == null) return "–"; // a log without it
   const speed = Math.hypot(north, east);
   if (!Number.isFinite(speed)) return "–";
   if (speed < 0.005) return "none";
@@ -18,36 +17,44 @@ function current({ current_x: north, current_y: east }) {
 }
 
 function tracker({ tracker_ok: ok, tracker_error: error }) {
-  if (ok == null) return "–"; // a log without corners
   return ok === 1 ? `error ${number(error, 1, "px")}` : "lost the target";
 }
 
+// Label, a column that it needs, text.
 const SHOWN = [
-  ["Distance to station", (row) => number(row.distance, 3, "m")],
-  ["Target from centre", (row) => number(row.distance_px, 1, "px")],
-  ["Tracker", tracker],
-  ["Current", current],
-  ["Depth", (row) => number(row.z, 2, "m")],
-  ["Heading", (row) => number(((row.yaw * DEGREES) % 360 + 360) % 360, 1, "°")],
+  ["Distance to station", "distance", (row) => number(row.distance, 3, "m")],
+  ["Target from centre", "tracker_ok", (row) => number(row.distance_px, 1, "px")],
+  ["Tracker", "tracker_ok", tracker],
+  ["Current", "current_x", current],
+  ["Depth", "z", (row) => number(row.z, 2, "m")],
+  ["Heading", "yaw", (row) => number(((row.yaw * DEGREES) % 360 + 360) % 360, 1, "°")],
 ];
 
 export class Numbers {
-  constructor(list) {
-    this.values = SHOWN.map(([label, text]) => {
+  // columns: those that the run has; a log of a mission may lack some
+  constructor(list, columns) {
+    const has = (wanted) => columns.some(({ name }) => name === wanted);
+    this.shown = SHOWN.filter(([, column]) => has(column));
+    this.values = this.shown.map(([label]) => {
       const pair = document.createElement("div");
       const name = document.createElement("dt");
       const value = document.createElement("dd");
       name.textContent = label;
       pair.append(name, value);
       list.append(pair);
-      return { value, text };
+      return value;
     });
   }
 
+  // [[label, text], ...] of a row; null before there is one.
+  lines(row) {
+    return this.shown.map(([label, , text]) => [label, row ? text(row) : "–"]);
+  }
+
   show(row) {
-    for (const { value, text } of this.values) {
-      const now = row ? text(row) : "–";
-      if (value.textContent !== now) value.textContent = now;
-    }
+    this.lines(row).forEach(([, text], index) => {
+      const value = this.values[index];
+      if (value.textContent !== text) value.textContent = text;
+    });
   }
 }

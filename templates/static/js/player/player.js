@@ -3,7 +3,11 @@ import { Bar } from "./bar.js";
 import { Camera } from "./camera.js";
 import { Charts } from "./charts.js";
 import { ChartTable } from "./chart_table.js";
+import { FullScreen } from "./full_screen.js";
+import { Layout } from "./layout.js";
+import { Marks } from "./marks.js";
 import { Memory } from "./memory.js";
+import { Menu } from "./menu.js";
 import { Numbers } from "./numbers.js";
 import { paced } from "./paced.js";
 import { Playhead } from "./playhead.js";
@@ -21,13 +25,20 @@ export class Player {
     this.rows = new Rows(data.api, rowColumns(data.columns));
     this.charts = new Charts(root, data, this.memory);
     this.camera = new Camera(root, { api: data.api, step: data.step_s });
-    this.numbers = new Numbers(root.querySelector("[data-numbers]"));
+    this.layout = new Layout(root);
+    this.fullScreen = new FullScreen(root);
+    this.numbers = new Numbers(root.querySelector("[data-numbers]"), data.columns);
     this.scene = new SceneBox(root.querySelector("[data-scene]"), data, this.memory);
+    this.marks = new Marks(root.querySelector("[data-marks]"), root.querySelector("[data-mark-legend]"), { api: data.api, duration: data.trial_s });
+    this.marks.onChange = (moments) => this.charts.setMoments(moments);
     const table = root.querySelector("[data-chart-table]");
     this.table = new ChartTable(table, this.charts);
-    this.bar = new Bar(root.querySelector("[data-bar]"), this.playhead, {
+    const bar = root.querySelector("[data-bar]");
+    this.menu = new Menu(bar, this, { name: `seamark-run-${data.id}`, tell: (sentence) => this.bar.tell(sentence) });
+    this.bar = new Bar(bar, this.playhead, {
+      keys: { ...this.menu.keys, ...this.scene.keys },
       levelLength: data.level_s, step: data.step_s,
-      levelText: (row) => this.levelText(row), moments: () => this.moments(),
+      levelText: (row) => this.levelText(row), moments: () => this.marks.load(this.playhead.trial), fullScreen: this.fullScreen,
     });
     this.write = paced(() => {
       this.bar.show(this.playhead, this.row);
@@ -65,6 +76,7 @@ export class Player {
   moved(what) {
     this.memory.set("playhead", this.playhead.state());
     this.rows.want(this.playhead);
+    this.marks.want(this.playhead);
     if (what === "mode") {
       this.charts.setTrial(this.playhead.trial);
       this.bar.show(this.playhead, this.row);
@@ -97,9 +109,13 @@ export class Player {
     return names.length ? `level ${row.level}: ${names[row.level]}` : `${level.label.toLowerCase()} ${levels[row.level]} ${level.unit}`.trimEnd();
   }
 
-  async moments() {
-    const response = await fetch(`${this.data.api}/moments.json?trial=${this.playhead.trial}`);
-    return response.ok ? response.json() : null;
+  // The moment in words and numbers, for pictures and clips.
+  describe() {
+    const { data, playhead, row } = this;
+    return {
+      numbers: this.numbers.lines(row), clock: this.bar.timeText(playhead.t, row), share: playhead.t / playhead.duration,
+      title: `Seamark run ${data.id}, ${data.benchmark}`,
+    };
   }
 
   // Rows of the trial that is shown have arrived by the event stream.
@@ -120,12 +136,13 @@ export class Player {
   clear() {
     this.rows.clear();
     this.charts.clear();
+    this.marks.clear();
     this.playhead.newest = 0;
     this.playhead.moveTo(0);
   }
 
   async ended() {
     this.playhead.end();
-    await this.charts.load();
+    await Promise.all([this.charts.load(), this.marks.load(this.playhead.trial)]);
   }
 }

@@ -2,12 +2,13 @@
 // so where there is no WebGL.
 import { paced } from "./paced.js";
 
-const MODES = ["follow", "target", "top", "camera"];
+const MODES = ["all", "follow", "target", "top", "camera", "free"];
 const WATER_MAX = 40; // scenes of levels kept
 
 export class SceneBox {
-  constructor(box, data, memory) {
-    Object.assign(this, { box, data, memory, scenes: new Map() });
+  // data: {api, colour} of the run that is followed; ghosts: the same of other runs that are shown with it
+  constructor(box, data, memory, ghosts = []) {
+    Object.assign(this, { box, data, memory, ghosts, scenes: new Map(), onDraw: () => {} });
     this.stage = box.querySelector("[data-stage]");
     this.note = box.querySelector("[data-scene-note]");
     this.pose = box.querySelector("[data-pose]");
@@ -55,7 +56,7 @@ export class SceneBox {
     this.view = view;
     Object.assign(view.canvas, { tabIndex: 0 });
     view.canvas.setAttribute("role", "img");
-    view.canvas.setAttribute("aria-label", "3-D scene of the vehicle above the target. Arrow keys turn the view, with Shift they move it, plus and minus zoom.");
+    view.canvas.setAttribute("aria-label", "3-D scene of the vehicle above the target. Arrow keys turn the view, with Shift they move it, plus and minus zoom. In the free view W, A, S, D, Q and E fly.");
     if (this.last) this.show(...this.last);
   }
 
@@ -68,7 +69,7 @@ export class SceneBox {
   setFog() {
     if (!this.fog) return;
     this.memory.set("fog", this.fog.checked);
-    this.view?.setFog(this.fog.checked);
+    this.view?.setTurbid(this.fog.checked);
   }
 
   move(how) {
@@ -76,19 +77,24 @@ export class SceneBox {
     if (!cameras) return;
     if (how === "in") cameras.zoom(0.8);
     else if (how === "out") cameras.zoom(1.25);
-    else cameras.setMode(this.mode);
+    else {
+      cameras.place();
+      if (this.view.last) this.view.show(this.view.last, 0);
+    }
     this.view.request();
   }
 
-  // found: {row, next, share} of the playhead; trail: () => the rows before it
-  show(playhead, found, trail) {
-    this.last = [playhead, found, trail];
+  // found: {row, next, share} of the playhead; trail: () => the rows before it; ghosts: of each other run
+  // {found, trail}, or null where it has no telemetry
+  show(playhead, found, trail, ghosts = []) {
+    this.last = [playhead, found, trail, ghosts];
     if (!this.view) return;
     const { trial, t } = playhead;
     this.useScene(trial, found.row.level ?? 0);
     const seconds = this.shownAt?.trial === trial ? Math.min(Math.max(t - this.shownAt.t, 0), 2) : 0;
     this.shownAt = { trial, t };
-    this.view.show({ pose: poseBetween(found), row: found.row, trail: trail(), seconds });
+    const moments = [{ found, trail }, ...ghosts];
+    this.view.show(moments.map((moment) => moment && { pose: poseBetween(moment.found), row: moment.found.row, trail: moment.trail() }), seconds);
   }
 
   // The scene of a level is requested once; until it has arrived the last one stays.
@@ -97,27 +103,44 @@ export class SceneBox {
     if (this.sceneKey === key) return;
     this.sceneKey = key;
     const query = `trial=${trial}&level=${level}`;
-    if (!this.scenes.has(key)) {
-      const response = await fetch(`${this.data.api}/scene.json?${query}`);
-      if (!response.ok) return;
-      if (this.scenes.size >= WATER_MAX) this.scenes.clear();
-      this.scenes.set(key, await response.json());
-    }
-    if (this.sceneKey !== key) return;
-    const scene = this.scenes.get(key);
+    const scene = await this.fetchScene(this.data.api, query);
+    if (this.sceneKey !== key || !scene) return;
+    this.waterKey = key;
     const solid = JSON.stringify([trial, scene.vehicle, scene.target, scene.seabed]);
-    if (solid === this.solid) this.view.setWater(scene.water);
-    else {
-      this.solid = solid;
-      const texture = (part) => `${this.data.api}/texture.jpg?part=${part}&${query}`;
-      this.view.describe({ ...scene }, { seabed: texture("seabed"), target: texture("target") });
-      this.view.setMode(this.mode);
-      this.setFog();
+    if (solid === this.solid) {
+      this.view.setWater(scene.water, scene.light);
+      return;
     }
+    const others = await Promise.all(this.ghosts.map(({ api }) => this.fetchScene(api, `trial=${trial}&level=0`)));
+    if (this.sceneKey !== key) return;
+    this.solid = solid;
+    const vehicles = [this.data, ...this.ghosts].map(({ colour }, index) => ({ colour, shape: (index ? others[index - 1] : scene)?.vehicle ?? null }));
+    const texture = (part) => `${this.data.api}/texture.jpg?part=${part}&${query}`;
+    this.view.describe({ ...scene, vehicles }, { seabed: texture("seabed"), target: texture("target") });
+    this.view.setMode(this.mode);
+    this.setFog();
   }
 
-  drawn({ scale }) {
+  async fetchScene(api, query) {
+    const address = `${api}/scene.json?${query}`;
+    if (!this.scenes.has(address)) {
+      const response = await fetch(address);
+      if (!response.ok) return null;
+      if (this.scenes.size >= WATER_MAX) this.scenes.clear();
+      this.scenes.set(address, await response.json());
+    }
+    return this.scenes.get(address);
+  }
+
+  // A key for each view, in their order on the page.
+  get keys() {
+    return Object.fromEntries(this.radios.map((radio, index) => [String(index + 1), () => radio.click()]));
+  }
+
+  drawn({ canvas, pace: { scale } }) {
+    this.onDraw(canvas);
     this.writePose();
+    this.stage.dataset.water = this.waterKey;
     this.stage.dataset.scale = scale.toFixed(2);
     this.stage.dataset.pictures = String(Number(this.stage.dataset.pictures ?? 0) + 1);
   }

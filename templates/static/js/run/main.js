@@ -20,8 +20,9 @@ function newEstimate() {
 // A state that was published knows only that the run waits; one that was read says also how long and why.
 function showQueue({ position, estimate_s: left, why_waiting: why }) {
   if (!position) return;
-  const expected = typeof left === "number" ? `, expected to finish in about ${about(left)}` : "";
-  part("state-sentence").textContent = `Position ${position} in the queue${expected}. ${why ?? ""}`.trim();
+  const place = position === 1 ? "next" : `number ${position}`;
+  const expected = typeof left === "number" ? ` It should end in about ${about(left)}.` : "";
+  part("state-sentence").textContent = `This run is ${place} in the queue.${expected} ${why ?? ""}`.trim();
 }
 
 function showState(state) {
@@ -76,6 +77,7 @@ async function refresh(only = null) {
     const next = fresh.querySelector(`[data-part="${old.dataset.part}"]`);
     if (next) old.replaceChildren(...next.childNodes);
   }
+  player.layout.unfold();
   document.title = fresh.title;
   if (!only) estimate = newEstimate();
   showEndOfLog();

@@ -49,7 +49,8 @@ function showNotice(form, key) {
   notice.className = "notice";
   notice.setAttribute("role", "status");
   const sentence = document.createElement("p");
-  sentence.textContent = "Your previous input has been restored. Files have to be chosen again. ";
+  const files = form.querySelector("input[type=file]") ? "Files have to be chosen again. " : "";
+  sentence.textContent = `Your previous input has been restored. ${files}`;
   const discard = document.createElement("button");
   discard.type = "button";
   discard.className = "button small";

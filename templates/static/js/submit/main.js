@@ -5,7 +5,7 @@ import { startDraft } from "./draft.js";
 import { startEditor } from "./editor.js";
 import { startParameters } from "./parameters.js";
 import { Settings } from "./settings.js";
-import { startSweep } from "./sweep.js";
+import { startSweep, sweepRuns } from "./sweep.js";
 import { startUpload } from "./upload.js";
 
 const SENDING_MS = 4000; // for which a second click on the button is ignored
@@ -26,10 +26,22 @@ function showKind() {
     note.querySelector("[data-ranked-unused]").textContent = titles.length === 0 ? ""
       : `Your change${titles.length === 1 ? "" : "s"} of ${titles.join(", ")} will not be used.`;
   }
-  form.querySelector("[data-submit-label]").textContent = ranked ? "Start ranked run" : "Start run";
+  const runs = sweepRuns(form);
+  form.querySelector("[data-submit-label]").textContent = ranked ? "Start ranked run"
+    : runs > 1 ? `Start ${runs} runs` : "Start run";
   const solution = form.querySelector("[name=controller]:checked")?.nextElementSibling.textContent ?? "";
   const parts = [solution, ranked ? "ranked" : "practice", settings.summary()];
   form.querySelector("[data-summary]").textContent = parts.filter(Boolean).join(" · ");
+}
+
+// Says in the form of an assignment that nobody has changed the program in the editor yet.
+function showStarterNote() {
+  const note = form.querySelector("[data-starter-note]");
+  const { controller, source, language, program_text: text } = form.elements;
+  if (!note || !text) return;
+  const starter = form.querySelector(`[data-program-template="${CSS.escape(language.value)}"]`);
+  note.hidden = controller.value !== "upload" || source.value !== "editor"
+    || text.value.trim() !== starter?.content.textContent.trim();
 }
 
 function download(name) {
@@ -44,11 +56,13 @@ function download(name) {
 form.addEventListener("input", () => {
   settings.update();
   showKind();
+  showStarterNote();
 });
 form.addEventListener("change", (event) => {
   if (event.target.name in settings.presets) settings.applyPresets();
   else settings.update();
   showKind();
+  showStarterNote();
 });
 form.addEventListener("submit", (event) => {
   const button = form.querySelector("button[type=submit]");
@@ -84,4 +98,6 @@ startCheck(form, settings, editor);
 startUpload(form);
 startSweep(form);
 startParameters(form, form.dataset.benchmark, programFile);
+showKind();
+showStarterNote();
 document.getElementById("problems")?.focus();

@@ -30,6 +30,7 @@ export class Settings {
     this.defaults = json("defaults");
     this.presets = json("presets");
     this.points = json("starting-points");
+    this.fixed = json("fixed"); // by the assignment; its fields are there, hidden, for the conditions of others
     this.groups = [...form.querySelectorAll("details.group")];
     form.classList.add("brief");
     for (const button of form.querySelectorAll("[data-more]")) {
@@ -97,7 +98,7 @@ export class Settings {
     }
     for (const section of this.form.querySelectorAll("details.advanced, details.group")) {
       const count = section.querySelectorAll("[data-field]:not([hidden])").length;
-      section.hidden = count === 0 || (section.dataset.role === "scenario" && this.ranked);
+      section.hidden = count === 0 || this.isUnused(section);
       if (section.classList.contains("advanced")) section.querySelector("[data-count]").textContent = count;
     }
   }
@@ -106,12 +107,14 @@ export class Settings {
     return this.form.elements.kind.value === "ranked";
   }
 
-  // Ranked runs have the benchmark's own scenario, so its settings are neither shown nor sent.
+  // Ranked runs have the benchmark's own scenario, and assignments fix it: those settings are
+  // neither shown nor sent.
+  isUnused(section) {
+    return "locked" in section.dataset || (this.ranked && section.dataset.role === "scenario");
+  }
+
   update() {
-    for (const group of this.groups) {
-      const unused = this.ranked && group.dataset.role === "scenario";
-      group.querySelector("fieldset").disabled = unused;
-    }
+    for (const group of this.groups) group.querySelector("fieldset").disabled = this.isUnused(group);
     this.showApplicable();
     for (const input of this.inputs) {
       document.getElementById(`${input.name}-label`)?.classList.toggle("changed", this.differs(input));
@@ -185,16 +188,18 @@ export class Settings {
 
   reset() {
     for (const input of this.inputs) {
-      if (input.name in this.presets) setValue(input, textOf(this.defaults[input.name]));
+      if (input.name in this.presets && !(input.name in this.fixed)) setValue(input, textOf(this.defaults[input.name]));
     }
     this.applyPresets({ keepValues: true });
-    for (const input of this.inputs) setValue(input, input.dataset.default);
+    for (const input of this.inputs) {
+      if (!(input.name in this.fixed)) setValue(input, input.dataset.default);
+    }
     this.update();
     this.fold();
   }
 
   configuration() {
-    const values = {};
+    const values = { ...this.fixed };
     for (const input of this.inputs) {
       if (input.matches(":disabled")) continue;
       const text = valueOf(input).trim();

@@ -6,17 +6,27 @@ function countOf(text) {
   return text.split(",").filter((part) => part.trim()).length;
 }
 
+function rowsOf(form) {
+  return [0, 1].map((index) => ({
+    name: form.elements[`sweep-${index}-name`], values: form.elements[`sweep-${index}-values`],
+  }));
+}
+
+// Returns how many runs the form starts as a sweep, 0 if it is none.
+export function sweepRuns(form) {
+  const used = rowsOf(form).filter(({ name, values }) => name && !name.disabled && name.value && values.value.trim());
+  return used.length ? used.reduce((product, { values }) => product * countOf(values.value), 1) : 0;
+}
+
 export function startSweep(form) {
   const box = form.querySelector("[data-sweep]");
   if (!box) return;
-  const rows = [0, 1].map((index) => ({
-    name: form.elements[`sweep-${index}-name`], values: form.elements[`sweep-${index}-values`],
-  }));
+  const rows = rowsOf(form);
 
   function showCount() {
-    const used = rows.filter(({ name, values }) => name.value && values.value.trim());
-    const count = used.reduce((product, { values }) => product * countOf(values.value), 1);
-    box.querySelector("[data-sweep-count]").textContent = used.length ? `This sweep has ${count} runs.` : "";
+    const count = sweepRuns(form);
+    const text = count > Number(box.dataset.sweep) ? `This sweep has ${count} runs, which are too many.` : `This sweep has ${count} runs.`;
+    box.querySelector("[data-sweep-count]").textContent = count ? text : "";
   }
 
   function showParameters() {

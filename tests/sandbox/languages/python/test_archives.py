@@ -9,6 +9,7 @@ from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.limits import Limits
 from seamark.sandbox.outcome import ProgramEnded, Verdict
 from seamark.server.programs.archives import normal_form
+from tests.hostile.uploads.archives import damaged, zipped
 
 pytestmark = pytest.mark.host
 
@@ -85,6 +86,13 @@ def test_a_syntax_error_in_a_module_is_shown_with_its_line(box: Box) -> None:
 
 def test_an_invalid_archive_ends_with_an_explanation(box: Box) -> None:
     outcome = end_of(box, b"PK\x03\x04" + bytes(100)).outcome
+
+    assert outcome.verdict is Verdict.COMPILE_ERROR
+    assert "cannot be unpacked" in outcome.sentence
+
+
+def test_an_archive_with_damaged_compressed_data_ends_with_an_explanation(box: Box) -> None:
+    outcome = end_of(box, zipped(damaged(b"main.py"))).outcome
 
     assert outcome.verdict is Verdict.COMPILE_ERROR
     assert "cannot be unpacked" in outcome.sentence

@@ -8,6 +8,7 @@ import orjson
 import pytest
 from websockets.sync.client import ClientConnection, connect
 
+from seamark.bridge.rosbridge.axes import Axes
 from seamark.bridge.rosbridge.lock_step import LockStep, Rules
 from seamark.bridge.rosbridge.program import Bridge, RosProgram, opened
 from seamark.bridge.rosbridge.server import TcpAddress
@@ -82,13 +83,13 @@ Open = Callable[..., Bridged]
 
 @pytest.fixture
 def open_bridge() -> Iterator[Open]:
-    """Open a bridge: `open_bridge(answer_within_s=1.0)`."""
+    """Open a bridge: `open_bridge(answer_within_s=1.0, axes=Axes.ENU)`."""
     with ExitStack() as stack:
 
-        def start(*, answer_within_s: float = 30.0, **rules: Any) -> Bridged:
+        def start(*, answer_within_s: float = 30.0, axes: Axes = Axes.NED, **rules: Any) -> Bridged:
             lock_step = LockStep(Rules(answer_s=answer_within_s, **rules))
             address = TcpAddress("127.0.0.1", 0)
-            opening = opened(lock_step, address, say=lambda _sentence: None)
+            opening = opened(lock_step, address, say=lambda _sentence: None, axes=axes)
             return Bridged(stack.enter_context(opening), stack)
 
         yield start

@@ -8,6 +8,7 @@ import orjson
 import pytest
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
+from seamark.bridge.rosbridge.axes import Axes
 from seamark.bridge.rosbridge.protocol import Publish, Refused, read, read_reference
 from seamark.bridge.rosbridge.server import MOST_CLIENTS
 from seamark.bridge.rosbridge.topics import REFERENCES, TOPICS
@@ -48,7 +49,7 @@ def test_what_is_no_operation_is_refused_with_its_reason(message: str | bytes, r
 )
 def test_what_is_no_velocity_is_refused(message: dict[str, Any]) -> None:
     with pytest.raises(Refused, match="/cmd_vel"):
-        read_reference(Publish(op="publish", topic="/cmd_vel", msg=message))
+        read_reference(Publish(op="publish", topic="/cmd_vel", msg=message), Axes.NED)
 
 
 def test_a_reference_keeps_every_bit_and_unset_fields_are_zero() -> None:
@@ -57,7 +58,7 @@ def test_a_reference_keeps_every_bit_and_unset_fields_are_zero() -> None:
         text = orjson.dumps({"op": "publish", "topic": "cmd_vel", "msg": message}).decode()
         publication = read(text)
         assert isinstance(publication, Publish)
-        assert read_reference(publication) == ((0.1 + 0.2, -5e-324, 0.0, 1 / 3), None)
+        assert read_reference(publication, Axes.NED) == ((0.1 + 0.2, -5e-324, 0.0, 1 / 3), None)
 
 
 def test_a_refused_message_is_answered_and_the_run_goes_on(open_bridge: Open) -> None:

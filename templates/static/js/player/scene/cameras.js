@@ -1,12 +1,18 @@
-// How one looks at the scene: around the vehicle, around the target, from above, or through the vehicle's
-// camera. Mouse and touch by OrbitControls; the keys below move the view without either.
+// How one looks at the scene: around the vehicle, around the target, from above, through the vehicle's camera, from
+// so far away that all vehicles are in the picture, or flying freely. Mouse and touch by OrbitControls; the keys
+// below move the view without either.
 import { Matrix4, OrbitControls, PerspectiveCamera, Quaternion, Vector3 } from "../../../vendor/three/three.min.js";
 
-export const MODES = { follow: "Follow", target: "Target", top: "Top", camera: "On board" };
 const TURN = 0.12; // [rad] per key
 const STEP_M = 0.25; // per key
 const ZOOM = 1.15; // per key
+const FLY_M_S = 1.6;
+const FAST = 4; // times as fast with Shift
+const FLY_STEP_S = 0.12; // of flight for a key that is only touched
+// right, up and ahead for each key that flies
+const FLY = { w: [0, 0, 1], s: [0, 0, -1], a: [-1, 0, 0], d: [1, 0, 0], e: [0, 1, 0], q: [0, -1, 0] };
 const FIELD_OF_VIEW = 48; // [degree] vertical
+const FRAME_M = 0.8; // around the vehicles that are all in the picture
 const TO_SCREEN = (v) => new Vector3(v.y, -v.z, -v.x);
 // From the axes of a three.js camera (x right, y up, -z ahead) to the body (x forward, y starboard, z down).
 const LOOK_DOWN = new Quaternion().setFromRotationMatrix(new Matrix4().set(0, 1, 0, 0, 1, 0, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1));
@@ -17,22 +23,22 @@ export class Cameras {
     this.camera = new PerspectiveCamera(FIELD_OF_VIEW, 4 / 3, 0.05, 80);
     this.camera.position.set(3.2, 1.4, 3.6);
     this.controls = new OrbitControls(this.camera, canvas);
-    Object.assign(this.controls, { minDistance: 0.6, maxDistance: 25, maxPolarAngle: Math.PI * 0.55 });
     this.controls.addEventListener("change", onChange);
     this.onChange = onChange;
     this.centre = new Vector3();
+    this.canvas = canvas;
+    this.flying = new Set();
     canvas.addEventListener("keydown", (event) => this.onKey(event));
-    canvas.style.touchAction = "pan-y"; // one finger up or down scrolls the page
+    canvas.addEventListener("keyup", (event) => this.flying.delete(event.key.toLowerCase()));
+    canvas.addEventListener("blur", () => this.flying.clear());
   }
 
-  describe({ target, camera, vehicle }) {
+  describe({ target, camera, vehicles }) {
     this.target = TO_SCREEN(new Vector3(...target.centre));
     this.optics = camera;
-    const length = Math.max(...(vehicle?.hull ?? []).map(({ size }) => size[0]), 0);
+    const length = Math.max(...(vehicles[0].shape?.hull ?? []).map(({ size }) => size[0]), 0);
     this.near = length > 1 ? 1 : 0.62; // a small vehicle is looked at from nearby
-    if (this.placed) return;
-    this.placed = true;
-    this.setMode(this.mode);
+    if (!this.placed) this.setMode(this.mode);
   }
 
   // Keeps the view relative to the vehicle.
@@ -47,15 +53,49 @@ export class Cameras {
     this.centre.copy(now);
   }
 
+  // Moves back or closer, without turning, until the target and vehicles at these positions are in the picture.
+  frame(positions) {
+    const points = [...positions.map(TO_SCREEN), this.target];
+    const [low, high] = ["min", "max"].map((end) => points.reduce((found, point) => found.clone()[end](point)));
+    const centre = low.add(high).multiplyScalar(0.5);
+    const back = this.camera.position.clone().sub(this.controls.target).normalize();
+    const right = new Vector3(0, 1, 0).cross(back).normalize();
+    const up = back.clone().cross(right);
+    const tangent = Math.tan((this.camera.fov * Math.PI) / 360);
+    const away = points.map((point) => {
+      const from = point.clone().sub(centre);
+      const across = (Math.abs(from.dot(right)) + FRAME_M) / this.camera.aspect;
+      return from.dot(back) + Math.max(across, Math.abs(from.dot(up)) + FRAME_M) / tangent;
+    });
+    this.controls.target.copy(centre);
+    this.camera.position.copy(centre).addScaledVector(back, Math.max(...away));
+  }
+
+  // Flying starts from where one looks now.
   setMode(mode) {
+    const stays = mode === "free" && this.placed && this.mode !== "camera";
+    const free = mode === "free";
     this.mode = mode;
-    this.controls.enabled = mode !== "camera";
+    this.flying.clear();
+    Object.assign(this.controls, {
+      enabled: mode !== "camera", enableZoom: mode !== "all",
+      minDistance: free ? 0.2 : 0.6, maxDistance: free || mode === "all" ? 60 : 25, maxPolarAngle: Math.PI * (free ? 0.95 : 0.55),
+    });
+    // OrbitControls takes every touch; otherwise one finger up or down scrolls the page.
+    this.canvas.style.touchAction = free ? "none" : "pan-y";
+    if (!stays) this.place();
+    this.placed = Boolean(this.vehicle);
+    this.resize(this.width, this.height);
+  }
+
+  // Takes the view that the mode begins with.
+  place() {
+    const { mode } = this;
     const centre = mode === "target" && this.target ? this.target : this.centre;
     const offset = mode === "top" ? new Vector3(0, 7, 0.01) : new Vector3(2.7, 1.5, 3.1).multiplyScalar(this.near ?? 1);
     this.controls.target.copy(centre);
     if (mode === "follow") this.controls.target.y -= 0.8; // towards the target
     this.camera.position.copy(centre).add(offset);
-    this.resize(this.width, this.height);
   }
 
   resize(width, height) {
@@ -79,16 +119,30 @@ export class Cameras {
       this.camera.position.copy(TO_SCREEN(eye));
       const world = new Quaternion().setFromRotationMatrix(new Matrix4().set(0, 1, 0, 0, 0, 0, -1, 0, -1, 0, 0, 0, 0, 0, 0, 1));
       this.camera.quaternion.copy(world.multiply(quaternion).multiply(LOOK_DOWN));
-    } else this.controls.update();
+    } else {
+      this.fly();
+      this.controls.update();
+    }
     return this.camera;
+  }
+
+  // Moves on by the keys that are held.
+  fly() {
+    const now = performance.now();
+    const seconds = Math.min((now - (this.flown ?? now)) / 1000, 0.2);
+    this.flown = this.flying.size ? now : undefined;
+    for (const key of this.flying) this.move(FLY[key], seconds * FLY_M_S * (this.fast ? FAST : 1));
+    if (this.flying.size) this.onChange();
   }
 
   onKey(event) {
     if (event.ctrlKey || event.metaKey || event.altKey || this.mode === "camera") return;
+    if (this.mode === "free" && this.onFlyKey(event)) return;
     const turns = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
     if (event.key in turns) {
       const [across, down] = turns[event.key];
-      if (event.shiftKey) this.pan(across, down);
+      if (event.shiftKey) this.move([across, -down, 0], STEP_M);
+      else if (this.mode === "free") this.look(across * TURN, down * TURN);
       else this.turn(across * TURN, down * TURN);
     } else if (event.key === "+" || event.key === "=") this.zoom(1 / ZOOM);
     else if (event.key === "-") this.zoom(ZOOM);
@@ -107,10 +161,35 @@ export class Cameras {
     this.camera.position.copy(this.controls.target).add(offset);
   }
 
-  pan(across, down) {
-    const right = new Vector3().setFromMatrixColumn(this.camera.matrix, 0).multiplyScalar(across * STEP_M);
-    const up = new Vector3().setFromMatrixColumn(this.camera.matrix, 1).multiplyScalar(-down * STEP_M);
-    for (const point of [this.camera.position, this.controls.target]) point.add(right).add(up);
+  // Turns the view about the eye.
+  look(across, down) {
+    const { position } = this.camera;
+    const { target } = this.controls;
+    const ahead = target.clone().sub(position);
+    const length = ahead.length();
+    const azimuth = Math.atan2(ahead.x, ahead.z) - across;
+    const rise = Math.min(Math.max(Math.asin(ahead.y / length) - down, -1.5), 1.5);
+    target.set(Math.cos(rise) * Math.sin(azimuth), Math.sin(rise), Math.cos(rise) * Math.cos(azimuth)).multiplyScalar(length).add(position);
+  }
+
+  // Moves the eye and what it looks at to the right, up and ahead.
+  move([right, up, ahead], metres) {
+    const step = new Vector3();
+    const axis = new Vector3();
+    [right, up, -ahead].forEach((share, column) => step.addScaledVector(axis.setFromMatrixColumn(this.camera.matrix, column), share * metres));
+    for (const point of [this.camera.position, this.controls.target]) point.add(step);
+  }
+
+  onFlyKey(event) {
+    const key = event.key.toLowerCase();
+    if (!(key in FLY)) return false;
+    if (!event.repeat) this.move(FLY[key], FLY_STEP_S * FLY_M_S);
+    this.fast = event.shiftKey;
+    this.flying.add(key);
+    event.preventDefault();
+    event.stopPropagation();
+    this.onChange();
+    return true;
   }
 
   zoom(factor) {

@@ -8,12 +8,6 @@ const SPREAD = [0.8191725134, 0.6710436067, 0.5497004779];
 const CLOUD_M = 7; // side of the box that the drifting particles fill, around the vehicle
 const CURRENT_ARROW = 2; // [m] per m/s
 
-// The water absorbs by the law of Beer and Lambert; three.js has no such fog of its own.
-THREE.ShaderChunk.fog_fragment = THREE.ShaderChunk.fog_fragment.replace(
-  /float fogFactor = 1\.0 - exp\(.*?\);/,
-  "float fogFactor = 1.0 - exp( - fogDensity * vFogDepth );",
-);
-
 function textured(address, ready) {
   const texture = new THREE.TextureLoader().load(address, ready);
   texture.colorSpace = THREE.SRGBColorSpace;
@@ -22,7 +16,7 @@ function textured(address, ready) {
 }
 
 // Columns of the texture lie along north, rows along east, as in the vehicle's camera.
-export function seabed({ depth, tile }, address, ready) {
+export function seabed({ depth, tile }, address, ready, water) {
   const texture = textured(address, ready);
   texture.wrapS = texture.wrapT = THREE.RepeatWrapping;
   texture.minFilter = THREE.LinearMipmapNearestFilter;
@@ -32,29 +26,30 @@ export function seabed({ depth, tile }, address, ready) {
   geometry.setAttribute("position", new THREE.BufferAttribute(new Float32Array(corners.flatMap(([n, e]) => [n, e, depth])), 3));
   geometry.setAttribute("uv", new THREE.BufferAttribute(new Float32Array(corners.flatMap(([n, e]) => [n / tile, e / tile])), 2));
   geometry.setIndex([0, 1, 2, 0, 2, 3]);
-  return new THREE.Mesh(geometry, new THREE.MeshBasicMaterial({ map: texture, side: THREE.DoubleSide }));
+  return new THREE.Mesh(geometry, water.seen(new THREE.MeshBasicMaterial({ map: texture, side: THREE.DoubleSide })));
 }
 
 // The letters are upright for a vehicle with the target's heading.
-export function target({ centre, size, heading }, address, ready) {
+export function target({ centre, size, heading }, address, ready, water) {
   const [length, width, height] = size;
   const group = new THREE.Group();
   group.position.set(...centre);
   group.rotation.z = heading;
-  group.add(new THREE.Mesh(new THREE.BoxGeometry(width, length, height), new THREE.MeshLambertMaterial({ color: 0x1b1f22 })));
+  const sides = water.seen(new THREE.MeshLambertMaterial({ color: 0x1b1f22 }));
+  group.add(new THREE.Mesh(new THREE.BoxGeometry(width, length, height), sides));
   // Body axes: x forward is up as one reads the letters, y starboard is to the right.
   const top = new THREE.BufferGeometry();
   const [up, right, z] = [width / 2, length / 2, -height / 2 - 0.002];
   top.setAttribute("position", new THREE.BufferAttribute(new Float32Array([up, -right, z, up, right, z, -up, right, z, -up, -right, z]), 3));
   top.setAttribute("uv", new THREE.BufferAttribute(new Float32Array([0, 0, 1, 0, 1, 1, 0, 1]), 2));
   top.setIndex([0, 1, 2, 0, 2, 3]);
-  group.add(new THREE.Mesh(top, new THREE.MeshBasicMaterial({ map: textured(address, ready), side: THREE.DoubleSide })));
+  group.add(new THREE.Mesh(top, water.seen(new THREE.MeshBasicMaterial({ map: textured(address, ready), side: THREE.DoubleSide }))));
   return group;
 }
 
 export class CurrentArrow {
   constructor() {
-    const paint = new THREE.MeshBasicMaterial({ color: 0x58d6ff, fog: false });
+    const paint = new THREE.MeshBasicMaterial({ color: 0x58d6ff });
     this.group = new THREE.Group();
     this.shaft = new THREE.Mesh(new THREE.CylinderGeometry(0.025, 0.025, 1, 10), paint);
     this.head = new THREE.Mesh(new THREE.ConeGeometry(0.08, 0.2, 14), paint);
@@ -77,7 +72,7 @@ export class CurrentArrow {
 
 // Particles that drift with the current through a box around the vehicle.
 export class Particles {
-  constructor(depth) {
+  constructor(depth, water) {
     this.depth = depth;
     this.drift = new THREE.Vector3();
     this.start = Array.from({ length: 3 * PARTICLES }, (_, index) => CLOUD_M * ((Math.floor(index / 3) * SPREAD[index % 3]) % 1));
@@ -85,7 +80,7 @@ export class Particles {
     this.positions = new THREE.BufferAttribute(new Float32Array(3 * PARTICLES), 3).setUsage(THREE.DynamicDrawUsage);
     this.geometry.setAttribute("position", this.positions);
     const paint = new THREE.PointsMaterial({ color: 0xd8f0f2, size: 0.035, transparent: true, opacity: 0.75 });
-    this.points = new THREE.Points(this.geometry, paint);
+    this.points = new THREE.Points(this.geometry, water.seen(paint));
     this.points.frustumCulled = false;
   }
 
@@ -109,7 +104,7 @@ export class Trace {
     this.positions = new THREE.BufferAttribute(new Float32Array(3 * points), 3).setUsage(THREE.DynamicDrawUsage);
     const geometry = new THREE.BufferGeometry();
     geometry.setAttribute("position", this.positions);
-    const paint = new THREE.LineBasicMaterial({ color, transparent: opacity < 1, opacity, fog: false });
+    const paint = new THREE.LineBasicMaterial({ color, transparent: opacity < 1, opacity });
     this.line = segments ? new THREE.LineSegments(geometry, paint) : new THREE.Line(geometry, paint);
     this.line.frustumCulled = false;
     this.points = points;

@@ -10,7 +10,7 @@ const SPIN_MAX = 0.7; // [rad] per picture, so that blades do not seem to stand 
 const paint = (color, options = {}) => new THREE.MeshLambertMaterial({ color, ...options });
 const PAINT = {
   yellow: paint(0xf2b61d), dark: paint(0x20262b), metal: paint(0x9fb0ba), blue: paint(0x1668b8),
-  foam: paint(0x2f8fdd), glass: paint(0x0e2a3a), white: paint(0xe9f0f2), arrow: paint(0xff7a1a, { fog: false }),
+  foam: paint(0x2f8fdd), glass: paint(0x0e2a3a), white: paint(0xe9f0f2), arrow: paint(0xff7a1a),
 };
 
 function part(geometry, material, [x, y, z] = [0, 0, 0]) {
@@ -78,6 +78,13 @@ function hullOf(shape) {
   return plain(shape);
 }
 
+// A camera that moves without a vehicle.
+function lone() {
+  const camera = part(new THREE.CylinderGeometry(0.07, 0.07, 0.16, 16), PAINT.dark);
+  camera.rotation.x = Math.PI / 2;
+  return camera;
+}
+
 class Thruster {
   constructor({ position, direction }, radius) {
     this.group = new THREE.Group();
@@ -116,20 +123,30 @@ class Thruster {
   }
 }
 
+const LIVERY = [PAINT.yellow, PAINT.blue, PAINT.foam]; // what a colour of one's own replaces
+const GHOST_OPACITY = 0.55;
+
+// A ghost is of one translucent paint, so that the vehicles behind it can be seen.
+function repaint(group, colour, ghost) {
+  const shine = { emissive: colour ?? 0, emissiveIntensity: 0.6 }; // so that dark water leaves the colour
+  const own = paint(colour ?? 0xbfd3dc, { ...shine, ...(ghost ? { transparent: true, opacity: GHOST_OPACITY } : {}) });
+  group.traverse((mesh) => {
+    if (mesh.material && (ghost || LIVERY.includes(mesh.material))) mesh.material = own;
+  });
+}
+
 export class Vehicle {
-  constructor(shape) {
+  // shape: of scene.json, null if the camera moves alone; colour: CSS, null for its own paint
+  constructor(shape, { colour = null, ghost = false } = {}) {
     this.group = new THREE.Group();
     this.group.rotation.order = "ZYX"; // yaw, then pitch, then roll
     this.max = shape?.thrust_max ?? 1;
-    if (!shape) { // the camera moves alone
-      this.thrusters = [];
-      this.group.add(part(new THREE.CylinderGeometry(0.07, 0.07, 0.16, 16), PAINT.dark));
-      this.group.children[0].rotation.x = Math.PI / 2;
-      return;
-    }
-    const radius = shape.name.startsWith("girona") ? 0.1 : 0.05;
-    this.thrusters = shape.thrusters.map((one) => new Thruster(one, radius));
-    this.group.add(hullOf(shape), ...this.thrusters.map(({ group }) => group));
+    const radius = shape?.name.startsWith("girona") ? 0.1 : 0.05;
+    this.thrusters = (shape?.thrusters ?? []).map((one) => new Thruster(one, radius));
+    this.hull = shape ? hullOf(shape) : lone();
+    this.group.add(this.hull, ...this.thrusters.map(({ group }) => group));
+    if (ghost || colour) repaint(this.group, colour, ghost);
+    if (ghost) for (const { arrow } of this.thrusters) arrow.removeFromParent();
   }
 
   // pose: {x, y, z [m], roll, pitch, yaw [rad]} in the world frame

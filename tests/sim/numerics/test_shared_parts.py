@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from seamark.sim.engine.warm_up import run_parts
+from seamark.sim.numerics.shared_parts import run_parts
 
 
 def test_a_part_that_another_process_is_at_is_loaded_last_and_after_it(tmp_path: Path) -> None:

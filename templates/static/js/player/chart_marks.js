@@ -1,0 +1,67 @@
+// What is drawn into every chart beside its lines: the levels with their names, losses and first touches.
+import { colour } from "./colours.js";
+
+const TICK_PX = 9;
+
+// The plugin of uPlot; owner: levelAt(index), marks() -> {losses, touches}
+export function marksPlugin(data, owner) {
+  return {
+    hooks: {
+      drawAxes: (plot) => drawLevels(plot, data, (index) => owner.levelAt(index)),
+      draw: (plot) => drawMarks(plot, owner.marks()),
+    },
+  };
+}
+
+function drawLevels(plot, data, levelAt) {
+  const { ctx, bbox } = plot;
+  ctx.save();
+  ctx.strokeStyle = colour("--chart-level");
+  ctx.fillStyle = colour("--text-2");
+  ctx.font = `${11 * devicePixelRatio}px system-ui, sans-serif`;
+  ctx.textAlign = "left";
+  ctx.textBaseline = "alphabetic";
+  // In a grid, several levels can share a value, so their names are shown instead.
+  const names = data.names.length ? data.names : data.levels.map(String);
+  const longest = names.reduce((a, b) => (b.length > a.length ? b : a), "");
+  const width = plot.valToPos(data.level_s, "x", true) - plot.valToPos(0, "x", true);
+  const sample = `0.4 ${data.level.unit} `;
+  const fits = !data.names.length && ctx.measureText(sample).width < width;
+  // If there are many levels, only every n-th is labelled so that the labels do not overlap.
+  const every = Math.ceil(ctx.measureText(`${longest}  `).width / width);
+  ctx.setLineDash([4 * devicePixelRatio, 4 * devicePixelRatio]);
+  names.forEach((_name, index) => {
+    const x = Math.round(plot.valToPos(index * data.level_s, "x", true));
+    if (x < bbox.left || x > bbox.left + bbox.width) return;
+    ctx.beginPath();
+    ctx.moveTo(x, bbox.top);
+    ctx.lineTo(x, bbox.top + bbox.height);
+    if (index) ctx.stroke();
+    if (index % every) return;
+    const level = levelAt(index);
+    if (level === null) return;
+    const value = names[level];
+    ctx.fillText(fits ? `${value} ${data.level.unit}` : `${value}`, x + 5 * devicePixelRatio, bbox.top + 12 * devicePixelRatio);
+  });
+  ctx.restore();
+}
+
+// Ticks where the target was lost, triangles where the hull first touched something, at the foot of the chart.
+function drawMarks(plot, { losses, touches }) {
+  const { ctx, bbox } = plot;
+  const foot = bbox.top + bbox.height;
+  const size = TICK_PX * devicePixelRatio;
+  const places = (times) => times.map((t) => plot.valToPos(t, "x", true)).filter((x) => x >= bbox.left && x <= bbox.left + bbox.width);
+  ctx.save();
+  ctx.fillStyle = colour("--bad");
+  for (const x of places(losses)) ctx.fillRect(x - devicePixelRatio, foot - size, 2 * devicePixelRatio, size);
+  ctx.fillStyle = colour("--warn");
+  for (const x of places(touches)) {
+    ctx.beginPath();
+    ctx.moveTo(x, foot - size);
+    ctx.lineTo(x + size / 2, foot);
+    ctx.lineTo(x - size / 2, foot);
+    ctx.fill();
+  }
+  ctx.restore();
+}

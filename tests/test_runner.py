@@ -1,0 +1,55 @@
+"""`./run` beside something else that uses the package manager of the machine."""
+
+import os
+import shutil
+import subprocess
+from pathlib import Path
+
+ROOT = Path(__file__).parents[1]
+TOOLS = ("dirname", "sh", "sed", "seq", "tr", "cat", "grep")
+# Its lists are locked at the first two attempts; then it knows the package.
+APT_GET = """\
+#!/bin/sh
+echo "$*" >> "$CALLS"
+case "$*" in
+    update*)
+        if [ "$(grep -c '^update' "$CALLS")" -le 2 ]; then
+            echo "E: Could not get lock /var/lib/apt/lists/lock. It is held by process 1" >&2
+            exit 100
+        fi
+        ;;
+esac
+"""
+
+
+def _program(folder: Path, name: str, text: str) -> None:
+    (folder / name).write_text(text)
+    (folder / name).chmod(0o755)
+
+
+def test_an_installation_waits_for_another_process_that_has_the_lists_locked(
+    tmp_path: Path,
+) -> None:
+    programs, calls = tmp_path / "bin", tmp_path / "calls"
+    programs.mkdir()
+    for tool in TOOLS:
+        (programs / tool).symlink_to(shutil.which(tool) or "")
+    _program(programs, "apt-get", APT_GET)
+    _program(programs, "id", "#!/bin/sh\necho 0\n")
+    _program(programs, "sleep", "#!/bin/sh\n")
+    for installed in ("g++", "octave-cli"):
+        _program(programs, installed, "#!/bin/sh\n")
+
+    ended = subprocess.run(
+        [str(ROOT / "run"), "languages"],
+        env={"PATH": str(programs), "CALLS": str(calls)} | {"HOME": os.environ["HOME"]},
+        capture_output=True,
+        text=True,
+        check=True,
+        timeout=60,
+    )
+
+    done = calls.read_text().splitlines()
+    assert [call for call in done if call.startswith("update")] == ["update -qq"] * 3
+    assert any("install -y" in call and "bubblewrap" in call for call in done)
+    assert ended.stderr.count("waiting for it") == 1
