@@ -5,6 +5,7 @@ With object storage the mark is an object, and the data folder holds only what c
 """
 
 import os
+import tempfile
 from pathlib import Path
 
 from seamark.server import objects
@@ -12,6 +13,7 @@ from seamark.server.settings import Settings
 
 STOP_SHARE = 0.25  # of `free_min_bytes`: below it, running runs stop; the database needs the rest
 RETRY_S = 60
+_PROBE = bytes(64 * 1024)  # more than a file system keeps in its own records
 _AWAY = "The service cannot access its data folder at the moment. Try again later."
 _LOW = (
     "The service has too little free disk space to accept anything new at the moment. Try again "
@@ -58,6 +60,22 @@ def is_away(settings: Settings) -> bool:
     if not os.access(data, os.R_OK | os.W_OK | os.X_OK):
         return True
     return not (mark(data).is_file() if stored is None else stored.answers())
+
+
+def worker_refusal(settings: Settings, *, share: float = 1.0) -> str | None:
+    """Return why a worker cannot store the data of a run, for its log; None if all is well.
+
+    Unlike `refusal` it writes something: a quota of the disk shows only then.
+    """
+    if why := refusal(settings, share=share):
+        return why
+    try:
+        with tempfile.TemporaryFile(dir=workspace(settings), buffering=0) as file:
+            if file.write(_PROBE) == len(_PROBE):
+                return None
+            return "the disk takes only a part of what is written"
+    except OSError as error:
+        return f"nothing can be written: {error.strerror}"
 
 
 def copies(settings: Settings) -> Path:

@@ -152,7 +152,7 @@ class Run(Base):
     finished_at: Mapped[float | None]
     attempt: Mapped[int] = mapped_column(default=0)  # fencing token: incremented by each claim
     failures: Mapped[int] = mapped_column(default=0)  # evaluations that broke
-    interruptions: Mapped[int] = mapped_column(default=0, server_default="0")  # lost workers
+    interruptions: Mapped[int] = mapped_column(default=0, server_default="0")  # lost workers, disks
     worker: Mapped[str | None] = mapped_column(String(255))
     lease_until: Mapped[float | None]
     progress: Mapped[float] = mapped_column(default=0.0)

@@ -5,7 +5,7 @@ fencing token: a worker whose lease has passed to another can no longer write to
 
 An attempt that ends without a result costs the run nothing if its worker was stopped. It fails with
 `platform_error` when its evaluation has broken `attempts_max` times, or when it has lost its worker
-`INTERRUPTIONS_MAX` times: by then it may be the run that takes its workers down.
+or the room for its data `INTERRUPTIONS_MAX` times: by then it may be the run that takes them.
 """
 
 import time
@@ -67,12 +67,12 @@ class AttemptEnd(Enum):
     """Why an attempt ended without a result."""
 
     SHUTDOWN = auto()  # its worker was stopped
-    WORKER_LOST = auto()  # its worker died or was silent, or has lost the data folder
+    WORKER_LOST = auto()  # its worker died or was silent
     EVALUATION_BROKE = auto()  # its simulator crashed or hung
-    STORAGE_FAILED = auto()  # its data could not be stored
+    STORAGE_FAILED = auto()  # the storage was away or full
 
 
-_FAILURES = (AttemptEnd.EVALUATION_BROKE, AttemptEnd.STORAGE_FAILED)
+_INTERRUPTIONS = (AttemptEnd.WORKER_LOST, AttemptEnd.STORAGE_FAILED)
 
 
 @dataclass(frozen=True, slots=True)
@@ -305,8 +305,8 @@ def _requeue_or_fail(
     session: Session, run: Run, end: AttemptEnd, *, settings: Settings
 ) -> RunState | None:
     counts = {
-        "failures": run.failures + (end in _FAILURES),
-        "interruptions": run.interruptions + (end is AttemptEnd.WORKER_LOST),
+        "failures": run.failures + (end is AttemptEnd.EVALUATION_BROKE),
+        "interruptions": run.interruptions + (end in _INTERRUPTIONS),
     }
     # The program at the other end of a connection does not know that its run would start again.
     sentence = _DISCONNECTED if run.controller == connected.ROSBRIDGE else ""

@@ -118,8 +118,6 @@ def take_storage_away(service: Installation, chance: Generator) -> None:
 
 def fill_disk(service: Installation, chance: Generator) -> None:
     """For a while no file of a worker can grow: its writes fail as on a full disk."""
-    if not _none_has_broken(service):
-        return
     pids = service.processes(service.workers[service.ready_worker(chance)].pid, "")
     _end_files_at(pids, 4096)
     time.sleep(chance.uniform(0.1, 3.0))

@@ -20,13 +20,13 @@ from seamark.server.checks.queue import CheckClaim
 from seamark.server.database.engine import Database
 from seamark.server.messaging import broker
 from seamark.server.messaging.shared_meters import SharedMeters
-from seamark.server.programs import store
+from seamark.server.runs.files import StorageFailed
 from seamark.server.settings import Settings
-from seamark.server.storage import StorageUnavailable
 from seamark.worker.evaluation.check import SEED, CheckRecorder
 from seamark.worker.evaluation.job import Job
 from seamark.worker.evaluation.worker_slot import WorkerSlot
 from seamark.worker.ipc.messages import StreamBroken
+from seamark.worker.service.run_upload import program_file
 from seamark.worker.service.shutdown import ShuttingDown, follow_worker
 from seamark.worker.zygote.client import BoxBroken, Simulator, SimulatorBroken
 
@@ -93,7 +93,7 @@ class CheckLoop:
         """Carry out one check; False if there is none."""
         with self._database.reading() as session:
             waiting = queue.waiting(session, languages=self._languages)
-        if not waiting or not self._wait_warm() or storage.refusal(self._settings):
+        if not waiting or not self._wait_warm() or storage.worker_refusal(self._settings):
             return False
         with self._database.writing() as session:
             claim = queue.claim(
@@ -107,12 +107,12 @@ class CheckLoop:
         try:
             with meters.CHECK_SECONDS.time():
                 report = self._report(claim)
-        except (SimulatorBroken, StreamBroken, StorageUnavailable) as broken:
+        except (SimulatorBroken, StreamBroken, StorageFailed) as broken:
             _log.error("check_broken", check=claim.check_id, why=str(broken))
             meters.CHECKS_ENDED.labels("broken").inc()
             meters.BOX_FAILURES.inc(isinstance(broken, BoxBroken))
-            # Without the storage there is no program, and that is not the fault of the check.
-            away = storage.is_away(self._settings)
+            # That the storage is away or full is not the fault of the check.
+            away = isinstance(broken, StorageFailed) or storage.worker_refusal(self._settings)
             self._release(claim, attempts_max=queue.CLAIMS_MAX if away else queue.ATTEMPTS_MAX)
             return not away
         except ShuttingDown:
@@ -137,7 +137,7 @@ class CheckLoop:
             config=claim.config,
             seeds=(SEED,),
             controller="upload",
-            program=store.path(self._settings, claim.program_sha256),
+            program=program_file(self._settings, claim.program_sha256),
             filename=claim.program_name,
             language=claim.language,
             check=True,

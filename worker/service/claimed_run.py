@@ -6,8 +6,8 @@ import structlog
 from sqlalchemy.exc import SQLAlchemyError
 
 from seamark.server.runs import queue
-from seamark.server.runs.queue import AttemptEnd, Claim
-from seamark.worker.service.run_driver import RunContext, evaluate
+from seamark.server.runs.queue import Claim
+from seamark.worker.service.run_driver import RunContext, blame, evaluate
 
 _log = structlog.get_logger()
 
@@ -16,8 +16,9 @@ def evaluate_or_release(context: RunContext, claim: Claim) -> bool:
     """Evaluate a claimed run, and release it if that fails; False if the platform failed."""
     try:
         return evaluate(context, claim)
-    except Exception:
+    except Exception as error:
         _log.exception("run_not_evaluated", run=claim.run_id, attempt=claim.attempt)
+        end = blame(context.settings, error)
     with suppress(SQLAlchemyError), context.database.writing() as session:
-        queue.release(session, claim, AttemptEnd.EVALUATION_BROKE, settings=context.settings)
+        queue.release(session, claim, end, settings=context.settings)
     return False

@@ -84,12 +84,12 @@ def _evaluate(context: RunContext, claim: Claim) -> bool:
         _log.error("configuration_invalid", why=str(error))
         return _fail(context, claim, f"This configuration is no longer valid: {error}")
     try:
-        return _drive(driver)
+        return _drive(context, driver)
     finally:
         driver.close()
 
 
-def _drive(driver: "RunDriver") -> bool:
+def _drive(context: RunContext, driver: "RunDriver") -> bool:
     """Run and store; False if the platform failed."""
     started_at = time.monotonic()
     try:
@@ -110,12 +110,12 @@ def _drive(driver: "RunDriver") -> bool:
     except (SimulatorBroken, StreamBroken) as broken:
         _log.error("simulator_broken", why=str(broken))
         meters.BOX_FAILURES.inc(isinstance(broken, BoxBroken))
-        driver.release(driver.blame(AttemptEnd.EVALUATION_BROKE))
+        driver.release(blame(context.settings, broken))
         return False
     except StorageFailed as failed:
         _log.error("storage_failed", why=str(failed))
         driver.discard()
-        driver.release(driver.blame(AttemptEnd.STORAGE_FAILED))
+        driver.release(AttemptEnd.STORAGE_FAILED)
         return False
     except DATABASE_AWAY as away:  # the lease ends, and the run is repeated
         _log.error("database_away", why=str(away))
@@ -267,11 +267,6 @@ class RunDriver:
         )
         self.store(report)
 
-    def blame(self, end: AttemptEnd) -> AttemptEnd:
-        """Return why the attempt really ended: without the data folder no run has a chance."""
-        away = storage.is_away(self._context.settings)
-        return AttemptEnd.WORKER_LOST if away else end
-
     def release(self, end: AttemptEnd) -> None:
         """Return the run to its position in the queue, or fail it for good."""
         try:
@@ -381,6 +376,14 @@ class RunDriver:
             isolation=self._isolation(),
             error_curve=error_curve(self._files, self._claim.benchmark),
         )
+
+
+def blame(settings: Settings, error: Exception) -> AttemptEnd:
+    """Return why an attempt ended by an error: without the storage no run has a chance."""
+    if isinstance(error, OSError):  # also if the storage is back by now
+        return AttemptEnd.STORAGE_FAILED
+    away = storage.worker_refusal(settings, share=storage.STOP_SHARE)
+    return AttemptEnd.STORAGE_FAILED if away else AttemptEnd.EVALUATION_BROKE
 
 
 def _fail(context: RunContext, claim: Claim, sentence: str) -> bool:

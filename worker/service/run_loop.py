@@ -61,7 +61,7 @@ class RunLoop:
         """Claim and evaluate one run, then make sure that the next one has a ticket."""
         if not self._wait_warm():
             return
-        if why := storage.refusal(self._settings):  # recovery sends tickets again
+        if why := storage.worker_refusal(self._settings):  # recovery sends tickets again
             _log.error("no_claim", worker=self._name, why=why)
             return
         claim = self.claim()

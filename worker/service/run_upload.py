@@ -35,11 +35,14 @@ _log = structlog.get_logger()
 
 
 def program_file(settings: Settings, sha256: str) -> Path:
-    """Return the file of a program; raises StorageFailed if it cannot be fetched."""
+    """Return the file of a program; raises StorageFailed if it is not there."""
     try:
-        return store.path(settings, sha256)
+        file = store.path(settings, sha256)
     except StorageUnavailable as away:
         raise StorageFailed(str(away)) from away
+    if not file.is_file():
+        raise StorageFailed("the file of the program is missing")
+    return file
 
 
 def require_own(session: Session, settings: Settings) -> None:

@@ -117,13 +117,16 @@ def test_a_run_that_loses_its_worker_three_times_still_gets_its_result(both: Bac
     assert (both.show(run_id).state, both.show(run_id).attempt) == (RunState.SUCCEEDED, 5)
 
 
-def test_a_run_that_takes_down_ten_workers_gets_no_eleventh(both: Backend) -> None:
+@pytest.mark.parametrize("end", [AttemptEnd.WORKER_LOST, AttemptEnd.STORAGE_FAILED])
+def test_a_run_that_takes_down_ten_workers_or_fills_ten_disks_gets_no_eleventh(
+    both: Backend, end: AttemptEnd
+) -> None:
     run_id = both.queue("ann")
 
     for _ in range(run_queue.INTERRUPTIONS_MAX - 1):
-        _end_attempt(both, AttemptEnd.WORKER_LOST)
+        _end_attempt(both, end)
     before = both.show(run_id).state
-    _end_attempt(both, AttemptEnd.WORKER_LOST)
+    _end_attempt(both, end)
 
     assert (before, both.show(run_id).state) == (RunState.QUEUED, RunState.FAILED)
     assert both.show(run_id).cause == FailureReason.PLATFORM_ERROR

@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Iterator
+from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -10,17 +11,21 @@ import pytest
 from redis import Redis
 
 from seamark.sandbox.isolation.level import IsolationLevel
+from seamark.server import storage
 from seamark.server.database.tables import Run
 from seamark.server.messaging import broker
 from seamark.server.runs import queue as run_queue
 from seamark.server.runs.files import RunFiles
+from seamark.server.runs.queue import Claim
 from seamark.server.runs.states import RunState
+from seamark.worker.evaluation.job import Job
 from seamark.worker.evaluation.local import evaluate_locally
 from seamark.worker.evaluation.worker_slot import WorkerSlot
+from seamark.worker.service.claimed_run import evaluate_or_release
 from seamark.worker.service.host import Host
 from seamark.worker.service.run_driver import RunContext, evaluate
 from seamark.worker.service.run_loop import RunLoop
-from seamark.worker.zygote.client import Simulator
+from seamark.worker.zygote.client import Simulation, Simulator, SimulatorBroken
 from tests.cast import Backend
 from tests.services.full_disk import files_end_at
 from tests.worker.conftest import SHORT
@@ -53,6 +58,11 @@ def context(backend: Backend, simulator: Simulator) -> Iterator[RunContext]:
     redis.close()
 
 
+class _BrokenSimulator:
+    def begin(self, job: Job) -> Simulation:
+        raise SimulatorBroken("the simulator child died")
+
+
 def _with(context: RunContext, **changes: Any) -> RunContext:
     return replace(context, settings=context.settings.model_copy(update=changes))
 
@@ -75,7 +85,7 @@ def test_a_run_stops_when_the_disk_gets_full_and_is_repeated_when_there_is_space
 
     stopped, files = backend.show(claim.run_id), RunFiles(backend.settings.data, claim.run_id)
     assert (went_well, stopped.state, files.attempts()) == (False, RunState.QUEUED, [])
-    assert _failures(backend, claim.run_id) == 1
+    assert _failures(backend, claim.run_id) == 0
 
     assert evaluate(context, backend.claim_next())
 
@@ -104,7 +114,7 @@ def test_a_run_whose_data_never_fit_ends_as_a_failure_of_the_platform(
     backend: Backend, context: RunContext
 ) -> None:
     claim = backend.running("ann", config=SHORT)
-    for _ in range(context.settings.attempts_max):
+    for _ in range(run_queue.INTERRUPTIONS_MAX):
         evaluate(_with(context, free_min_bytes=MORE_THAN_ANY_DISK), claim)
         claim = backend.claim() or claim
 
@@ -144,7 +154,7 @@ def test_a_new_attempt_removes_the_files_of_the_dead_ones(
     assert backend.show(claim.run_id).data_bytes == files.size() > 0
 
 
-@pytest.mark.parametrize("what", ["full", "away"])
+@pytest.mark.parametrize("what", ["full", "away", "over its quota"])
 def test_a_worker_claims_nothing_while_the_disk_is_full_or_away(
     backend: Backend, tmp_path: Path, what: str
 ) -> None:
@@ -163,23 +173,62 @@ def test_a_worker_claims_nothing_while_the_disk_is_full_or_away(
     if what == "away":
         os.rename(settings.data, tmp_path / "away")
 
-    loop.run_next()
+    with files_end_at(4096) if what == "over its quota" else nullcontext():
+        loop.run_next()
     loop.close()
 
     assert backend.show(run_id).attempt == 0
 
 
+@pytest.fixture(params=["before the run is released", "later"])
+def back(request: pytest.FixtureRequest, monkeypatch: Any) -> None:
+    """When the data folder is back: whoever looks then finds nothing wrong any more."""
+    if request.param != "later":
+        monkeypatch.setattr(storage, "refusal", lambda *_, **__: None)
+
+
+@pytest.mark.usefixtures("back")
 def test_a_run_whose_data_folder_is_away_has_not_failed(
     backend: Backend, context: RunContext
 ) -> None:
     claim = backend.running("ann", config=SHORT, seed=3)
-    data = backend.settings.data
 
-    data.rename(data.with_suffix(".away"))
-    went_well = evaluate(context, claim)
-    data.with_suffix(".away").rename(data)
+    went_well = _evaluate_without_data_folder(context, claim)
 
     assert (went_well, backend.show(claim.run_id).state) == (False, RunState.QUEUED)
     assert _failures(backend, claim.run_id) == 0
     assert evaluate(context, backend.claim_next())
     assert backend.show(claim.run_id).digest == _digest(SHORT)
+
+
+@pytest.mark.usefixtures("back")
+def test_a_run_whose_program_is_away_has_not_failed(backend: Backend, context: RunContext) -> None:
+    claim = backend.running("ann", controller="upload", program=backend.store_program())
+
+    went_well = _evaluate_without_data_folder(context, claim)
+
+    assert (went_well, backend.show(claim.run_id).state) == (False, RunState.QUEUED)
+    assert _failures(backend, claim.run_id) == 0
+
+
+@pytest.mark.parametrize(("free_min_bytes", "failures"), [(1, 1), (MORE_THAN_ANY_DISK, 0)])
+def test_a_simulator_that_breaks_on_a_full_disk_has_not_failed(
+    backend: Backend, context: RunContext, free_min_bytes: int, failures: int
+) -> None:
+    claim = backend.running("ann", config=SHORT)
+    broken: Any = _BrokenSimulator()
+
+    context = replace(_with(context, free_min_bytes=free_min_bytes), simulator=broken)
+    went_well = evaluate_or_release(context, claim)
+
+    assert (went_well, backend.show(claim.run_id).state) == (False, RunState.QUEUED)
+    assert _failures(backend, claim.run_id) == failures
+
+
+def _evaluate_without_data_folder(context: RunContext, claim: Claim) -> bool:
+    data = context.settings.data
+    away = data.rename(data.with_suffix(".away"))
+    try:
+        return evaluate(context, claim)
+    finally:
+        away.rename(data)
