@@ -98,7 +98,7 @@ def _defects(page: Page, weight: Weight) -> Iterator[str]:
     page.set_viewport_size(DESKTOP)
 
 
-@pytest.mark.timeout(600)
+@pytest.mark.timeout(1200)
 def test_every_page_is_accessible_light_and_as_wide_as_a_phone_and_has_no_error(
     chromium: Browser, service: Service, paths: list[str]
 ) -> None:

@@ -185,6 +185,7 @@ def test_a_service_of_packages_that_it_would_not_see_is_refused(
 
 
 @pytest.mark.slow
+@pytest.mark.timeout(900)
 def test_it_runs_beside_folders_with_the_names_of_the_checkout(
     installed: Path, tmp_path: Path
 ) -> None:
