@@ -388,13 +388,10 @@ def blame(settings: Settings, error: Exception) -> AttemptEnd:
 
 def _fail(context: RunContext, claim: Claim, sentence: str) -> bool:
     """End a run that cannot start; a retry would not help and no program is to blame."""
-    detail = describe(FailureReason.BENCHMARK_ERROR, sentence=sentence)
-    report = Report(
-        state=RunState.FAILED,
-        cause=FailureReason.BENCHMARK_ERROR,
-        detail=detail | {"traceback": "", "log_tail": "", "t_reached": 0.0},
-        progress=0.0,
-    )
+    cause = FailureReason.BENCHMARK_ERROR
+    detail = describe(cause, sentence=sentence)
+    detail |= {"traceback": "", "log_tail": "", "t_reached": 0.0}
+    report = Report(state=RunState.FAILED, cause=cause, detail=detail, progress=0.0)
     with context.database.writing() as session:
         stored = results.finish(session, claim, report)
     if stored:
