@@ -68,7 +68,7 @@ class AttemptEnd(Enum):
 
     SHUTDOWN = auto()  # its worker was stopped
     WORKER_LOST = auto()  # its worker died or was silent
-    EVALUATION_BROKE = auto()  # its simulator crashed or hung
+    EVALUATION_BROKE = auto()  # its simulator crashed or hung, or its program is gone
     STORAGE_FAILED = auto()  # the storage was away or full
 
 

@@ -28,7 +28,7 @@ from tests.worker.processes import command_line
 ZYGOTE = "seamark.worker.zygote.process"
 CHECK_LOOP = "seamark.worker.service.check_loop"
 MAINTENANCE = "seamark.worker.service.maintenance"
-RELEASES = ("run_released", "run_not_evaluated", "simulator_broken", "storage_failed")
+RELEASES = ("run_released", "run_not_evaluated", "evaluation_broke", "storage_failed")
 WORKERS = WEB_SERVERS = 2
 START_S = 240.0
 QUOTAS = {"quota_live": 10_000, "quota_day": 100_000, "quota_bytes": 10**12}

@@ -26,7 +26,7 @@ from seamark.worker.evaluation.check import SEED, CheckRecorder
 from seamark.worker.evaluation.job import Job
 from seamark.worker.evaluation.worker_slot import WorkerSlot
 from seamark.worker.ipc.messages import StreamBroken
-from seamark.worker.service.run_upload import program_file
+from seamark.worker.service.run_upload import ProgramGone, program_file
 from seamark.worker.service.shutdown import ShuttingDown, follow_worker
 from seamark.worker.zygote.client import BoxBroken, Simulator, SimulatorBroken
 
@@ -107,7 +107,7 @@ class CheckLoop:
         try:
             with meters.CHECK_SECONDS.time():
                 report = self._report(claim)
-        except (SimulatorBroken, StreamBroken, StorageFailed) as broken:
+        except (SimulatorBroken, StreamBroken, StorageFailed, ProgramGone) as broken:
             _log.error("check_broken", check=claim.check_id, why=str(broken))
             meters.CHECKS_ENDED.labels("broken").inc()
             meters.BOX_FAILURES.inc(isinstance(broken, BoxBroken))

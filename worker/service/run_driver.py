@@ -34,7 +34,7 @@ from seamark.worker.ipc.messages import StreamBroken
 from seamark.worker.ipc.outcomes import RunOutcome
 from seamark.worker.service.live_publisher import LivePublisher
 from seamark.worker.service.run_recorder import RunRecorder
-from seamark.worker.service.run_upload import RunUpload, program_file, require_own
+from seamark.worker.service.run_upload import ProgramGone, RunUpload, program_file, require_own
 from seamark.worker.service.shutdown import ShuttingDown
 from seamark.worker.zygote.client import BoxBroken, Simulation, Simulator, SimulatorBroken
 
@@ -107,8 +107,8 @@ def _drive(context: RunContext, driver: "RunDriver") -> bool:
     except ShuttingDown:
         driver.release(AttemptEnd.SHUTDOWN)
         return True
-    except (SimulatorBroken, StreamBroken) as broken:
-        _log.error("simulator_broken", why=str(broken))
+    except (SimulatorBroken, StreamBroken, ProgramGone) as broken:
+        _log.error("evaluation_broke", why=str(broken))
         meters.BOX_FAILURES.inc(isinstance(broken, BoxBroken))
         driver.release(blame(context.settings, broken))
         return False
@@ -152,7 +152,7 @@ class RunDriver:
 
         Raises
         ------
-        LeaseEnded, ShuttingDown, SimulatorBroken, StreamBroken, StorageFailed
+        LeaseEnded, ShuttingDown, SimulatorBroken, StreamBroken, StorageFailed, ProgramGone
             Why there is no report.
         """
         self._live.state(RunState.RUNNING, progress=0.0, t_simulated=0.0)

@@ -16,6 +16,7 @@ import structlog
 from redis import Redis
 from sqlalchemy.orm import Session
 
+from seamark.server import storage
 from seamark.server.database import data_folder
 from seamark.server.database.data_folder import WrongDataFolder
 from seamark.server.objects import Objects, ObjectsAway
@@ -34,14 +35,27 @@ RETRY_S = 1.0
 _log = structlog.get_logger()
 
 
+class ProgramGone(Exception):
+    """The storage is there, but the program is not in it."""
+
+
 def program_file(settings: Settings, sha256: str) -> Path:
-    """Return the file of a program; raises StorageFailed if it is not there."""
+    """Return the file of a program.
+
+    Raises
+    ------
+    StorageFailed
+        The storage is away.
+    ProgramGone
+    """
     try:
         file = store.path(settings, sha256)
+        if not file.is_file():
+            storage.require_readable(settings)
     except StorageUnavailable as away:
         raise StorageFailed(str(away)) from away
-    if not file.is_file():
-        raise StorageFailed("the file of the program is missing")
+    if not file.is_file():  # now, too: the storage may have come back in between
+        raise ProgramGone(f"the program {sha256} is not in the storage")
     return file
 
 

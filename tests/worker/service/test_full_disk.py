@@ -14,6 +14,7 @@ from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.server import storage
 from seamark.server.database.tables import Run
 from seamark.server.messaging import broker
+from seamark.server.programs import store
 from seamark.server.runs import queue as run_queue
 from seamark.server.runs.files import RunFiles
 from seamark.server.runs.queue import Claim
@@ -209,6 +210,19 @@ def test_a_run_whose_program_is_away_has_not_failed(backend: Backend, context: R
 
     assert (went_well, backend.show(claim.run_id).state) == (False, RunState.QUEUED)
     assert _failures(backend, claim.run_id) == 0
+
+
+def test_a_run_whose_program_alone_is_gone_has_failed(
+    backend: Backend, context: RunContext
+) -> None:
+    program = backend.store_program()
+    claim = backend.running("ann", controller="upload", program=program)
+    store.path(backend.settings, program.sha256).unlink()
+
+    went_well = evaluate(context, claim)
+
+    assert (went_well, backend.show(claim.run_id).state) == (False, RunState.QUEUED)
+    assert _failures(backend, claim.run_id) == 1
 
 
 @pytest.mark.parametrize(("free_min_bytes", "failures"), [(1, 1), (MORE_THAN_ANY_DISK, 0)])
