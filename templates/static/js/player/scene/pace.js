@@ -5,8 +5,9 @@ const SLOW_MS = 45; // longer between two pictures: fewer pixels
 const FAST_MS = 24;
 const PASSED_MAX_MS = 2000;
 const SETTLE_PICTURES = 5; // measured before the resolution changes
-const SETTLE_MS = 3000; // after a change; each costs as much as several pictures
+const SETTLE_MS = 1000; // after a change; each costs as much as several pictures
 const SCALE_MIN = 0.35;
+const GROWTH = 1.35; // of the scale: what took less than FAST_MS then takes less than SLOW_MS
 
 export class Pace {
   constructor(scale) {
@@ -24,7 +25,7 @@ export class Pace {
     if (this.count < SETTLE_PICTURES || now - this.resized < SETTLE_MS) return false;
     const { mean } = this;
     // The time for a picture goes with its pixels, the square of the scale.
-    const factor = mean > SLOW_MS ? Math.max(Math.sqrt(SLOW_MS / mean), 0.6) : mean < FAST_MS ? 1.1 : 1;
+    const factor = mean > SLOW_MS ? Math.max(Math.sqrt(SLOW_MS / mean), 0.6) : mean < FAST_MS ? GROWTH : 1;
     const scale = Math.min(Math.max(this.scale * factor, SCALE_MIN), 1);
     if (Math.abs(scale - this.scale) < 0.01) return false;
     Object.assign(this, { scale, count: 0, resized: now });
