@@ -20,7 +20,7 @@ LOOKS = {
     "dark": {"color_scheme": "dark", "viewport": {"width": 1280, "height": 900}},
     "phone": {"color_scheme": "light", "viewport": {"width": 375, "height": 800}},
 }
-SETTLED_MS = 1500  # until pictures, charts and the scene are there
+SETTLED_MS = 5000  # until pictures and charts are there, and the scene has all pixels
 QUALITY = 60
 
 
