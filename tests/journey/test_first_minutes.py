@@ -45,7 +45,7 @@ def test_the_first_controller_is_kept_over_signing_up_and_runs(visitor: Visitor)
     page.keyboard.type("# mine")
 
     page.get_by_role("link", name="Create an account to run it").click()
-    visitor.fill_in_account("newcomer")
+    visitor.fill_in_account("first-timer")
 
     expect(page.locator(".cm-content")).to_contain_text("# mine")
     page.get_by_role("button", name="Run it").click()

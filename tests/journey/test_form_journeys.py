@@ -1,7 +1,7 @@
 """The form of a new run: by a newcomer, after mistakes, by keyboard, and on a phone."""
 
 import pytest
-from playwright.sync_api import FilePayload, Page, expect
+from playwright.sync_api import FilePayload, Page, Route, expect
 
 from tests.journey.visitor import (
     PROGRAM,
@@ -92,6 +92,29 @@ def test_a_kept_file_is_named_beside_a_small_icon_and_need_not_be_chosen_again(
     page.wait_for_url("**/runs/*")
 
     assert visitor.violations() == []
+
+
+def test_settings_that_are_unfolded_before_the_script_of_a_slow_machine_runs_stay_unfolded(
+    visitor: Visitor,
+) -> None:
+    page = visitor.page
+    visitor.sign_up("early-bird")
+    scripts: list[Route] = []
+
+    def hold(script: Route) -> None:
+        scripts.append(script)
+
+    page.route("**/submit/main*.js", hold)
+    page.goto(visitor.url + FORM, wait_until="commit")
+    page.locator("#customise > summary").click()
+    page.locator("details.group > summary", has_text="Experiment").click()
+    page.get_by_label("Level duration").fill("10")
+
+    scripts[0].continue_()
+    expect(page.locator("[data-changed-count]")).to_have_text("1 setting changed")
+
+    expect(page.get_by_label("Settle window")).to_be_visible()
+    assert (visitor.errors, visitor.violations()) == ([], [])
 
 
 def test_presets_fill_in_settings_and_a_ranked_run_says_which_it_does_not_use(

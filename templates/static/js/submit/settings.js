@@ -32,6 +32,8 @@ export class Settings {
     this.points = json("starting-points");
     this.fixed = json("fixed"); // by the assignment; its fields are there, hidden, for the conditions of others
     this.groups = [...form.querySelectorAll("details.group")];
+    // By a person, before this script ran: they stay so. The server marks those that it unfolds.
+    this.unfolded = new Set(this.groups.filter((group) => group.open && !("unfolded" in group.dataset)));
     form.classList.add("brief");
     for (const button of form.querySelectorAll("[data-more]")) {
       button.addEventListener("click", () => {
@@ -76,6 +78,7 @@ export class Settings {
       field.classList.toggle("shown", this.differs(input) || Boolean(field.querySelector(".error")));
     }
     for (const group of this.groups) {
+      if (this.unfolded.delete(group)) continue;
       const shown = group.querySelectorAll(".field.shown:not([hidden])").length;
       const all = group.querySelectorAll("[data-field]:not([hidden])").length;
       const more = group.querySelector("[data-more]");
