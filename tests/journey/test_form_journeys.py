@@ -18,6 +18,7 @@ from tests.journey.visitor import (
 pytestmark = [pytest.mark.browser, pytest.mark.host, pytest.mark.slow]
 
 FORM = "/submit/currents-v1"
+SCRIPT = "**/submit/main*.js"
 BROKEN = PROGRAM.replace("def step(self, observation):", "def step(self, observation)")
 START = "Start run"
 
@@ -104,8 +105,9 @@ def test_settings_that_are_unfolded_before_the_script_of_a_slow_machine_runs_sta
     def hold(script: Route) -> None:
         scripts.append(script)
 
-    page.route("**/submit/main*.js", hold)
-    page.goto(visitor.url + FORM, wait_until="commit")
+    page.route(SCRIPT, hold)
+    with page.expect_request(SCRIPT):
+        page.goto(visitor.url + FORM, wait_until="commit")
     page.locator("#customise > summary").click()
     page.locator("details.group > summary", has_text="Experiment").click()
     page.get_by_label("Level duration").fill("10")
