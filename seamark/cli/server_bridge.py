@@ -35,7 +35,7 @@ def run_on_server(
         `benchmark`, `config`, `seed` and `trials` of the run; what is None is left out.
     """
     from seamark.bridge.rosbridge import forwarding
-    from seamark.client import Client
+    from seamark.client import Client, retry_after
     from seamark.client.errors import ServerUnavailable, refusal
 
     with refusals_shown(), Client(server, token) as client:
@@ -44,10 +44,8 @@ def run_on_server(
         url, found = forwarding.address_of(client.server, wanted), list[int]()
 
         async def open_session() -> ClientConnection:
-            session = await forwarding.opened(url, token, say)
-            assert session.response is not None  # noqa: S101 - the handshake is complete
-            location = session.response.headers.get("Location", "")
-            found.append(int(location.rpartition("/")[2]))
+            session = await forwarding.opened(url, token, say, retry_after.pause_s)
+            found.append(forwarding.run_of(session))
             say(f"Run {found[0]}: {client.server}/runs/{found[0]}")
             return session
 
@@ -56,6 +54,7 @@ def run_on_server(
 
         try:
             asyncio.run(forwarding.forward_one(address, open_session, listening=listening))
+            return client.run(found[0]).wait(progress=False)
         except KeyboardInterrupt:
             click.echo("Stopped.", err=True)
             exit_with(INTERRUPTED)
@@ -66,7 +65,6 @@ def run_on_server(
             if not refused.status:
                 raise ServerUnavailable(str(refused)) from None
             raise refusal(refused.problem, refused.status, None) from None
-        return client.run(found[0]).wait(progress=False)
 
 
 def finish(run: Run, *, as_json: bool) -> NoReturn:

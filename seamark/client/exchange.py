@@ -6,19 +6,16 @@ the response, and returns its result. `Client` and `AsyncClient` only do what it
 
 from __future__ import annotations
 
-import secrets
 from collections.abc import Generator, Mapping, Sequence
 from dataclasses import dataclass, field
-from datetime import datetime, timezone
-from email.utils import parsedate_to_datetime
 from http import HTTPStatus
 from typing import Any, BinaryIO, TypeVar
 
 import httpx
 
+from seamark.client import retry_after
 from seamark.client.errors import ServerUnavailable, refusal
 
-FIRST_PAUSE_S, PAUSE_MAX_S = 0.5, 8.0  # between attempts, doubled each time
 SAFE_METHODS = frozenset(
     {"GET", "HEAD", "PUT", "DELETE"}
 )  # to repeat one changes nothing (RFC 9110)
@@ -79,7 +76,7 @@ def exchange(
     """
     left_s, attempt = patience_s, 0
     while True:
-        wait_s = _backoff_s(attempt)
+        wait_s = retry_after.backoff_s(attempt)
         try:
             response = yield request
         except httpx.HTTPError as error:
@@ -93,7 +90,7 @@ def exchange(
             assert response is not None  # noqa: S101 (only a pause is answered by None)
             if response.status_code < HTTPStatus.BAD_REQUEST:
                 return _accepted(server, response)
-            wait_s = max(_retry_after_s(response) or 0.0, wait_s)
+            wait_s = retry_after.pause_s(_retry_after(response), attempt)
             if not _may_pass(request, response) or wait_s > left_s:
                 raise _failure(server, response)
         yield Pause(wait_s)
@@ -122,12 +119,6 @@ def _object(response: httpx.Response) -> dict[str, Any] | None:
     return value if isinstance(value, dict) else None
 
 
-def _backoff_s(attempt: int) -> float:
-    """Return a random pause: clients that were cut off together do not return together."""
-    longest = min(FIRST_PAUSE_S * 2.0 ** min(attempt, 10), PAUSE_MAX_S)
-    return longest * (0.5 + secrets.randbelow(1000) / 2000)
-
-
 def _may_repeat(request: Request, error: httpx.HTTPError) -> bool:
     if isinstance(error, httpx.UnsupportedProtocol | httpx.DecodingError):
         return False
@@ -144,23 +135,14 @@ def _harmless(request: Request) -> bool:
     return request.repeatable or request.method in SAFE_METHODS
 
 
-def _retry_after_s(response: httpx.Response) -> float | None:
-    """Return when to try again [s]: the header has seconds or a date (RFC 9110, 10.2.3)."""
-    text = response.headers.get("Retry-After", "").strip()
-    if text.isascii() and text.isdecimal():
-        return float(text[:9])
-    try:
-        date = parsedate_to_datetime(text)
-    except ValueError:
-        return None
-    date = date if date.tzinfo else date.replace(tzinfo=timezone.utc)
-    return max((date - datetime.now(timezone.utc)).total_seconds(), 0.0)
+def retry_after_s(response: httpx.Response) -> float | None:
+    """Return when the server wants to be asked again [s]; None if it does not say that."""
+    return retry_after.hint_s(_retry_after(response))
 
 
-def retry_after_s(response: httpx.Response, *, default: float) -> float:
-    """Return when the server wants to be asked again [s]."""
-    hint = _retry_after_s(response)
-    return default if hint is None else hint
+def _retry_after(response: httpx.Response) -> str:
+    text: str = response.headers.get(retry_after.HEADER, "")
+    return text
 
 
 def _accepted(server: str, response: httpx.Response) -> httpx.Response:
@@ -179,7 +161,7 @@ def _failure(server: str, response: httpx.Response) -> Exception:
         return ServerUnavailable(
             f"{server} answered {answer}, not as a Seamark server. Check the address."
         )
-    return refusal(problem, response.status_code, _retry_after_s(response))
+    return refusal(problem, response.status_code, retry_after_s(response))
 
 
 def _unavailable(server: str, error: httpx.HTTPError) -> ServerUnavailable:

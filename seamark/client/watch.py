@@ -49,8 +49,9 @@ class Watch:
             known = {"If-None-Match": self._version} if self._version else {}
             response = yield from self._calls.send("GET", self._path, headers=known)
             first = self._wait_s == 0.0
-            hint = exchange.retry_after_s(response, default=DEFAULT_WAIT_S)
-            self._wait_s = FIRST_WAIT_S if first else min(max(hint, FIRST_WAIT_S), WAIT_MAX_S)
+            hint = exchange.retry_after_s(response)
+            asked_s = DEFAULT_WAIT_S if hint is None else max(hint, FIRST_WAIT_S)
+            self._wait_s = FIRST_WAIT_S if first else min(asked_s, WAIT_MAX_S)
             if response.status_code != 304:
                 found = exchange.document(self._calls.server, response)
                 self._version = response.headers.get("ETag", "")

@@ -9,6 +9,7 @@ import orjson
 from websockets.asyncio.client import ClientConnection, connect
 from websockets.asyncio.server import ServerConnection, serve
 from websockets.exceptions import ConnectionClosed, InvalidHandshake, InvalidStatus, InvalidURI
+from websockets.http11 import Response
 
 from seamark.bridge.rosbridge.protocol import LONGEST_MESSAGE
 from seamark.bridge.rosbridge.server import (
@@ -19,11 +20,14 @@ from seamark.bridge.rosbridge.server import (
 )
 
 BUSY = (409, 503)  # the account has a session already; no place is free
-RETRY_S = 2.0  # unless the server says when to try again
 PATIENCE_S = 600.0  # that a program may wait for a free place
 OPEN_S = 20.0
 FAILED = 1011  # close code of RFC 6455, 7.4.1
+REDIRECTIONS = range(300, 400)
+REASON_BYTES = 123  # of a close frame, 5.5.1
 Open = Callable[[], Awaitable[ClientConnection]]
+Pause = Callable[[str, int], float]
+NO_SEAMARK = "This is no Seamark server."
 
 
 class Refusal(Exception):
@@ -54,8 +58,27 @@ def address_of(server: str, run: Mapping[str, Any]) -> str:
     return f"{web_socket}://{rest}/api/v1/rosbridge?{urlencode(texts)}"
 
 
-async def opened(url: str, token: str, say: Callable[[str], None]) -> ClientConnection:
+class _Connect(connect):
+    """Opens a connection to the address that was given, and to no other.
+
+    By itself `connect` follows redirects; before 16.1 it took the token along to any host.
+    """
+
+    def process_redirect(self, exc: Exception) -> Exception | str:
+        """Return why there is no connection: a redirect is an answer like any other."""
+        return exc
+
+
+async def opened(
+    url: str, token: str, say: Callable[[str], None], pause_s: Pause
+) -> ClientConnection:
     """Return the connection to a server, after waiting until it has a place.
+
+    Parameters
+    ----------
+    pause_s
+        Returns how long to wait [s], given the header Retry-After and how many attempts there were
+        before.
 
     Raises
     ------
@@ -63,10 +86,10 @@ async def opened(url: str, token: str, say: Callable[[str], None]) -> ClientConn
         The server does not answer, or has refused.
     """
     clock = asyncio.get_running_loop().time
-    until, waits = clock() + PATIENCE_S, False
+    until, attempt = clock() + PATIENCE_S, 0
     while True:
         try:
-            return await connect(
+            return await _Connect(
                 url,
                 additional_headers={"Authorization": f"Bearer {token}"},
                 max_size=None,
@@ -75,17 +98,26 @@ async def opened(url: str, token: str, say: Callable[[str], None]) -> ClientConn
                 close_timeout=CLOSE_WITHIN_S,
             )
         except InvalidStatus as answer:
-            status, headers = answer.response.status_code, answer.response.headers
-            problem = _problem(bytes(answer.response.body or b""))
-            if status not in BUSY or clock() > until:
-                raise Refusal(status, problem) from None
-            if not waits:
-                waits = True
-                say(f"{problem.get('detail', 'The server is busy.')} Waiting ...")
-            await asyncio.sleep(float(headers.get("Retry-After", RETRY_S)))
+            refusal = _refusal(answer.response)
+            wait_s = pause_s(_header(answer.response, "Retry-After"), attempt)
+            if refusal.status not in BUSY or clock() + wait_s > until:
+                raise refusal from None
         except (OSError, TimeoutError, InvalidHandshake, InvalidURI) as error:
             why = str(error) or type(error).__name__
             raise Refusal(0, {"detail": f"The server cannot be reached: {why}."}) from None
+        if not attempt:
+            say(f"{refusal} Waiting ...")
+        attempt += 1
+        await asyncio.sleep(wait_s)
+
+
+def run_of(session: ClientConnection) -> int:
+    """Return the run that a session has; raises Refusal if the server does not say it."""
+    assert session.response is not None  # noqa: S101 - the handshake is complete
+    number = _header(session.response, "Location").rpartition("/")[2]
+    if not (number.isascii() and number.isdecimal()):
+        raise Refusal(0, {"detail": NO_SEAMARK})
+    return int(number)
 
 
 async def forward_one(
@@ -107,22 +139,14 @@ async def forward_one(
     Refusal
         There is no session.
     """
-    over: asyncio.Future[None] = asyncio.get_running_loop().create_future()
-    taken = False
+    first: asyncio.Future[ServerConnection] = asyncio.get_running_loop().create_future()
 
     async def handle(program: ServerConnection) -> None:
-        nonlocal taken
-        if taken:
+        if first.done():
             await program.close(TRY_AGAIN_LATER, "one program at a time")
             return
-        taken = True
-        try:
-            async with await open_session() as session:
-                await _forward(program, session)
-            over.set_result(None)
-        except Exception as error:
-            await program.close(FAILED, str(error)[:100])
-            over.set_exception(error)
+        first.set_result(program)
+        await program.wait_closed()
 
     async with serve(
         *(handle, address.host, address.port),
@@ -132,11 +156,17 @@ async def forward_one(
         close_timeout=CLOSE_WITHIN_S,
     ) as running:
         listening(next(iter(running.sockets)).getsockname()[1])
-        await over
+        # Not in `handle`: nothing cancels that, and it would wait for a place after Ctrl-C.
+        await _forward(await first, open_session)
 
 
-async def _forward(program: ServerConnection, session: ClientConnection) -> None:
-    await asyncio.gather(_pass_on(program, session), _pass_on(session, program))
+async def _forward(program: ServerConnection, open_session: Open) -> None:
+    try:
+        async with await open_session() as session:
+            await asyncio.gather(_pass_on(program, session), _pass_on(session, program))
+    except Exception as error:
+        await program.close(FAILED, _reason(error))
+        raise
 
 
 async def _pass_on(
@@ -152,9 +182,23 @@ async def _pass_on(
         await sink.close()
 
 
-def _problem(body: bytes) -> dict[str, Any]:
+def _refusal(response: Response) -> Refusal:
+    """Return what an answer says that is not the expected one."""
+    status, target = response.status_code, _header(response, "Location")
+    if status in REDIRECTIONS and target:
+        return Refusal(0, {"detail": f"The server points to {target}. Use that address."})
     try:
-        problem = orjson.loads(body)
+        problem = orjson.loads(response.body or b"")
     except orjson.JSONDecodeError:
         problem = None
-    return problem if isinstance(problem, dict) else {"detail": "This is no Seamark server."}
+    return Refusal(status, problem if isinstance(problem, dict) else {"detail": NO_SEAMARK})
+
+
+def _header(response: Response, name: str) -> str:
+    """Return a header, the first of several; empty without one."""
+    return next(iter(response.headers.get_all(name)), "")
+
+
+def _reason(error: Exception) -> str:
+    """Return why there is no session, as short as the end of a connection can say it."""
+    return str(error).encode()[:REASON_BYTES].decode(errors="ignore")
