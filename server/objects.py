@@ -5,10 +5,11 @@ without it the data folder itself is the truth, and none of this is used. The li
 not survive a fork: only processes that do not fork afterwards may ask for objects.
 """
 
+import math
 import os
 import threading
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from datetime import timedelta
 from functools import cache
@@ -26,9 +27,13 @@ if TYPE_CHECKING:
 
 MARK = "seamark-data"  # its content tells the storage of one service from that of another
 PROBE_S = 5.0  # between two looks whether the storage answers
-_REQUEST = timedelta(seconds=60)
+ANSWER_S = 1.0  # that somebody waits who wants to know whether it does
+REQUEST = timedelta(seconds=60)  # one that writes; a piece of a large file
+SILENCE = timedelta(seconds=10)  # of a storage that is read: somebody waits for what it says
+_PROBE = timedelta(seconds=3)
 _CONNECT = timedelta(seconds=5)
 _RETRY: "RetryConfig" = {"max_retries": 3, "retry_timeout": timedelta(seconds=10)}
+_PROBE_RETRY: "RetryConfig" = {"max_retries": 1, "retry_timeout": timedelta(seconds=10)}
 
 
 class ObjectsAway(Exception):
@@ -45,13 +50,58 @@ class Object:
     tag: str  # differs when the content does
 
 
-class Objects:
-    """The objects of one service. Every method raises ObjectsAway."""
+_Store = S3Store | LocalStore
 
-    def __init__(self, store: S3Store | LocalStore) -> None:
-        self._store = store
-        self._probe_lock = threading.Lock()
-        self._probe_at, self._answers = 0.0, True
+
+class _Probe:
+    """Whether a storage answers: it is asked in a thread, so that nobody waits for one that hangs.
+
+    `asked` may take its time; who wants to know gets what it found last, if that is not old.
+    """
+
+    def __init__(self, asked: Callable[[], bool]) -> None:
+        self._asked = asked
+        self._lock = threading.Lock()
+        self._thread: threading.Thread | None = None
+        self._answer, self._answered_at = False, -math.inf
+
+    def answer(self) -> bool:
+        """Return what was found, at most two periods ago; False if nothing was."""
+        with self._lock:
+            if self._thread is None and self._age_s() >= PROBE_S:
+                self._thread = threading.Thread(target=self._ask, name="probe", daemon=True)
+                self._thread.start()
+            thread = self._thread
+        if thread is not None and self._age_s() >= 2 * PROBE_S:
+            thread.join(ANSWER_S)
+        return self._answer and self._age_s() < 2 * PROBE_S
+
+    def _age_s(self) -> float:
+        return time.monotonic() - self._answered_at
+
+    def _ask(self) -> None:
+        answer = self._asked()
+        with self._lock:
+            self._answer, self._answered_at, self._thread = answer, time.monotonic(), None
+
+
+class Objects:
+    """The objects of one service. Every method raises ObjectsAway.
+
+    Parameters
+    ----------
+    store
+        For what is written.
+    reader, prober
+        The same storage with shorter limits, for those who wait for what they read, and for the
+        question whether it answers.
+    """
+
+    def __init__(
+        self, store: _Store, *, reader: _Store | None = None, prober: _Store | None = None
+    ) -> None:
+        self._store, self._reader, self._prober = store, reader or store, prober or store
+        self._probe = _Probe(self._is_marked)
 
     def put(self, path: str, content: bytes | Path) -> None:
         """Store an object; a file is read piece by piece."""
@@ -70,7 +120,7 @@ class Objects:
     def get(self, path: str) -> bytes | None:
         """Return the content of a small object; None if there is none."""
         try:
-            return bytes(obstore.get(self._store, path).bytes())
+            return bytes(obstore.get(self._reader, path).bytes())
         except FileNotFoundError:
             return None
         except (BaseError, OSError) as error:
@@ -81,7 +131,7 @@ class Objects:
         draft = target.with_name(f".{target.name}.{os.getpid()}-{threading.get_ident()}")
         try:
             with draft.open("wb") as file:
-                for piece in obstore.get(self._store, path):
+                for piece in obstore.get(self._reader, path):
                     file.write(piece)
             draft.replace(target)
         except FileNotFoundError:
@@ -100,7 +150,7 @@ class Objects:
     def find(self, path: str) -> Object | None:
         """Return what a listing would show of an object; None if there is none."""
         try:
-            return _object(obstore.head(self._store, path))
+            return _object(obstore.head(self._reader, path))
         except FileNotFoundError:
             return None
         except (BaseError, OSError) as error:
@@ -109,7 +159,7 @@ class Objects:
     def list(self, folder: str) -> Sequence[Object]:
         """Return all objects of a folder and the folders below it, in order of their paths."""
         try:
-            found = [_object(one) for page in obstore.list(self._store, folder) for one in page]
+            found = [_object(one) for page in obstore.list(self._reader, folder) for one in page]
         except (BaseError, OSError) as error:
             raise _away(error) from error
         return sorted(found, key=lambda one: one.path)
@@ -117,7 +167,7 @@ class Objects:
     def folders(self, folder: str) -> Sequence[str]:
         """Return the names of the folders in a folder."""
         try:
-            found = obstore.list_with_delimiter(self._store, folder)
+            found = obstore.list_with_delimiter(self._reader, folder)
         except (BaseError, OSError) as error:
             raise _away(error) from error
         return [path.rpartition("/")[2] for path in found["common_prefixes"]]
@@ -126,28 +176,22 @@ class Objects:
         """Delete objects; those that are gone already are no error."""
         try:
             if paths:
-                obstore.delete(self._store, list(paths))
+                obstore.delete(self._reader, list(paths))
         except FileNotFoundError:
             pass
         except (BaseError, OSError) as error:
             raise _away(error) from error
 
     def answers(self) -> bool:
-        """Return whether the storage answered, at most `PROBE_S` ago, and is that of a service."""
-        if self._probe_lock.acquire(blocking=False):
-            try:
-                if time.monotonic() >= self._probe_at:
-                    self._answers = self._is_marked()
-                    self._probe_at = time.monotonic() + PROBE_S
-            finally:
-                self._probe_lock.release()
-        return self._answers
+        """Return whether the storage answers and is that of a service, without waiting long."""
+        return self._probe.answer()
 
     def _is_marked(self) -> bool:
         try:
-            return self.find(MARK) is not None
-        except ObjectsAway:
+            obstore.head(self._prober, MARK)
+        except (BaseError, OSError):
             return False
+        return True
 
 
 class _Place(NamedTuple):
@@ -186,14 +230,26 @@ def _opened(place: _Place) -> Objects:
         chosen["access_key_id"] = place.access_key
         chosen["secret_access_key"] = place.secret_key
     client: ClientConfig = {
-        "timeout": _REQUEST,
+        "timeout": REQUEST,
         "connect_timeout": _CONNECT,
         "allow_http": place.endpoint.startswith("http://"),
     }
-    store = S3Store(
-        bucket, prefix=prefix or None, client_options=client, retry_config=_RETRY, config=chosen
+
+    def opened(limits: "ClientConfig", retry: "RetryConfig") -> S3Store:
+        options: ClientConfig = {**client, **limits}
+        return S3Store(
+            bucket,
+            prefix=prefix or None,
+            client_options=options,
+            retry_config=retry,
+            config=chosen,
+        )
+
+    return Objects(
+        opened({}, _RETRY),
+        reader=opened({"read_timeout": SILENCE}, _RETRY),
+        prober=opened({"timeout": _PROBE}, _PROBE_RETRY),
     )
-    return Objects(store)
 
 
 def _object(meta: "obstore.ObjectMeta") -> Object:

@@ -35,6 +35,16 @@ def refusal(settings: Settings, *, share: float = 1.0) -> str | None:
     """
     if is_away(settings):
         return _AWAY
+    return machine_refusal(settings, share=share)
+
+
+def machine_refusal(settings: Settings, *, share: float = 1.0) -> str | None:
+    """Return why this machine can store nothing, wherever it goes later; None if all is well.
+
+    Never waits for an object storage.
+    """
+    if _folder_is_away(settings):
+        return _AWAY
     return _LOW if free_bytes(settings.data) < share * settings.free_min_bytes else None
 
 
@@ -56,10 +66,15 @@ def is_away(settings: Settings) -> bool:
     The data folder is missing, not mounted, read-only or not permitted, or the object storage does
     not answer.
     """
-    data, stored = settings.data, objects.of(settings)
+    stored = objects.of(settings)
+    return _folder_is_away(settings) or not (stored is None or stored.answers())
+
+
+def _folder_is_away(settings: Settings) -> bool:
+    data = settings.data
     if not os.access(data, os.R_OK | os.W_OK | os.X_OK):
         return True
-    return not (mark(data).is_file() if stored is None else stored.answers())
+    return objects.of(settings) is None and not mark(data).is_file()
 
 
 def worker_refusal(settings: Settings, *, share: float = 1.0) -> str | None:

@@ -106,10 +106,9 @@ def check(connection: Connection, settings: Settings) -> None:
         _compare(known, settings)
 
 
-def is_own(session: Session, settings: Settings) -> bool:
-    """Return whether the storage is the one of the database."""
-    known = session.scalar(select(DataFolder.mark))
-    return known is None or known == _found(settings)
+def known_mark(session: Session) -> str | None:
+    """Return the mark of the storage that is the one of the database; None if it has none yet."""
+    return session.scalar(select(DataFolder.mark))
 
 
 def mark_restored(connection: Connection, settings: Settings) -> None:

@@ -28,6 +28,10 @@ _SHA256 = re.compile(r"[0-9a-f]{64}")
 UNUSED_KEPT_S = 7200.0
 
 
+class ProgramDamaged(StorageUnavailable):
+    """What is stored under the key of a program is something else."""
+
+
 @dataclass(frozen=True, slots=True)
 class StoredProgram:
     """A program in the store."""
@@ -65,7 +69,8 @@ def path(settings: Settings, sha256: str) -> Path:
     Raises
     ------
     StorageUnavailable
-        It could not be fetched, or what was fetched is something else.
+        It could not be fetched.
+    ProgramDamaged
     """
     file, stored = _file(settings, sha256), objects.of(settings)
     if stored is None or file.exists():
@@ -75,7 +80,7 @@ def path(settings: Settings, sha256: str) -> Path:
     if content is None:
         return file
     if hashlib.sha256(content).hexdigest() != sha256:
-        raise StorageUnavailable("The stored program has been damaged.")
+        raise ProgramDamaged("The stored program has been damaged.")
     with _store_lock(settings, fcntl.LOCK_SH):
         _write(content, file)
     return file

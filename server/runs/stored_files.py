@@ -92,6 +92,9 @@ def _refresh(stored: Objects, data: Path, run_id: int, attempt: int | None) -> N
         looked = RunFiles(data, run_id).root / _LOOKED
         if attempt is None and _age_s(looked) < LIST_EVERY_S:
             return
+        # Whoever had the lock may have waited in vain; the next ones need not do so in turn.
+        if not stored.answers():
+            raise ObjectsAway("the storage does not answer")
         _copy(stored, data, run_id, attempt)
         looked.parent.mkdir(parents=True, exist_ok=True)
         looked.touch()

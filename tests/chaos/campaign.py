@@ -15,6 +15,7 @@ from sqlalchemy.exc import SQLAlchemyError
 from seamark.server.checks import queue as check_queue
 from seamark.server.database.tables import Check, Result, Run
 from seamark.server.messaging import broker
+from seamark.server.runs import stored_files
 from seamark.server.runs.states import FINAL, RunState
 from seamark.sim.recording.telemetry import digest
 from seamark.worker.evaluation.local import evaluate_locally
@@ -195,7 +196,7 @@ class Campaign:
                 self.findings.wrong.append(f"run {run_id}: {view.state} {view.cause}")
             elif count[run_id] != 1 or view.digest != wanted:
                 self.findings.wrong.append(f"run {run_id}: another result")
-            elif digest(self._service.files(run_id).rows()) != wanted:
+            elif digest(stored_files.of_run(self._service.settings, view).rows()) != wanted:
                 self.findings.wrong.append(f"run {run_id}: another file")
 
     def _count_orphans(self) -> None:

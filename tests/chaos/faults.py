@@ -17,9 +17,12 @@ from seamark.server.database.tables import Run, Worker
 from seamark.server.messaging import broker
 from seamark.server.runs.states import LIVE, RunState
 from tests.chaos.installation import CHECK_LOOP, MAINTENANCE, WORKERS, Installation
+from tests.services.faulty_s3 import Behaviour
 
 Fault = Callable[[Installation, Generator], None]
 HOUR_S = 3600.0
+ERRORS_S, HANG_S = 25.0, 100.0
+WORKING_S = 30.0  # of a storage between two faults
 TICKETS_MAX = 1000
 
 
@@ -133,6 +136,16 @@ def jump_clock(service: Installation, chance: Generator) -> None:
         session.execute(update(Worker).values(seen_at=Worker.seen_at - jump_s))
 
 
+def fail_objects(service: Installation, chance: Generator) -> None:
+    """The object storage answers 500 for a while."""
+    _disturb_objects(service, "answers errors", ERRORS_S)
+
+
+def hang_objects(service: Installation, chance: Generator) -> None:
+    """The object storage accepts connections and answers nothing, for longer than leases last."""
+    _disturb_objects(service, "hangs", HANG_S)
+
+
 FAULTS: Mapping[str, Fault] = {
     "worker killed": kill_worker,
     "pool child killed": kill_pool_child,
@@ -151,6 +164,19 @@ FAULTS: Mapping[str, Fault] = {
     "clock jumps": jump_clock,
     "worker stopped": stop_worker,
 }
+# Of a service with object storage; none of them may cost a run its attempt.
+OBJECT_FAULTS: Mapping[str, Fault] = {
+    "object storage answers errors": fail_objects,
+    "object storage hangs": hang_objects,
+}
+
+
+def _disturb_objects(service: Installation, behaviour: Behaviour, seconds: float) -> None:
+    assert service.objects is not None
+    service.objects.behave(behaviour)
+    time.sleep(seconds)
+    service.objects.behave("works")
+    time.sleep(WORKING_S)
 
 
 def _none_has_broken(service: Installation) -> bool:

@@ -20,7 +20,8 @@ from seamark.embedded.broker import command as broker_command
 from seamark.embedded.broker import find_server
 from seamark.sandbox.isolation.proc_stats import parent_of, tree
 from seamark.server.settings import Settings
-from tests.services import postgres
+from tests.services import faulty_s3, postgres, s3
+from tests.services.faulty_s3 import FaultyS3
 from tests.services.ports import free_port
 from tests.worker.conftest import Service, service_with
 from tests.worker.processes import command_line
@@ -71,8 +72,10 @@ class Installation:
         url: str,
         *,
         service: Callable[[Settings], Service] = service_with,
+        objects: FaultyS3 | None = None,
         **settings: Any,
     ):
+        self.objects = objects
         self._others = set(tree(os.getpid()))  # of other tests in this process, and the database
         self.broker = Broker(folder)
         self.broker.start()
@@ -170,6 +173,15 @@ def installation(**settings: Any) -> Iterator[Installation]:
                 yield made
             finally:
                 made.stop()
+
+
+@contextmanager
+def installation_with_objects() -> Iterator[Installation]:
+    """Yield a running installation whose runs and programs are in an object storage."""
+    with s3.server() as server, faulty_s3.in_front_of(server.endpoint) as objects:
+        stored = server.settings("chaos") | {"storage_endpoint": objects.endpoint}
+        with installation(objects=objects, **stored) as made:
+            yield made
 
 
 def _reaped(pid: int) -> bool:

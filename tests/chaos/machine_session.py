@@ -24,9 +24,11 @@ from seamark.sim.numerics.numba_internals import numba_folder
 from tests.chaos.containers import Container, Host, Machine
 from tests.chaos.installation import wait_until
 from tests.services import compose, postgres
+from tests.services.faulty_s3 import FaultyS3, in_front_of
 
 HERE, ELSEWHERE = Machine("sea-a", "10.77.0"), Machine("sea-b", "10.77.1")
 STORES = {"redis": "10.77.0.2", "postgres": "10.77.0.3", "objects": "10.77.0.4"}
+PROXY = "10.77.0.1"  # this process, in front of the S3 server
 START_S = 300.0
 QUOTAS = {"SEAMARK_QUOTA_LIVE": "1000", "SEAMARK_QUOTA_DAY": "10000", "SEAMARK_RANKED_DAY": "100"}
 ONE_TRIAL = {"SEAMARK_RANKED_TRIALS": "1"}  # so that the session is short
@@ -49,8 +51,8 @@ exec postgres -D /var/lib/postgresql/data/cluster -c listen_addresses='*' -k /va
 class Session:
     """The service on both machines."""
 
-    def __init__(self, host: Host) -> None:
-        self.host = host
+    def __init__(self, host: Host, objects: FaultyS3) -> None:
+        self.host, self.objects = host, objects
         self._numbers = iter(range(10, 250))
         self.running: dict[str, Container] = {}
         self.wrong: list[str] = []
@@ -150,15 +152,16 @@ def started(steps: Sequence[str]) -> Iterator[Session]:
     _own_namespaces()
     with tempfile.TemporaryDirectory(prefix="machines") as folder:
         host = Host.create(Path(folder), numba_folder(os.environ), (HERE, ELSEWHERE))
-        host.names(STORES)
-        session = Session(host)
-        try:
-            _start_stores(session)
-            for step in steps:
-                session.step(step)
-            yield session
-        finally:
-            session.stop()
+        host.names(STORES | {"objects": PROXY})
+        with in_front_of(f"http://{STORES['objects']}:3900", (PROXY, 3900)) as objects:
+            session = Session(host, objects)
+            try:
+                _start_stores(session)
+                for step in steps:
+                    session.step(step)
+                yield session
+            finally:
+                session.stop()
 
 
 def _own_namespaces() -> None:

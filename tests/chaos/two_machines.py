@@ -9,6 +9,7 @@ import json
 import signal
 import subprocess
 import sys
+import time
 from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
@@ -27,13 +28,16 @@ from seamark.sim.engine.seeds import hidden_seed
 from seamark.worker.evaluation.local import evaluate_locally
 from tests.chaos import machine_session
 from tests.chaos.campaign import PROGRAM
+from tests.chaos.faults import ERRORS_S, HANG_S
 from tests.chaos.installation import wait_until
 from tests.chaos.machine_session import ELSEWHERE, HERE, ONE_TRIAL, QUOTAS, START_S, Session
 from tests.seamark.bridge.rosbridge.conftest import Client as RosClient
 from tests.services import compose
 from tests.services.embedded import cancel_baselines
+from tests.services.faulty_s3 import Behaviour
 
 REFUSED_S = 120.0
+PAGE_S = 15.0  # one request to a storage that hangs, and what waits for it
 STEPS = ("migrate", "worker-rights", "reference-entries")
 SEED = 3
 SHORT = {"levels": [0.0, 0.2], "level_duration_s": 60.0, "settle_s": 1.0}
@@ -76,6 +80,11 @@ class Service:
         with self.database.reading() as session:
             worker = session.scalar(select(Run.worker).where(Run.id == run.id)) or ""
         return worker.partition("@")[2].partition("/")[0]
+
+    def attempts(self, run: ClientRun) -> int:
+        """Return how often a run was started."""
+        with self.database.reading() as session:
+            return session.get_one(Run, run.id).attempt
 
     def finished(self, runs: list[ClientRun]) -> set[tuple[str, str]]:
         """Wait for runs; return their states and digests."""
@@ -204,6 +213,47 @@ def rolling_restart(service: Service) -> None:
     session.saw(f"{len(runs)} runs and their streams survive it", found == {("succeeded", wanted)})
 
 
+def storage_away(service: Service) -> None:
+    """Runs go on while the object storage answers errors, or hangs, and end in their attempt."""
+    wanted = evaluate_locally("currents-v1", LONG, seed=SEED, controller="pi").digest
+    disturbances: Mapping[Behaviour, float] = {"answers errors": ERRORS_S, "hangs": HANG_S}
+    for behaviour, seconds in disturbances.items():
+        runs, slowest_s = _disturbed(service, behaviour, seconds)
+        found = service.finished(runs)
+        attempts = [service.attempts(run) for run in runs]
+        what = f"a storage that {behaviour} for {seconds:g} s"
+        saw = service.session.saw
+        saw(f"{what}: attempts at {len(runs)} runs: {attempts}", set(attempts) == {1})
+        saw(f"{what}: the same digest", found == {("succeeded", wanted)})
+        saw(f"{what}: the slowest answer came after {slowest_s:.1f} s", slowest_s < PAGE_S)
+
+
+def _disturbed(
+    service: Service, behaviour: Behaviour, seconds: float
+) -> tuple[list[ClientRun], float]:
+    """Disturb the storage of runs that go on; return them, and how long answers took [s]."""
+    runs = service.submit(4, LONG)
+    wait_until(lambda: sum(run.refresh().progress > 0.02 for run in runs) >= 2)
+    service.session.objects.behave(behaviour)
+    slowest_s = _slowest_answer(service, runs[0].id, seconds)
+    service.session.objects.behave("works")
+    return runs, slowest_s
+
+
+def _slowest_answer(service: Service, run_id: int, seconds: float) -> float:
+    """Return how long the slowest page took [s], while pages of a run are read for a while."""
+    until, slowest_s = time.monotonic() + seconds, 0.0
+    while time.monotonic() < until:
+        for client in service.clients:
+            for path in (f"/api/v1/runs/{run_id}", f"/api/v1/runs/{run_id}/log", "/readyz"):
+                asked_at = time.monotonic()
+                headers = {"Authorization": f"Bearer {service.tokens[0]}"}
+                httpx.get(client.server + path, headers=headers, timeout=START_S)
+                slowest_s = max(slowest_s, time.monotonic() - asked_at)
+        time.sleep(0.5)
+    return slowest_s
+
+
 def caretaker(service: Service) -> None:
     """The worker with the role of the owner starts as a plain user without a sandbox."""
     container = service.session.start("caretaker")
@@ -256,8 +306,8 @@ def _start_all(session: Session) -> Service:
 
 
 PARTS = (
-    *(equal_results, connected_programs, killed_worker, refused_workers, rolling_restart),
-    caretaker,
+    *(equal_results, connected_programs, storage_away, killed_worker, refused_workers),
+    *(rolling_restart, caretaker),
 )
 
 

@@ -24,7 +24,8 @@ from seamark.server.runs.views import RunView
 from seamark.sim import registry
 from seamark.worker.evaluation.local import evaluate_locally
 from seamark.worker.evaluation.worker_slot import WorkerSlot
-from seamark.worker.service.run_driver import RunContext, evaluate
+from seamark.worker.service.claimed_run import evaluate
+from seamark.worker.service.run_driver import RunContext
 from seamark.worker.zygote.client import Simulator
 from tests.cast import Backend
 from tests.journey.short_tracking import BENCHMARK, NAME, PATH, SHARED_NAME, SHARED_PATH

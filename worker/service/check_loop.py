@@ -8,6 +8,7 @@ Each carries out one check at a time, in a simulator of its own.
 import sys
 import threading
 import time
+from functools import partial
 
 import structlog
 from redis import Redis
@@ -28,6 +29,7 @@ from seamark.worker.evaluation.worker_slot import WorkerSlot
 from seamark.worker.ipc.messages import StreamBroken
 from seamark.worker.service.run_upload import ProgramGone, program_file
 from seamark.worker.service.shutdown import ShuttingDown, follow_worker
+from seamark.worker.service.watched import watched
 from seamark.worker.zygote.client import BoxBroken, Simulator, SimulatorBroken
 
 POLL_S = 2.0  # [s] between two polls of the queue without a wake-up
@@ -132,20 +134,24 @@ class CheckLoop:
             queue.release(session, claim.check_id, claim.attempt, attempts_max=attempts_max)
 
     def _report(self, claim: CheckClaim) -> dict[str, object]:
+        recorder, deadline = CheckRecorder(), time.monotonic() + TIMEOUT_S
+        self._renew_at = time.monotonic() + self._settings.heartbeat_s
+
+        def watch() -> None:
+            self._watch(claim, deadline)
+
         job = Job(
             benchmark=claim.benchmark,
             config=claim.config,
             seeds=(SEED,),
             controller="upload",
-            program=program_file(self._settings, claim.program_sha256),
+            program=watched(partial(program_file, self._settings, claim.program_sha256), watch),
             filename=claim.program_name,
             language=claim.language,
             check=True,
         )
-        recorder, deadline = CheckRecorder(), time.monotonic() + TIMEOUT_S
-        self._renew_at = time.monotonic() + self._settings.heartbeat_s
         with self._simulator.begin(job) as simulation:
-            outcome = simulation.run(recorder, lambda: self._watch(claim, deadline))
+            outcome = simulation.run(recorder, watch)
         return recorder.report(job, outcome)
 
     def _wait_warm(self) -> bool:

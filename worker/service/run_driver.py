@@ -10,17 +10,17 @@ from typing import Any
 import structlog
 from redis import Redis
 from sqlalchemy.exc import InterfaceError, OperationalError
-from structlog.contextvars import bound_contextvars
 
 from seamark.sandbox.isolation.level import IsolationLevel
 from seamark.sandbox.languages import DEFAULT_LANGUAGE
 from seamark.server import meters, objects, storage
+from seamark.server.database import data_folder
 from seamark.server.database.engine import Database
-from seamark.server.programs import parameters, store
+from seamark.server.programs import parameters
 from seamark.server.runs import queue as run_queue
 from seamark.server.runs import results
 from seamark.server.runs.error_curve import error_curve
-from seamark.server.runs.failure_reasons import FailureReason, describe
+from seamark.server.runs.failure_reasons import describe
 from seamark.server.runs.files import RunFiles, StorageFailed
 from seamark.server.runs.queue import AttemptEnd, Claim, LeaseStatus
 from seamark.server.runs.results import Report
@@ -28,21 +28,20 @@ from seamark.server.runs.seeds import trial_seeds
 from seamark.server.runs.states import RunKind, RunState
 from seamark.server.settings import Settings
 from seamark.sim import registry
-from seamark.sim.settings.configuration import ConfigurationInvalid
 from seamark.worker.evaluation.job import Job
-from seamark.worker.ipc.messages import StreamBroken
 from seamark.worker.ipc.outcomes import RunOutcome
 from seamark.worker.service.live_publisher import LivePublisher
 from seamark.worker.service.run_recorder import RunRecorder
-from seamark.worker.service.run_upload import ProgramGone, RunUpload, program_file, require_own
+from seamark.worker.service.run_upload import RunUpload, fetched_program
 from seamark.worker.service.shutdown import ShuttingDown
-from seamark.worker.zygote.client import BoxBroken, Simulation, Simulator, SimulatorBroken
+from seamark.worker.zygote.client import Simulation, Simulator, SimulatorBroken
 
 CANCEL_POLL_S = 0.4  # [s] between two checks of whether the run was cancelled
 START_STALL_S = 600.0  # [s] the very first start compiles the simulator
 STALL_S = 90.0  # [s] without a message from a simulation that has started
 STORE_RETRY_S = 1.0
-STORE_AWAY_S = 600.0  # [s] that the object storage may be away at the end of a run
+STORE_AWAY_S = 600.0  # [s] that the object storage may be away at a stretch
+STOP_UPLOAD_S = 2.0  # that a run which has ended otherwise waits for a part that is being stored
 DATABASE_AWAY = (OperationalError, InterfaceError)
 LOG_TAIL = 2000  # [character] of the log shown with a failure
 _log = structlog.get_logger()
@@ -69,62 +68,6 @@ class RunContext:
     bridge: Path | None = None  # Unix socket at which a program connects that runs elsewhere
 
 
-def evaluate(context: RunContext, claim: Claim) -> bool:
-    """Evaluate one claimed run and store how it ended; False if the platform failed."""
-    ids = {"run": claim.run_id, "attempt": claim.attempt, "user": claim.user_id}
-    with bound_contextvars(**ids, worker=claim.worker, request=claim.request_id):
-        return _evaluate(context, claim)
-
-
-def _evaluate(context: RunContext, claim: Claim) -> bool:
-    _log.info("run_started", benchmark=claim.benchmark, kind=claim.kind)
-    try:
-        driver = RunDriver(context, claim)
-    except (ConfigurationInvalid, KeyError) as error:  # most likely accepted by an older version
-        _log.error("configuration_invalid", why=str(error))
-        return _fail(context, claim, f"This configuration is no longer valid: {error}")
-    try:
-        return _drive(context, driver)
-    finally:
-        driver.close()
-
-
-def _drive(context: RunContext, driver: "RunDriver") -> bool:
-    """Run and store; False if the platform failed."""
-    started_at = time.monotonic()
-    try:
-        report = driver.run()
-        stored = driver.store(report)
-        if not stored and driver.cancelled():  # meanwhile
-            driver.store_cancelled()
-    except LeaseEnded as ended:
-        _log.info("run_stopped", why=ended.status.name.lower())
-        if ended.status is LeaseStatus.CANCELLED:
-            driver.store_cancelled()
-        else:
-            meters.LEASES_LOST.inc()
-        return True
-    except ShuttingDown:
-        driver.release(AttemptEnd.SHUTDOWN)
-        return True
-    except (SimulatorBroken, StreamBroken, ProgramGone) as broken:
-        _log.error("evaluation_broke", why=str(broken))
-        meters.BOX_FAILURES.inc(isinstance(broken, BoxBroken))
-        driver.release(blame(context.settings, broken))
-        return False
-    except StorageFailed as failed:
-        _log.error("storage_failed", why=str(failed))
-        driver.discard()
-        driver.release(AttemptEnd.STORAGE_FAILED)
-        return False
-    except DATABASE_AWAY as away:  # the lease ends, and the run is repeated
-        _log.error("database_away", why=str(away))
-        return False
-    seconds = round(time.monotonic() - started_at, 3)
-    _log.info("run_ended", state=report.state, cause=report.cause, stored=stored, wall_s=seconds)
-    return True
-
-
 class RunDriver:
     """One run being evaluated."""
 
@@ -144,7 +87,8 @@ class RunDriver:
             trial_s=self._trial_s,
             truncate=None if self._upload is None else self._upload.truncate_rows,
         )
-        self._poll_at = self._heartbeat_at = 0.0
+        self._program: Path | None = None
+        self._poll_at = self._heartbeat_at = self._disk_at = 0.0
         self._away = False  # the database
 
     def run(self) -> Report:
@@ -187,9 +131,9 @@ class RunDriver:
             self._store_files()
             stored = self._finish(report)
         if stored:
+            self._live.state(report.state, progress=report.progress, t_simulated=report.t_simulated)
             if self._upload is not None:
                 self._upload.remove_parts()
-            self._live.state(report.state, progress=report.progress, t_simulated=report.t_simulated)
         return stored
 
     def _store_files(self) -> None:
@@ -202,10 +146,12 @@ class RunDriver:
         LeaseEnded, ShuttingDown
             Meanwhile.
         """
-        if self._upload is not None:
-            self._upload.complete(self._watch_upload, within_s=STORE_AWAY_S)
-            with suppress(*DATABASE_AWAY), self._context.database.reading() as session:
-                require_own(session, self._context.settings)
+        if self._upload is None:
+            return
+        mark = None
+        with suppress(*DATABASE_AWAY), self._context.database.reading() as session:
+            mark = data_folder.known_mark(session)
+        self._upload.complete(self._watch_upload, within_s=STORE_AWAY_S, mark=mark)
 
     def _watch_upload(self) -> None:
         """Keep the lease of a run whose files are being stored; a cancelled one is stored too."""
@@ -224,17 +170,19 @@ class RunDriver:
     def close(self) -> None:
         """Stop the upload; what it did not take away is of no use to anybody."""
         if self._upload is not None:
-            self._upload.stop()
+            self._upload.stop(within_s=STOP_UPLOAD_S)
             self._files.remove()
 
     def _data_bytes(self) -> int:
-        program = self._claim.program_sha256
-        stored = 0 if program is None else store.size(self._context.settings, program)
-        return self._files.size() + stored
+        program = 0 if self._program is None else self._program.stat().st_size
+        return self._files.size() + program
 
-    def discard(self) -> None:
-        """Remove what this attempt has recorded, to make room."""
+    def make_room(self) -> None:
+        """Remove what this attempt has recorded from this machine, perhaps for the database."""
         self._files.remove()
+
+    def remove_stored(self) -> None:
+        """Remove what this attempt has stored; a storage that is away may take its time."""
         if self._upload is not None:
             self._upload.remove()
 
@@ -282,35 +230,46 @@ class RunDriver:
 
     def _job(self) -> Job:
         claim, settings = self._claim, self._context.settings
-        program = claim.program_sha256
+        if claim.program_sha256 is not None:
+            away_s = 0.0 if self._upload is None else STORE_AWAY_S
+            self._program = fetched_program(
+                settings, claim.program_sha256, self._watch_claim, within_s=away_s
+            )
         return Job(
             benchmark=claim.benchmark,
             config=claim.config,
             seeds=tuple(map(trial_seeds(claim, settings), range(claim.trials))),
             ranked=claim.kind is RunKind.RANKED,
             controller=claim.controller,
-            program=None if program is None else program_file(settings, program),
+            program=self._program,
             filename=claim.program_name or "",
             language=claim.language or DEFAULT_LANGUAGE,
             bridge=self._context.bridge,
         )
 
     def _watch(self, simulation: Simulation) -> None:
-        """Renew the lease; raise if the run was cancelled, the worker stops or nothing happens."""
+        """Watch the claim; raise also if nothing happens in the simulation."""
+        self._watch_claim()
+        if simulation.silent_s > (STALL_S if simulation.started else START_STALL_S):
+            raise SimulatorBroken(f"no message from the simulator for {simulation.silent_s:.0f} s")
+
+    def _watch_claim(self) -> None:
+        """Renew the lease; raise if the run was cancelled, or this worker cannot go on with it."""
         if self._context.shutting_down():
             raise ShuttingDown
+        now = time.monotonic()
         try:
-            self._watch_lease(time.monotonic())
+            self._watch_lease(now)
         except DATABASE_AWAY as error:
             # Go on: whether another worker has the run by then is known when the database is back.
             self._database_away(error)
-        if simulation.silent_s > (STALL_S if simulation.started else START_STALL_S):
-            raise SimulatorBroken(f"no message from the simulator for {simulation.silent_s:.0f} s")
+        if now >= self._disk_at:
+            self._disk_at = now + self._context.settings.heartbeat_s
+            self._require_storage()
 
     def _watch_lease(self, now: float) -> None:
         if now >= self._heartbeat_at:
             self._poll_at = now + CANCEL_POLL_S
-            self._require_storage()
             self._require_lease(self._heartbeat())
             self._heartbeat_at = now + self._context.settings.heartbeat_s
             self._away = False
@@ -338,9 +297,15 @@ class RunDriver:
         return status
 
     def _require_storage(self) -> None:
-        """Stop while there is still room for the database to record that the run is repeated."""
-        if why := storage.refusal(self._context.settings, share=storage.STOP_SHARE):
+        """Stop while there is still room for the database to record that the run is repeated.
+
+        While the object storage is away, the data of the run wait on this machine.
+        """
+        why = storage.machine_refusal(self._context.settings, share=storage.STOP_SHARE)
+        if why is not None:
             raise StorageFailed(why)
+        if self._upload is not None and self._upload.away_s > STORE_AWAY_S:
+            raise StorageFailed(f"the object storage was away for {self._upload.away_s:.0f} s")
 
     @staticmethod
     def _require_lease(status: LeaseStatus) -> None:
@@ -376,25 +341,3 @@ class RunDriver:
             isolation=self._isolation(),
             error_curve=error_curve(self._files, self._claim.benchmark),
         )
-
-
-def blame(settings: Settings, error: Exception) -> AttemptEnd:
-    """Return why an attempt ended by an error: without the storage no run has a chance."""
-    if isinstance(error, OSError):  # also if the storage is back by now
-        return AttemptEnd.STORAGE_FAILED
-    away = storage.worker_refusal(settings, share=storage.STOP_SHARE)
-    return AttemptEnd.STORAGE_FAILED if away else AttemptEnd.EVALUATION_BROKE
-
-
-def _fail(context: RunContext, claim: Claim, sentence: str) -> bool:
-    """End a run that cannot start; a retry would not help and no program is to blame."""
-    cause = FailureReason.BENCHMARK_ERROR
-    detail = describe(cause, sentence=sentence)
-    detail |= {"traceback": "", "log_tail": "", "t_reached": 0.0}
-    report = Report(state=RunState.FAILED, cause=cause, detail=detail, progress=0.0)
-    with context.database.writing() as session:
-        stored = results.finish(session, claim, report)
-    if stored:
-        live = LivePublisher(context.redis, claim.run_id)
-        live.state(report.state, progress=0.0, t_simulated=0.0)
-    return True

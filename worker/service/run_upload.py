@@ -10,16 +10,14 @@ import json
 import threading
 import time
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import structlog
 from redis import Redis
-from sqlalchemy.orm import Session
 
 from seamark.server import storage
-from seamark.server.database import data_folder
-from seamark.server.database.data_folder import WrongDataFolder
-from seamark.server.objects import Objects, ObjectsAway
+from seamark.server.objects import MARK, Objects, ObjectsAway
 from seamark.server.programs import store
 from seamark.server.runs import run_objects
 from seamark.server.runs.files import RunFiles, StorageFailed
@@ -28,9 +26,11 @@ from seamark.server.settings import Settings
 from seamark.server.storage import StorageUnavailable
 from seamark.worker.service.growing_files import GrowingFiles
 from seamark.worker.service.live_data import LiveData
+from seamark.worker.service.watched import watched
 
 PART_EVERY_S = 2.0
 PART_MAX = 8 * 2**20  # [B] that are read at once
+PAUSE_DOUBLINGS = 3  # while the storage is away: a look every 16 s
 RETRY_S = 1.0
 _log = structlog.get_logger()
 
@@ -52,6 +52,8 @@ def program_file(settings: Settings, sha256: str) -> Path:
         file = store.path(settings, sha256)
         if not file.is_file():
             storage.require_readable(settings)
+    except store.ProgramDamaged as damaged:
+        raise ProgramGone(f"the program {sha256} is damaged in the storage") from damaged
     except StorageUnavailable as away:
         raise StorageFailed(str(away)) from away
     if not file.is_file():  # now, too: the storage may have come back in between
@@ -59,14 +61,32 @@ def program_file(settings: Settings, sha256: str) -> Path:
     return file
 
 
-def require_own(session: Session, settings: Settings) -> None:
-    """Raise StorageFailed if files now go to the storage of another service."""
-    try:
-        is_own = data_folder.is_own(session, settings)
-    except WrongDataFolder as error:
-        raise StorageFailed(str(error)) from error
-    if not is_own:
-        raise StorageFailed("this is the storage of another service")
+def fetched_program(
+    settings: Settings, sha256: str, watch: Callable[[], None], *, within_s: float
+) -> Path:
+    """Return the file of a program of a run that has been claimed.
+
+    Parameters
+    ----------
+    watch
+        Called while this takes; what it raises ends the waiting.
+    within_s
+        How long the storage may be away.
+
+    Raises
+    ------
+    StorageFailed
+        It was away for longer.
+    ProgramGone
+    """
+    until = time.monotonic() + within_s
+    while True:
+        try:
+            return watched(partial(program_file, settings, sha256), watch)
+        except StorageFailed:
+            if time.monotonic() + RETRY_S >= until:
+                raise
+        watched(partial(time.sleep, RETRY_S), watch)
 
 
 class RunUpload:
@@ -77,6 +97,8 @@ class RunUpload:
         self._growing = GrowingFiles(files)
         self._live = LiveData(redis, self._growing, run_id)
         self._replaced: dict[str, float] = {}  # file -> when it was written last
+        self._whole = set[str]()  # files that are stored as they are at the end
+        self._in_touch_at = time.monotonic()  # when last everything was stored, or a piece of it
         self._ending = threading.Event()
         self._thread = threading.Thread(target=self._store_parts, name="upload", daemon=True)
 
@@ -89,14 +111,27 @@ class RunUpload:
         """Keep only the first rows of the telemetry; see `RunFiles.truncate_rows`."""
         self._growing.truncate_rows(count)
 
-    def stop(self) -> None:
-        """Store no more parts, and publish no more."""
+    @property
+    def away_s(self) -> float:
+        """How long nothing could be stored although there was something to store [s]."""
+        return time.monotonic() - self._in_touch_at
+
+    def stop(self, within_s: float | None = None) -> None:
+        """Store no more parts, and publish no more.
+
+        Parameters
+        ----------
+        within_s
+            How long to wait for a part that is being stored; None: until that has ended.
+        """
         self._live.stop()
         self._ending.set()
         if self._thread.ident is not None:
-            self._thread.join()
+            self._thread.join(within_s)
 
-    def complete(self, watch: Callable[[], None], *, within_s: float) -> None:
+    def complete(
+        self, watch: Callable[[], None], *, within_s: float, mark: str | None = None
+    ) -> None:
         """Store all files as they are now, and say that this is all.
 
         Parameters
@@ -104,34 +139,29 @@ class RunUpload:
         watch
             Called while this takes; what it raises ends the waiting.
         within_s
-            How long the storage may be away.
+            How long the storage may be away, with the time before the end of the run.
+        mark
+            That of the storage of this service; None: unknown.
 
         Raises
         ------
         StorageFailed
-            It was away for longer, or the files cannot be read.
+            It was away for longer, is that of another service, or the files cannot be read.
         """
         self._ending.set()
-        done, given_up = threading.Event(), threading.Event()
-        failures: list[Exception] = []
+        given_up = threading.Event()
 
         def store() -> None:
             try:
                 self.stop()
-                self._store_whole_within(within_s, given_up)
-            except Exception as error:
-                failures.append(error)
-            finally:  # whatever happened: the run waits for it
-                done.set()
+                self._store_whole_within(within_s, given_up, mark)
+            except Exception as error:  # whatever it is: the run waits for it
+                raise StorageFailed(str(error)) from error
 
-        threading.Thread(target=store, name="upload-end", daemon=True).start()
         try:
-            while not done.wait(0.1):
-                watch()
+            watched(store, watch)
         finally:
             given_up.set()
-        if failures:
-            raise StorageFailed(str(failures[0])) from failures[0]
 
     def remove_parts(self) -> None:
         """Remove the parts, which whole files have replaced."""
@@ -153,19 +183,20 @@ class RunUpload:
         self._quietly(
             lambda: run_objects.remove_before(self._objects, self._run_id, self._files.attempt)
         )
-        away = False
-        while not self._ending.wait(PART_EVERY_S):
+        failures = 0  # in a row
+        while not self._ending.wait(PART_EVERY_S * 2 ** min(failures, PAUSE_DOUBLINGS)):
             try:
                 self._growing.begin_parts()
                 for name in REPLACED:
                     self._store_replaced(name)
                 for name in GROWING:
                     self._store_grown(name)
-                away = False
+                self._in_touch_at = time.monotonic()
+                failures = 0
             except ObjectsAway as error:
-                if not away:
+                if not failures:
                     _log.warning("objects_away", run=self._run_id, error=str(error))
-                away = True
+                failures += 1
 
     def _store_replaced(self, name: str) -> None:
         file = self._files.folder / name
@@ -188,14 +219,17 @@ class RunUpload:
             )
             self._objects.put(path, piece.content)
             self._growing.stored(piece)
+            self._in_touch_at = time.monotonic()
 
-    def _store_whole_within(self, seconds: float, given_up: threading.Event) -> None:
-        until = time.monotonic() + seconds
+    def _store_whole_within(
+        self, seconds: float, given_up: threading.Event, mark: str | None
+    ) -> None:
         while not given_up.is_set():
             try:
-                return self._store_whole()
+                self._store_whole()
+                return self._require_mark(mark)
             except ObjectsAway:
-                if time.monotonic() + RETRY_S >= until:
+                if self.away_s + RETRY_S >= seconds:
                     raise
                 given_up.wait(RETRY_S)
 
@@ -203,8 +237,16 @@ class RunUpload:
         folder = self._files.folder  # none: the run ended before it recorded anything
         names = sorted(file.name for file in folder.iterdir()) if folder.is_dir() else []
         for name in names:
-            self._objects.put(f"{self._folder}/{name}", self._files.folder / name)
+            if name not in self._whole:
+                self._objects.put(f"{self._folder}/{name}", self._files.folder / name)
+                self._whole.add(name)
+                self._in_touch_at = time.monotonic()
         self._objects.put(f"{self._folder}/{COMPLETE}", json.dumps(names).encode())
+
+    def _require_mark(self, mark: str | None) -> None:
+        """Raise StorageFailed if the files are now in the storage of another service."""
+        if mark is not None and (self._objects.get(MARK) or b"").decode().strip() != mark:
+            raise StorageFailed("this is the storage of another service")
 
     def _quietly(self, action: Callable[[], None]) -> None:
         """Do what a later sweep does if it fails now."""

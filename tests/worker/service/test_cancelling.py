@@ -11,7 +11,8 @@ from seamark.sandbox.isolation.proc_stats import tree
 from seamark.server.runs.states import RunState
 from seamark.server.settings import Settings
 from seamark.worker.ipc.outcomes import RunOutcome
-from seamark.worker.service.run_driver import RunContext, evaluate
+from seamark.worker.service.claimed_run import evaluate
+from seamark.worker.service.run_driver import RunContext
 from tests.cast import Backend
 from tests.worker.conftest import LONG, QUICK, SHORT, START_S, Service, service_with
 from tests.worker.processes import command_line

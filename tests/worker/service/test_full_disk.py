@@ -22,9 +22,9 @@ from seamark.server.runs.states import RunState
 from seamark.worker.evaluation.job import Job
 from seamark.worker.evaluation.local import evaluate_locally
 from seamark.worker.evaluation.worker_slot import WorkerSlot
-from seamark.worker.service.claimed_run import evaluate_or_release
+from seamark.worker.service.claimed_run import evaluate, evaluate_or_release
 from seamark.worker.service.host import Host
-from seamark.worker.service.run_driver import RunContext, evaluate
+from seamark.worker.service.run_driver import RunContext
 from seamark.worker.service.run_loop import RunLoop
 from seamark.worker.zygote.client import Simulation, Simulator, SimulatorBroken
 from tests.cast import Backend
