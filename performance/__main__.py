@@ -9,8 +9,8 @@ from seamark.server import log
 
 QUICK = ("full_run", "physics", "camera", "exchange")
 SERVICE = (
-    *("streams", "live_lag", "many_runs", "start_latency", "fake_runs", "player", "downloads"),
-    "connected",
+    *("streams", "live_lag", "many_runs", "start_latency", "fake_runs", "claims", "player"),
+    *("downloads", "connected"),
 )
 TABLES = (
     *QUICK,

@@ -29,7 +29,6 @@ from seamark.server.runs.queue import Claim
 from seamark.server.runs.states import LIVE
 from seamark.server.runs.submission import Submission
 from seamark.server.settings import Settings
-from seamark.worker.service.duty import HOLDERS
 from tests.services import postgres, valkey
 
 RUNS, CLAIMS, USERS = 2000, 100, 50
@@ -182,8 +181,7 @@ def measured(costs: Costs) -> str:
             *lines,
             f"CPU of the process that submits {1e3 * costs.submitting_s:.3g} ms, "
             f"of the worker beside the simulation {1e3 * costs.worker_s:.3g} ms",
-            f"the lock of claims is held for {1e3 * costs.claim_s:.3g} ms by a claim, "
-            f"for {1e3 * costs.sweep_s:.3g} ms by a sweep",
+            f"a claim takes {1e3 * costs.claim_s:.3g} ms, a sweep {1e3 * costs.sweep_s:.3g} ms",
             f"connections of a worker with {PLACES} places: {to_database} to the database, "
             f"{to_broker} to the broker",
         ]
@@ -195,23 +193,21 @@ def estimated(costs: Costs) -> str:
     lines = [
         f"Estimate for workers with {PLACES} places, all busy, an average run of {RUN_S:g} s:",
         f"{'workers':>8}{'runs/day':>12}{'database cores':>16}{'broker cores':>14}"
-        f"{'claim lock %':>14}{'WAL MB/s':>10}{'database conns':>16}{'broker conns':>14}",
+        f"{'WAL MB/s':>10}{'database conns':>16}{'broker conns':>14}",
     ]
     settings = Settings.model_validate({})
     for workers in WORKERS:
         rate = workers * PLACES / RUN_S
         beats = workers * PLACES / settings.heartbeat_s
-        sweeps = min(workers, HOLDERS) / settings.sweep_s
 
         def total(name: str, rate: float = rate, beats: float = beats) -> float:
             once: float = getattr(costs.submission, name) + getattr(costs.run, name)
             often: float = getattr(costs.heartbeat, name)
             return rate * once + beats * often
 
-        lock = rate * costs.claim_s + sweeps * costs.sweep_s
         lines.append(
             f"{workers:8}{86_400 * rate:12,.0f}{total('database_s'):16.3g}"
-            f"{total('broker_s'):14.3g}{100 * lock:14.3g}{total('wal_bytes') / 1e6:10.3g}"
+            f"{total('broker_s'):14.3g}{total('wal_bytes') / 1e6:10.3g}"
             f"{workers * costs.connections[0]:16,}{workers * costs.connections[1]:14,}"
         )
     return "\n".join(lines)
@@ -248,8 +244,7 @@ def _claims(here: Servers, number: int) -> tuple[list[Claim], float]:
     claims, times = [], []
     for _ in range(number):
         begin = time.perf_counter()
-        with here.database.writing() as session:
-            claim = queue.claim(session, "load/1", languages=(), settings=here.settings)
+        claim = queue.claim(here.database, "load/1", languages=(), settings=here.settings)
         times.append(time.perf_counter() - begin)
         if claim is None:
             raise RuntimeError("no run was claimed")
@@ -269,5 +264,6 @@ def _sweep_s(here: Servers) -> float:
         begin = time.perf_counter()
         with here.database.writing() as session:
             queue.recover(session, {}, here.settings)
+            queue.tidy(session)
         times.append(time.perf_counter() - begin)
     return statistics.median(times)

@@ -67,8 +67,8 @@ class Service:
             create_first(session, user.id)
         made = cls(app, settings, database, app.test_client(), viewer, 0)
         made.run_id = made.submit()
+        claim = run_queue.claim(database, "w", languages=(), settings=settings)
         with database.writing() as session:
-            claim = run_queue.claim(session, "w", languages=(), settings=settings)
             ended = {"state": RunState.SUCCEEDED, "finished_at": time.time()}
             session.execute(update(Run).where(Run.id == made.run_id).values(**ended))
         if claim is None:
@@ -97,13 +97,13 @@ class Service:
 
     def claim(self) -> None:
         """Claim a run."""
-        with self.database.writing() as session:
-            run_queue.claim(session, "w", languages=("python",), settings=self.settings)
+        run_queue.claim(self.database, "w", languages=("python",), settings=self.settings)
 
     def sweep(self) -> None:
         """Look for abandoned leases."""
         with self.database.writing() as session:
             run_queue.recover(session, {}, self.settings)
+            run_queue.tidy(session)
 
     def position(self) -> None:
         """Ask for the position and the estimate of the last run."""

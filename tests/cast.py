@@ -88,8 +88,7 @@ class Backend:
             return submission.rerun(session, run_id, self.viewers[who], self.settings)
 
     def claim(self, worker: str = "w1", languages: tuple[str, ...] = ("python",)) -> Claim | None:
-        with self.database.writing() as session:
-            return run_queue.claim(session, worker, languages=languages, settings=self.settings)
+        return run_queue.claim(self.database, worker, languages=languages, settings=self.settings)
 
     def claim_next(self) -> Claim:
         """Claim the run that is first in the queue; there must be one."""

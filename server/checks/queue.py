@@ -9,12 +9,12 @@ import time
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import Any
+from typing import Any, TypeVar
 
 import structlog
 from redis import Redis
 from redis.exceptions import RedisError
-from sqlalchemy import delete, func, select, update
+from sqlalchemy import ColumnElement, Select, delete, func, select, update
 from sqlalchemy.orm import Session
 
 from seamark.server import workers
@@ -31,6 +31,7 @@ WAITING_MAX = 20
 DONE_KEPT_S = 3600.0  # until a finished check is deleted
 QUEUED_KEPT_S = 600.0  # until a check that no worker claimed is deleted
 _log = structlog.get_logger()
+_Selected = TypeVar("_Selected", Check, int)
 
 
 class CheckState(StrEnum):
@@ -145,12 +146,12 @@ def claim(
 
     A drained worker gets none.
     """
-    acquire(session, AdvisoryLock.CHECKS)
     if workers.is_drained(session, worker):
         return None
     suitable = Check.language.in_(sorted(languages))
     query = select(Check).where(Check.state == CheckState.QUEUED, suitable).order_by(Check.id)
-    check = session.scalar(query.limit(1))
+    # One that another worker claims just now, or has vanished with, is passed over.
+    check = session.scalar(query.limit(1).with_for_update(skip_locked=True))
     if check is None:
         return None
     check.state, check.attempt = CheckState.RUNNING, check.attempt + 1
@@ -196,21 +197,23 @@ def leases(session: Session) -> dict[int, float]:
 
 def recover_from(session: Session, worker: str) -> None:
     """Release the checks of a process of a worker that has ended."""
-    left = select(Check).where(Check.state == CheckState.RUNNING, Check.worker == worker)
-    for check in session.scalars(left).all():
+    left = (Check.state == CheckState.RUNNING) & (Check.worker == worker)
+    for check in session.scalars(_free(select(Check), left)).all():
         release(session, check.id, check.attempt, attempts_max=CLAIMS_MAX)
 
 
 def recover(session: Session, abandoned: Mapping[int, float]) -> None:
     """Release the checks whose leases are abandoned, and delete old ones."""
-    acquire(session, AdvisoryLock.CHECKS)
     now = time.time()
-    for check in session.scalars(select(Check).where(Check.id.in_(sorted(abandoned)))).all():
+    for check in session.scalars(_free(select(Check), Check.id.in_(sorted(abandoned)))).all():
         if check.lease_until == abandoned[check.id]:
             release(session, check.id, check.attempt, attempts_max=CLAIMS_MAX)
-    session.execute(delete(Check).where(Check.finished_at < now - DONE_KEPT_S))
     stale = (Check.state == CheckState.QUEUED) & (Check.queued_at < now - QUEUED_KEPT_S)
-    session.execute(delete(Check).where(stale))
+    for old in (Check.finished_at < now - DONE_KEPT_S, stale):
+        session.execute(
+            delete(Check).where(Check.id.in_(_free(select(Check.id), old))),
+            execution_options={"synchronize_session": False},
+        )
 
 
 def refers_to(session: Session, sha256: str) -> bool:
@@ -234,6 +237,11 @@ def show(session: Session, check_id: int, user_id: int) -> CheckView | None:
         language=check.language,
         report=check.answer,
     )
+
+
+def _free(query: Select[_Selected], which: ColumnElement[bool]) -> Select[_Selected]:
+    """Lock what a query selects, without what another transaction has locked."""
+    return query.where(which).order_by(Check.id).with_for_update(skip_locked=True)
 
 
 def _done(report: dict[str, Any]) -> dict[str, Any]:

@@ -2,12 +2,15 @@
 
 import sqlite3
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any
 
 from sqlalchemy import Connection, Engine, create_engine, event
+from sqlalchemy.exc import InternalError, OperationalError
 from sqlalchemy.orm import Session
+
+from seamark.server.database import session_limits
 
 CONNECT_S = 5  # until PostgreSQL counts as away
 # libpq: a host that vanished without a word is noticed after half a minute rather than two hours.
@@ -18,7 +21,8 @@ _POSTGRESQL = {
     "keepalives_count": 4,
     "tcp_user_timeout": 30_000,  # [ms]
 }
-BUSY_S = 10.0  # SQLite waits this long for another writer
+BUSY_S = 10.0  # a statement waits this long for another writer
+IDLE_S = 15.0  # half a lease: an open transaction between two statements, on PostgreSQL
 _RETRY_S = 0.01
 _AFTER_COMMIT = "after_commit"  # key of what a session does then
 
@@ -28,9 +32,20 @@ class Database:
 
     On SQLite a writing transaction starts with BEGIN IMMEDIATE: with the driver's default, 1258 of
     2000 concurrent increments were lost; with a deferred BEGIN, 988 failed as "locked".
+
+    On PostgreSQL a transaction whose process stands still, or whose machine has vanished, is ended
+    by the server after `idle_s`, and a statement waits at most `busy_s` for a lock. Both reach the
+    caller as an OperationalError, as does a database that is away.
+
+    Parameters
+    ----------
+    busy_s
+        How long a statement waits for another writer.
+    idle_s
+        How long a transaction may stand between two statements; 0: for ever.
     """
 
-    def __init__(self, url: str, *, busy_s: float = BUSY_S) -> None:
+    def __init__(self, url: str, *, busy_s: float = BUSY_S, idle_s: float = IDLE_S) -> None:
         remote = not url.startswith("sqlite")
         options = _POSTGRESQL if remote else {}
         self.engine = create_engine(
@@ -43,6 +58,7 @@ class Database:
             _prepare_sqlite(self.engine, busy_s)
             self._readers = self.engine.execution_options(seamark_readonly=True)
         else:
+            _prepare_postgresql(self.engine, session_limits.chosen(busy_s=busy_s, idle_s=idle_s))
             # One snapshot for all queries of a page, as SQLite gives it: a run must not be queued
             # in the first and running in the second.
             self._readers = self.engine.execution_options(
@@ -84,6 +100,22 @@ def size_bytes(connection: Connection) -> int:
         for name in ("page_count", "page_size")
     )
     return int(pages * of_page)
+
+
+def _prepare_postgresql(engine: Engine, limits: Mapping[str, int]) -> None:
+    @event.listens_for(engine, "connect")
+    def _connect(connection: Any, _record: object) -> None:
+        connection.autocommit = True  # or a rollback would take the limits back
+        connection.execute(session_limits.STATEMENT, session_limits.parameters(limits))
+        connection.autocommit = False
+
+    @event.listens_for(engine, "handle_error")
+    def _handle_error(context: Any) -> Exception | None:
+        # The driver files a transaction that the server has ended for standing still under bugs.
+        error = context.sqlalchemy_exception
+        if isinstance(error, InternalError) and context.is_disconnect:
+            return OperationalError(error.statement, error.params, context.original_exception)
+        return None
 
 
 def _prepare_sqlite(engine: Engine, busy_s: float) -> None:

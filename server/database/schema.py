@@ -28,7 +28,7 @@ from seamark.server.database.sweep_tables import Sweep
 from seamark.server.database.tables import Base
 from seamark.server.settings import Settings
 
-UPGRADE_S = 600.0  # a process waits this long for one that upgrades a large SQLite file
+UPGRADE_S = 600.0  # a process waits this long for one that upgrades a large database
 
 _FOLDER = Path(migrations.__file__).parent
 # A table of each module of tables: its import declares the others of the module.
@@ -83,8 +83,11 @@ def replaced(settings: Settings, revision: str) -> Iterator[Connection]:
 
 @contextmanager
 def _locked(settings: Settings) -> Iterator[Connection]:
-    """Yield a connection with a transaction in which no other process changes the schema."""
-    database = Database(settings.database_url, busy_s=UPGRADE_S)
+    """Yield a connection with a transaction in which no other process changes the schema.
+
+    It may stand for as long as it takes, between two rows of a backup on a slow disk.
+    """
+    database = Database(settings.database_url, busy_s=UPGRADE_S, idle_s=0.0)
     try:
         with database.engine.begin() as connection:
             advisory_locks.acquire(connection, AdvisoryLock.SCHEMA)

@@ -9,37 +9,37 @@ or the room for its data `INTERRUPTIONS_MAX` times: by then it may be the run th
 """
 
 import time
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field
 from enum import Enum, auto
 from functools import partial
 from typing import Any
 
 import structlog
-from sqlalchemy import ColumnElement, Row, Select, String, bindparam, func, or_, select, update
+from sqlalchemy import ColumnElement, Row, Select, func, select, update
 from sqlalchemy.orm import Session
 
 from seamark.server import meters, workers
-from seamark.server.accounts.permissions import GUESTS
-from seamark.server.database import counters, data_folder
-from seamark.server.database.advisory_locks import AdvisoryLock, acquire
-from seamark.server.database.engine import after_commit
+from seamark.server.database import data_folder
+from seamark.server.database.advisory_locks import AdvisoryLock, try_acquire
+from seamark.server.database.engine import Database, after_commit
 from seamark.server.database.queue_tables import Turn
 from seamark.server.database.tables import IS_QUEUED, IS_RUNNING, Run
 from seamark.server.result_code import result_code
-from seamark.server.runs import connected, totals, turns
+from seamark.server.runs import connected, guest_share, next_in_turn, totals, turns
 from seamark.server.runs.columns import RunSpec
 from seamark.server.runs.failure_reasons import FailureReason, describe
+from seamark.server.runs.guest_share import GUEST_SHARE
+from seamark.server.runs.next_in_turn import TurnTaken
 from seamark.server.runs.states import RunState, move
-from seamark.server.runs.turns import Priority
+from seamark.server.runs.turns import Priority, TurnKept
 from seamark.server.settings import Settings
 
 _log = structlog.get_logger()
 # Generous: whatever kills a worker most likely has nothing to do with the runs that it has.
 INTERRUPTIONS_MAX = 10
 _DISCONNECTED = "The service lost the connection to the program. Connect it again."
-GUEST_SHARE = 4  # runs of accounts that start before one of a guest, while both wait
-PASSED_OVER = "guests_passed_over"  # how many of these have started
+TURN_S = 3.0  # that a claim waits for an owner who is first in turn
 
 
 class Claim(RunSpec):
@@ -90,28 +90,13 @@ def _situation() -> Select[bool, str | None, int | None, float, bool]:
         workers.drained(),
         data_folder.CURRENT_CODE,
         workers.slots(),
-        counters.stored(PASSED_OVER),
+        guest_share.stored(),
         guests_wait.exists(),
     )
 
 
-def _first() -> Select[int]:
-    """Select the run whose turn it is among the owners of one priority."""
-    known = bindparam("languages", expanding=True, type_=String)
-    suitable = or_(Run.language.is_(None), Run.language.in_(known))
-    run = select(func.min(Run.id)).where(Run.owner == Turn.owner, IS_QUEUED, suitable)
-    run_id = run.correlate(Turn).scalar_subquery()
-    return (
-        select(run_id)
-        .where(turns.IS_WAITING, Turn.priority == bindparam("priority"))
-        .where(Turn.running < bindparam("limit"), run_id.is_not(None))
-        .order_by(Turn.running, Turn.served_at, Turn.next_run)
-        .limit(1)
-    )
-
-
 # What is asked at each claim, built once: building it takes longer than the database with it.
-_SITUATION, _FIRST = _situation(), _first()
+_SITUATION = _situation()
 _CLAIMED = (
     Run.queued_at,
     *(getattr(Run, name) for name in Claim.model_fields if hasattr(Run, name)),
@@ -119,7 +104,7 @@ _CLAIMED = (
 
 
 def claim(
-    session: Session, worker: str, *, languages: Collection[str], settings: Settings
+    database: Database, worker: str, *, languages: Collection[str], settings: Settings
 ) -> Claim | None:
     """Claim the queued run whose turn it is and that this worker can evaluate; None without one.
 
@@ -133,31 +118,62 @@ def claim(
     A drained worker gets none, nor does one that would compute something else than the version
     to which the database was upgraded last.
 
+    Claims at the same time have the order of some claims one after the other, unless a transaction
+    keeps the row of an owner for longer than `TURN_S`: then the others do not wait for it.
+
     Parameters
     ----------
     languages
         Of the uploads that this worker can run; empty: built-in programs only.
     """
-    acquire(session, AdvisoryLock.CLAIM)
+    until, awaited = time.monotonic() + TURN_S, ""
+    while True:
+        left_s = until - time.monotonic()
+        try:
+            with database.writing() as session:
+                if awaited:
+                    turns.wait_for(session, awaited, within_s=left_s)
+                return try_claim(
+                    session, worker, languages=languages, settings=settings, patient=left_s > 0
+                )
+        except TurnTaken as taken:
+            awaited = taken.owner
+        except TurnKept:
+            until, awaited = 0.0, ""
+
+
+def try_claim(
+    session: Session,
+    worker: str,
+    *,
+    languages: Collection[str],
+    settings: Settings,
+    patient: bool = False,
+) -> Claim | None:
+    """Claim a run as `claim` does, in a transaction that the caller has begun.
+
+    Parameters
+    ----------
+    patient
+        Raise TurnTaken rather than pass over an owner who is in turn.
+    """
     bound = workers.bound(worker)
     drained, code, places, stored, guests = session.connection().execute(_SITUATION, bound).one()
     if drained or code not in (None, result_code()):
         return None
     passed_over, limit = int(stored or 0), _running_limit(places or 0, settings)
-    found = _next_in_turn(session, languages, limit, guests_first=passed_over >= GUEST_SHARE)
+    guests_first = passed_over >= GUEST_SHARE and try_acquire(session, AdvisoryLock.GUEST_TURN)
+    found = next_in_turn.find(session, languages, limit, guests_first=guests_first, patient=patient)
     if found is None:
         return None
     run_id, priority = found
     run = _start(session, run_id, worker, settings)
-    if run is None:
-        return None  # cancelled, on PostgreSQL, between the two statements
+    if run is None:  # only where the run was not locked, on SQLite, and there nobody else writes
+        return None
     if run.attempt == 1:  # a repeated run has kept its time of submission
         waiting = meters.RUN_WAITING.labels(priority.lane)
         after_commit(session, partial(waiting.observe, max(time.time() - run.queued_at, 0.0)))
-    counts = guests and not run.owner.startswith(GUESTS)
-    now_passed = min(passed_over + 1, GUEST_SHARE) if counts else 0
-    if now_passed != passed_over:
-        counters.store(session, PASSED_OVER, now_passed)
+    guest_share.count(session, run.owner, run_id, before=passed_over, guests_wait=guests)
     return _claim_of(run, run_id, settings)
 
 
@@ -242,14 +258,17 @@ def busy_processes(session: Session) -> list[str]:
 
 def recover(session: Session, abandoned: Mapping[int, float], settings: Settings) -> Recovery:
     """Requeue the runs whose leases are abandoned; the caller then sends the missing tickets."""
-    acquire(session, AdvisoryLock.CLAIM)
     found = _locked(session, Run.id.in_(sorted(abandoned)))
     unrenewed = [run for run in found if run.lease_until == abandoned[run.id]]
-    recovery = _release_lost(session, unrenewed, settings)
+    return _release_lost(session, unrenewed, settings)
+
+
+def tidy(session: Session) -> None:
+    """Forget owners and workers who have gone, and count the runs that have ended."""
     turns.forget_idle(session)
-    totals.count_ended(session)
+    if try_acquire(session, AdvisoryLock.TOTALS):
+        totals.count_ended(session)
     workers.forget_dead(session)
-    return recovery
 
 
 def recover_from(session: Session, worker: str, settings: Settings) -> Recovery:
@@ -260,17 +279,19 @@ def recover_from(session: Session, worker: str, settings: Settings) -> Recovery:
     worker
         As the process named itself when it claimed them.
     """
-    acquire(session, AdvisoryLock.CLAIM)
     return _release_lost(session, _locked(session, IS_RUNNING & (Run.worker == worker)), settings)
 
 
-def _locked(session: Session, which: ColumnElement[bool]) -> Sequence[Run]:
-    """Return runs, locked before any of them is moved; without those that another process ends.
+def _locked(session: Session, which: ColumnElement[bool]) -> list[Run]:
+    """Return runs, locked with the rows of their owners before any of them is moved.
 
-    That process may wait for the turn of its owner, which could be locked for another of the runs.
+    Without those that another process ends, or whose owner's row is kept by a process that may have
+    vanished: a later recovery finds them.
     """
     query = select(Run).where(which).order_by(Run.id).with_for_update(skip_locked=True)
-    return session.scalars(query).all()
+    runs = session.scalars(query).all()
+    free = turns.lock_free(session, {run.owner for run in runs}) if runs else ()
+    return [run for run in runs if run.owner in free]
 
 
 def _release_lost(session: Session, runs: Iterable[Run], settings: Settings) -> Recovery:
@@ -328,25 +349,3 @@ def _requeue_or_fail(
     after_commit(session, meters.ATTEMPTS_LOST.labels(why, new).inc)
     _log.warning("run_released", run=run.id, attempt=run.attempt, why=why, state=new, **counts)
     return new
-
-
-def _next_in_turn(
-    session: Session, languages: Collection[str], limit: int, *, guests_first: bool
-) -> tuple[int, Priority] | None:
-    order = list(Priority)
-    if guests_first:
-        order.sort(key=lambda priority: priority is not Priority.GUEST)
-    for priority in order:
-        if priority is Priority.BASELINE and _baseline_runs(session):
-            continue
-        bound = {"priority": int(priority), "limit": limit, "languages": sorted(languages)}
-        run_id: int | None = session.connection().scalar(_FIRST, bound)
-        if run_id is not None:
-            return run_id, priority
-    return None
-
-
-def _baseline_runs(session: Session) -> bool:
-    """Return whether a baseline is running: one at a time, however many there are."""
-    running = select(Turn.owner).where(turns.IS_SERVED, Turn.priority == int(Priority.BASELINE))
-    return session.scalar(running.limit(1)) is not None

@@ -13,10 +13,9 @@ from itertools import islice
 from sqlalchemy import func, select
 from sqlalchemy.orm import Session
 
-from seamark.server.database import counters
 from seamark.server.database.queue_tables import Turn
 from seamark.server.database.tables import IS_QUEUED, Run
-from seamark.server.runs import queue, turns
+from seamark.server.runs import guest_share, turns
 from seamark.server.runs.turns import Priority
 
 
@@ -32,9 +31,9 @@ def _owners(session: Session, limit: int) -> Iterator[str]:
     accounts, guests, *others = (
         deque(islice(_of_priority(session, priority, limit), limit)) for priority in Priority
     )
-    passed_over = int(counters.value(session, queue.PASSED_OVER))
+    passed_over = guest_share.passed_over(session)
     while accounts:
-        if guests and passed_over >= queue.GUEST_SHARE:
+        if guests and passed_over >= guest_share.GUEST_SHARE:
             yield guests.popleft()
             passed_over = 0
         yield accounts.popleft()

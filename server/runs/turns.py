@@ -5,10 +5,24 @@ anew from the owner's live runs, which are few, so that no mistake lasts.
 """
 
 import time
+from collections.abc import Collection
 from dataclasses import dataclass
 from enum import IntEnum
 
-from sqlalchemy import Float, String, Update, bindparam, delete, func, literal, select, update
+from sqlalchemy import (
+    ColumnElement,
+    Float,
+    String,
+    Update,
+    bindparam,
+    delete,
+    func,
+    literal,
+    select,
+    text,
+    update,
+)
+from sqlalchemy.exc import OperationalError
 from sqlalchemy.orm import Session
 
 from seamark.server.accounts.permissions import GUESTS, REJUDGEMENTS
@@ -18,10 +32,25 @@ from seamark.server.database.upsert import upsert
 from seamark.server.runs import connected
 
 _NONE = literal(0, literal_execute=True)  # in the statement itself, as in the partial indexes
-IS_WAITING = Turn.queued > _NONE
 IS_SERVED = Turn.running > _NONE
 _KEPT_S = 86_400.0  # after the last start of a run: for so long an owner has had a turn
 _USERS = "user:"
+FREE_S = 1.0  # that a recovery waits for the row of an owner
+_FREE_POLL_S = 0.02
+_LOCK_NOT_AVAILABLE = "55P03"  # of PostgreSQL
+_LOCK_TIMEOUT = text("SELECT set_config('lock_timeout', :limit, true)")
+
+
+class TurnKept(Exception):
+    """A transaction keeps the row of an owner: its machine may have vanished."""
+
+
+def is_waiting(turn: type[Turn] = Turn) -> ColumnElement[bool]:
+    """Return whether an owner has queued runs, for one of several rows in a query."""
+    return turn.queued > _NONE
+
+
+IS_WAITING = is_waiting()
 
 
 class Priority(IntEnum):
@@ -113,7 +142,44 @@ def rebuild(session: Session) -> None:
 def forget_idle(session: Session) -> None:
     """Delete the owners without live runs who had no turn for a day."""
     idle = (Turn.queued == _NONE, Turn.running == _NONE, Turn.served_at < time.time() - _KEPT_S)
-    session.execute(delete(Turn).where(*idle))
+    free = select(Turn.owner).where(*idle).with_for_update(skip_locked=True)
+    session.execute(
+        delete(Turn).where(Turn.owner.in_(free)), execution_options={"synchronize_session": False}
+    )
+
+
+def wait_for(session: Session, owner: str, *, within_s: float) -> None:
+    """Lock the row of an owner, waiting in a line with others.
+
+    Raises
+    ------
+    TurnKept
+        Another transaction has kept it all the time.
+    """
+    shortest_ms = max(round(within_s * 1000), 1)  # 0 would be for ever
+    session.execute(_LOCK_TIMEOUT, {"limit": str(shortest_ms)})
+    try:
+        session.execute(_LOCKING, {"this": owner})
+    except OperationalError as error:
+        if getattr(error.orig, "sqlstate", None) == _LOCK_NOT_AVAILABLE:
+            raise TurnKept(owner) from None
+        raise
+
+
+def lock_free(session: Session, owners: Collection[str], *, within_s: float = FREE_S) -> set[str]:
+    """Lock the rows of owners, and return the owners whose runs the caller may change now.
+
+    Those whose rows another transaction keeps for longer are left out: its machine may have
+    vanished.
+    """
+    rows = select(Turn.owner).where(Turn.owner.in_(sorted(owners))).order_by(Turn.owner)
+    until = time.monotonic() + within_s
+    while True:
+        free = set(session.scalars(rows.with_for_update(skip_locked=True)))
+        taken = set(session.scalars(rows)) - free
+        if not taken or time.monotonic() > until:
+            return set(owners) - taken
+        time.sleep(_FREE_POLL_S)
 
 
 def _lock(session: Session, owner: str) -> None:

@@ -13,11 +13,10 @@ from sqlalchemy import and_, case, func, or_, select
 from sqlalchemy.orm import Session
 
 from seamark.server import workers
-from seamark.server.database import counters
 from seamark.server.database.queue_tables import Turn
 from seamark.server.database.tables import IS_QUEUED, IS_RUNNING, Run
 from seamark.server.programs import parameters
-from seamark.server.runs import connected, forecast, paces, queue, turns
+from seamark.server.runs import connected, forecast, guest_share, paces, queue, turns
 from seamark.server.runs.forecast import Job, Places
 from seamark.server.runs.states import RunState
 from seamark.server.runs.turns import Priority
@@ -90,11 +89,11 @@ def _ahead(session: Session, mine: Turn, own: _Work) -> _Work:
         Priority(number): _Work(runs, wall_s) for number, runs, wall_s in session.execute(others)
     }
     accounts, guests = (waiting.get(p, _NOTHING) for p in (Priority.ACCOUNT, Priority.GUEST))
-    passed_over = int(counters.value(session, queue.PASSED_OVER))
+    passed_over = guest_share.passed_over(session)
     if mine.priority == Priority.ACCOUNT:
-        return ahead + guests.first((ahead.runs + passed_over) // queue.GUEST_SHARE)
+        return ahead + guests.first((ahead.runs + passed_over) // guest_share.GUEST_SHARE)
     if mine.priority == Priority.GUEST:
-        return ahead + accounts.first(queue.GUEST_SHARE * (ahead.runs + 1) - passed_over)
+        return ahead + accounts.first(guest_share.GUEST_SHARE * (ahead.runs + 1) - passed_over)
     return ahead + accounts + guests
 
 
@@ -155,9 +154,9 @@ def _jobs(session: Session, mine: Turn, ahead: _Work, own: _Work) -> list[Job]:
 
 def _in_shares(session: Session, *, accounts: Sequence[Job], guests: Sequence[Job]) -> list[Job]:
     """Return the runs of accounts with those of guests between them."""
-    passed_over, order, left = counters.value(session, queue.PASSED_OVER), list[Job](), [*guests]
+    passed_over, order, left = guest_share.passed_over(session), list[Job](), [*guests]
     for job in accounts:
-        if left and passed_over >= queue.GUEST_SHARE:
+        if left and passed_over >= guest_share.GUEST_SHARE:
             order.append(left.pop(0))
             passed_over = 0
         order.append(job)

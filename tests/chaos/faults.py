@@ -12,9 +12,12 @@ from contextlib import suppress
 
 from numpy.random import Generator
 from sqlalchemy import update
+from sqlalchemy.orm import Session
 
+from seamark.server.database.engine import IDLE_S, Database
 from seamark.server.database.tables import Run, Worker
 from seamark.server.messaging import broker
+from seamark.server.runs import queue
 from seamark.server.runs.states import LIVE, RunState
 from tests.chaos.installation import CHECK_LOOP, MAINTENANCE, WORKERS, Installation
 from tests.services.faulty_s3 import Behaviour
@@ -103,6 +106,17 @@ def pause_worker(service: Installation, chance: Generator) -> None:
     _signal(processes, signal.SIGCONT)
 
 
+def vanish_in_claim(service: Installation, chance: Generator) -> None:
+    """A machine claims a run and is not heard of again: no commit, and no end of its connection."""
+    machine = Database(service.settings.database_url)
+    name, settings = "gone/0", service.settings
+    with Session(machine.engine) as session:
+        if queue.try_claim(session, name, languages=("python",), settings=settings) is not None:
+            time.sleep(IDLE_S + chance.uniform(0.0, 2.0))
+        session.invalidate()
+    machine.close()
+
+
 def restart_database(service: Installation, chance: Generator) -> None:
     """PostgreSQL is stopped, cleanly or not, is away for a while, and is started again."""
     service.database.stop((signal.SIGINT, signal.SIGQUIT)[chance.integers(2)])
@@ -158,6 +172,7 @@ FAULTS: Mapping[str, Fault] = {
     "broker flushed": flush_broker,
     "tickets confused": confuse_tickets,
     "worker paused past its lease": pause_worker,
+    "machine vanishes in a claim": vanish_in_claim,
     "database restarted": restart_database,
     "storage away": take_storage_away,
     "disk full": fill_disk,

@@ -46,10 +46,11 @@ def reason_unavailable() -> str:
 class Server:
     """A server in a folder of its own; it can be stopped and started again on the same data."""
 
-    def __init__(self, folder: str) -> None:
+    def __init__(self, folder: str, *, durable: bool = False) -> None:
         programs = binaries()
         assert programs is not None
         self.folder = folder  # of its socket
+        self._durable = durable  # a commit waits for the disk
         self._programs = programs
         self._process: subprocess.Popen[bytes] | None = None
         where = ["-D", f"{folder}/data", "-A", "trust", "-U", "postgres", "--no-sync"]
@@ -63,7 +64,8 @@ class Server:
 
     def start(self) -> None:
         """Start the server and wait until it answers."""
-        options = ["-k", self.folder, "-c", "listen_addresses=", "-c", "fsync=off"]
+        options = ["-k", self.folder, "-c", "listen_addresses="]
+        options += ["-c", f"fsync={'on' if self._durable else 'off'}"]
         postgres = [str(self._programs / "postgres"), "-D", f"{self.folder}/data", *options]
         with Path(self.folder, "log").open("ab") as log:
             self._process = subprocess.Popen(
@@ -80,10 +82,10 @@ class Server:
 
 
 @contextmanager
-def server() -> Iterator[Server]:
-    """Yield a new server whose superuser is `postgres`."""
+def server(*, durable: bool = False) -> Iterator[Server]:
+    """Yield a new server whose superuser is `postgres`; a durable one has `fsync` on."""
     with tempfile.TemporaryDirectory(prefix="pg") as folder:
-        made = Server(folder)
+        made = Server(folder, durable=durable)
         made.start()
         try:
             yield made

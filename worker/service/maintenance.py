@@ -108,6 +108,8 @@ class Recoverer:
         with self._database.writing() as session:
             recovery = run_queue.recover(session, abandoned, self._settings)
         announce(self._app, self._redis, recovery)
+        with self._database.writing() as session:  # whatever it waits for, the runs do not
+            run_queue.tidy(session)
 
     def recover_checks(self) -> None:
         """Return checks to the queue, and forget old ones."""

@@ -79,10 +79,9 @@ class RunLoop:
 
     def claim(self) -> Claim | None:
         """Claim the next run; None without one for this worker."""
-        with self._database.writing() as session:
-            return run_queue.claim(
-                session, self._name, languages=self._host.languages, settings=self._settings
-            )
+        return run_queue.claim(
+            self._database, self._name, languages=self._host.languages, settings=self._settings
+        )
 
     def _pass_on(self) -> None:
         """Leave the ticket of a drained worker to another one, if there is any that claims runs."""

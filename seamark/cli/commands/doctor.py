@@ -18,6 +18,7 @@ from seamark.cli.options import data_option, json_option, settings_of
 
 if TYPE_CHECKING:
     from seamark.sandbox.isolation.level import IsolationLevel
+    from seamark.server.database.engine import Database
     from seamark.server.settings import Settings
 
 DISK_LOW_GIB = 2.0
@@ -121,6 +122,8 @@ def _database(settings: Settings) -> Iterable[Check]:
     try:
         schema.check(database.engine)
         yield Check("database", "ok", shown)
+        if database.engine.dialect.name == "postgresql":
+            yield _limits(database)
     except schema.SchemaTooOld as old:
         yield Check("database", "warning", str(old), "`seamark db upgrade` or `seamark up`")
     except SQLAlchemyError as error:
@@ -128,6 +131,27 @@ def _database(settings: Settings) -> Iterable[Check]:
         yield Check("database", "bad", f"{shown}: {type(error).__name__}", remedy)
     finally:
         database.close()
+
+
+def _limits(database: Database) -> Check:
+    """Say whether PostgreSQL ends the transactions of machines that vanish."""
+    from seamark.server.database import session_limits
+
+    name = "limits of sessions"
+    with database.engine.connect() as connection:
+        found = session_limits.find(connection)
+    if not found.missing:
+        return Check(name, "ok", "a machine that vanishes does not hold up the others")
+    says = f"not in force: {', '.join(found.missing)}"
+    if found.pooled:
+        says = (
+            f"a pooler stands before PostgreSQL, and its sessions lack {', '.join(found.missing)}"
+        )
+    remedy = (
+        "A machine that vanishes may stop the queue for hours. Set them for the role of the "
+        'service, see "A pooler before PostgreSQL" in docs/hosting.md.'
+    )
+    return Check(name, "warning", says, remedy)
 
 
 def _broker(settings: Settings) -> Iterable[Check]:

@@ -78,7 +78,8 @@ def test_a_transaction_that_is_rolled_back_counts_nothing(site: Site) -> None:
 
     def claim_in_vain() -> None:
         with site.database.writing() as session:
-            assert queue.claim(session, "w/0", languages=(), settings=site.settings) is not None
+            claimed = queue.try_claim(session, "w/0", languages=(), settings=site.settings)
+            assert claimed is not None
             raise ConnectionError
 
     with pytest.raises(ConnectionError):
@@ -89,7 +90,7 @@ def test_a_transaction_that_is_rolled_back_counts_nothing(site: Site) -> None:
 def test_a_lost_worker_is_counted_with_what_became_of_its_run(site: Site) -> None:
     site.queue()
     with site.database.writing() as session:
-        claim = queue.claim(session, "w/0", languages=(), settings=site.settings)
+        claim = queue.try_claim(session, "w/0", languages=(), settings=site.settings)
         assert claim is not None
         queue.release(session, claim, AttemptEnd.WORKER_LOST, settings=site.settings)
 

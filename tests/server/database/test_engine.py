@@ -1,11 +1,14 @@
 import multiprocessing
 import sqlite3
 import threading
+import time
 from pathlib import Path
 
 import pytest
-from sqlalchemy import select
+from sqlalchemy import select, text
+from sqlalchemy.exc import OperationalError
 
+from seamark.server.database import session_limits
 from seamark.server.database.engine import Database
 from seamark.server.database.queue_tables import Turn
 
@@ -81,3 +84,59 @@ def test_a_postgresql_host_that_vanishes_is_noticed_within_a_minute(postgres_url
     quiet_s = chosen["keepalives_idle"] + chosen["keepalives_interval"] * chosen["keepalives_count"]
     assert quiet_s < 60
     assert 1000 < chosen["tcp_user_timeout"] < 60_000
+
+
+def test_a_transaction_that_stands_still_is_ended_and_told_as_a_database_that_is_away(
+    postgres_url: str,
+) -> None:
+    database = Database(postgres_url, idle_s=0.1)
+
+    def stand_still() -> None:
+        with database.writing() as session:
+            session.execute(text("SELECT pg_advisory_xact_lock(1)"))
+            time.sleep(0.5)  # as a process does that is stopped and goes on
+            session.execute(text("SELECT 1"))
+
+    with pytest.raises(OperationalError):
+        stand_still()
+    with database.writing() as session:
+        free = session.scalar(text("SELECT pg_try_advisory_xact_lock(1)"))
+    database.close()
+
+    assert free is True
+
+
+def test_a_statement_does_not_wait_for_ever_for_a_lock(postgres_url: str) -> None:
+    database = Database(postgres_url, busy_s=0.1)
+    lock = text("SELECT pg_advisory_xact_lock(1)")
+
+    with database.writing() as first, database.writing() as second:
+        first.execute(lock)
+        with pytest.raises(OperationalError):
+            second.execute(lock)
+
+    database.close()
+
+
+def test_the_limits_of_a_session_outlast_a_transaction_that_is_rolled_back(
+    postgres_url: str,
+) -> None:
+    database = Database(postgres_url)
+    with pytest.raises(KeyError), database.writing():
+        raise KeyError
+
+    with database.engine.connect() as connection:
+        found = session_limits.find(connection)
+    database.close()
+
+    assert found == session_limits.Findings([], pooled=False)
+
+
+def test_a_session_without_limits_is_found(postgres_url: str) -> None:
+    database = Database(postgres_url, idle_s=0.0)
+
+    with database.engine.connect() as connection:
+        found = session_limits.find(connection)
+    database.close()
+
+    assert found.missing == ["idle_in_transaction_session_timeout"]

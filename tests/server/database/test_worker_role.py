@@ -118,6 +118,7 @@ def test_a_worker_does_all_of_its_work_with_its_own_role(service: Backend, worke
         leases = run_queue.leases(session)
     with worker.database.writing() as session:
         recovery = run_queue.recover(session, leases, worker.settings)
+        run_queue.tidy(session)
         best_runs.complete_metrics(session)
     Sweep(worker.database, worker.settings).step()
     retention.delete(worker.database, worker.settings, [succeeded.run_id])

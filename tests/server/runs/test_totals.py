@@ -14,7 +14,7 @@ from tests.cast import Backend
 
 def _sweep(both: Backend) -> None:
     with both.database.writing() as session:
-        run_queue.recover(session, {}, both.settings)
+        run_queue.tidy(session)
 
 
 def _age(both: Backend, run_id: int, ended_s_ago: float) -> None:

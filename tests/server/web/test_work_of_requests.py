@@ -184,12 +184,13 @@ def test_claims_submissions_and_sweeps_cost_the_same_at_any_depth(work: Work) ->
     database = site.services.database
     heavy = {}
 
-    with work.recorded(), database.writing() as session:
-        run_queue.claim(session, "w", languages=("python",), settings=site.settings)
+    with work.recorded():
+        run_queue.claim(database, "w", languages=("python",), settings=site.settings)
     heavy["claim"] = work.heavy()
     with work.recorded(), database.writing() as session:
         leases = run_queue.leases(session)
         run_queue.recover(session, leases, site.settings)
+        run_queue.tidy(session)
     heavy["sweep"] = work.heavy()
     client = site.client()
     with work.recorded():
