@@ -95,6 +95,7 @@ class WebApplication(AsgiApplication):
     def __init__(self, settings: Settings) -> None:
         app = create_app(settings)
         super().__init__(app, partial(body_limits.body_max, settings), request_log.write)
+        self.proxies = settings.proxies
         self._services: Services = app.extensions["seamark"]
         threading.Thread(target=prepare, name="prepare", daemon=True).start()
         threading.Thread(target=self._share_meters, name="meters", daemon=True).start()

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from gunicorn.app.base import BaseApplication  # type: ignore[import-untyped]
 from gunicorn.glogging import Logger  # type: ignore[import-untyped]
 
-from seamark.embedded.web_worker import CONNECTIONS
+from seamark.embedded.connections import CONNECTIONS
 from seamark.failures import PlatformFailed
 
 if TYPE_CHECKING:

@@ -19,7 +19,13 @@ from dataclasses import dataclass
 from typing import Any, TypeVar
 
 from seamark.server.web import websockets
-from seamark.server.web.received_body import BodyTooSlow, ClientGone, ReceivedBody, receive_body
+from seamark.server.web.received_body import (
+    PATIENCE_S,
+    BodyTooSlow,
+    ClientGone,
+    ReceivedBody,
+    receive_body,
+)
 
 THREADS = 64  # requests that are worked on at the same time; most of them wait for the database
 LARGE_BODIES = 64  # that may be on the disk at the same time; others wait to be received
@@ -83,6 +89,11 @@ Continuation = Callable[[Connection], AsyncGenerator[bytes, None]]
 class AsgiApplication:
     """Runs a WSGI application in threads.
 
+    Attributes
+    ----------
+    patience_s
+        How long a small body may take, and the first byte of a large one.
+
     Parameters
     ----------
     wsgi
@@ -93,6 +104,8 @@ class AsgiApplication:
     on_answer
         Is called when an answer has ended, whether its client received all of it or not.
     """
+
+    patience_s = PATIENCE_S
 
     def __init__(
         self,
@@ -156,7 +169,9 @@ class AsgiApplication:
         length = environ.pop("CONTENT_LENGTH", "")
         declared = int(length) if length.isdecimal() else None
         limit = self._body_max(environ.get("CONTENT_TYPE", ""))
-        return await receive_body(receive, place, declared=declared, limit=limit)
+        return await receive_body(
+            receive, place, declared=declared, limit=limit, patience_s=self.patience_s
+        )
 
     async def _answer(self, call: _Call, scope: Scope, receive: Receive, send: Send) -> None:
         gone = asyncio.ensure_future(_until_gone(receive))

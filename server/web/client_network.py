@@ -1,14 +1,12 @@
 """From where a request comes: guests of one network count as one, since cookies cost nothing."""
 
-import ipaddress
-
 from flask_limiter.util import get_remote_address
 
 from seamark.server.accounts import accounts
+from seamark.server.web.address_prefix import IPV6_HOST_BITS, prefix
 from seamark.server.web.services import services
 
 IPV4_BITS, IPV6_BITS = 24, 48  # of the prefix that a provider gives to one customer at most
-IPV6_HOST_BITS = 64  # of the prefix in which one computer chooses its addresses
 
 
 def network() -> str:
@@ -29,10 +27,6 @@ def shown() -> str:
 def _prefix(bits_4: int, bits_6: int) -> str:
     text = get_remote_address()
     try:
-        parsed = ipaddress.ip_address(text)
+        return prefix(text, bits_4, bits_6)
     except ValueError:  # of a Unix socket
         return text
-    if isinstance(parsed, ipaddress.IPv6Address) and parsed.ipv4_mapped is not None:
-        parsed = parsed.ipv4_mapped
-    bits = bits_4 if parsed.version == 4 else bits_6
-    return str(ipaddress.ip_network(f"{parsed}/{bits}", strict=False))

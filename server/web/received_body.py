@@ -41,7 +41,7 @@ async def receive_body(
     *,
     declared: int | None,
     limit: int,
-    patience_s: float = PATIENCE_S,
+    patience_s: float,
 ) -> ReceivedBody:
     """Return the body; one beyond the limit is not received any further.
 

@@ -11,6 +11,7 @@ import urllib.request
 from collections.abc import Iterator
 from contextlib import ExitStack, closing, contextmanager, suppress
 from dataclasses import dataclass
+from pathlib import Path
 
 from seamark.server.settings import Settings
 from tests.services.ports import free_port
@@ -25,6 +26,7 @@ class WebServer:
 
     port: int
     process: "subprocess.Popen[bytes]"
+    log: Path
 
     @property
     def url(self) -> str:
@@ -45,15 +47,22 @@ class WebServer:
 
 
 @contextmanager
-def serving(settings: Settings, *, processes: int = 1) -> Iterator[WebServer]:
-    """Serve the database of `settings` on a free port."""
-    port = free_port()
+def serving(
+    settings: Settings, *, processes: int = 1, files: int | None = None
+) -> Iterator[WebServer]:
+    """Serve the database of `settings` on a free port, with a limit of open files if wanted."""
+    port, log = free_port(), settings.data / "web.log"
     command = [sys.executable, "-m", "seamark.cli.main", "web", "--port", str(port)]
-    process = subprocess.Popen(
-        [*command, "--processes", str(processes)], env=os.environ | settings.environment()
-    )
+    if files is not None:
+        command = ["sh", "-c", f'ulimit -n {files}; exec "$@"', "sh", *command]
+    with log.open("wb") as written:
+        process = subprocess.Popen(
+            [*command, "--processes", str(processes)],
+            env=os.environ | settings.environment(),
+            stderr=written,
+        )
     try:
-        server = WebServer(port, process)
+        server = WebServer(port, process, log)
         _wait_until_it_answers(server)
         yield server
     finally:

@@ -2,7 +2,7 @@
 
 import threading
 from collections.abc import Iterator
-from contextlib import ExitStack, closing, contextmanager
+from contextlib import ExitStack, closing, contextmanager, suppress
 
 import httpx
 import numpy as np
@@ -21,6 +21,7 @@ from tests.worker.service.test_side_processes import eventually
 SLOW = 150  # of each kind; together more than there ever were threads
 ANSWER_S = 30.0  # generous: a page that waits for slow clients waits for good
 GIB = 2**30
+FILES = 512  # that a server may open
 HEAD = b"POST /api/v1/runs HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\n"
 
 pytestmark = pytest.mark.slow
@@ -38,6 +39,26 @@ def test_slow_clients_and_a_large_body_keep_nobody_waiting(backend: Backend) -> 
 
     assert answer.status == 413
     assert b"/problems/payload-too-large" in body
+
+
+def test_upgrades_that_cannot_be_are_refused_and_use_up_no_file(backend: Backend) -> None:
+    upgrade = b"Host: localhost\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
+    long = b"GET /?%s HTTP/1.1\r\n" % (b"a" * 9000) + upgrade
+    with web.serving(backend.settings, files=FILES) as server:
+        with closing(server.connect()) as refused:
+            refused.sendall(long + b"\r\n")
+            answer, _ = answer_of(refused)
+        for start in (b"", long, long + b"\r\n"):
+            with ExitStack() as stack:
+                for _ in range(2 * FILES):
+                    with suppress(ConnectionError):
+                        stack.enter_context(closing(server.connect())).sendall(start)
+
+                assert server.get("/healthz", timeout=ANSWER_S) == b"ok\n"
+        log = server.log.read_text()
+
+    assert answer.status == 400
+    assert "out of system resource" not in log
 
 
 @contextmanager

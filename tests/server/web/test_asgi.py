@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from seamark.embedded.web_worker import Protocol
+from seamark.embedded.protocols import Protocol
 from seamark.server.web.asgi import CONTINUATION, LARGE_BODIES, THREADS, Connection
 from seamark.server.web.received_body import BodyTooSlow, receive_body
 from tests.services.asgi import BODY_MAX, answer_of, serving

@@ -12,7 +12,12 @@ import pytest
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import ClientConnection, connect
 
-from seamark.embedded.web_worker import FRAGMENTS_MAX, MESSAGE_MAX, Protocol
+from seamark.embedded.protocols import (
+    FRAGMENTS_MAX,
+    MESSAGE_MAX,
+    Protocol,
+    WebSocketProtocol,
+)
 from seamark.server.web import websockets
 from seamark.server.web.problems import Problem
 from seamark.server.web.websockets import CONVERSATION, UPGRADE, WebSocket
@@ -139,7 +144,7 @@ def test_a_download_is_no_websocket_and_is_not_read_for_one() -> None:
 def test_a_client_that_reads_no_answers_to_its_pings_is_not_listened_to() -> None:
     ping = bytes([0x89, 0xFD, 0, 0, 0, 0]) + bytes(125)  # masked with zeros
 
-    with _raw(Echo()) as connection:
+    with _raw(Echo(), Patient) as connection:
         connection.settimeout(2.0)
         with pytest.raises(TimeoutError):
             connection.sendall(ping * 500_000)  # 65 MB; the kernel takes some of it
@@ -155,13 +160,21 @@ def test_a_message_in_pieces_without_end_closes_the_connection() -> None:
             assert connection.recv(1) == b""
 
 
+class Patient(WebSocketProtocol):
+    """A server that minds no number of pings."""
+
+    pings_max = 10**9
+
+
 @contextmanager
-def _raw(echo: Echo) -> Iterator[socket.socket]:
+def _raw(
+    echo: Echo, protocol: type[WebSocketProtocol] = WebSocketProtocol
+) -> Iterator[socket.socket]:
     """Give a connection after its handshake."""
     key = "dGhlIHNhbXBsZSBub25jZQ=="  # of RFC 6455, 1.3
     lines = ("GET / HTTP/1.1", "Host: localhost", "Upgrade: websocket", "Connection: Upgrade")
     more = (f"Sec-WebSocket-Key: {key}", "Sec-WebSocket-Version: 13", "", "")
-    with serving(echo) as connect_raw:
+    with serving(echo, web_socket=protocol) as connect_raw:
         with connect_raw("\r\n".join((*lines, *more)).encode()) as connection:
             head = b""
             while not head.endswith(b"\r\n\r\n"):
