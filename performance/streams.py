@@ -146,7 +146,7 @@ def page_times_ms(port: int, paths: tuple[str, ...], token: str, seconds: float)
 
 
 @asynccontextmanager
-async def _viewers(service: Service, count: int) -> AsyncIterator[Received]:
+async def viewers(service: Service, count: int) -> AsyncIterator[Received]:
     """Follow the run with many viewers."""
     received = Received(count)
     request = service.request(f"/api/v1/runs/{service.run_id}/events")
@@ -252,7 +252,7 @@ async def _measure(service: Service, pool: ProcessPoolExecutor) -> list[tuple[st
     await measurement.add("nothing")
     for count in VIEWERS:
         watched = await asyncio.to_thread(service.with_new_run)  # else it might end meanwhile
-        async with _viewers(watched, count) as received:
+        async with viewers(watched, count) as received:
             await measurement.add(f"{count} viewers", received)
     for part, start in (("heads", HEAD), ("bodies", f"{HEAD}Content-Length: 1000\r\n\r\n")):
         async with _slow(service, SLOW, start):
@@ -267,6 +267,11 @@ def table() -> str:
     """Return the table."""
     with service() as running, ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
         lines = [COLUMNS, *asyncio.run(_measure(running, pool))]
+    return aligned(lines)
+
+
+def aligned(lines: list[tuple[str, ...]]) -> str:
+    """Return lines of cells as columns."""
     widths = [max(len(line[at]) for line in lines) for at in range(len(COLUMNS))]
     return "\n".join(
         "  ".join(cell.ljust(width) for cell, width in zip(line, widths, strict=True)).rstrip()

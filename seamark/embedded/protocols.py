@@ -24,7 +24,6 @@ from uvicorn.config import Config
 from uvicorn.protocols.http.h11_impl import STATUS_PHRASES, H11Protocol
 from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIOProtocol
 from websockets.frames import Frame
-from websockets.http11 import Request
 from websockets.server import ServerProtocol
 
 from seamark.embedded.connections import State
@@ -135,7 +134,7 @@ class Protocol(_SmallReads, H11Protocol):  # type: ignore[misc]
         super().on_response_complete()
 
     def send_400_response(self, msg: str) -> None:
-        """Tell what is wrong with a request that cannot be read, and let the client read it."""
+        """Refuse a request that cannot be read."""
         if not self.idle:
             if self.cycle.response_started:
                 self.transport.abort()
@@ -144,40 +143,34 @@ class Protocol(_SmallReads, H11Protocol):  # type: ignore[misc]
             self.cycle.message_event.set()
             self._state.crowd.wait(self.transport, self._state.address_of(self.client))
         error = sys.exc_info()[1]
-        status = error.error_status_hint if isinstance(error, h11.RemoteProtocolError) else 400
-        title = HTTPStatus(status).phrase.capitalize()
-        document = {"type": "about:blank", "title": title, "status": status, "detail": msg}
-        headers = [(b"content-type", b"application/problem+json"), (b"connection", b"close")]
-        reason = STATUS_PHRASES[status]
-        answer = h11.Response(status_code=status, headers=headers, reason=reason)
-        for event in (answer, h11.Data(data=json.dumps(document).encode()), h11.EndOfMessage()):
-            self.transport.write(self.conn.send(event) or b"")
-        self.transport.write_eof()
-        self._refused = True
-
-    def _should_upgrade(self) -> bool:
-        # What cannot become a WebSocket is answered as any other request, by the same rules.
-        return (
-            super()._should_upgrade()
-            and not self.conn.trailing_data[0]
-            and _is_read_as_handshake(self._head())
+        self._refuse(
+            error.error_status_hint if isinstance(error, h11.RemoteProtocolError) else 400, msg
         )
+
+    def handle_websocket_upgrade(self, event: h11.Request) -> None:
+        """Hand the connection over, if the protocol of WebSockets can read its request."""
+        status = 400 if self.conn.trailing_data[0] else _refusal(event, self.headers)
+        if status is not None:
+            self._refuse(status, "This is no handshake of a WebSocket.")
+            return
+        self._stop_waiting()
+        self._handed_over = True
+        super().handle_websocket_upgrade(event)
 
     def _unsupported_upgrade_warning(self) -> None:
         """Say nothing: clients offer HTTP/2, and may (RFC 9110, 7.8)."""
 
-    def _head(self) -> bytes:
-        """Return the head of the request as uvicorn passes it on."""
-        target = self.scope["raw_path"] + b"?" + self.scope["query_string"]
-        lines = [self.scope["method"].encode() + b" " + target + b" HTTP/1.1"]
-        lines += [name + b": " + value for name, value in self.headers]
-        return b"\r\n".join((*lines, b"", b""))
-
-    def handle_websocket_upgrade(self, event: h11.Request) -> None:
-        """Hand the connection over, whose request has come."""
-        self._stop_waiting()
-        self._handed_over = True
-        super().handle_websocket_upgrade(event)
+    def _refuse(self, status: int, detail: str) -> None:
+        """Tell what is wrong, let the client read it, and read nothing more from it."""
+        self._refused = True
+        title = HTTPStatus(status).phrase.capitalize()
+        document = {"type": "about:blank", "title": title, "status": status, "detail": detail}
+        headers = [(b"content-type", b"application/problem+json"), (b"connection", b"close")]
+        headers += [(b"allow", b"GET")] if status == HTTPStatus.METHOD_NOT_ALLOWED else []
+        answer = h11.Response(status_code=status, headers=headers, reason=STATUS_PHRASES[status])
+        for event in (answer, h11.Data(data=json.dumps(document).encode()), h11.EndOfMessage()):
+            self.transport.write(self.conn.send(event) or b"")
+        self.transport.write_eof()
 
     def shutdown(self) -> None:
         """Finish the request under way; wait a moment for that of a new connection."""
@@ -200,15 +193,20 @@ class Protocol(_SmallReads, H11Protocol):  # type: ignore[misc]
             self._deadline = None
 
 
-def _is_read_as_handshake(head: bytes) -> bool:
-    """Return whether the library of WebSockets can read a request.
+def _refusal(event: h11.Request, headers: list[tuple[bytes, bytes]]) -> int | None:
+    """Return with which status a handshake is refused that the library of WebSockets cannot read.
 
-    It has other limits than HTTP, and says nothing about a request that is beyond them.
+    It has other limits than HTTP, and uvicorn looks only at the requests that it could read.
     """
+    if event.method != b"GET":
+        return HTTPStatus.METHOD_NOT_ALLOWED
     parser = ServerProtocol()
-    parser.receive_data(head)
-    requests = [event for event in parser.events_received() if isinstance(event, Request)]
-    return [request.method for request in requests] == ["GET"]
+    lines = (b"GET " + event.target + b" HTTP/1.1", *(name + b": " + v for name, v in headers))
+    parser.receive_data(b"\r\n".join((*lines, b"", b"")))
+    if parser.events_received():
+        return None
+    answer = b"".join(parser.data_to_send())  # empty, or with a status after HTTP/1.1
+    return int(answer.split()[1]) if answer else HTTPStatus.BAD_REQUEST
 
 
 class WebSocketProtocol(_SmallReads, WebSocketsSansIOProtocol):  # type: ignore[misc]

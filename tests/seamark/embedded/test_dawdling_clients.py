@@ -144,20 +144,22 @@ MISBEHAVIOURS = {
     ),
     "long trailers": Misbehaviour((431,), _post(CHUNKED, body=b"0\r\nX: " + b"x" * 20_000), b"x"),
     "a body that is no chunk": Misbehaviour((400,), _post(CHUNKED, body=b"xyz\r\n"), b"x"),
-    # What cannot become a WebSocket: answered as any request that is none.
+    # What cannot become a WebSocket.
     "an upgrade with a long line": Misbehaviour(
-        (200,), _upgrade(line=f"GET /{'a' * 9000} HTTP/1.1")
+        (414,), _upgrade(line=f"GET /{'a' * 9000} HTTP/1.1"), b"x"
     ),
-    "an upgrade with a long header": Misbehaviour((200,), _upgrade(f"X-Long: {'a' * 9000}")),
+    "an upgrade with a long header": Misbehaviour((431,), _upgrade(f"X-Long: {'a' * 9000}"), b"x"),
     "an upgrade with 130 headers": Misbehaviour(
-        (200,), _upgrade(*(f"X-{i}: a" for i in range(130)))
+        (431,), _upgrade(*(f"X-{i}: a" for i in range(130))), b"x"
     ),
-    "an upgrade with a body": Misbehaviour((200,), _upgrade("Content-Length: 3", body=b"abc")),
-    "an upgrade with half a body": Misbehaviour((408,), _upgrade("Content-Length: 3", body=b"a")),
-    "an upgrade with chunks": Misbehaviour((200,), _upgrade(CHUNKED, body=b"0\r\n\r\n")),
-    "an upgrade by POST": Misbehaviour((200,), _upgrade(line="POST / HTTP/1.1")),
-    "an upgrade with a control character": Misbehaviour((200,), _upgrade("X-Odd: a\x01b")),
-    "an upgrade with a frame": Misbehaviour((200,), UPGRADED + PING, PING),
+    "an upgrade with a body": Misbehaviour((400,), _upgrade("Content-Length: 3", body=b"abc")),
+    "an upgrade without its body": Misbehaviour((400,), _upgrade("Content-Length: 3")),
+    "an upgrade with an endless body": Misbehaviour((400,), _upgrade("Content-Length: 999"), b"x"),
+    "an upgrade with chunks": Misbehaviour((400,), _upgrade(CHUNKED), b"0\r\n\r\n"),
+    "an upgrade by POST": Misbehaviour((405,), _upgrade(line="POST / HTTP/1.1"), b"x"),
+    "an upgrade with a control character": Misbehaviour((400,), _upgrade("X-Odd: a\x01b"), b"x"),
+    "an upgrade with a frame": Misbehaviour((400,), UPGRADED + PING, PING),
+    "an upgrade after a request": Misbehaviour((200, 405), GET + _upgrade(line="PUT / HTTP/1.1")),
     "an upgrade to HTTP/2": Misbehaviour(
         (200,), _head("GET / HTTP/1.1", HOST, "Connection: Upgrade", "Upgrade: h2c")
     ),

@@ -57,7 +57,7 @@ def test_upgrades_that_cannot_be_are_refused_and_use_up_no_file(backend: Backend
                 assert server.get("/healthz", timeout=ANSWER_S) == b"ok\n"
         log = server.log.read_text()
 
-    assert answer.status == 400
+    assert answer.status == 414
     assert "out of system resource" not in log
 
 
