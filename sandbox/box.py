@@ -28,7 +28,7 @@ from seamark.sandbox.protocol.messages import MessageInvalid
 from seamark.sandbox.protocol.session import ProtocolSession
 from seamark.sandbox.runtime import Runtime
 
-MAX_NAME_LENGTH = 100  # of a file name as the program sees it
+MAX_NAME_LENGTH = 100  # of a file name in messages
 
 Answer = TypeVar("Answer")
 
@@ -119,12 +119,16 @@ class Box:
         ----------
         source
             The text, or what `compilation.compiled` made of it.
+        filename
+            What its owner calls it: in the outcome's texts, unknown to the program itself, which
+            has the same name in all boxes.
         layout
             `role` is one of the language's roles, a controller if it is missing. The layout of a
             controller has the `observation` that `step` is given; the other roles get images.
         """
         self.wait_ready()
-        self._session.begin()
+        shown = "".join(c for c in PurePosixPath(filename).name if c.isprintable())
+        self._session.begin(self._language.file_name, shown[:MAX_NAME_LENGTH])
         if len(source) > self._max_program_kib << 10:
             sentence = (
                 f"The program has {len(source)} bytes; the limit is {self._max_program_kib} KiB."
@@ -134,7 +138,7 @@ class Box:
             self._session.end(Failure(Verdict.COMPILE_ERROR, refusal))
         fields = cast(Sequence[tuple[str, int]], layout.get("observation", ()))
         self._float_count = sum(count or 1 for _, count in fields)
-        header = json.dumps(self._header(filename, config, layout)).encode()
+        header = json.dumps(self._header(config, layout)).encode()
         self._session.ask(messages.BEGIN, wire.SIZES.pack(len(header), len(source)))
         data = header + source
         for start in range(0, len(data), messages.CHUNK_BYTES):
@@ -142,12 +146,11 @@ class Box:
         self._session.answer(messages.READY, self.limits.start_limit, self._language.calls.start)
 
     def _header(
-        self, filename: str, config: Mapping[str, object], layout: Mapping[str, object]
+        self, config: Mapping[str, object], layout: Mapping[str, object]
     ) -> dict[str, object]:
-        printable = "".join(c for c in PurePosixPath(filename).name if c.isprintable())
         header: dict[str, object] = {
             "protocol": wire.VERSION,
-            "filename": printable[:MAX_NAME_LENGTH] or "program",
+            "filename": self._language.file_name,
             "config": dict(config),
             "layout": dict(layout),
         }

@@ -44,6 +44,14 @@ class Language:
     debian_packages: tuple[str, ...] = ()  # beside what Seamark installs itself
 
     @property
+    def file_name(self) -> str:
+        """What its programs are called in every box: the user's own name could tell them something.
+
+        A name is no part of what is submitted, so the same submission could behave differently.
+        """
+        return f"program{self.suffixes[0]}"
+
+    @property
     def is_text(self) -> bool:
         """Whether its files are texts that people write."""
         return not self.is_archive and self.binary_refusal is None

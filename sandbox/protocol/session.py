@@ -47,11 +47,19 @@ class ProtocolSession:
         self._unread = HeadTail(limits.output_kib << 10)  # since the last `take_output`
         self._sequence = 0
         self._loaded = False
+        self._name = self._shown_name = ""
         self._waited_s = self._cpu_before_s = self._cpu_seen_s = 0.0
 
-    def begin(self) -> None:
-        """The program arrives: time and failures are its own from now on."""
+    def begin(self, name: str = "", shown_name: str = "") -> None:
+        """The program arrives: time and failures are its own from now on.
+
+        Parameters
+        ----------
+        name, shown_name
+            What the box calls its file, and what its owner does: texts for the owner say that.
+        """
         self._loaded = True
+        self._name, self._shown_name = name, shown_name or name
         self._cpu_before_s = self._cpu_seen_s = self._tree.cpu_s()
         self._waited_s = 0.0
 
@@ -315,8 +323,8 @@ class ProtocolSession:
     def _outcome(self, failure: Failure, *, suspect_host: bool = False) -> Outcome:
         return Outcome(
             verdict=failure.verdict,
-            sentence=failure.sentence,
-            traceback=failure.traceback,
+            sentence=self._for_owner(failure.sentence),
+            traceback=self._for_owner(failure.traceback),
             cpu_s=max(self._tree.cpu_s() - self._cpu_before_s, 0.0),
             wall_s=self._waited_s,
             memory_mib=self._tree.memory_mib(),
@@ -324,6 +332,10 @@ class ProtocolSession:
             output_dropped=self._printed.dropped,
             suspect_host=suspect_host,
         )
+
+    def _for_owner(self, text: str) -> str:
+        named = text.replace(self._name, self._shown_name) if self._name else text
+        return named[:MAX_MESSAGE_BYTES]
 
 
 def _prolonged_s(left_s: float, starvation: Starvation, waited_s: float) -> float:

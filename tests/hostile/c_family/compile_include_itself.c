@@ -1,4 +1,4 @@
-#include "compile_include_itself.c"
+#include "program.c"
 #include "seamark.h"
 
 int seamark_step(const seamark_observation *observation, seamark_command *command) {
