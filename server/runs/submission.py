@@ -119,7 +119,8 @@ def validate(submission: Submission, settings: Settings) -> ValidSubmission:
         submission.viewer, kind=submission.kind, uploads=submission.program is not None
     )
     if submission.kind is RunKind.RANKED:
-        config = ranked_scenario.apply(benchmark, submission.config, config)
+        chosen = submission.controller
+        config = ranked_scenario.apply(benchmark, submission.config, config, controller=chosen)
         trials = _ranked_trials(submission, benchmark, settings)
     else:
         trials = _practice_trials(submission, settings)
@@ -208,10 +209,14 @@ def rerun(session: Session, run_id: int, viewer: Viewer, settings: Settings) -> 
         raise SubmissionRejected(
             "The program of this run was connected by rosbridge: connect it again."
         )
+    config = old.config
+    if old.kind == RunKind.RANKED:
+        benchmark = find_benchmark(old.benchmark)
+        config = ranked_scenario.with_effect(benchmark, config, controller=old.controller)
     submission = Submission(
         viewer=viewer,
         benchmark=old.benchmark,
-        config=old.config,
+        config=config,
         kind=RunKind(old.kind),
         controller=old.controller,
         program=program_of(old, settings),

@@ -91,19 +91,29 @@ export class Settings {
     }
   }
 
-  // Hides settings that have no effect with the other choices, unless they have an error.
+  // Hides settings that have no effect with the other choices, unless they have an error. A ranked
+  // run refuses them: they are not sent.
   showApplicable() {
-    for (const field of this.form.querySelectorAll("[data-applies]")) {
-      const applies = Object.entries(JSON.parse(field.dataset.applies))
-        .every(([name, values]) => values.includes(valueOf(this.form.elements[name])));
+    const chosen = (name) => name === "tracker" && this.hasOwnTracker ? "" : valueOf(this.form.elements[name]);
+    for (const field of this.form.querySelectorAll("[data-applies], [data-field=tracker]")) {
+      const conditions = Object.entries(JSON.parse(field.dataset.applies ?? "{}"));
+      const applies = conditions.every(([name, values]) => values.includes(chosen(name)))
+        && !(field.dataset.field === "tracker" && this.hasOwnTracker);
       field.hidden = !applies && !field.querySelector(".error");
-      field.querySelector("[data-only]").hidden = applies;
+      const condition = field.querySelector("[data-only]");
+      if (condition) condition.hidden = applies;
+      for (const input of field.querySelectorAll("input, select")) input.disabled = this.ranked && !applies;
     }
     for (const section of this.form.querySelectorAll("details.advanced, details.group")) {
       const count = section.querySelectorAll("[data-field]:not([hidden])").length;
       section.hidden = count === 0 || this.isUnused(section);
       if (section.classList.contains("advanced")) section.querySelector("[data-count]").textContent = count;
     }
+  }
+
+  // An own tracker takes the place of the built-in one, with all options of that one.
+  get hasOwnTracker() {
+    return this.form.dataset.role === "tracker" && valueOf(this.form.elements.controller) === "upload";
   }
 
   get ranked() {
